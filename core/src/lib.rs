@@ -1,0 +1,44 @@
+//! # roughxel-core
+//!
+//! The per-fragment datapath of antialiased bump and environment mapping (Schilling 1997, Fournier 1992) in integer
+//! arithmetic, fit for an FPGA or ASIC description: no float, no division, no allocation, no panic.
+//!
+//! Read it from the outside in:
+//!
+//! 1. [`ports`]: what enters and leaves, in `fixed` types, with every bit pattern's meaning.
+//! 2. [`datapath`]: the stages in order, and which of them a [`plan`] leaves out.
+//! 3. [`stage`]: one file per hardware block; [`signals`] are the bundles between them.
+//! 4. [`block`] and [`elementary`]: the compound steps, each with its claimed range and error bound.
+//! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 19 operations that
+//!    several readings implement; [`scalar`] is the meaning.
+//!
+//! [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky
+//! bits of degenerate inputs.
+//!
+//! ```
+//! use fixed::types::I2F30;
+//! use roughxel_core::{plan::ReflectionPlan, ports::{BlockVector, ReflectionIn}, precision::Precision};
+//!
+//! let up = BlockVector { mantissa: [I2F30::ZERO, I2F30::ZERO, I2F30::from_bits(1 << 29)], exponent: 1 };
+//! let fragment = ReflectionIn { normal: up, view: up, edge_texels: 256, ..Default::default() };
+//! let out = fragment.reflect(&ReflectionPlan::FULL, &Precision::STANDARD);
+//! assert_eq!(out.face, 4); // straight back, towards +z
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod block;
+pub mod datapath;
+pub mod elementary;
+pub mod fx;
+pub mod plan;
+pub mod ports;
+pub mod precision;
+pub mod rom;
+pub mod scalar;
+#[cfg(feature = "setup")]
+pub mod setup;
+pub mod signals;
+pub mod stage;
+pub mod status;
+pub mod word;

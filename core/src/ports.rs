@@ -1,0 +1,227 @@
+//! Ports of the datapath: everything that enters or leaves it, in `fixed` types.
+//!
+//! This is the only file of the datapath that names `fixed`. Every bit pattern of every input port has one
+//! documented result. A direction or a derivative is a [`BlockVector`]: three mantissas and one exponent, so that
+//! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
+//! bits are rounded away on entry.
+
+use fixed::types::{I2F30, I4F28, I16F16, U0F32};
+
+use crate::block::Block;
+use crate::datapath::{self, PortBlock, Reflection, ReflectionInput, TextureFootprint};
+use crate::fx::Fx;
+use crate::plan::ReflectionPlan;
+use crate::precision::Precision;
+use crate::signals::MapScale;
+use crate::stage::probes::face_scale;
+use crate::stage::texture::TextureScale;
+
+/// Three components with one shared exponent; component `i` is `mantissa[i] · 2^exponent`.
+///
+/// Units: those of the quantity. Range: any. Outputs have their largest component in [½, 1] by size; all-zero
+/// outputs have exponent 0, and an exponent beyond 16 bits is saturated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BlockVector {
+    /// Components, I2F30.
+    pub mantissa: [I2F30; 3],
+    /// Power of two of the block.
+    pub exponent: i16,
+}
+
+/// Two components with one shared exponent, the planar companion of [`BlockVector`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BlockPair {
+    /// Components, I2F30.
+    pub mantissa: [I2F30; 2],
+    /// Power of two of the block.
+    pub exponent: i16,
+}
+
+/// One number with an exponent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BlockNumber {
+    /// Mantissa, I2F30.
+    pub mantissa: I2F30,
+    /// Power of two.
+    pub exponent: i16,
+}
+
+/// Inputs of the reflection datapath for one fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReflectionIn {
+    /// Surface normal n, any length.
+    pub normal: BlockVector,
+    /// Vector v from the surface to the eye, any length.
+    pub view: BlockVector,
+    /// Frame vectors: the main direction h in slot 0 (system 3), or p_u and p_v (systems 1 and 2).
+    pub tangents: [BlockVector; 2],
+    /// Bump offsets b₁, b₂, relative to |n|; `fraction_bits` − 2 fraction bits are kept.
+    pub offset: [I4F28; 2],
+    /// Roughness d₁, d₂, d₃ (K = D Dᵀ, D = [[d₁, d₂], [0, d₃]]), relative to |n|; isotropic I₁ in slot 0.
+    pub roughness: [I4F28; 3],
+    /// ∂v/∂x and ∂v/∂y, per pixel.
+    pub dview: [BlockVector; 2],
+    /// ∂n/∂x and ∂n/∂y, per pixel, in the units of `normal`.
+    pub dnormal: [BlockVector; 2],
+    /// Edge of a face of the environment at level 0, in texels, 1…16384 (0 reads as 1, more as 16384).
+    pub edge_texels: u16,
+}
+
+/// Outputs of every stage of the reflection datapath for one fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReflectionOut {
+    /// E₁ and E₂, scaled by |n|.
+    pub frame: [BlockVector; 2],
+    /// n_mod.
+    pub normal_mod: BlockVector,
+    /// r = 2 n_mod⟨v·n_mod⟩ − v|n_mod|².
+    pub reflected: BlockVector,
+    /// Face 0…5: +x, −x, +y, −y, +z, −z.
+    pub face: u8,
+    /// s and t in [−1, 1].
+    pub st: [I2F30; 2],
+    /// d(s, t) for ∂x, ∂y, d₁E₁, d₂E₁ + d₃E₂.
+    pub columns: [BlockPair; 4],
+    /// a, b, c of the covariance K on the face plane.
+    pub covariance: BlockVector,
+    /// det K.
+    pub determinant: BlockNumber,
+    /// λ₁, standard deviation along the major axis.
+    pub major: BlockNumber,
+    /// λ₂.
+    pub minor: BlockNumber,
+    /// Unit direction of λ₁ in (s, t).
+    pub direction: [I2F30; 2],
+    /// Number of probes, 1…16.
+    pub probes: u8,
+    /// Step from one probe to the next, in s and t.
+    pub step: [I4F28; 2],
+    /// Level of detail, 0 … log₂ of the edge.
+    pub lod: I16F16,
+    /// Sticky bits, see [`crate::status::StatusBit`].
+    pub status: u32,
+}
+
+/// Inputs of the texture footprint for one fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TextureIn {
+    /// Texture coordinates in repeats of the map, modulo 1 (repeat addressing).
+    pub uv: [U0F32; 2],
+    /// ∂(u, v)/∂x and ∂(u, v)/∂y, repeats per pixel.
+    pub duv: [BlockPair; 2],
+}
+
+/// Constants of a map of `size` texels for [`TextureFootprint`]; edges are read as 1…16384.
+///
+/// Set-up, once per map: the only division of the crate outside tests and tables, and not on the datapath.
+pub fn texture_scale(size: [u16; 2]) -> (TextureScale<i32>, MapScale<i32>) {
+    let [width, height] = size.map(|edge| i32::from(edge.clamp(1, 16384)));
+    let longer = width.max(height) as u32;
+    let log2_unit = (longer.next_power_of_two().ilog2()).saturating_sub(1) as i32;
+    let repeats = |edge: i32| {
+        let edge = core::num::NonZeroU32::new(edge as u32).unwrap_or(core::num::NonZeroU32::MIN);
+        Fx::from_raw(((1_u32 << (16 + log2_unit)) / edge) as i32)
+    };
+    let texture = TextureScale {
+        size: [Fx::from_raw(width), Fx::from_raw(height)],
+        log2_unit: Fx::from_raw(log2_unit),
+        repeats_per_unit: [repeats(width), repeats(height)],
+    };
+    let map = MapScale { log2_texels: Fx::from_raw(log2_unit << 16), last_level: Fx::from_raw(longer.ilog2() as i32) };
+    (texture, map)
+}
+
+/// The scale of an environment whose faces have `edge` texels, read as 1…16384.
+pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<i32> {
+    face_scale(Fx::from_raw(i32::from(edge.clamp(1, 16384))), p)
+}
+
+fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<i32, N> {
+    PortBlock { mantissa: mantissa.map(|m| Fx::from_raw(m.to_bits())), exponent: Fx::from_raw(i32::from(exponent)) }
+}
+
+impl BlockVector {
+    fn wires(&self) -> PortBlock<i32, 3> {
+        wires(self.mantissa, self.exponent)
+    }
+}
+
+impl ReflectionIn {
+    /// The ports as scalar wires.
+    pub fn wires(&self, map: MapScale<i32>) -> ReflectionInput<i32> {
+        ReflectionInput {
+            normal: self.normal.wires(),
+            view: self.view.wires(),
+            tangents: self.tangents.map(|t| t.wires()),
+            offset: self.offset.map(|b| Fx::from_raw(b.to_bits())),
+            roughness: self.roughness.map(|d| Fx::from_raw(d.to_bits())),
+            dview: self.dview.map(|d| d.wires()),
+            dnormal: self.dnormal.map(|d| d.wires()),
+            map,
+        }
+    }
+
+    /// Runs the scalar datapath.
+    pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
+        let map = environment_scale(self.edge_texels, p);
+        ReflectionOut::from(&datapath::reflection(&self.wires(map), plan, p))
+    }
+}
+
+impl TextureIn {
+    /// Runs the scalar texture footprint.
+    pub fn footprint(&self, scale: &(TextureScale<i32>, MapScale<i32>), p: &Precision) -> TextureFootprint<i32> {
+        let derivatives = self.duv.map(|pair| wires(pair.mantissa, pair.exponent));
+        datapath::texture_footprint(&derivatives, &scale.0, &scale.1, p)
+    }
+}
+
+fn port_exponent<const N: usize>(block: &Block<i32, N>) -> i16 {
+    let exponent = block.e.raw().clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
+    if block.is_zero() { 0 } else { exponent }
+}
+
+fn port_mantissa<const N: usize>(m: [Fx<i32, 30>; N]) -> [I2F30; N] {
+    m.map(|m| I2F30::from_bits(m.raw()))
+}
+
+impl From<&Block<i32, 3>> for BlockVector {
+    fn from(block: &Block<i32, 3>) -> Self {
+        Self { mantissa: port_mantissa(block.m), exponent: port_exponent(block) }
+    }
+}
+
+impl From<&Block<i32, 2>> for BlockPair {
+    fn from(block: &Block<i32, 2>) -> Self {
+        Self { mantissa: port_mantissa(block.m), exponent: port_exponent(block) }
+    }
+}
+
+impl From<&Block<i32, 1>> for BlockNumber {
+    fn from(block: &Block<i32, 1>) -> Self {
+        Self { mantissa: I2F30::from_bits(block.m[0].raw()), exponent: port_exponent(block) }
+    }
+}
+
+impl From<&Reflection<i32>> for ReflectionOut {
+    fn from(stages: &Reflection<i32>) -> Self {
+        let frame = [&stages.frame.e1, &stages.frame.e2];
+        Self {
+            frame: frame.map(|e| BlockVector::from(&e.scaled(stages.normal.e))),
+            normal_mod: BlockVector::from(&stages.normal_mod),
+            reflected: BlockVector::from(&stages.reflected.r),
+            face: stages.point.select.index().raw() as u8,
+            st: port_mantissa(stages.point.st),
+            columns: stages.columns.map(|q| BlockPair::from(&q)),
+            covariance: BlockVector::from(&stages.ellipse.k),
+            determinant: BlockNumber::from(&stages.ellipse.det),
+            major: BlockNumber::from(&stages.axes.major),
+            minor: BlockNumber::from(&stages.axes.minor),
+            direction: port_mantissa(stages.axes.direction),
+            probes: stages.probes.count.raw() as u8,
+            step: stages.probes.step.map(|step| I4F28::from_bits(step.raw())),
+            lod: I16F16::from_bits(stages.probes.lod.raw()),
+            status: stages.status.word().raw() as u32,
+        }
+    }
+}

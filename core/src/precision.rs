@@ -1,0 +1,172 @@
+//! Precision as data: every accuracy knob of the datapath in one plain value.
+//!
+//! A narrower profile is the same datapath with low bits rounded away. Multiplier operands are mantissas of
+//! `fraction_bits + 2` bits (sign, one integer bit, fraction), so `fraction_bits = 16` fits 18×18 multipliers.
+
+/// How the direction of the major axis is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisDirection {
+    /// Half-angle formula with the branch that does not cancel, and one inverse root.
+    Exact,
+    /// Table of sines and cosines, `steps` equal steps over 90° (W97 after (20); erratum 18). Even, 2…64.
+    Table {
+        /// Steps over 90°; worst error 45°/steps.
+        steps: u32,
+    },
+}
+
+/// How many probes cover an ellipse of aspect λ₁/λ₂.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProbeRule {
+    /// The next power of two.
+    PowerOfTwo,
+    /// The next integer.
+    Ceiling,
+}
+
+/// Weights of the probes along the major axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProbeWeights {
+    /// Equal weights.
+    Box,
+    /// Samples of the normal distribution whose standard deviation is λ₁.
+    Gaussian,
+}
+
+/// What the roughness pyramid stores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RoughnessKind {
+    /// Nothing: lost detail is lost.
+    None,
+    /// I₁, the standard deviation along the widest direction (S97 §8).
+    Isotropic,
+    /// D = [[d₁, d₂], [0, d₃]] with K = D Dᵀ (S97 §8).
+    Anisotropic,
+}
+
+/// Seed size and iterations of a Newton approximation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Newton {
+    /// Index bits of the seed table, 6…10.
+    pub seed_bits: u32,
+    /// Iterations, 0…2; each doubles the number of good bits.
+    pub steps: u32,
+}
+
+/// The accuracy knobs. Build one from a named profile or with [`Precision::checked`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Precision {
+    /// Kept fraction bits p of every multiplier operand, 12…28.
+    pub fraction_bits: u32,
+    /// Reciprocal.
+    pub reciprocal: Newton,
+    /// Inverse square root.
+    pub inverse_root: Newton,
+    /// Direction of the major axis.
+    pub direction: AxisDirection,
+    /// Most probes along the major axis, 1…16.
+    pub max_probes: u32,
+    /// Probe count from the aspect.
+    pub probe_rule: ProbeRule,
+    /// Probe weights.
+    pub probe_weights: ProbeWeights,
+    /// Fraction bits of the level of detail, 2…12.
+    pub lod_bits: u32,
+    /// Fraction bits of a bilinear weight, 2…10.
+    pub weight_bits: u32,
+    /// What roughness is stored.
+    pub roughness: RoughnessKind,
+    /// Bits of a stored roughness number, 4…16.
+    pub roughness_bits: u32,
+}
+
+/// Names of the profiles, narrowest first.
+pub const PROFILE_NAMES: [&str; 4] = ["paper", "compact", "standard", "precise"];
+
+impl Precision {
+    /// As W97 and S97 describe: ten-step angle table, power-of-two probes, 8-bit roughness.
+    pub const PAPER: Self = Self {
+        fraction_bits: 16,
+        reciprocal: Newton { seed_bits: 8, steps: 1 },
+        inverse_root: Newton { seed_bits: 8, steps: 1 },
+        direction: AxisDirection::Table { steps: 10 },
+        max_probes: 16,
+        probe_rule: ProbeRule::PowerOfTwo,
+        probe_weights: ProbeWeights::Box,
+        lod_bits: 4,
+        weight_bits: 6,
+        roughness: RoughnessKind::Anisotropic,
+        roughness_bits: 8,
+    };
+
+    /// Fits 18×18 multipliers.
+    pub const COMPACT: Self = Self {
+        direction: AxisDirection::Exact,
+        probe_rule: ProbeRule::Ceiling,
+        lod_bits: 6,
+        weight_bits: 8,
+        ..Self::PAPER
+    };
+
+    /// The default.
+    pub const STANDARD: Self = Self {
+        fraction_bits: 20,
+        reciprocal: Newton { seed_bits: 10, steps: 1 },
+        inverse_root: Newton { seed_bits: 10, steps: 1 },
+        lod_bits: 8,
+        roughness_bits: 12,
+        ..Self::COMPACT
+    };
+
+    /// Errors below what a picture or a 16-bit texel can show.
+    pub const PRECISE: Self = Self {
+        fraction_bits: 26,
+        reciprocal: Newton { seed_bits: 8, steps: 2 },
+        inverse_root: Newton { seed_bits: 8, steps: 2 },
+        lod_bits: 12,
+        weight_bits: 10,
+        roughness_bits: 16,
+        ..Self::STANDARD
+    };
+
+    /// The profile of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        match name {
+            "paper" => Some(Self::PAPER),
+            "compact" => Some(Self::COMPACT),
+            "standard" => Some(Self::STANDARD),
+            "precise" => Some(Self::PRECISE),
+            _ => None,
+        }
+    }
+
+    /// The value itself if every knob is in its range, else the name of the first that is not.
+    pub fn checked(self) -> Result<Self, &'static str> {
+        let newton = |n: Newton| (6..=10).contains(&n.seed_bits) && n.steps <= 2;
+        let rules = [
+            ("fraction_bits", (12..=28).contains(&self.fraction_bits)),
+            ("reciprocal", newton(self.reciprocal)),
+            ("inverse_root", newton(self.inverse_root)),
+            (
+                "direction",
+                match self.direction {
+                    AxisDirection::Exact => true,
+                    AxisDirection::Table { steps } => (2..=64).contains(&steps) && steps % 2 == 0,
+                },
+            ),
+            ("max_probes", (1..=16).contains(&self.max_probes)),
+            ("lod_bits", (2..=12).contains(&self.lod_bits)),
+            ("weight_bits", (2..=10).contains(&self.weight_bits)),
+            ("roughness_bits", (4..=16).contains(&self.roughness_bits)),
+        ];
+        match rules.into_iter().find(|(_, holds)| !holds) {
+            Some((name, _)) => Err(name),
+            None => Ok(self),
+        }
+    }
+
+    /// Fraction bits of an offset or a roughness: two fewer than a mantissa, for they reach ±8.
+    pub const fn offset_bits(&self) -> u32 {
+        self.fraction_bits - 2
+    }
+}

@@ -1,0 +1,237 @@
+//! Tables of the datapath, computed at compile time in integers. They are part of the specification.
+//!
+//! Every entry is the exact value rounded to nearest in the stated format; the series below run in 2^−60 units
+//! and are good to better than 2^−50.
+
+/// One in the fixed point of the generators.
+const ONE: i128 = 1 << 60;
+/// π · 2^60.
+const PI: i128 = 3_622_009_729_038_561_421;
+/// ln 2 · 2^60.
+const LN2: i128 = 799_144_290_325_165_979;
+
+const fn mul(a: i128, b: i128) -> i128 {
+    (a * b) >> 60
+}
+
+/// Rounds a 2^−60 number to `bits` fraction bits.
+const fn round(x: i128, bits: u32) -> i32 {
+    ((x + (1 << (59 - bits))) >> (60 - bits)) as i32
+}
+
+/// Integer square root, rounded down.
+const fn isqrt(n: i128) -> i128 {
+    let mut root = 0_i128;
+    let mut bit = 1_i128 << 62;
+    while bit > 0 {
+        let trial = root | bit;
+        if trial * trial <= n {
+            root = trial;
+        }
+        bit >>= 1;
+    }
+    root
+}
+
+/// (sin x, cos x) for 0 ≤ x ≤ π/2 by their series.
+const fn sin_cos(x: i128) -> (i128, i128) {
+    let (mut sin, mut cos, mut term) = (0, 0, ONE);
+    let mut k = 0;
+    while k < 28 {
+        match k % 4 {
+            0 => cos += term,
+            1 => sin += term,
+            2 => cos -= term,
+            _ => sin -= term,
+        }
+        k += 1;
+        term = mul(term, x) / k;
+    }
+    (sin, cos)
+}
+
+/// e^x for −8 ≤ x ≤ 1 by its series.
+const fn exp(x: i128) -> i128 {
+    let (mut sum, mut term) = (0, ONE);
+    let mut k = 0;
+    while k < 60 {
+        sum += term;
+        k += 1;
+        term = mul(term, x) / k;
+    }
+    sum
+}
+
+/// ln x for 1 ≤ x ≤ 2: 2·artanh((x − 1)/(x + 1)).
+const fn ln(x: i128) -> i128 {
+    let y = ((x - ONE) << 60) / (x + ONE);
+    let square = mul(y, y);
+    let (mut sum, mut power) = (0, y);
+    let mut k = 1;
+    while k < 50 {
+        sum += power / k;
+        power = mul(power, square);
+        k += 2;
+    }
+    2 * sum
+}
+
+/// Reciprocal seeds: entry i is 1/(2x) for the middle x of the i-th of `N` equal intervals of [½, 1), I2F30 with
+/// log₂N + 2 kept fraction bits.
+const fn reciprocal_seeds<const N: usize>() -> [i32; N] {
+    let bits = N.trailing_zeros();
+    let mut table = [0; N];
+    let mut i = 0;
+    while i < N {
+        let middle = (ONE >> 1) + (2 * i as i128 + 1) * ONE / (4 * N as i128);
+        let half_reciprocal = ((ONE >> 1) << 60) / middle;
+        table[i] = round(half_reciprocal, bits + 2) << (28 - bits);
+        i += 1;
+    }
+    table
+}
+
+/// Inverse root seeds: entry i is 1/(2√x) for the middle x of the i-th of the intervals of width 1/`N` from ¼ on,
+/// I2F30 with log₂N + 2 kept fraction bits. The last quarter of the table is never addressed.
+const fn inverse_root_seeds<const N: usize>() -> [i32; N] {
+    let bits = N.trailing_zeros();
+    let mut table = [1 << 29; N];
+    let mut i = 0;
+    while i < N * 3 / 4 {
+        let middle = (ONE >> 2) + (2 * i as i128 + 1) * ONE / (2 * N as i128);
+        let half_inverse = ((ONE >> 1) << 60) / isqrt(middle << 60);
+        table[i] = round(half_inverse, bits + 2) << (28 - bits);
+        i += 1;
+    }
+    table
+}
+
+macro_rules! seeds {
+    ($name:ident, $generator:ident, $doc:literal) => {
+        #[doc = $doc]
+        pub fn $name(bits: u32) -> &'static [i32] {
+            static T6: [i32; 64] = $generator();
+            static T7: [i32; 128] = $generator();
+            static T8: [i32; 256] = $generator();
+            static T9: [i32; 512] = $generator();
+            static T10: [i32; 1024] = $generator();
+            match bits {
+                0..=6 => &T6,
+                7 => &T7,
+                8 => &T8,
+                9 => &T9,
+                _ => &T10,
+            }
+        }
+    };
+}
+
+seeds!(reciprocal, reciprocal_seeds, "Seeds of 1/(2x), x in [½, 1); 2^bits entries, bits 6…10.");
+seeds!(inverse_root, inverse_root_seeds, "Seeds of 1/(2√x), x in [¼, 1); 2^bits entries, bits 6…10.");
+
+/// Index bits of the logarithm and exponential tables. Linear interpolation between 2^8 knots errs by at most
+/// h²/8 · max|f″| = 2^−18.4 (log₂) and 2^−20 (exp₂), below every LOD bar.
+pub const LOG_BITS: u32 = 8;
+
+/// log₂(1 + i/256), i = 0…256, 24 fraction bits.
+pub static LOG2: [i32; 257] = {
+    let mut table = [0; 257];
+    let mut i = 0;
+    while i < 257 {
+        let x = ONE + (ONE >> LOG_BITS) * i as i128;
+        table[i] = round((ln(x) << 60) / LN2, 24);
+        i += 1;
+    }
+    table
+};
+
+/// 2^(i/256)/2, i = 0…256, I2F30.
+pub static EXP2: [i32; 257] = {
+    let mut table = [0; 257];
+    let mut i = 0;
+    while i < 257 {
+        table[i] = round(exp(mul(LN2, (ONE >> LOG_BITS) * i as i128)) >> 1, 30);
+        i += 1;
+    }
+    table
+};
+
+/// sin and cos of `numerator/denominator` · 90°, I2F30.
+pub const fn sin_cos_of_right_angle(numerator: u32, denominator: u32) -> (i32, i32) {
+    let (sin, cos) = sin_cos(PI / 2 * numerator as i128 / denominator as i128);
+    (round(sin, 30), round(cos, 30))
+}
+
+/// The most probes of any profile.
+pub const MAX_PROBES: usize = 16;
+
+/// 2√3/N · 2^28 for N probes at index N: the step along the major axis in units of λ₁. Entry 0 repeats entry 1.
+pub static STEP_PER_SIGMA: [i32; MAX_PROBES + 1] = {
+    let two_root_three = isqrt((12 * ONE) << 60);
+    let mut table = [round(two_root_three, 28); MAX_PROBES + 1];
+    let mut n = 2;
+    while n <= MAX_PROBES {
+        table[n] = round(two_root_three / n as i128, 28);
+        n += 1;
+    }
+    table
+};
+
+/// 1/√12 · 2^30: the standard deviation of a box of width one (errata 4 and 5).
+pub const BOX_SIGMA: i32 = round(isqrt((ONE / 12) << 60), 30);
+
+/// log₂(2√3) · 2^16: the minor diameter in units of λ₂.
+pub const LOG2_DIAMETER: i32 = round(((ln(3 * ONE / 2) + LN2) << 60) / LN2 / 2 + ONE, 16);
+
+/// log₂N · 2^16 at index N.
+pub static LOG2_OF_COUNT: [i32; MAX_PROBES + 1] = {
+    let mut table = [0; MAX_PROBES + 1];
+    let mut n = 1;
+    while n <= MAX_PROBES {
+        let shift = n.ilog2();
+        let mantissa = (ONE * n as i128) >> shift;
+        table[n] = round((ln(mantissa) << 60) / LN2 + ONE * shift as i128, 16);
+        n += 1;
+    }
+    table
+};
+
+/// Probe weights in 2^−16 units at index 16·(N − 1) + i: those of one N sum to exactly 2^16, so a constant map
+/// stays constant.
+pub type ProbeWeightTable = [i32; MAX_PROBES * MAX_PROBES];
+
+const fn probe_weights(gaussian: bool) -> ProbeWeightTable {
+    let mut table = [0; MAX_PROBES * MAX_PROBES];
+    let mut n = 1;
+    while n <= MAX_PROBES {
+        let mut raw = [ONE; MAX_PROBES];
+        let mut sum = 0;
+        let mut i = 0;
+        while i < n {
+            if gaussian {
+                // Probe i lies (2i − N + 1)·√3/N standard deviations from the centre.
+                let offset = 2 * i as i128 - n as i128 + 1;
+                raw[i] = exp(-3 * offset * offset * ONE / (2 * (n * n) as i128));
+            }
+            sum += raw[i];
+            i += 1;
+        }
+        // Rounding the running sum, not each weight, makes the total exact.
+        let (mut running, mut given) = (0, 0);
+        i = 0;
+        while i < n {
+            running += raw[i];
+            let upto = ((running << 16) + sum / 2) / sum;
+            table[MAX_PROBES * (n - 1) + i] = (upto - given) as i32;
+            given = upto;
+            i += 1;
+        }
+        n += 1;
+    }
+    table
+}
+
+/// Equal weights.
+pub static BOX_WEIGHTS: ProbeWeightTable = probe_weights(false);
+/// Samples of the normal distribution.
+pub static GAUSSIAN_WEIGHTS: ProbeWeightTable = probe_weights(true);

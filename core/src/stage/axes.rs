@@ -1,0 +1,102 @@
+//! Axes: standard deviations λ₁ ≥ λ₂ and the unit direction of λ₁.
+//!
+//! λ₁² = ½(a + c + √((c − a)² + 4b²)) (W97 (16)); λ₂² = det/λ₁² (erratum 12). The direction belongs to λ₁ for
+//! r₁ = (cos α, −sin α) where c − a < 0 (erratum 2), tan 2α = 2b/(c − a), |α| ≤ 45° (W97 (18)–(20)): exactly by
+//! (h + |a − c|, 2b), the branch that does not cancel, or by a table of a few angles (erratum 18).
+//! Sign: the larger component is positive. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
+
+use crate::block::{Block, MANTISSA, Mantissa, dot, normalise, places_below};
+use crate::elementary::{inverse_root, root_and_inverse};
+use crate::fx::{Fx, Wide};
+use crate::precision::{AxisDirection, Precision};
+use crate::rom;
+use crate::signals::{Axes, Ellipse};
+use crate::word::Word;
+
+/// Main axes of an ellipse. K = 0 gives λ₁ = λ₂ = 0 and direction (1, 0).
+#[inline(always)]
+pub fn axes<W: Word>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
+    let keep = p.fraction_bits;
+    let [a, b, c] = ellipse.k.m;
+    // (a − c, 2b) is the doubled-angle vector; h its length.
+    let difference: Wide<W, 60> = a.widen() - c.widen();
+    let double = normalise([difference, b.widen::<60>().shl(1)], Fx::zero(), keep);
+    let square = Block::of(dot(&double.m, &double.m), double.e + double.e, keep);
+    let (h, _) = root_and_inverse(square, p);
+
+    // λ₁² with 58 fraction bits: (a + c)/2 ≤ 1, h/2 ≤ 1; h = m·2^e with e ≤ 2 (h ≤ a + c ≤ 2).
+    let mean: Wide<W, 58> = (a.widen() + c.widen()).floor_shr(1);
+    let half_h: Wide<W, 58> =
+        h.m[0].widen::<60>().reread().floor_shr_by(places_below(h.e, Fx::lit(2), 62)).floor_shr(1);
+    let lambda_square = Block::of(mean + half_h, ellipse.k.e, keep);
+    let (major, inverse) = root_and_inverse(lambda_square, p);
+    let (root_det, _) = root_and_inverse(ellipse.det, p);
+    let minor = Block::of(root_det.m[0].mul::<MANTISSA, 60>(inverse.m[0]), root_det.e + inverse.e, keep);
+    let swapped = less(&major, &minor);
+    Axes { major, minor: Block::select(swapped, major, minor), direction: direction(&double, &h, p) }
+}
+
+/// `a < b` of two numbers ≥ 0.
+#[inline(always)]
+fn less<W: Word>(a: &Block<W, 1>, b: &Block<W, 1>) -> W::Flag {
+    let top = a.e.max(b.e);
+    let at_top = |x: &Block<W, 1>| -> Wide<W, 60> { x.m[0].widen().floor_shr_by(places_below(x.e, top, 63)) };
+    at_top(a).lt(at_top(b))
+}
+
+#[inline(always)]
+fn direction<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> [Mantissa<W>; 2] {
+    let [x, y] = double.m;
+    let (larger, smaller) = match p.direction {
+        AxisDirection::Exact => half_angle(double, h, p),
+        AxisDirection::Table { steps } => nearest_angle(x.abs(), y.abs(), steps, p),
+    };
+    // `larger` goes with the larger of a, c; the sign of b puts the smaller one on its side.
+    let smaller = smaller.negate_if(y.lt(Fx::zero()));
+    let a_larger = x.ge(Fx::zero());
+    let circle = double.is_zero();
+    let one = Fx::lit(1 << MANTISSA);
+    [
+        Fx::select(circle, one, Fx::select(a_larger, larger, smaller)),
+        Fx::select(circle, Fx::zero(), Fx::select(a_larger, smaller, larger)),
+    ]
+}
+
+/// (cos |α|, sin |α|) ∝ (h + |a − c|, |2b|).
+#[inline(always)]
+fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
+    let [x, y] = double.m.map(Fx::abs);
+    // h over the scale of `double` is in [½, √2]: 58 fraction bits hold h + |x| < 4.
+    let places = places_below(h.e - double.e, Fx::lit(2), 62);
+    let h: Wide<W, 58> = h.m[0].widen::<60>().reread().floor_shr_by(places);
+    let w = normalise([h + x.widen(), y.widen()], Fx::zero(), p.fraction_bits);
+    let inverse = inverse_root(Block::of(dot(&w.m, &w.m), Fx::zero(), p.fraction_bits), p);
+    // |w| is in [½, √2], so its inverse has exponent 0 or 1 (2 where |w| is ½ exactly).
+    let places = places_below(inverse.e, Fx::lit(2), 62);
+    let [cos, sin] = w.m.map(|m| -> Mantissa<W> {
+        let product: Wide<W, 60> = m.mul::<MANTISSA, 60>(inverse.m[0]);
+        let unit: Mantissa<W> = product.reread::<58>().floor_shr_by(places).round_to(p.fraction_bits);
+        unit.min(Fx::lit(1 << MANTISSA))
+    });
+    (cos, sin)
+}
+
+/// (cos, sin) of the entry nearest to |α|, 0 ≤ |α| ≤ 45°, from tan 2|α| = y/x: as many steps as there are
+/// boundaries below it.
+#[inline(always)]
+fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
+    let entry = |numerator: u32, denominator: u32| {
+        let (sin, cos) = rom::sin_cos_of_right_angle(numerator, denominator);
+        [cos, sin].map(|value| -> Mantissa<W> { Fx::lit(i64::from(value)).keep(p.fraction_bits) })
+    };
+    let [mut cos, mut sin] = entry(0, steps);
+    for step in 1..=steps / 2 {
+        // The boundary between entries step − 1 and step is at 2α = (2·step − 1)·90°/steps.
+        let [boundary_cos, boundary_sin] = entry(2 * step - 1, steps);
+        let past = boundary_sin.mul::<MANTISSA, 60>(x).lt(boundary_cos.mul(y));
+        let [next_cos, next_sin] = entry(step, steps);
+        cos = Fx::select(past, next_cos, cos);
+        sin = Fx::select(past, next_sin, sin);
+    }
+    (cos, sin)
+}

@@ -1,0 +1,57 @@
+//! Footprint columns: how the point on the face moves with the pixel, and with the surface normal.
+//!
+//! dr = [2nnᵀ − |n|²I]dv + 2[⟨n·v⟩I + nvᵀ − vnᵀ]dn (W97 (8), (9) with n = n_mod, erratum 10), in the order
+//! 2n(n·dv + v·dn) − |n|²dv + 2⟨n·v⟩dn − 2v(n·dn): aperture and curvature meet before anything is rounded away.
+//! q = (ds_c − s·dm, dt_c − t·dm)/m (W97 (6)). Error: 2^−(p−5) relative to the size of the terms; a footprint in
+//! which they cancel (the parabolic mirror seen from its focus) keeps that absolute error.
+
+use crate::block::{Block, MANTISSA, Mantissa, align, dot, normalise};
+use crate::fx::{Fx, Wide};
+use crate::precision::Precision;
+use crate::signals::{CubePoint, Reflected};
+use crate::word::Word;
+
+/// What all columns of a fragment share.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror<'a, W: Word> {
+    /// n_mod.
+    pub normal: &'a Block<W, 3>,
+    /// v.
+    pub view: &'a Block<W, 3>,
+    /// Reflected vector and scalars.
+    pub reflected: &'a Reflected<W>,
+    /// Point of the cube.
+    pub point: &'a CubePoint<W>,
+}
+
+/// The column of one pair (dv, dn): d(s, t) on the face plane per unit of the pair.
+#[inline(always)]
+pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3>, p: &Precision) -> Block<W, 2> {
+    let keep = p.fraction_bits;
+    let Mirror { normal, view, reflected, point } = mirror;
+    let ([u, w], e_pair) = align([dv.scaled(normal.e), dn.scaled(view.e)], keep);
+
+    // ⟨v·n⟩ and |n|² come back to the scale of the exact products; all four with 58 fraction bits, below 2^61.
+    let products = [dot(&normal.m, &u) + dot(&view.m, &w), dot(&normal.m, &w)].map(|x| x.floor_shr(2).reread());
+    let up = (reflected.scalars.e + Fx::lit(2)).saturate(Fx::lit(0), Fx::lit(4));
+    let scalars =
+        reflected.scalars.m.map(|m| -> Wide<W, 58> { m.widen::<60>().reread::<58>().floor_shr_by(Fx::lit(4) - up) });
+    let four = normalise([products[0], products[1], scalars[0], scalars[1]], Fx::zero(), keep);
+    let [n_dv_v_dn, n_dn, n_v, n_n] = four.m;
+
+    let dr = core::array::from_fn(|i| {
+        // At most 7·2^60 with its doubling: inside 63 bits.
+        let half: Wide<W, 60> = normal.m[i].mul(n_dv_v_dn) - view.m[i].mul(n_dn) + w[i].mul(n_v);
+        half.shl(1) - u[i].mul(n_n)
+    });
+    let dr = normalise(dr, e_pair + four.e, keep);
+
+    let [ds, dt, dm] = point.select.to_face(dr.m);
+    let across = |d: Mantissa<W>, coordinate: Mantissa<W>| -> Wide<W, 60> { d.widen() - coordinate.mul(dm) };
+    let numerator = normalise([across(ds, point.st[0]), across(dt, point.st[1])], dr.e, keep);
+    let q = numerator.m.map(|m| -> Wide<W, 60> { m.mul::<MANTISSA, 60>(point.half_reciprocal) });
+    // Both dr and r carry the exponents of n and v; what is left of them here is the pair's own.
+    let e = numerator.e + Fx::lit(1) + normal.e - reflected.r.e;
+    // Without a reflected direction there is no footprint.
+    Block::select(reflected.r.is_zero(), Block::zero(), normalise(q, e, keep))
+}

@@ -1,0 +1,52 @@
+//! Cube face: the largest component of r selects the face, the other two over it are (s, t) (W97 (6)).
+//!
+//! Face order and (s_c, t_c) are Vulkan's table. Ties: z wins over y, y over x; ±0 is positive; the zero vector
+//! gives face +z with s = t = 0. Error of s, t: 2^−p from the quotient, beside that of r.
+
+use crate::block::{Block, MANTISSA, Mantissa, normalise};
+use crate::elementary::half_reciprocal;
+use crate::fx::Fx;
+use crate::precision::Precision;
+use crate::signals::{CubePoint, FacePosition, FaceSelect, POSITION};
+use crate::word::Word;
+
+/// Selects the face and divides.
+#[inline(always)]
+pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
+    let [x, y, z] = r.m.map(Fx::abs);
+    let is_z = z.ge(x) & z.ge(y);
+    let is_y = !is_z & y.ge(x);
+    let second = Fx::select(is_z, x.max(y), Fx::select(is_y, x.max(z), y.max(z)));
+    let major = Fx::select(is_z, r.m[2], Fx::select(is_y, r.m[1], r.m[0]));
+    let select = FaceSelect { is_z, is_y, negative: major.lt(Fx::zero()) };
+    let [s_c, t_c, m] = select.to_face(r.m);
+    let half_reciprocal = half_reciprocal(m, p);
+    let one = Fx::lit(1 << MANTISSA);
+    let divide = |numerator: Mantissa<W>| -> Mantissa<W> {
+        // numerator/m = 2·numerator·(1/2m): one binary place less in the product.
+        let quotient: Fx<W, MANTISSA> =
+            numerator.mul::<MANTISSA, 60>(half_reciprocal).reread::<59>().round_to(p.fraction_bits);
+        quotient.saturate(-one, one)
+    };
+    CubePoint { select, st: [divide(s_c), divide(t_c)], half_reciprocal, tie: second.ge(m) }
+}
+
+/// The point `offset` away from `point` on the plane of its face: there, or, beyond the edge, on the face which
+/// the ray to it meets (a footprint is a piece of that plane; errors as for [`cube_face`]).
+#[inline(always)]
+pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &[Fx<W, POSITION>; 2], p: &Precision) -> FacePosition<W> {
+    // |s + offset| ≤ 1 + 3.5: inside I4F28.
+    let moved: [Fx<W, POSITION>; 2] = core::array::from_fn(|i| {
+        let centre: Fx<W, POSITION> = point.st[i].floor_shr(2).reread();
+        centre + offset[i]
+    });
+    let one: Fx<W, POSITION> = Fx::lit(1 << POSITION);
+    let inside = moved.iter().fold(!one.lt(moved[0].abs()), |inside, x| inside & !one.lt(x.abs()));
+    let direction = point.select.from_face([moved[0], moved[1], one]);
+    let across = cube_face(&normalise(direction.map(Fx::widen::<58>), Fx::zero(), p.fraction_bits), p);
+    let across_st: [Fx<W, POSITION>; 2] = across.st.map(|s| s.floor_shr(2).reread());
+    FacePosition {
+        face: Fx::select(inside, point.select.index(), across.select.index()),
+        st: core::array::from_fn(|i| Fx::select(inside, moved[i], across_st[i])),
+    }
+}

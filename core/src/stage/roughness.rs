@@ -1,0 +1,43 @@
+//! Roughness decode: the stored D (or I₁) as two tangents, the images of the unit vectors of its ellipse.
+//!
+//! K = D Dᵀ with D = [[d₁, d₂], [0, d₃]] (S97 §8; erratum 1): the columns of (E₁ E₂)·D are d₁E₁ and
+//! d₂E₁ + d₃E₂. Isotropic: I₁E₁ and I₁E₂, I₁² the larger eigenvalue (S97 §8).
+
+use crate::block::{Block, ZERO_EXPONENT, normalise, places_below};
+use crate::fx::{Fx, Wide};
+use crate::precision::Precision;
+use crate::signals::OFFSET;
+use crate::word::Word;
+
+/// A number times a tangent.
+#[inline(always)]
+fn times<W: Word>(d: Fx<W, OFFSET>, tangent: &Block<W, 3>, keep: u32) -> Block<W, 3> {
+    normalise(tangent.m.map(|m| d.mul::<30, 58>(m)), tangent.e, keep)
+}
+
+/// d₁E₁ and d₂E₁ + d₃E₂.
+#[inline(always)]
+pub fn anisotropic<W: Word>(
+    d: &[Fx<W, OFFSET>; 3],
+    e1: &Block<W, 3>,
+    e2: &Block<W, 3>,
+    p: &Precision,
+) -> [Block<W, 3>; 2] {
+    let exponent = |d: Fx<W, OFFSET>, e| Fx::select(d.is_zero(), Fx::lit(ZERO_EXPONENT), e);
+    let (e_1, e_2) = (exponent(d[1], e1.e), exponent(d[2], e2.e));
+    let top = e_1.max(e_2);
+    let (places_1, places_2) = (places_below(e_1, top, 63), places_below(e_2, top, 63));
+    let sum = core::array::from_fn(|i| {
+        // Each product is at most 2^61; halved, their sum stays below 2^62.
+        let first: Wide<W, 58> = d[1].mul(e1.m[i]);
+        let second: Wide<W, 58> = d[2].mul(e2.m[i]);
+        first.floor_shr(1).floor_shr_by(places_1) + second.floor_shr(1).floor_shr_by(places_2)
+    });
+    [times(d[0], e1, p.fraction_bits), normalise(sum, top + Fx::lit(1), p.fraction_bits)]
+}
+
+/// I₁E₁ and I₁E₂.
+#[inline(always)]
+pub fn isotropic<W: Word>(i1: Fx<W, OFFSET>, e1: &Block<W, 3>, e2: &Block<W, 3>, p: &Precision) -> [Block<W, 3>; 2] {
+    [times(i1, e1, p.fraction_bits), times(i1, e2, p.fraction_bits)]
+}

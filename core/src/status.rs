@@ -1,0 +1,65 @@
+//! Sticky status bits: a degenerate input raises a bit beside the documented result of its fragment.
+
+use crate::fx::Fx;
+use crate::word::Word;
+
+macro_rules! status_bits {
+    ($($(#[$doc:meta])* $name:ident = $bit:literal, $label:literal;)*) => {
+        /// One condition of a fragment.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u32)]
+        pub enum StatusBit {
+            $($(#[$doc])* $name = 1 << $bit,)*
+        }
+
+        /// Every bit with its name in vectors and reports, lowest first.
+        pub const STATUS_BITS: &[(StatusBit, &str)] = &[$((StatusBit::$name, $label)),*];
+    };
+}
+
+status_bits! {
+    /// n = 0: no frame and no reflection; r = 0, face +z, s = t = 0, empty footprint.
+    NormalZero = 0, "normal_zero";
+    /// v = 0: r = 0, face +z, s = t = 0.
+    ViewZero = 1, "view_zero";
+    /// n ∥ h (system 3: the axis on which |n| is smallest stands in for h), or p_u, p_v span nothing (systems 1
+    /// and 2: the frame is zero, the surface is unperturbed).
+    FramePole = 2, "frame_pole";
+    /// v·n_mod ≤ 0: the perturbed surface is seen from behind.
+    ViewBelowSurface = 3, "view_below_surface";
+    /// Two or three components of r tie for the largest: z wins over y, y over x.
+    FaceTie = 4, "face_tie";
+    /// The footprint is empty: one probe at the finest level.
+    FootprintZero = 5, "footprint_zero";
+    /// λ₁ was cut to the size of two faces (system units: 2).
+    FootprintSaturated = 6, "footprint_saturated";
+    /// The aspect asks for more probes than the profile has: λ₂ is raised to λ₁/N.
+    ProbesCapped = 7, "probes_capped";
+}
+
+/// The sticky bits of one fragment on a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Status<W>(Fx<W, 0>);
+
+impl<W: Word> Status<W> {
+    /// No bit raised.
+    pub fn clear() -> Self {
+        Self(Fx::zero())
+    }
+
+    /// Raises `bit` where the flag is set.
+    pub fn raise(self, bit: StatusBit, flag: W::Flag) -> Self {
+        let raised = self.0.raw().or(W::lit(bit as i64));
+        Self(Fx::from_raw(W::select(flag, raised, self.0.raw())))
+    }
+
+    /// The bits of both.
+    pub fn merge(self, other: Self) -> Self {
+        Self(Fx::from_raw(self.0.raw().or(other.0.raw())))
+    }
+
+    /// The word of bits.
+    pub fn word(self) -> Fx<W, 0> {
+        self.0
+    }
+}

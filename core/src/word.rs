@@ -1,0 +1,58 @@
+//! The algebra every stage is written in: integers on wires.
+//!
+//! A *wire* is a signed two's complement integer; a *word* is a wire of at most 32 bits, the only thing that may
+//! travel between operations of different stages; its *wide* companion has 64 bits and holds products and sums of
+//! products exactly. A *reading* of the datapath is an implementation of these two traits: [`crate::scalar`] is
+//! the meaning of the design. No operation may leave its word: that is a proof obligation of the stage, checked
+//! by the counting reading of the test suite.
+
+use core::fmt::Debug;
+use core::ops::{BitAnd, BitOr, Not};
+
+/// Operations common to words and wide wires. Shift counts are `0 ≤ k <` the width of the wire.
+pub trait Wire: Copy + Debug {
+    /// One-bit wire, the outcome of a comparison.
+    type Flag: Copy + Debug + Not<Output = Self::Flag> + BitAnd<Output = Self::Flag> + BitOr<Output = Self::Flag>;
+    /// The word type that counts shifts.
+    type Count: Copy + Debug;
+    /// Constant. The value fits the wire.
+    fn lit(value: i64) -> Self;
+    /// `self + other`, exact.
+    fn add(self, other: Self) -> Self;
+    /// `self − other`, exact.
+    fn sub(self, other: Self) -> Self;
+    /// `self · 2^k`, exact.
+    fn shl(self, k: u32) -> Self;
+    /// `⌊self / 2^k⌋`: arithmetic shift.
+    fn sar(self, k: u32) -> Self;
+    /// `self · 2^k` for a count on a wire, exact.
+    fn shl_by(self, k: Self::Count) -> Self;
+    /// `⌊self / 2^k⌋` for a count on a wire.
+    fn sar_by(self, k: Self::Count) -> Self;
+    /// Bitwise and.
+    fn and(self, other: Self) -> Self;
+    /// Bitwise or.
+    fn or(self, other: Self) -> Self;
+    /// Bitwise exclusive or.
+    fn xor(self, other: Self) -> Self;
+    /// `self < other`, signed.
+    fn lt(self, other: Self) -> Self::Flag;
+    /// `if flag { a } else { b }`; both sides exist in hardware.
+    fn select(flag: Self::Flag, a: Self, b: Self) -> Self;
+    /// Leading zero bits; the width of the wire for 0.
+    fn leading_zeros(self) -> Self::Count;
+}
+
+/// A wire of at most 32 bits.
+pub trait Word: Wire<Count = Self> {
+    /// The 64-bit companion.
+    type Wide: Wire<Flag = Self::Flag, Count = Self>;
+    /// Exact product.
+    fn mul(self, other: Self) -> Self::Wide;
+    /// The same value, 64 bits wide.
+    fn widen(self) -> Self::Wide;
+    /// The same value, 32 bits wide. The value fits.
+    fn narrow(wide: Self::Wide) -> Self;
+    /// `table[self]`; the index is inside the table.
+    fn lookup(self, table: &'static [i32]) -> Self;
+}
