@@ -49,7 +49,10 @@ fn block<const N: usize>(components: [f64; N], p: &Precision) -> ([I2F30; N], i1
     if largest == 0.0 || !largest.is_finite() {
         return ([I2F30::ZERO; N], 0);
     }
+    // A largest component that rounds up to 1 belongs to the next octave, where entry is exact again.
+    let rounds_up = |exponent: i32| mantissa(scale_by_power_of_two(largest, -exponent), p.fraction_bits) >= I2F30::ONE;
     let exponent = exponent_above(largest);
+    let exponent = exponent + i32::from(rounds_up(exponent));
     (components.map(|x| mantissa(scale_by_power_of_two(x, -exponent), p.fraction_bits)), exponent as i16)
 }
 

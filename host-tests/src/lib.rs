@@ -1,1 +1,6 @@
-//! stub
+//! Tests of roughxel on the host: errata, accuracy, properties, hard cases, conformance of readings, pictures.
+//!
+//! The float64 reference is a package of its own (`host-tests/reference`) that depends on nothing of roughxel, so
+//! that the program can report errors against it, too.
+
+pub use roughxel_reference as reference;

@@ -13,7 +13,8 @@ use crate::rom;
 use crate::signals::{Axes, LOD, MapScale, POSITION, Probes};
 use crate::word::Word;
 
-/// Cuts a standard deviation to 2 map units: a major diameter of 6.9, three and a half faces.
+/// Cuts λ₁ to 2 map units, a major diameter of 6.9: probes further out would all look along the same edge of the
+/// plane. Count and level of detail keep the uncut λ.
 #[inline(always)]
 fn cut<W: Word>(sigma: &Block<W, 1>) -> (Block<W, 1>, W::Flag) {
     let above = Fx::lit(1).lt(sigma.e);
@@ -33,9 +34,7 @@ pub fn face_scale<W: Word>(edge: Fx<W, 0>, p: &Precision) -> MapScale<W> {
 /// Probe count, step and level of detail.
 #[inline(always)]
 pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Probes<W> {
-    let (major, saturated) = cut(&axes.major);
-    let (minor, _) = cut(&axes.minor);
-
+    let Axes { major, minor, direction } = axes;
     // N ≥ λ₁/λ₂ by comparison with multiples of λ₂. The slack is the noise of the two λ: without it every circle
     // would take two probes.
     let places = places_below(minor.e, major.e, 62);
@@ -65,11 +64,12 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
         }
     };
 
+    let (drawn, saturated) = cut(major);
     Probes {
         count,
-        step: step(&major, &axes.direction, count, p),
-        lod: level_of_detail(&Block::select(capped, major, minor), capped, count, map, p),
-        empty: axes.major.is_zero(),
+        step: step(&drawn, direction, count, p),
+        lod: level_of_detail(&Block::select(capped, *major, *minor), capped, count, map, p),
+        empty: major.is_zero(),
         saturated,
         capped,
     }

@@ -4,6 +4,9 @@
 //! X = 2.2·d·(x − 80)/160, Z = 2·d; turned by 0.5 rad and scaled by 0.35 that is (u, v), in repeats of a 512² texture.
 //! The reference is the mean of jittered bilinear samples of the unfiltered texture over each pixel's square;
 //! the filter under test gets the pixel's centre and derivatives. PSNR is against a range of 1.
+//!
+//! Float64 footprint assembly (box weights, N = ceiling ≤ 16) against 4096 samples: 35.7 dB on the checker at 38.6
+//! texels a pixel. The reference's own noise counts: with 1024 samples the same picture measures 35.5 dB.
 
 use rayon::prelude::*;
 
@@ -40,19 +43,11 @@ impl GroundTexture {
             Self::Checker => Box::new(|x, y| ((x / 8 + y / 8) % 2) as f64),
             Self::Noise { seed } => {
                 let mut random = SplitMix64::new(seed);
-                let squares: Vec<f64> = (0..(edge / 4) * (edge / 4))
-                    .map(|_| random.uniform(0.0, 1.0))
-                    .collect();
+                let squares: Vec<f64> = (0..(edge / 4) * (edge / 4)).map(|_| random.uniform(0.0, 1.0)).collect();
                 Box::new(move |x, y| squares[(y / 4) * (edge / 4) + x / 4])
             }
         };
-        Map {
-            width: edge,
-            height: edge,
-            texels: (0..edge * edge)
-                .map(|i| [value(i % edge, i / edge)])
-                .collect(),
-        }
+        Map { width: edge, height: edge, texels: (0..edge * edge).map(|i| [value(i % edge, i / edge)]).collect() }
     }
 }
 
@@ -80,10 +75,7 @@ impl GroundPixel {
             x,
             y,
             uv: turned(across * distance, 2.0 * distance),
-            derivatives: [
-                turned(2.2 * distance / 160.0, 0.0),
-                turned(across * distance_dy, 2.0 * distance_dy),
-            ],
+            derivatives: [turned(2.2 * distance / 160.0, 0.0), turned(across * distance_dy, 2.0 * distance_dy)],
         }
     }
 }
@@ -128,9 +120,7 @@ impl GroundReference {
             (0..WIDTH).map(&mut pixel).collect::<Vec<_>>()
         };
         let rows: Vec<Vec<f64>> = (0..HEIGHT).into_par_iter().map(row).collect();
-        Self {
-            picture: rows.concat(),
-        }
+        Self { picture: rows.concat() }
     }
 
     /// PSNR in dB, against a range of 1, of the picture that `filter` makes.
@@ -145,11 +135,7 @@ impl GroundReference {
 }
 
 /// The whole experiment for one filter: PSNR in dB against `samples` jittered samples a pixel.
-pub fn ground_plane(
-    texture: GroundTexture,
-    samples: u32,
-    filter: impl FnMut(&GroundPixel) -> f64,
-) -> f64 {
+pub fn ground_plane(texture: GroundTexture, samples: u32, filter: impl FnMut(&GroundPixel) -> f64) -> f64 {
     GroundReference::new(texture, samples).psnr(filter)
 }
 

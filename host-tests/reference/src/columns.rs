@@ -19,17 +19,8 @@ pub struct Column {
 }
 
 /// Change of r = 2 n⟨v·n⟩ − v|n|² for small dv and dn, W97 (8) and (9) with n = n_mod.
-pub fn reflected_derivative(
-    view: Vector3,
-    normal: Vector3,
-    dview: Vector3,
-    dnormal: Vector3,
-) -> Vector3 {
-    let aperture = add_scaled(
-        scaled(2.0 * dot(&normal, &dview), normal),
-        -dot(&normal, &normal),
-        dview,
-    );
+pub fn reflected_derivative(view: Vector3, normal: Vector3, dview: Vector3, dnormal: Vector3) -> Vector3 {
+    let aperture = add_scaled(scaled(2.0 * dot(&normal, &dview), normal), -dot(&normal, &normal), dview);
     let mut curvature = scaled(dot(&normal, &view), dnormal);
     curvature = add_scaled(curvature, dot(&view, &dnormal), normal);
     curvature = add_scaled(curvature, -dot(&normal, &dnormal), view);
@@ -39,29 +30,16 @@ pub fn reflected_derivative(
 /// The column q of one pair (dv, dn); zero when r is zero.
 ///
 /// `selection` must be that of the reflected ray of `view` and `normal` = n_mod.
-pub fn column(
-    view: Vector3,
-    normal: Vector3,
-    selection: &Selection,
-    dview: Vector3,
-    dnormal: Vector3,
-) -> Column {
+pub fn column(view: Vector3, normal: Vector3, selection: &Selection, dview: Vector3, dnormal: Vector3) -> Column {
     let &Selection { face, s, t, m } = selection;
     if m == 0.0 {
-        return Column {
-            q: [0.0; 2],
-            scale: 0.0,
-        };
+        return Column { q: [0.0; 2], scale: 0.0 };
     }
     let dr = reflected_derivative(view, normal, dview, dnormal);
     let [ds_c, dt_c, dm] = face_components(face, dr);
     let normal_length = norm(&normal);
-    let terms = 3.0 * normal_length * normal_length * norm(&dview)
-        + 6.0 * normal_length * norm(&view) * norm(&dnormal);
-    Column {
-        q: [(ds_c - s * dm) / m, (dt_c - t * dm) / m],
-        scale: norm(&[1.0, s, t]) * terms / m,
-    }
+    let terms = 3.0 * normal_length * normal_length * norm(&dview) + 6.0 * normal_length * norm(&view) * norm(&dnormal);
+    Column { q: [(ds_c - s * dm) / m, (dt_c - t * dm) / m], scale: norm(&[1.0, s, t]) * terms / m }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! already standard deviations. K = Q Qᵀ (erratum 1), and det K is the sum of the squared 2×2 minors of Q
 //! (Cauchy–Binet, erratum 12): six squares, nothing cancels between them.
 
-use super::linear::{Vector2, difference_of_products, largest, scale_exponent};
+use super::linear::{Vector2, difference_of_products};
 
 /// Weights of the four columns in K: pixel box, pixel box, roughness, roughness.
 pub const WEIGHTS: [f64; 4] = [1.0 / 12.0, 1.0 / 12.0, 1.0, 1.0];
@@ -25,12 +25,7 @@ pub struct Ellipse {
 impl Ellipse {
     /// The ellipse of a matrix known only by its entries; det = ac − b² within 1.5 units in the last place of the entries.
     pub fn from_matrix([a, b, c]: [f64; 3]) -> Self {
-        Self {
-            a,
-            b,
-            c,
-            det: difference_of_products(a, c, b, b).max(0.0),
-        }
+        Self { a, b, c, det: difference_of_products(a, c, b, b).max(0.0) }
     }
 
     /// xᵀK⁻¹x; 1 on the ellipse of one standard deviation. K must have rank 2.
@@ -39,27 +34,21 @@ impl Ellipse {
     }
 }
 
-/// K and its determinant from the four columns, brought to a common exponent first.
-pub fn ellipse(columns: &[Vector2; 4]) -> Ellipse {
-    let size = largest(&columns.map(|q| largest(&q)));
-    let (_, exponent) = super::linear::normalise_exponent([size]);
-    let q = columns.map(|column| scale_exponent(column, -exponent));
-    let sum =
-        |product: fn(Vector2) -> f64| -> f64 { (0..4).map(|i| WEIGHTS[i] * product(q[i])).sum() };
-    let mut det = 0.0;
+/// K and its determinant from the four columns.
+///
+/// The determinant takes fourth powers: columns outside 2^±200 are brought to a common exponent by the caller.
+pub fn ellipse(q: &[Vector2; 4]) -> Ellipse {
+    let [mut a, mut b, mut c, mut det] = [0.0; 4];
     for i in 0..4 {
+        let [s, t] = q[i];
+        a += WEIGHTS[i] * s * s;
+        b += WEIGHTS[i] * s * t;
+        c += WEIGHTS[i] * t * t;
         for j in i + 1..4 {
-            let minor = difference_of_products(q[i][0], q[j][1], q[i][1], q[j][0]);
+            let minor = difference_of_products(s, q[j][1], t, q[j][0]);
             det += WEIGHTS[i] * WEIGHTS[j] * minor * minor;
         }
     }
-    let entries = [
-        sum(|q| q[0] * q[0]),
-        sum(|q| q[0] * q[1]),
-        sum(|q| q[1] * q[1]),
-    ];
-    let [a, b, c] = scale_exponent(entries, 2 * exponent);
-    let [det] = scale_exponent([det], 4 * exponent);
     Ellipse { a, b, c, det }
 }
 
@@ -86,10 +75,7 @@ mod tests {
         assert!((k.a - 4.0 / 12.0).abs() < 1e-16 && (k.c - 9.0 / 12.0).abs() < 1e-16);
         assert!((k.det - 0.25).abs() < 1e-16);
         let rough = ellipse(&[[0.0; 2], [0.0; 2], [2.0, 1.0], [0.0, 3.0]]);
-        assert_eq!(
-            (rough.a, rough.b, rough.c, rough.det),
-            (4.0, 2.0, 10.0, 36.0)
-        );
+        assert_eq!((rough.a, rough.b, rough.c, rough.det), (4.0, 2.0, 10.0, 36.0));
     }
 
     #[test]

@@ -44,21 +44,13 @@ impl<const C: usize> Map<C> {
                 texels.push(sum);
             }
         }
-        Self {
-            width,
-            height,
-            texels,
-        }
+        Self { width, height, texels }
     }
 
     /// All levels of the map down to 1×1, level 0 first.
     pub fn pyramid(self) -> Vec<Self> {
         let mut levels = vec![self];
-        while let Some(next) = levels
-            .last()
-            .filter(|level| level.width > 1 || level.height > 1)
-            .map(Self::halved)
-        {
+        while let Some(next) = levels.last().filter(|level| level.width > 1 || level.height > 1).map(Self::halved) {
             levels.push(next);
         }
         levels
@@ -85,22 +77,14 @@ fn blend<const C: usize>([x, y]: Vector2, mut texel: impl FnMut(i64, i64) -> [f6
 }
 
 /// Linear blend of the two levels around `lod`, which is clamped to the pyramid; `sample` filters one level.
-fn between_levels<L, const C: usize>(
-    levels: &[L],
-    lod: f64,
-    sample: impl Fn(&L) -> [f64; C],
-) -> [f64; C] {
+fn between_levels<L, const C: usize>(levels: &[L], lod: f64, sample: impl Fn(&L) -> [f64; C]) -> [f64; C] {
     let lod = lod.clamp(0.0, (levels.len() - 1) as f64);
     let (fine, weight) = (lod.floor() as usize, lod.fract());
     let value = sample(&levels[fine]);
     if weight == 0.0 {
         return value;
     }
-    add_scaled(
-        scaled(1.0 - weight, value),
-        weight,
-        sample(&levels[fine + 1]),
-    )
+    add_scaled(scaled(1.0 - weight, value), weight, sample(&levels[fine + 1]))
 }
 
 /// Trilinear sample at (u, v) in repeats of the map.
@@ -111,12 +95,7 @@ pub fn trilinear<const C: usize>(levels: &[Map<C>], uv: Vector2, lod: f64) -> [f
 /// Footprint assembly: the weighted sum of trilinear probes around (u, v); the plan's unit is repeats of the map.
 ///
 /// Use `texels_to_repeats` to convert a plan made in texels of a map that is not square.
-pub fn assemble<const C: usize>(
-    levels: &[Map<C>],
-    uv: Vector2,
-    plan: &ProbePlan,
-    weights: &[f64],
-) -> [f64; C] {
+pub fn assemble<const C: usize>(levels: &[Map<C>], uv: Vector2, plan: &ProbePlan, weights: &[f64]) -> [f64; C] {
     let mut sum = [0.0; C];
     for (index, &weight) in (0..plan.count).zip(weights) {
         let at = add_scaled(uv, 1.0, plan.offset(index));
@@ -128,10 +107,7 @@ pub fn assemble<const C: usize>(
 /// The same probes with their step in repeats of a map of `size_texels` instead of texels.
 pub fn texels_to_repeats(plan: &ProbePlan, size_texels: [u32; 2]) -> ProbePlan {
     let [width, height] = size_texels.map(f64::from);
-    ProbePlan {
-        step: [plan.step[0] / width, plan.step[1] / height],
-        ..*plan
-    }
+    ProbePlan { step: [plan.step[0] / width, plan.step[1] / height], ..*plan }
 }
 
 /// Six square faces of one edge, in Vulkan's order.
@@ -190,9 +166,7 @@ impl<const C: usize> CubeMap<C> {
         let edge = self.faces[at.face].width as f64;
         let (x, x_weight) = split(0.5 * (at.s + 1.0) * edge - 0.5);
         let (y, y_weight) = split(0.5 * (at.t + 1.0) * edge - 0.5);
-        blend([x_weight, y_weight], |i, j| {
-            self.texel_across(at.face, x + i, y + j)
-        })
+        blend([x_weight, y_weight], |i, j| self.texel_across(at.face, x + i, y + j))
     }
 }
 
@@ -236,18 +210,12 @@ mod tests {
                 })
                 .collect(),
         };
-        CubeMap {
-            faces: [0, 1, 2, 3, 4, 5].map(face),
-        }
+        CubeMap { faces: [0, 1, 2, 3, 4, 5].map(face) }
     }
 
     #[test]
     fn bilinear_interpolates_and_repeats() {
-        let map = Map {
-            width: 2,
-            height: 2,
-            texels: vec![[0.0], [1.0], [2.0], [3.0]],
-        };
+        let map = Map { width: 2, height: 2, texels: vec![[0.0], [1.0], [2.0], [3.0]] };
         assert_eq!(map.bilinear([0.25, 0.25]), [0.0]);
         assert_eq!(map.bilinear([0.5, 0.25]), [0.5]);
         assert_eq!(map.bilinear([0.5, 0.5]), [1.5]);
@@ -263,16 +231,9 @@ mod tests {
     fn odd_maps_keep_their_mean() {
         let mut random = SplitMix64::new(14);
         for (width, height) in [(5, 3), (7, 1), (1, 6), (13, 9)] {
-            let texels: Vec<_> = (0..width * height)
-                .map(|_| [random.uniform(0.0, 1.0)])
-                .collect();
+            let texels: Vec<_> = (0..width * height).map(|_| [random.uniform(0.0, 1.0)]).collect();
             let mean = texels.iter().map(|[x]| x).sum::<f64>() / texels.len() as f64;
-            let levels = Map {
-                width,
-                height,
-                texels,
-            }
-            .pyramid();
+            let levels = Map { width, height, texels }.pyramid();
             let [top] = levels[levels.len() - 1].texels[0];
             assert!((top - mean).abs() < 1e-15);
         }
@@ -315,12 +276,9 @@ mod tests {
         let last = edge as i64 - 1;
         for face in 0..6 {
             for k in 0..=last {
-                for (x, y, inner_x, inner_y) in [
-                    (-1, k, 0, k),
-                    (last + 1, k, last, k),
-                    (k, -1, k, 0),
-                    (k, last + 1, k, last),
-                ] {
+                for (x, y, inner_x, inner_y) in
+                    [(-1, k, 0, k), (last + 1, k, last, k), (k, -1, k, 0), (k, last + 1, k, last)]
+                {
                     let other = map.texel_across(face, x, y)[0] as usize;
                     let (other_face, i) = (other / (edge * edge), (other % (edge * edge)) as i64);
                     let (ox, oy) = (i % edge as i64, i / edge as i64);
@@ -328,8 +286,7 @@ mod tests {
                     let own = map.texel_across(face, inner_x, inner_y);
                     let beyond = [(ox - 1, oy), (ox + 1, oy), (ox, oy - 1), (ox, oy + 1)];
                     assert!(
-                        beyond.iter().any(|&(x, y)| !((0..=last).contains(&x)
-                            && (0..=last).contains(&y))
+                        beyond.iter().any(|&(x, y)| !((0..=last).contains(&x) && (0..=last).contains(&y))
                             && map.texel_across(other_face, x, y) == own),
                         "face {face} texel {x},{y}"
                     );
@@ -349,40 +306,16 @@ mod tests {
         assert_eq!(map.texel_across(0, -1, -1), [6.0]);
         assert_eq!(map.texel_across(2, 4, 4), [6.0]);
         let constant = cube_map(4, |_| 0.75);
-        let corner = Selection {
-            face: 4,
-            s: 1.0,
-            t: -1.0,
-            m: 1.0,
-        };
+        let corner = Selection { face: 4, s: 1.0, t: -1.0, m: 1.0 };
         assert!((constant.bilinear(&corner)[0] - 0.75).abs() < 1e-15);
     }
 
     #[test]
     fn probes_walk_across_an_edge() {
         // A step function on −x…+x seen from face +z: half the probes on +z, half on +x.
-        let map = cube_map(64, |d| {
-            if d[0] > d[2].abs() && d[0] > d[1].abs() {
-                1.0
-            } else {
-                0.0
-            }
-        })
-        .pyramid();
-        let at = Selection {
-            face: 4,
-            s: 1.0,
-            t: 0.0,
-            m: 1.0,
-        };
-        let plan = ProbePlan {
-            count: 4,
-            step: [0.125, 0.0],
-            minor: 0.0,
-            capped: false,
-            lod: 0.0,
-            lod_unclamped: 0.0,
-        };
+        let map = cube_map(64, |d| if d[0] > d[2].abs() && d[0] > d[1].abs() { 1.0 } else { 0.0 }).pyramid();
+        let at = Selection { face: 4, s: 1.0, t: 0.0, m: 1.0 };
+        let plan = ProbePlan { count: 4, step: [0.125, 0.0], minor: 0.0, capped: false, lod: 0.0, lod_unclamped: 0.0 };
         assert!((cube_assemble(&map, &at, &plan, &[0.25; 4])[0] - 0.5).abs() < 1e-12);
     }
 }

@@ -3,7 +3,7 @@
 //! Every frame vector carries the length that makes an offset mean the same for any |n|: systems 2 and 3 scale
 //! unit vectors by |n| (erratum 17), system 1 by what turns n = p_u × p_v into Blinn's s_u, s_v.
 
-use super::linear::{Vector3, cross, norm, normalise_exponent, scale_exponent, scaled};
+use super::linear::{Vector3, cross, dot, norm, normalise_exponent, scale_exponent, scaled};
 
 /// Frame systems of S97 §7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,19 +27,13 @@ pub struct Frame {
     pub pole: bool,
 }
 
-const ZERO: Frame = Frame {
-    e1: [0.0; 3],
-    e2: [0.0; 3],
-    pole: false,
-};
+const ZERO: Frame = Frame { e1: [0.0; 3], e2: [0.0; 3], pole: false };
 
 /// The frame of `system`; `tangents` holds h in slot 0 (system 3) or p_u and p_v (systems 1 and 2).
 pub fn frame(system: FrameSystem, normal: Vector3, tangents: [Vector3; 2]) -> Frame {
     match system {
         FrameSystem::Natural => frame_natural(normal, tangents[0], tangents[1]),
-        FrameSystem::NaturalNormalised => {
-            frame_natural_normalised(normal, tangents[0], tangents[1])
-        }
+        FrameSystem::NaturalNormalised => frame_natural_normalised(normal, tangents[0], tangents[1]),
         FrameSystem::MainDirection => frame_main_direction(normal, tangents[0]),
     }
 }
@@ -61,53 +55,41 @@ pub fn frame_main_direction(normal: Vector3, main_direction: Vector3) -> Frame {
     // Near the pole all components are tiny but right to the last place; only their ratio counts.
     let (west_east, _) = normalise_exponent(west_east);
     let unit = scaled(1.0 / norm(&west_east), west_east);
-    Frame {
-        e1: scale_exponent(scaled(norm(&n), unit), exponent),
-        e2: scale_exponent(cross(n, unit), exponent),
-        pole,
-    }
+    Frame { e1: scale_exponent(scaled(norm(&n), unit), exponent), e2: scale_exponent(cross(n, unit), exponent), pole }
 }
 
 /// System 1: E₁ = n×p_v/|p_u×p_v|, E₂ = p_u×n/|p_u×p_v|, which are s_u and s_v when n = p_u×p_v.
 ///
-/// Where p_u×p_v = 0 and n ≠ 0 the frame is that of [`frame_main_direction`] with h = 0.
+/// Where p_u×p_v = 0 the frame is zero: there is no parametrisation to bump along, the surface stays as it is.
 pub fn frame_natural(normal: Vector3, p_u: Vector3, p_v: Vector3) -> Frame {
     let (u, u_exponent) = normalise_exponent(p_u);
     let (v, v_exponent) = normalise_exponent(p_v);
     let area = norm(&cross(u, v));
     if area == 0.0 {
-        return frame_main_direction(normal, [0.0; 3]);
+        return Frame { pole: true, ..ZERO };
     }
     let (n, exponent) = normalise_exponent(normal);
     let divided = |vector, power| scale_exponent(scaled(1.0 / area, vector), exponent - power);
-    Frame {
-        e1: divided(cross(n, v), u_exponent),
-        e2: divided(cross(u, n), v_exponent),
-        pole: false,
-    }
+    Frame { e1: divided(cross(n, v), u_exponent), e2: divided(cross(u, n), v_exponent), pole: false }
 }
 
 /// System 2: E₁ = |n|·(n×p_v)/|n×p_v|, E₂ = |n|·(p_u×n)/|p_u×n|.
 ///
-/// Where one of the two cross products is 0 and n ≠ 0 the frame is that of [`frame_main_direction`] with h = 0.
+/// Where one of the two cross products is 0 the frame is zero.
 pub fn frame_natural_normalised(normal: Vector3, p_u: Vector3, p_v: Vector3) -> Frame {
     let (n, exponent) = normalise_exponent(normal);
     let (u, _) = normalise_exponent(p_u);
     let (v, _) = normalise_exponent(p_v);
     let (across_u, across_v) = (cross(n, v), cross(u, n));
     if across_u == [0.0; 3] || across_v == [0.0; 3] {
-        return frame_main_direction(normal, [0.0; 3]);
+        return Frame { pole: true, ..ZERO };
     }
     let length = norm(&n);
     let of_length = |vector: Vector3| {
         let (vector, _) = normalise_exponent(vector);
         scale_exponent(scaled(length / norm(&vector), vector), exponent)
     };
-    Frame {
-        e1: of_length(across_u),
-        e2: of_length(across_v),
-        pole: false,
-    }
+    Frame { e1: of_length(across_u), e2: of_length(across_v), pole: false }
 }
 
 /// The unit axis on which |nᵢ| is smallest; x before y before z among equals.
@@ -126,23 +108,16 @@ pub fn fallback_axis(normal: Vector3) -> Vector3 {
 ///
 /// The measure of the accuracy bar "orthogonality, unit length" for system 3.
 pub fn orthonormality_error(normal: Vector3, e1: Vector3, e2: Vector3) -> f64 {
-    use super::linear::dot;
     let length = norm(&normal);
     let [n, e1, e2] = [normal, e1, e2].map(|vector| scaled(1.0 / length, vector));
-    [
-        dot(&e1, &n),
-        dot(&e2, &n),
-        dot(&e1, &e2),
-        norm(&e1) - 1.0,
-        norm(&e2) - 1.0,
-    ]
-    .iter()
-    .fold(0.0, |worst: f64, error| worst.max(error.abs()))
+    [dot(&e1, &n), dot(&e2, &n), dot(&e1, &e2), norm(&e1) - 1.0, norm(&e2) - 1.0]
+        .iter()
+        .fold(0.0, |worst: f64, error| worst.max(error.abs()))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::linear::{add_scaled, dot};
+    use super::super::linear::add_scaled;
     use super::super::random::SplitMix64;
     use super::*;
 
@@ -167,12 +142,7 @@ mod tests {
 
     fn exact_cross(a: Vector3, b: Vector3) -> Vector3 {
         let [a, b] = [a, b].map(|vector| vector.map(|x| x as i128));
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-        .map(|x| x as f64)
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]].map(|x| x as f64)
     }
 
     #[test]
@@ -208,10 +178,7 @@ mod tests {
             // S97: n = s_u × s_v.
             assert!(norm(&add_scaled(cross(frame.e1, frame.e2), -1.0, n)) < 1e-13);
             // Relative to |n|: twice the normal, twice the frame.
-            assert_eq!(
-                frame_natural(scaled(2.0, n), p_u, p_v).e1,
-                scaled(2.0, frame.e1)
-            );
+            assert_eq!(frame_natural(scaled(2.0, n), p_u, p_v).e1, scaled(2.0, frame.e1));
         }
     }
 
@@ -219,19 +186,13 @@ mod tests {
     fn normalised_frame_does_not_see_the_lengths_of_the_tangents() {
         let (n, p_u, p_v) = ([0.0, 0.0, 3.0], [5.0, 0.0, 0.0], [1.0, 0.25, 0.0]);
         let frame = frame_natural_normalised(n, p_u, p_v);
-        assert_eq!(
-            frame,
-            frame_natural_normalised(n, scaled(8.0, p_u), scaled(0.5, p_v))
-        );
+        assert_eq!(frame, frame_natural_normalised(n, scaled(8.0, p_u), scaled(0.5, p_v)));
         assert!((norm(&frame.e1) - 3.0).abs() < 1e-15 && (norm(&frame.e2) - 3.0).abs() < 1e-15);
         assert_eq!(dot(&frame.e1, &p_v), 0.0);
         assert_eq!(frame.e2, [0.0, -3.0, 0.0]);
         // An orthogonal map in the plane z = 0: s_u runs along −p_u, s_v along −p_v.
         let orthogonal = frame_natural_normalised(n, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-        assert_eq!(
-            (orthogonal.e1, orthogonal.e2),
-            ([-3.0, 0.0, 0.0], [0.0, -3.0, 0.0])
-        );
+        assert_eq!((orthogonal.e1, orthogonal.e2), ([-3.0, 0.0, 0.0], [0.0, -3.0, 0.0]));
         assert!(frame_natural_normalised(n, p_u, n).pole);
         assert!(frame_natural(n, p_u, p_u).pole);
     }

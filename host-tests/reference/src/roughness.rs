@@ -17,10 +17,7 @@ pub type Triangular = [f64; 3];
 
 /// Mean and covariance (divided by their number) of a set of offsets; zero for the empty set.
 pub fn covariance(offsets: &[Vector2]) -> (Vector2, Covariance) {
-    let leaves: Vec<_> = offsets
-        .iter()
-        .map(|&mean| Texel { mean, k: [0.0; 3] })
-        .collect();
+    let leaves: Vec<_> = offsets.iter().map(|&mean| Texel { mean, k: [0.0; 3] }).collect();
     let weight = 1.0 / offsets.len().max(1) as f64;
     let Texel { mean, k } = merge(leaves.iter().map(|texel| (weight, texel)));
     (mean, k)
@@ -48,10 +45,7 @@ pub fn isotropic(k: Covariance) -> f64 {
 
 /// The two vectors dn of anisotropic roughness: d₁E₁ and d₂E₁ + d₃E₂.
 pub fn tangents(frame: &Frame, [d1, d2, d3]: Triangular) -> [Vector3; 2] {
-    [
-        scaled(d1, frame.e1),
-        add_scaled(scaled(d2, frame.e1), d3, frame.e2),
-    ]
+    [scaled(d1, frame.e1), add_scaled(scaled(d2, frame.e1), d3, frame.e2)]
 }
 
 /// The two vectors dn of isotropic roughness: I₁E₁ and I₁E₂.
@@ -96,22 +90,15 @@ pub fn merge<'a>(parts: impl Iterator<Item = (f64, &'a Texel)> + Clone) -> Texel
 /// All levels down to 1×1, level 0 with zero covariance; level l is max(1, width ≫ l) wide.
 ///
 /// A texel of an odd-sized level takes the area of the parents it covers: parents on its border count in part.
-/// `offsets` holds `width`·`height` ≥ 1 entries.
+///
+/// # Panics
+/// If `offsets` does not hold `width`·`height` ≥ 1 entries.
 pub fn pyramid(width: usize, height: usize, offsets: &[Vector2]) -> Vec<Level> {
     assert_eq!(width * height, offsets.len(), "one offset per texel");
-    let texels = offsets
-        .iter()
-        .map(|&mean| Texel { mean, k: [0.0; 3] })
-        .collect();
-    let mut levels = vec![Level {
-        width,
-        height,
-        texels,
-    }];
-    while let Some(parent) = levels
-        .last()
-        .filter(|level| level.width > 1 || level.height > 1)
-    {
+    assert!(!offsets.is_empty(), "a level has at least one texel");
+    let texels = offsets.iter().map(|&mean| Texel { mean, k: [0.0; 3] }).collect();
+    let mut levels = vec![Level { width, height, texels }];
+    while let Some(parent) = levels.last().filter(|level| level.width > 1 || level.height > 1) {
         let (width, height) = ((parent.width / 2).max(1), (parent.height / 2).max(1));
         let mut texels = Vec::with_capacity(width * height);
         for y in 0..height {
@@ -119,31 +106,20 @@ pub fn pyramid(width: usize, height: usize, offsets: &[Vector2]) -> Vec<Level> {
                 let parts: Vec<_> = box_weights(parent.height, height, y)
                     .flat_map(|(row, row_weight)| {
                         box_weights(parent.width, width, x).map(move |(column, weight)| {
-                            (
-                                row_weight * weight,
-                                &parent.texels[row * parent.width + column],
-                            )
+                            (row_weight * weight, &parent.texels[row * parent.width + column])
                         })
                     })
                     .collect();
                 texels.push(merge(parts.iter().copied()));
             }
         }
-        levels.push(Level {
-            width,
-            height,
-            texels,
-        });
+        levels.push(Level { width, height, texels });
     }
     levels
 }
 
 /// The texels of a row of `from` that texel `index` of a row of `to` covers, with their shares of its area (sum 1).
-pub fn box_weights(
-    from: usize,
-    to: usize,
-    index: usize,
-) -> impl Iterator<Item = (usize, f64)> + Clone {
+pub fn box_weights(from: usize, to: usize, index: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
     // In units of 1/(from·to) of the row both borders are integers, so the shares are exact rationals.
     let (start, end) = (index * from, (index + 1) * from);
     (start / to..end.div_ceil(to)).map(move |texel| {
@@ -168,11 +144,7 @@ mod tests {
     fn decomposition_returns_the_covariance() {
         let mut random = SplitMix64::new(12);
         for _ in 0..1000 {
-            let d = [
-                random.uniform(0.0, 1.0),
-                random.uniform(-1.0, 1.0),
-                random.uniform(0.1, 1.0),
-            ];
+            let d = [random.uniform(0.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(0.1, 1.0)];
             let k = compose(d);
             let again = compose(decompose(k));
             assert!((0..3).all(|i| (k[i] - again[i]).abs() < 1e-15));
@@ -186,20 +158,13 @@ mod tests {
     fn every_level_holds_the_covariance_of_its_whole_area() {
         let mut random = SplitMix64::new(13);
         for (width, height) in [(8, 8), (16, 4), (1, 8), (7, 5), (9, 1), (1, 1)] {
-            let offsets: Vec<Vector2> = (0..width * height)
-                .map(|_| [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)])
-                .collect();
+            let offsets: Vec<Vector2> =
+                (0..width * height).map(|_| [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)]).collect();
             let levels = pyramid(width, height, &offsets);
             let top = levels.last().expect("a pyramid has a level").texels[0];
             let (mean, k) = covariance(&offsets);
-            assert!(
-                (0..2).all(|i| (top.mean[i] - mean[i]).abs() < 1e-15),
-                "{width}x{height}"
-            );
-            assert!(
-                (0..3).all(|i| (top.k[i] - k[i]).abs() < 1e-15),
-                "{width}x{height}"
-            );
+            assert!((0..2).all(|i| (top.mean[i] - mean[i]).abs() < 1e-15), "{width}x{height}");
+            assert!((0..3).all(|i| (top.k[i] - k[i]).abs() < 1e-15), "{width}x{height}");
             assert_eq!(levels.len(), 1 + width.max(height).ilog2() as usize);
         }
     }
@@ -208,10 +173,7 @@ mod tests {
     fn box_weights_cover_odd_rows_by_area() {
         let row = |from, to, index| box_weights(from, to, index).collect::<Vec<_>>();
         assert_eq!(row(4, 2, 1), [(2, 0.5), (3, 0.5)]);
-        assert_eq!(
-            row(3, 1, 0),
-            [(0, 1.0 / 3.0), (1, 1.0 / 3.0), (2, 1.0 / 3.0)]
-        );
+        assert_eq!(row(3, 1, 0), [(0, 1.0 / 3.0), (1, 1.0 / 3.0), (2, 1.0 / 3.0)]);
         assert_eq!(row(5, 2, 0), [(0, 0.4), (1, 0.4), (2, 0.2)]);
         assert_eq!(row(5, 2, 1), [(2, 0.2), (3, 0.4), (4, 0.4)]);
         assert_eq!(row(1, 1, 0), [(0, 1.0)]);

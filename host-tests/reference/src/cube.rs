@@ -33,12 +33,7 @@ pub struct Selection {
 pub fn select(r: Vector3) -> Selection {
     let size = largest(&r);
     if size == 0.0 {
-        return Selection {
-            face: 4,
-            s: 0.0,
-            t: 0.0,
-            m: 0.0,
-        };
+        return Selection { face: 4, s: 0.0, t: 0.0, m: 0.0 };
     }
     let axis = if r[2].abs() == size {
         2
@@ -56,22 +51,13 @@ pub fn select(r: Vector3) -> Selection {
 pub fn project(face: usize, r: Vector3) -> Selection {
     let [(major, _), (s_axis, s_sign), (t_axis, t_sign)] = FACES[face];
     let m = r[major].abs();
-    Selection {
-        face,
-        s: s_sign * r[s_axis] / m,
-        t: t_sign * r[t_axis] / m,
-        m,
-    }
+    Selection { face, s: s_sign * r[s_axis] / m, t: t_sign * r[t_axis] / m, m }
 }
 
 /// (s_c, t_c, signed m) of a vector on `face`: the linear part of the projection, used for derivatives.
 pub fn face_components(face: usize, vector: Vector3) -> Vector3 {
     let [(major, sign), (s_axis, s_sign), (t_axis, t_sign)] = FACES[face];
-    [
-        s_sign * vector[s_axis],
-        t_sign * vector[t_axis],
-        sign * vector[major],
-    ]
+    [s_sign * vector[s_axis], t_sign * vector[t_axis], sign * vector[major]]
 }
 
 /// The direction (s, t, 1) of the plane of `face` in world axes; its major component is ±1.
@@ -98,11 +84,7 @@ pub fn continue_across(face: usize, s: f64, t: f64) -> Selection {
 pub fn tie_margin(r: Vector3) -> f64 {
     let mut sizes = r.map(f64::abs);
     sizes.sort_by(f64::total_cmp);
-    if sizes[2] == 0.0 {
-        0.0
-    } else {
-        (sizes[2] - sizes[1]) / sizes[2]
-    }
+    if sizes[2] == 0.0 { 0.0 } else { (sizes[2] - sizes[1]) / sizes[2] }
 }
 
 #[cfg(test)]

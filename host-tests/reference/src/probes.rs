@@ -45,10 +45,7 @@ pub struct ProbePlan {
 impl ProbePlan {
     /// Offset of probe `index` = 0…N−1 from the centre of the footprint: (i − (N−1)/2)·step.
     pub fn offset(&self, index: u32) -> Vector2 {
-        scaled(
-            f64::from(index) - 0.5 * f64::from(self.count - 1),
-            self.step,
-        )
+        scaled(f64::from(index) - 0.5 * f64::from(self.count - 1), self.step)
     }
 }
 
@@ -59,13 +56,7 @@ const RATIO_SLACK: f64 = 1.0 / (1_u64 << 40) as f64;
 ///
 /// `texels_per_unit` converts the unit of the axes to texels of level 0 (half the edge for a cube face);
 /// `longer_edge_texels` ≥ 1 bounds the levels; `max_probes` ≥ 1, of which the power-of-two rule uses the largest power.
-pub fn plan(
-    axes: &Axes,
-    texels_per_unit: f64,
-    longer_edge_texels: u32,
-    rule: ProbeRule,
-    max_probes: u32,
-) -> ProbePlan {
+pub fn plan(axes: &Axes, texels_per_unit: f64, longer_edge_texels: u32, rule: ProbeRule, max_probes: u32) -> ProbePlan {
     let (wanted, most) = match rule {
         ProbeRule::Ceiling => (probe_ceiling(axes.ratio()), max_probes),
         ProbeRule::PowerOfTwo => (
@@ -75,11 +66,7 @@ pub fn plan(
     };
     let capped = wanted > f64::from(most);
     let count = if capped { most } else { wanted as u32 };
-    let minor = if capped {
-        axes.major / f64::from(count)
-    } else {
-        axes.minor
-    };
+    let minor = if capped { axes.major / f64::from(count) } else { axes.minor };
     let diameter = 2.0 * 3_f64.sqrt();
     let lod_unclamped = (diameter * minor * texels_per_unit).log2();
     ProbePlan {
@@ -115,47 +102,27 @@ mod tests {
     use super::*;
 
     fn axes_of(major: f64, minor: f64) -> Axes {
-        Axes {
-            major,
-            minor,
-            direction: [0.6, 0.8],
-        }
+        Axes { major, minor, direction: [0.6, 0.8] }
     }
 
     #[test]
     fn rules_round_up_and_cap() {
         let count = |ratio: f64, rule, max| plan(&axes_of(ratio, 1.0), 1.0, 64, rule, max).count;
-        let expected = [
-            (1.0, 1, 1),
-            (1.01, 2, 2),
-            (2.0, 2, 2),
-            (2.1, 3, 4),
-            (5.0, 5, 8),
-            (15.5, 16, 16),
-            (17.0, 16, 16),
-        ];
+        let expected =
+            [(1.0, 1, 1), (1.01, 2, 2), (2.0, 2, 2), (2.1, 3, 4), (5.0, 5, 8), (15.5, 16, 16), (17.0, 16, 16)];
         for (ratio, ceiling, power) in expected {
             assert_eq!(count(ratio, ProbeRule::Ceiling, 16), ceiling, "{ratio}");
             assert_eq!(count(ratio, ProbeRule::PowerOfTwo, 16), power, "{ratio}");
         }
         assert_eq!(count(1e9, ProbeRule::PowerOfTwo, 12), 8);
-        assert_eq!(
-            plan(&axes_of(1.0, 0.0), 1.0, 64, ProbeRule::Ceiling, 16).count,
-            16
-        );
+        assert_eq!(plan(&axes_of(1.0, 0.0), 1.0, 64, ProbeRule::Ceiling, 16).count, 16);
     }
 
     #[test]
     fn a_pixel_box_is_covered_from_end_to_end() {
         // A footprint of 8 × 2 texels: σ = width/√12.
         let sigma = |width: f64| width / 12_f64.sqrt();
-        let plan = plan(
-            &axes_of(sigma(8.0), sigma(2.0)),
-            1.0,
-            64,
-            ProbeRule::Ceiling,
-            16,
-        );
+        let plan = plan(&axes_of(sigma(8.0), sigma(2.0)), 1.0, 64, ProbeRule::Ceiling, 16);
         assert_eq!(plan.count, 4);
         assert!((plan.lod - 1.0).abs() < 1e-15);
         // Centres at −3, −1, 1, 3 texels along (.6, .8).
@@ -171,16 +138,12 @@ mod tests {
         assert!(plan.capped);
         assert_eq!(plan.minor, 2.0);
         let step = plan.step[0].hypot(plan.step[1]);
-        assert!(
-            (step - plan.lod_unclamped.exp2()).abs() < 1e-12,
-            "probes touch"
-        );
+        assert!((step - plan.lod_unclamped.exp2()).abs() < 1e-12, "probes touch");
     }
 
     #[test]
     fn levels_are_clamped_to_the_map() {
-        let lod =
-            |minor: f64, edge| plan(&axes_of(minor, minor), 1.0, edge, ProbeRule::Ceiling, 16).lod;
+        let lod = |minor: f64, edge| plan(&axes_of(minor, minor), 1.0, edge, ProbeRule::Ceiling, 16).lod;
         assert_eq!(lod(0.0, 256), 0.0);
         assert_eq!(lod(1e9, 256), 8.0);
         assert_eq!(lod(1e9, 300), 8.0);

@@ -20,11 +20,7 @@ pub struct Axes {
 impl Axes {
     /// λ₁/λ₂ before any rounding to a number of probes; ∞ for a line, 1 for a point.
     pub fn ratio(&self) -> f64 {
-        if self.major == 0.0 {
-            1.0
-        } else {
-            self.major / self.minor
-        }
+        if self.major == 0.0 { 1.0 } else { self.major / self.minor }
     }
 }
 
@@ -33,11 +29,7 @@ pub fn axes(ellipse: &Ellipse) -> Axes {
     let &Ellipse { a, b, c, det } = ellipse;
     let major_variance = 0.5 * (a + c + (c - a).hypot(2.0 * b));
     let major = major_variance.sqrt();
-    let minor = if major == 0.0 {
-        0.0
-    } else {
-        (det.sqrt() / major).min(major)
-    };
+    let minor = if major == 0.0 { 0.0 } else { (det.sqrt() / major).min(major) };
     let (sin, cos) = (0.5 * (2.0 * b).atan2(a - c)).sin_cos();
     let direction = if a == c && b == 0.0 {
         [1.0, 0.0]
@@ -50,11 +42,7 @@ pub fn axes(ellipse: &Ellipse) -> Axes {
     } else {
         [cos, sin]
     };
-    Axes {
-        major,
-        minor,
-        direction,
-    }
+    Axes { major, minor, direction }
 }
 
 #[cfg(test)]
@@ -70,11 +58,7 @@ mod tests {
         for _ in 0..2000 {
             let columns = [0; 4].map(|_| [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)]);
             let k = ellipse(&columns);
-            let Axes {
-                major,
-                minor,
-                direction: [x, y],
-            } = axes(&k);
+            let Axes { major, minor, direction: [x, y] } = axes(&k);
             assert!(major >= minor && minor >= 0.0);
             assert!((norm(&[x, y]) - 1.0).abs() < 1e-15);
             assert!(if x.abs() >= y.abs() { x > 0.0 } else { y > 0.0 });
@@ -91,19 +75,10 @@ mod tests {
             let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
             for aspect in [1.1, 2.0, 16.0, 1000.0, 1e6] {
                 // Skewed columns with the same K: a rotation on the right of Q changes nothing.
-                let (major, minor) = (
-                    [3.0 * cos, 3.0 * sin],
-                    [-3.0 / aspect * sin, 3.0 / aspect * cos],
-                );
+                let (major, minor) = ([3.0 * cos, 3.0 * sin], [-3.0 / aspect * sin, 3.0 / aspect * cos]);
                 let (turn_sin, turn_cos) = 0.7_f64.sin_cos();
-                let mix =
-                    |p: f64, q: f64| [p * major[0] + q * minor[0], p * major[1] + q * minor[1]];
-                let k = ellipse(&[
-                    [0.0; 2],
-                    [0.0; 2],
-                    mix(turn_cos, -turn_sin),
-                    mix(turn_sin, turn_cos),
-                ]);
+                let mix = |p: f64, q: f64| [p * major[0] + q * minor[0], p * major[1] + q * minor[1]];
+                let k = ellipse(&[[0.0; 2], [0.0; 2], mix(turn_cos, -turn_sin), mix(turn_sin, turn_cos)]);
                 let got = axes(&k);
                 assert!((got.major / 3.0 - 1.0).abs() < 1e-14);
                 // The columns are rounded to 2⁻⁵³ of the major axis, which is aspect times that of the minor one.
@@ -116,24 +91,10 @@ mod tests {
     #[test]
     fn degenerate_ellipses_give_the_documented_axes() {
         let of = |matrix| axes(&Ellipse::from_matrix(matrix));
-        assert_eq!(
-            of([4.0, 0.0, 4.0]),
-            Axes {
-                major: 2.0,
-                minor: 2.0,
-                direction: [1.0, 0.0]
-            }
-        );
+        assert_eq!(of([4.0, 0.0, 4.0]), Axes { major: 2.0, minor: 2.0, direction: [1.0, 0.0] });
         assert_eq!(of([0.0, 0.0, 0.0]).major, 0.0);
         assert_eq!(of([0.0, 0.0, 0.0]).ratio(), 1.0);
-        assert_eq!(
-            of([9.0, 0.0, 0.0]),
-            Axes {
-                major: 3.0,
-                minor: 0.0,
-                direction: [1.0, 0.0]
-            }
-        );
+        assert_eq!(of([9.0, 0.0, 0.0]), Axes { major: 3.0, minor: 0.0, direction: [1.0, 0.0] });
         let upright = of([0.0, 0.0, 9.0]).direction;
         assert!(upright[0].abs() < 1e-16 && upright[1] == 1.0);
         let half = std::f64::consts::FRAC_1_SQRT_2;

@@ -96,10 +96,7 @@ mod tests {
         let x = 2_f64.powi(30);
         assert_eq!(difference_of_products(x + 1.0, x - 1.0, x, x), -1.0);
         assert_eq!((x + 1.0) * (x - 1.0) - x * x, 0.0);
-        assert_eq!(
-            difference_of_products(x + 1.0, x - 1.0, x - 1.0, x + 1.0),
-            0.0
-        );
+        assert_eq!(difference_of_products(x + 1.0, x - 1.0, x - 1.0, x + 1.0), 0.0);
     }
 
     #[test]

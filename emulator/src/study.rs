@@ -1,0 +1,4 @@
+//! Studies of the datapath: the named hard cases and its accuracy against the float64 reference.
+
+pub mod accuracy;
+pub mod cases;

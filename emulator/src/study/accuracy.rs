@@ -1,0 +1,288 @@
+//! Accuracy of the integer datapath against the independent float64 reference, fed with the same port values.
+//!
+//! One table of bars for reports and tests alike. What a bar means where an input is ill-conditioned:
+//! *face coordinates* count where the reference is further than [`TIE_MARGIN`] from a tie of two faces (beyond it
+//! either face is right); *footprint* figures are relative to λ₁, but not less than 1/[`CANCELLATION`] of the
+//! size of the terms before they cancel: dr is a difference of products rounded to p bits, its error is
+//! proportional to the terms whatever is left of them.
+
+use rayon::prelude::*;
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut};
+use roughxel_core::precision::{AxisDirection, PROFILE_NAMES, Precision, ProbeRule, RoughnessKind};
+use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power_of_two};
+use roughxel_reference as reference;
+use roughxel_reference::linear::{axis_angle, norm};
+
+use super::cases::{hard_case_sets, random_fragment};
+
+/// Relative difference of the two largest components of r below which the face is a matter of rounding.
+pub const TIE_MARGIN: f64 = 1.0 / 4096.0;
+
+/// How much of a footprint may cancel before its errors are judged against the terms instead of the rest.
+pub const CANCELLATION: f64 = 16.0;
+
+/// A figure of merit with a bar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// max(|Δs|, |Δt|).
+    Coordinates,
+    /// max of |E₁·E₂|/|n|², |E·n|/|n|² and | |E| − |n| |/|n| (systems 2 and 3).
+    Frame,
+    /// |Δλ₁|/λ₁.
+    MajorAxis,
+    /// |ΔLOD| after clamping to the map's levels.
+    LevelOfDetail,
+    /// Angle of the major axis, degrees, where λ₁/λ₂ ≥ 1.1.
+    Direction,
+    /// Angle between the reflected vectors, radians (no bar of its own; it is in the coordinates).
+    Reflected,
+}
+
+/// Every figure in pipeline order with its name.
+pub const FIGURES: [(Figure, &str); 6] = [
+    (Figure::Frame, "frame"),
+    (Figure::Reflected, "reflected"),
+    (Figure::Coordinates, "s, t"),
+    (Figure::MajorAxis, "lambda1"),
+    (Figure::Direction, "direction"),
+    (Figure::LevelOfDetail, "lod"),
+];
+
+impl Figure {
+    /// The bar of a named profile; `None` where a figure is reported only.
+    pub fn bar(self, profile: &str) -> Option<f64> {
+        let column = PROFILE_NAMES.iter().position(|name| *name == profile)?;
+        let two = |power: i32| 2.0_f64.powi(power);
+        let row = match self {
+            Self::Coordinates => [two(-12), two(-12), two(-15), two(-20)],
+            Self::Frame => [two(-12), two(-12), two(-16), two(-21)],
+            Self::MajorAxis => [two(-6), two(-6), two(-9), two(-12)],
+            Self::LevelOfDetail => [two(-4), two(-5), two(-8), two(-10)],
+            Self::Direction => [4.6, 1.0, 0.1, 0.02],
+            Self::Reflected => return None,
+        };
+        row.get(column).copied()
+    }
+
+    const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// The worst fragment of one figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worst {
+    /// Error in the unit of the figure.
+    pub error: f64,
+    /// Set the fragment comes from.
+    pub set: String,
+    /// Index in the set.
+    pub index: u64,
+    /// The fragment.
+    pub fragment: ReflectionIn,
+}
+
+/// Worst errors of one profile.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Accuracy {
+    /// The worst fragment of each figure, indexed like the enum; `None` before any fragment counted.
+    worst: [Option<Worst>; FIGURES.len()],
+    /// How many fragments counted for each figure.
+    counted: [u64; FIGURES.len()],
+    /// Fragments measured.
+    pub fragments: u64,
+    /// Fragments whose face differs from the reference's away from a tie.
+    pub wrong_faces: u64,
+    /// Fragments whose probe count differs although λ₁/λ₂ is not within the error of a boundary.
+    pub wrong_counts: u64,
+}
+
+impl Accuracy {
+    /// The worst fragment of a figure.
+    pub fn worst(&self, figure: Figure) -> Option<&Worst> {
+        self.worst[figure.index()].as_ref()
+    }
+
+    /// How many fragments counted for a figure.
+    pub fn counted(&self, figure: Figure) -> u64 {
+        self.counted[figure.index()]
+    }
+
+    fn add(&mut self, set: &str, index: u64, fragment: &ReflectionIn, sample: &Sample) {
+        self.fragments += 1;
+        self.wrong_faces += u64::from(sample.wrong_face);
+        self.wrong_counts += u64::from(sample.wrong_count);
+        for ((worst, counted), error) in self.worst.iter_mut().zip(&mut self.counted).zip(sample.errors) {
+            let Some(error) = error else { continue };
+            *counted += 1;
+            // NaN counts as the worst of all.
+            if worst.as_ref().is_none_or(|worst| error.is_nan() || error > worst.error) {
+                *worst = Some(Worst { error, set: set.to_owned(), index, fragment: *fragment });
+            }
+        }
+    }
+
+    /// Joins two measurements; equal errors keep the first.
+    fn merge(mut self, other: Self) -> Self {
+        for (mine, theirs) in self.worst.iter_mut().zip(other.worst) {
+            let larger = match (&*mine, &theirs) {
+                (Some(mine), Some(theirs)) => theirs.error.is_nan() || theirs.error > mine.error,
+                (mine, _) => mine.is_none(),
+            };
+            if larger {
+                *mine = theirs;
+            }
+        }
+        for (mine, theirs) in self.counted.iter_mut().zip(other.counted) {
+            *mine += theirs;
+        }
+        self.fragments += other.fragments;
+        self.wrong_faces += other.wrong_faces;
+        self.wrong_counts += other.wrong_counts;
+        self
+    }
+}
+
+/// Errors of one fragment; `None` where a figure does not apply.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    errors: [Option<f64>; FIGURES.len()],
+    wrong_face: bool,
+    wrong_count: bool,
+}
+
+/// The reference's view of port values, in units in which n and v have exponent 0: no result depends on the lengths
+/// of (n, dn) and (v, dv), and squares of f64 must not overflow.
+pub fn reference_inputs(fragment: &ReflectionIn) -> reference::Inputs {
+    let relative = |vector: &BlockVector, to: &BlockVector| {
+        let mantissa = real_vector(&BlockVector { exponent: 0, ..*vector });
+        let exponent = i32::from(vector.exponent) - i32::from(to.exponent);
+        mantissa.to_array().map(|x| scale_by_power_of_two(x, exponent))
+    };
+    let ReflectionIn { normal, view, .. } = fragment;
+    reference::Inputs {
+        normal: relative(normal, normal),
+        view: relative(view, view),
+        tangents: fragment.tangents.map(|t| real_vector(&t).to_array()),
+        offset: fragment.offset.map(real_offset),
+        roughness: fragment.roughness.map(real_offset),
+        dview: fragment.dview.map(|d| relative(&d, view)),
+        dnormal: fragment.dnormal.map(|d| relative(&d, normal)),
+        edge_texels: u32::from(fragment.edge_texels.clamp(1, 16384)),
+    }
+}
+
+/// The reference's options for a plan and a profile.
+pub fn reference_options(plan: &ReflectionPlan, p: &Precision) -> reference::Options {
+    reference::Options {
+        frame: match plan.frame {
+            FrameSystem::MainDirection => reference::frame::FrameSystem::MainDirection,
+            FrameSystem::Natural => reference::frame::FrameSystem::Natural,
+            FrameSystem::NaturalNormalised => reference::frame::FrameSystem::NaturalNormalised,
+        },
+        roughness: match plan.roughness {
+            RoughnessKind::None => reference::Roughness::None,
+            RoughnessKind::Isotropic => reference::Roughness::Isotropic,
+            RoughnessKind::Anisotropic => reference::Roughness::Anisotropic,
+        },
+        probe_rule: match p.probe_rule {
+            ProbeRule::Ceiling => reference::probes::ProbeRule::Ceiling,
+            ProbeRule::PowerOfTwo => reference::probes::ProbeRule::PowerOfTwo,
+        },
+        max_probes: p.max_probes,
+    }
+}
+
+/// Compares the outputs of one fragment with the reference.
+fn compare(fragment: &ReflectionIn, got: &ReflectionOut, plan: &ReflectionPlan, p: &Precision) -> Sample {
+    let want = reference::reflection(&reference_inputs(fragment), &reference_options(plan, p));
+    let mut sample = Sample::default();
+    let mut record = |figure: Figure, error: f64| sample.errors[figure.index()] = Some(error);
+
+    let normal = real_vector(&BlockVector { exponent: 0, ..fragment.normal });
+    let [e1, e2] = got
+        .frame
+        .map(|e| real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.normal.exponent), ..e }));
+    let length = normal.length();
+    if plan.frame != FrameSystem::Natural && length > 0.0 && e1.length() > 0.0 {
+        let (unit, e1, e2) = (normal / length, e1 / length, e2 / length);
+        let lengths = [e1, e2].map(|e| (e.length() - 1.0).abs());
+        // Systems 1 and 2 are not orthogonal in themselves.
+        let skew = if plan.frame == FrameSystem::MainDirection { e1.dot(e2).abs() } else { 0.0 };
+        let lean = e1.dot(unit).abs().max(e2.dot(unit).abs());
+        record(Figure::Frame, skew.max(lean).max(lengths[0]).max(lengths[1]));
+    }
+
+    if want.selection.m == 0.0 {
+        sample.wrong_face = got.face != 4;
+        return sample;
+    }
+    let reflected = real_vector(&BlockVector { exponent: 0, ..got.reflected }).to_array();
+    let cross = reference::linear::cross(want.reflected, reflected);
+    record(Figure::Reflected, norm(&cross) / (norm(&want.reflected) * norm(&reflected)));
+
+    let same_face = usize::from(got.face) == want.selection.face;
+    if !same_face {
+        sample.wrong_face = want.tie_margin > TIE_MARGIN;
+        return sample;
+    }
+    let [s, t] = got.st.map(|x| f64::from(x.to_bits()) / f64::from(1 << 30));
+    record(Figure::Coordinates, (s - want.selection.s).abs().max((t - want.selection.t).abs()));
+
+    if want.axes.major > 0.0 {
+        let conditioned = want.axes.major.max(want.footprint_scale() / CANCELLATION);
+        record(Figure::MajorAxis, (real_number(&got.major) - want.axes.major).abs() / conditioned);
+        // Where most of the footprint cancelled its shape is noise; its size is still judged above.
+        if want.axes.major * CANCELLATION > want.footprint_scale() {
+            let lod = f64::from(got.lod.to_bits()) / 65536.0;
+            record(Figure::LevelOfDetail, (lod - want.probes.lod).abs());
+            if want.axes.ratio() >= 1.1 {
+                let direction = got.direction.map(|x| f64::from(x.to_bits()));
+                record(Figure::Direction, axis_angle(direction, want.axes.direction).to_degrees());
+            }
+            // A count may differ only where the ratio is within its own error of an integer.
+            let ratio = want.axes.ratio();
+            let noise = 2.0_f64.powi(6 - p.fraction_bits as i32) * ratio * ratio;
+            let near_boundary = (ratio - ratio.round()).abs() <= noise;
+            let saturated = got.status & roughxel_core::status::StatusBit::FootprintSaturated as u32 != 0;
+            sample.wrong_count = u32::from(got.probes) != want.probes.count && !near_boundary && !saturated;
+        }
+    }
+    sample
+}
+
+/// Measures `fragments` random fragments and every hard-case set of the profile `p`.
+///
+/// `progress` is called with the number of fragments done since the last call, from any thread.
+pub fn measure(p: &Precision, fragments: u64, progress: impl Fn(u64) + Sync) -> Accuracy {
+    const CHUNK: u64 = 4096;
+    let plan = ReflectionPlan::FULL;
+    let random = (0..fragments.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let mut accuracy = Accuracy::default();
+            let range = chunk * CHUNK..fragments.min((chunk + 1) * CHUNK);
+            progress(range.end - range.start);
+            for index in range {
+                let fragment = random_fragment("random", index, p);
+                accuracy.add("random", index, &fragment, &compare(&fragment, &fragment.reflect(&plan, p), &plan, p));
+            }
+            accuracy
+        })
+        .collect::<Vec<_>>();
+    let hard = hard_case_sets(p).into_iter().map(|set| {
+        let mut accuracy = Accuracy::default();
+        for (index, fragment) in (0..).zip(&set.fragments) {
+            let sample = compare(fragment, &fragment.reflect(&set.plan, p), &set.plan, p);
+            accuracy.add(set.name, index, fragment, &sample);
+        }
+        accuracy
+    });
+    random.into_iter().chain(hard).fold(Accuracy::default(), Accuracy::merge)
+}
+
+/// Whether a profile finds directions by table, whose error is not one of arithmetic.
+pub fn uses_angle_table(p: &Precision) -> bool {
+    matches!(p.direction, AxisDirection::Table { .. })
+}

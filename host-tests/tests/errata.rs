@@ -1,0 +1,13 @@
+//! The errata of the papers as executable claims: each test shows that the printed formula fails and that the
+//! corrected one holds, so that nobody corrects the code back to the print.
+//!
+//! Test names carry the row of the table. W97 is "Antialiasing of Environment Maps", S97 "Towards Real-Time
+//! Photorealistic Rendering", F92 "Filtering Normal Maps and Creating Multiple Surfaces". Everything is measured on
+//! the float64 reference or on a few lines of local mathematics, never on the integer datapath.
+
+#[path = "errata/f92.rs"]
+mod f92;
+#[path = "errata/s97.rs"]
+mod s97;
+#[path = "errata/w97.rs"]
+mod w97;
