@@ -1,0 +1,355 @@
+//! Whole frames through the integer datapath: visibility, fetches and the blocks of each object's plan.
+//!
+//! Deferred: a tile's visible triangles first, then each pixel once. Tiles are independent, so the bits of a frame
+//! do not depend on the number of threads. Memory between address and texel lives here; everything between texel
+//! and pixel is a stage of `roughxel-core`.
+
+mod environment;
+mod texture;
+
+use std::fmt;
+
+use fixed::types::I4F28;
+use glam::DVec3;
+use rayon::prelude::*;
+use roughxel_core::datapath;
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale};
+use roughxel_core::precision::Precision;
+use roughxel_core::setup::block_vector;
+use roughxel_core::signals::MapScale;
+use roughxel_core::stage::blend::blend;
+use sha2::{Digest, Sha256};
+
+use crate::picture::Picture;
+use crate::plan::{Mode, ObjectPlan, frame_system};
+use crate::raster::{
+    FragmentAttributes, Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles,
+};
+use crate::scene::{Background, Scene};
+use environment::EnvironmentMap;
+use texture::{BumpMap, ColourMap};
+
+/// Linear colour with 24 fraction bits per channel, I8F24.
+pub type Colour = [i32; 3];
+
+/// A scene with its maps built for one profile and mode; borrows the scene's geometry.
+pub struct Prepared<'a> {
+    scene: &'a Scene,
+    projection: Projection,
+    mode: Mode,
+    precision: Precision,
+    environment: Option<EnvironmentMap>,
+    environment_scale: MapScale<i32>,
+    objects: Vec<PreparedObject>,
+}
+
+/// Maps and constants of one object.
+struct PreparedObject {
+    plan: ObjectPlan,
+    colour: Colour,
+    reflectance: [Fx<i32, 16>; 3],
+    main_direction: BlockVector,
+    colour_map: Option<ColourMap>,
+    bump_map: Option<BumpMap>,
+}
+
+/// A finished frame, rows top to bottom.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear colours, I8F24.
+    pub pixels: Vec<Colour>,
+}
+
+impl Frame {
+    /// The frame in linear light.
+    pub fn picture(&self) -> Picture {
+        let pixels =
+            self.pixels.iter().map(|pixel| pixel.map(|channel| (f64::from(channel) / f64::from(1 << 24)) as f32));
+        Picture { width: self.width, height: self.height, pixels: pixels.collect() }
+    }
+
+    /// SHA-256 over size and pixels (big-endian words): equal exactly where every bit of the frame is.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(self.width.to_be_bytes());
+        hash.update(self.height.to_be_bytes());
+        for channel in self.pixels.iter().flatten() {
+            hash.update(channel.to_be_bytes());
+        }
+        hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+    }
+}
+
+/// The largest exponent of a map: colours stay below 64, the range of the blend. A brighter sun is cut to it.
+pub const MAX_MAP_EXPONENT: i32 = 6;
+
+/// A linear colour as I8F24, cut to the range of the blend.
+fn colour_word(colour: [f32; 3]) -> Colour {
+    colour.map(|channel| (f64::from(channel).clamp(0.0, 63.0) * f64::from(1 << 24)).round() as i32)
+}
+
+impl fmt::Debug for Prepared<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Prepared").field("scene", &self.scene.name).field("mode", &self.mode).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Prepared<'a> {
+    /// Builds the maps a scene needs in a mode with a profile; what the plan leaves out is not built.
+    pub fn new(scene: &'a Scene, mode: Mode, profile: &Precision) -> Result<Self, RasterError> {
+        let precision = mode.precision(profile);
+        let projection = Projection::new(&scene.camera)?;
+        let any_reflection = scene.objects.iter().any(|o| o.material.reflectance.iter().any(|&r| r > 0.0));
+        let needs_environment = any_reflection || matches!(scene.background, Background::Environment);
+        let environment = scene
+            .environment
+            .as_ref()
+            .filter(|_| needs_environment)
+            .map(|source| EnvironmentMap::new(&source.faces, mode.filters()));
+        let edge = environment.as_ref().map_or(1, EnvironmentMap::edge);
+        let objects = scene
+            .objects
+            .par_iter()
+            .map(|object| {
+                let material = &object.material;
+                let natural = frame_system(material.frame) != FrameSystem::MainDirection;
+                let bump = material
+                    .bump
+                    .as_ref()
+                    .filter(|_| environment.is_some())
+                    .map(|field| BumpMap::pyramid(field, natural, mode.filters(), &precision));
+                let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
+                PreparedObject {
+                    plan,
+                    colour: colour_word(material.colour),
+                    reflectance: material
+                        .reflectance
+                        .map(|r| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32)),
+                    main_direction: block_vector(material.main_direction, &precision),
+                    colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
+                    bump_map: bump.filter(|_| plan.bump_map).map(BumpMap::new),
+                }
+            })
+            .collect();
+        let environment_scale = environment_scale(edge as u16, &precision);
+        Ok(Self { scene, projection, mode, precision, environment, environment_scale, objects })
+    }
+
+    /// The plan of each object, in the order of the scene.
+    pub fn plans(&self) -> impl Iterator<Item = &ObjectPlan> {
+        self.objects.iter().map(|object| &object.plan)
+    }
+
+    /// Draws the frame. `progress` is called once for each of [`Self::work`] pieces, from any thread.
+    pub fn render(&self, progress: impl Fn() + Sync) -> Result<Frame, RasterError> {
+        let (width, height) = (self.projection.width(), self.projection.height());
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
+        let shaded: Vec<(TileRect, Vec<Colour>)> = tiles(width, height)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|tile| {
+                let colours = self.shade_tile(&triangles, tile);
+                progress();
+                (tile, colours)
+            })
+            .collect();
+        let mut pixels = vec![[0; 3]; width as usize * height as usize];
+        for (tile, colours) in shaded {
+            for (row, line) in (0..).zip(colours.chunks(tile.width as usize)) {
+                let start = (tile.y + row) as usize * width as usize + tile.x as usize;
+                pixels[start..start + line.len()].copy_from_slice(line);
+            }
+        }
+        Ok(Frame { width, height, pixels })
+    }
+
+    /// Number of progress steps of [`Self::render`].
+    pub fn work(&self) -> u64 {
+        tiles(self.projection.width(), self.projection.height()).count() as u64
+    }
+
+    /// Sample positions in a pixel, sub-pixels from its corner: the centre, or a regular grid.
+    fn sample_offsets(&self) -> Vec<[i32; 2]> {
+        let edge = self.mode.samples_edge() as i32;
+        let place = |i: i32| (2 * i + 1) * SUBPIXELS / (2 * edge);
+        (0..edge * edge).map(|i| [place(i % edge), place(i / edge)]).collect()
+    }
+
+    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> Vec<Colour> {
+        let offsets = self.sample_offsets();
+        let mut buffer = TileBuffer::new();
+        let mut sums = vec![[0_i64; 3]; tile.width as usize * tile.height as usize];
+        for &offset in &offsets {
+            triangles.rasterise_tile(tile, offset, &mut buffer);
+            let mut current: Option<(u32, Option<Triangle<'_>>)> = None;
+            let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (tile.x + x, tile.y + y)));
+            for ((sum, (x, y)), visible) in sums.iter_mut().zip(positions).zip(buffer.triangles()) {
+                let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
+                let colour = match visible {
+                    None => self.background(x, y),
+                    Some(index) => {
+                        let object = triangles.object_index(index);
+                        if current.as_ref().is_none_or(|(held, _)| *held != index) {
+                            current = Some((index, triangles.triangle(index, self.needs_tangents(object))));
+                        }
+                        match &current {
+                            Some((_, Some(triangle))) => self.shade(object, &triangle.fragment(x, y)),
+                            _ => [0; 3],
+                        }
+                    }
+                };
+                for (sum, channel) in sum.iter_mut().zip(colour) {
+                    *sum += i64::from(channel);
+                }
+            }
+        }
+        let samples = offsets.len() as i64;
+        sums.into_iter().map(|sum| sum.map(|channel| ((channel + samples / 2) / samples) as i32)).collect()
+    }
+
+    fn needs_tangents(&self, object: usize) -> bool {
+        let plan = self.objects[object].plan.reflection;
+        plan.is_some_and(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
+    }
+
+    /// One fragment through the blocks of its object's plan.
+    fn shade(&self, object: usize, attributes: &FragmentAttributes) -> Colour {
+        let prepared = &self.objects[object];
+        let p = &self.precision;
+        let surface = match &prepared.colour_map {
+            None => prepared.colour,
+            Some(map) => {
+                let sample = map.sample(attributes, prepared.plan.texture_footprint, p);
+                core::array::from_fn(|i| multiply(sample[i], prepared.colour[i]))
+            }
+        };
+        let Some((input, plan)) = self.reflection_input(prepared, attributes) else { return surface };
+        let stages = datapath::reflection(&input.wires(self.environment_scale), &plan, p);
+        let reflection = self.environment.as_ref().map_or([0; 3], |map| map.sample(&stages.point, &stages.probes, p));
+        core::array::from_fn(|i| {
+            blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), prepared.reflectance[i]).raw()
+        })
+    }
+
+    /// Ports of the reflection datapath, bump map sampled; `None` where the object reflects nothing.
+    fn reflection_input(
+        &self,
+        object: &PreparedObject,
+        attributes: &FragmentAttributes,
+    ) -> Option<(ReflectionIn, ReflectionPlan)> {
+        let plan = object.plan.reflection?;
+        let (offset, roughness) = match &object.bump_map {
+            None => ([I4F28::ZERO; 2], [I4F28::ZERO; 3]),
+            Some(map) => map.sample(attributes, object.plan.texture_footprint, plan.roughness, &self.precision),
+        };
+        let tangents = match plan.frame {
+            FrameSystem::MainDirection => [object.main_direction, BlockVector::default()],
+            FrameSystem::Natural | FrameSystem::NaturalNormalised => attributes.tangents,
+        };
+        let input = ReflectionIn {
+            normal: attributes.normal,
+            view: attributes.view,
+            tangents,
+            offset,
+            roughness,
+            dview: attributes.dview,
+            dnormal: attributes.dnormal,
+            edge_texels: self.environment.as_ref().map_or(1, |map| map.edge() as u16),
+        };
+        Some((input, plan))
+    }
+
+    /// What a ray that hits nothing sees.
+    fn background(&self, x: i32, y: i32) -> Colour {
+        match (&self.scene.background, &self.environment) {
+            (Background::Colour(colour), _) => colour_word(*colour),
+            (Background::Ramp { top, bottom }, _) => {
+                let down = y as f32 / (self.projection.height() as i32 * SUBPIXELS) as f32;
+                colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down))
+            }
+            (Background::Environment, None) => [0; 3],
+            (Background::Environment, Some(map)) => {
+                // A mirror facing the ray from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|², and a footprint as wide as the pixel's.
+                let view = self.projection.ray_view(x, y);
+                let ray = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
+                let input =
+                    ReflectionIn { normal: ray, view: ray, dview: self.projection.dview(), ..ReflectionIn::default() };
+                let plan = ReflectionPlan {
+                    bump: false,
+                    frame: FrameSystem::MainDirection,
+                    roughness: roughxel_core::precision::RoughnessKind::None,
+                    curvature: false,
+                    footprint: self.mode.filters(),
+                };
+                let stages = datapath::reflection(&input.wires(self.environment_scale), &plan, &self.precision);
+                map.sample(&stages.point, &stages.probes, &self.precision)
+            }
+        }
+    }
+
+    /// Inputs of the reflection datapath for at most `most` reflecting fragments, evenly spread over the frame, with
+    /// their plan: what `render --capture` and the demo export as vectors. Ports are quantised to the profile.
+    pub fn capture(&self, most: usize) -> Result<Vec<(ReflectionIn, ReflectionPlan)>, RasterError> {
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
+        let mut buffer = TileBuffer::new();
+        let mut fragments = Vec::new();
+        for tile in tiles(self.projection.width(), self.projection.height()) {
+            triangles.rasterise_tile(tile, crate::raster::PIXEL_CENTRE_SUBPX, &mut buffer);
+            for y in tile.y..tile.y + tile.height {
+                for x in tile.x..tile.x + tile.width {
+                    let Some(index) = buffer.triangle_at(x, y) else { continue };
+                    if self.objects[triangles.object_index(index)].plan.reflection.is_some() {
+                        fragments.push((x, y, index));
+                    }
+                }
+            }
+        }
+        // Rows first, so that the choice does not depend on the tiles.
+        fragments.sort_unstable_by_key(|&(x, y, _)| (y, x));
+        let count = most.min(fragments.len());
+        let chosen = (0..count).filter_map(|i| {
+            let &(x, y, index) = fragments.get(i * fragments.len() / count.max(1))?;
+            let object = triangles.object_index(index);
+            let triangle = triangles.triangle(index, self.needs_tangents(object))?;
+            let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
+            let (input, plan) = self.reflection_input(&self.objects[object], &triangle.fragment(x, y))?;
+            Some((quantised(&input, &self.precision), plan))
+        });
+        Ok(chosen.collect())
+    }
+}
+
+/// The fragment with every port rounded to what the profile keeps.
+fn quantised(input: &ReflectionIn, p: &Precision) -> ReflectionIn {
+    let vector = |v: BlockVector| {
+        let mantissa = DVec3::from_array(v.mantissa.map(|m| f64::from(m.to_bits())));
+        let rounded = block_vector(mantissa, p);
+        // The integers of the mantissa are 2^30 times its value.
+        BlockVector {
+            exponent: if rounded == BlockVector::default() { 0 } else { rounded.exponent + v.exponent - 30 },
+            ..rounded
+        }
+    };
+    let number = |x: I4F28| I4F28::from_bits(Fx::<i32, 28>::from_raw(x.to_bits()).keep(p.offset_bits()).raw());
+    ReflectionIn {
+        normal: vector(input.normal),
+        view: vector(input.view),
+        tangents: input.tangents.map(vector),
+        offset: input.offset.map(number),
+        roughness: input.roughness.map(number),
+        dview: input.dview.map(vector),
+        dnormal: input.dnormal.map(vector),
+        edge_texels: input.edge_texels,
+    }
+}
+
+/// Product of two colours with 24 fraction bits, rounded to nearest.
+fn multiply(a: i32, b: i32) -> i32 {
+    ((i64::from(a) * i64::from(b) + (1 << 23)) >> 24) as i32
+}

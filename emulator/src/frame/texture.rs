@@ -1,0 +1,219 @@
+//! Fetches from repeated maps: colour, and bumps with their second moments.
+
+use std::sync::Arc;
+
+use fixed::types::I4F28;
+use roughxel_core::block::Block;
+use roughxel_core::fx::Fx;
+use roughxel_core::ports::{TextureIn, texture_scale};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::signals::{Ellipse, MapScale, Probes};
+use roughxel_core::stage::filter::{Address, ProbeSum, levels, repeat_address, trilinear};
+use roughxel_core::stage::texture::{TextureScale, texture_position};
+use roughxel_core::stage::{axes, moments, probes};
+
+use crate::maps::bump::{BumpOptions, BumpPyramid};
+use crate::maps::mip::{ColourPyramid, smallest_exponent};
+use crate::maps::roughness::RoughnessStorage;
+use crate::picture::Picture;
+use crate::raster::FragmentAttributes;
+use crate::scene::BumpField;
+
+use super::{Colour, MAX_MAP_EXPONENT};
+
+/// Geometry of a repeated map: its scale for the footprint and the size of its levels.
+struct RepeatedMap {
+    scale: (TextureScale<i32>, MapScale<i32>),
+    sizes: Vec<[i32; 2]>,
+}
+
+impl RepeatedMap {
+    fn new(sizes: impl Iterator<Item = (u32, u32)>) -> Self {
+        let sizes: Vec<[i32; 2]> = sizes.map(|(width, height)| [width as i32, height as i32]).collect();
+        let base = sizes.first().copied().unwrap_or([1, 1]);
+        Self { scale: texture_scale(base.map(|edge| edge as u16)), sizes }
+    }
+
+    /// Averages `CHANNELS` channels over the footprint of a fragment: N trilinear probes along its major axis.
+    ///
+    /// `texel(level, index)` reads a texel; a sample has `extra` fraction bits more than a texel.
+    fn assemble<const CHANNELS: usize>(
+        &self,
+        attributes: &FragmentAttributes,
+        footprint: bool,
+        p: &Precision,
+        extra: u32,
+        texel: impl Fn(usize, usize) -> [i32; CHANNELS],
+    ) -> [i32; CHANNELS] {
+        let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
+        let uv = input.uv.map(|u| Fx::<i64, 32>::from_raw(i64::from(u.to_bits())));
+        if !footprint {
+            return self.trilinear(&uv, Fx::zero(), p, extra, &texel);
+        }
+        let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
+        let count = probes.count.raw();
+        if count == 1 {
+            return self.trilinear(&uv, probes.lod, p, extra, &texel);
+        }
+        let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
+        for index in 0..count {
+            let index = Fx::from_raw(index);
+            let place = texture_position(&uv, &probes::position(&probes, index), &self.scale.0);
+            let sample = self.trilinear(&place, probes.lod, p, extra, &texel);
+            let weight = probes::weight(&probes, index, p);
+            for (sum, channel) in sums.iter_mut().zip(sample) {
+                *sum = sum.add(channel, weight);
+            }
+        }
+        sums.map(ProbeSum::mean)
+    }
+
+    fn trilinear<const CHANNELS: usize>(
+        &self,
+        uv: &[Fx<i64, 32>; 2],
+        lod: Fx<i32, 16>,
+        p: &Precision,
+        extra: u32,
+        texel: &impl Fn(usize, usize) -> [i32; CHANNELS],
+    ) -> [i32; CHANNELS] {
+        let pair = levels(lod);
+        let fine = pair.level.raw() as usize;
+        let coarse = (fine + 1).min(self.sizes.len() - 1);
+        let fetch = |level: usize| {
+            let size = self.sizes[level];
+            let address: Address<i32> = repeat_address(uv, size.map(Fx::from_raw), p);
+            let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as usize;
+            let [x, y] = address.index.map(Fx::raw);
+            let (x0, x1) = (wrap(x, size[0]), wrap(x + 1, size[0]));
+            let (y0, y1) = (wrap(y, size[1]), wrap(y + 1, size[1]));
+            let width = size[0] as usize;
+            let texels =
+                [y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1].map(|index| texel(level, index));
+            (texels, address.weight)
+        };
+        let (a, a_weight) = fetch(fine);
+        let (b, b_weight) = if pair.weight.raw() == 0 { (a, a_weight) } else { fetch(coarse) };
+        core::array::from_fn(|channel| {
+            let (a, b) = (a.map(|texel| texel[channel]), b.map(|texel| texel[channel]));
+            trilinear((&a, &a_weight), (&b, &b_weight), pair.weight, extra)
+        })
+    }
+}
+
+/// A colour map.
+pub(super) struct ColourMap {
+    map: RepeatedMap,
+    pyramid: ColourPyramid,
+}
+
+impl ColourMap {
+    /// Builds the pyramid, or only its base where nothing is filtered.
+    pub(super) fn new(picture: &Arc<Picture>, filters: bool) -> Self {
+        let exponent = smallest_exponent([picture.as_ref()]).min(MAX_MAP_EXPONENT);
+        let mut pyramid = ColourPyramid::with_exponent(picture, exponent);
+        if !filters {
+            pyramid.levels.truncate(1);
+        }
+        let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
+        Self { map, pyramid }
+    }
+
+    /// The mean colour of the footprint.
+    pub(super) fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
+        let sample = self.map.assemble(attributes, footprint, p, 8, |level, index| {
+            self.pyramid.levels[level].texels[index].map(i32::from)
+        });
+        sample.map(|channel| channel << self.pyramid.exponent)
+    }
+}
+
+/// A bump map with roughness.
+pub(super) struct BumpMap {
+    map: RepeatedMap,
+    /// Five channels per texel: b₁, b₂ (30 fraction bits) and second moments (29), in units of the scale. What the
+    /// hardware works out for each fetched texel depends on that texel only, so it is kept.
+    levels: Vec<Vec<[i32; 5]>>,
+    /// log₂ of the unit of the channels.
+    exponent: i32,
+}
+
+impl BumpMap {
+    /// The pyramid of a field as the profile stores it.
+    pub(super) fn pyramid(field: &Arc<BumpField>, natural: bool, filters: bool, p: &Precision) -> BumpPyramid {
+        let kind = if filters { p.roughness } else { RoughnessKind::None };
+        let options = BumpOptions {
+            negate: natural,
+            roughness: RoughnessStorage::new(kind, p.roughness_bits),
+            base_deviation: 0.0,
+        };
+        let mut pyramid = BumpPyramid::new(field, &options);
+        if !filters {
+            pyramid.levels.truncate(1);
+        }
+        pyramid
+    }
+
+    /// Decodes a pyramid into moments.
+    pub(super) fn new(pyramid: BumpPyramid) -> Self {
+        let format = pyramid.format;
+        let exponent = format.offset_exponent.max(format.roughness_exponent);
+        let isotropic = format.roughness.kind() == RoughnessKind::Isotropic;
+        // A decoded word has 28 fraction bits; in units of 2^exponent with 30 it is shifted by 2 − exponent ≥ −1,
+        // and the codes leave that one bit free.
+        let scaled = |word: i32| -> Fx<i32, 30> {
+            Fx::from_raw(if exponent > 2 { word >> (exponent - 2) } else { word << (2 - exponent) })
+        };
+        let levels = pyramid
+            .levels
+            .iter()
+            .map(|level| {
+                let texel = |index: usize| {
+                    let (x, y) = (index as u32 % level.width, index as u32 / level.width);
+                    let decoded = level.texel(x, y).decode(&format);
+                    let (offset, d) = (decoded.offset.map(scaled), decoded.roughness.map(scaled));
+                    let (b, second) = if isotropic {
+                        moments::of_isotropic_texel(&offset, d[0])
+                    } else {
+                        moments::of_texel(&offset, &d)
+                    };
+                    [b[0].raw(), b[1].raw(), second[0].raw(), second[1].raw(), second[2].raw()]
+                };
+                (0..level.offsets.len()).map(texel).collect()
+            })
+            .collect();
+        let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
+        Self { map, levels, exponent }
+    }
+
+    /// Mean offset and roughness of the footprint, as the ports of the reflection datapath take them.
+    pub(super) fn sample(
+        &self,
+        attributes: &FragmentAttributes,
+        footprint: bool,
+        kind: RoughnessKind,
+        p: &Precision,
+    ) -> ([I4F28; 2], [I4F28; 3]) {
+        let [b1, b2, m11, m12, m22] =
+            self.map.assemble(attributes, footprint, p, 0, |level, index| self.levels[level][index]);
+        let b: [Fx<i32, 30>; 2] = [Fx::from_raw(b1), Fx::from_raw(b2)];
+        let port = |word: i32, shift: i32| {
+            let word = i64::from(word);
+            let moved = if shift >= 0 { word << shift } else { (word + (1 << (-shift - 1))) >> -shift };
+            I4F28::from_bits(moved.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
+        };
+        let offset = b.map(|b| port(b.raw(), self.exponent - 2));
+        if kind == RoughnessKind::None {
+            return (offset, [I4F28::ZERO; 3]);
+        }
+        let second = [m11, m12, m22].map(Fx::from_raw);
+        let k = moments::covariance(&(b, second), p);
+        let d = match kind {
+            RoughnessKind::Isotropic => {
+                let major = axes::axes(&Ellipse { k, det: Block::zero() }, p).major;
+                [moments::to_roughness(major), Fx::zero(), Fx::zero()]
+            }
+            _ => moments::decompose(&k, p),
+        };
+        (offset, d.map(|d| port(d.raw(), self.exponent)))
+    }
+}

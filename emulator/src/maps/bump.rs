@@ -1,0 +1,516 @@
+//! Bump pyramid: offsets (b₁, b₂) and the roughness that replaces the bumps a level has lost (S97 §7–8).
+//!
+//! The offsets of a level are the means over the covered area of level 0, a standard mip map. Roughness is the covariance
+//! over the same area ([`roughness`](crate::maps::roughness)), both from the *quantised* offsets of level 0, so a level and its
+//! roughness describe the texels that the hardware would have fetched. Codes carry one power-of-two scale per map,
+//! chosen as small as the map allows; decoding to the datapath's I4F28 ports is a shift.
+
+use crate::maps::mip::{for_each_level, round_ratio};
+use crate::maps::power_of_two;
+use crate::maps::roughness::{Covariance, RoughnessStorage, moments};
+use crate::scene::BumpField;
+use rayon::prelude::*;
+
+/// Fraction bits of the ports that offsets and roughness enter by (I4F28).
+pub const PORT_FRACTION_BITS: i32 = 28;
+
+/// How [`BumpPyramid::new`] stores a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpOptions {
+    /// The offsets are stored as −b: for the natural systems of S97 §7, whose s_u = n × p_v runs along −u.
+    pub negate: bool,
+    /// Kind and word length of the roughness.
+    pub roughness: RoughnessStorage,
+    /// Standard deviation of the offsets below the resolution of level 0, in both directions, in units of an
+    /// offset; added to the covariance of every level. 0 for a surface that is smooth between its bumps.
+    pub base_deviation: f64,
+}
+
+/// Scales of the codes of one map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BumpFormat {
+    /// Offset = code · 2^(offset_exponent − 15), −13…3.
+    pub offset_exponent: i32,
+    /// Roughness component = code · 2^(roughness_exponent − bits), bits − 28…3.
+    pub roughness_exponent: i32,
+    /// Kind and word length of the roughness.
+    pub roughness: RoughnessStorage,
+}
+
+/// One level of a bump map, texels in rows, row 0 at v = 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BumpLevel {
+    /// Texels in a row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Codes of b₁, b₂, within ±32767.
+    pub offsets: Vec<[i16; 2]>,
+    /// Codes of d₁, d₂, d₃ (isotropic: I₁, 0, 0); **empty** where all are 0, so that smooth levels cost no memory.
+    pub roughness: Vec<[i32; 3]>,
+}
+
+impl BumpLevel {
+    /// The texel in column `x` and row `y`.
+    ///
+    /// # Panics
+    /// If the texel lies outside of the level.
+    pub fn texel(&self, x: u32, y: u32) -> BumpTexel {
+        let index = y as usize * self.width as usize + x as usize;
+        BumpTexel { offset: self.offsets[index], roughness: self.roughness.get(index).copied().unwrap_or_default() }
+    }
+}
+
+/// Codes of one texel of a bump map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BumpTexel {
+    /// b₁, b₂.
+    pub offset: [i16; 2],
+    /// d₁, d₂, d₃, or I₁, 0, 0.
+    pub roughness: [i32; 3],
+}
+
+impl BumpTexel {
+    /// The texel in units of 2⁻²⁸, as the ports take it: exact, one shift to the left per component.
+    ///
+    /// Range: offsets below 8 − 2⁻¹² in magnitude, roughness below 8; a word of 32 bits never overflows.
+    pub fn decode(&self, format: &BumpFormat) -> DecodedBump {
+        let offset_shift = PORT_FRACTION_BITS + format.offset_exponent - 15;
+        let roughness_shift = PORT_FRACTION_BITS + format.roughness_exponent - format.roughness.bits() as i32;
+        DecodedBump {
+            offset: self.offset.map(|code| i32::from(code) << offset_shift),
+            roughness: self.roughness.map(|code| code << roughness_shift),
+        }
+    }
+}
+
+/// A texel of a bump map in units of 2⁻²⁸ (raw I4F28).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DecodedBump {
+    /// b₁, b₂, relative to |n|.
+    pub offset: [i32; 2],
+    /// d₁, d₂, d₃ with K = (d₁, d₂; 0, d₃)(d₁, d₂; 0, d₃)ᵀ, or I₁, 0, 0; relative to |n|.
+    pub roughness: [i32; 3],
+}
+
+/// A bump map with its mip levels and the roughness of each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BumpPyramid {
+    /// Level 0 (full size) first, down to 1×1.
+    pub levels: Vec<BumpLevel>,
+    /// Scales of the codes.
+    pub format: BumpFormat,
+    /// Texels of level 0 with an offset of 8 or more in magnitude, or one that is no number: they are stored as the
+    /// nearest offset that fits, or 0. A caller may warn if this is not 0.
+    pub saturated: usize,
+}
+
+impl BumpPyramid {
+    /// Quantises a field to 16-bit offsets and builds all levels with their roughness.
+    ///
+    /// Rounding: offsets to nearest, ties up before the sign is applied (so negated maps mirror each other), once
+    /// for level 0 and once from its exact sums for every other level; roughness as its storage says. Level 0 has
+    /// roughness only where `base_deviation` is not 0.
+    ///
+    /// # Panics
+    /// If `field` has no texels, or not `width · height` of them.
+    pub fn new(field: &BumpField, options: &BumpOptions) -> Self {
+        let (width, height) = (field.width, field.height);
+        assert!(width > 0 && field.offsets.len() == width as usize * height as usize);
+        let offset_exponent = smallest_offset_exponent(&field.offsets);
+        let scale = power_of_two(15 - offset_exponent);
+        let offsets: Vec<[i16; 2]> =
+            field.offsets.par_iter().map(|offset| offset.map(|o| quantise_offset(o, scale, options.negate))).collect();
+        let saturated = field.offsets.iter().filter(|offset| offset.iter().any(|o| !fits(*o))).count();
+
+        let storage = options.roughness;
+        let lsb = power_of_two(offset_exponent - 15);
+        let base_variance = (options.base_deviation / lsb) * (options.base_deviation / lsb);
+        let components = |covariance: Covariance| {
+            storage.components(covariance.plus_isotropic(base_variance)).map(|component| component * lsb)
+        };
+        let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
+        let mut levels = vec![BumpLevel { width, height, offsets: Vec::new(), roughness: Vec::new() }];
+        // Components in units of an offset; level 0 has the same in all texels.
+        let base_components = components(smooth);
+        let mut lost = vec![Vec::new()];
+        for_each_level(
+            width,
+            height,
+            |index| moments(offsets[index]),
+            |sums| {
+                let mean = |sum: i64| round_ratio(sum, sums.area) as i16;
+                levels.push(BumpLevel {
+                    width: sums.width,
+                    height: sums.height,
+                    offsets: sums.sums.par_iter().map(|sums| [mean(sums[0]), mean(sums[1])]).collect(),
+                    roughness: Vec::new(),
+                });
+                lost.push(
+                    sums.sums.par_iter().map(|moments| components(Covariance::of(*moments, sums.area))).collect(),
+                );
+            },
+        );
+        levels[0].offsets = offsets;
+
+        let largest =
+            lost.iter().flatten().chain([&base_components]).flatten().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+        let roughness_exponent = storage.smallest_exponent(largest);
+        let base_codes = storage.quantise(base_components, roughness_exponent);
+        if base_codes != [0; 3] {
+            levels[0].roughness = vec![base_codes; levels[0].offsets.len()];
+        }
+        for (level, lost) in levels.iter_mut().zip(&lost).skip(1) {
+            let codes: Vec<_> =
+                lost.par_iter().map(|components| storage.quantise(*components, roughness_exponent)).collect();
+            if codes.iter().any(|codes| *codes != [0; 3]) {
+                level.roughness = codes;
+            }
+        }
+        Self { levels, format: BumpFormat { offset_exponent, roughness_exponent, roughness: storage }, saturated }
+    }
+
+    /// Whether any texel of the level has roughness: bumps that it does not show, or base roughness.
+    ///
+    /// False beyond the last level.
+    pub fn lost_detail(&self, level: usize) -> bool {
+        self.levels.get(level).is_some_and(|level| !level.roughness.is_empty())
+    }
+
+    /// Whether no level has roughness: the roughness columns of the datapath are not called for.
+    pub fn is_smooth(&self) -> bool {
+        self.levels.iter().all(|level| level.roughness.is_empty())
+    }
+}
+
+/// Largest code of an offset; −32768 is not used, so that negation is total.
+const LARGEST_OFFSET_CODE: f64 = 32767.0;
+
+/// Whether an offset can be stored with the largest scale.
+fn fits(offset: f32) -> bool {
+    round_offset(offset.abs(), power_of_two(15 - 3)) <= LARGEST_OFFSET_CODE
+}
+
+/// To nearest, ties up; exact up to the floor, as 24 bits times a power of two plus one half fit a float64.
+fn round_offset(offset: f32, scale: f64) -> f64 {
+    (f64::from(offset) * scale + 0.5).floor()
+}
+
+fn quantise_offset(offset: f32, scale: f64, negate: bool) -> i16 {
+    let code = round_offset(offset, scale).clamp(-LARGEST_OFFSET_CODE, LARGEST_OFFSET_CODE) as i16;
+    if negate { -code } else { code }
+}
+
+/// Smallest exponent in −13…3 whose codes hold every offset that 3 holds; −13 has the step 2⁻²⁸ of the ports.
+fn smallest_offset_exponent(offsets: &[[f32; 2]]) -> i32 {
+    let largest =
+        offsets.iter().flatten().map(|offset| offset.abs()).filter(|offset| !offset.is_nan()).fold(0.0, f32::max);
+    (-13..3).find(|exponent| round_offset(largest, power_of_two(15 - exponent)) <= LARGEST_OFFSET_CODE).unwrap_or(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maps::roughness::RoughnessKind;
+
+    fn field(width: u32, height: u32, offset: impl Fn(u32, u32) -> [f32; 2]) -> BumpField {
+        BumpField {
+            width,
+            height,
+            offsets: (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| offset(x, y)).collect(),
+        }
+    }
+
+    fn options(kind: RoughnessKind, bits: u32) -> BumpOptions {
+        BumpOptions { negate: false, roughness: RoughnessStorage::new(kind, bits), base_deviation: 0.0 }
+    }
+
+    /// Offsets without structure, within ±1.
+    fn noise(x: u32, y: u32) -> [f32; 2] {
+        let hash = |seed: u32| {
+            let mut h = (x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca6b) ^ seed).wrapping_mul(0xc2b2_ae35);
+            h ^= h >> 15;
+            h = h.wrapping_mul(0x27d4_eb2f);
+            (h >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        [hash(1), hash(2)]
+    }
+
+    fn real(raw: i32) -> f64 {
+        f64::from(raw) / f64::from(1 << 28)
+    }
+
+    /// K = D Dᵀ of a decoded texel.
+    fn covariance(texel: &DecodedBump) -> [f64; 3] {
+        let [d1, d2, d3] = texel.roughness.map(real);
+        [d1 * d1 + d2 * d2, d2 * d3, d3 * d3]
+    }
+
+    /// Covariance of the decoded level 0 over the area of texel (x, y) of a level, in plain float64.
+    fn covariance_over_area(pyramid: &BumpPyramid, level: usize, x: u32, y: u32) -> [f64; 3] {
+        let base = &pyramid.levels[0];
+        let (w, h) = (pyramid.levels[level].width, pyramid.levels[level].height);
+        let overlap = |k: u32, small: u32, index: u32, large: u32| {
+            f64::from(((k + 1) * small).min((index + 1) * large).saturating_sub((k * small).max(index * large)))
+        };
+        let mut weights = Vec::new();
+        for j in 0..base.height {
+            for i in 0..base.width {
+                let weight = overlap(i, w, x, base.width) * overlap(j, h, y, base.height);
+                if weight > 0.0 {
+                    weights.push((weight, base.texel(i, j).decode(&pyramid.format).offset.map(real)));
+                }
+            }
+        }
+        let area: f64 = weights.iter().map(|(weight, _)| weight).sum();
+        let mean = [0, 1].map(|axis| weights.iter().map(|(weight, b)| weight * b[axis]).sum::<f64>() / area);
+        [(0, 0), (0, 1), (1, 1)].map(|(p, q)| {
+            weights.iter().map(|(weight, b)| weight * (b[p] - mean[p]) * (b[q] - mean[q])).sum::<f64>() / area
+        })
+    }
+
+    #[test]
+    fn roughness_is_the_covariance_over_the_whole_area_at_any_size() {
+        for (width, height) in [(1, 1), (2, 2), (16, 16), (7, 7), (13, 4), (1, 9), (37, 5), (20, 12)] {
+            for bits in [8, 12, 16] {
+                let pyramid =
+                    BumpPyramid::new(&field(width, height, noise), &options(RoughnessKind::Anisotropic, bits));
+                let lsb = power_of_two(pyramid.format.roughness_exponent - bits as i32);
+                for (l, level) in pyramid.levels.iter().enumerate() {
+                    for y in 0..level.height {
+                        for x in 0..level.width {
+                            let decoded = level.texel(x, y).decode(&pyramid.format);
+                            let [d1, d2, d3] = decoded.roughness.map(|d| real(d).abs());
+                            let expected = covariance_over_area(&pyramid, l, x, y);
+                            // Each d is off by half a step; 1e-15 for the float64 sums of this test.
+                            let bounds = [
+                                (d1 + d2) * lsb + 0.5 * lsb * lsb,
+                                (d2 + d3) * 0.5 * lsb + 0.25 * lsb * lsb,
+                                d3 * lsb + 0.25 * lsb * lsb,
+                            ];
+                            for ((got, expected), bound) in covariance(&decoded).iter().zip(expected).zip(bounds) {
+                                assert!(
+                                    (got - expected).abs() <= bound + 1e-15,
+                                    "{width}x{height}, {bits} bits, level {l}, ({x}, {y}): {got} for {expected}"
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_recursion_of_s97_needs_its_plus_and_equals_the_covariance() {
+        // One step by S97 §8 from the K of level 1 and the exact means; 8×8 → level 2, with and without the plus.
+        let pyramid = BumpPyramid::new(&field(8, 8, noise), &options(RoughnessKind::Anisotropic, 16));
+        let k1: Vec<[f64; 3]> = (0..16).map(|index| covariance_over_area(&pyramid, 1, index % 4, index / 4)).collect();
+        let mean = |level: usize, x: u32, y: u32| {
+            let size = 8 >> pyramid.levels[level].width.ilog2();
+            let mut sum = [0.0; 2];
+            for j in 0..size {
+                for i in 0..size {
+                    let texel = pyramid.levels[0].texel(x * size + i, y * size + j);
+                    for (sum, b) in sum.iter_mut().zip(texel.decode(&pyramid.format).offset) {
+                        *sum += real(b) / f64::from(size * size);
+                    }
+                }
+            }
+            sum
+        };
+        for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let mean_above = mean(2, x, y);
+            let (mut with_plus, mut first_sum_only) = ([0.0; 3], [0.0; 3]);
+            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let (u, v) = (2 * x + i, 2 * y + j);
+                let k = k1[(4 * v + u) as usize];
+                let f = mean(1, u, v);
+                let d = [f[0] - mean_above[0], f[1] - mean_above[1]];
+                let spread = [d[0] * d[0], d[0] * d[1], d[1] * d[1]];
+                for slot in 0..3 {
+                    with_plus[slot] += (k[slot] + spread[slot]) / 4.0;
+                    first_sum_only[slot] += k[slot] / 4.0;
+                }
+            }
+            let expected = covariance_over_area(&pyramid, 2, x, y);
+            for slot in 0..3 {
+                // Two float64 sums over 16 values below 1.
+                assert!((with_plus[slot] - expected[slot]).abs() < 1e-14);
+            }
+            assert!((first_sum_only[0] - expected[0]).abs() > 1e-3);
+        }
+    }
+
+    #[test]
+    fn corrugated_maps_in_every_direction_have_a_factor_along_it() {
+        for degree in (0..360).step_by(5) {
+            let (sin, cos) = (degree as f32).to_radians().sin_cos();
+            let corrugated = field(8, 8, |x, _| {
+                let wave = if x % 2 == 0 { 0.45 } else { -0.45 };
+                [wave * cos, wave * sin]
+            });
+            for bits in [2, 4, 8, 16] {
+                let pyramid = BumpPyramid::new(&corrugated, &options(RoughnessKind::Anisotropic, bits));
+                let lsb = power_of_two(pyramid.format.roughness_exponent - bits as i32);
+                let decoded = pyramid.levels[1].texel(0, 0).decode(&pyramid.format);
+                let [a, b, c] = covariance(&decoded);
+                // d₁²·d₃² of the decoded factor; the subtraction rounds in the last bit of a·c.
+                assert!(a >= 0.0 && c >= 0.0 && a * c - b * b >= -1e-15);
+                // The variance across the waves is 0; what quantisation adds is about a step squared.
+                let (s, t) = (f64::from(sin), f64::from(cos));
+                let across = a * s * s - 2.0 * b * s * t + c * t * t;
+                assert!(across <= 2.0 * lsb * lsb, "{degree}° at {bits} bits: {across}");
+            }
+        }
+    }
+
+    #[test]
+    fn waves_along_u_alone_leave_d2_and_d3_zero() {
+        let waves = field(4, 4, |x, _| [if x % 2 == 0 { 0.5 } else { -0.5 }, 0.25]);
+        let pyramid = BumpPyramid::new(&waves, &options(RoughnessKind::Anisotropic, 8));
+        let decoded = pyramid.levels[1].texel(1, 1).decode(&pyramid.format);
+        assert_eq!(decoded.roughness, [1 << 27, 0, 0]);
+        assert_eq!(decoded.offset, [0, 1 << 26]);
+    }
+
+    #[test]
+    fn anticorrelated_offsets_have_a_negative_d2_at_both_signs() {
+        let waves = field(2, 2, |x, _| if x == 0 { [0.5, -0.25] } else { [-0.5, 0.25] });
+        for negate in [false, true] {
+            let options = BumpOptions { negate, ..options(RoughnessKind::Anisotropic, 8) };
+            let pyramid = BumpPyramid::new(&waves, &options);
+            let decoded = pyramid.levels[1].texel(0, 0).decode(&pyramid.format);
+            assert_eq!(decoded.roughness, [0, -(1 << 27), 1 << 26]);
+        }
+    }
+
+    #[test]
+    fn negated_maps_mirror_each_other_bit_by_bit() {
+        let options = |negate| BumpOptions { negate, ..options(RoughnessKind::Anisotropic, 8) };
+        let plus = BumpPyramid::new(&field(9, 5, noise), &options(false));
+        let minus = BumpPyramid::new(&field(9, 5, noise), &options(true));
+        assert_eq!(plus.format, minus.format);
+        for (plus, minus) in plus.levels[0].offsets.iter().zip(&minus.levels[0].offsets) {
+            assert_eq!(plus.map(|b| -b), *minus);
+        }
+        for (plus, minus) in plus.levels.iter().zip(&minus.levels) {
+            assert_eq!(plus.roughness, minus.roughness);
+        }
+    }
+
+    #[test]
+    fn flat_maps_have_no_roughness_at_any_level() {
+        for (width, height) in [(1, 1), (8, 8), (7, 3)] {
+            let flat = field(width, height, |_, _| [0.3, -0.7]);
+            let pyramid = BumpPyramid::new(&flat, &options(RoughnessKind::Anisotropic, 16));
+            assert!(pyramid.is_smooth());
+            let last = pyramid.levels.len() - 1;
+            assert!(!pyramid.lost_detail(last));
+            assert_eq!(pyramid.levels[last].offsets[0], pyramid.levels[0].offsets[0]);
+        }
+    }
+
+    #[test]
+    fn detail_is_lost_from_the_first_level_that_averages_it() {
+        // Two texels a period along u only: level 0 shows all, level 1 nothing.
+        let pyramid = BumpPyramid::new(
+            &field(8, 8, |x, _| [if x < 4 { 0.5 } else { -0.5 }, 0.0]),
+            &options(RoughnessKind::Isotropic, 8),
+        );
+        let lost: Vec<_> = (0..5).map(|level| pyramid.lost_detail(level)).collect();
+        assert_eq!(lost, [false, false, false, true, false]);
+        let averaged = BumpPyramid::new(&field(8, 8, noise), &options(RoughnessKind::None, 8));
+        assert!(averaged.is_smooth());
+    }
+
+    #[test]
+    fn base_roughness_reaches_every_level_and_adds_variances() {
+        let options = BumpOptions { base_deviation: 0.3, ..options(RoughnessKind::Anisotropic, 16) };
+        let waves = field(2, 2, |x, _| [if x == 0 { 0.4 } else { -0.4 }, 0.0]);
+        let pyramid = BumpPyramid::new(&waves, &options);
+        assert!(pyramid.lost_detail(0) && pyramid.lost_detail(1));
+        let [d1, d2, d3] = pyramid.levels[1].texel(0, 0).decode(&pyramid.format).roughness;
+        // √(0.4² + 0.3²); half a step of 2⁻¹⁶ from D, and of the 16-bit offsets.
+        assert!((real(d1) - 0.5).abs() <= power_of_two(-16));
+        assert_eq!(d2, 0);
+        assert!((real(d3) - 0.3).abs() <= power_of_two(-17));
+    }
+
+    #[test]
+    fn offsets_beyond_8_saturate_and_are_counted() {
+        let steep = field(2, 1, |x, _| if x == 0 { [1e9, f32::NAN] } else { [-8.0, 2.0] });
+        let pyramid = BumpPyramid::new(&steep, &options(RoughnessKind::Anisotropic, 16));
+        assert_eq!(pyramid.saturated, 2);
+        assert_eq!(pyramid.format.offset_exponent, 3);
+        let texel = |x| pyramid.levels[0].texel(x, 0).decode(&pyramid.format).offset;
+        assert_eq!(texel(0), [32767 << 16, 0]);
+        assert_eq!(texel(1), [-32767 << 16, 2 << 28]);
+        let [d1, ..] = pyramid.levels[1].texel(0, 0).decode(&pyramid.format).roughness;
+        assert!(d1 >= 0);
+    }
+
+    #[test]
+    fn the_scale_is_the_smallest_that_holds_the_map() {
+        let exponent = |b: f32| {
+            BumpPyramid::new(&field(1, 1, |_, _| [b, 0.0]), &options(RoughnessKind::None, 8)).format.offset_exponent
+        };
+        assert_eq!(exponent(0.0), -13);
+        assert_eq!(exponent(0.9), 0);
+        assert_eq!(exponent(-1.0), 1);
+        assert_eq!(exponent(7.9), 3);
+        assert_eq!(exponent(1e-9), -13);
+    }
+
+    #[test]
+    fn decoded_words_never_overflow_at_the_ends_of_all_formats() {
+        for bits in 2..=16 {
+            for roughness_exponent in [bits as i32 - 28, 3] {
+                for offset_exponent in [-13, 3] {
+                    let format = BumpFormat {
+                        offset_exponent,
+                        roughness_exponent,
+                        roughness: RoughnessStorage::new(RoughnessKind::Anisotropic, bits),
+                    };
+                    let largest = (1 << bits) - 1;
+                    let texel = BumpTexel { offset: [32767, -32767], roughness: [largest, -largest, largest] };
+                    let decoded = texel.decode(&format);
+                    let ratio = decoded.roughness[0] / largest;
+                    assert_eq!(decoded.roughness[1], -decoded.roughness[0]);
+                    assert_eq!(i64::from(ratio) * i64::from(largest), i64::from(decoded.roughness[0]));
+                    assert_eq!(decoded.offset[0], -decoded.offset[1]);
+                    assert!(decoded.offset[0] > 0 && decoded.roughness[0] > 0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn isotropic_roughness_is_at_least_the_largest_deviation() {
+        let pyramid = BumpPyramid::new(&field(16, 9, noise), &options(RoughnessKind::Isotropic, 8));
+        let lsb = power_of_two(pyramid.format.roughness_exponent - 8);
+        for (l, level) in pyramid.levels.iter().enumerate().skip(1) {
+            for y in 0..level.height {
+                for x in 0..level.width {
+                    let [a, b, c] = covariance_over_area(&pyramid, l, x, y);
+                    let deviation = ((a + c + ((a - c) * (a - c) + 4.0 * b * b).sqrt()) / 2.0).sqrt();
+                    let [stored, rest @ ..] = level.texel(x, y).decode(&pyramid.format).roughness;
+                    // 1e-14 for the float64 sums of this test.
+                    assert!(real(stored) >= deviation - 1e-14);
+                    assert!(real(stored) <= deviation + lsb + 1e-14);
+                    assert_eq!(rest, [0, 0]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn texels_do_not_depend_on_the_number_of_threads() {
+        let build = |threads| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| {
+                pool.install(|| BumpPyramid::new(&field(100, 63, noise), &options(RoughnessKind::Anisotropic, 8)))
+            })
+        };
+        assert_eq!(build(1).ok(), build(3).ok());
+    }
+}
