@@ -12,7 +12,7 @@
 //! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 19 operations that
 //!    several readings implement; [`scalar`] is the meaning.
 //!
-//! [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky
+//! [`probe_list`] is the footprint unrolled for a soft core. [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky
 //! bits of degenerate inputs.
 //!
 //! ```
@@ -34,6 +34,7 @@ pub mod fx;
 pub mod plan;
 pub mod ports;
 pub mod precision;
+pub mod probe_list;
 pub mod rom;
 pub mod scalar;
 #[cfg(feature = "setup")]

@@ -1,11 +1,10 @@
 //! Fetches from the environment: probes on cube faces, across their edges and at their corners.
 
-use roughxel_core::datapath::probe_position;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
+use roughxel_core::probe_list::environment_probes;
 use roughxel_core::signals::{CubePoint, FacePosition, Probes};
 use roughxel_core::stage::filter::{ProbeSum, corner, face_address, levels, trilinear};
-use roughxel_core::stage::probes;
 
 use crate::maps::environment::{CubePyramid, CubeTexel, FaceTexel, texel_across_edge};
 use crate::maps::mip::{Level, smallest_exponent};
@@ -36,14 +35,10 @@ impl EnvironmentMap {
 
     /// The mean colour of a footprint: N trilinear probes along its major axis.
     pub(super) fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, p: &Precision) -> Colour {
-        let count = probes.count.raw();
         let mut sums = [ProbeSum::<i32>::zero(); 3];
-        for index in 0..count {
-            let index = Fx::from_raw(index);
-            let sample = self.trilinear(&probe_position(point, probes, index, p), probes.lod, p);
-            let weight = probes::weight(probes, index, p);
-            for (sum, channel) in sums.iter_mut().zip(sample) {
-                *sum = sum.add(channel, weight);
+        for probe in environment_probes(point, probes, p) {
+            for (sum, channel) in sums.iter_mut().zip(self.trilinear(&probe.place, probes.lod, p)) {
+                *sum = sum.add(channel, probe.weight);
             }
         }
         sums.map(|sum| sum.mean() << self.pyramid.exponent)

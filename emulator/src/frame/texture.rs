@@ -7,10 +7,11 @@ use roughxel_core::block::Block;
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{TextureIn, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::probe_list::texture_probes;
 use roughxel_core::signals::{Ellipse, MapScale, Probes};
 use roughxel_core::stage::filter::{Address, ProbeSum, levels, repeat_address, trilinear};
-use roughxel_core::stage::texture::{TextureScale, texture_position};
-use roughxel_core::stage::{axes, moments, probes};
+use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::stage::{axes, moments};
 
 use crate::maps::bump::{BumpOptions, BumpPyramid};
 use crate::maps::mip::{ColourPyramid, smallest_exponent};
@@ -51,18 +52,11 @@ impl RepeatedMap {
             return self.trilinear(&uv, Fx::zero(), p, extra, &texel);
         }
         let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
-        let count = probes.count.raw();
-        if count == 1 {
-            return self.trilinear(&uv, probes.lod, p, extra, &texel);
-        }
         let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
-        for index in 0..count {
-            let index = Fx::from_raw(index);
-            let place = texture_position(&uv, &probes::position(&probes, index), &self.scale.0);
-            let sample = self.trilinear(&place, probes.lod, p, extra, &texel);
-            let weight = probes::weight(&probes, index, p);
+        for probe in texture_probes(&uv, &probes, &self.scale.0, p) {
+            let sample = self.trilinear(&probe.place, probes.lod, p, extra, &texel);
             for (sum, channel) in sums.iter_mut().zip(sample) {
-                *sum = sum.add(channel, weight);
+                *sum = sum.add(channel, probe.weight);
             }
         }
         sums.map(ProbeSum::mean)

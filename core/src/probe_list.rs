@@ -1,0 +1,50 @@
+//! The probes of one footprint as a bounded list, scalar reading.
+//!
+//! In hardware a small state machine steps through them; here the steps are unrolled into a list without
+//! allocation, which a soft core or the emulator walks while it fetches.
+
+use heapless::Vec;
+
+use crate::datapath::probe_position;
+use crate::fx::Fx;
+use crate::precision::Precision;
+use crate::rom::MAX_PROBES;
+use crate::signals::{CubePoint, FacePosition, Probes};
+use crate::stage::probes::{position, weight};
+use crate::stage::texture::{TextureScale, texture_position};
+
+/// Where one probe reads, and how much it counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Probe<P> {
+    /// Place on the map.
+    pub place: P,
+    /// Weight, 16 fraction bits; the weights of a list sum to exactly 1.
+    pub weight: Fx<i32, 16>,
+}
+
+/// At most [`MAX_PROBES`] probes.
+pub type ProbeList<P> = Vec<Probe<P>, MAX_PROBES>;
+
+fn list<P>(probes: &Probes<i32>, p: &Precision, place: impl Fn(Fx<i32, 0>) -> P) -> ProbeList<P> {
+    // The count is 1…16 by construction, which is what the list holds.
+    (0..probes.count.raw())
+        .take(MAX_PROBES)
+        .map(Fx::from_raw)
+        .map(|index| Probe { place: place(index), weight: weight(probes, index, p) })
+        .collect()
+}
+
+/// Probes on the faces of an environment, continued across edges.
+pub fn environment_probes(point: &CubePoint<i32>, probes: &Probes<i32>, p: &Precision) -> ProbeList<FacePosition<i32>> {
+    list(probes, p, |index| probe_position(point, probes, index, p))
+}
+
+/// Probes in a repeated map: coordinates in repeats modulo 1, 32 fraction bits.
+pub fn texture_probes(
+    uv: &[Fx<i64, 32>; 2],
+    probes: &Probes<i32>,
+    map: &TextureScale<i32>,
+    p: &Precision,
+) -> ProbeList<[Fx<i64, 32>; 2]> {
+    list(probes, p, |index| texture_position(uv, &position(probes, index), map))
+}
