@@ -26,12 +26,15 @@ pub struct Probe<P> {
 pub type ProbeList<P> = Vec<Probe<P>, MAX_PROBES>;
 
 fn list<P>(probes: &Probes<i32>, p: &Precision, place: impl Fn(Fx<i32, 0>) -> P) -> ProbeList<P> {
-    // The count is 1…16 by construction, which is what the list holds.
-    (0..probes.count.raw())
-        .take(MAX_PROBES)
-        .map(Fx::from_raw)
-        .map(|index| Probe { place: place(index), weight: weight(probes, index, p) })
-        .collect()
+    let mut list = Vec::new();
+    for index in (0..probes.count.raw()).map(Fx::from_raw) {
+        let probe = Probe { place: place(index), weight: weight(probes, index, p) };
+        // The count is 1…16 by construction; a full list would end the walk rather than panic.
+        if list.push(probe).is_err() {
+            break;
+        }
+    }
+    list
 }
 
 /// Probes on the faces of an environment, continued across edges.
