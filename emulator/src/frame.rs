@@ -74,6 +74,18 @@ impl Frame {
         Picture { width: self.width, height: self.height, pixels: pixels.collect() }
     }
 
+    /// Peak signal to noise ratio against a frame of the same size, dB: linear light, range 1, all channels, colours
+    /// cut to [0, 1] as a display cuts them. Equal frames give infinity, frames of different size NaN.
+    pub fn psnr(&self, truth: &Self) -> f64 {
+        if (self.width, self.height) != (truth.width, truth.height) {
+            return f64::NAN;
+        }
+        let display = |channel: i32| f64::from(channel.clamp(0, 1 << 24)) / f64::from(1 << 24);
+        let channels = self.pixels.iter().flatten().zip(truth.pixels.iter().flatten());
+        let sum: f64 = channels.map(|(&a, &b)| (display(a) - display(b)).powi(2)).sum();
+        -10.0 * (sum / (3 * self.pixels.len()) as f64).log10()
+    }
+
     /// SHA-256 over size and pixels (big-endian words): equal exactly where every bit of the frame is.
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();

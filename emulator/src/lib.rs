@@ -1,6 +1,12 @@
 //! # roughxel-emulator
 //!
 //! Whole frames of real scenes through the integer datapath of `roughxel-core`, bit-accurate; golden vectors; studies.
+//!
+//! [`scene`] describes what is drawn, [`maps`] builds its pyramids, [`raster`] finds the visible fragments, [`plan`] says
+//! which blocks each object needs, and [`frame`] takes every fragment through them. [`study`] measures the datapath
+//! against the float64 reference; [`demo`] is the program's main job.
+
+pub mod demo;
 pub mod frame;
 pub mod maps;
 pub mod picture;

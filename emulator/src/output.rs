@@ -1,0 +1,85 @@
+//! Files that appear whole or not at all: written beside their place, then renamed.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// A file on its way to `path`; nothing is at `path` before [`OutputFile::commit`], and dropping leaves no trace.
+///
+/// A path that exists and is no regular file (a pipe, a device) is written to directly.
+#[derive(Debug)]
+pub struct OutputFile {
+    target: Target,
+}
+
+#[derive(Debug)]
+enum Target {
+    Beside { file: BufWriter<NamedTempFile>, path: PathBuf },
+    Direct(BufWriter<File>),
+}
+
+impl OutputFile {
+    /// Opens a file beside `path`. Symbolic links are followed, so that the file behind them is replaced.
+    ///
+    /// Errors: the directory is missing or not writable, or `path` is a directory.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let path = match fs::metadata(path) {
+            Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
+            Ok(metadata) if metadata.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+            Ok(_) => {
+                let file = File::options().write(true).open(path)?;
+                return Ok(Self { target: Target::Direct(BufWriter::new(file)) });
+            }
+            Err(_) => path.to_path_buf(),
+        };
+        let directory = match path.parent() {
+            Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
+            Some(parent) => parent,
+            None => return Err(io::ErrorKind::InvalidInput.into()),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".roughxel-");
+        #[cfg(unix)]
+        {
+            // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        if !directory.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::NotFound, format!("no directory {}", directory.display())));
+        }
+        // The kind alone: the name of the temporary file would puzzle whoever gave another one.
+        let file = builder.tempfile_in(directory).map_err(|refused| io::Error::from(refused.kind()))?;
+        let file = BufWriter::with_capacity(1 << 16, file);
+        Ok(Self { target: Target::Beside { file, path } })
+    }
+
+    /// Flushes and puts the file in its place.
+    pub fn commit(self) -> io::Result<()> {
+        match self.target {
+            Target::Beside { file, path } => {
+                let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+                file.persist(path).map(drop).map_err(io::Error::from)
+            }
+            Target::Direct(mut file) => file.flush(),
+        }
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.target {
+            Target::Beside { file, .. } => file.write(bytes),
+            Target::Direct(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.target {
+            Target::Beside { file, .. } => file.flush(),
+            Target::Direct(file) => file.flush(),
+        }
+    }
+}

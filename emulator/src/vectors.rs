@@ -1,0 +1,91 @@
+//! Golden vectors: packed hex and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
+//!
+//! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
+//! field and bit of a difference. A word ends in a check value that locates a single flipped bit in any field, inputs
+//! included, where recomputation alone would show only its consequences.
+
+mod export;
+mod layout;
+mod manifest;
+mod verify;
+mod word;
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+pub use export::{SetInfo, export, export_with};
+pub use layout::{Direction, Field, Layout, STAGES};
+pub use manifest::{FORMAT_VERSION, Manifest, SCHEMA};
+pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
+
+/// Most vectors of one set.
+pub const MAX_VECTORS: u64 = 1 << 22;
+
+/// Why a set could not be written or read.
+#[derive(Debug, Error)]
+pub enum VectorError {
+    /// A file or directory cannot be read or written.
+    #[error("cannot {action} {}", .path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why it failed.
+        source: io::Error,
+    },
+    /// A directory without a single set.
+    #[error("{}: no vector set here (a set is NAME.json beside NAME.hex)", .0.display())]
+    NoSets(PathBuf),
+    /// Not a manifest this version understands.
+    #[error("{}: {problem}", .path.display())]
+    Manifest {
+        /// The manifest.
+        path: PathBuf,
+        /// What is wrong, with line and column where there is one, and the remedy.
+        problem: String,
+    },
+    /// A line of a hex file is not a word of the set.
+    #[error("{}:{line}: {problem}", .path.display())]
+    Line {
+        /// The hex file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A hex file holds another number of vectors than its manifest says.
+    #[error("{}: {found} vectors, but the manifest says {expected}; the file is cut short or was added to", .path.display())]
+    Count {
+        /// The hex file.
+        path: PathBuf,
+        /// Words in the file.
+        found: u64,
+        /// Words by the manifest.
+        expected: u64,
+    },
+    /// A set's name would make a bad file name.
+    #[error("`{0}` cannot name a set: use 1 to 64 lower-case letters, digits and underscores")]
+    Name(String),
+    /// A set without vectors, or with too many.
+    #[error("set {set}: {count} vectors; a set has 1 to {MAX_VECTORS}")]
+    Size {
+        /// The set.
+        set: String,
+        /// Asked for.
+        count: u64,
+    },
+    /// A port value has more bits than the profile keeps, so its field cannot hold it.
+    #[error("set {set} #{index}: field {field} has bits the profile does not keep; quantise fragments to the profile")]
+    Inexact {
+        /// The set.
+        set: String,
+        /// The fragment.
+        index: u64,
+        /// The field.
+        field: String,
+    },
+}

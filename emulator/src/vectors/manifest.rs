@@ -1,0 +1,256 @@
+//! `NAME.json`: what a set holds, how it was made, and the hash of its words.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::precision::{
+    AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
+};
+use serde::{Deserialize, Serialize};
+
+use super::layout::{Field, Layout};
+use super::{MAX_VECTORS, VectorError};
+
+/// Value of `schema`.
+pub const SCHEMA: &str = "roughxel-vectors";
+/// Value of `format_version`.
+pub const FORMAT_VERSION: u32 = 1;
+/// Largest manifest that is read.
+const MAX_MANIFEST_BYTES: u64 = 1 << 20;
+
+/// A set's manifest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// [`FORMAT_VERSION`].
+    pub format_version: u32,
+    /// Program and version that wrote it.
+    pub generator: String,
+    /// Name of the set.
+    pub set: String,
+    /// What the set holds.
+    pub description: String,
+    /// Profile.
+    pub profile: Profile,
+    /// Blocks the fragments went through.
+    #[serde(with = "PlanDef")]
+    pub effects: ReflectionPlan,
+    /// Where the fragments come from.
+    pub seed: Option<Seed>,
+    /// Vectors.
+    pub count: u64,
+    /// Bits of a word.
+    pub word_bits: u32,
+    /// The files of the set; format 1 has one, the words.
+    pub files: Vec<FileEntry>,
+    /// The fields of a word, most significant first.
+    pub fields: Vec<Field>,
+}
+
+/// A profile with every knob.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// One of the named profiles, or `custom`.
+    pub name: String,
+    /// Its knobs.
+    #[serde(with = "PrecisionDef")]
+    pub knobs: Precision,
+}
+
+/// How a seeded set's fragments are found again.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Seed {
+    /// The text that is hashed with the index of the vector.
+    pub name: String,
+    /// The hash.
+    pub rule: String,
+}
+
+/// A file of the set.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileEntry {
+    /// Its name, beside the manifest.
+    pub name: String,
+    /// Its size.
+    pub bytes: u64,
+    /// Its SHA-256 in hex.
+    pub sha256: String,
+}
+
+impl Manifest {
+    /// Reads a manifest and checks all that does not need the words: schema, version, profile, layout, count.
+    ///
+    /// Errors: unreadable, larger than 1 MiB, not JSON of this schema (with line and column), or made by a version
+    /// whose profiles or fields differ.
+    pub fn read(path: &Path) -> Result<Self, VectorError> {
+        let error = |source| VectorError::Io { action: "read", path: path.into(), source };
+        let problem = |problem: String| VectorError::Manifest { path: path.into(), problem };
+        if fs::metadata(path).map_err(error)?.len() > MAX_MANIFEST_BYTES {
+            return Err(problem("larger than 1 MiB, which no manifest is".into()));
+        }
+        let mut text = Vec::new();
+        let file = File::open(path).map_err(error)?;
+        file.take(MAX_MANIFEST_BYTES).read_to_end(&mut text).map_err(error)?;
+
+        // Schema and version first: another version may have other keys.
+        let version: Version =
+            serde_json::from_slice(&text).map_err(|e| problem(format!("no vector manifest: {e}")))?;
+        if version.schema != SCHEMA {
+            return Err(problem(format!("schema `{}` is unknown; this program reads `{SCHEMA}`", version.schema)));
+        }
+        if version.format_version != FORMAT_VERSION {
+            let found = version.format_version;
+            return Err(problem(format!("format version {found} is unknown; this program reads {FORMAT_VERSION}")));
+        }
+        let manifest: Self = serde_json::from_slice(&text).map_err(|e| problem(format!("broken manifest: {e}")))?;
+        manifest.check().map_err(problem)?;
+        Ok(manifest)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let Profile { name, knobs } = &self.profile;
+        knobs.checked().map_err(|knob| format!("profile `{name}`: knob {knob} is out of its range"))?;
+        match Precision::by_name(name) {
+            Some(ours) if ours != *knobs => {
+                return Err(format!("profile `{name}` has other knobs in this version; export the set again"));
+            }
+            None if name != "custom" => {
+                let known = PROFILE_NAMES.join(", ");
+                return Err(format!("profile `{name}` is unknown; known are {known}, and custom"));
+            }
+            _ => {}
+        }
+        if !(1..=MAX_VECTORS).contains(&self.count) {
+            return Err(format!("count {} is not in 1 to {MAX_VECTORS}", self.count));
+        }
+        let [file] = &self.files[..] else {
+            return Err(format!("{} files listed, format {FORMAT_VERSION} has one", self.files.len()));
+        };
+        if file.name.is_empty() || file.name.starts_with('.') || file.name.contains(['/', '\\']) {
+            return Err(format!("file name `{}` is no plain name beside the manifest", file.name));
+        }
+        self.check_fields(&Layout::new(knobs))
+    }
+
+    fn check_fields(&self, layout: &Layout) -> Result<(), String> {
+        // Texts may be reworded without a new format; everything that says where and what a bit is may not.
+        let essence =
+            |f: &Field| (f.direction, f.stage.clone(), f.lsb, f.width, f.signed, f.fraction_bits, f.tolerance);
+        for (index, ours) in layout.fields().iter().enumerate() {
+            let Some(theirs) = self.fields.get(index) else {
+                return Err(format!("field `{}` is missing", ours.name));
+            };
+            if theirs.name != ours.name {
+                return Err(format!(
+                    "field {index} is `{}`, but format {FORMAT_VERSION} has `{}` there",
+                    theirs.name, ours.name
+                ));
+            }
+            if essence(theirs) != essence(ours) {
+                return Err(format!(
+                    "field `{}` is laid out in another way than format {FORMAT_VERSION} does",
+                    ours.name
+                ));
+            }
+        }
+        if let Some(extra) = self.fields.get(layout.fields().len()) {
+            return Err(format!("field `{}` is unknown in format {FORMAT_VERSION}", extra.name));
+        }
+        if self.word_bits != layout.word_bits() {
+            return Err(format!("word_bits is {}, but the fields take {}", self.word_bits, layout.word_bits()));
+        }
+        Ok(())
+    }
+}
+
+/// The keys every version has.
+#[derive(Deserialize)]
+struct Version {
+    schema: String,
+    format_version: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "ReflectionPlan", deny_unknown_fields)]
+struct PlanDef {
+    bump: bool,
+    #[serde(with = "FrameSystemDef")]
+    frame: FrameSystem,
+    #[serde(with = "RoughnessKindDef")]
+    roughness: RoughnessKind,
+    curvature: bool,
+    footprint: bool,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "FrameSystem", rename_all = "snake_case")]
+enum FrameSystemDef {
+    MainDirection,
+    Natural,
+    NaturalNormalised,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Precision", deny_unknown_fields)]
+struct PrecisionDef {
+    fraction_bits: u32,
+    #[serde(with = "NewtonDef")]
+    reciprocal: Newton,
+    #[serde(with = "NewtonDef")]
+    inverse_root: Newton,
+    #[serde(with = "AxisDirectionDef")]
+    direction: AxisDirection,
+    max_probes: u32,
+    #[serde(with = "ProbeRuleDef")]
+    probe_rule: ProbeRule,
+    #[serde(with = "ProbeWeightsDef")]
+    probe_weights: ProbeWeights,
+    lod_bits: u32,
+    weight_bits: u32,
+    #[serde(with = "RoughnessKindDef")]
+    roughness: RoughnessKind,
+    roughness_bits: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Newton", deny_unknown_fields)]
+struct NewtonDef {
+    seed_bits: u32,
+    steps: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "AxisDirection", rename_all = "snake_case")]
+enum AxisDirectionDef {
+    Exact,
+    Table { steps: u32 },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "ProbeRule", rename_all = "snake_case")]
+enum ProbeRuleDef {
+    PowerOfTwo,
+    Ceiling,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "ProbeWeights", rename_all = "snake_case")]
+enum ProbeWeightsDef {
+    Box,
+    Gaussian,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "RoughnessKind", rename_all = "snake_case")]
+enum RoughnessKindDef {
+    None,
+    Isotropic,
+    Anisotropic,
+}

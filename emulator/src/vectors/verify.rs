@@ -1,0 +1,228 @@
+//! Verify: every value recomputed from the inputs in the file, every difference named.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::VectorError;
+use super::export::hex_digest;
+use super::layout::{Field, Layout};
+use super::manifest::Manifest;
+use super::word::{check_value, locate_flip, read_word, write_word};
+
+/// Most mismatches that are described; all are counted.
+const DESCRIBED: usize = 10;
+/// Longest line: beyond every word and comment.
+const MAX_LINE: u64 = 4096;
+/// Words compared at once.
+const BATCH: usize = 1 << 12;
+
+/// What a comparison found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verification {
+    /// The set.
+    pub set: String,
+    /// Its profile.
+    pub profile: String,
+    /// Its vectors.
+    pub count: u64,
+    /// Whether the file is the one the manifest was written for, byte for byte.
+    pub hash_matches: bool,
+    /// How many vectors differ.
+    pub mismatching: u64,
+    /// The first of them, at most ten.
+    pub mismatches: Vec<Mismatch>,
+}
+
+impl Verification {
+    /// Every value and the hash agree.
+    pub fn passed(&self) -> bool {
+        self.hash_matches && self.mismatching == 0
+    }
+}
+
+/// Why a vector differs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The check value locates one flipped bit of the file.
+    FlippedBit,
+    /// The word is damaged in several bits; the earliest differing stage is named.
+    Damaged,
+    /// The word is as it was written; this version computes another value.
+    Computed,
+}
+
+/// One vector that differs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Mismatch {
+    /// The set.
+    pub set: String,
+    /// Index of the vector, from 0.
+    pub index: u64,
+    /// Line of the hex file, from 1.
+    pub line: u64,
+    /// Earliest stage that differs, or the stage of the flipped bit.
+    pub stage: String,
+    /// Its field.
+    pub field: String,
+    /// Highest differing bit of the field.
+    pub bit: u32,
+    /// The field's bits in the file.
+    pub found: u32,
+    /// What they should be.
+    pub expected: u32,
+    /// Why.
+    pub cause: Cause,
+    /// Fields that do not follow from the inputs in the file.
+    pub fields_differing: usize,
+}
+
+/// The manifests of a directory, in the order of their names.
+///
+/// Errors: unreadable, a hex file without its manifest, or none at all.
+pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
+    let error = |source| VectorError::Io { action: "read", path: directory.into(), source };
+    let entries = fs::read_dir(directory).map_err(error)?;
+    let mut files: Vec<_> = entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>().map_err(error)?;
+    files.sort();
+    let has_extension = |path: &Path, extension| path.extension().is_some_and(|e| e == extension);
+    let lonely = |path: &&PathBuf| has_extension(path, "hex") && !path.with_extension("json").exists();
+    if let Some(path) = files.iter().find(lonely) {
+        return Err(VectorError::Manifest {
+            path: path.with_extension("json"),
+            problem: format!("missing, though {} is there; export the set again", path.display()),
+        });
+    }
+    files.retain(|path| has_extension(path, "json"));
+    if files.is_empty() { Err(VectorError::NoSets(directory.into())) } else { Ok(files) }
+}
+
+/// Recomputes and compares the set of `manifest_path`; `progress` is told how many vectors are done.
+///
+/// Errors: see [`VectorError`]. Differences are no errors, they are the result.
+pub fn verify(manifest_path: &Path, progress: impl Fn(u64)) -> Result<Verification, VectorError> {
+    let manifest = Manifest::read(manifest_path)?;
+    let layout = Layout::new(&manifest.profile.knobs);
+    let entry = &manifest.files[0];
+    let path = manifest_path.with_file_name(&entry.name);
+    let error = |source| VectorError::Io { action: "read", path: path.clone(), source };
+    let line_error = |line, problem| VectorError::Line { path: path.clone(), line, problem };
+
+    let mut file = BufReader::with_capacity(1 << 16, File::open(&path).map_err(error)?);
+    let mut result = Verification {
+        set: manifest.set.clone(),
+        profile: manifest.profile.name.clone(),
+        count: manifest.count,
+        hash_matches: false,
+        mismatching: 0,
+        mismatches: Vec::new(),
+    };
+    let checker = Checker { layout: &layout, manifest: &manifest };
+    let mut hash = Sha256::new();
+    let (mut line_number, mut count, mut at_end) = (0_u64, 0_u64, false);
+    while !at_end {
+        let mut batch: Vec<(u64, u64, Vec<u8>)> = Vec::with_capacity(BATCH);
+        while batch.len() < BATCH {
+            let mut line = Vec::with_capacity(layout.line_length() + 1);
+            let read = file.by_ref().take(MAX_LINE).read_until(b'\n', &mut line).map_err(error)?;
+            if read == 0 {
+                at_end = true;
+                break;
+            }
+            line_number += 1;
+            hash.update(&line);
+            if line.last() == Some(&b'\n') {
+                line.pop();
+            } else if read as u64 == MAX_LINE {
+                return Err(line_error(line_number, format!("longer than {MAX_LINE} characters")));
+            }
+            if line.starts_with(b"//") {
+                continue;
+            }
+            if count == manifest.count {
+                let (found, expected) = (count + 1, manifest.count);
+                return Err(VectorError::Count { path: path.clone(), found, expected });
+            }
+            batch.push((count, line_number, line));
+            count += 1;
+        }
+        let compared: Vec<_> =
+            batch.par_iter().map(|(index, line, text)| (*line, checker.compare(*index, *line, text))).collect();
+        for (line, outcome) in compared {
+            if let Some(mismatch) = outcome.map_err(|problem| line_error(line, problem))? {
+                result.mismatching += 1;
+                if result.mismatches.len() < DESCRIBED {
+                    result.mismatches.push(mismatch);
+                }
+            }
+        }
+        progress(count);
+    }
+    if count != manifest.count {
+        return Err(VectorError::Count { path, found: count, expected: manifest.count });
+    }
+    result.hash_matches = hex_digest(hash) == entry.sha256;
+    Ok(result)
+}
+
+struct Checker<'a> {
+    layout: &'a Layout,
+    manifest: &'a Manifest,
+}
+
+impl Checker<'_> {
+    /// Compares one line with what its inputs give; an error says what is wrong with a line that is no word.
+    fn compare(&self, index: u64, line: u64, text: &[u8]) -> Result<Option<Mismatch>, String> {
+        let fields = self.layout.fields();
+        let found = read_word(text, self.layout)?;
+        let (expected, unfit) = self.expected(&found);
+        let mut again = Vec::with_capacity(text.len());
+        write_word(&mut again, fields, &expected);
+        if unfit.is_none() && again == text {
+            return Ok(None);
+        }
+
+        let mismatch = |field: &Field, difference: u32, found: u32, cause, fields_differing| Mismatch {
+            set: self.manifest.set.clone(),
+            index,
+            line,
+            stage: field.stage.clone(),
+            field: field.name.clone(),
+            bit: difference.checked_ilog2().unwrap_or(0),
+            found,
+            expected: found ^ difference,
+            cause,
+            fields_differing,
+        };
+        // The check value is compared with the word it stands in, not with the expected one.
+        let data = fields.len() - 1;
+        let differing: Vec<_> = (0..data).filter(|&i| found[i] != expected[i] || unfit == Some(i)).collect();
+        let syndrome = check_value(fields, &found) ^ found[data];
+        let flipped = if syndrome == 0 { None } else { locate_flip(syndrome, self.layout.word_bits()) };
+        if let Some((at, bit)) = flipped.and_then(|place| self.layout.field_at(place)) {
+            return Ok(Some(mismatch(&fields[at], 1 << bit, found[at], Cause::FlippedBit, differing.len())));
+        }
+        let cause = if syndrome == 0 { Cause::Computed } else { Cause::Damaged };
+        let first = differing.iter().copied().min_by_key(|&i| fields[i].rank()).unwrap_or(data);
+        let difference = if first == data { syndrome } else { found[first] ^ expected[first] };
+        Ok(Some(mismatch(&fields[first], difference, found[first], cause, differing.len())))
+    }
+
+    /// The word that belongs to the inputs of `found`, and the field its value does not fit, if any.
+    fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
+        let input = self.layout.decode(found);
+        let output = input.reflect(&self.manifest.effects, &self.manifest.profile.knobs);
+        let mut unfit = None;
+        let mut bits = self.layout.encode(&input, &output).unwrap_or_else(|field| {
+            unfit = Some(field);
+            found[..found.len() - 1].to_vec()
+        });
+        bits.push(check_value(self.layout.fields(), &bits));
+        (bits, unfit)
+    }
+}
