@@ -7,11 +7,14 @@
 //! against the float64 reference; [`demo`] is the program's main job.
 
 pub mod demo;
+pub mod eval;
 pub mod frame;
 pub mod maps;
+pub mod output;
 pub mod picture;
 pub mod plan;
 pub mod random;
 pub mod raster;
 pub mod scene;
 pub mod study;
+pub mod vectors;

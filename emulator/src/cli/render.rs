@@ -1,0 +1,130 @@
+//! `roughxel render`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use miette::miette;
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::ReflectionIn;
+use roughxel_emulator::demo::draw;
+use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::picture::write_png_srgb;
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::scene::Scene;
+use roughxel_emulator::vectors::{Manifest, SetInfo, export};
+use serde_json::json;
+
+use super::console::{complain, progress};
+use super::{Failure, ProfileArg, parse_profile, parse_size, scene_failure, use_threads};
+
+/// Most fragments of a frame that become vectors.
+const CAPTURED_FRAGMENTS: usize = 4096;
+
+#[derive(Args)]
+pub(super) struct RenderArgs {
+    /// Scene file (TOML), or the name of a built-in scene.
+    pub(super) scene: String,
+    /// Picture to write; the scene's name with .png if nothing is given.
+    #[arg(short, long, value_name = "PNG")]
+    pub(super) output: Option<PathBuf>,
+    /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
+    #[arg(long, default_value = "footprint", value_name = "MODE")]
+    pub(super) mode: Mode,
+    /// Profile.
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    pub(super) profile: ProfileArg,
+    /// Size in pixels instead of the scene's.
+    #[arg(long, value_parser = parse_size, value_name = "WxH")]
+    pub(super) size: Option<[u32; 2]>,
+    /// Threads; the picture is the same for any number.
+    #[arg(long, value_name = "N", value_parser = super::parse_threads)]
+    pub(super) threads: Option<usize>,
+    /// Export a set of vectors made of the frame's fragments into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub(super) capture: Option<PathBuf>,
+    /// Figures as JSON.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    use_threads(args.threads)?;
+    let precision = &args.profile.precision;
+    let mut scene = match Scene::builtin(&args.scene) {
+        Some(scene) => scene,
+        None => Scene::from_file(Path::new(&args.scene)),
+    }
+    .map_err(scene_failure)?;
+    if let Some([width, height]) = args.size {
+        scene = scene.with_size(width, height)?;
+    }
+    for warning in &scene.warnings {
+        complain(&format!("warning: {warning}"));
+    }
+
+    let bar = progress(Prepared::new(&scene, args.mode, precision)?.work(), &scene.name);
+    let drawn = draw(&scene, args.mode, precision, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&scene.name)).into());
+    write_png_srgb(&output, &drawn.frame.picture())?;
+    let vectors = match &args.capture {
+        Some(directory) => capture(&scene, args, directory)?,
+        None => Vec::new(),
+    };
+
+    let (preparation, drawing) = (drawn.preparation.as_secs_f64(), drawn.drawing.as_secs_f64());
+    let mut out = io::stdout().lock();
+    if args.json {
+        let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
+        let figures = json!({
+            "scene": scene.name, "mode": args.mode.to_string(), "profile": args.profile.name,
+            "width": drawn.frame.width, "height": drawn.frame.height, "picture": output.display().to_string(),
+            "digest": drawn.frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
+        });
+        writeln!(out, "{figures:#}")?;
+    } else {
+        let (width, height) = (drawn.frame.width, drawn.frame.height);
+        writeln!(out, "{}: {width}x{height}, {}, {drawing:.2} s", output.display(), args.mode)?;
+        for set in vectors {
+            writeln!(out, "{}: {} vectors", set.files[0].name, set.count)?;
+        }
+    }
+    Ok(())
+}
+
+/// Exports fragments spread over the frame, a set for each plan among its objects.
+fn capture(scene: &Scene, args: &RenderArgs, directory: &Path) -> Result<Vec<Manifest>, Failure> {
+    let captured = Prepared::new(scene, args.mode, &args.profile.precision)?.capture(CAPTURED_FRAGMENTS)?;
+    if captured.is_empty() {
+        return Err(Failure::Error(miette!(
+            "scene {}: nothing in the frame reflects, so there is nothing to capture",
+            scene.name
+        )));
+    }
+    let mut sets: Vec<(ReflectionPlan, Vec<ReflectionIn>)> = Vec::new();
+    for (fragment, plan) in captured {
+        match sets.iter_mut().find(|(known, _)| *known == plan) {
+            Some((_, fragments)) => fragments.push(fragment),
+            None => sets.push((plan, vec![fragment])),
+        }
+    }
+    // The mode changes knobs of the profile: such a set is of no named profile.
+    let precision = args.mode.precision(&args.profile.precision);
+    let profile = if precision == args.profile.precision { &args.profile.name } else { "custom" };
+    let description = format!("fragments of a frame: {}, {}", scene.name, args.mode);
+    let mut written = Vec::new();
+    for (index, (plan, fragments)) in sets.iter().enumerate() {
+        let name = format!("frame_{}_{index}", file_stem(&scene.name));
+        let info = SetInfo { name: &name, description: &description, seed: None, plan: *plan, precision, profile };
+        written.push(export(&info, fragments, directory)?);
+    }
+    Ok(written)
+}
+
+/// A scene's name as part of a file name: lower-case letters, digits and underscores, at most 40.
+fn file_stem(name: &str) -> String {
+    let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+    let good = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    name.chars().map(good).take(40).collect()
+}

@@ -1,0 +1,100 @@
+//! `roughxel report`.
+
+use std::io::{self, Write};
+
+use clap::{Args, Subcommand};
+use comfy_table::Table;
+use roughxel_core::precision::PROFILE_NAMES;
+use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, measure};
+use serde_json::json;
+
+use super::console::{new_table, progress};
+use super::{CONVENTIONS, Failure, ProfileArg, parse_profile};
+
+#[derive(Subcommand)]
+pub(super) enum ReportCommand {
+    /// Worst error of each stage against the float64 reference, with the fragment that made it.
+    #[command(after_help = CONVENTIONS)]
+    Accuracy(AccuracyArgs),
+}
+
+#[derive(Args)]
+pub(super) struct AccuracyArgs {
+    /// Random fragments, beside the hard cases.
+    #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub(super) fragments: u64,
+    /// Profile, or `all`.
+    #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|all")]
+    pub(super) profile: Profiles,
+    /// Table as JSON.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// One profile or every one.
+#[derive(Clone, Debug)]
+pub(super) struct Profiles(pub(super) Vec<ProfileArg>);
+
+fn parse_profiles(name: &str) -> Result<Profiles, String> {
+    let names = if name == "all" { PROFILE_NAMES.to_vec() } else { vec![name] };
+    names.into_iter().map(parse_profile).collect::<Result<_, _>>().map(Profiles)
+}
+
+pub(super) fn run(command: &ReportCommand) -> Result<(), Failure> {
+    let ReportCommand::Accuracy(args) = command;
+    let mut measured = Vec::new();
+    for profile in &args.profile.0 {
+        let bar = progress(args.fragments, &profile.name);
+        measured.push((profile, measure(&profile.precision, args.fragments, |done| bar.inc(done))));
+        bar.finish_and_clear();
+    }
+    let mut out = io::stdout().lock();
+    if args.json {
+        let profiles: Vec<_> = measured.iter().map(|(profile, accuracy)| as_json(&profile.name, accuracy)).collect();
+        writeln!(out, "{:#}", json!(profiles))?;
+        return Ok(());
+    }
+    for (profile, accuracy) in &measured {
+        writeln!(out, "{}", as_table(&profile.name, accuracy))?;
+    }
+    Ok(())
+}
+
+pub(super) fn as_table(profile: &str, accuracy: &Accuracy) -> Table {
+    let mut table = new_table([profile, "worst", "bar", "worst fragment", "fragments"]);
+    for (figure, name) in FIGURES {
+        let worst = accuracy.worst(figure);
+        table.add_row([
+            name.to_string(),
+            worst.map_or(String::new(), |worst| format!("{:.3e}", worst.error)),
+            figure.bar(profile).map_or(String::new(), |bar| format!("{bar:.3e}")),
+            worst.map_or(String::new(), |worst| format!("{} #{}", worst.set, worst.index)),
+            accuracy.counted(figure).to_string(),
+        ]);
+    }
+    for (name, count) in [("wrong faces", accuracy.wrong_faces), ("wrong counts", accuracy.wrong_counts)] {
+        table.add_row([name, &count.to_string(), "0", "", &accuracy.fragments.to_string()]);
+    }
+    table
+}
+
+pub(super) fn as_json(profile: &str, accuracy: &Accuracy) -> serde_json::Value {
+    let figures = FIGURES.map(|(figure, name)| {
+        let worst = accuracy.worst(figure);
+        json!({
+            "figure": name,
+            "worst": worst.map(|worst| worst.error),
+            "bar": figure.bar(profile),
+            "set": worst.map(|worst| &worst.set),
+            "index": worst.map(|worst| worst.index),
+            "counted": accuracy.counted(figure),
+        })
+    });
+    json!({
+        "profile": profile,
+        "fragments": accuracy.fragments,
+        "wrong_faces": accuracy.wrong_faces,
+        "wrong_counts": accuracy.wrong_counts,
+        "figures": figures,
+    })
+}

@@ -1,0 +1,124 @@
+//! Exit codes and help of the program.
+
+use std::process::{Command, Output, Stdio};
+
+fn roughxel(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_roughxel")).args(arguments).stdin(Stdio::null()).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+#[test]
+fn usage_errors_end_with_2() {
+    let cases: [&[&str]; 16] = [
+        &[],
+        &["frobnicate"],
+        &["eval", "--profile", "best"],
+        &["eval", "--effects", "bump,fog"],
+        &["eval", "--effects", "all,bump"],
+        &["eval", "one.csv", "two.csv"],
+        &["vectors", "export", "random"],
+        &["vectors", "export", "nonesuch", "-o", "unused"],
+        &["vectors", "export", "-o", "unused", "--count", "0"],
+        &["vectors", "export", "-o", "unused", "--smoke", "--count", "3"],
+        &["vectors", "verify"],
+        &["demo", "--size", "640"],
+        &["demo", "--threads", "0"],
+        &["render"],
+        &["render", "lake", "--mode", "supersampled:0"],
+        &["report", "accuracy", "--profile", "best"],
+    ];
+    for arguments in cases {
+        let output = roughxel(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn failures_end_with_1_and_name_the_file() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let inside_file = file.join("set");
+    let scene = directory.path().join("scene.toml");
+    std::fs::write(&scene, "name = 3\n").unwrap();
+    let picture = directory.path().join("no/where.png");
+    let cases: [(&[&str], &str); 7] = [
+        (&["render", "no-such.toml"], "no-such.toml"),
+        (&["render", scene.to_str().unwrap()], "scene.toml:1:"),
+        (&["render", "lake", "--size", "16x16", "-o", picture.to_str().unwrap()], "where.png"),
+        (&["eval", "no-such.csv"], "no-such.csv"),
+        (&["eval", directory.path().to_str().unwrap()], "cannot read"),
+        (&["vectors", "verify", "no-such-directory"], "no-such-directory"),
+        (&["vectors", "export", "random", "-o", inside_file.to_str().unwrap()], "cannot write"),
+    ];
+    for (arguments, named) in cases {
+        let output = roughxel(arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(named), "{arguments:?}: {}", stderr(&output));
+        assert!(!stderr(&output).contains("panicked"));
+    }
+}
+
+#[test]
+fn help_gives_units_formats_and_exit_codes() {
+    for arguments in [&["--help"][..], &["eval", "--help"], &["demo", "--help"], &["vectors", "verify", "--help"]] {
+        let output = roughxel(arguments);
+        let help = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        for part in ["I2F30", "I4F28", "0 done, 1 failure, 2 usage, 3 mismatch", "per pixel"] {
+            assert!(help.contains(part), "{arguments:?} misses {part}");
+        }
+    }
+}
+
+#[test]
+fn every_set_that_is_listed_can_be_exported() {
+    let list = roughxel(&["vectors", "list", "--json"]);
+    let sets: serde_json::Value = serde_json::from_slice(&list.stdout).unwrap();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().to_str().unwrap();
+    let export = roughxel(&["vectors", "export", "-o", path, "--count", "20", "--json"]);
+    let exported: serde_json::Value = serde_json::from_slice(&export.stdout).unwrap();
+    let names = |list: &serde_json::Value| -> Vec<String> {
+        list.as_array().unwrap().iter().map(|set| set["set"].as_str().unwrap().to_string()).collect()
+    };
+    assert_eq!(names(&sets), names(&exported["sets"]));
+    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_failure() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_roughxel"))
+        .args(["eval", "-"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let rows = "0,0,1,0,0,1\n".repeat(5000);
+    // The program may end before it has read everything.
+    let _ =
+        std::io::Write::write_all(&mut child.stdin.take().unwrap(), format!("nx,ny,nz,vx,vy,vz\n{rows}").as_bytes());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
+}
+
+#[test]
+fn a_captured_frame_is_a_set_that_verifies() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name).to_str().unwrap().to_string();
+    let (picture, sets) = (path("globe.png"), path("sets"));
+    for mode in ["footprint", "isotropic"] {
+        let arguments = ["render", "globe", "--size", "40x30", "--mode", mode, "-o", &picture, "--capture", &sets];
+        let output = roughxel(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    assert!(std::fs::metadata(&picture).unwrap().len() > 0);
+    let report = roughxel(&["vectors", "verify", &sets]);
+    assert_eq!(report.status.code(), Some(0), "{}", String::from_utf8_lossy(&report.stdout));
+}

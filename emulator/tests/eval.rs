@@ -1,0 +1,217 @@
+//! `roughxel eval` as its users see it.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+
+const REQUIRED: &str = "nx,ny,nz,vx,vy,vz";
+
+fn eval(arguments: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_roughxel"))
+        .arg("eval")
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The program may end before it has read everything.
+    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
+    child.wait_with_output().unwrap()
+}
+
+/// The result's columns by name.
+fn table(output: &Output) -> HashMap<String, Vec<f64>> {
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout.clone()).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<_> = lines.next().unwrap().split(',').collect();
+    let mut table: HashMap<String, Vec<f64>> = names.iter().map(|name| (name.to_string(), Vec::new())).collect();
+    for line in lines {
+        let cells: Vec<_> = line.split(',').collect();
+        assert_eq!(cells.len(), names.len());
+        for (name, cell) in names.iter().zip(cells) {
+            table.get_mut(*name).unwrap().push(cell.parse().unwrap());
+        }
+    }
+    table
+}
+
+fn failure(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(1));
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+#[test]
+fn a_mirror_seen_head_on_reflects_straight_back() {
+    let result = table(&eval(&["-"], "nx,ny,nz,vx,vy,vz,dv_dx_x,dv_dy_y,size\n0,0,1,0,0,2,-0.015625,0.015625,512\n"));
+    let one = |name: &str| result[name][0];
+    assert_eq!((one("face"), one("s"), one("t"), one("status")), (4.0, 0.0, 0.0, 0.0));
+    // r = 2n(v.n) - v|n|^2 = v; a pixel is 2^-7 on the face, two texels of 512.
+    assert_eq!((one("r_x"), one("r_y"), one("r_z")), (0.0, 0.0, 2.0));
+    assert_eq!((one("probes"), one("step_s"), one("lod")), (1.0, 0.007_812_5, 1.0));
+    // A pixel box has variance 1/12; standard keeps 20 bits of three roots and products on the way.
+    let sigma = 0.007_812_5 / 12_f64.sqrt();
+    assert!((one("lambda1") / sigma - 1.0).abs() < 1.0 / f64::from(1 << 17));
+    // h = (0, 1, 0) where it is not given: E1 = h x n, E2 = n x E1.
+    assert!((one("e1_x") - 1.0).abs() < 1e-5 && (one("e2_y") - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn quantised_inputs_go_through_unchanged() {
+    let header = "nx,ny,nz,vx,vy,vz,hx,hy,hz,b1,b2,d1,d2,d3,\
+                  dv_dx_x,dv_dx_y,dv_dx_z,dv_dy_x,dv_dy_y,dv_dy_z,dn_dx_x,dn_dx_y,dn_dx_z,dn_dy_x,dn_dy_y,dn_dy_z";
+    let row = "0.1,-0.7,3,1e-5,2,1e3,.3,.2,-.9,.123,-.456,.01,-.02,.03,\
+               1e-3,-2e-3,3e-7,4e-3,5e-3,-6e-3,1e-4,2e-9,3e-4,-4e-4,5e-4,6e-4";
+    for profile in ["paper", "compact", "standard", "precise"] {
+        let first = eval(&["--profile", profile], &format!("{header}\n{row}\n"));
+        let values = table(&first);
+        let again: Vec<_> = header.split(',').map(|name| format!("{:e}", values[&format!("q_{name}")][0])).collect();
+        let second = eval(&["--profile", profile], &format!("{header}\n{}\n", again.join(",")));
+        assert_eq!(String::from_utf8_lossy(&first.stdout), String::from_utf8_lossy(&second.stdout), "{profile}");
+    }
+}
+
+#[test]
+fn columns_may_come_in_any_order_with_bom_crlf_comments_and_blank_lines() {
+    let plain = eval(&[], &format!("{REQUIRED},b1\n1,2,3,4,5,6,0.25\n-1,2,3,4,5,6,0.5\n"));
+    let shuffled = eval(
+        &[],
+        "\u{feff}# made by hand\r\n\r\nb1, vz ,vy,\"vx\",nz,ny,nx\r\n0.25,6,5,4,3,2,1\r\n\r\n# next\r\n0.5,6,5,4,3,2,-1\r\n\r\n",
+    );
+    assert_eq!(plain.status.code(), Some(0));
+    assert_eq!(String::from_utf8_lossy(&plain.stdout), String::from_utf8_lossy(&shuffled.stdout));
+}
+
+#[test]
+fn a_missing_column_is_named() {
+    let message = failure(&eval(&[], "nx,ny,vx,vy\n1,2,3,4\n"));
+    assert!(message.contains("stdin:1: missing columns: nz, vz"), "{message}");
+}
+
+#[test]
+fn an_unknown_or_double_column_is_named_beside_the_known_ones() {
+    let message = failure(&eval(&[], &format!("{REQUIRED},bump\n1,2,3,4,5,6,7\n")));
+    assert!(message.contains("stdin:1: unknown column `bump`") && message.contains("dn_dy_z, size"), "{message}");
+    let message = failure(&eval(&[], &format!("{REQUIRED},ny\n1,2,3,4,5,6,7\n")));
+    assert!(message.contains("stdin:1: column `ny` is there twice"), "{message}");
+}
+
+#[test]
+fn a_value_that_is_no_number_is_named_with_line_and_column() {
+    for (value, problem) in [
+        ("abc", "is not a number"),
+        ("", "is not a number"),
+        ("1,5", "7 values, but the header names 6"),
+        ("NaN", "is not a finite number"),
+        ("inf", "is not a finite number"),
+        ("1e999", "is not a finite number"),
+    ] {
+        let message = failure(&eval(&[], &format!("{REQUIRED}\n# comment\n\n1,2,3,4,5,6\n1,2,{value},4,5,6\n")));
+        assert!(message.contains("stdin:5:") && message.contains(problem), "{value}: {message}");
+        assert!(value.contains(',') || message.contains("column `nz`"), "{message}");
+    }
+}
+
+#[test]
+fn values_beyond_their_port_are_refused() {
+    for (column, value) in
+        [("b1", "8"), ("b2", "-8.1"), ("d3", "1e9"), ("size", "0"), ("size", "2.5"), ("size", "16385")]
+    {
+        let message = failure(&eval(&[], &format!("{REQUIRED},{column}\n1,2,3,4,5,6,{value}\n")));
+        assert!(message.contains(&format!("stdin:2: column `{column}`: `{value}`")), "{message}");
+    }
+}
+
+#[test]
+fn an_empty_input_is_refused_and_a_header_alone_is_not() {
+    assert!(failure(&eval(&[], "\n# nothing\n")).contains("stdin: empty"));
+    assert_eq!(table(&eval(&[], REQUIRED))["nmod_x"].len(), 0);
+}
+
+#[test]
+fn huge_and_tiny_vectors_are_evaluated() {
+    let rows = "1e308,1e308,0,1,0,0\n5e-324,0,0,1,0,0\n0,0,0,0,0,0\n";
+    let result = table(&eval(&["--effects", "none"], &format!("{REQUIRED}\n{rows}")));
+    assert_eq!(result["face"], [2.0, 0.0, 4.0]);
+    // normal_zero, view_zero, view_below_surface, face_tie, footprint_zero.
+    assert_eq!(result["status"][2], f64::from(1 + 2 + 8 + 16 + 32));
+}
+
+#[test]
+fn effects_select_blocks() {
+    let fragment = format!("{REQUIRED},b1,d1,dv_dx_x,dn_dx_y\n0,0,1,0.3,0.2,1,0.5,0.25,0.01,0.01\n");
+    let with = |effects: &str| table(&eval(&["--effects", effects], &fragment));
+    assert_eq!(with("none")["lambda1"], [0.0]);
+    assert_eq!(with("none")["nmod_x"], [0.0]);
+    assert_ne!(with("bump")["nmod_x"], [0.0]);
+    let widths = ["footprint", "footprint,curvature", "footprint,roughness", "footprint,roughness-iso"]
+        .map(|effects| with(effects)["k_a"][0]);
+    for (i, width) in widths.iter().enumerate() {
+        assert!(!widths[..i].contains(width), "{widths:?}");
+    }
+    assert_eq!(with("all"), with("bump,roughness,curvature,footprint"));
+}
+
+#[test]
+fn raw_integers_and_json_say_the_same_as_real_numbers() {
+    let input = format!("{REQUIRED},b1,dv_dx_x,dv_dy_y\n0.3,0.2,1,-0.3,0.2,1,0.125,0.01,0.02\n1,0,0,1,0,0,0,0,0\n");
+    let (real, raw) = (table(&eval(&[], &input)), table(&eval(&["--raw"], &input)));
+    for row in 0..2 {
+        let mantissa = |name: &str, exponent: &str| raw[name][row] * 2_f64.powf(raw[exponent][row] - 30.0);
+        assert_eq!(real["r_z"][row], mantissa("r_z", "r_e"));
+        assert_eq!(real["lambda2"][row], mantissa("lambda2", "lambda2_e"));
+        assert_eq!(real["q_b1"][row], raw["q_b1"][row] / f64::from(1 << 28));
+        assert_eq!(real["lod"][row], raw["lod"][row] / 65536.0);
+    }
+    let json: serde_json::Value = serde_json::from_slice(&eval(&["--json"], &input).stdout).unwrap();
+    for (name, values) in &real {
+        for (row, value) in values.iter().enumerate() {
+            // serde_json reads decimals to within one last place.
+            let found = json[row][name].as_f64().unwrap();
+            assert!((found - value).abs() <= f64::EPSILON * value.abs(), "{name}");
+        }
+    }
+    assert_eq!(json[1]["status_names"], serde_json::json!(["footprint_zero"]));
+    let empty: serde_json::Value = serde_json::from_slice(&eval(&["--json"], REQUIRED).stdout).unwrap();
+    assert_eq!(empty, serde_json::json!([]));
+}
+
+#[test]
+fn rows_keep_their_order_across_parallel_blocks() {
+    let rows: String = (1..=20_000).map(|i| format!("0,0,{i},0,0,1\n")).collect();
+    let result = table(&eval(&["--profile", "precise"], &format!("{REQUIRED}\n{rows}")));
+    let expected: Vec<_> = (1..=20_000).map(f64::from).collect();
+    assert_eq!(result["q_nz"], expected);
+}
+
+#[test]
+fn an_output_file_appears_whole_or_not_at_all() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("result.csv");
+    let argument = path.to_str().unwrap();
+    let good = format!("{REQUIRED}\n1,2,3,4,5,6\n");
+    failure(&eval(&["-o", argument], &format!("{good}1,2,3,4,5,x\n")));
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+
+    let quiet = eval(&["-o", argument], &good);
+    assert_eq!((quiet.status.code(), quiet.stdout.len()), (Some(0), 0));
+    let written = std::fs::read(&path).unwrap();
+    assert_eq!(written, eval(&[], &good).stdout);
+
+    failure(&eval(&["-o", argument], "rubbish\n"));
+    assert_eq!(std::fs::read(&path).unwrap(), written);
+
+    let message = failure(&eval(&["-o", directory.path().join("no/where.csv").to_str().unwrap()], &good));
+    assert!(message.contains("cannot write") && message.contains("no directory"), "{message}");
+    let message = failure(&eval(&["-o", directory.path().to_str().unwrap()], &good));
+    assert!(message.contains("cannot write"), "{message}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_is_written_to_and_not_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+    assert_eq!(eval(&["-o", "/dev/null"], &format!("{REQUIRED}\n1,2,3,4,5,6\n")).status.code(), Some(0));
+    assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+}

@@ -1,0 +1,388 @@
+//! Golden vectors: what is written verifies, and whatever is changed is found.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use fixed::types::{I2F30, I4F28};
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::precision::Precision;
+use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_emulator::vectors::{
+    Cause, Direction, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, verify,
+};
+
+fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
+    SetInfo {
+        name,
+        description: "test",
+        seed: None,
+        plan: ReflectionPlan::FULL,
+        precision: Precision::by_name(profile).unwrap(),
+        profile,
+    }
+}
+
+/// A set of `count` random vectors under `standard` in a directory of its own.
+struct Set {
+    directory: tempfile::TempDir,
+    manifest: Manifest,
+}
+
+impl Set {
+    fn random(count: u64) -> Self {
+        let directory = tempfile::tempdir().unwrap();
+        let fragments: Vec<_> = (0..count).map(|i| random_fragment("test", i, &Precision::STANDARD)).collect();
+        let manifest = export(&info("random", "standard"), &fragments, directory.path()).unwrap();
+        Self { directory, manifest }
+    }
+
+    fn hex(&self) -> PathBuf {
+        self.directory.path().join("random_standard.hex")
+    }
+
+    fn json(&self) -> PathBuf {
+        self.directory.path().join("random_standard.json")
+    }
+
+    fn words(&self) -> Vec<Word> {
+        let text = fs::read_to_string(self.hex()).unwrap();
+        text.lines().filter(|line| !line.starts_with("//")).map(Word::parse).collect()
+    }
+
+    fn write_words(&self, words: &[Word]) {
+        let lines: String = words.iter().map(|word| word.line() + "\n").collect();
+        fs::write(self.hex(), format!("// changed\n{lines}")).unwrap();
+    }
+
+    fn verify(&self) -> Result<Verification, VectorError> {
+        verify(&self.json(), |_| {})
+    }
+
+    fn only_mismatch(&self) -> Mismatch {
+        let result = self.verify().unwrap();
+        assert_eq!((result.mismatching, result.mismatches.len(), result.hash_matches), (1, 1, false));
+        result.mismatches[0].clone()
+    }
+}
+
+/// A word as FORMAT.md describes it, read without the program's help: digits and the lengths of the fields.
+#[derive(Clone)]
+struct Word {
+    digits: Vec<u8>,
+    lengths: Vec<usize>,
+}
+
+impl Word {
+    fn parse(line: &str) -> Self {
+        let digits = line.chars().filter_map(|c| c.to_digit(16)).map(|digit| digit as u8).collect();
+        Self { digits, lengths: line.split('_').map(str::len).collect() }
+    }
+
+    fn line(&self) -> String {
+        let mut digits = self.digits.iter().map(|&digit| char::from_digit(digit.into(), 16).unwrap());
+        let fields: Vec<String> = self.lengths.iter().map(|&length| digits.by_ref().take(length).collect()).collect();
+        fields.join("_")
+    }
+
+    /// Flips bit `place`, counted from the end of the word.
+    fn flip(&mut self, place: usize) {
+        let at = self.digits.len() - 1 - place / 4;
+        self.digits[at] ^= 1 << (place % 4);
+    }
+
+    /// CRC-32 of all but the last eight digits, bit by bit.
+    fn crc(&self) -> u32 {
+        let data = &self.digits[..self.digits.len() - 8];
+        let bits = data.iter().flat_map(|digit| (0..4).rev().map(move |bit| u32::from(digit >> bit & 1)));
+        bits.fold(u32::MAX, |crc, bit| crc << 1 ^ if crc >> 31 ^ bit == 1 { 0x04c1_1db7 } else { 0 })
+    }
+
+    fn set_crc(&mut self) {
+        let crc = self.crc();
+        let end = self.digits.len();
+        (0..8).for_each(|i| self.digits[end - 1 - i] = (crc >> (4 * i) & 15) as u8);
+    }
+}
+
+#[test]
+fn every_set_verifies_under_every_profile() {
+    let directory = tempfile::tempdir().unwrap();
+    for profile in ["paper", "compact", "standard", "precise"] {
+        let p = Precision::by_name(profile).unwrap();
+        for set in hard_case_sets(&p) {
+            let info = SetInfo { plan: set.plan, ..info(set.name, profile) };
+            let manifest = export(&info, &set.fragments, directory.path()).unwrap();
+            assert_eq!(manifest.count, set.fragments.len() as u64);
+            let result = verify(&directory.path().join(format!("{}_{profile}.json", set.name)), |_| {}).unwrap();
+            assert!(result.passed(), "{} {profile}: {:?}", set.name, result.mismatches);
+        }
+    }
+}
+
+#[test]
+fn a_flipped_bit_in_any_field_is_reported_with_set_index_stage_and_field() {
+    let set = Set::random(3);
+    let words = set.words();
+    for field in &set.manifest.fields {
+        // Every bit of the field's digits, those above its width included.
+        for bit in 0..field.width.next_multiple_of(4) {
+            let mut flipped = words.clone();
+            flipped[1].flip((field.lsb + bit) as usize);
+            set.write_words(&flipped);
+            let mismatch = set.only_mismatch();
+            assert_eq!((mismatch.set.as_str(), mismatch.index, mismatch.line), ("random", 1, 3));
+            assert_eq!((&mismatch.stage, &mismatch.field, mismatch.bit), (&field.stage, &field.name, bit));
+            assert_eq!(mismatch.cause, Cause::FlippedBit);
+        }
+    }
+}
+
+#[test]
+fn the_check_value_is_the_documented_crc() {
+    for word in Set::random(50).words() {
+        let mut again = word.clone();
+        again.set_crc();
+        assert_eq!(again.line(), word.line());
+    }
+}
+
+#[test]
+fn another_result_in_an_intact_word_is_reported_at_its_earliest_stage() {
+    let set = Set::random(2);
+    let words = set.words();
+    for name in ["normal_mod_y", "probes", "lod", "determinant_e"] {
+        let field = set.manifest.fields.iter().find(|field| field.name == name).unwrap();
+        let status = set.manifest.fields.iter().find(|field| field.name == "status").unwrap();
+        let mut changed = words.clone();
+        changed[0].flip(field.lsb as usize);
+        changed[0].flip(status.lsb as usize);
+        changed[0].set_crc();
+        set.write_words(&changed);
+        let mismatch = set.only_mismatch();
+        assert_eq!((mismatch.stage.as_str(), mismatch.field.as_str()), (field.stage.as_str(), name));
+        assert_eq!((mismatch.cause, mismatch.bit, mismatch.fields_differing), (Cause::Computed, 0, 2));
+    }
+}
+
+#[test]
+fn two_flipped_bits_are_damage_at_the_earliest_stage() {
+    let set = Set::random(2);
+    let mut words = set.words();
+    let lsb = |name: &str| set.manifest.fields.iter().find(|field| field.name == name).unwrap().lsb as usize;
+    words[1].flip(lsb("lod"));
+    words[1].flip(lsb("reflected_x") + 1);
+    set.write_words(&words);
+    let mismatch = set.only_mismatch();
+    assert_eq!((mismatch.index, mismatch.stage.as_str(), mismatch.cause), (1, "reflect", Cause::Damaged));
+}
+
+#[test]
+fn a_changed_comment_changes_the_hash_and_no_vector() {
+    let set = Set::random(2);
+    set.write_words(&set.words());
+    let result = set.verify().unwrap();
+    assert_eq!((result.passed(), result.hash_matches, result.mismatching), (false, false, 0));
+}
+
+#[test]
+fn broken_words_are_named_by_file_and_line() {
+    let set = Set::random(3);
+    let good = fs::read_to_string(set.hex()).unwrap();
+    let lines: Vec<_> = good.lines().collect();
+    let with_line = |line: String| {
+        let mut lines = lines.clone();
+        lines[2] = &line;
+        lines.join("\n") + "\n"
+    };
+    let word = lines[2];
+    let cases = [
+        (with_line(word.to_uppercase()), "no lower-case hex digit"),
+        (with_line(word.replacen('0', "x", 1)), "no lower-case hex digit"),
+        (with_line(word.replacen('_', "0", 1)), "underscore"),
+        (with_line(word[1..].to_string()), "characters"),
+        (with_line(format!("0{word}")), "characters"),
+        (with_line(String::new()), "characters"),
+        (with_line("0".repeat(100_000)), "longer than"),
+        (good.replace('\n', "\r\n"), "characters"),
+    ];
+    for (text, problem) in cases {
+        fs::write(set.hex(), text).unwrap();
+        let message = set.verify().unwrap_err().to_string();
+        assert!(message.contains("random_standard.hex:") && message.contains(problem), "{message}");
+    }
+    let short = lines[..3].join("\n") + "\n";
+    let long = format!("{good}{word}\n");
+    for (text, found) in [(short, "2 vectors, but the manifest says 3"), (long, "4 vectors, but the manifest says 3")] {
+        fs::write(set.hex(), text).unwrap();
+        let message = set.verify().unwrap_err().to_string();
+        assert!(message.contains(found), "{message}");
+    }
+    fs::remove_file(set.hex()).unwrap();
+    assert!(set.verify().unwrap_err().to_string().contains("random_standard.hex"));
+}
+
+#[test]
+fn broken_manifests_are_refused_with_the_reason() {
+    let set = Set::random(2);
+    let good = fs::read_to_string(set.json()).unwrap();
+    let cases = [
+        (good[..good.len() / 2].to_string(), "no vector manifest"),
+        ("{}".into(), "missing field `schema`"),
+        (good.replacen("roughxel-vectors", "other", 1), "schema `other` is unknown"),
+        (good.replacen("\"format_version\": 1", "\"format_version\": 2", 1), "format version 2 is unknown"),
+        (good.replacen("\"name\": \"standard\"", "\"name\": \"best\"", 1), "profile `best` is unknown"),
+        (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 21", 1), "other knobs"),
+        (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 99", 1), "fraction_bits is out of its range"),
+        (good.replacen("\"count\": 2", "\"count\": 0", 1), "count 0"),
+        (good.replacen("\"count\": 2", "\"count\": \"two\"", 1), "broken manifest"),
+        (good.replacen("\"normal_x\"", "\"normal_w\"", 1), "`normal_w`"),
+        (good.replacen("\"width\": 22", "\"width\": 21", 1), "field `normal_x` is laid out"),
+        (good.replacen("random_standard.hex", "../random_standard.hex", 1), "no plain name"),
+        (" ".repeat(2 << 20), "larger than 1 MiB"),
+    ];
+    for (text, reason) in cases {
+        assert_ne!(text, good, "{reason}");
+        fs::write(set.json(), text).unwrap();
+        let message = set.verify().unwrap_err().to_string();
+        assert!(message.contains("random_standard.json") && message.contains(reason), "{reason}: {message}");
+    }
+}
+
+#[test]
+fn resizing_a_set_changes_no_vector_that_stays() {
+    let words = |count| Set::random(count).words().iter().map(Word::line).collect::<Vec<_>>();
+    assert_eq!(words(20)[..7], words(7));
+}
+
+#[test]
+fn fields_tile_the_word_and_have_unique_names() {
+    for profile in ["paper", "compact", "standard", "precise"] {
+        let layout = Layout::new(&Precision::by_name(profile).unwrap());
+        let mut end = layout.word_bits();
+        for field in layout.fields() {
+            end -= 4 * field.digits();
+            assert_eq!(field.lsb, end);
+            assert!((1..=32).contains(&field.width) && field.fraction_bits <= field.width);
+            assert_eq!(layout.fields().iter().filter(|other| other.name == field.name).count(), 1);
+        }
+        assert_eq!(end, 0);
+        let direction = |field: &roughxel_emulator::vectors::Field| match field.direction {
+            Direction::In => 0,
+            Direction::Tap => 1,
+            Direction::Out => 2,
+            Direction::Check => 3,
+        };
+        assert!(layout.fields().is_sorted_by_key(direction));
+    }
+}
+
+#[test]
+fn fragments_with_bits_the_profile_drops_are_refused_and_leave_nothing() {
+    let directory = tempfile::tempdir().unwrap();
+    let target = directory.path().join("sets");
+    let mut fragments = vec![random_fragment("test", 0, &Precision::STANDARD); 3];
+    fragments[2].offset[1] = I4F28::from_bits(1);
+    let error = export(&info("odd", "standard"), &fragments, &target).unwrap_err();
+    assert!(matches!(&error, VectorError::Inexact { index: 2, field, .. } if field == "offset_2"), "{error}");
+    assert_eq!(fs::read_dir(&target).unwrap().count(), 0);
+}
+
+#[test]
+fn sets_without_vectors_or_with_names_that_are_paths_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let fragments = [ReflectionIn::default()];
+    assert!(matches!(export(&info("empty", "standard"), &[], directory.path()), Err(VectorError::Size { .. })));
+    for name in ["", "../up", "a/b", "A", "a b"] {
+        let result = export(&info(name, "standard"), &fragments, directory.path());
+        assert!(matches!(result, Err(VectorError::Name(_))), "{name}");
+    }
+    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn the_vector_worked_by_hand_in_the_format_description_is_what_the_program_writes() {
+    let axis = |axis: usize, value: i32, exponent| {
+        let mut mantissa = [I2F30::ZERO; 3];
+        mantissa[axis] = I2F30::from_bits(value);
+        BlockVector { mantissa, exponent }
+    };
+    let half = 1 << 29;
+    let fragment = ReflectionIn {
+        normal: axis(2, half, 1),
+        view: axis(2, half, 1),
+        tangents: [axis(1, half, 1), BlockVector::default()],
+        dview: [axis(0, -half, -6), axis(1, half, -6)],
+        edge_texels: 512,
+        ..ReflectionIn::default()
+    };
+    let directory = tempfile::tempdir().unwrap();
+    export(&info("example", "standard"), &[fragment], directory.path()).unwrap();
+    let text = fs::read_to_string(directory.path().join("example_standard.hex")).unwrap();
+    let word = text.lines().nth(1).unwrap();
+    let format = fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap();
+    // The page breaks the word after each group of fields.
+    let page: String =
+        format.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.split_whitespace().collect();
+    assert_eq!(page, word);
+}
+
+#[test]
+fn the_committed_smoke_sets_verify() {
+    let output = roughxel(&["vectors", "verify", repository().join("vectors/smoke").to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
+}
+
+#[test]
+fn the_smoke_command_writes_the_committed_sets() {
+    let directory = tempfile::tempdir().unwrap();
+    assert_eq!(
+        roughxel(&["vectors", "export", "--smoke", "-o", directory.path().to_str().unwrap()]).status.code(),
+        Some(0)
+    );
+    let files = |path: &Path| -> Vec<_> {
+        let mut names: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let committed = repository().join("vectors/smoke");
+    assert_eq!(files(directory.path()), files(&committed));
+    for name in files(&committed) {
+        // No assert_eq: it would print the files.
+        assert!(
+            fs::read(committed.join(&name)).unwrap() == fs::read(directory.path().join(&name)).unwrap(),
+            "{name:?}"
+        );
+    }
+}
+
+#[test]
+fn the_program_ends_with_3_on_a_mismatch_and_1_on_a_broken_file() {
+    let set = Set::random(2);
+    let path = set.directory.path().to_str().unwrap();
+    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
+    let mut words = set.words();
+    let field = set.manifest.fields.iter().find(|field| field.name == "tangent_1_z").unwrap();
+    words[1].flip(field.lsb as usize + 5);
+    set.write_words(&words);
+    let output = roughxel(&["vectors", "verify", path]);
+    let report = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(report.contains("random #1 (line 3): stage input, field tangent_1_z, bit 5"), "{report}");
+
+    fs::write(set.hex(), "// nothing\n").unwrap();
+    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(1));
+    fs::remove_file(set.json()).unwrap();
+    let output = roughxel(&["vectors", "verify", path]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("random_standard.json: missing"));
+}
+
+fn roughxel(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_roughxel")).args(arguments).output().unwrap()
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
