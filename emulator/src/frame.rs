@@ -16,7 +16,7 @@ use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale};
-use roughxel_core::precision::Precision;
+use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
 use roughxel_core::stage::blend::blend;
@@ -243,7 +243,10 @@ impl<'a> Prepared<'a> {
         };
         let Some((input, plan)) = self.reflection_input(prepared, attributes) else { return surface };
         let stages = datapath::reflection(&input.wires(self.environment_scale), &plan, p);
-        let reflection = self.environment.as_ref().map_or([0; 3], |map| map.sample(&stages.point, &stages.probes, p));
+        let reflection = self
+            .environment
+            .as_ref()
+            .map_or([0; 3], |map| map.sample(&stages.point, &stages.probes, plan.roughness != RoughnessKind::None, p));
         core::array::from_fn(|i| {
             blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), prepared.reflectance[i]).raw()
         })
@@ -295,12 +298,12 @@ impl<'a> Prepared<'a> {
                 let plan = ReflectionPlan {
                     bump: false,
                     frame: FrameSystem::MainDirection,
-                    roughness: roughxel_core::precision::RoughnessKind::None,
+                    roughness: RoughnessKind::None,
                     curvature: false,
                     footprint: self.mode.filters(),
                 };
                 let stages = datapath::reflection(&input.wires(self.environment_scale), &plan, &self.precision);
-                map.sample(&stages.point, &stages.probes, &self.precision)
+                map.sample(&stages.point, &stages.probes, false, &self.precision)
             }
         }
     }

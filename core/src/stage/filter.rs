@@ -77,6 +77,19 @@ pub struct LevelPair<W: Word> {
 /// Fraction bits of the weight between levels.
 pub const LOD_WEIGHT: u32 = 12;
 
+/// Bias of the level of detail where a footprint is a surface's roughness: −½·log₂3, in `LOD` fraction bits.
+///
+/// A trilinear probe on texels of size t has the variance t²/12 (box) + t²/6 (tent) = t²/4. At the pixel's level,
+/// t = 2√3·λ₂, that is 3λ₂²: what a pixel's box needs against aliasing, for its neighbours see other texels. Roughness needs no
+/// such reserve (neighbouring lobes overlap), and t = 2λ₂ gives exactly λ₂². Measured where all bumps are below a pixel: 9 dB.
+pub const ROUGHNESS_LOD_BIAS: i64 = -51_936;
+
+/// A level of detail moved by a sampler's bias ≤ 0, not below the finest level.
+#[inline(always)]
+pub fn biased<W: Word>(lod: Fx<W, LOD>, bias: Fx<W, LOD>, p: &Precision) -> Fx<W, LOD> {
+    (lod + bias).max(Fx::zero()).keep(p.lod_bits)
+}
+
 /// Splits a level of detail; the level above the last repeats the last with weight 0.
 #[inline(always)]
 pub fn levels<W: Word>(lod: Fx<W, LOD>) -> LevelPair<W> {

@@ -4,7 +4,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::probe_list::environment_probes;
 use roughxel_core::signals::{CubePoint, FacePosition, Probes};
-use roughxel_core::stage::filter::{ProbeSum, corner, face_address, levels, trilinear};
+use roughxel_core::stage::filter::{ProbeSum, ROUGHNESS_LOD_BIAS, biased, corner, face_address, levels, trilinear};
 
 use crate::maps::environment::{CubePyramid, CubeTexel, FaceTexel, texel_across_edge};
 use crate::maps::mip::{Level, smallest_exponent};
@@ -33,11 +33,13 @@ impl EnvironmentMap {
         self.pyramid.edge
     }
 
-    /// The mean colour of a footprint: N trilinear probes along its major axis.
-    pub(super) fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, p: &Precision) -> Colour {
+    /// The mean colour of a footprint: N trilinear probes along its major axis; a rough one is sampled with the
+    /// roughness bias.
+    pub(super) fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> Colour {
+        let lod = if rough { biased(probes.lod, Fx::lit(ROUGHNESS_LOD_BIAS), p) } else { probes.lod };
         let mut sums = [ProbeSum::<i32>::zero(); 3];
         for probe in environment_probes(point, probes, p) {
-            for (sum, channel) in sums.iter_mut().zip(self.trilinear(&probe.place, probes.lod, p)) {
+            for (sum, channel) in sums.iter_mut().zip(self.trilinear(&probe.place, lod, p)) {
                 *sum = sum.add(channel, probe.weight);
             }
         }

@@ -37,7 +37,8 @@ impl RepeatedMap {
 
     /// Averages `CHANNELS` channels over the footprint of a fragment: N trilinear probes along its major axis.
     ///
-    /// `texel(level, index)` reads a texel; a sample has `extra` fraction bits more than a texel.
+    /// `texel(level, index)` reads a texel; a sample has `extra` fraction bits more than a texel; `probe` turns the
+    /// sample of one probe into what is averaged.
     fn assemble<const CHANNELS: usize>(
         &self,
         attributes: &FragmentAttributes,
@@ -45,18 +46,19 @@ impl RepeatedMap {
         p: &Precision,
         extra: u32,
         texel: impl Fn(usize, usize) -> [i32; CHANNELS],
+        probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
     ) -> [i32; CHANNELS] {
         let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
         let uv = input.uv.map(|u| Fx::<i64, 32>::from_raw(i64::from(u.to_bits())));
         if !footprint {
-            return self.trilinear(&uv, Fx::zero(), p, extra, &texel);
+            return probe(self.trilinear(&uv, Fx::zero(), p, extra, &texel));
         }
         let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
         let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
-        for probe in texture_probes(&uv, &probes, &self.scale.0, p) {
-            let sample = self.trilinear(&probe.place, probes.lod, p, extra, &texel);
+        for place in texture_probes(&uv, &probes, &self.scale.0, p) {
+            let sample = probe(self.trilinear(&place.place, probes.lod, p, extra, &texel));
             for (sum, channel) in sums.iter_mut().zip(sample) {
-                *sum = sum.add(channel, probe.weight);
+                *sum = sum.add(channel, place.weight);
             }
         }
         sums.map(ProbeSum::mean)
@@ -114,9 +116,8 @@ impl ColourMap {
 
     /// The mean colour of the footprint.
     pub(super) fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
-        let sample = self.map.assemble(attributes, footprint, p, 8, |level, index| {
-            self.pyramid.levels[level].texels[index].map(i32::from)
-        });
+        let texel = |level: usize, index: usize| self.pyramid.levels[level].texels[index].map(i32::from);
+        let sample = self.map.assemble(attributes, footprint, p, 8, texel, |sample| sample);
         sample.map(|channel| channel << self.pyramid.exponent)
     }
 }
@@ -124,8 +125,8 @@ impl ColourMap {
 /// A bump map with roughness.
 pub(super) struct BumpMap {
     map: RepeatedMap,
-    /// Five channels per texel: b₁, b₂ (30 fraction bits) and second moments (29), in units of the scale. What the
-    /// hardware works out for each fetched texel depends on that texel only, so it is kept.
+    /// Five channels per texel: b₁, b₂ (30 fraction bits) and the elements of K (29), in units of the scale. What
+    /// the hardware works out for each fetched texel depends on that texel only, so it is kept.
     levels: Vec<Vec<[i32; 5]>>,
     /// log₂ of the unit of the channels.
     exponent: i32,
@@ -165,12 +166,8 @@ impl BumpMap {
                     let (x, y) = (index as u32 % level.width, index as u32 / level.width);
                     let decoded = level.texel(x, y).decode(&format);
                     let (offset, d) = (decoded.offset.map(scaled), decoded.roughness.map(scaled));
-                    let (b, second) = if isotropic {
-                        moments::of_isotropic_texel(&offset, d[0])
-                    } else {
-                        moments::of_texel(&offset, &d)
-                    };
-                    [b[0].raw(), b[1].raw(), second[0].raw(), second[1].raw(), second[2].raw()]
+                    let k = if isotropic { moments::of_isotropic_texel(d[0]) } else { moments::of_texel(&d) };
+                    [offset[0].raw(), offset[1].raw(), k[0].raw(), k[1].raw(), k[2].raw()]
                 };
                 (0..level.offsets.len()).map(texel).collect()
             })
@@ -187,8 +184,12 @@ impl BumpMap {
         kind: RoughnessKind,
         p: &Precision,
     ) -> ([I4F28; 2], [I4F28; 3]) {
-        let [b1, b2, m11, m12, m22] =
-            self.map.assemble(attributes, footprint, p, 0, |level, index| self.levels[level][index]);
+        let texel = |level: usize, index: usize| self.levels[level][index];
+        let probe = |[b1, b2, k11, k12, k22]: [i32; 5]| {
+            let m = moments::of_probe(&[b1, b2].map(Fx::from_raw), &[k11, k12, k22].map(Fx::<i32, 29>::from_raw));
+            [b1, b2, m[0].raw(), m[1].raw(), m[2].raw()]
+        };
+        let [b1, b2, m11, m12, m22] = self.map.assemble(attributes, footprint, p, 0, texel, probe);
         let b: [Fx<i32, 30>; 2] = [Fx::from_raw(b1), Fx::from_raw(b2)];
         let port = |word: i32, shift: i32| {
             let word = i64::from(word);

@@ -1,0 +1,69 @@
+//! The accuracy table of the project: every bar of [`Figure::bar`] over 10⁶ seeded random fragments and all hard cases,
+//! for each named profile. The worst fragment of a figure that breaks its bar is printed whole.
+
+use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, Figure, measure};
+
+/// Fragments of the random set.
+const FRAGMENTS: u64 = 1_000_000;
+
+fn holds_every_bar(profile: &str) {
+    let p = Precision::by_name(profile).expect("a listed profile exists");
+    let accuracy: Accuracy = measure(&p, FRAGMENTS, |_| ());
+    assert!(accuracy.fragments > FRAGMENTS, "random fragments and hard cases");
+    assert_eq!(accuracy.wrong_faces, 0, "{profile}: faces away from ties");
+    assert_eq!(accuracy.wrong_counts, 0, "{profile}: probe counts away from their boundaries");
+    let mut broken = Vec::new();
+    for (figure, name) in FIGURES {
+        let worst = accuracy.worst(figure).expect("every figure is measured");
+        // A figure that hardly any fragment counts for would hold any bar.
+        assert!(accuracy.counted(figure) > FRAGMENTS / 4, "{profile} {name}: {} count", accuracy.counted(figure));
+        let bar = figure.bar(profile);
+        println!(
+            "{profile:8} {name:9} 2^{:6.2} {:9.2e} bar {:9.2e} {}[{}]",
+            worst.error.log2(),
+            worst.error,
+            bar.unwrap_or(f64::NAN),
+            worst.set,
+            worst.index
+        );
+        // NaN breaks a bar, too.
+        if bar.is_some_and(|bar| worst.error.is_nan() || worst.error > bar) {
+            broken.push(format!(
+                "{name}: {} > {bar:?}, {}[{}] {:?}",
+                worst.error, worst.set, worst.index, worst.fragment
+            ));
+        }
+    }
+    assert!(broken.is_empty(), "{profile}:\n{}", broken.join("\n"));
+}
+
+#[test]
+fn paper_holds_every_bar() {
+    holds_every_bar("paper");
+}
+
+#[test]
+fn compact_holds_every_bar() {
+    holds_every_bar("compact");
+}
+
+#[test]
+fn standard_holds_every_bar() {
+    holds_every_bar("standard");
+}
+
+#[test]
+fn precise_holds_every_bar() {
+    holds_every_bar("precise");
+}
+
+#[test]
+fn bars_do_not_loosen_from_profile_to_profile() {
+    for (figure, name) in FIGURES {
+        let bars: Vec<Option<f64>> = PROFILE_NAMES.iter().map(|profile| figure.bar(profile)).collect();
+        assert!(bars.windows(2).all(|pair| pair[1] <= pair[0]), "{name}: {bars:?}");
+        assert_eq!(figure.bar("no such profile"), None);
+    }
+    assert_eq!(Figure::Coordinates.bar("standard"), Some(1.0 / 32768.0));
+}

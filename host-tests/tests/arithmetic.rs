@@ -1,0 +1,359 @@
+//! Fixed-point and block arithmetic: rounding, normalising and aligning against 128-bit integers, the tables against
+//! f64, the limits of a precision. Inputs of 24 bits or fewer are exhausted, wider ones drawn.
+
+use std::f64::consts::{LN_2, PI};
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use rayon::prelude::*;
+use roughxel_core::block::{Block, MANTISSA, ZERO_EXPONENT, align, cross, dot, normalise, places_below};
+use roughxel_core::fx::Fx;
+use roughxel_core::precision::{AxisDirection, Newton, PROFILE_NAMES, Precision};
+use roughxel_core::rom;
+use roughxel_host_tests::checked::{Checked, CheckedWide};
+
+/// 2^30.
+const ONE: i32 = 1 << MANTISSA;
+
+/// ⌊x/2^k + ½⌋: to nearest, ties towards +∞.
+fn rounded(x: i128, k: u32) -> i128 {
+    if k == 0 { x } else { (x + (1 << (k - 1))) >> k }
+}
+
+fn config() -> ProptestConfig {
+    ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Default::default() }
+}
+
+/// Wide wires with weight on the ends, zero and single bits.
+fn wide() -> impl Strategy<Value = i64> {
+    prop_oneof![
+        any::<i64>(),
+        (any::<i64>(), 0_u32..64).prop_map(|(x, k)| x >> k),
+        (0_u32..63, -2_i64..=2, any::<bool>()).prop_map(|(k, d, minus)| {
+            let x = (1_i64 << k) + d;
+            if minus { -x } else { x }
+        }),
+        Just(i64::MIN),
+        Just(i64::MAX),
+        Just(-1),
+        Just(0),
+    ]
+}
+
+/// A mantissa of `bits` kept fraction bits.
+fn mantissa(keep: u32) -> impl Strategy<Value = i32> {
+    let shift = MANTISSA - keep;
+    prop_oneof![
+        (-(1_i32 << keep)..=1 << keep).prop_map(move |m| m << shift),
+        Just(ONE),
+        Just(-ONE),
+        Just(0),
+        Just(1 << shift),
+        Just(-1 << shift)
+    ]
+}
+
+#[test]
+fn rounding_is_to_nearest_with_ties_towards_plus_infinity() {
+    // The worked numbers: ±½, ±1½ and their neighbours, in halves of the kept unit.
+    for (x, expected) in [(1, 1), (-1, 0), (3, 2), (-3, -1), (2, 1), (-2, -1), (0, 0)] {
+        let x = Fx::<i64, 31>::from_raw(x);
+        assert_eq!(x.round_to::<30>(30).raw(), expected);
+    }
+    // All 24-bit inputs, all places.
+    (0..24_u32).into_par_iter().for_each(|keep| {
+        for x in -(1 << 23)..1 << 23 {
+            let expected = rounded(i128::from(x), 24 - keep) << (24 - keep);
+            assert_eq!(i128::from(Fx::<i32, 24>::from_raw(x).keep(keep).raw()), expected, "{x} keeps {keep}");
+        }
+    });
+}
+
+#[test]
+fn keeping_all_bits_changes_nothing() {
+    for x in [i32::MIN, -1, 0, 1, i32::MAX] {
+        assert_eq!(Fx::<i32, 24>::from_raw(x).keep(24).raw(), x);
+        assert_eq!(Fx::<i32, 24>::from_raw(x).keep(40).raw(), x);
+    }
+}
+
+#[test]
+fn rounded_shift_equals_rounding_the_quotient() {
+    // 17-bit mantissas and all places: 2^22 inputs.
+    for keep in [12, 16] {
+        (0..32_u32).into_par_iter().for_each(|k| {
+            for m in -(1 << keep)..=1 << keep {
+                let raw = m << (MANTISSA - keep);
+                let got = Fx::<Checked, 30>::from_raw(Checked::new(raw))
+                    .round_shr_by(Fx::from_raw(Checked::new(k as i32)), keep)
+                    .raw()
+                    .value();
+                let expected = rounded(i128::from(m), k) << (MANTISSA - keep);
+                assert_eq!(i128::from(got), expected, "{m} by {k}");
+            }
+        });
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn a_wide_wire_narrows_to_the_nearest_word(x in wide(), keep in 0_u32..40, shift in 0_u32..33) {
+        // Into the range of the result: |x| < 2^31 with 30 fraction bits.
+        let x = x >> shift.max(3);
+        let places = 60 - keep.min(30);
+        let expected = rounded(i128::from(x), places) << (places - 30);
+        let got = Fx::<CheckedWide, 60>::from_raw(CheckedWide::new(x)).round_to::<30>(keep);
+        prop_assert_eq!(i128::from(got.raw().value()), expected);
+    }
+
+    #[test]
+    fn a_block_keeps_its_value_within_half_a_last_place(
+        wide in prop::array::uniform3(wide()),
+        keep in 12_u32..=28,
+        exponent in -70_000_i64..70_000,
+    ) {
+        let block = normalise::<Checked, 3, 60>(
+            wide.map(|w| Fx::from_raw(CheckedWide::new(w))),
+            Fx::lit(exponent),
+            keep,
+        );
+        let mantissas = block.m.map(|m| m.raw().value());
+        let e = i64::from(block.e.raw().value());
+        if wide == [0; 3] {
+            prop_assert_eq!((mantissas, e), ([0; 3], ZERO_EXPONENT));
+            return Ok(());
+        }
+        let largest = mantissas.iter().map(|m| m.abs()).max().unwrap_or(0);
+        prop_assert!((ONE / 2..=ONE).contains(&largest), "{mantissas:?} · 2^{e}");
+        // wide·2^(exponent − 60) against m·2^(e − 30), both in units of 2^(e − 63).
+        let up = exponent - 30 - e;
+        prop_assert!((-33..=30).contains(&up));
+        for (w, m) in wide.into_iter().zip(mantissas) {
+            prop_assert_eq!(m & ((1 << (MANTISSA - keep)) - 1), 0, "kept bits only");
+            let value = i128::from(w) << (up + 33);
+            let kept = i128::from(m) << 33;
+            let last_place = 1_i128 << (33 + MANTISSA - keep);
+            prop_assert!(2 * (value - kept).abs() <= last_place);
+            // Exact where the dropped bits are zero.
+            if value % last_place == 0 {
+                prop_assert_eq!(value, kept);
+            }
+        }
+    }
+
+    #[test]
+    fn normalising_a_block_again_changes_nothing_but_a_mantissa_of_one(
+        m in prop::array::uniform3(mantissa(16)),
+        exponent in -1000_i64..1000,
+    ) {
+        let once = normalise::<i32, 3, 60>(m.map(|m| Fx::<i32, 30>::from_raw(m).widen()), Fx::lit(exponent), 16);
+        let twice = normalise::<i32, 3, 60>(once.m.map(Fx::widen), once.e, 16);
+        // +1 occurs by rounding up (or on entry); it belongs to the next octave.
+        if once.m.iter().all(|m| m.raw() < ONE) {
+            prop_assert_eq!(once, twice);
+        } else {
+            prop_assert_eq!(once.m.map(|m| m.raw().rem_euclid(ONE)), twice.m.map(|m| (2 * m.raw()).rem_euclid(ONE)));
+        }
+    }
+
+    #[test]
+    fn aligned_blocks_do_not_grow_and_lose_less_than_a_last_place(
+        a in prop::array::uniform2(mantissa(20)),
+        b in prop::array::uniform2(mantissa(20)),
+        exponents in prop::array::uniform2(-40_i32..40),
+    ) {
+        let block = |m: [i32; 2], e: i32| Block::<Checked, 2> {
+            m: m.map(|m| Fx::from_raw(Checked::new(m))),
+            e: Fx::from_raw(Checked::new(e)),
+        };
+        let ([x, y], top) = align([block(a, exponents[0]), block(b, exponents[1])], 20);
+        let top = top.raw().value();
+        prop_assert_eq!(top, exponents[0].max(exponents[1]));
+        for (before, e, after) in [(a, exponents[0], x), (b, exponents[1], y)] {
+            for (before, after) in before.into_iter().zip(after) {
+                let after = after.raw().value();
+                prop_assert!(after.abs() <= before.abs());
+                let places = (top - e) as u32;
+                let expected = rounded(i128::from(before >> 10), places.min(40)) << 10;
+                prop_assert_eq!(i128::from(after), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn dot_and_cross_products_are_exact(
+        a in prop::array::uniform3(mantissa(28)),
+        b in prop::array::uniform3(mantissa(28)),
+    ) {
+        let [p, q] = [a, b].map(|v| v.map(|m| Fx::<Checked, 30>::from_raw(Checked::new(m))));
+        let exact = |i: usize, j: usize| i128::from(a[i]) * i128::from(b[j]);
+        prop_assert_eq!(i128::from(dot(&p, &q).raw().value()), exact(0, 0) + exact(1, 1) + exact(2, 2));
+        let got = cross(&p, &q).map(|w| i128::from(w.raw().value()));
+        let expected = [exact(1, 2) - exact(2, 1), exact(2, 0) - exact(0, 2), exact(0, 1) - exact(1, 0)];
+        prop_assert_eq!(got, expected);
+    }
+
+    #[test]
+    fn comparisons_follow_the_order_of_the_numbers(x: i32, y: i32, low: i32, high: i32) {
+        let [a, b, l, h] = [x, y, low, high].map(Fx::<i32, 7>::from_raw);
+        prop_assert_eq!(a.lt(b), x < y);
+        prop_assert_eq!(a.ge(b), x >= y);
+        prop_assert_eq!(a.is_zero(), x == 0);
+        prop_assert_eq!(a.min(b).raw(), x.min(y));
+        prop_assert_eq!(a.max(b).raw(), x.max(y));
+        if low <= high {
+            prop_assert_eq!(a.saturate(l, h).raw(), x.clamp(low, high));
+        }
+        if x != i32::MIN {
+            prop_assert_eq!(a.abs().raw(), x.abs());
+            prop_assert_eq!(a.negate_if(true).raw(), -x);
+        }
+        prop_assert_eq!(a.negate_if(false).raw(), x);
+        prop_assert_eq!(Fx::select(x < y, a, b).raw(), x.min(y));
+    }
+
+    #[test]
+    fn places_below_are_cut_to_what_a_wire_can_lose(e in -2_000_000_i64..2_000_000, top in -2_000_000_i64..2_000_000) {
+        let places = places_below::<Checked>(Fx::lit(e), Fx::lit(top), 31).raw().value();
+        prop_assert_eq!(i64::from(places), (top - e).clamp(0, 31));
+    }
+}
+
+#[test]
+fn one_bit_and_the_most_negative_word_are_normalised_like_any_other() {
+    for k in 0..64 {
+        for (value, sign) in [(1_i64.checked_shl(k), 1), (Some(-1 << k), -1)] {
+            let Some(value) = value.filter(|value| value.signum() == sign) else { continue };
+            let block = normalise::<Checked, 1, 60>([Fx::from_raw(CheckedWide::new(value))], Fx::zero(), 16);
+            let (m, e) = (block.m[0].raw().value(), block.e.raw().value());
+            // −2^k is −1 in the octave below: one's complement counts its leading bits.
+            let expected = if sign > 0 { (ONE / 2, k as i32 - 59) } else { (-ONE, k as i32 - 60) };
+            assert_eq!((m, e), expected, "{value}");
+        }
+    }
+}
+
+#[test]
+fn a_zero_block_never_wins_an_alignment() {
+    let tiny = Block::<i32, 1> { m: [Fx::from_raw(ONE / 2)], e: Fx::lit(-(1 << 18)) };
+    let ([zero, kept], top) = align([Block::zero().scaled(Fx::lit(1 << 18)), tiny], 16);
+    assert_eq!((zero, kept, top), ([Fx::zero()], tiny.m, tiny.e));
+    assert!(Block::<i32, 3>::zero().is_zero());
+    assert!(!tiny.is_zero());
+}
+
+/// Whether an entry is the nearest integer to `exact` (1/1000 for what f64 itself leaves open).
+fn nearest(entry: i32, exact: f64) -> bool {
+    (f64::from(entry) - exact).abs() <= 0.501
+}
+
+#[test]
+fn every_table_entry_is_the_nearest_to_its_function() {
+    let two = |k: i32| f64::from(k).exp2();
+    for i in 0..=256_u32 {
+        let x = f64::from(i) / 256.0;
+        assert!(nearest(rom::LOG2[i as usize], (1.0 + x).log2() * two(24)), "log2 {i}");
+        assert!(nearest(rom::EXP2[i as usize], x.exp2() * two(29)), "exp2 {i}");
+    }
+    for bits in 6..=10 {
+        // Seeds keep bits + 2 fraction bits.
+        let unit = two(28 - bits as i32);
+        let (reciprocal, inverse_root) = (rom::reciprocal(bits), rom::inverse_root(bits));
+        assert_eq!((reciprocal.len(), inverse_root.len()), (1 << bits, 1 << bits));
+        for i in 0..1 << bits {
+            let middle = 0.5 + (f64::from(i) + 0.5) * two(-1 - bits as i32);
+            let entry = reciprocal[i as usize];
+            assert!((f64::from(entry) - 0.5 / middle * two(30)).abs() <= 0.501 * unit, "1/2x seed {bits} {i}");
+            let middle = 0.25 + (f64::from(i) + 0.5) * two(-(bits as i32));
+            let entry = inverse_root[i as usize];
+            if middle < 1.0 {
+                assert!((f64::from(entry) - 0.5 / middle.sqrt() * two(30)).abs() <= 0.501 * unit, "1/2√x {bits} {i}");
+            }
+        }
+        assert!(reciprocal.windows(2).all(|pair| pair[0] >= pair[1]), "a reciprocal falls");
+        assert!(inverse_root.windows(2).all(|pair| pair[0] >= pair[1]), "an inverse root falls");
+    }
+    for n in 1..=rom::MAX_PROBES {
+        assert!(nearest(rom::STEP_PER_SIGMA[n], 12_f64.sqrt() / n as f64 * two(28)), "step {n}");
+        assert!(nearest(rom::LOG2_OF_COUNT[n], (n as f64).log2() * 65536.0), "log2 of {n}");
+    }
+    assert!(nearest(rom::BOX_SIGMA, two(30) / 12_f64.sqrt()));
+    assert!(nearest(rom::LOG2_DIAMETER, 12_f64.sqrt().log2() * 65536.0));
+    for steps in (2..=64).step_by(2) {
+        for step in 0..=steps {
+            let (sin, cos) = (PI / 2.0 * f64::from(step) / f64::from(steps)).sin_cos();
+            let (got_sin, got_cos) = rom::sin_cos_of_right_angle(step, steps);
+            assert!(nearest(got_sin, sin * two(30)) && nearest(got_cos, cos * two(30)), "{step} of {steps}");
+        }
+    }
+}
+
+#[test]
+fn interpolation_of_the_logarithm_tables_errs_as_their_docs_say() {
+    // h²/8·max|f″| at the steepest end: 1/ln 2 for log₂(1 + x), (ln 2)² for 2^x/2 relative to ½ … at x = 0.
+    let h = 1.0 / 256.0;
+    assert!((h * h / 8.0 / LN_2).log2() < -18.4);
+    assert!((h * h / 8.0 * LN_2 * LN_2).log2() < -20.0);
+}
+
+#[test]
+fn probe_weights_are_a_partition_of_one() {
+    for (name, table, gaussian) in [("box", rom::BOX_WEIGHTS, false), ("gaussian", rom::GAUSSIAN_WEIGHTS, true)] {
+        for n in 1..=rom::MAX_PROBES {
+            let row = &table[rom::MAX_PROBES * (n - 1)..][..n];
+            assert_eq!(row.iter().sum::<i32>(), 1 << 16, "{name} {n}");
+            let law = |i: usize| {
+                let position = (2 * i + 1) as f64 / n as f64 - 1.0;
+                if gaussian { (-1.5 * position * position).exp() } else { 1.0 }
+            };
+            let total: f64 = (0..n).map(law).sum();
+            for (i, &weight) in row.iter().enumerate() {
+                // Rounding of the running sum: half a unit at either end of the interval.
+                assert!((f64::from(weight) - law(i) / total * 65536.0).abs() <= 1.0, "{name} {n} {i}");
+                assert!((weight - row[n - 1 - i]).abs() <= 1, "{name} {n} is symmetric");
+            }
+            assert!(
+                row[..n.div_ceil(2)].windows(2).all(|pair| pair[0] <= pair[1] + 1),
+                "{name} {n} rises to the middle"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_named_profile_is_inside_the_limits() {
+    for name in PROFILE_NAMES {
+        let p = Precision::by_name(name).expect("a listed profile exists");
+        assert_eq!(p.checked(), Ok(p), "{name}");
+        assert_eq!(p.offset_bits() + 2, p.fraction_bits);
+    }
+    assert_eq!(Precision::by_name("Standard"), None);
+    assert_eq!(Precision::by_name(""), None);
+    assert_eq!(Precision::by_name("standard"), Some(Precision::STANDARD));
+}
+
+#[test]
+fn a_knob_beyond_its_limits_is_named() {
+    let p = Precision::STANDARD;
+    let newton = |seed_bits, steps| Newton { seed_bits, steps };
+    let table = |steps| Precision { direction: AxisDirection::Table { steps }, ..p };
+    for (knob, beyond) in [
+        ("fraction_bits", [Precision { fraction_bits: 11, ..p }, Precision { fraction_bits: 29, ..p }]),
+        ("reciprocal", [5, 11].map(|k| Precision { reciprocal: newton(k, 1), ..p })),
+        ("reciprocal", [3, u32::MAX].map(|n| Precision { reciprocal: newton(8, n), ..p })),
+        ("inverse_root", [5, 11].map(|k| Precision { inverse_root: newton(k, 1), ..p })),
+        ("inverse_root", [3, u32::MAX].map(|n| Precision { inverse_root: newton(8, n), ..p })),
+        ("direction", [table(0), table(66)]),
+        ("direction", [table(9), table(63)]),
+        ("max_probes", [0, 17].map(|max_probes| Precision { max_probes, ..p })),
+        ("lod_bits", [1, 13].map(|lod_bits| Precision { lod_bits, ..p })),
+        ("weight_bits", [1, 11].map(|weight_bits| Precision { weight_bits, ..p })),
+        ("roughness_bits", [3, 17].map(|roughness_bits| Precision { roughness_bits, ..p })),
+    ] {
+        for p in beyond {
+            assert_eq!(p.checked(), Err(knob), "{p:?}");
+        }
+    }
+}

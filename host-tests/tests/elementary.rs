@@ -1,0 +1,229 @@
+//! Elementary functions, exhausted over the mantissa: every p-bit input of every profile against f64, whose own error
+//! (2⁻⁵³) is far below the last bit in question.
+//!
+//! The table [`BOUNDS`] holds what was found, rounded up in the third decimal of its logarithm: a change of a seed, a
+//! table or a rounding shows here first.
+
+use micromath::F32Ext;
+use rayon::prelude::*;
+use roughxel_core::block::{Block, MANTISSA};
+use roughxel_core::elementary::{exp2, half_inverse_root, half_reciprocal, inverse_root, log2, root_and_inverse};
+use roughxel_core::fx::Fx;
+use roughxel_core::precision::{Newton, PROFILE_NAMES, Precision};
+use roughxel_emulator::random::SplitMix64;
+
+/// 2^30.
+const ONE: i32 = 1 << MANTISSA;
+
+/// log₂ of the worst error of a profile, for [`FUNCTIONS`]. 1/2x, 1/2√x and log₂ absolute, the others relative.
+type Bounds = [f64; 4];
+
+const FUNCTIONS: [&str; 4] = ["1/2x", "1/2√x", "log2", "exp2"];
+
+/// The worst errors, one row per profile, in the order of [`FUNCTIONS`].
+const BOUNDS: [Bounds; 4] = [
+    [-16.295, -14.875, -18.460, -15.918],
+    [-16.295, -14.875, -18.460, -15.918],
+    [-20.233, -18.785, -18.458, -19.029],
+    [-26.994, -26.002, -18.457, -20.033],
+];
+
+fn profile(index: usize) -> Precision {
+    Precision::by_name(PROFILE_NAMES[index]).expect("a listed profile exists")
+}
+
+fn mantissa(x: i32) -> f64 {
+    f64::from(x) / f64::from(ONE)
+}
+
+/// Largest error of `error` over every mantissa of `keep` bits from `low` to 1, both included, and where it is.
+fn worst_over_mantissas(low: i32, keep: u32, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
+    let step = MANTISSA - keep;
+    let chunks = (low >> step..(ONE >> step) + 1).into_par_iter().with_min_len(1 << 14);
+    chunks
+        .map(|unit| (error(unit << step), unit << step))
+        .reduce(|| (0.0, 0), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
+}
+
+fn reciprocal_error(x: i32, p: &Precision) -> f64 {
+    (mantissa(half_reciprocal(Fx::<i32, 30>::from_raw(x), p).raw()) - 0.5 / mantissa(x)).abs()
+}
+
+fn inverse_root_error(x: i32, p: &Precision) -> f64 {
+    (mantissa(half_inverse_root(Fx::<i32, 30>::from_raw(x), p).raw()) - 0.5 / mantissa(x).sqrt()).abs()
+}
+
+fn log2_error(x: i32, p: &Precision) -> f64 {
+    (f64::from(log2(Fx::<i32, 30>::from_raw(x), p).raw()) / f64::from(1 << 24) - mantissa(x).log2()).abs()
+}
+
+fn exp2_error(x: i32, p: &Precision) -> f64 {
+    let block = exp2(Fx::<i32, 24>::from_raw(x), p);
+    let got = mantissa(block.m[0].raw()) * f64::from(block.e.raw()).exp2();
+    (got / (f64::from(x) / f64::from(1 << 24)).exp2() - 1.0).abs()
+}
+
+fn holds(profile: usize, function: usize, worst: (f64, i32)) {
+    let found = worst.0.log2();
+    println!("{:8} {:6} 2^{found:.4} at {:#010x}", PROFILE_NAMES[profile], FUNCTIONS[function], worst.1);
+    let bound = BOUNDS[profile][function];
+    assert!(found <= bound, "{} of {}: 2^{found:.4} at {:#x}", FUNCTIONS[function], PROFILE_NAMES[profile], worst.1);
+    // A bound that nothing meets is a bound that nobody measured.
+    assert!(found > bound - 0.01, "{} of {} is 2^{found:.4}", FUNCTIONS[function], PROFILE_NAMES[profile]);
+}
+
+#[test]
+fn reciprocal_holds_its_bound_at_every_mantissa() {
+    for index in 0..PROFILE_NAMES.len() {
+        let p = profile(index);
+        holds(index, 0, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| reciprocal_error(x, &p)));
+    }
+}
+
+#[test]
+fn inverse_root_holds_its_bound_at_every_mantissa() {
+    for index in 0..PROFILE_NAMES.len() {
+        let p = profile(index);
+        holds(index, 1, worst_over_mantissas(ONE / 4, p.fraction_bits, |x| inverse_root_error(x, &p)));
+    }
+}
+
+#[test]
+fn logarithm_holds_its_bound_at_every_mantissa() {
+    for index in 0..PROFILE_NAMES.len() {
+        let p = profile(index);
+        holds(index, 2, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| log2_error(x, &p)));
+    }
+}
+
+#[test]
+fn exponential_holds_its_bound_at_every_fraction() {
+    for index in 0..PROFILE_NAMES.len() {
+        let p = profile(index);
+        let worst = (0..1 << 24)
+            .into_par_iter()
+            .with_min_len(1 << 14)
+            .map(|x| (exp2_error(x, &p), x))
+            .reduce(|| (0.0, 0), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a });
+        holds(index, 3, worst);
+    }
+}
+
+/// 1/2x: the rounding of the result, that of the scaled residual, and the seed's error squared n times.
+///
+/// A seed errs by 2^−(k+1) (half an interval times the slope 1 at x = ½) and its own rounding 2^−(k+3), at the middle
+/// of two less: 2^−(k+0.7) is met by every table.
+fn reciprocal_bound(p: f64, newton: Newton) -> f64 {
+    let seed = f64::from(newton.seed_bits) + 0.7;
+    (-p - 0.8).exp2() + (-f64::from(1 << newton.steps) * seed).exp2()
+}
+
+/// 1/2√x: two roundings (y² and the result), and the seed's relative error δ as δ ← 1.5·δ², n times.
+fn inverse_root_bound(p: f64, newton: Newton) -> f64 {
+    let seed = f64::from(newton.seed_bits) - 0.76;
+    (-p).exp2() + (-f64::from(1 << newton.steps) * seed).exp2() / 1.5
+}
+
+#[test]
+fn every_seed_and_step_count_holds_the_bound_by_its_formula() {
+    type Error = fn(i32, &Precision) -> f64;
+    type Bound = fn(f64, Newton) -> f64;
+    let functions: [(&str, i32, Error, Bound); 2] = [
+        ("1/2x", ONE / 2, reciprocal_error, reciprocal_bound),
+        ("1/2√x", ONE / 4, inverse_root_error, inverse_root_bound),
+    ];
+    for fraction_bits in [12, 16, 18, 22] {
+        for (seed_bits, steps) in (6..=10).flat_map(|seed| (0..=2).map(move |steps| (seed, steps))) {
+            let newton = Newton { seed_bits, steps };
+            let p = Precision { fraction_bits, reciprocal: newton, inverse_root: newton, ..Precision::PAPER };
+            for (name, low, error, bound) in functions {
+                let (worst, at) = worst_over_mantissas(low, fraction_bits, |x| error(x, &p));
+                let bound = bound(f64::from(fraction_bits), newton);
+                let (worst, bound) = (worst.log2(), bound.log2());
+                println!("{name} p {fraction_bits} {newton:?}: 2^{worst:.3}, bound 2^{bound:.3}");
+                assert!(worst <= bound, "{name}, p {fraction_bits}, {newton:?}: 2^{worst:.3} at {at:#x}");
+                assert!(worst > bound - 1.0, "{name}, p {fraction_bits}, {newton:?}: the bound 2^{bound:.3} is idle");
+            }
+        }
+    }
+}
+
+#[test]
+fn ends_of_the_domains_are_right_and_zero_is_bounded() {
+    let fx = Fx::<i32, 30>::from_raw;
+    for name in PROFILE_NAMES {
+        let p = Precision::by_name(name).expect("a listed profile exists");
+        // 0 is no mantissa of a block but of a block of zeros: the result is bounded, and meets a factor 0.
+        assert_eq!(half_reciprocal(fx(0), &p), fx(ONE));
+        assert_eq!(half_reciprocal(fx(ONE / 2), &p), fx(ONE));
+        assert_eq!(half_inverse_root(fx(0), &p), fx(ONE));
+        let last = 1 << (MANTISSA - p.fraction_bits);
+        for (name, got, exact) in [
+            ("1/2x at 1", half_reciprocal(fx(ONE), &p), ONE / 2),
+            ("1/2√x at ¼", half_inverse_root(fx(ONE / 4), &p), ONE),
+            ("1/2√x at 1", half_inverse_root(fx(ONE), &p), ONE / 2),
+        ] {
+            assert!((got.raw() - exact).abs() <= 2 * last, "{name}: {got:?}");
+        }
+        assert_eq!(log2(fx(ONE), &p).raw(), 0);
+        for x in [ONE / 2, ONE / 2 - 1, 0, -1, -ONE] {
+            assert_eq!(log2(fx(x), &p).raw(), -1 << 24, "below ½ reads as ½");
+        }
+        for whole in -63..=63 {
+            let power = exp2(Fx::<i32, 24>::from_raw(whole << 24), &p);
+            assert_eq!((power.m[0].raw(), power.e.raw()), (ONE / 2, whole + 1));
+        }
+    }
+}
+
+#[test]
+fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
+    for (index, name) in PROFILE_NAMES.iter().enumerate() {
+        let p = profile(index);
+        let mut random = SplitMix64::for_element("roots of blocks", index as u64);
+        for round in 0..20_000 {
+            let keep = MANTISSA - p.fraction_bits;
+            let mantissa_bits = (ONE / 2 + random.below(1 << 29) as i32) >> keep << keep;
+            let exponent =
+                if round % 2 == 0 { random.below(9) as i32 - 4 } else { random.below(1 << 19) as i32 - (1 << 18) };
+            let x = Block::<i32, 1> { m: [Fx::from_raw(mantissa_bits)], e: Fx::from_raw(exponent) };
+            let (root, inverse) = root_and_inverse(x, &p);
+            assert_eq!(inverse, inverse_root(x, &p));
+            // √(m·2^e) over 2^⌊e/2⌋, so that no exponent leaves f64.
+            let half = exponent.div_euclid(2);
+            let expected = (mantissa(mantissa_bits) * f64::from(exponent.rem_euclid(2)).exp2()).sqrt();
+            let value = |block: Block<i32, 1>, e: i32| mantissa(block.m[0].raw()) * f64::from(block.e.raw() - e).exp2();
+            // The inverse root halves x where its exponent is odd (½ place lost), and the root rounds once more.
+            let bound = 3.0 * BOUNDS[index][1].exp2() + 2.0 * (-f64::from(p.fraction_bits)).exp2();
+            assert!((value(inverse, -half) * expected - 1.0).abs() < bound, "{name}: 1/√ of {x:?}");
+            assert!((value(root, half) / expected - 1.0).abs() < bound, "{name}: √ of {x:?}");
+        }
+        let (root, _) = root_and_inverse(Block::<i32, 1>::zero(), &p);
+        assert_eq!(root, Block::zero());
+    }
+}
+
+/// What a soft core would do in float: micromath's approximations, whose worst errors are percents.
+#[test]
+fn cheap_float_functions_err_by_percents_where_a_seed_table_does_not() {
+    let worst = |approximate: fn(f32) -> f32, exact: fn(f64) -> f64| {
+        let error = |i: u32| {
+            // Two octaves: the errors repeat with the exponent's parity.
+            let x = 1.0 + 3.0 * i as f32 / 1_000_000.0;
+            (f64::from(approximate(x)) / exact(f64::from(x)) - 1.0).abs()
+        };
+        (0..1_000_000).map(error).fold(0.0, f64::max)
+    };
+    let measured = [
+        ("1/√x", worst(F32Ext::invsqrt, |x| 1.0 / x.sqrt()), 0.034, 1),
+        ("√x", worst(F32Ext::sqrt, f64::sqrt), 0.061, 1),
+        ("1/x", worst(f32::inv, f64::recip), 0.125, 0),
+    ];
+    for (name, error, documented, function) in measured {
+        println!("micromath {name}: {:.2} %", 100.0 * error);
+        assert!((error - documented).abs() < 0.001, "{name}: {error}");
+        // Absolute errors of the halves are relative errors of at most twice their size; ours, at p = 16:
+        let ours = 2.0 * BOUNDS[0][function].exp2();
+        assert!(error > 400.0 * ours, "{name}: {error} against {ours}");
+    }
+}

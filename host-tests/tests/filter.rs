@@ -1,0 +1,392 @@
+//! Addresses, interpolation, the cube's corner, blending and the moments of bumps against integers and the float64
+//! reference.
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use rayon::prelude::*;
+use roughxel_core::fx::Fx;
+use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::stage::blend::blend;
+use roughxel_core::stage::filter::{self, ProbeSum, corner, face_address, levels, repeat_address};
+use roughxel_core::stage::moments::{self, covariance, decompose, of_isotropic_texel, of_texel};
+use roughxel_emulator::random::SplitMix64;
+use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
+use roughxel_host_tests::reference::roughness::{self, compose, isotropic};
+
+fn profiles() -> [(&'static str, Precision); 4] {
+    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+}
+
+fn config() -> ProptestConfig {
+    ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(8), ..Default::default() }
+}
+
+/// A trilinear sample of scalar words: weights of the fine and the coarse level in 2^−10, of the level in 2^−12.
+fn trilinear(texels: [[i32; 4]; 2], weights: [[i32; 2]; 2], level: i32, extra: u32) -> i32 {
+    let [fine, coarse] = weights.map(|pair| pair.map(Fx::from_raw));
+    filter::trilinear::<i32>((&texels[0], &fine), (&texels[1], &coarse), Fx::from_raw(level), extra)
+}
+
+#[test]
+fn equal_texels_give_exactly_that_value_at_every_weight_and_level() {
+    let mut random = SplitMix64::new(1);
+    let weights: Vec<([[i32; 2]; 2], i32)> = (0..64)
+        .map(|_| {
+            let mut weight = || random.below(1024) as i32;
+            let pairs = [[weight(), weight()], [weight(), weight()]];
+            (pairs, random.below(4096) as i32)
+        })
+        .chain([([[0; 2]; 2], 0), ([[1023; 2]; 2], 4095), ([[0, 1023], [1023, 0]], 2048)])
+        .collect();
+    // Every 16-bit value at 67 weights; every level weight at a few values.
+    (0..=65535).into_par_iter().for_each(|value| {
+        for &(pairs, level) in &weights {
+            assert_eq!(trilinear([[value; 4]; 2], pairs, level, 8), value << 8);
+        }
+    });
+    for value in [0, 1, 32768, 65535] {
+        for level in 0..4096 {
+            assert_eq!(trilinear([[value; 4]; 2], [[511, 1], [77, 1023]], level, 8), value << 8);
+        }
+    }
+    for value in [-1 << 30, -1, 0, 1, (1 << 30) - 1, 1 << 30, 3 << 29] {
+        for &(pairs, level) in &weights {
+            assert_eq!(trilinear([[value; 4]; 2], pairs, level, 0), value);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn a_trilinear_sample_is_right_within_a_last_place(
+        texels: [[u16; 4]; 2],
+        weights in prop::array::uniform2(prop::array::uniform2(0_i32..1024)),
+        level in 0_i32..4096,
+    ) {
+        let exact = |texels: [u16; 4], [x, y]: [i32; 2]| {
+            let [a, b, c, d] = texels.map(i64::from);
+            let (x, y) = (i64::from(x), i64::from(y));
+            (a * (1024 - x) + b * x) * (1024 - y) + (c * (1024 - x) + d * x) * y
+        };
+        // In units of 2^−32 of a texel.
+        let (fine, coarse) = (exact(texels[0], weights[0]), exact(texels[1], weights[1]));
+        let expected = fine * (4096 - i64::from(level)) + coarse * i64::from(level);
+        let got = trilinear(texels.map(|level| level.map(i32::from)), weights, level, 8);
+        // Each level is rounded to a word, then their mean: half a last place and another half.
+        prop_assert!(((i64::from(got) << 24) - expected).abs() <= 1 << 24);
+        let lowest = texels.iter().flatten().min().copied().unwrap_or(0);
+        let highest = texels.iter().flatten().max().copied().unwrap_or(0);
+        prop_assert!((i32::from(lowest) << 8..=i32::from(highest) << 8).contains(&got), "no over- or undershoot");
+    }
+
+    #[test]
+    fn blending_is_exact_at_both_ends_and_rounds_once_between(
+        surface in 0_i32..1 << 30,
+        reflection in 0_i32..1 << 30,
+        reflectance in 0_i32..=1 << 16,
+    ) {
+        let by = |reflectance: i32| {
+            blend::<i32>(Fx::from_raw(surface), Fx::from_raw(reflection), Fx::from_raw(reflectance)).raw()
+        };
+        prop_assert_eq!(by(0), surface);
+        prop_assert_eq!(by(1 << 16), reflection);
+        let share = i64::from(reflectance);
+        let exact = i64::from(surface) * ((1 << 16) - share) + i64::from(reflection) * share;
+        prop_assert_eq!(i64::from(by(reflectance)), (exact + (1 << 15)) >> 16);
+    }
+}
+
+#[test]
+fn samples_of_a_map_follow_the_reference() {
+    let sizes = [(16, 16), (5, 3), (1, 7), (64, 2)];
+    for (name, p) in profiles() {
+        let mut worst = 0.0_f64;
+        for index in 0..20_000_u64 {
+            let mut random = SplitMix64::for_element(name, index);
+            let (width, height) = sizes[index as usize % sizes.len()];
+            let extents = [(width, height), ((width / 2).max(1), (height / 2).max(1))];
+            let texels = extents.map(|(w, h)| (0..w * h).map(|_| random.below(65536) as i32).collect::<Vec<_>>());
+            let maps: Vec<Map<1>> = extents
+                .iter()
+                .zip(&texels)
+                .map(|(&(width, height), texels)| Map {
+                    width,
+                    height,
+                    texels: texels.iter().map(|&texel| [f64::from(texel)]).collect(),
+                })
+                .collect();
+            let uv = [0; 2].map(|_| i64::from(random.next_u64() as u32));
+            let level = random.below(4096) as i32;
+            let fetch = |which: usize| {
+                let (w, h) = extents[which];
+                let address =
+                    repeat_address::<i32>(&uv.map(Fx::from_raw), [w, h].map(|edge| Fx::from_raw(edge as i32)), &p);
+                let [x, y] = address.index.map(Fx::raw);
+                let read = |dx: i32, dy: i32| {
+                    let column = (x + dx).rem_euclid(w as i32) as usize;
+                    let row = (y + dy).rem_euclid(h as i32) as usize;
+                    texels[which][row * w + column]
+                };
+                ([read(0, 0), read(1, 0), read(0, 1), read(1, 1)], address.weight.map(Fx::raw))
+            };
+            let ((fine, fine_weight), (coarse, coarse_weight)) = (fetch(0), fetch(1));
+            let got = trilinear([fine, coarse], [fine_weight, coarse_weight], level, 8);
+            let real = uv.map(|u| u as f64 / 2_f64.powi(32));
+            let [want] = reference_trilinear(&maps, real, f64::from(level) / 4096.0);
+            worst = worst.max((f64::from(got) / 256.0 - want).abs());
+        }
+        // Weights are rounded to `weight_bits`: half a last place of 65 535 in both directions; and the sample itself.
+        let bound = 65535.0 * (-f64::from(p.weight_bits)).exp2() + 1.0 / 256.0;
+        println!("{name}: {worst:.2} of 65535, bound {bound:.2}");
+        assert!(worst <= bound, "{name}: {worst} of 65535");
+    }
+}
+
+#[test]
+fn repeated_addresses_are_the_rounded_texel_coordinate_for_every_size() {
+    let corners = |width: i64| {
+        let texel = (1 << 32) / width;
+        let near = (0..=width.min(9)).flat_map(move |i| [i * texel, i * texel + texel / 2]);
+        let ends = [0, 1, (1 << 31) - 1, 1 << 31, (1 << 31) + 1, (1 << 32) - 2, (1 << 32) - 1];
+        near.flat_map(|u| [u - 1, u, u + 1]).chain(ends).filter(|u| (0..1 << 32).contains(u))
+    };
+    for (name, p) in profiles() {
+        for width in [1, 2, 3, 5, 1000, 16383, 16384] {
+            let mut random = SplitMix64::for_element(name, width as u64);
+            let drawn: Vec<i64> = (0..5000).map(|_| i64::from(random.next_u64() as u32)).collect();
+            for u in corners(width).chain(drawn) {
+                let size = [Fx::from_raw(width as i32), Fx::from_raw(1)];
+                let address = repeat_address::<i32>(&[Fx::from_raw(u), Fx::zero()], size, &p);
+                let (index, weight) = (address.index[0].raw(), address.weight[0].raw());
+                // u·width − ½ in 2^−32, rounded at `weight_bits`.
+                let drop = 32 - p.weight_bits;
+                let coordinate = (u * width - (1 << 31) + (1 << (drop - 1))) >> drop;
+                assert_eq!(i64::from(index), coordinate >> p.weight_bits, "{name} {width} {u}");
+                let kept = coordinate & ((1 << p.weight_bits) - 1);
+                assert_eq!(i64::from(weight), kept << (10 - p.weight_bits), "{name} {width} {u}");
+                assert!((-1..width).contains(&i64::from(index)) && (0..1024).contains(&weight));
+            }
+        }
+    }
+}
+
+#[test]
+fn face_addresses_stay_within_one_texel_of_the_face() {
+    let one = 1_i32 << 28;
+    for (name, p) in profiles() {
+        for edge in [1, 2, 3, 5, 1000, 16383, 16384_i64] {
+            let mut random = SplitMix64::for_element(name, edge as u64);
+            let drawn: Vec<i32> = (0..5000).map(|_| random.below(2 * one as u64 + 1) as i32 - one).collect();
+            for s in [-one, 1 - one, -1, 0, 1, one - 1, one].into_iter().chain(drawn) {
+                let address = face_address::<i32>(&[Fx::from_raw(s), Fx::from_raw(-s)], Fx::from_raw(edge as i32), &p);
+                for (s, index, weight) in
+                    [(s, address.index[0], address.weight[0]), (-s, address.index[1], address.weight[1])]
+                {
+                    let (index, weight) = (index.raw(), weight.raw());
+                    assert!((-1..edge).contains(&i64::from(index)) && (0..1024).contains(&weight));
+                    // ((s + 1)·edge − 1)/2, rounded at `weight_bits`.
+                    let exact = (f64::from(s) / f64::from(one) + 1.0) / 2.0 * edge as f64 - 0.5;
+                    let got = f64::from(index) + f64::from(weight) / 1024.0;
+                    let half = 0.5 * (-f64::from(p.weight_bits)).exp2();
+                    assert!((got - exact).abs() <= half, "{name} {edge} {s}: {got} for {exact}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn levels_split_every_lod_of_every_profile() {
+    for bits in 0..15 << 16 {
+        let pair = levels::<i32>(Fx::from_raw(bits));
+        assert_eq!(pair.level.raw(), bits >> 16);
+        // A profile keeps at most 12 bits; those beyond do not exist.
+        assert_eq!(pair.weight.raw(), (bits & 0xffff) >> 4);
+    }
+}
+
+#[test]
+fn corner_texel_is_the_nearest_to_the_mean_of_the_three() {
+    // The mean depends on the sum only: all of them.
+    for sum in 0..=3 * 65535_i32 {
+        let three = [sum / 3, (sum + 1) / 3, (sum + 2) / 3];
+        let got = corner(&three);
+        assert_eq!(got, (sum + 1).div_euclid(3), "{three:?}: a third rounds down, two thirds up");
+    }
+    for value in 0..=65535 {
+        assert_eq!(corner(&[value; 3]), value);
+    }
+    assert_eq!(corner(&[0, 0, 65535]), 21845);
+}
+
+#[test]
+fn probe_sums_are_the_rounded_weighted_mean() {
+    let mut random = SplitMix64::new(5);
+    for _ in 0..2000 {
+        let mut sum = ProbeSum::<i32>::zero();
+        let (mut exact, mut left) = (0_i64, 1_i64 << 16);
+        for probe in 0..16 {
+            let weight = if probe == 15 { left } else { random.below(left as u64 / 4 + 1) as i64 };
+            left -= weight;
+            let sample = random.next_u64() as i32;
+            sum = sum.add(sample, Fx::from_raw(weight as i32));
+            exact += weight * i64::from(sample);
+        }
+        assert_eq!(i64::from(sum.mean()), (exact + (1 << 15)) >> 16);
+    }
+}
+
+/// A number in units of 2^−30.
+fn unit(x: f64) -> Fx<i32, 30> {
+    Fx::from_raw((x * f64::from(1 << 30)).round() as i32)
+}
+
+fn real_offset(x: Fx<i32, 28>) -> f64 {
+    f64::from(x.raw()) / f64::from(1 << 28)
+}
+
+/// D of moments.
+fn stored(moments: &moments::Moments<i32>, p: &Precision) -> [f64; 3] {
+    decompose(&covariance(moments, p), p).map(real_offset)
+}
+
+/// The five channels of moments.
+fn channels(moments: &moments::Moments<i32>) -> [i32; 5] {
+    let ([b1, b2], [m11, m12, m22]) = *moments;
+    [b1.raw(), b2.raw(), m11.raw(), m12.raw(), m22.raw()]
+}
+
+/// Moments filtered between texels: the mean of two, as a bilinear weight of one half gives it.
+fn halfway(a: &moments::Moments<i32>, b: &moments::Moments<i32>) -> moments::Moments<i32> {
+    let (a, b) = (channels(a), channels(b));
+    let [b1, b2, m11, m12, m22]: [i32; 5] =
+        std::array::from_fn(|i| trilinear([[a[i], b[i], a[i], b[i]]; 2], [[512, 0]; 2], 0, 0));
+    ([b1, b2].map(Fx::from_raw), [m11, m12, m22].map(Fx::from_raw))
+}
+
+/// Largest difference of two covariances.
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn equal_texels_give_back_their_own_covariance() {
+    for (name, p) in profiles() {
+        let worst = (0..100_000_u64)
+            .into_par_iter()
+            .map(|index| {
+                let mut random = SplitMix64::for_element(name, index);
+                let size = random.uniform(-10.0, 0.0).exp2();
+                let mut within = |size: f64| random.uniform(-size, size);
+                let (b, d) = ([within(1.0), within(1.0)], [within(size).abs(), within(size), within(size).abs()]);
+                let texel = of_texel(&b.map(unit), &d.map(unit));
+                let same = halfway(&texel, &texel);
+                assert_eq!(channels(&same), channels(&texel), "filtering equal texels changes nothing");
+                let [a, b, c] = covariance(&same, &p).m.map(|m| f64::from(m.raw()) / f64::from(1 << 30));
+                let scale = f64::from(covariance(&same, &p).e.raw()).exp2();
+                let want = compose(d);
+                let error = distance([a * scale, b * scale, c * scale], want);
+                // What is stated: 2^−28 absolute, and the rounding of K to p bits.
+                error / ((-28_f64).exp2() + (-f64::from(p.fraction_bits)).exp2() * want[0].max(want[2]))
+            })
+            .reduce(|| 0.0, f64::max);
+        println!("{name}: {worst:.3} of the stated error");
+        assert!(worst <= 1.0, "{name}: {worst} times the stated error");
+    }
+}
+
+#[test]
+fn decomposition_follows_the_reference() {
+    for (name, p) in profiles() {
+        let worst = (0..100_000_u64)
+            .into_par_iter()
+            .map(|index| {
+                let mut random = SplitMix64::for_element(name, index);
+                let mut within = |low: f64, high: f64| random.uniform(low, high);
+                // c from a thousandth to a thousand times a: the rounding of K to p bits grows with their ratio.
+                let spread = within(-5.0, 5.0).exp2();
+                let size = within(-8.0, -5.0).exp2();
+                let d = [within(0.0, size), within(-size, size), within(0.1, 1.0) * size * spread];
+                let k = covariance(&of_texel(&[Fx::zero(); 2], &d.map(unit)), &p);
+                let scale = f64::from(k.e.raw()).exp2();
+                let exact = k.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30) * scale);
+                let want = roughness::decompose(exact);
+                let got = decompose(&k, &p).map(real_offset);
+                // Against K as the stage sees it, so that only its own arithmetic is judged: a root, an inverse
+                // root and their product, relative, and the last place of D.
+                let longest = exact[0].max(exact[2]).sqrt();
+                let bound = (3.0 - f64::from(p.fraction_bits)).exp2() * longest + (-27_f64).exp2();
+                distance(got, want) / bound
+            })
+            .reduce(|| 0.0, f64::max);
+        println!("{name}: {worst:.3} of the bound");
+        assert!(worst <= 1.0, "{name}: {worst} times the bound");
+    }
+}
+
+#[test]
+fn roughness_of_rank_one_keeps_its_variance_in_every_direction() {
+    for (name, p) in profiles() {
+        for step in 0..=256 {
+            let (sin, cos) = (f64::from(step) * std::f64::consts::PI / 256.0).sin_cos();
+            for size in [1.0, 0.1, 0.004] {
+                // Two slopes along one line: K = size²·(cos, sin)(cos, sin)ᵀ, no D at all in the texels.
+                let [plus, minus] = [size, -size].map(|b| of_texel(&[b * cos, b * sin].map(unit), &[Fx::zero(); 3]));
+                let want = [cos * cos, cos * sin, sin * sin].map(|k| k * size * size);
+                let [d1, d2, d3] = stored(&halfway(&plus, &minus), &p);
+                let got = compose([d1, d2, d3]);
+                // c keeps p bits beside a: below 2^−p·a it is lost (d₂ with it), just above it b²/c is noise.
+                let last = (-f64::from(p.fraction_bits)).exp2() * want[0].max(want[2]) + (-28_f64).exp2();
+                let noise = 8.0 * last * (1.0 + want[0] / want[2].max(last));
+                assert!(distance(got, want) <= noise, "{name} {step} {size}: {got:?} for {want:?}");
+                assert!(d1 >= 0.0 && d3 >= 0.0 && [d1, d2, d3].iter().all(|d| d.abs() <= 4.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn degenerate_covariances_decompose_as_documented() {
+    for (_, p) in profiles() {
+        let of = |b: [f64; 2], d: [f64; 3]| stored(&of_texel(&b.map(unit), &d.map(unit)), &p);
+        assert_eq!(of([0.0; 2], [0.0; 3]), [0.0; 3]);
+        // c = 0: d₂ = 0, d₁ = √a (erratum 13).
+        let [d1, d2, d3] = of([0.0; 2], [0.5, 0.0, 0.0]);
+        assert!((d1 - 0.5).abs() < 0.001 && (d2, d3) == (0.0, 0.0));
+        // a = 0.
+        let [d1, d2, d3] = of([0.0; 2], [0.0, 0.0, 0.5]);
+        assert!((d1, d2) == (0.0, 0.0) && (d3 - 0.5).abs() < 0.001);
+        // Offsets alone, at the ends of their range, leave no roughness but the rounding of their squares.
+        for b in [[1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [0.3, -0.7]] {
+            assert!(of(b, [0.0; 3]).iter().all(|d| d.abs() < (-14_f64).exp2()), "{b:?}");
+        }
+        let circle = of_isotropic_texel::<i32>(&[Fx::zero(); 2], unit(0.25));
+        assert_eq!(channels(&circle), channels(&of_texel(&[Fx::zero(); 2], &[0.25, 0.0, 0.25].map(unit))));
+    }
+}
+
+#[test]
+fn variance_of_the_means_is_kept_between_texels() {
+    for (name, p) in profiles() {
+        let [left, right] = [0.5, -0.5].map(|b| of_texel::<i32>(&[unit(b), Fx::zero()], &[Fx::zero(); 3]));
+        let k = compose(stored(&halfway(&left, &right), &p));
+        assert!((k[0] - 0.25).abs() < 0.001 && k[2] == 0.0, "{name}: {k:?}");
+    }
+}
+
+#[test]
+fn interpolated_covariance_keeps_the_variance_that_interpolated_d_loses() {
+    // Erratum 15: K = [[1, ±.9], [±.9, 1]] on two neighbouring texels.
+    let [plus, minus] = [0.9, -0.9].map(|b| roughness::decompose([1.0, b, 1.0]));
+    let mean_d = compose(std::array::from_fn(|i| (plus[i] + minus[i]) / 2.0));
+    assert!((mean_d[0] - 0.19).abs() < 1e-12, "the mean D has lost the variance");
+    for (name, p) in profiles() {
+        let [plus, minus] = [plus, minus].map(|d| of_texel::<i32>(&[Fx::zero(); 2], &d.map(unit)));
+        let k = compose(stored(&halfway(&plus, &minus), &p));
+        let error = (5.0 - f64::from(p.fraction_bits)).exp2();
+        assert!(distance(k, [1.0, 0.0, 1.0]) <= error, "{name}: {k:?}");
+        assert!((isotropic(k) - 1.0).abs() <= error);
+    }
+}

@@ -1,0 +1,341 @@
+//! What the datapath promises about its own source: integers only, no division, no panic path, stages that do not know
+//! each other, one file that names `fixed`, an algebra that fits a screen.
+//!
+//! Two witnesses: the tokens of `core/src` (comments and strings do not count), and the machine code of the scalar
+//! reading, in which a panic, a division or a float would have to show whatever the source looks like.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// One token: an identifier, a number, or a single character of punctuation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Token {
+    text: String,
+    line: usize,
+}
+
+/// Splits Rust source into tokens without comments, strings and character literals.
+fn tokens(source: &str) -> Vec<Token> {
+    let characters: Vec<char> = source.chars().collect();
+    let at = |i: usize| characters.get(i).copied().unwrap_or('\0');
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    let (mut i, mut line, mut found) = (0, 1, Vec::new());
+    while i < characters.len() {
+        let start = i;
+        match at(i) {
+            '/' if at(i + 1) == '/' => {
+                while i < characters.len() && at(i) != '\n' {
+                    i += 1;
+                }
+            }
+            '/' if at(i + 1) == '*' => {
+                let mut depth = 0;
+                loop {
+                    match (at(i), at(i + 1)) {
+                        ('/', '*') => (depth, i) = (depth + 1, i + 2),
+                        ('*', '/') => (depth, i) = (depth - 1, i + 2),
+                        _ => i += 1,
+                    }
+                    if depth == 0 || i >= characters.len() {
+                        break;
+                    }
+                }
+            }
+            '"' => {
+                i += 1;
+                while i < characters.len() && at(i) != '"' {
+                    i += if at(i) == '\\' { 2 } else { 1 };
+                }
+                i += 1;
+            }
+            // 'a' and '\n' are literals, 'a without a closing quote is a lifetime.
+            '\'' if at(i + 1) == '\\' || at(i + 2) == '\'' => {
+                i += if at(i + 1) == '\\' { 3 } else { 2 };
+                while at(i) != '\'' {
+                    i += 1;
+                }
+                i += 1;
+            }
+            c if word(c) => {
+                while word(at(i)) || (at(i) == '.' && c.is_ascii_digit() && at(i + 1).is_ascii_digit()) {
+                    i += 1;
+                }
+                found.push(Token { text: characters[start..i].iter().collect(), line });
+            }
+            c => {
+                i += 1;
+                if !c.is_whitespace() {
+                    found.push(Token { text: c.to_string(), line });
+                }
+            }
+        }
+        line += characters[start..i.min(characters.len())].iter().filter(|c| **c == '\n').count();
+    }
+    found
+}
+
+fn core_root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../core")
+}
+
+/// Every source file of the core by its path under `src`, with its tokens, in order of names.
+fn core_files() -> Vec<(String, String, Vec<Token>)> {
+    let root = core_root().join("src");
+    let mut names = Vec::new();
+    let mut folders = vec![root.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("the core has sources") {
+            let path = entry.expect("a folder can be read").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                names.push(path);
+            }
+        }
+    }
+    names.sort();
+    let name = |path: &Path| path.strip_prefix(&root).expect("below src").to_string_lossy().replace('\\', "/");
+    names
+        .iter()
+        .map(|path| {
+            let source = fs::read_to_string(path).expect("sources are text");
+            let tokens = tokens(&source);
+            (name(path), source, tokens)
+        })
+        .collect()
+}
+
+/// The datapath: everything but the floating-point set-up, which is a feature of its own and never called by it.
+fn datapath_files() -> Vec<(String, String, Vec<Token>)> {
+    core_files().into_iter().filter(|(name, _, _)| name != "setup.rs").collect()
+}
+
+/// The last `fn`, `static` or `const` item before a token: (`const fn`, name) and so on.
+fn enclosing_item(tokens: &[Token], index: usize) -> (&'static str, &str) {
+    let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
+    // `const N` inside angle brackets is a parameter, `const fn` the function after it.
+    let starts = |i: usize| match text(i) {
+        "fn" if i > 0 && text(i - 1) == "const" => Some("const fn"),
+        "fn" => Some("fn"),
+        "static" if i == 0 || text(i - 1) != "'" => Some("static"),
+        "const" if text(i + 1) != "fn" && !matches!(text(i.wrapping_sub(1)), "<" | ",") => Some("const"),
+        _ => None,
+    };
+    (0..index).rev().find_map(|i| starts(i).map(|kind| (kind, text(i + 1)))).unwrap_or(("", ""))
+}
+
+#[test]
+fn the_tokeniser_sees_code_and_nothing_else() {
+    let source = "a / b // c / d\n/* e /* % */ f64 */ \"g / \\\" h\" 'x' '\\'' '/' &'a i 1.5 0..3 x.0";
+    let texts: Vec<String> = tokens(source).into_iter().map(|token| token.text).collect();
+    assert_eq!(texts, ["a", "/", "b", "&", "'", "a", "i", "1.5", "0", ".", ".", "3", "x", ".", "0"]);
+    assert_eq!(tokens("a\n/* \n */ b")[1].line, 3);
+    let items = tokens("const fn f<const N: usize>() { a } static T: &'static [i32] = b; fn g() { c }");
+    let index = |name: &str| items.iter().position(|token| token.text == name).expect("the token is there");
+    assert_eq!(enclosing_item(&items, index("a")), ("const fn", "f"));
+    assert_eq!(enclosing_item(&items, index("b")), ("static", "T"));
+    assert_eq!(enclosing_item(&items, index("c")), ("fn", "g"));
+}
+
+#[test]
+fn datapath_names_no_float() {
+    for (name, _, tokens) in datapath_files() {
+        for token in tokens {
+            let literal = token.text.starts_with(|c: char| c.is_ascii_digit()) && token.text.contains('.');
+            let named = matches!(token.text.as_str(), "f32" | "f64" | "f16" | "f128" | "glam" | "libm");
+            // lib.rs declares the set-up module, which is where glam lives.
+            assert!(!literal && !named, "{name}:{}: {}", token.line, token.text);
+        }
+    }
+}
+
+/// Where a division may stand, and why it is none of the datapath's: file, item, reason.
+const DIVISIONS: [(&str, &str, &str); 3] = [
+    ("rom.rs", "", "generators of tables, evaluated at compile time"),
+    ("precision.rs", "checked", "a limit checked when a precision is built"),
+    ("ports.rs", "texture_scale", "set-up once per map, by a number that cannot be zero"),
+];
+
+#[test]
+fn datapath_divides_nowhere() {
+    let mut used = [false; DIVISIONS.len()];
+    for (name, _, tokens) in datapath_files() {
+        for (index, token) in tokens.iter().enumerate() {
+            let operator = matches!(token.text.as_str(), "/" | "%");
+            let method = ["div_", "rem_", "checked_div", "checked_rem", "wrapping_div", "wrapping_rem"]
+                .iter()
+                .any(|prefix| token.text.starts_with(prefix));
+            if !operator && !method {
+                continue;
+            }
+            let (kind, item) = enclosing_item(&tokens, index);
+            let allowed = DIVISIONS
+                .iter()
+                .position(|(file, allowed, _)| *file == name && (allowed.is_empty() || *allowed == item));
+            let Some(allowed) = allowed else { panic!("{name}:{}: {} in {item}", token.line, token.text) };
+            used[allowed] = true;
+            assert!(name != "rom.rs" || kind != "fn", "{name}:{}: {item} divides at run time", token.line);
+        }
+    }
+    for (used, (file, item, reason)) in used.into_iter().zip(DIVISIONS) {
+        assert!(used, "{file} {item} ({reason}) divides no more: strike it from the list");
+    }
+}
+
+#[test]
+fn datapath_has_no_panicking_call() {
+    for (name, _, tokens) in datapath_files() {
+        for (index, token) in tokens.iter().enumerate() {
+            let before = |n: usize| index.checked_sub(n).map_or("", |i| tokens[i].text.as_str());
+            let after = tokens.get(index + 1).map_or("", |token| token.text.as_str());
+            let method = before(1) == "." && matches!(token.text.as_str(), "unwrap" | "expect" | "unwrap_err");
+            let panics = matches!(
+                token.text.as_str(),
+                "panic"
+                    | "assert"
+                    | "assert_eq"
+                    | "assert_ne"
+                    | "debug_assert"
+                    | "todo"
+                    | "unimplemented"
+                    | "unreachable"
+            ) && after == "!";
+            // `const { assert!(…) }` fails to compile rather than to run.
+            let compile_time = before(1) == "{" && before(2) == "const";
+            assert!(!method && (!panics || compile_time), "{name}:{}: {}", token.line, token.text);
+        }
+    }
+}
+
+#[test]
+fn stages_do_not_import_each_other() {
+    for (name, _, tokens) in core_files() {
+        if !name.starts_with("stage/") {
+            continue;
+        }
+        for window in tokens.windows(2) {
+            let named = |text: &str| window[0].text == text && window[1].text == ":";
+            assert!(!named("super"), "{name}:{}: a stage reaches for its neighbours", window[0].line);
+            assert!(!named("stage"), "{name}:{}: a stage imports another", window[0].line);
+            assert!(!named("datapath"), "{name}:{}: a stage imports the composer", window[0].line);
+            assert!(!named("ports"), "{name}:{}: a stage imports the ports", window[0].line);
+            assert!(!named("scalar"), "{name}:{}: a stage knows its reading", window[0].line);
+        }
+    }
+}
+
+#[test]
+fn every_stage_is_listed_and_every_listed_stage_exists() {
+    let files = core_files();
+    let (_, _, list) = files.iter().find(|(name, _, _)| name == "stage.rs").expect("the list of stages");
+    let mut listed: Vec<String> =
+        list.windows(2).filter(|pair| pair[0].text == "mod").map(|pair| format!("stage/{}.rs", pair[1].text)).collect();
+    listed.sort();
+    let present: Vec<&String> =
+        files.iter().map(|(name, _, _)| name).filter(|name| name.starts_with("stage/")).collect();
+    assert_eq!(listed.iter().collect::<Vec<_>>(), present);
+}
+
+#[test]
+fn ports_alone_name_the_fixed_crate() {
+    for (name, _, tokens) in datapath_files() {
+        let names = tokens.windows(2).any(|pair| pair[0].text == "fixed" && pair[1].text == ":");
+        assert_eq!(names, name == "ports.rs", "{name}");
+    }
+}
+
+#[test]
+fn the_algebra_fits_a_screen() {
+    let files = core_files();
+    let (_, source, tokens) = files.iter().find(|(name, _, _)| name == "word.rs").expect("the algebra");
+    let operations = tokens.iter().filter(|token| token.text == "fn").count();
+    assert!(operations <= 20, "{operations} operations");
+    assert!(source.lines().count() <= 70, "{} lines", source.lines().count());
+}
+
+#[test]
+fn core_is_no_std_and_safe() {
+    let source = fs::read_to_string(core_root().join("src/lib.rs")).expect("the core has a root");
+    assert!(source.contains("#![no_std]") && source.contains("#![forbid(unsafe_code)]"));
+    for (name, _, tokens) in core_files() {
+        for pair in tokens.windows(2) {
+            let outside = matches!(pair[0].text.as_str(), "std" | "alloc") && pair[1].text == ":";
+            assert!(!outside, "{name}:{}: {}", pair[0].line, pair[0].text);
+        }
+    }
+}
+
+/// Assembly of the core as a release build makes it, debug information left out.
+fn release_assembly() -> String {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assembly");
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let arguments = ["rustc", "--quiet", "--offline", "--release", "--lib", "--package", "roughxel-core"];
+    let output = Command::new(cargo)
+        .args(arguments)
+        .arg("--target-dir")
+        .arg(&target)
+        .args(["--", "--emit=asm", "-Ccodegen-units=1", "-Cdebuginfo=0"])
+        .current_dir(core_root())
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let newest = fs::read_dir(target.join("release/deps"))
+        .expect("the build has a folder of results")
+        .map(|entry| entry.expect("a folder can be read").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "s"))
+        .filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("roughxel_core")))
+        .max_by_key(|path| fs::metadata(path).and_then(|data| data.modified()).expect("files have a time"))
+        .expect("the build left assembly");
+    fs::read_to_string(newest).expect("assembly is text")
+}
+
+/// The lines of each function of an assembly listing, by its symbol.
+fn functions(assembly: &str) -> Vec<(&str, Vec<&str>)> {
+    let mut functions: Vec<(&str, Vec<&str>)> = Vec::new();
+    for line in assembly.lines() {
+        match line.strip_suffix(':').filter(|label| !label.starts_with(['.', ' ', '\t'])) {
+            Some(symbol) => functions.push((symbol, Vec::new())),
+            None => functions.last_mut().into_iter().for_each(|(_, lines)| lines.push(line)),
+        }
+    }
+    functions
+}
+
+#[test]
+fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
+    let assembly = release_assembly();
+    // The scalar datapath is in there: these entry points are not generic.
+    for entry in ["reflect", "footprint", "environment_scale", "texture_scale", "environment_probes", "texture_probes"]
+    {
+        let present = functions(&assembly).iter().any(|(symbol, lines)| symbol.contains(entry) && lines.len() > 20);
+        assert!(present, "{entry} is missing from the listing");
+    }
+    // What a panic needs is a reference to a function of core::panicking, core::option, core::result, core::slice …
+    for word in ["panic", "unwrap_failed", "expect_failed", "slice_index", "bounds_check", "str_index"] {
+        let line = assembly.lines().find(|line| line.contains(word));
+        assert_eq!(line, None, "a path that panics");
+    }
+    // 128-bit division and soft floats are calls into the compiler's library.
+    for call in ["divti3", "modti3", "divdi3", "divsf3", "divdf3", "mulsf3", "muldf3", "addsf3", "adddf3"] {
+        let line = assembly.lines().find(|line| line.contains(call));
+        assert_eq!(line, None, "the compiler's library has to help");
+    }
+    if !cfg!(target_arch = "x86_64") {
+        println!("SKIPPED: mnemonics are known for x86_64 only; symbols were checked");
+        return;
+    }
+    for (symbol, lines) in functions(&assembly) {
+        for line in lines {
+            let mnemonic = line.split_whitespace().next().unwrap_or("");
+            let division =
+                ["div", "idiv"].iter().any(|name| mnemonic.strip_prefix(name).is_some_and(|rest| rest.len() <= 1));
+            assert!(!division || symbol.contains("texture_scale"), "{symbol}: {line}");
+            let float = ["ss", "sd", "ps", "pd"].iter().any(|end| {
+                let arithmetic = ["add", "sub", "mul", "div", "sqrt", "cvt", "vadd", "vsub", "vmul", "vdiv", "vcvt"];
+                mnemonic.ends_with(end) && arithmetic.iter().any(|start| mnemonic.starts_with(start))
+            });
+            assert!(!float, "{symbol}: {line}");
+        }
+    }
+}
