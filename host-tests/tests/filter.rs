@@ -8,7 +8,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::precision::{PROFILE_NAMES, Precision};
 use roughxel_core::stage::blend::blend;
 use roughxel_core::stage::filter::{self, ProbeSum, corner, face_address, levels, repeat_address};
-use roughxel_core::stage::moments::{self, covariance, decompose, of_isotropic_texel, of_texel};
+use roughxel_core::stage::moments::{Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
 use roughxel_host_tests::reference::roughness::{self, compose, isotropic};
@@ -247,23 +247,40 @@ fn real_offset(x: Fx<i32, 28>) -> f64 {
     f64::from(x.raw()) / f64::from(1 << 28)
 }
 
-/// D of moments.
-fn stored(moments: &moments::Moments<i32>, p: &Precision) -> [f64; 3] {
-    decompose(&covariance(moments, p), p).map(real_offset)
+/// A texel of the bump and roughness pyramids as it is interpolated: b₁, b₂ and K = D Dᵀ.
+fn texel(b: [f64; 2], d: [f64; 3]) -> [i32; 5] {
+    let [b1, b2] = b.map(unit);
+    let [k11, k12, k22] = of_texel(&d.map(unit));
+    [b1.raw(), b2.raw(), k11.raw(), k12.raw(), k22.raw()]
 }
 
-/// The five channels of moments.
-fn channels(moments: &moments::Moments<i32>) -> [i32; 5] {
-    let ([b1, b2], [m11, m12, m22]) = *moments;
-    [b1.raw(), b2.raw(), m11.raw(), m12.raw(), m22.raw()]
+/// Every channel of a trilinear probe halfway between two texels.
+fn halfway(a: [i32; 5], b: [i32; 5]) -> [i32; 5] {
+    std::array::from_fn(|i| trilinear([[a[i], b[i], a[i], b[i]]; 2], [[512, 0]; 2], 0, 0))
 }
 
-/// Moments filtered between texels: the mean of two, as a bilinear weight of one half gives it.
-fn halfway(a: &moments::Moments<i32>, b: &moments::Moments<i32>) -> moments::Moments<i32> {
-    let (a, b) = (channels(a), channels(b));
-    let [b1, b2, m11, m12, m22]: [i32; 5] =
-        std::array::from_fn(|i| trilinear([[a[i], b[i], a[i], b[i]]; 2], [[512, 0]; 2], 0, 0));
+/// Moments of one probe.
+fn moments_of([b1, b2, k11, k12, k22]: [i32; 5]) -> Moments<i32> {
+    let b = [b1, b2].map(Fx::from_raw);
+    (b, of_probe(&b, &[k11, k12, k22].map(Fx::from_raw)))
+}
+
+/// Moments averaged over two probes of equal weight.
+fn averaged(probes: [[i32; 5]; 2]) -> Moments<i32> {
+    let channels = probes.map(|probe| {
+        let ([b1, b2], [m11, m12, m22]) = moments_of(probe);
+        [b1.raw(), b2.raw(), m11.raw(), m12.raw(), m22.raw()]
+    });
+    let [b1, b2, m11, m12, m22]: [i32; 5] = std::array::from_fn(|i| {
+        let half = Fx::lit(1 << 15);
+        channels.iter().fold(ProbeSum::<i32>::zero(), |sum, probe| sum.add(probe[i], half)).mean()
+    });
     ([b1, b2].map(Fx::from_raw), [m11, m12, m22].map(Fx::from_raw))
+}
+
+/// D of moments.
+fn stored(moments: &Moments<i32>, p: &Precision) -> [f64; 3] {
+    decompose(&covariance(moments, p), p).map(real_offset)
 }
 
 /// Largest difference of two covariances.
@@ -281,9 +298,9 @@ fn equal_texels_give_back_their_own_covariance() {
                 let size = random.uniform(-10.0, 0.0).exp2();
                 let mut within = |size: f64| random.uniform(-size, size);
                 let (b, d) = ([within(1.0), within(1.0)], [within(size).abs(), within(size), within(size).abs()]);
-                let texel = of_texel(&b.map(unit), &d.map(unit));
-                let same = halfway(&texel, &texel);
-                assert_eq!(channels(&same), channels(&texel), "filtering equal texels changes nothing");
+                let texel = texel(b, d);
+                assert_eq!(halfway(texel, texel), texel, "filtering equal texels changes nothing");
+                let same = averaged([texel; 2]);
                 let [a, b, c] = covariance(&same, &p).m.map(|m| f64::from(m.raw()) / f64::from(1 << 30));
                 let scale = f64::from(covariance(&same, &p).e.raw()).exp2();
                 let want = compose(d);
@@ -309,7 +326,7 @@ fn decomposition_follows_the_reference() {
                 let spread = within(-5.0, 5.0).exp2();
                 let size = within(-8.0, -5.0).exp2();
                 let d = [within(0.0, size), within(-size, size), within(0.1, 1.0) * size * spread];
-                let k = covariance(&of_texel(&[Fx::zero(); 2], &d.map(unit)), &p);
+                let k = covariance(&moments_of(texel([0.0; 2], d)), &p);
                 let scale = f64::from(k.e.raw()).exp2();
                 let exact = k.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30) * scale);
                 let want = roughness::decompose(exact);
@@ -332,10 +349,10 @@ fn roughness_of_rank_one_keeps_its_variance_in_every_direction() {
         for step in 0..=256 {
             let (sin, cos) = (f64::from(step) * std::f64::consts::PI / 256.0).sin_cos();
             for size in [1.0, 0.1, 0.004] {
-                // Two slopes along one line: K = size²·(cos, sin)(cos, sin)ᵀ, no D at all in the texels.
-                let [plus, minus] = [size, -size].map(|b| of_texel(&[b * cos, b * sin].map(unit), &[Fx::zero(); 3]));
+                // Two slopes along one line: K = size²·(cos, sin)(cos, sin)ᵀ, no D at all in the probes.
+                let slopes = [size, -size].map(|b| texel([b * cos, b * sin], [0.0; 3]));
                 let want = [cos * cos, cos * sin, sin * sin].map(|k| k * size * size);
-                let [d1, d2, d3] = stored(&halfway(&plus, &minus), &p);
+                let [d1, d2, d3] = stored(&averaged(slopes), &p);
                 let got = compose([d1, d2, d3]);
                 // c keeps p bits beside a: below 2^−p·a it is lost (d₂ with it), just above it b²/c is noise.
                 let last = (-f64::from(p.fraction_bits)).exp2() * want[0].max(want[2]) + (-28_f64).exp2();
@@ -350,7 +367,7 @@ fn roughness_of_rank_one_keeps_its_variance_in_every_direction() {
 #[test]
 fn degenerate_covariances_decompose_as_documented() {
     for (_, p) in profiles() {
-        let of = |b: [f64; 2], d: [f64; 3]| stored(&of_texel(&b.map(unit), &d.map(unit)), &p);
+        let of = |b: [f64; 2], d: [f64; 3]| stored(&moments_of(texel(b, d)), &p);
         assert_eq!(of([0.0; 2], [0.0; 3]), [0.0; 3]);
         // c = 0: d₂ = 0, d₁ = √a (erratum 13).
         let [d1, d2, d3] = of([0.0; 2], [0.5, 0.0, 0.0]);
@@ -362,31 +379,49 @@ fn degenerate_covariances_decompose_as_documented() {
         for b in [[1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [0.3, -0.7]] {
             assert!(of(b, [0.0; 3]).iter().all(|d| d.abs() < (-14_f64).exp2()), "{b:?}");
         }
-        let circle = of_isotropic_texel::<i32>(&[Fx::zero(); 2], unit(0.25));
-        assert_eq!(channels(&circle), channels(&of_texel(&[Fx::zero(); 2], &[0.25, 0.0, 0.25].map(unit))));
+        assert_eq!(of_isotropic_texel::<i32>(unit(0.25)), of_texel(&[0.25, 0.0, 0.25].map(unit)));
     }
 }
 
 #[test]
-fn variance_of_the_means_is_kept_between_texels() {
+fn variance_of_the_means_is_kept_between_probes_and_not_invented_within_one() {
     for (name, p) in profiles() {
-        let [left, right] = [0.5, -0.5].map(|b| of_texel::<i32>(&[unit(b), Fx::zero()], &[Fx::zero(); 3]));
-        let k = compose(stored(&halfway(&left, &right), &p));
+        let slopes = [0.5, -0.5].map(|b| texel([b, 0.0], [0.0; 3]));
+        let k = compose(stored(&averaged(slopes), &p));
         assert!((k[0] - 0.25).abs() < 0.001 && k[2] == 0.0, "{name}: {k:?}");
+        // Halfway between the two the surface is a ramp, not a distribution.
+        assert_eq!(stored(&moments_of(halfway(slopes[0], slopes[1])), &p), [0.0; 3], "{name}");
     }
 }
 
 #[test]
 fn interpolated_covariance_keeps_the_variance_that_interpolated_d_loses() {
     // Erratum 15: K = [[1, ±.9], [±.9, 1]] on two neighbouring texels.
-    let [plus, minus] = [0.9, -0.9].map(|b| roughness::decompose([1.0, b, 1.0]));
-    let mean_d = compose(std::array::from_fn(|i| (plus[i] + minus[i]) / 2.0));
+    let d = [0.9, -0.9].map(|b| roughness::decompose([1.0, b, 1.0]));
+    let mean_d = compose(std::array::from_fn(|i| (d[0][i] + d[1][i]) / 2.0));
     assert!((mean_d[0] - 0.19).abs() < 1e-12, "the mean D has lost the variance");
     for (name, p) in profiles() {
-        let [plus, minus] = [plus, minus].map(|d| of_texel::<i32>(&[Fx::zero(); 2], &d.map(unit)));
-        let k = compose(stored(&halfway(&plus, &minus), &p));
-        let error = (5.0 - f64::from(p.fraction_bits)).exp2();
-        assert!(distance(k, [1.0, 0.0, 1.0]) <= error, "{name}: {k:?}");
-        assert!((isotropic(k) - 1.0).abs() <= error);
+        let [plus, minus] = d.map(|d| texel([0.0; 2], d));
+        for moments in [moments_of(halfway(plus, minus)), averaged([plus, minus])] {
+            let k = compose(stored(&moments, &p));
+            let error = (5.0 - f64::from(p.fraction_bits)).exp2();
+            assert!(distance(k, [1.0, 0.0, 1.0]) <= error, "{name}: {k:?}");
+            assert!((isotropic(k) - 1.0).abs() <= error);
+        }
+    }
+}
+
+#[test]
+fn a_biased_level_stays_at_or_above_the_finest() {
+    let exact = -0.5 * 3_f64.log2() * 65536.0;
+    assert!((filter::ROUGHNESS_LOD_BIAS as f64 - exact).abs() <= 0.5);
+    for (name, p) in profiles() {
+        for lod in (0..15 << 16).step_by(1 << (16 - p.lod_bits)) {
+            let biased = filter::biased::<i32>(Fx::from_raw(lod), Fx::lit(filter::ROUGHNESS_LOD_BIAS), &p).raw();
+            assert!(biased >= 0 && biased <= lod && biased & ((1 << (16 - p.lod_bits)) - 1) == 0, "{name}");
+            let want = (f64::from(lod) + exact).max(0.0);
+            assert!((f64::from(biased) - want).abs() <= f64::from(1 << (15 - p.lod_bits)) + 0.5, "{name}");
+            assert_eq!(filter::biased::<i32>(Fx::from_raw(lod), Fx::zero(), &p).raw(), lod);
+        }
     }
 }
