@@ -77,7 +77,8 @@ pub fn normalise<W: Word, const N: usize, const FRAC: u32>(
     let magnitude = wide.iter().fold(W::Wide::lit(0), |bits, w| bits.or(w.raw().xor(w.raw().sar(63))));
     let zeros = Fx::<W, 0>::from_raw(magnitude.leading_zeros());
     let shift = zeros - Fx::lit(1);
-    let all_zero = !zeros.lt(Fx::lit(64));
+    // 64 leading zeros are not enough for a block of zeros: −1 has them, too.
+    let all_zero = Wide::<W, FRAC>::from_raw(wide.iter().fold(W::Wide::lit(0), |bits, w| bits.or(w.raw()))).is_zero();
     Block {
         // |wide · 2^shift| is in [2^62, 2^63): read with 63 fraction bits it is in [½, 1].
         m: wide.map(|w| Fx::<W::Wide, 63>::from_raw(w.raw().shl_by(shift.raw())).round_to::<MANTISSA>(keep)),

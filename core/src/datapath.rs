@@ -39,6 +39,14 @@ impl<W: Word, const N: usize> PortBlock<W, N> {
     }
 }
 
+/// An offset or a roughness with the bits the profile keeps. What would round up to 8 saturates to the largest number
+/// below it.
+#[inline(always)]
+fn enter_offset<W: Word>(x: Fx<W, OFFSET>, p: &Precision) -> Fx<W, OFFSET> {
+    let dropped = OFFSET.saturating_sub(p.offset_bits());
+    x.min(Fx::lit(i64::from(i32::MAX >> dropped << dropped))).keep(p.offset_bits())
+}
+
 /// Inputs of the reflection datapath on wires; [`crate::ports::ReflectionIn`] describes each.
 #[derive(Clone, Copy, Debug)]
 pub struct ReflectionInput<W: Word> {
@@ -107,7 +115,7 @@ pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p:
     };
 
     let normal_mod = if plan.bump {
-        let offset = input.offset.map(|b| b.keep(p.offset_bits()));
+        let offset = input.offset.map(|b| enter_offset(b, p));
         perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p)
     } else {
         normal
@@ -122,7 +130,7 @@ pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p:
             let dn = if plan.curvature { input.dnormal[i].enter(p) } else { Block::zero() };
             columns::column(&mirror, &input.dview[i].enter(p), &dn, p)
         });
-        let d = input.roughness.map(|d| d.keep(p.offset_bits()));
+        let d = input.roughness.map(|d| enter_offset(d, p));
         let tangents = match plan.roughness {
             RoughnessKind::None => None,
             RoughnessKind::Isotropic => Some(roughness::isotropic(d[0], &frame.e1, &frame.e2, p)),

@@ -3,7 +3,8 @@
 //! Reciprocal and inverse root: a seed from a table, then Newton steps whose residual is taken exactly. log₂ and
 //! exp₂: linear interpolation between 257 knots. Bounds, proven by exhausting the mantissa in
 //! `host-tests/tests/elementary.rs` (p = kept fraction bits, k = seed bits, n = Newton steps):
-//! 1/x and 1/√x err by at most 2^−(p+1) + 2^−min(2^n·(k − ½), p − 1); log₂ 2^−17.4; exp₂ 2^−18 (relative).
+//! 1/2x errs by at most 2^−(p+0.8) + 2^−(2^n·(k+0.7)), 1/2√x by 2^−p + ⅔·2^−(2^n·(k−0.76)), log₂ by 2^−18.4,
+//! exp₂ by 2^−p + 2^−20 (relative).
 
 use crate::block::{Block, Exponent, MANTISSA, Mantissa};
 use crate::fx::{Fx, Wide};

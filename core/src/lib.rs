@@ -9,7 +9,7 @@
 //! 2. [`datapath`]: the stages in order, and which of them a [`plan`] leaves out.
 //! 3. [`stage`]: one file per hardware block; [`signals`] are the bundles between them.
 //! 4. [`block`] and [`elementary`]: the compound steps, each with its claimed range and error bound.
-//! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 19 operations that
+//! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 17 operations that
 //!    several readings implement; [`scalar`] is the meaning.
 //!
 //! [`probe_list`] is the footprint unrolled for a soft core. [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky

@@ -117,7 +117,9 @@ pub struct TextureIn {
 pub fn texture_scale(size: [u16; 2]) -> (TextureScale<i32>, MapScale<i32>) {
     let [width, height] = size.map(|edge| i32::from(edge.clamp(1, 16384)));
     let longer = width.max(height) as u32;
-    let log2_unit = (longer.next_power_of_two().ilog2()).saturating_sub(1) as i32;
+    // ⌈log₂ longer⌉ − 1, and ⌊log₂ longer⌋ below, without a panic path.
+    let log2_unit = (u32::BITS - longer.saturating_sub(1).leading_zeros()).saturating_sub(1) as i32;
+    let last_level = longer.checked_ilog2().unwrap_or(0) as i32;
     let repeats = |edge: i32| {
         let edge = core::num::NonZeroU32::new(edge as u32).unwrap_or(core::num::NonZeroU32::MIN);
         Fx::from_raw(((1_u32 << (16 + log2_unit)) / edge) as i32)
@@ -127,7 +129,7 @@ pub fn texture_scale(size: [u16; 2]) -> (TextureScale<i32>, MapScale<i32>) {
         log2_unit: Fx::from_raw(log2_unit),
         repeats_per_unit: [repeats(width), repeats(height)],
     };
-    let map = MapScale { log2_texels: Fx::from_raw(log2_unit << 16), last_level: Fx::from_raw(longer.ilog2() as i32) };
+    let map = MapScale { log2_texels: Fx::from_raw(log2_unit << 16), last_level: Fx::from_raw(last_level) };
     (texture, map)
 }
 

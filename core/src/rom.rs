@@ -156,10 +156,30 @@ pub static EXP2: [i32; 257] = {
     table
 };
 
-/// sin and cos of `numerator/denominator` · 90°, I2F30.
-pub const fn sin_cos_of_right_angle(numerator: u32, denominator: u32) -> (i32, i32) {
-    let (sin, cos) = sin_cos(PI / 2 * numerator as i128 / denominator as i128);
-    (round(sin, 30), round(cos, 30))
+/// The most steps over 90° of an angle table.
+const MAX_ANGLE_STEPS: usize = 64;
+
+/// sin and cos of `column/(2·row)` · 90°, I2F30; a row holds as many columns as it has steps.
+static SIN_COS: [[(i32, i32); MAX_ANGLE_STEPS + 1]; MAX_ANGLE_STEPS / 2 + 1] = {
+    let mut table = [[(0, 1 << 30); MAX_ANGLE_STEPS + 1]; MAX_ANGLE_STEPS / 2 + 1];
+    let mut row = 1;
+    while row <= MAX_ANGLE_STEPS / 2 {
+        let mut column = 0;
+        while column <= 2 * row {
+            let (sin, cos) = sin_cos(PI / 2 * column as i128 / (2 * row) as i128);
+            table[row][column] = (round(sin, 30), round(cos, 30));
+            column += 1;
+        }
+        row += 1;
+    }
+    table
+};
+
+/// sin and cos of `numerator/denominator` · 90°, I2F30; the denominator is even, at most 64. Both are known when the
+/// datapath is built: what leaves the ROM there is a constant.
+pub fn sin_cos_of_right_angle(numerator: u32, denominator: u32) -> (i32, i32) {
+    let row = SIN_COS.get(denominator as usize >> 1);
+    row.and_then(|row| row.get(numerator as usize)).copied().unwrap_or((0, 1 << 30))
 }
 
 /// The most probes of any profile.

@@ -3,4 +3,6 @@
 //! The float64 reference is a package of its own (`host-tests/reference`) that depends on nothing of roughxel, so
 //! that the program can report errors against it, too.
 
+pub mod checked;
+
 pub use roughxel_reference as reference;

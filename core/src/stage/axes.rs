@@ -90,7 +90,7 @@ fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precis
         [cos, sin].map(|value| -> Mantissa<W> { Fx::lit(i64::from(value)).keep(p.fraction_bits) })
     };
     let [mut cos, mut sin] = entry(0, steps);
-    for step in 1..=steps / 2 {
+    for step in 1..=steps >> 1 {
         // The boundary between entries step − 1 and step is at 2α = (2·step − 1)·90°/steps.
         let [boundary_cos, boundary_sin] = entry(2 * step - 1, steps);
         let past = boundary_sin.mul::<MANTISSA, 60>(x).lt(boundary_cos.mul(y));

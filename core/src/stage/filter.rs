@@ -1,8 +1,8 @@
 //! Filter: texel addresses and weights, bilinear and trilinear interpolation, the corner of the cube, probe sums.
 //!
-//! Products of texels and weights are exact; one rounding at the end of each trilinear sample, so three or four
-//! equal texels give that value. The memory between address and texel is not part of the datapath.
-//! Error: ½ last place of the sample (2^−25 of full scale for 24 fraction bits), beside that of the weights.
+//! Products of texels and weights are exact; each level is rounded to a word, then their mean, so equal texels give
+//! that value. The memory between address and texel is not part of the datapath.
+//! Error: one last place of the sample (2^−24 of full scale for 24 fraction bits), beside that of the weights.
 
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
@@ -97,10 +97,10 @@ pub fn levels<W: Word>(lod: Fx<W, LOD>) -> LevelPair<W> {
     LevelPair { level: whole.reread(), weight: (lod - whole.shl(LOD)).floor_shr(LOD - LOD_WEIGHT).reread() }
 }
 
-/// Trilinear interpolation of one channel: four texels of each of two levels, rounded once to `extra` more
+/// Trilinear interpolation of one channel: four texels of each of two levels, rounded to `extra` more
 /// fraction bits than a texel has.
 ///
-/// Range: |texel| ≤ 2^30 with `extra` = 0, or 16-bit texels with `extra` = 8.
+/// Range: any texel with `extra` = 0, or 16-bit texels with `extra` = 8.
 #[inline(always)]
 pub fn trilinear<W: Word>(
     fine: (&[W; 4], &[Fx<W, WEIGHT>; 2]),
@@ -109,21 +109,21 @@ pub fn trilinear<W: Word>(
     extra: u32,
 ) -> W {
     let (a, b) = (bilinear(fine.0, fine.1), bilinear(coarse.0, coarse.1));
-    // a + (b − a)·w: the difference is rounded to a word before the product, with `extra` + 0 places of its own;
-    // equal levels give a difference of zero and so exactly the sample.
+    // Both levels are rounded to words of `extra` more places; the weights sum to one, so equal levels give exactly
+    // the sample.
     let narrow = |x: W::Wide| W::narrow(x.sar(2 * WEIGHT - extra - 1).add(W::Wide::lit(1)).sar(1));
-    let (a, b) = (narrow(a), narrow(b));
-    let step = b.sub(a).mul(level_weight.raw());
-    a.add(W::narrow(step.add(W::Wide::lit(1 << (LOD_WEIGHT - 1))).sar(LOD_WEIGHT)))
+    let one: Fx<W, LOD_WEIGHT> = Fx::lit(1 << LOD_WEIGHT);
+    let sum = narrow(a).mul((one - level_weight).raw()).add(narrow(b).mul(level_weight.raw()));
+    W::narrow(sum.add(W::Wide::lit(1 << (LOD_WEIGHT - 1))).sar(LOD_WEIGHT))
 }
 
 /// The texel that does not exist at a corner of the cube: the mean of the three that meet there.
 ///
-/// 43 691/2^17 = 1/3 + 2^−18.6: exact for three equal 16-bit texels, within ½ otherwise.
+/// 174 763/2^19 = 1/3 + 2^−20.6: the nearest integer to the mean of any three 16-bit texels.
 #[inline(always)]
 pub fn corner<W: Word>(three: &[W; 3]) -> W {
     let sum = three[0].add(three[1]).add(three[2]);
-    W::narrow(sum.mul(W::lit(43_691)).add(W::Wide::lit(1 << 16)).sar(17))
+    W::narrow(sum.mul(W::lit(174_763)).add(W::Wide::lit(1 << 18)).sar(19))
 }
 
 /// Sum of weighted probes of one channel.

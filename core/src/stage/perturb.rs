@@ -30,5 +30,7 @@ pub fn perturb<W: Word>(
             sum + term.floor_shr_by(places_below(exponents[i], top, 63))
         })
     });
-    normalise(sum, top + n.e, p.fraction_bits)
+    // Without an offset n stays as it came: its largest mantissa may be 1, which normalising again would halve.
+    let flat = offset[0].is_zero() & offset[1].is_zero();
+    Block::select(flat, *n, normalise(sum, top + n.e, p.fraction_bits))
 }

@@ -3,7 +3,7 @@
 //! The diameter of the assembled footprint is 2√3·λ, which gives a pixel box back its full width (errata 4, 5).
 //! N = rule(λ₁/λ₂), at most `max_probes`; when capped, λ₂ is raised to λ₁/N: blurred, never aliased. Probe i lies
 //! at (i − (N − 1)/2)·step, N·step the major diameter; LOD = log₂ of the minor diameter in texels of level 0.
-//! Error: LOD 2^−(lod_bits + 1) from its own rounding; step 2^−(p−3), relative.
+//! Error: LOD 2^−(lod_bits + 1) from its own rounding; step 2^−(p−4), relative.
 
 use crate::block::{Block, MANTISSA, Mantissa, normalise, places_below};
 use crate::elementary::log2;
@@ -56,7 +56,7 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
             (count, exceeds(p.max_probes))
         }
         ProbeRule::PowerOfTwo => {
-            let doublings = p.max_probes.ilog2();
+            let doublings = p.max_probes.max(1).ilog2();
             let count = (0..doublings).fold(Fx::lit(1), |count: Fx<W, 0>, doubling| {
                 Fx::select(exceeds(1 << doubling), Fx::lit(2 << doubling), count)
             });

@@ -2,7 +2,7 @@
 //!
 //! Neither vector needs unit length. ⟨v·n⟩ and |n|² are exact, then share one exponent, for r depends on their
 //! ratio only: |⟨v·n⟩|/|n|² ≤ |v|/|n| ≤ 2√3 in mantissas, so neither loses more than two bits to the other.
-//! Error of the direction: 2^−(p−2).
+//! Error of the direction: 2^−(p−2.9).
 
 use crate::block::{Block, dot, normalise};
 use crate::fx::{Fx, Wide};
