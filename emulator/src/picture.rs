@@ -7,8 +7,9 @@
 //! operations only, so the pixels are the same bits on every machine. Files are written beside their name and renamed
 //! when complete.
 
+use crate::output::OutputFile;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write};
+use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
@@ -410,8 +411,11 @@ fn check_exr_channels(path: &Path, header: &Header, channels: [usize; 3]) -> Res
 /// # Errors
 /// A directory that is missing or read-only, a full disk, a picture without pixels or not `width · height` of them.
 pub fn write_png_srgb(path: &Path, picture: &Picture) -> Result<(), PictureError> {
-    write_beside(path, |file| encode_png(file, picture))
-        .map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
+    let written = OutputFile::create(path).and_then(|mut file| {
+        encode_png(&mut file, picture)?;
+        file.commit()
+    });
+    written.map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
 }
 
 fn encode_png(writer: &mut dyn Write, picture: &Picture) -> std::io::Result<()> {
@@ -423,26 +427,6 @@ fn encode_png(writer: &mut dyn Write, picture: &Picture) -> std::io::Result<()> 
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&bytes)?;
     writer.finish()?;
-    Ok(())
-}
-
-/// Writes a file beside `path` and renames it when `content` has written all of it.
-fn write_beside(path: &Path, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> std::io::Result<()> {
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    // A temporary file is private by default; a picture is an ordinary file, and the umask applies.
-    #[cfg(unix)]
-    let permissions = <std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666);
-    #[cfg(unix)]
-    builder.permissions(permissions);
-    let file = builder.tempfile_in(directory)?;
-    let mut writer = BufWriter::new(file);
-    content(&mut writer)?;
-    let file = writer.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-    file.persist(path).map_err(|error| error.error)?;
     Ok(())
 }
 

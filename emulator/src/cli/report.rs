@@ -4,7 +4,9 @@ use std::io::{self, Write};
 
 use clap::{Args, Subcommand};
 use comfy_table::Table;
+use roughxel_core::ports::ReflectionOut;
 use roughxel_core::precision::PROFILE_NAMES;
+use roughxel_emulator::eval::{INPUT_COLUMNS, Value, visit};
 use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, measure};
 use serde_json::json;
 
@@ -55,9 +57,33 @@ pub(super) fn run(command: &ReportCommand) -> Result<(), Failure> {
         return Ok(());
     }
     for (profile, accuracy) in &measured {
-        writeln!(out, "{}", as_table(&profile.name, accuracy))?;
+        writeln!(out, "{}\n{}", as_table(&profile.name, accuracy), worst_fragments(accuracy))?;
     }
-    Ok(())
+    let missed: Vec<_> = measured.iter().filter(|(profile, accuracy)| !accuracy.holds(&profile.name)).collect();
+    if missed.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<_> = missed.iter().map(|(profile, _)| profile.name.as_str()).collect();
+    Err(Failure::Mismatch(format!("a bar is missed in {}", names.join(", "))))
+}
+
+/// The worst fragment of each figure as a row for `roughxel eval`, under the names of the columns. Its main
+/// direction stands for the tangents of the sets with natural frames.
+fn worst_fragments(accuracy: &Accuracy) -> String {
+    let mut text = format!("worst fragments, for `roughxel eval`:\n{}\n", INPUT_COLUMNS.join(","));
+    for (figure, name) in FIGURES {
+        let Some(worst) = accuracy.worst(figure) else { continue };
+        let mut row = Vec::with_capacity(INPUT_COLUMNS.len());
+        visit(&worst.fragment, &ReflectionOut::default(), false, |_, value| {
+            if let Value::Real(value) = value {
+                row.push(format!("{value:e}"));
+            }
+        });
+        row.truncate(INPUT_COLUMNS.len() - 1);
+        row.push(worst.fragment.edge_texels.to_string());
+        text += &format!("{}    <- {name}: {} #{}\n", row.join(","), worst.set, worst.index);
+    }
+    text
 }
 
 pub(super) fn as_table(profile: &str, accuracy: &Accuracy) -> Table {

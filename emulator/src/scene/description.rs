@@ -234,11 +234,13 @@ impl Source {
     pub(super) fn parse(&self) -> Result<SceneDescription, SceneError> {
         toml::from_str(&self.text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
-            SceneError::Syntax(self.fault(
-                span,
-                error.message().replace('\n', "; "),
-                "every key is described in emulator/scenes/README.md",
-            ))
+            let message = error.message().replace('\n', "; ");
+            let help = if message.contains("expected a map") {
+                "write { path = \"FILE\" } or { generate = \"NAME\" }; every key is described in emulator/scenes/README.md"
+            } else {
+                "every key is described in emulator/scenes/README.md"
+            };
+            SceneError::Syntax(self.fault(span, message, help))
         })
     }
 

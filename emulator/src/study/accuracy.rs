@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut};
-use roughxel_core::precision::{AxisDirection, PROFILE_NAMES, Precision, ProbeRule, RoughnessKind};
+use roughxel_core::precision::{PROFILE_NAMES, Precision, ProbeRule, RoughnessKind};
 use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power_of_two};
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
@@ -107,6 +107,15 @@ impl Accuracy {
     /// How many fragments counted for a figure.
     pub fn counted(&self, figure: Figure) -> u64 {
         self.counted[figure.index()]
+    }
+
+    /// Whether every bar of the named profile holds, with no face and no count wrong.
+    pub fn holds(&self, profile: &str) -> bool {
+        let within = |(figure, _): &(Figure, &str)| match (figure.bar(profile), self.worst(*figure)) {
+            (Some(bar), Some(worst)) => worst.error <= bar,
+            _ => true,
+        };
+        FIGURES.iter().all(within) && self.wrong_faces == 0 && self.wrong_counts == 0
     }
 
     fn add(&mut self, set: &str, index: u64, fragment: &ReflectionIn, sample: &Sample) {
@@ -280,9 +289,4 @@ pub fn measure(p: &Precision, fragments: u64, progress: impl Fn(u64) + Sync) -> 
         accuracy
     });
     random.into_iter().chain(hard).fold(Accuracy::default(), Accuracy::merge)
-}
-
-/// Whether a profile finds directions by table, whose error is not one of arithmetic.
-pub fn uses_angle_table(p: &Precision) -> bool {
-    matches!(p.direction, AxisDirection::Table { .. })
 }
