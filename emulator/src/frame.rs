@@ -28,8 +28,9 @@ use crate::raster::{
     FragmentAttributes, Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles,
 };
 use crate::scene::{Background, Scene};
-use environment::EnvironmentMap;
-use texture::{BumpMap, ColourMap};
+pub use environment::EnvironmentMap;
+use texture::BumpMap;
+pub use texture::ColourMap;
 
 /// Linear colour with 24 fraction bits per channel, I8F24.
 pub type Colour = [i32; 3];

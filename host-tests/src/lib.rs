@@ -3,6 +3,8 @@
 //! The float64 reference is a package of its own (`host-tests/reference`) that depends on nothing of roughxel, so
 //! that the program can report errors against it, too.
 
+pub mod bars;
 pub mod checked;
+pub mod float_frame;
 
 pub use roughxel_reference as reference;

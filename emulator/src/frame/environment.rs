@@ -13,13 +13,14 @@ use crate::picture::Picture;
 use super::{Colour, MAX_MAP_EXPONENT};
 
 /// The environment of a scene.
-pub(super) struct EnvironmentMap {
+#[derive(Clone, Debug)]
+pub struct EnvironmentMap {
     pyramid: CubePyramid,
 }
 
 impl EnvironmentMap {
     /// Builds the pyramid, or only its base where nothing is filtered.
-    pub(super) fn new(faces: &[Picture; 6], filters: bool) -> Self {
+    pub fn new(faces: &[Picture; 6], filters: bool) -> Self {
         let exponent = smallest_exponent(faces).min(MAX_MAP_EXPONENT);
         let mut pyramid = CubePyramid::with_exponent(faces, exponent);
         if !filters {
@@ -29,13 +30,13 @@ impl EnvironmentMap {
     }
 
     /// Edge of level 0 in texels.
-    pub(super) fn edge(&self) -> u32 {
+    pub fn edge(&self) -> u32 {
         self.pyramid.edge
     }
 
     /// The mean colour of a footprint: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
-    pub(super) fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> Colour {
+    pub fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> Colour {
         let lod = if rough { biased(probes.lod, Fx::lit(ROUGHNESS_LOD_BIAS), p) } else { probes.lod };
         let mut sums = [ProbeSum::<i32>::zero(); 3];
         for probe in environment_probes(point, probes, p) {

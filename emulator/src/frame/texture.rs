@@ -23,6 +23,7 @@ use crate::scene::BumpField;
 use super::{Colour, MAX_MAP_EXPONENT};
 
 /// Geometry of a repeated map: its scale for the footprint and the size of its levels.
+#[derive(Clone, Debug)]
 struct RepeatedMap {
     scale: (TextureScale<i32>, MapScale<i32>),
     sizes: Vec<[i32; 2]>,
@@ -97,15 +98,16 @@ impl RepeatedMap {
 }
 
 /// A colour map.
-pub(super) struct ColourMap {
+#[derive(Clone, Debug)]
+pub struct ColourMap {
     map: RepeatedMap,
     pyramid: ColourPyramid,
 }
 
 impl ColourMap {
     /// Builds the pyramid, or only its base where nothing is filtered.
-    pub(super) fn new(picture: &Arc<Picture>, filters: bool) -> Self {
-        let exponent = smallest_exponent([picture.as_ref()]).min(MAX_MAP_EXPONENT);
+    pub fn new(picture: &Picture, filters: bool) -> Self {
+        let exponent = smallest_exponent([picture]).min(MAX_MAP_EXPONENT);
         let mut pyramid = ColourPyramid::with_exponent(picture, exponent);
         if !filters {
             pyramid.levels.truncate(1);
@@ -115,7 +117,7 @@ impl ColourMap {
     }
 
     /// The mean colour of the footprint.
-    pub(super) fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
+    pub fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
         let texel = |level: usize, index: usize| self.pyramid.levels[level].texels[index].map(i32::from);
         let sample = self.map.assemble(attributes, footprint, p, 8, texel, |sample| sample);
         sample.map(|channel| channel << self.pyramid.exponent)

@@ -1,0 +1,97 @@
+//! The picture bars: what is measured, how, and what it has to reach.
+//!
+//! PSNR is against a range of 1, linear light, all channels, colours cut to [0, 1] as a display cuts them. The truth of
+//! a scene is its float64 picture with `edge`² samples a pixel of the unfiltered maps ([`float_frame`]); what is judged
+//! are frames of the integer datapath. Tests hold the bars at reduced sizes, `picture-bars` prints them at full size.
+
+mod environment;
+mod golden;
+mod ground;
+
+pub use environment::{CubeEdgeStep, cube_edge_step};
+pub use golden::{GOLDEN_FRAMES, golden_frames};
+pub use ground::{GroundFigures, ground_plane};
+
+use roughxel_core::precision::Precision;
+use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::raster::RasterError;
+use roughxel_emulator::scene::Scene;
+
+use crate::float_frame::{self, RealPicture};
+
+/// Scenes whose frames are compared with float64.
+pub const SCENES: [&str; 4] = ["lake", "zebra", "globe", "puzzle"];
+
+/// Scenes that have to be filtered better than 16 samples a pixel do it.
+pub const FILTERED_SCENES: [&str; 2] = ["lake", "zebra"];
+
+/// Least PSNR of a frame against the same filter in float64, dB; `None` for the profile that has no bar.
+pub fn arithmetic_bar(profile: &str) -> Option<f64> {
+    match profile {
+        "compact" => Some(45.0),
+        "standard" => Some(55.0),
+        "precise" => Some(60.0),
+        _ => None,
+    }
+}
+
+/// Least gain of the footprint mode over the unfiltered one on [`FILTERED_SCENES`], dB.
+pub const GAIN_BAR: f64 = 10.0;
+/// Least PSNR of the ground plane, dB.
+pub const GROUND_BAR: f64 = 35.0;
+/// Most texels a pixel of the ground plane, two bilinear samples per probe.
+pub const GROUND_TEXELS: f64 = 40.0;
+/// Largest step across an edge of the cube as a share of the variation inside a face.
+pub const CUBE_EDGE_BAR: f64 = 0.02;
+
+/// PSNR in dB of a frame in a mode against the same filter in float64.
+pub fn psnr_against_float(scene: &Scene, mode: Mode, profile: &Precision) -> Result<f64, RasterError> {
+    let frame = Prepared::new(scene, mode, profile)?.render(|| ())?;
+    Ok(RealPicture::from(&frame).psnr(&float_frame::render(scene, mode, profile, || ())?))
+}
+
+/// PSNR in dB of the four ways to draw a scene, against its truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneFigures {
+    /// One sample a pixel.
+    pub unfiltered: f64,
+    /// One trilinear probe.
+    pub isotropic: f64,
+    /// Footprint assembly.
+    pub footprint: f64,
+    /// 16 samples a pixel on a regular grid.
+    pub supersampled_16: f64,
+}
+
+impl SceneFigures {
+    /// Footprint mode against the unfiltered one, dB.
+    pub fn gain(&self) -> f64 {
+        self.footprint - self.unfiltered
+    }
+
+    /// Whether footprint mode is [`GAIN_BAR`] better than unfiltered, and better than 16 samples.
+    pub fn holds(&self) -> bool {
+        self.gain() >= GAIN_BAR && self.footprint > self.supersampled_16
+    }
+}
+
+/// Draws a scene in its modes and against `edge`² samples a pixel, 1…64 along an edge; `progress` as for
+/// [`float_frame::render`], which takes nearly all of the time.
+pub fn scene_figures(
+    scene: &Scene,
+    profile: &Precision,
+    edge: u32,
+    progress: impl Fn() + Sync,
+) -> Result<SceneFigures, RasterError> {
+    let truth = float_frame::render(scene, Mode::Supersampled { edge }, profile, progress)?;
+    let psnr = |mode| -> Result<f64, RasterError> {
+        Ok(RealPicture::from(&Prepared::new(scene, mode, profile)?.render(|| ())?).psnr(&truth))
+    };
+    Ok(SceneFigures {
+        unfiltered: psnr(Mode::Unfiltered)?,
+        isotropic: psnr(Mode::Isotropic)?,
+        footprint: psnr(Mode::Footprint)?,
+        supersampled_16: psnr(Mode::Supersampled { edge: 4 })?,
+    })
+}

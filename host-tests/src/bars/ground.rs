@@ -1,0 +1,51 @@
+//! The ground plane of [`reference::ground_plane`](crate::reference::ground_plane) through the integer texture path.
+
+use fixed::types::{I2F30, U0F32};
+use roughxel_core::ports::{BlockPair, TextureIn, texture_scale};
+use roughxel_core::precision::Precision;
+use roughxel_emulator::frame::ColourMap;
+use roughxel_emulator::picture::Picture;
+use roughxel_emulator::raster::FragmentAttributes;
+
+use crate::reference::ground_plane::{GroundPixel, GroundReference, GroundTexture, HEIGHT, TEXTURE_EDGE, WIDTH};
+use crate::reference::linear::normalise_exponent;
+
+/// What the ground plane measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundFigures {
+    /// PSNR against the reference, dB.
+    pub psnr: f64,
+    /// Mean texels fetched for a pixel: 8 for each probe.
+    pub texels: f64,
+}
+
+/// Draws the ground plane as the frame samples a colour map: the footprint's block, then the filter on the integer
+/// pyramid.
+pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile: &Precision) -> GroundFigures {
+    let map = ColourMap::new(&picture(texture), true);
+    let scale = texture_scale([TEXTURE_EDGE as u16; 2]);
+    let mut probes = 0;
+    let psnr = reference.psnr(|pixel| {
+        let attributes = attributes(pixel);
+        probes += TextureIn { uv: attributes.uv, duv: attributes.duv }.footprint(&scale, profile).probes.count.raw();
+        f64::from(map.sample(&attributes, true, profile)[0]) / f64::from(1 << 24)
+    });
+    GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }
+}
+
+/// The texture as a picture, whose rows run from the top.
+fn picture(texture: GroundTexture) -> Picture {
+    let map = texture.map();
+    let rows = map.texels.chunks(map.width).rev().flatten();
+    Picture { width: TEXTURE_EDGE, height: TEXTURE_EDGE, pixels: rows.map(|[grey]| [*grey as f32; 3]).collect() }
+}
+
+/// Coordinates and derivatives of a pixel, to nearest on the ports.
+fn attributes(pixel: &GroundPixel) -> FragmentAttributes {
+    let turns = |u: f64| U0F32::from_bits(((u - u.floor()) * 2_f64.powi(32)) as u32);
+    let pair = |derivative: [f64; 2]| {
+        let (mantissa, exponent) = normalise_exponent(derivative);
+        BlockPair { mantissa: mantissa.map(I2F30::from_num), exponent: exponent as i16 }
+    };
+    FragmentAttributes { uv: pixel.uv.map(turns), duv: pixel.derivatives.map(pair), ..FragmentAttributes::default() }
+}

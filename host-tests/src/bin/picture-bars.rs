@@ -1,0 +1,204 @@
+//! Prints every picture bar at full size: what was measured, what it has to reach, and whether it does.
+//!
+//! `cargo run --release -p roughxel-host-tests --bin picture-bars` takes some minutes, most of them for the truth of
+//! the scenes (1024 samples a pixel in float64). Exit code 0 if every bar holds, 1 if one does not, 2 for wrong
+//! arguments. `--size WxH` and `--samples EDGE` (along an edge of the pixel) reduce it; `--bless` writes the golden
+//! digests instead.
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use indicatif::{ProgressBar, ProgressStyle};
+use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::scene::Scene;
+use roughxel_host_tests::bars;
+use roughxel_host_tests::float_frame;
+use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
+
+const USAGE: &str = "picture-bars [--size WxH] [--samples EDGE] | --bless
+  --size WxH      size of the scenes' frames, default 640x480
+  --samples EDGE  EDGE x EDGE samples a pixel for their truth, 1 to 64, default 32
+  --bless         write the digests of the golden frames";
+
+/// What a figure has to reach.
+enum Bar {
+    None,
+    AtLeast(f64),
+    MoreThan(f64),
+    AtMost(f64),
+}
+
+/// The table, and whether everything in it holds.
+struct Report {
+    table: Table,
+    holds: bool,
+}
+
+impl Report {
+    fn new() -> Self {
+        let mut table = Table::new();
+        table.load_style(UTF8_FULL_CONDENSED).set_header(["what", "measured", "bar", ""]);
+        if let Some(column) = table.column_mut(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        Self { table, holds: true }
+    }
+
+    fn add(&mut self, what: &str, figure: f64, unit: &str, bar: &Bar) {
+        let (text, holds) = match *bar {
+            Bar::None => ("–".to_string(), true),
+            Bar::AtLeast(bar) => (format!("≥ {bar:.1} {unit}"), figure >= bar),
+            Bar::MoreThan(bar) => (format!("> {bar:.2} {unit}"), figure > bar),
+            Bar::AtMost(bar) => (format!("≤ {bar:.1} {unit}"), figure <= bar),
+        };
+        self.holds &= holds;
+        let verdict = match (bar, holds) {
+            (Bar::None, _) => "",
+            (_, true) => "holds",
+            (_, false) => "MISSED",
+        };
+        self.table.add_row([what, &format!("{figure:.2} {unit}"), &text, verdict]);
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let outcome = match parse(&arguments) {
+        Err(message) => {
+            eprintln!("{message}\n{USAGE}");
+            return ExitCode::from(2);
+        }
+        Ok(Command::Bless) => bless(),
+        Ok(Command::Measure { size, edge }) => measure(size, edge),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+enum Command {
+    Bless,
+    Measure { size: [u32; 2], edge: u32 },
+}
+
+fn parse(arguments: &[String]) -> Result<Command, String> {
+    let mut size = [640, 480];
+    let mut edge = 32;
+    let mut rest = arguments.iter();
+    while let Some(argument) = rest.next() {
+        match argument.as_str() {
+            "--bless" if arguments.len() == 1 => return Ok(Command::Bless),
+            "--size" => {
+                let parsed = rest.next().and_then(|text| text.split_once('x'));
+                let edges = parsed.and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+                size = edges.ok_or("--size needs WxH, for example 320x240")?;
+            }
+            "--samples" => {
+                let parsed = rest.next().and_then(|text| text.parse().ok());
+                edge = parsed.filter(|edge| (1..=64).contains(edge)).ok_or("--samples needs a number from 1 to 64")?;
+            }
+            other => return Err(format!("unknown argument '{other}'")),
+        }
+    }
+    Ok(Command::Measure { size, edge })
+}
+
+/// Writes the golden digests beside the tests that compare them.
+fn bless() -> Result<bool, String> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
+    eprintln!("drawing the golden frames");
+    let text = bars::golden_frames()?;
+    std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+    println!("wrote {}", path.display());
+    Ok(true)
+}
+
+fn measure(size: [u32; 2], edge: u32) -> Result<bool, String> {
+    let mut report = Report::new();
+    for name in bars::SCENES {
+        scene(&mut report, name, size, edge)?;
+    }
+    ground(&mut report)?;
+    for (profile, precision) in profiles() {
+        eprintln!("cube edges, {profile}");
+        let step = bars::cube_edge_step(&precision);
+        let bar = Bar::AtMost(100.0 * bars::CUBE_EDGE_BAR);
+        report.add(&format!("cube edges, one probe, {profile}"), 100.0 * step.probe, "%", &bar);
+        report.add(&format!("cube edges, lobes to 3.6°, {profile}"), 100.0 * step.lobe, "%", &bar);
+        report.add(&format!("cube edges, lobe of 14°, {profile}"), 100.0 * step.wide_lobe, "%", &Bar::None);
+    }
+    println!("{}", report.table);
+    println!("{}", if report.holds { "every bar holds" } else { "a bar is missed" });
+    Ok(report.holds)
+}
+
+fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
+    PROFILE_NAMES.into_iter().filter_map(|name| Some((name, Precision::by_name(name)?)))
+}
+
+/// One scene: against its truth, and against the same filter in float64 with every profile.
+fn scene(report: &mut Report, name: &str, [width, height]: [u32; 2], edge: u32) -> Result<(), String> {
+    let failed = |error: &dyn std::fmt::Display| format!("scene {name}: {error}");
+    let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
+    let scene = scene.with_size(width, height).map_err(|error| failed(&error))?;
+    let progress = bar(&format!("{name}: {} samples a pixel", edge * edge), float_frame::work(&scene));
+    let figures = bars::scene_figures(&scene, &Precision::STANDARD, edge, || progress.inc(1));
+    progress.finish_and_clear();
+    let figures = figures.map_err(|error| failed(&error))?;
+    report.add(&format!("{name}: unfiltered"), figures.unfiltered, "dB", &Bar::None);
+    report.add(&format!("{name}: isotropic"), figures.isotropic, "dB", &Bar::None);
+    report.add(&format!("{name}: 16 samples a pixel"), figures.supersampled_16, "dB", &Bar::None);
+    let has_bars = bars::FILTERED_SCENES.contains(&name);
+    let bar = if has_bars { Bar::MoreThan(figures.supersampled_16) } else { Bar::None };
+    report.add(&format!("{name}: footprint"), figures.footprint, "dB", &bar);
+    let bar = if has_bars { Bar::AtLeast(bars::GAIN_BAR) } else { Bar::None };
+    report.add(&format!("{name}: footprint over unfiltered"), figures.gain(), "dB", &bar);
+    for (profile, precision) in profiles() {
+        eprintln!("{name}: against float64, {profile}");
+        let psnr = bars::psnr_against_float(&scene, Mode::Footprint, &precision).map_err(|error| failed(&error))?;
+        let bar = bars::arithmetic_bar(profile).map_or(Bar::None, Bar::AtLeast);
+        report.add(&format!("{name}: against float64, {profile}"), psnr, "dB", &bar);
+    }
+    Ok(())
+}
+
+fn ground(report: &mut Report) -> Result<(), String> {
+    for (name, texture) in [("checker", GroundTexture::Checker), ("noise", GroundTexture::Noise { seed: 1 })] {
+        eprintln!("ground plane: {name}, 4096 samples a pixel");
+        let reference = GroundReference::new(texture, 4096);
+        for (profile, precision) in profiles() {
+            let figures = bars::ground_plane(texture, &reference, &precision);
+            // The bars are those of the default profile.
+            let is_default = precision == Precision::STANDARD;
+            let (psnr, texels) = if is_default {
+                (Bar::AtLeast(bars::GROUND_BAR), Bar::AtMost(bars::GROUND_TEXELS))
+            } else {
+                (Bar::None, Bar::None)
+            };
+            report.add(&format!("ground plane: {name}, {profile}"), figures.psnr, "dB", &psnr);
+            report.add(&format!("ground plane: {name}, {profile}"), figures.texels, "texels", &texels);
+        }
+    }
+    Ok(())
+}
+
+fn bar(what: &str, steps: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}");
+    let progress = ProgressBar::new(steps).with_message(what.to_string());
+    if let Ok(style) = style {
+        progress.set_style(style);
+    }
+    // Without a terminal there is no bar; say at least what runs.
+    if progress.is_hidden() {
+        eprintln!("{what}");
+    }
+    progress.enable_steady_tick(Duration::from_millis(500));
+    progress
+}

@@ -1,0 +1,125 @@
+//! Frames in float64: the truth for picture bars, and the frame's own filter without any rounding.
+//!
+//! The scene, the visible triangles and the attributes of a fragment are those of the emulator (ports read as real
+//! numbers), and so are the texels as its pyramids store them: a difference to a frame of the datapath is due to
+//! addresses, weights, footprints and shading. All mathematics is that of `roughxel-reference`. In
+//! [`Mode::Supersampled`] the maps are read bilinearly at level 0, which with 1024 samples is the truth that filtering
+//! is judged by; in the filtering modes the same probe rule, weights and limits hold as in the frame, at full accuracy.
+
+mod maps;
+mod shade;
+
+use rayon::prelude::*;
+use roughxel_core::precision::Precision;
+use roughxel_emulator::frame::Frame;
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::raster::{Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, TriangleList, tiles};
+use roughxel_emulator::scene::Scene;
+
+use shade::Shader;
+
+/// Linear colours in float64, rows top to bottom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RealPicture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width`·`height` pixels.
+    pub pixels: Vec<[f64; 3]>,
+}
+
+impl RealPicture {
+    /// Peak signal-to-noise ratio in dB against a range of 1, over all channels of linear colours clamped to [0, 1];
+    /// infinite for equal pictures.
+    ///
+    /// # Panics
+    /// If the sizes differ.
+    pub fn psnr(&self, other: &Self) -> f64 {
+        assert_eq!((self.width, self.height), (other.width, other.height), "pictures of one size");
+        let squared = |(a, b): (&f64, &f64)| (a.clamp(0.0, 1.0) - b.clamp(0.0, 1.0)).powi(2);
+        let channels = self.pixels.iter().flatten().zip(other.pixels.iter().flatten());
+        let sum: f64 = channels.map(squared).sum();
+        -10.0 * (sum / (3 * self.pixels.len()) as f64).log10()
+    }
+}
+
+impl From<&Frame> for RealPicture {
+    fn from(frame: &Frame) -> Self {
+        let real = |word: i32| f64::from(word) / f64::from(1 << 24);
+        let pixels = frame.pixels.iter().map(|pixel| pixel.map(real)).collect();
+        Self { width: frame.width, height: frame.height, pixels }
+    }
+}
+
+/// Draws a scene in float64, in any mode of the frame. `progress` is called once per tile ([`work`]), from any thread.
+///
+/// `profile` gives the probe rule, probe weights, most probes and the stored roughness; word lengths of arithmetic play
+/// no part. Errors: those of the camera and the meshes.
+pub fn render(
+    scene: &Scene,
+    mode: Mode,
+    profile: &Precision,
+    progress: impl Fn() + Sync,
+) -> Result<RealPicture, RasterError> {
+    let projection = Projection::new(&scene.camera)?;
+    let triangles = TriangleList::new(&projection, &scene.objects)?;
+    let shader = Shader::new(scene, &projection, mode, profile);
+    let (width, height) = (projection.width(), projection.height());
+    let shaded: Vec<(TileRect, Vec<[f64; 3]>)> = tiles(width, height)
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .map(|tile| {
+            let colours = shade_tile(&shader, &triangles, tile, mode.samples_edge());
+            progress();
+            (tile, colours)
+        })
+        .collect();
+    let mut pixels = vec![[0.0; 3]; width as usize * height as usize];
+    for (tile, colours) in shaded {
+        for (row, line) in (0..).zip(colours.chunks(tile.width as usize)) {
+            let start = (tile.y + row) as usize * width as usize + tile.x as usize;
+            pixels[start..start + line.len()].copy_from_slice(line);
+        }
+    }
+    Ok(RealPicture { width, height, pixels })
+}
+
+/// Number of progress steps of [`render`].
+pub fn work(scene: &Scene) -> u64 {
+    tiles(scene.camera.width, scene.camera.height).count() as u64
+}
+
+/// The mean over the pixel's samples, a regular grid of `edge` × `edge`.
+fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect, edge: u32) -> Vec<[f64; 3]> {
+    let mut buffer = TileBuffer::new();
+    let mut sums = vec![[0.0; 3]; tile.width as usize * tile.height as usize];
+    let place = |i: u32| (2 * i + 1) as i32 * SUBPIXELS / (2 * edge as i32);
+    for sample in 0..edge * edge {
+        let offset = [place(sample % edge), place(sample / edge)];
+        triangles.rasterise_tile(tile, offset, &mut buffer);
+        let mut current = None;
+        let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| [tile.x + x, tile.y + y]));
+        for ((sum, position), visible) in sums.iter_mut().zip(positions).zip(buffer.triangles()) {
+            let [x, y] = [0, 1].map(|i| position[i] as i32 * SUBPIXELS + offset[i]);
+            let colour = match visible {
+                None => shader.background(x, y),
+                Some(index) => {
+                    let object = triangles.object_index(index);
+                    if current.as_ref().is_none_or(|(held, _)| *held != index) {
+                        current = Some((index, triangles.triangle(index, shader.needs_tangents(object))));
+                    }
+                    match &current {
+                        Some((_, Some(triangle))) => shader.fragment(object, &triangle.fragment(x, y)),
+                        _ => [0.0; 3],
+                    }
+                }
+            };
+            for (sum, channel) in sum.iter_mut().zip(colour) {
+                *sum += channel;
+            }
+        }
+    }
+    let samples = f64::from(edge * edge);
+    sums.into_iter().map(|sum| sum.map(|channel| channel / samples)).collect()
+}

@@ -1,0 +1,258 @@
+//! One sample in float64: attributes to colour by the mathematics of the reference.
+
+use roughxel_core::plan::FrameSystem;
+use roughxel_core::ports::{BlockPair, BlockVector};
+use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind};
+use roughxel_emulator::plan::{Mode, ObjectPlan, frame_system};
+use roughxel_emulator::raster::{FragmentAttributes, Projection, SUBPIXELS};
+use roughxel_emulator::scene::{Background, Object, Scene};
+
+use super::maps::{self, BUMP_CHANNELS};
+use crate::reference::cube::{Selection, select};
+use crate::reference::filter::{CubeMap, Map, cube_assemble, texels_to_repeats, trilinear};
+use crate::reference::linear::{add_scaled, norm, scaled};
+use crate::reference::probes::{self, ProbePlan};
+use crate::reference::roughness::Covariance;
+use crate::reference::{self, Inputs, Options, Roughness, columns_in_texels, frame, perturb, reflect, roughness};
+
+/// λ₁ of a footprint on a cube face beyond which its probes do not reach further out (2 units, the width of the face).
+const LONGEST_SIGMA: f64 = 2.0;
+
+/// Everything a sample needs.
+pub(super) struct Shader<'a> {
+    scene: &'a Scene,
+    projection: &'a Projection,
+    filters: bool,
+    rule: probes::ProbeRule,
+    max_probes: u32,
+    /// Probe weights for each count, from 1.
+    weights: Vec<Vec<f64>>,
+    environment: Option<Vec<CubeMap<3>>>,
+    objects: Vec<ShadedObject<'a>>,
+}
+
+struct ShadedObject<'a> {
+    object: &'a Object,
+    plan: ObjectPlan,
+    colour: Option<Vec<Map<3>>>,
+    bump: Option<Vec<Map<BUMP_CHANNELS>>>,
+}
+
+fn real_vector(v: BlockVector) -> [f64; 3] {
+    v.mantissa.map(|m| f64::from(m.to_bits()) * 2_f64.powi(i32::from(v.exponent) - 30))
+}
+
+fn real_pair(v: BlockPair) -> [f64; 2] {
+    v.mantissa.map(|m| f64::from(m.to_bits()) * 2_f64.powi(i32::from(v.exponent) - 30))
+}
+
+impl<'a> Shader<'a> {
+    /// Builds the maps of a scene, those the plan calls for.
+    pub(super) fn new(scene: &'a Scene, projection: &'a Projection, mode: Mode, profile: &Precision) -> Self {
+        let p = mode.precision(profile);
+        let filters = mode.filters();
+        let reflects = scene.objects.iter().any(|object| object.material.reflectance.iter().any(|&r| r > 0.0));
+        let needs_environment = reflects || matches!(scene.background, Background::Environment);
+        let environment = scene
+            .environment
+            .as_ref()
+            .filter(|_| needs_environment)
+            .map(|source| maps::environment(&source.faces, filters));
+        let objects = scene.objects.iter().map(|object| {
+            let material = &object.material;
+            let natural = frame_system(material.frame) != FrameSystem::MainDirection;
+            let bump = material.bump.as_ref().filter(|_| environment.is_some());
+            let pyramid = bump.map(|field| maps::bump_pyramid(field, natural, filters, &p));
+            let plan = ObjectPlan::new(object, pyramid.as_ref(), environment.is_some(), mode, &p);
+            ShadedObject {
+                object,
+                plan,
+                colour: material.colour_map.as_ref().map(|map| maps::colour(map, filters)),
+                bump: pyramid.filter(|_| plan.bump_map).map(|pyramid| maps::bump(&pyramid)),
+            }
+        });
+        let kind = match p.probe_weights {
+            ProbeWeights::Box => probes::ProbeWeights::Box,
+            ProbeWeights::Gaussian => probes::ProbeWeights::Gaussian,
+        };
+        Self {
+            scene,
+            projection,
+            filters,
+            rule: match p.probe_rule {
+                ProbeRule::Ceiling => probes::ProbeRule::Ceiling,
+                ProbeRule::PowerOfTwo => probes::ProbeRule::PowerOfTwo,
+            },
+            max_probes: p.max_probes,
+            weights: (1..=p.max_probes).map(|count| probes::weights(count, kind)).collect(),
+            objects: objects.collect(),
+            environment,
+        }
+    }
+
+    /// Whether fragments of an object need p_u and p_v.
+    pub(super) fn needs_tangents(&self, object: usize) -> bool {
+        let plan = self.objects[object].plan.reflection;
+        plan.is_some_and(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
+    }
+
+    /// Colour of one fragment.
+    pub(super) fn fragment(&self, object: usize, attributes: &FragmentAttributes) -> [f64; 3] {
+        let shaded = &self.objects[object];
+        let material = &shaded.object.material;
+        let mut surface = material.colour.map(f64::from);
+        if let Some(map) = &shaded.colour {
+            let texel = self.repeated(map, attributes, |sample| sample);
+            surface = core::array::from_fn(|i| surface[i] * texel[i]);
+        }
+        let (Some(environment), Some(_)) = (&self.environment, shaded.plan.reflection) else { return surface };
+        let reflection = self.reflection(shaded, environment, attributes);
+        core::array::from_fn(|i| {
+            let share = f64::from(material.reflectance[i]).clamp(0.0, 1.0);
+            (1.0 - share) * surface[i] + share * reflection[i]
+        })
+    }
+
+    /// The mean over the footprint of a fragment in a repeated map, or the sample at its place; `probe` turns the
+    /// sample of one probe into what is averaged.
+    fn repeated<const C: usize>(
+        &self,
+        levels: &[Map<C>],
+        attributes: &FragmentAttributes,
+        probe: impl Fn([f64; C]) -> [f64; C],
+    ) -> [f64; C] {
+        let uv = attributes.uv.map(|u| f64::from(u.to_bits()) * 2_f64.powi(-32));
+        if !self.filters {
+            return probe(levels[0].bilinear(uv));
+        }
+        let size = [levels[0].width as u32, levels[0].height as u32];
+        let columns = columns_in_texels(attributes.duv.map(real_pair), size);
+        let plan = reference::texture(columns, 1.0, size, self.rule, self.max_probes).probes;
+        let plan = texels_to_repeats(&plan, size);
+        let mut mean = [0.0; C];
+        for (index, &weight) in (0..plan.count).zip(&self.weights[plan.count as usize - 1]) {
+            let at = add_scaled(uv, 1.0, plan.offset(index));
+            mean = add_scaled(mean, weight, probe(trilinear(levels, at, plan.lod)));
+        }
+        mean
+    }
+
+    /// Mean offset and covariance over the footprint: within a probe b and K are interpolated, between the probes of a
+    /// footprint the variance of their means counts (errata 14 and 15).
+    fn bump(&self, levels: &[Map<BUMP_CHANNELS>], attributes: &FragmentAttributes) -> ([f64; 2], Covariance) {
+        let second_moments = |[u, v, a, b, c]: [f64; BUMP_CHANNELS]| [u, v, a + u * u, b + u * v, c + v * v];
+        let [u, v, m11, m12, m22] = self.repeated(levels, attributes, second_moments);
+        ([u, v], [(m11 - u * u).max(0.0), m12 - u * v, (m22 - v * v).max(0.0)])
+    }
+
+    fn reflection(
+        &self,
+        shaded: &ShadedObject<'_>,
+        environment: &[CubeMap<3>],
+        attributes: &FragmentAttributes,
+    ) -> [f64; 3] {
+        let Some(plan) = shaded.plan.reflection else { return [0.0; 3] };
+        let (offset, spread) = match &shaded.bump {
+            None => ([0.0; 2], [0.0; 3]),
+            Some(map) => {
+                let (offset, k) = self.bump(map, attributes);
+                let spread = match plan.roughness {
+                    RoughnessKind::None => [0.0; 3],
+                    RoughnessKind::Isotropic => [roughness::isotropic(k), 0.0, 0.0],
+                    RoughnessKind::Anisotropic => roughness::decompose(k),
+                };
+                (offset, spread)
+            }
+        };
+        let tangents = match plan.frame {
+            FrameSystem::MainDirection => [shaded.object.material.main_direction.to_array(), [0.0; 3]],
+            FrameSystem::Natural | FrameSystem::NaturalNormalised => attributes.tangents.map(real_vector),
+        };
+        let system = match plan.frame {
+            FrameSystem::MainDirection => frame::FrameSystem::MainDirection,
+            FrameSystem::Natural => frame::FrameSystem::Natural,
+            FrameSystem::NaturalNormalised => frame::FrameSystem::NaturalNormalised,
+        };
+        let (normal, view) = (real_vector(attributes.normal), real_vector(attributes.view));
+        if !plan.footprint {
+            // n and v at length 1: nothing depends on it, and no square leaves the range of float64.
+            let [normal, view] = [normal, view].map(|v| scaled(1.0 / norm(&v), v));
+            let perturbed = if plan.bump {
+                perturb::perturb(normal, &frame::frame(system, normal, tangents), offset)
+            } else {
+                normal
+            };
+            return environment[0].bilinear(&select(reflect::reflect(view, perturbed)));
+        }
+        let edge_texels = environment[0].faces[0].width as u32;
+        let outputs = reference::reflection(
+            &Inputs {
+                normal,
+                view,
+                tangents,
+                offset,
+                roughness: spread,
+                dview: attributes.dview.map(real_vector),
+                dnormal: if plan.curvature { attributes.dnormal.map(real_vector) } else { [[0.0; 3]; 2] },
+                edge_texels,
+            },
+            &Options {
+                frame: system,
+                roughness: match plan.roughness {
+                    RoughnessKind::None => Roughness::None,
+                    RoughnessKind::Isotropic => Roughness::Isotropic,
+                    RoughnessKind::Anisotropic => Roughness::Anisotropic,
+                },
+                probe_rule: self.rule,
+                max_probes: self.max_probes,
+            },
+        );
+        // Probes of variance λ₂² where the footprint is a rough surface's.
+        let bias = if plan.roughness == RoughnessKind::None { 0.0 } else { -0.5 * 3_f64.log2() };
+        self.assembled(environment, &outputs.selection, &outputs.probes, outputs.axes.major, bias)
+    }
+
+    /// The probes of a footprint whose λ₁ is `sigma`, their level of detail moved by `bias` ≤ 0.
+    fn assembled(
+        &self,
+        environment: &[CubeMap<3>],
+        at: &Selection,
+        plan: &ProbePlan,
+        sigma: f64,
+        bias: f64,
+    ) -> [f64; 3] {
+        let reach = if sigma > LONGEST_SIGMA { LONGEST_SIGMA / sigma } else { 1.0 };
+        let lod = (plan.lod + bias).max(0.0);
+        let plan = ProbePlan { step: scaled(reach, plan.step), lod, ..*plan };
+        cube_assemble(environment, at, &plan, &self.weights[plan.count as usize - 1])
+    }
+
+    /// What a ray that hits nothing sees; position in sub-pixels.
+    pub(super) fn background(&self, x: i32, y: i32) -> [f64; 3] {
+        match (&self.scene.background, &self.environment) {
+            (Background::Colour(colour), _) => colour.map(f64::from),
+            (Background::Ramp { top, bottom }, _) => {
+                let down = f64::from(y) / f64::from(self.projection.height() as i32 * SUBPIXELS);
+                core::array::from_fn(|i| f64::from(top[i]) + (f64::from(bottom[i]) - f64::from(top[i])) * down)
+            }
+            (Background::Environment, None) => [0.0; 3],
+            (Background::Environment, Some(environment)) => {
+                let ray = scaled(-1.0, real_vector(self.projection.ray_view(x, y)));
+                if !self.filters {
+                    return environment[0].bilinear(&select(ray));
+                }
+                let edge = environment[0].faces[0].width as u32;
+                let selection = select(ray);
+                let column = |d: BlockVector| {
+                    let d = scaled(-1.0, real_vector(d));
+                    let [ds, dt, dm] = reference::cube::face_components(selection.face, d);
+                    [(ds - selection.s * dm) / selection.m, (dt - selection.t * dm) / selection.m]
+                };
+                let columns = self.projection.dview().map(column);
+                let footprint =
+                    reference::texture(columns, 0.5 * f64::from(edge), [edge; 2], self.rule, self.max_probes);
+                self.assembled(environment, &selection, &footprint.probes, footprint.axes.major, 0.0)
+            }
+        }
+    }
+}

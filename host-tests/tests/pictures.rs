@@ -1,0 +1,188 @@
+//! Picture bars at reduced sizes, and what holds for every frame: same bits for any number of threads, effects that are
+//! planned away leave no trace, no bit changes unnoticed. `picture-bars` prints the bars at full size.
+
+use std::path::Path;
+
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::ReflectionOut;
+use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_emulator::frame::{Frame, Prepared};
+use roughxel_emulator::picture::{linear_to_srgb8, write_png_srgb};
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::scene::Scene;
+use roughxel_host_tests::bars;
+use roughxel_host_tests::float_frame::RealPicture;
+use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
+
+const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
+
+fn scene(name: &str, width: u32, height: u32) -> Scene {
+    Scene::builtin(name).unwrap().unwrap().with_size(width, height).unwrap()
+}
+
+fn draw(scene: &Scene, mode: Mode, profile: &Precision) -> Frame {
+    Prepared::new(scene, mode, profile).unwrap().render(|| ()).unwrap()
+}
+
+#[test]
+fn frames_are_the_float64_filter_up_to_the_bar_of_their_profile() {
+    for name in bars::SCENES {
+        let scene = scene(name, 160, 120);
+        for profile in PROFILE_NAMES {
+            let Some(bar) = bars::arithmetic_bar(profile) else { continue };
+            let precision = Precision::by_name(profile).unwrap();
+            let psnr = bars::psnr_against_float(&scene, Mode::Footprint, &precision).unwrap();
+            assert!(psnr >= bar, "{name}, {profile}: {psnr:.1} dB");
+        }
+    }
+}
+
+#[test]
+fn every_mode_is_its_float64_picture() {
+    for name in bars::SCENES {
+        let scene = scene(name, 96, 72);
+        for mode in MODES {
+            let psnr = bars::psnr_against_float(&scene, mode, &Precision::STANDARD).unwrap();
+            assert!(psnr >= 55.0, "{name}, {mode}: {psnr:.1} dB");
+        }
+    }
+}
+
+#[test]
+fn filtering_is_10_db_better_than_none_and_better_than_16_samples() {
+    for name in bars::FILTERED_SCENES {
+        let figures = bars::scene_figures(&scene(name, 160, 120), &Precision::STANDARD, 16, || ()).unwrap();
+        assert!(figures.holds(), "{name}: {figures:?}");
+    }
+}
+
+#[test]
+fn footprints_on_the_ground_plane_reach_35_db_at_40_texels_a_pixel() {
+    for texture in [GroundTexture::Checker, GroundTexture::Noise { seed: 1 }] {
+        let reference = GroundReference::new(texture, 1024);
+        let figures = bars::ground_plane(texture, &reference, &Precision::STANDARD);
+        assert!(figures.psnr >= bars::GROUND_BAR && figures.texels <= bars::GROUND_TEXELS, "{texture:?}: {figures:?}");
+    }
+}
+
+#[test]
+fn a_smooth_environment_has_no_step_across_the_edges_of_the_cube() {
+    for profile in PROFILE_NAMES {
+        let step = bars::cube_edge_step(&Precision::by_name(profile).unwrap());
+        assert!(step.probe <= bars::CUBE_EDGE_BAR && step.lobe <= bars::CUBE_EDGE_BAR, "{profile}: {step:?}");
+    }
+}
+
+#[test]
+fn frames_are_the_same_bits_for_any_number_of_threads() {
+    for name in bars::SCENES {
+        let digest = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| draw(&scene(name, 200, 150), Mode::Footprint, &Precision::STANDARD).digest())
+        };
+        let one = digest(1);
+        for threads in [2, 7] {
+            assert_eq!(digest(threads), one, "{name}, {threads} threads");
+        }
+    }
+}
+
+/// A plane and a ball with `material` each.
+fn two_shapes(material: &str) -> Scene {
+    let text = format!(
+        "[camera]\neye = [0, 1.5, 5]\ntarget = [0, 0.4, 0]\nfov_y = 35\nwidth = 96\nheight = 72\n\
+         [environment]\ngenerate = \"checker\"\nface_edge = 64\n\
+         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {material}\n\
+         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {material}\n"
+    );
+    Scene::from_toml("two shapes", &text, Path::new("")).unwrap()
+}
+
+#[test]
+fn a_flat_bump_map_changes_no_bit() {
+    let flat = "height_map = { generate = \"waves\", size = 32, scale = 0 }";
+    for frame in ["main-direction", "natural", "natural-normalised"] {
+        let bare = two_shapes(&format!("{{ reflectance = 0.8, frame = \"{frame}\" }}"));
+        let bumpy = two_shapes(&format!("{{ reflectance = 0.8, frame = \"{frame}\", {flat} }}"));
+        for profile in PROFILE_NAMES {
+            let precision = Precision::by_name(profile).unwrap();
+            for mode in MODES {
+                let prepared = Prepared::new(&bumpy, mode, &precision).unwrap();
+                assert!(prepared.plans().all(|plan| plan.bump_map), "the datapath perturbs");
+                let same = prepared.render(|| ()).unwrap() == draw(&bare, mode, &precision);
+                assert!(same, "{frame}, {profile}, {mode}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_white_colour_map_is_one_code_from_no_map() {
+    let bare = two_shapes("{ colour = [0.5, 0.25, 1] }");
+    let white = "colour_map = { generate = \"checker\", size = 16, squares = 2, light = [1, 1, 1], dark = [1, 1, 1] }";
+    let mapped = two_shapes(&format!("{{ colour = [0.5, 0.25, 1], {white} }}"));
+    for mode in MODES {
+        let [bare, mapped] = [&bare, &mapped].map(|scene| draw(scene, mode, &Precision::STANDARD));
+        for (a, b) in bare.pixels.iter().flatten().zip(mapped.pixels.iter().flatten()) {
+            // 1 is stored as 65535/65536: 2^8 last places of 2^24, for a colour of 1.
+            assert!((0..=1 << 8).contains(&(a - b)), "{mode}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn zero_roughness_and_zero_curvature_change_no_bit_of_any_fragment() {
+    for (name, profile) in [("zebra", Precision::STANDARD), ("lake", Precision::COMPACT), ("globe", Precision::PRECISE)]
+    {
+        let scene = scene(name, 64, 48);
+        let fragments = Prepared::new(&scene, Mode::Footprint, &profile).unwrap().capture(400).unwrap();
+        assert!(fragments.len() > 100);
+        for (fragment, plan) in fragments {
+            let mut smooth = fragment;
+            smooth.roughness = Default::default();
+            smooth.dnormal = Default::default();
+            let run = |roughness, curvature| -> ReflectionOut {
+                smooth.reflect(&ReflectionPlan { roughness, curvature, ..plan }, &profile)
+            };
+            let bare = run(RoughnessKind::None, false);
+            for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
+                assert_eq!(run(roughness, true), bare, "{name}: {smooth:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn golden_frames_are_the_same_bits() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
+    let golden = std::fs::read_to_string(&path).unwrap();
+    let drawn = bars::golden_frames().unwrap();
+    let first = golden.lines().zip(drawn.lines()).find(|(golden, drawn)| golden != drawn);
+    assert_eq!(first, None, "if the change is meant: picture-bars --bless, and say why in the changelog");
+    assert_eq!(golden.lines().count(), drawn.lines().count());
+}
+
+#[test]
+fn written_pictures_are_read_back_pixel_by_pixel() {
+    let picture = draw(&scene("globe", 160, 120), Mode::Footprint, &Precision::STANDARD).picture();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("globe.png");
+    write_png_srgb(&path, &picture).unwrap();
+    let read = image::open(&path).unwrap();
+    assert_eq!(read.color(), image::ColorType::Rgb8);
+    let read = read.into_rgb8();
+    assert_eq!((read.width(), read.height()), (picture.width, picture.height));
+    for (x, y, pixel) in read.enumerate_pixels() {
+        assert_eq!(pixel.0, picture.pixel(x, y).map(linear_to_srgb8), "({x}, {y})");
+    }
+}
+
+#[test]
+fn psnr_counts_every_channel_against_a_range_of_1() {
+    let grey = |value| RealPicture { width: 2, height: 1, pixels: vec![[value; 3]; 2] };
+    let mut one_channel = grey(0.5);
+    one_channel.pixels[0][1] = 0.6;
+    // One of six channels off by 0.1: 10·log₁₀(6/0.01); 1e-9 for the float64 logarithm.
+    assert!((one_channel.psnr(&grey(0.5)) - 10.0 * 600_f64.log10()).abs() < 1e-9);
+    assert_eq!(grey(7.0).psnr(&grey(1.0)), f64::INFINITY);
+}
