@@ -12,6 +12,7 @@ use crate::datapath::{self, PortBlock, Reflection, ReflectionInput, TextureFootp
 use crate::fx::Fx;
 use crate::plan::ReflectionPlan;
 use crate::precision::Precision;
+use crate::scalar::Scalar;
 use crate::signals::MapScale;
 use crate::stage::probes::face_scale;
 use crate::stage::texture::TextureScale;
@@ -114,7 +115,7 @@ pub struct TextureIn {
 /// Constants of a map of `size` texels for [`TextureFootprint`]; edges are read as 1…16384.
 ///
 /// Set-up, once per map: the only division of the crate outside tests and tables, and not on the datapath.
-pub fn texture_scale(size: [u16; 2]) -> (TextureScale<i32>, MapScale<i32>) {
+pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>) {
     let [width, height] = size.map(|edge| i32::from(edge.clamp(1, 16384)));
     let longer = width.max(height) as u32;
     // ⌈log₂ longer⌉ − 1, and ⌊log₂ longer⌋ below, without a panic path.
@@ -134,23 +135,23 @@ pub fn texture_scale(size: [u16; 2]) -> (TextureScale<i32>, MapScale<i32>) {
 }
 
 /// The scale of an environment whose faces have `edge` texels, read as 1…16384.
-pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<i32> {
+pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
     face_scale(Fx::from_raw(i32::from(edge.clamp(1, 16384))), p)
 }
 
-fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<i32, N> {
+fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<Scalar, N> {
     PortBlock { mantissa: mantissa.map(|m| Fx::from_raw(m.to_bits())), exponent: Fx::from_raw(i32::from(exponent)) }
 }
 
 impl BlockVector {
-    fn wires(&self) -> PortBlock<i32, 3> {
+    fn wires(&self) -> PortBlock<Scalar, 3> {
         wires(self.mantissa, self.exponent)
     }
 }
 
 impl ReflectionIn {
     /// The ports as scalar wires.
-    pub fn wires(&self, map: MapScale<i32>) -> ReflectionInput<i32> {
+    pub fn wires(&self, map: MapScale<Scalar>) -> ReflectionInput<Scalar> {
         ReflectionInput {
             normal: self.normal.wires(),
             view: self.view.wires(),
@@ -172,41 +173,45 @@ impl ReflectionIn {
 
 impl TextureIn {
     /// Runs the scalar texture footprint.
-    pub fn footprint(&self, scale: &(TextureScale<i32>, MapScale<i32>), p: &Precision) -> TextureFootprint<i32> {
+    pub fn footprint(
+        &self,
+        scale: &(TextureScale<Scalar>, MapScale<Scalar>),
+        p: &Precision,
+    ) -> TextureFootprint<Scalar> {
         let derivatives = self.duv.map(|pair| wires(pair.mantissa, pair.exponent));
         datapath::texture_footprint(&derivatives, &scale.0, &scale.1, p)
     }
 }
 
-fn port_exponent<const N: usize>(block: &Block<i32, N>) -> i16 {
+fn port_exponent<const N: usize>(block: &Block<Scalar, N>) -> i16 {
     let exponent = block.e.raw().clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
     if block.is_zero() { 0 } else { exponent }
 }
 
-fn port_mantissa<const N: usize>(m: [Fx<i32, 30>; N]) -> [I2F30; N] {
+fn port_mantissa<const N: usize>(m: [Fx<Scalar, 30>; N]) -> [I2F30; N] {
     m.map(|m| I2F30::from_bits(m.raw()))
 }
 
-impl From<&Block<i32, 3>> for BlockVector {
-    fn from(block: &Block<i32, 3>) -> Self {
+impl From<&Block<Scalar, 3>> for BlockVector {
+    fn from(block: &Block<Scalar, 3>) -> Self {
         Self { mantissa: port_mantissa(block.m), exponent: port_exponent(block) }
     }
 }
 
-impl From<&Block<i32, 2>> for BlockPair {
-    fn from(block: &Block<i32, 2>) -> Self {
+impl From<&Block<Scalar, 2>> for BlockPair {
+    fn from(block: &Block<Scalar, 2>) -> Self {
         Self { mantissa: port_mantissa(block.m), exponent: port_exponent(block) }
     }
 }
 
-impl From<&Block<i32, 1>> for BlockNumber {
-    fn from(block: &Block<i32, 1>) -> Self {
+impl From<&Block<Scalar, 1>> for BlockNumber {
+    fn from(block: &Block<Scalar, 1>) -> Self {
         Self { mantissa: I2F30::from_bits(block.m[0].raw()), exponent: port_exponent(block) }
     }
 }
 
-impl From<&Reflection<i32>> for ReflectionOut {
-    fn from(stages: &Reflection<i32>) -> Self {
+impl From<&Reflection<Scalar>> for ReflectionOut {
+    fn from(stages: &Reflection<Scalar>) -> Self {
         let frame = [&stages.frame.e1, &stages.frame.e2];
         Self {
             frame: frame.map(|e| BlockVector::from(&e.scaled(stages.normal.e))),

@@ -9,6 +9,7 @@ use crate::datapath::probe_position;
 use crate::fx::Fx;
 use crate::precision::Precision;
 use crate::rom::MAX_PROBES;
+use crate::scalar::Scalar;
 use crate::signals::{CubePoint, FacePosition, Probes};
 use crate::stage::probes::{position, weight};
 use crate::stage::texture::{TextureScale, texture_position};
@@ -19,13 +20,13 @@ pub struct Probe<P> {
     /// Place on the map.
     pub place: P,
     /// Weight, 16 fraction bits; the weights of a list sum to exactly 1.
-    pub weight: Fx<i32, 16>,
+    pub weight: Fx<Scalar, 16>,
 }
 
 /// At most [`MAX_PROBES`] probes.
 pub type ProbeList<P> = Vec<Probe<P>, MAX_PROBES>;
 
-fn list<P>(probes: &Probes<i32>, p: &Precision, place: impl Fn(Fx<i32, 0>) -> P) -> ProbeList<P> {
+fn list<P>(probes: &Probes<Scalar>, p: &Precision, place: impl Fn(Fx<Scalar, 0>) -> P) -> ProbeList<P> {
     let mut list = Vec::new();
     for index in (0..probes.count.raw()).map(Fx::from_raw) {
         let probe = Probe { place: place(index), weight: weight(probes, index, p) };
@@ -38,15 +39,19 @@ fn list<P>(probes: &Probes<i32>, p: &Precision, place: impl Fn(Fx<i32, 0>) -> P)
 }
 
 /// Probes on the faces of an environment, continued across edges.
-pub fn environment_probes(point: &CubePoint<i32>, probes: &Probes<i32>, p: &Precision) -> ProbeList<FacePosition<i32>> {
+pub fn environment_probes(
+    point: &CubePoint<Scalar>,
+    probes: &Probes<Scalar>,
+    p: &Precision,
+) -> ProbeList<FacePosition<Scalar>> {
     list(probes, p, |index| probe_position(point, probes, index, p))
 }
 
 /// Probes in a repeated map: coordinates in repeats modulo 1, 32 fraction bits.
 pub fn texture_probes(
     uv: &[Fx<i64, 32>; 2],
-    probes: &Probes<i32>,
-    map: &TextureScale<i32>,
+    probes: &Probes<Scalar>,
+    map: &TextureScale<Scalar>,
     p: &Precision,
 ) -> ProbeList<[Fx<i64, 32>; 2]> {
     list(probes, p, |index| texture_position(uv, &position(probes, index), map))

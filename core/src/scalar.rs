@@ -5,6 +5,9 @@
 
 use crate::word::{Wire, Word};
 
+/// The word of the scalar reading; its wide companion is `i64`.
+pub type Scalar = i32;
+
 macro_rules! wire {
     ($int:ty) => {
         impl Wire for $int {

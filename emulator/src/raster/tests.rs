@@ -4,23 +4,24 @@ use glam::{DVec2, DVec3};
 use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::*;
+use crate::random::SplitMix64;
 use crate::scene::{Camera, FrameSystem, Material, Mesh, Object, Vertex};
 
-/// SplitMix64: seeded, the same everywhere.
-struct Random(u64);
+/// Seeded random numbers and vectors.
+struct Random(SplitMix64);
 
 impl Random {
+    fn new(seed: u64) -> Self {
+        Self(SplitMix64::new(seed))
+    }
+
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.next_u64()
     }
 
     /// Uniform in [low, high).
     fn real(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.next() >> 11) as f64 / 9_007_199_254_740_992.0)
+        self.0.uniform(low, high)
     }
 
     fn vector(&mut self, reach: f64) -> DVec3 {
@@ -200,7 +201,7 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
 
 #[test]
 fn attributes_agree_with_ray_plane_intersection() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let camera = camera(96, 64);
     let mut samples = 0;
     for _ in 0..300 {
@@ -366,7 +367,7 @@ fn clipping_changes_no_attribute() {
 fn depth_agrees_with_distance_and_the_nearer_triangle_wins() {
     let camera = camera(160, 120);
     let projection = Projection::new(&camera).expect("a camera");
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let corners: Vec<Vertex> = (0..90).map(|_| vertex(random.vector(1.5), DVec3::Z, DVec2::ZERO)).collect();
     let triangles: Vec<[u32; 3]> = (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let objects = vec![object(corners.clone(), triangles.clone())];
@@ -441,7 +442,7 @@ fn coverage(projection: &Projection, vertices: &[Vertex], triangles: &[[u32; 3]]
 
 #[test]
 fn fans_and_strips_cover_every_sample_exactly_once() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let projection = Projection::new(&plain_camera(48, 48)).expect("a camera");
     // At z = −24 a world unit is a pixel. Half of the corners lie exactly on pixel centres or sub-pixels.
     let mut corner = |x: f64, y: f64| {
@@ -453,7 +454,7 @@ fn fans_and_strips_cover_every_sample_exactly_once() {
         let depth = random.real(0.5, 3.0);
         vertex(DVec3::new(x, y, -24.0) * depth, DVec3::Z, DVec2::ZERO)
     };
-    let mut choice = Random(12);
+    let mut choice = Random::new(12);
     for _ in 0..40 {
         // Fan: a ring far outside the frame around a point inside it.
         let centre = (choice.real(-20.0, 20.0), choice.real(-20.0, 20.0));
@@ -494,7 +495,7 @@ fn fans_and_strips_cover_every_sample_exactly_once() {
 
 #[test]
 fn a_clipped_room_around_the_eye_has_no_holes() {
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     for _ in 0..60 {
         // A distorted cube around the eye: always some triangles cross the near plane or the guard band.
         let scale = 10f64.powf(random.real(-2.5, 4.0));
@@ -551,7 +552,7 @@ fn triangles_without_area_or_behind_the_eye_are_left_out() {
 fn slivers_seen_edge_on_stay_within_their_corners() {
     let camera = camera(200, 150);
     let projection = Projection::new(&camera).expect("a camera");
-    let mut random = Random(31);
+    let mut random = Random::new(31);
     let mut samples = 0;
     for i in 0..4000 {
         // All but coplanar with the eye, from 1e-2 down to 1e-14 of a world unit.
@@ -598,7 +599,7 @@ fn frames_of_one_pixel_and_of_4096_pixels_work() {
 #[test]
 fn back_faces_are_drawn_with_the_same_attributes() {
     let projection = Projection::new(&camera(64, 64)).expect("a camera");
-    let mut random = Random(41);
+    let mut random = Random::new(41);
     let corners =
         [0; 3].map(|_| vertex(random.vector(1.5), random.vector(1.0), DVec2::new(random.real(0.0, 1.0), 0.5)));
     let (front, back) = (one_triangle(corners), vec![object(corners.to_vec(), vec![[2, 1, 0]])]);

@@ -1,6 +1,7 @@
 //! Arithmetic of the generators: only +, −, ×, ÷, √ and rounding, which IEEE 754 fixes to the last bit, so a generated
 //! map is the same on every machine. (The sine and cosine of a platform's library are not.)
 
+use crate::random::SplitMix64;
 use std::f64::consts::TAU;
 
 /// Sine of `turns` full turns; absolute error below 1e-13 for |turns| < 1000, exact at whole quarter turns.
@@ -55,19 +56,11 @@ pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A 64-bit mix of three lattice coordinates and a seed (finaliser of SplitMix64).
+/// A 64-bit mix of three lattice coordinates and a seed: one step of SplitMix64 for each.
 pub(crate) fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
-    let mut state = seed ^ 0x9E37_79B9_7F4A_7C15;
-    for coordinate in [x, y, z] {
-        state = finalise(state.wrapping_add(coordinate as u64).wrapping_add(0x9E37_79B9_7F4A_7C15));
-    }
-    state
-}
-
-fn finalise(mut state: u64) -> u64 {
-    state = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    state = (state ^ (state >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    state ^ (state >> 31)
+    [x, y, z].into_iter().fold(seed ^ 0x9E37_79B9_7F4A_7C15, |state, coordinate| {
+        SplitMix64::new(state.wrapping_add(coordinate as u64)).next_u64()
+    })
 }
 
 /// The top 53 bits as a number in [0, 1).
@@ -75,20 +68,19 @@ pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// A small generator of pseudo-random numbers (SplitMix64): maps, not secrets.
+/// Random numbers in the shapes that maps need.
 #[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
     /// The sequence of `seed`.
     pub(crate) fn new(seed: u32) -> Self {
-        Self(u64::from(seed))
+        Self(SplitMix64::new(u64::from(seed)))
     }
 
     /// Uniform in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        unit(finalise(self.0))
+        unit(self.0.next_u64())
     }
 
     /// Bell-shaped in (−1, 1): the mean of three uniform numbers, standard deviation 1/3.
