@@ -129,7 +129,7 @@ pub const POSITION: u32 = 28;
 /// Fraction bits of a level of detail.
 pub const LOD: u32 = 16;
 
-/// The probes of one footprint; [`position`] gives each one's place.
+/// The probes of one footprint; [`position`](crate::stage::probes::position) gives each one's place.
 #[derive(Clone, Copy, Debug)]
 pub struct Probes<W: Word> {
     /// N, 1…16.
