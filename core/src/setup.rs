@@ -62,12 +62,6 @@ pub fn block_vector(v: DVec3, p: &Precision) -> BlockVector {
     BlockVector { mantissa, exponent }
 }
 
-/// A pair as a port.
-pub fn block_pair(v: DVec2, p: &Precision) -> BlockPair {
-    let (mantissa, exponent) = block(v.to_array(), p);
-    BlockPair { mantissa, exponent }
-}
-
 /// An offset or a roughness as a port: `offset_bits` fraction bits, saturated to ±8.
 pub fn offset(x: f64, p: &Precision) -> I4F28 {
     let bits = p.offset_bits();

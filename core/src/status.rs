@@ -31,7 +31,7 @@ status_bits! {
     FaceTie = 4, "face_tie";
     /// The footprint is empty: one probe at the finest level.
     FootprintZero = 5, "footprint_zero";
-    /// λ₁ was cut to the size of two faces (system units: 2).
+    /// λ₁ was cut to 2 map units for the step.
     FootprintSaturated = 6, "footprint_saturated";
     /// The aspect asks for more probes than the profile has: λ₂ is raised to λ₁/N.
     ProbesCapped = 7, "probes_capped";
@@ -51,11 +51,6 @@ impl<W: Word> Status<W> {
     pub fn raise(self, bit: StatusBit, flag: W::Flag) -> Self {
         let raised = self.0.raw().or(W::lit(bit as i64));
         Self(Fx::from_raw(W::select(flag, raised, self.0.raw())))
-    }
-
-    /// The bits of both.
-    pub fn merge(self, other: Self) -> Self {
-        Self(Fx::from_raw(self.0.raw().or(other.0.raw())))
     }
 
     /// The word of bits.

@@ -45,17 +45,6 @@ pub enum DrawError {
     Picture(#[from] PictureError),
 }
 
-/// A frame and how long its pixels took (maps built, scene loaded).
-#[derive(Clone, Debug)]
-pub struct Drawn {
-    /// The frame.
-    pub frame: Frame,
-    /// Time to build the maps.
-    pub preparation: Duration,
-    /// Time to draw.
-    pub drawing: Duration,
-}
-
 /// One scene of the demonstration.
 #[derive(Clone, Debug)]
 pub struct DemoScene {
@@ -71,17 +60,6 @@ pub struct DemoScene {
     pub captured: Vec<ReflectionIn>,
     /// Their plan.
     pub plan: ReflectionPlan,
-}
-
-/// Draws a scene in a mode; `progress(done)` is called for every tile.
-pub fn draw(scene: &Scene, mode: Mode, profile: &Precision, progress: impl Fn() + Sync) -> Result<Drawn, DrawError> {
-    let failed = |source| DrawError::Raster { scene: scene.name.clone(), source };
-    let start = Instant::now();
-    let prepared = Prepared::new(scene, mode, profile).map_err(failed)?;
-    let preparation = start.elapsed();
-    let start = Instant::now();
-    let frame = prepared.render(progress).map_err(failed)?;
-    Ok(Drawn { frame, preparation, drawing: start.elapsed() })
 }
 
 /// Draws one scene of the demonstration into `directory`, which exists.
@@ -102,25 +80,27 @@ pub fn demo_scene(
     if let Some([width, height]) = size {
         scene = scene.with_size(width, height)?;
     }
-    let drawn = |mode: Mode| {
+    let failed = |source| DrawError::Raster { scene: scene.name.clone(), source };
+    let draw = |prepared: &Prepared<'_>, mode: Mode| -> Result<(Frame, Duration), DrawError> {
         step(&format!("{name}: {mode}"));
-        draw(&scene, mode, profile, || ())
+        let start = Instant::now();
+        let frame = prepared.render(|| ()).map_err(failed)?;
+        Ok((frame, start.elapsed()))
     };
+    let prepare = |mode: Mode| Prepared::new(&scene, mode, profile).map_err(failed);
     let [unfiltered, isotropic, footprint] = DEMO_MODES;
-    let drawings = [drawn(unfiltered)?, drawn(isotropic)?, drawn(footprint)?];
-    let truth = drawn(DEMO_TRUTH)?;
+    let filtered = prepare(footprint)?;
+    let drawings =
+        [draw(&prepare(unfiltered)?, unfiltered)?, draw(&prepare(isotropic)?, isotropic)?, draw(&filtered, footprint)?];
+    let (truth, truth_time) = draw(&prepare(DEMO_TRUTH)?, DEMO_TRUTH)?;
     let picture = directory.join(format!("{name}.png"));
-    let pictures = drawings.each_ref().map(|drawing| drawing.frame.picture());
+    let pictures = drawings.each_ref().map(|(frame, _)| frame.picture());
     write_png_srgb(&picture, &beside(&pictures.each_ref()))?;
 
-    let prepared = Prepared::new(&scene, footprint, profile)
-        .map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })?;
-    let captured = prepared
-        .capture(CAPTURED_FRAGMENTS)
-        .map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })?;
+    let captured = filtered.capture(CAPTURED_FRAGMENTS).map_err(failed)?;
     // One set has one plan: that of the first reflecting object.
     let plan = captured.first().map_or(ReflectionPlan::FULL, |(_, plan)| *plan);
     let captured = captured.into_iter().filter(|(_, own)| *own == plan).map(|(fragment, _)| fragment).collect();
-    let modes = drawings.each_ref().map(|drawing| (drawing.drawing, drawing.frame.psnr(&truth.frame)));
-    Ok(DemoScene { name, picture, modes, truth: truth.drawing, captured, plan })
+    let modes = drawings.each_ref().map(|(frame, time)| (*time, frame.psnr(&truth)));
+    Ok(DemoScene { name, picture, modes, truth: truth_time, captured, plan })
 }

@@ -2,12 +2,12 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 use miette::miette;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
-use roughxel_emulator::demo::draw;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::picture::write_png_srgb;
 use roughxel_emulator::plan::Mode;
@@ -63,28 +63,32 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         complain(&format!("warning: {warning}"));
     }
 
-    let bar = progress(Prepared::new(&scene, args.mode, precision)?.work(), &scene.name);
-    let drawn = draw(&scene, args.mode, precision, || bar.inc(1))?;
+    let start = Instant::now();
+    let prepared = Prepared::new(&scene, args.mode, precision)?;
+    let preparation = start.elapsed().as_secs_f64();
+    let bar = progress(prepared.work(), &scene.name);
+    let start = Instant::now();
+    let frame = prepared.render(|| bar.inc(1))?;
+    let drawing = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
     let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&scene.name)).into());
-    write_png_srgb(&output, &drawn.frame.picture())?;
+    write_png_srgb(&output, &frame.picture())?;
     let vectors = match &args.capture {
-        Some(directory) => capture(&scene, args, directory)?,
+        Some(directory) => capture(&scene, &prepared, args, directory)?,
         None => Vec::new(),
     };
 
-    let (preparation, drawing) = (drawn.preparation.as_secs_f64(), drawn.drawing.as_secs_f64());
     let mut out = io::stdout().lock();
     if args.json {
         let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
         let figures = json!({
             "scene": scene.name, "mode": args.mode.to_string(), "profile": args.profile.name,
-            "width": drawn.frame.width, "height": drawn.frame.height, "picture": output.display().to_string(),
-            "digest": drawn.frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
+            "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
+            "digest": frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
         });
         writeln!(out, "{figures:#}")?;
     } else {
-        let (width, height) = (drawn.frame.width, drawn.frame.height);
+        let (width, height) = (frame.width, frame.height);
         writeln!(out, "{}: {width}x{height}, {}, {drawing:.2} s", output.display(), args.mode)?;
         for set in vectors {
             writeln!(out, "{}: {} vectors", set.files[0].name, set.count)?;
@@ -94,8 +98,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// Exports fragments spread over the frame, a set for each plan among its objects.
-fn capture(scene: &Scene, args: &RenderArgs, directory: &Path) -> Result<Vec<Manifest>, Failure> {
-    let captured = Prepared::new(scene, args.mode, &args.profile.precision)?.capture(CAPTURED_FRAGMENTS)?;
+fn capture(
+    scene: &Scene,
+    prepared: &Prepared<'_>,
+    args: &RenderArgs,
+    directory: &Path,
+) -> Result<Vec<Manifest>, Failure> {
+    let captured = prepared.capture(CAPTURED_FRAGMENTS)?;
     if captured.is_empty() {
         return Err(Failure::Error(miette!(
             "scene {}: nothing in the frame reflects, so there is nothing to capture",
