@@ -5,6 +5,7 @@
 //! alignment. These are compound steps: their ranges (|mantissa| ≤ 1, whatever came in) are claims an interval
 //! walk cannot find; `host-tests/tests/arithmetic.rs` holds the proofs.
 
+use crate::bundle::bundle;
 use crate::fx::{Fx, Wide};
 use crate::word::{Wire, Word};
 
@@ -28,6 +29,8 @@ pub struct Block<W, const N: usize> {
     /// Exponent.
     pub e: Exponent<W>,
 }
+
+bundle!(Block<N> { m, e });
 
 impl<W: Word, const N: usize> Block<W, N> {
     /// All zero.

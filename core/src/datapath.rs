@@ -11,41 +11,19 @@
 //!  u v, d(u,v) ──► texture ──► ellipse ──► axes ──► probes ──► filter ──► moments ──► b, d
 //! ```
 
-use crate::block::{Block, Mantissa, normalise};
+use crate::block::Block;
+use crate::bundle::{Bundle, Rewire, Step, bundle};
 use crate::fx::Fx;
 use crate::plan::{FrameSystem, ReflectionPlan};
 use crate::precision::{Precision, RoughnessKind};
-use crate::signals::{Axes, CubePoint, Ellipse, FacePosition, Frame, MapScale, OFFSET, Probes, Reflected};
+use crate::signals::{
+    Axes, CubePoint, Ellipse, FacePosition, Frame, MapScale, OFFSET, PortBlock, Probes, Reflected, TexturePosition,
+};
 use crate::stage::columns::Mirror;
 use crate::stage::texture::TextureScale;
-use crate::stage::{axes, columns, cube_face, ellipse, frame, perturb, probes, reflect, roughness, texture};
+use crate::stage::{axes, columns, cube_face, ellipse, enter, frame, perturb, probes, reflect, roughness, texture};
 use crate::status::{Status, StatusBit};
 use crate::word::Word;
-
-/// A vector as it comes through a port: any alignment, any exponent.
-#[derive(Clone, Copy, Debug)]
-pub struct PortBlock<W: Word, const N: usize> {
-    /// Mantissas.
-    pub mantissa: [Mantissa<W>; N],
-    /// Exponent.
-    pub exponent: Fx<W, 0>,
-}
-
-impl<W: Word, const N: usize> PortBlock<W, N> {
-    /// Normalised: exact if the port carries no more than p significant bits.
-    #[inline(always)]
-    fn enter(&self, p: &Precision) -> Block<W, N> {
-        normalise(self.mantissa.map(Fx::widen::<60>), self.exponent, p.fraction_bits)
-    }
-}
-
-/// An offset or a roughness with the bits the profile keeps. What would round up to 8 saturates to the largest number
-/// below it.
-#[inline(always)]
-fn enter_offset<W: Word>(x: Fx<W, OFFSET>, p: &Precision) -> Fx<W, OFFSET> {
-    let dropped = OFFSET.saturating_sub(p.offset_bits());
-    x.min(Fx::lit(i64::from(i32::MAX >> dropped << dropped))).keep(p.offset_bits())
-}
 
 /// Inputs of the reflection datapath on wires; [`crate::ports::ReflectionIn`] describes each.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +45,8 @@ pub struct ReflectionInput<W: Word> {
     /// Scale of the environment.
     pub map: MapScale<W>,
 }
+
+bundle!(ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map });
 
 /// Every stage's outcome for one fragment. Stages the plan leaves out stand at their neutral value.
 #[derive(Clone, Copy, Debug)]
@@ -95,71 +75,98 @@ pub struct Reflection<W: Word> {
     pub status: Status<W>,
 }
 
+bundle!(Reflection { normal, view, frame, normal_mod, reflected, point, columns, ellipse, axes, probes, status });
+
 /// The reflection datapath of one fragment: from n, v, bumps and roughness to the probes on the cube map.
 #[inline(always)]
 pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p: &Precision) -> Reflection<W> {
     let never = !Fx::<W, 0>::zero().is_zero();
-    let normal = input.normal.enter(p);
-    let view = input.view.enter(p);
+    let normal = W::block("enter.normal", || enter::enter(&input.normal, p));
+    let view = W::block("enter.view", || enter::enter(&input.view, p));
 
     let frame = if plan.needs_frame() {
-        match plan.frame {
-            FrameSystem::MainDirection => frame::main_direction(&normal, &input.tangents[0].enter(p), p),
-            FrameSystem::Natural => frame::natural(&normal, &input.tangents.map(|t| t.enter(p)), p),
-            FrameSystem::NaturalNormalised => {
-                frame::natural_normalised(&normal, &input.tangents.map(|t| t.enter(p)), p)
+        let tangents = match plan.frame {
+            FrameSystem::MainDirection => {
+                [W::block("enter.tangent", || enter::enter(&input.tangents[0], p)), Block::zero()]
             }
-        }
+            FrameSystem::Natural | FrameSystem::NaturalNormalised => {
+                input.tangents.map(|tangent| W::block("enter.tangent", || enter::enter(&tangent, p)))
+            }
+        };
+        W::block("frame", || match plan.frame {
+            FrameSystem::MainDirection => frame::main_direction(&normal, &tangents[0], p),
+            FrameSystem::Natural => frame::natural(&normal, &tangents, p),
+            FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &tangents, p),
+        })
     } else {
         Frame { e1: Block::zero(), e2: Block::zero(), pole: never }
     };
 
     let normal_mod = if plan.bump {
-        let offset = input.offset.map(|b| enter_offset(b, p));
-        perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p)
+        let offset = W::block("enter.offset", || input.offset.map(|b| enter::enter_offset(b, p)));
+        W::block("perturb", || perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
     } else {
         normal
     };
 
-    let reflected = reflect::reflect(&normal_mod, &view, p);
-    let point = cube_face::cube_face(&reflected.r, p);
+    let reflected = W::block("reflect", || reflect::reflect(&normal_mod, &view, p));
+    let point = W::block("cube_face", || cube_face::cube_face(&reflected.r, p));
 
     let (columns, ellipse, axes, probes) = if plan.footprint {
         let mirror = Mirror { normal: &normal_mod, view: &view, reflected: &reflected, point: &point };
         let pixel = core::array::from_fn(|i| {
-            let dn = if plan.curvature { input.dnormal[i].enter(p) } else { Block::zero() };
-            columns::column(&mirror, &input.dview[i].enter(p), &dn, p)
+            let dv = W::block("enter.dview", || enter::enter(&input.dview[i], p));
+            let dn = if plan.curvature {
+                W::block("enter.dnormal", || enter::enter(&input.dnormal[i], p))
+            } else {
+                Block::zero()
+            };
+            W::block("columns.pixel", || columns::column(&mirror, &dv, &dn, p))
         });
-        let d = input.roughness.map(|d| enter_offset(d, p));
         let tangents = match plan.roughness {
             RoughnessKind::None => None,
-            RoughnessKind::Isotropic => Some(roughness::isotropic(d[0], &frame.e1, &frame.e2, p)),
-            RoughnessKind::Anisotropic => Some(roughness::anisotropic(&d, &frame.e1, &frame.e2, p)),
-        };
-        let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
-        let (rough, ellipse) = match tangents {
-            None => ([Block::zero(); 2], ellipse::ellipse([box_x, box_y], p)),
-            Some(tangents) => {
-                let rough = tangents.map(|dn| columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p));
-                (rough, ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p))
+            kind => {
+                let d = W::block("enter.roughness", || input.roughness.map(|d| enter::enter_offset(d, p)));
+                Some(W::block("roughness", || match kind {
+                    RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
+                    _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
+                }))
             }
         };
-        let axes = axes::axes(&ellipse, p);
-        let probes = probes::probes(&axes, &input.map, p);
+        let (rough, ellipse) = match tangents {
+            None => {
+                let columns = || ellipse::pixel_columns(&pixel, p);
+                ([Block::zero(); 2], W::block("ellipse", || ellipse::ellipse(columns(), p)))
+            }
+            Some(tangents) => {
+                let rough = tangents.map(|dn| {
+                    W::block("columns.roughness", || columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
+                });
+                let ellipse = W::block("ellipse", || {
+                    let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
+                    ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p)
+                });
+                (rough, ellipse)
+            }
+        };
+        let axes = W::block("axes", || axes::axes(&ellipse, p));
+        let probes = W::block("probes", || probes::probes(&axes, &input.map, p));
         ([pixel[0], pixel[1], rough[0], rough[1]], ellipse, axes, probes)
     } else {
         no_footprint(never)
     };
 
-    let status = Status::clear()
-        .raise(StatusBit::NormalZero, normal.is_zero())
-        .raise(StatusBit::ViewZero, view.is_zero())
-        .raise(StatusBit::FramePole, frame.pole)
-        .raise(StatusBit::ViewBelowSurface, reflected.below)
-        .raise(StatusBit::FaceTie, point.tie)
-        .raise(StatusBit::FootprintZero, probes.empty)
-        .raise(StatusBit::FootprintSaturated, probes.saturated)
-        .raise(StatusBit::ProbesCapped, probes.capped);
+    let status = W::block("status", || {
+        Status::clear()
+            .raise(StatusBit::NormalZero, normal.is_zero())
+            .raise(StatusBit::ViewZero, view.is_zero())
+            .raise(StatusBit::FramePole, frame.pole)
+            .raise(StatusBit::ViewBelowSurface, reflected.below)
+            .raise(StatusBit::FaceTie, point.tie)
+            .raise(StatusBit::FootprintZero, probes.empty)
+            .raise(StatusBit::FootprintSaturated, probes.saturated)
+            .raise(StatusBit::ProbesCapped, probes.capped)
+    });
     Reflection { normal, view, frame, normal_mod, reflected, point, columns, ellipse, axes, probes, status }
 }
 
@@ -179,16 +186,49 @@ fn no_footprint<W: Word>(never: W::Flag) -> ([Block<W, 2>; 4], Ellipse<W>, Axes<
     ([Block::zero(); 4], ellipse, axes, probes)
 }
 
-/// Place of probe `index`: on its face, or across the edge where it leaves the face.
+/// A probe: where it reads and how much it counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Probe<P, W> {
+    /// Place on the map.
+    pub place: P,
+    /// Weight; the weights of one footprint sum to exactly 1.
+    pub weight: Fx<W, 16>,
+}
+
+impl<W: Word, P: Bundle<W>> Bundle<W> for Probe<P, W> {
+    type In<V: Word> = Probe<P::In<V>, V>;
+    #[inline(always)]
+    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Self::In<V> {
+        let place = with.part(Step::Field("place"), &self.place);
+        Probe { place, weight: with.part(Step::Field("weight"), &self.weight) }
+    }
+}
+
+/// Probe `index` of an environment footprint: on its face, or across the edge where it leaves the face.
 #[inline(always)]
-pub fn probe_position<W: Word>(
+pub fn environment_probe<W: Word>(
     point: &CubePoint<W>,
     probes: &Probes<W>,
     index: Fx<W, 0>,
     p: &Precision,
-) -> FacePosition<W> {
-    let offset = probes::position(probes, index);
-    cube_face::continuation(point, &offset, p)
+) -> Probe<FacePosition<W>, W> {
+    let offset = W::block("probes.position", || probes::position(probes, index));
+    let place = W::block("continuation", || cube_face::continuation(point, &offset, p));
+    Probe { place, weight: W::block("probes.weight", || probes::weight(probes, index, p)) }
+}
+
+/// Probe `index` of a footprint in a repeated map.
+#[inline(always)]
+pub fn texture_probe<W: Word>(
+    centre: &TexturePosition<W>,
+    probes: &Probes<W>,
+    index: Fx<W, 0>,
+    texture: &TextureScale<W>,
+    p: &Precision,
+) -> Probe<TexturePosition<W>, W> {
+    let offset = W::block("probes.position", || probes::position(probes, index));
+    let place = W::block("texture.position", || texture::texture_position(centre, &offset, texture));
+    Probe { place, weight: W::block("probes.weight", || probes::weight(probes, index, p)) }
 }
 
 /// The footprint of a fragment in a repeated map.
@@ -204,6 +244,8 @@ pub struct TextureFootprint<W: Word> {
     pub probes: Probes<W>,
 }
 
+bundle!(TextureFootprint { columns, ellipse, axes, probes });
+
 /// Footprint of a pixel in a colour or bump map: the environment's ellipse, axes and probes, other columns.
 #[inline(always)]
 pub fn texture_footprint<W: Word>(
@@ -212,9 +254,12 @@ pub fn texture_footprint<W: Word>(
     map: &MapScale<W>,
     p: &Precision,
 ) -> TextureFootprint<W> {
-    let columns = [0, 1].map(|i: usize| texture::texture_column(&derivatives[i].enter(p), texture, p));
-    let ellipse = ellipse::ellipse(ellipse::pixel_columns(&columns, p), p);
-    let axes = axes::axes(&ellipse, p);
-    let probes = probes::probes(&axes, map, p);
+    let columns = derivatives.map(|duv| {
+        let duv = W::block("enter.duv", || enter::enter(&duv, p));
+        W::block("texture", || texture::texture_column(&duv, texture, p))
+    });
+    let ellipse = W::block("ellipse", || ellipse::ellipse(ellipse::pixel_columns(&columns, p), p));
+    let axes = W::block("axes", || axes::axes(&ellipse, p));
+    let probes = W::block("probes", || probes::probes(&axes, map, p));
     TextureFootprint { columns, ellipse, axes, probes }
 }

@@ -1,7 +1,8 @@
 //! `Fx<W, FRAC>`: a wire with its binary point in the type. The value is `raw / 2^FRAC`.
 //!
 //! Adding two different binary points does not compile; a product's binary point is stated by the caller and
-//! checked at compile time. The only lossy conversions are [`Fx::round_to`] and those named `saturate` or `floor`.
+//! checked at compile time. A wire is made where an operation is called, so a reading that records wires knows the
+//! line of the stage (`track_caller`). The only lossy conversions are [`Fx::round_to`] and those named `saturate` or `floor`.
 
 use core::ops::{Add, Neg, Sub};
 
@@ -29,18 +30,21 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
 
     /// The constant `raw / 2^FRAC`.
     #[inline(always)]
+    #[track_caller]
     pub fn lit(raw: i64) -> Self {
         Self(W::lit(raw))
     }
 
     /// Zero.
     #[inline(always)]
+    #[track_caller]
     pub fn zero() -> Self {
         Self::lit(0)
     }
 
     /// `self · 2^k`, exact.
     #[inline(always)]
+    #[track_caller]
     #[expect(clippy::should_implement_trait, reason = "an operator would hide that this one is exact")]
     pub fn shl(self, k: u32) -> Self {
         Self(self.0.shl(k))
@@ -48,6 +52,7 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
 
     /// `⌊self / 2^k⌋` in units of the last place.
     #[inline(always)]
+    #[track_caller]
     pub fn floor_shr(self, k: u32) -> Self {
         Self(self.0.sar(k))
     }
@@ -60,60 +65,70 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
 
     /// `self < other`.
     #[inline(always)]
+    #[track_caller]
     pub fn lt(self, other: Self) -> W::Flag {
         self.0.lt(other.0)
     }
 
     /// `self ≥ other`.
     #[inline(always)]
+    #[track_caller]
     pub fn ge(self, other: Self) -> W::Flag {
         !self.0.lt(other.0)
     }
 
     /// `self = 0`.
     #[inline(always)]
+    #[track_caller]
     pub fn is_zero(self) -> W::Flag {
         !self.0.lt(W::lit(0)) & self.0.lt(W::lit(1))
     }
 
     /// `if flag { a } else { b }`.
     #[inline(always)]
+    #[track_caller]
     pub fn select(flag: W::Flag, a: Self, b: Self) -> Self {
         Self(W::select(flag, a.0, b.0))
     }
 
     /// The smaller of the two.
     #[inline(always)]
+    #[track_caller]
     pub fn min(self, other: Self) -> Self {
         Self::select(self.lt(other), self, other)
     }
 
     /// The larger of the two.
     #[inline(always)]
+    #[track_caller]
     pub fn max(self, other: Self) -> Self {
         Self::select(self.lt(other), other, self)
     }
 
     /// Saturates to `low ..= high`.
     #[inline(always)]
+    #[track_caller]
     pub fn saturate(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
 
     /// `−self` where the flag is set.
     #[inline(always)]
+    #[track_caller]
     pub fn negate_if(self, flag: W::Flag) -> Self {
         Self::select(flag, -self, self)
     }
 
     /// Absolute value.
     #[inline(always)]
+    #[track_caller]
     pub fn abs(self) -> Self {
         self.negate_if(self.lt(Self::zero()))
     }
 
     /// `⌊self / 2^k⌋` with the count on a wire.
     #[inline(always)]
+    #[track_caller]
     pub fn floor_shr_by(self, k: Fx<W::Count, 0>) -> Self {
         Self(self.0.sar_by(k.0))
     }
@@ -122,6 +137,7 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
 impl<W: Word, const FRAC: u32> Fx<W, FRAC> {
     /// Exact product; `OUT = FRAC + OTHER`.
     #[inline(always)]
+    #[track_caller]
     #[expect(clippy::should_implement_trait, reason = "an operator cannot state the binary point of the product")]
     pub fn mul<const OTHER: u32, const OUT: u32>(self, other: Fx<W, OTHER>) -> Wide<W, OUT> {
         const { assert!(FRAC + OTHER == OUT, "binary point of a product") }
@@ -130,6 +146,7 @@ impl<W: Word, const FRAC: u32> Fx<W, FRAC> {
 
     /// The same value on a wide wire with `OUT ≥ FRAC` fraction bits, exact.
     #[inline(always)]
+    #[track_caller]
     pub fn widen<const OUT: u32>(self) -> Wide<W, OUT> {
         const { assert!(OUT >= FRAC, "widening keeps every bit") }
         Fx(self.0.widen().shl(OUT - FRAC))
@@ -137,6 +154,7 @@ impl<W: Word, const FRAC: u32> Fx<W, FRAC> {
 
     /// The value rounded to nearest (ties up) at `keep` fraction bits; `keep ≤ FRAC`.
     #[inline(always)]
+    #[track_caller]
     pub fn keep(self, keep: u32) -> Self {
         if keep >= FRAC {
             return self;
@@ -148,6 +166,7 @@ impl<W: Word, const FRAC: u32> Fx<W, FRAC> {
     /// `self / 2^k`, rounded to nearest (ties up) at `keep` fraction bits, for a value already kept to `keep`
     /// bits and a count on a wire, `0 ≤ k ≤ 31`. `keep < FRAC` leaves the bit that doubling needs.
     #[inline(always)]
+    #[track_caller]
     pub fn round_shr_by(self, k: Fx<W, 0>, keep: u32) -> Self {
         let unit = FRAC.saturating_sub(keep);
         let doubled = self.0.sar(unit).shl(1);
@@ -163,6 +182,7 @@ where
     /// fraction bits, as a word with `OUT` fraction bits. Range: the result fits 32 bits. `keep` is capped at
     /// `OUT`, which is below `FRAC`.
     #[inline(always)]
+    #[track_caller]
     pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
         const { assert!(OUT < FRAC, "rounding drops at least one bit") }
         let keep = if keep < OUT { keep } else { OUT };
@@ -175,6 +195,7 @@ where
 impl<W: Wire, const FRAC: u32> Add for Fx<W, FRAC> {
     type Output = Self;
     #[inline(always)]
+    #[track_caller]
     fn add(self, other: Self) -> Self {
         Self(self.0.add(other.0))
     }
@@ -183,6 +204,7 @@ impl<W: Wire, const FRAC: u32> Add for Fx<W, FRAC> {
 impl<W: Wire, const FRAC: u32> Sub for Fx<W, FRAC> {
     type Output = Self;
     #[inline(always)]
+    #[track_caller]
     fn sub(self, other: Self) -> Self {
         Self(self.0.sub(other.0))
     }
@@ -191,6 +213,7 @@ impl<W: Wire, const FRAC: u32> Sub for Fx<W, FRAC> {
 impl<W: Wire, const FRAC: u32> Neg for Fx<W, FRAC> {
     type Output = Self;
     #[inline(always)]
+    #[track_caller]
     fn neg(self) -> Self {
         Self(W::lit(0).sub(self.0))
     }

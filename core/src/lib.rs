@@ -28,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod block;
+pub mod bundle;
 pub mod datapath;
 pub mod elementary;
 pub mod fx;

@@ -8,12 +8,12 @@
 use fixed::types::{I2F30, I4F28, I16F16, U0F32};
 
 use crate::block::Block;
-use crate::datapath::{self, PortBlock, Reflection, ReflectionInput, TextureFootprint};
+use crate::datapath::{self, Reflection, ReflectionInput, TextureFootprint};
 use crate::fx::Fx;
 use crate::plan::ReflectionPlan;
 use crate::precision::Precision;
 use crate::scalar::Scalar;
-use crate::signals::MapScale;
+use crate::signals::{MapScale, PortBlock};
 use crate::stage::probes::face_scale;
 use crate::stage::texture::TextureScale;
 

@@ -3,11 +3,23 @@
 //! Stages never import each other; they import these bundles, and [`crate::datapath`] passes them on.
 
 use crate::block::{Block, Mantissa};
-use crate::fx::Fx;
+use crate::bundle::bundle;
+use crate::fx::{Fx, Wide};
 use crate::word::{Wire, Word};
 
 /// Fraction bits of an offset or a roughness: I4F28, ±8.
 pub const OFFSET: u32 = 28;
+
+/// A vector as it comes through a port: any alignment, any exponent.
+#[derive(Clone, Copy, Debug)]
+pub struct PortBlock<W: Word, const N: usize> {
+    /// Mantissas.
+    pub mantissa: [Mantissa<W>; N],
+    /// Exponent.
+    pub exponent: Fx<W, 0>,
+}
+
+bundle!(PortBlock<N> { mantissa, exponent });
 
 /// Tangents in units of the mantissas of n.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +32,8 @@ pub struct Frame<W: Word> {
     pub pole: W::Flag,
 }
 
+bundle!(Frame { e1, e2; flag pole });
+
 /// Reflected vector and the scalars the footprint needs again.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflected<W: Word> {
@@ -31,6 +45,8 @@ pub struct Reflected<W: Word> {
     pub below: W::Flag,
 }
 
+bundle!(Reflected { r, scalars; flag below });
+
 /// The decisions of the face selection; they permute any vector into the coordinates of the face.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceSelect<W: Word> {
@@ -41,6 +57,8 @@ pub struct FaceSelect<W: Word> {
     /// The major component is negative.
     pub negative: W::Flag,
 }
+
+bundle!(FaceSelect { ; flag is_z, is_y, negative });
 
 impl<W: Word> FaceSelect<W> {
     /// (s_c, t_c, m) of a vector in the coordinates of the selected face; m is along its outward axis.
@@ -104,6 +122,8 @@ pub struct CubePoint<W: Word> {
     pub tie: W::Flag,
 }
 
+bundle!(CubePoint { select, st, half_reciprocal; flag tie });
+
 /// Covariance of the footprint.
 #[derive(Clone, Copy, Debug)]
 pub struct Ellipse<W: Word> {
@@ -112,6 +132,8 @@ pub struct Ellipse<W: Word> {
     /// det K ≥ 0.
     pub det: Block<W, 1>,
 }
+
+bundle!(Ellipse { k, det });
 
 /// Main axes of the footprint.
 #[derive(Clone, Copy, Debug)]
@@ -123,6 +145,8 @@ pub struct Axes<W: Word> {
     /// Unit direction of the major axis in (s, t).
     pub direction: [Mantissa<W>; 2],
 }
+
+bundle!(Axes { major, minor, direction });
 
 /// Fraction bits of a probe position or step: I4F28, map units.
 pub const POSITION: u32 = 28;
@@ -146,6 +170,8 @@ pub struct Probes<W: Word> {
     pub capped: W::Flag,
 }
 
+bundle!(Probes { count, step, lod; flag empty, saturated, capped });
+
 /// Map constants of the level of detail.
 #[derive(Clone, Copy, Debug)]
 pub struct MapScale<W: Word> {
@@ -155,6 +181,8 @@ pub struct MapScale<W: Word> {
     pub last_level: Fx<W, 0>,
 }
 
+bundle!(MapScale { log2_texels, last_level });
+
 /// Where a probe of an environment footprint reads: face number, and s, t in [−1, 1] on it.
 #[derive(Clone, Copy, Debug)]
 pub struct FacePosition<W: Word> {
@@ -163,3 +191,14 @@ pub struct FacePosition<W: Word> {
     /// Position on it.
     pub st: [Fx<W, POSITION>; 2],
 }
+
+bundle!(FacePosition { face, st });
+
+/// Where a probe of a texture footprint reads: repeats of the map modulo 1, unsigned.
+#[derive(Clone, Copy, Debug)]
+pub struct TexturePosition<W: Word> {
+    /// u, v in [0, 1).
+    pub uv: [Wide<W, 32>; 2],
+}
+
+bundle!(TexturePosition { ; wide uv });

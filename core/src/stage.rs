@@ -6,6 +6,7 @@ pub mod blend;
 pub mod columns;
 pub mod cube_face;
 pub mod ellipse;
+pub mod enter;
 pub mod filter;
 pub mod frame;
 pub mod moments;

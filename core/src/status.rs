@@ -1,5 +1,6 @@
 //! Sticky status bits: a degenerate input raises a bit beside the documented result of its fragment.
 
+use crate::bundle::{Bundle, Rewire};
 use crate::fx::Fx;
 use crate::word::Word;
 
@@ -40,6 +41,14 @@ status_bits! {
 /// The sticky bits of one fragment on a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Status<W>(Fx<W, 0>);
+
+impl<W: Word> Bundle<W> for Status<W> {
+    type In<V: Word> = Status<V>;
+    #[inline(always)]
+    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Status<V> {
+        Status(self.0.rewire(with))
+    }
+}
 
 impl<W: Word> Status<W> {
     /// No bit raised.

@@ -9,6 +9,8 @@
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
 
+use crate::bundle::Bundle;
+
 /// Operations common to words and wide wires. Shift counts are `0 ≤ k <` the width of the wire.
 pub trait Wire: Copy + Debug {
     /// One-bit wire, the outcome of a comparison.
@@ -41,6 +43,12 @@ pub trait Wire: Copy + Debug {
     fn select(flag: Self::Flag, a: Self, b: Self) -> Self;
     /// Leading zero bits; the width of the wire for 0.
     fn leading_zeros(self) -> Self::Count;
+    /// `self`, with a fact that intervals cannot find: `low ≤ self ≤ high` by the lemma of that name, a test.
+    #[inline(always)]
+    fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
+        let _ = (low, high, lemma);
+        self
+    }
 }
 
 /// A wire of at most 32 bits.
@@ -55,4 +63,10 @@ pub trait Word: Wire<Count = Self> {
     fn narrow(wide: Self::Wide) -> Self;
     /// `table[self]`; the index is inside the table.
     fn lookup(self, table: &'static [i32]) -> Self;
+    /// Runs one block of the datapath, which a reading may compile, name or record on its own.
+    #[inline(always)]
+    fn block<B: Bundle<Self>>(name: &'static str, body: impl FnOnce() -> B) -> B {
+        let _ = name;
+        body()
+    }
 }

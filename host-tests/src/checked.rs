@@ -8,11 +8,7 @@
 use std::cell::Cell;
 use std::fmt;
 
-use roughxel_core::block::Block;
-use roughxel_core::datapath::{PortBlock, Reflection, ReflectionInput, TextureFootprint};
-use roughxel_core::fx::Fx;
-use roughxel_core::signals::{Axes, CubePoint, Ellipse, FacePosition, MapScale, Probes};
-use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::bundle::{Bundle, Rewire, Step};
 use roughxel_core::word::{Wire, Word};
 
 /// A word of 32 bits that may not be left.
@@ -198,6 +194,11 @@ macro_rules! wire {
             fn select(flag: bool, a: Self, b: Self) -> Self {
                 Self::bits(Operation::Select, if flag { a.0 } else { b.0 })
             }
+            fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
+                let value = self.0 as i64;
+                assert!((low..=high).contains(&value), "{lemma}: {value} is not in {low}..={high}");
+                self
+            }
             fn leading_zeros(self) -> Checked {
                 count(Operation::LeadingZeros);
                 Checked(self.0.leading_zeros() as i32)
@@ -237,6 +238,8 @@ pub trait Visible: Word {
     fn integer(self) -> i32;
     /// A wire with that integer on it.
     fn wire(value: i32) -> Self;
+    /// The integer on a wide wire.
+    fn wide_integer(wire: Self::Wide) -> i64;
 }
 
 impl Visible for i32 {
@@ -245,6 +248,9 @@ impl Visible for i32 {
     }
     fn wire(value: i32) -> Self {
         value
+    }
+    fn wide_integer(wire: i64) -> i64 {
+        wire
     }
 }
 
@@ -255,136 +261,79 @@ impl Visible for Checked {
     fn wire(value: i32) -> Self {
         Self(value)
     }
-}
-
-/// The same number in another reading.
-pub fn reread_word<W: Visible, const FRAC: u32>(x: Fx<i32, FRAC>) -> Fx<W, FRAC> {
-    Fx::from_raw(W::wire(x.raw()))
-}
-
-/// The same map constants in another reading.
-pub fn reread_map<W: Visible>(map: &MapScale<i32>) -> MapScale<W> {
-    MapScale { log2_texels: reread_word(map.log2_texels), last_level: reread_word(map.last_level) }
-}
-
-/// The same texture constants in another reading.
-pub fn reread_texture<W: Visible>(texture: &TextureScale<i32>) -> TextureScale<W> {
-    TextureScale {
-        size: texture.size.map(reread_word),
-        log2_unit: reread_word(texture.log2_unit),
-        repeats_per_unit: texture.repeats_per_unit.map(reread_word),
+    fn wide_integer(wire: CheckedWide) -> i64 {
+        wire.0
     }
 }
 
-/// The same port in another reading.
-pub fn reread_port<W: Visible, const N: usize>(port: &PortBlock<i32, N>) -> PortBlock<W, N> {
-    PortBlock { mantissa: port.mantissa.map(reread_word), exponent: reread_word(port.exponent) }
-}
+/// Puts the same integers on the wires of another reading.
+struct SameIntegers;
 
-/// The same fragment in another reading.
-pub fn reread_input<W: Visible>(input: &ReflectionInput<i32>) -> ReflectionInput<W> {
-    ReflectionInput {
-        normal: reread_port(&input.normal),
-        view: reread_port(&input.view),
-        tangents: input.tangents.each_ref().map(reread_port),
-        offset: input.offset.map(reread_word),
-        roughness: input.roughness.map(reread_word),
-        dview: input.dview.each_ref().map(reread_port),
-        dnormal: input.dnormal.each_ref().map(reread_port),
-        map: reread_map(&input.map),
+impl<V: Visible> Rewire<i32, V> for SameIntegers {
+    fn word(&mut self, wire: i32, _: u32) -> V {
+        V::wire(wire)
+    }
+    fn wide(&mut self, wire: i64, _: u32) -> V::Wide {
+        V::Wide::lit(wire)
+    }
+    fn flag(&mut self, wire: bool) -> V::Flag {
+        V::lit(0).lt(V::lit(i64::from(wire)))
     }
 }
 
-/// Every integer of a structure of signals in a fixed order, for comparison between readings.
+/// The same bundle in another reading.
+pub fn reread<V: Visible, B: Bundle<i32>>(bundle: &B) -> B::In<V> {
+    bundle.rewire(&mut SameIntegers)
+}
+
+/// Every wire of a bundle with its name and the integer on it, for comparison between readings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Integers(pub Vec<(&'static str, i32)>);
+pub struct Integers(pub Vec<(String, i64)>);
 
 impl Integers {
-    fn word<W: Visible, const FRAC: u32>(&mut self, name: &'static str, x: Fx<W, FRAC>) {
-        self.0.push((name, x.raw().integer()));
+    /// The wires of a bundle.
+    pub fn of<W: Visible, B: Bundle<W>>(bundle: &B) -> Self {
+        let mut list = List { path: Vec::new(), found: Vec::new() };
+        bundle.rewire::<W, _>(&mut list);
+        Self(list.found)
     }
+}
 
-    fn words<W: Visible, const FRAC: u32, const N: usize>(&mut self, name: &'static str, x: [Fx<W, FRAC>; N]) {
-        x.into_iter().for_each(|x| self.word(name, x));
+/// Lists the wires of a walk.
+struct List {
+    path: Vec<Step>,
+    found: Vec<(String, i64)>,
+}
+
+impl List {
+    fn add(&mut self, value: i64) {
+        let name = self.path.iter().fold(String::new(), |name, step| match step {
+            Step::Field(field) if name.is_empty() => (*field).to_owned(),
+            Step::Field(field) => format!("{name}.{field}"),
+            Step::Index(index) => format!("{name}[{index}]"),
+        });
+        self.found.push((name, value));
     }
+}
 
-    fn flag<W: Visible>(&mut self, name: &'static str, flag: W::Flag) {
-        self.word(name, Fx::<W, 0>::select(flag, Fx::lit(1), Fx::zero()));
+impl<W: Visible> Rewire<W, W> for List {
+    fn enter(&mut self, step: Step) {
+        self.path.push(step);
     }
-
-    fn block<W: Visible, const N: usize>(&mut self, name: &'static str, block: &Block<W, N>) {
-        self.words(name, block.m);
-        self.word(name, block.e);
+    fn leave(&mut self) {
+        self.path.pop();
     }
-
-    fn point<W: Visible>(&mut self, point: &CubePoint<W>) {
-        self.word("face", point.select.index());
-        self.words("st", point.st);
-        self.word("half_reciprocal", point.half_reciprocal);
-        self.flag::<W>("tie", point.tie);
+    fn word(&mut self, wire: W, _: u32) -> W {
+        self.add(i64::from(wire.integer()));
+        wire
     }
-
-    fn footprint<W: Visible>(&mut self, ellipse: &Ellipse<W>, axes: &Axes<W>, probes: &Probes<W>) {
-        self.block("k", &ellipse.k);
-        self.block("det", &ellipse.det);
-        self.block("major", &axes.major);
-        self.block("minor", &axes.minor);
-        self.words("direction", axes.direction);
-        self.word("count", probes.count);
-        self.words("step", probes.step);
-        self.word("lod", probes.lod);
-        self.flag::<W>("empty", probes.empty);
-        self.flag::<W>("saturated", probes.saturated);
-        self.flag::<W>("capped", probes.capped);
+    fn wide(&mut self, wire: W::Wide, _: u32) -> W::Wide {
+        self.add(W::wide_integer(wire));
+        wire
     }
-
-    /// Every stage of the reflection datapath.
-    pub fn of_reflection<W: Visible>(stages: &Reflection<W>) -> Self {
-        let mut all = Self::default();
-        all.block("normal", &stages.normal);
-        all.block("view", &stages.view);
-        all.block("e1", &stages.frame.e1);
-        all.block("e2", &stages.frame.e2);
-        all.flag::<W>("pole", stages.frame.pole);
-        all.block("normal_mod", &stages.normal_mod);
-        all.block("r", &stages.reflected.r);
-        all.block("scalars", &stages.reflected.scalars);
-        all.flag::<W>("below", stages.reflected.below);
-        all.point(&stages.point);
-        stages.columns.iter().for_each(|column| all.block("columns", column));
-        all.footprint(&stages.ellipse, &stages.axes, &stages.probes);
-        all.word("status", stages.status.word());
-        all
-    }
-
-    /// Every stage of the texture footprint.
-    pub fn of_texture<W: Visible>(stages: &TextureFootprint<W>) -> Self {
-        let mut all = Self::default();
-        stages.columns.iter().for_each(|column| all.block("columns", column));
-        all.footprint(&stages.ellipse, &stages.axes, &stages.probes);
-        all
-    }
-
-    /// A place on the cube.
-    pub fn of_place<W: Visible>(place: &FacePosition<W>) -> Self {
-        let mut all = Self::default();
-        all.word("face", place.face);
-        all.words("st", place.st);
-        all
-    }
-
-    /// A block.
-    pub fn of_block<W: Visible, const N: usize>(block: &Block<W, N>) -> Self {
-        let mut all = Self::default();
-        all.block("block", block);
-        all
-    }
-
-    /// A few words.
-    pub fn of_words<W: Visible, const FRAC: u32, const N: usize>(words: [Fx<W, FRAC>; N]) -> Self {
-        let mut all = Self::default();
-        all.words("word", words);
-        all
+    fn flag(&mut self, wire: W::Flag) -> W::Flag {
+        self.add(i64::from(W::select(wire, W::lit(1), W::lit(0)).integer()));
+        wire
     }
 }
 

@@ -6,6 +6,7 @@ use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::signals::TexturePosition;
 use roughxel_core::stage::blend::blend;
 use roughxel_core::stage::filter::{self, ProbeSum, corner, face_address, levels, repeat_address};
 use roughxel_core::stage::moments::{Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel};
@@ -121,8 +122,11 @@ fn samples_of_a_map_follow_the_reference() {
             let level = random.below(4096) as i32;
             let fetch = |which: usize| {
                 let (w, h) = extents[which];
-                let address =
-                    repeat_address::<i32>(&uv.map(Fx::from_raw), [w, h].map(|edge| Fx::from_raw(edge as i32)), &p);
+                let address = repeat_address::<i32>(
+                    &TexturePosition { uv: uv.map(Fx::from_raw) },
+                    [w, h].map(|edge| Fx::from_raw(edge as i32)),
+                    &p,
+                );
                 let [x, y] = address.index.map(Fx::raw);
                 let read = |dx: i32, dy: i32| {
                     let column = (x + dx).rem_euclid(w as i32) as usize;
@@ -158,7 +162,7 @@ fn repeated_addresses_are_the_rounded_texel_coordinate_for_every_size() {
             let drawn: Vec<i64> = (0..5000).map(|_| i64::from(random.next_u64() as u32)).collect();
             for u in corners(width).chain(drawn) {
                 let size = [Fx::from_raw(width as i32), Fx::from_raw(1)];
-                let address = repeat_address::<i32>(&[Fx::from_raw(u), Fx::zero()], size, &p);
+                let address = repeat_address::<i32>(&TexturePosition { uv: [Fx::from_raw(u), Fx::zero()] }, size, &p);
                 let (index, weight) = (address.index[0].raw(), address.weight[0].raw());
                 // u·width − ½ in 2^−32, rounded at `weight_bits`.
                 let drop = 32 - p.weight_bits;

@@ -6,7 +6,7 @@
 use fixed::types::{I2F30, I4F28};
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, normalise};
-use roughxel_core::datapath::{Reflection, probe_position, reflection};
+use roughxel_core::datapath::{Reflection, environment_probe, reflection};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, environment_scale};
@@ -420,7 +420,7 @@ fn probes_lie_symmetrically_and_go_on_across_edges_where_the_reference_says() {
             let centre = vector(stages.point.st);
             let step = stages.probes.step.map(|step| f64::from(step.raw()) / f64::from(1 << 28));
             for index in 0..count {
-                let place = probe_position(&stages.point, &stages.probes, Fx::from_raw(index), &p);
+                let place = environment_probe(&stages.point, &stages.probes, Fx::from_raw(index), &p).place;
                 let got = place.st.map(|x| f64::from(x.raw()) / f64::from(1 << 28));
                 assert!(got.iter().all(|x| x.abs() <= 1.0) && (0..6).contains(&place.face.raw()));
                 let offset = f64::from(2 * index - count + 1) / 2.0;

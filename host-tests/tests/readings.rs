@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::block::Block;
-use roughxel_core::datapath::{self, PortBlock};
+use roughxel_core::datapath;
 use roughxel_core::elementary;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
@@ -17,14 +17,11 @@ use roughxel_core::ports::{BlockPair, BlockVector, ReflectionIn, TextureIn, envi
 use roughxel_core::precision::{
     AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
 };
-use roughxel_core::signals::Probes;
-use roughxel_core::stage::{blend, filter, moments, probes, texture};
+use roughxel_core::signals::{PortBlock, Probes, TexturePosition};
+use roughxel_core::stage::{blend, filter, moments, probes};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
-use roughxel_host_tests::checked::{
-    Checked, CheckedWide, Integers, OperationCounts, counted, first_difference, reread_input, reread_map, reread_port,
-    reread_texture, reread_word,
-};
+use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, counted, first_difference, reread};
 
 fn profiles() -> [(&'static str, Precision); 4] {
     PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
@@ -51,21 +48,18 @@ fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Ope
     let edge = Fx::lit(i64::from(fragment.edge_texels.clamp(1, 16384)));
     let map = environment_scale(fragment.edge_texels, p);
     let checked_map = probes::face_scale::<Checked>(edge, p);
-    assert_eq!(Integers::of_words([map.log2_texels]), Integers::of_words([checked_map.log2_texels]));
-    assert_eq!(Integers::of_words([map.last_level]), Integers::of_words([checked_map.last_level]));
+    assert_eq!(Integers::of(&[map.log2_texels]), Integers::of(&[checked_map.log2_texels]));
+    assert_eq!(Integers::of(&[map.last_level]), Integers::of(&[checked_map.last_level]));
 
     let input = fragment.wires(map);
     let scalar = datapath::reflection(&input, plan, p);
-    let (checked, counts) = counted(|| datapath::reflection(&reread_input::<Checked>(&input), plan, p));
-    let (expected, got) = (Integers::of_reflection(&scalar), Integers::of_reflection(&checked));
+    let (checked, counts) = counted(|| datapath::reflection(&reread::<Checked, _>(&input), plan, p));
+    let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
     for index in 0..i64::from(scalar.probes.count.raw()) {
-        let expected = datapath::probe_position(&scalar.point, &scalar.probes, Fx::lit(index), p);
-        let got = datapath::probe_position(&checked.point, &checked.probes, Fx::lit(index), p);
-        assert_eq!(Integers::of_place(&expected), Integers::of_place(&got), "probe {index} of {fragment:?}");
-        let expected = probes::weight(&scalar.probes, Fx::lit(index), p);
-        let got = probes::weight(&checked.probes, Fx::lit(index), p);
-        assert_eq!(expected.raw(), got.raw().value());
+        let expected = datapath::environment_probe(&scalar.point, &scalar.probes, Fx::lit(index), p);
+        let got = datapath::environment_probe(&checked.point, &checked.probes, Fx::lit(index), p);
+        assert_eq!(Integers::of(&expected), Integers::of(&got), "probe {index} of {fragment:?}");
     }
     counts
 }
@@ -73,41 +67,32 @@ fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Ope
 /// Runs the texture footprint and the places of its probes in both readings.
 fn compare_texture(fragment: &TextureIn, size: [u16; 2], p: &Precision) {
     let (texture, map) = texture_scale(size);
-    let (checked_texture, checked_map) = (reread_texture::<Checked>(&texture), reread_map::<Checked>(&map));
+    let (checked_texture, checked_map) = (reread::<Checked, _>(&texture), reread::<Checked, _>(&map));
     let port = |pair: BlockPair| PortBlock {
         mantissa: pair.mantissa.map(|m| Fx::<i32, 30>::from_raw(m.to_bits())),
         exponent: Fx::lit(i64::from(pair.exponent)),
     };
     let ports = fragment.duv.map(port);
     let scalar = fragment.footprint(&(texture, map), p);
-    let checked = datapath::texture_footprint(&ports.each_ref().map(reread_port), &checked_texture, &checked_map, p);
-    let (expected, got) = (Integers::of_texture(&scalar), Integers::of_texture(&checked));
+    let checked = datapath::texture_footprint(&reread(&ports), &checked_texture, &checked_map, p);
+    let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
 
-    let uv = fragment.uv.map(|u| i64::from(u.to_bits()));
+    let centre = TexturePosition { uv: fragment.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
     for index in 0..i64::from(scalar.probes.count.raw()) {
-        let scalar_uv = texture::texture_position::<i32>(
-            &uv.map(Fx::from_raw),
-            &probes::position(&scalar.probes, Fx::lit(index)),
-            &texture,
-        );
-        let checked_uv = texture::texture_position::<Checked>(
-            &uv.map(|u| Fx::from_raw(CheckedWide::new(u))),
-            &probes::position(&checked.probes, Fx::lit(index)),
-            &checked_texture,
-        );
-        let got = checked_uv.map(|u| u.raw().value());
-        assert_eq!(scalar_uv.map(Fx::raw), got);
-        assert!(got.iter().all(|u| (0..1 << 32).contains(u)), "a position is a fraction: {got:?}");
+        let expected = datapath::texture_probe(&centre, &scalar.probes, Fx::lit(index), &texture, p);
+        let got = datapath::texture_probe(&reread(&centre), &checked.probes, Fx::lit(index), &checked_texture, p);
+        assert_eq!(Integers::of(&expected), Integers::of(&got), "probe {index} of {fragment:?}");
+        let inside = expected.place.uv.iter().all(|u| (0..1 << 32).contains(&u.raw()));
+        assert!(inside, "a position is a fraction: {expected:?}");
 
         // Levels of that shape, and the addresses of the probe on each.
         for level in 0..=map.last_level.raw() as u32 {
             let extent = texture.size.map(|edge| (edge.raw() >> level).max(1));
-            let scalar = filter::repeat_address::<i32>(&scalar_uv, extent.map(Fx::from_raw), p);
+            let scalar = filter::repeat_address::<i32>(&expected.place, extent.map(Fx::from_raw), p);
             let checked =
-                filter::repeat_address::<Checked>(&checked_uv, extent.map(|e| Fx::from_raw(Checked::new(e))), p);
-            assert_eq!(Integers::of_words(scalar.index), Integers::of_words(checked.index));
-            assert_eq!(Integers::of_words(scalar.weight), Integers::of_words(checked.weight));
+                filter::repeat_address::<Checked>(&got.place, extent.map(|e| Fx::from_raw(Checked::new(e))), p);
+            assert_eq!(Integers::of(&scalar), Integers::of(&checked));
         }
     }
 }
@@ -303,7 +288,7 @@ fn elementary_functions_stay_on_their_wires_at_and_beyond_the_ends_of_their_doma
             let exponent = x.clamp(-one, one);
             let expected = elementary::exp2(Fx::<i32, 24>::from_raw(exponent), &p);
             let got = elementary::exp2(Fx::from_raw(Checked::new(exponent)), &p);
-            assert_eq!(Integers::of_block(&expected), Integers::of_block(&got));
+            assert_eq!(Integers::of(&expected), Integers::of(&got));
         }
     });
 }
@@ -318,7 +303,7 @@ fn trilinear(fine: [i32; 4], coarse: [i32; 4], weights: [i32; 5], extra: u32) ->
     let [x0, y0, x1, y1, level] = weights;
     let ((fine, checked_fine), (coarse, checked_coarse)) = (both(fine), both(coarse));
     let scalar_weights = [[x0, y0], [x1, y1]].map(|pair| pair.map(Fx::from_raw));
-    let checked_weights = scalar_weights.map(|pair| pair.map(reread_word));
+    let checked_weights = reread::<Checked, _>(&scalar_weights);
     let expected = filter::trilinear::<i32>(
         (&fine, &scalar_weights[0]),
         (&coarse, &scalar_weights[1]),
@@ -388,7 +373,7 @@ fn probe_sums_agree_for_every_count_and_both_weight_laws() {
                     let probes = probes_of(count);
                     let weight = probes::weight(&probes, Fx::lit(i64::from(index)), &p);
                     scalar = scalar.add(sample, weight);
-                    checked = checked.add(Checked::new(sample), reread_word(weight));
+                    checked = checked.add(Checked::new(sample), reread::<Checked, _>(&weight));
                 }
                 assert_eq!(scalar.mean(), sample, "equal probes give that value");
                 assert_eq!(checked.mean().value(), sample);
@@ -418,17 +403,17 @@ fn moments_agree_over_their_whole_ranges() {
         let (offset, d) = ([unit(), unit()], [unit().abs(), unit(), unit().abs()]);
         let k = moments::of_texel::<i32>(&d.map(Fx::from_raw));
         let checked_k = moments::of_texel(&d.map(|d| Fx::from_raw(Checked::new(d))));
-        assert_eq!(Integers::of_words(k), Integers::of_words(checked_k));
+        assert_eq!(Integers::of(&k), Integers::of(&checked_k));
         let b = offset.map(Fx::<i32, 30>::from_raw);
         let second = moments::of_probe(&b, &k);
-        let checked = moments::of_probe(&b.map(reread_word::<Checked, 30>), &checked_k);
-        assert_eq!(Integers::of_words(second), Integers::of_words(checked));
+        let checked = moments::of_probe(&reread::<Checked, _>(&b), &checked_k);
+        assert_eq!(Integers::of(&second), Integers::of(&checked));
         let decomposed = |moments: moments::Moments<i32>| {
-            let checked = (moments.0.map(reread_word::<Checked, 30>), moments.1.map(reread_word));
+            let checked = (reread::<Checked, _>(&moments.0), reread::<Checked, _>(&moments.1));
             let (k, checked_k) = (moments::covariance(&moments, &p), moments::covariance(&checked, &p));
-            assert_eq!(Integers::of_block(&k), Integers::of_block(&checked_k));
+            assert_eq!(Integers::of(&k), Integers::of(&checked_k));
             let (d, checked_d) = (moments::decompose(&k, &p), moments::decompose(&checked_k, &p));
-            assert_eq!(Integers::of_words(d), Integers::of_words(checked_d), "of {k:?}");
+            assert_eq!(Integers::of(&d), Integers::of(&checked_d), "of {k:?}");
         };
         decomposed((b, second));
         // Moments that belong to no set of offsets: what filtering noise can make of them, and worse.
@@ -442,7 +427,7 @@ fn moments_agree_over_their_whole_ranges() {
         let exponent = i64::from(corner_exponent(&mut random));
         let mantissa = corner_word(&mut random).clamp(-end, end);
         let block = Block::<i32, 1> { m: [Fx::from_raw(mantissa)], e: Fx::lit(exponent) };
-        let checked = Block { m: block.m.map(reread_word::<Checked, 30>), e: reread_word(block.e) };
+        let checked = reread::<Checked, _>(&block);
         let (expected, got) = (moments::to_roughness(block), moments::to_roughness(checked));
         assert_eq!(expected.raw(), got.raw().value());
     });

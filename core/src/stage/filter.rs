@@ -4,9 +4,10 @@
 //! that value. The memory between address and texel is not part of the datapath.
 //! Error: one last place of the sample (2^−24 of full scale for 24 fraction bits), beside that of the weights.
 
+use crate::bundle::bundle;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
-use crate::signals::{LOD, POSITION};
+use crate::signals::{LOD, POSITION, TexturePosition};
 use crate::word::{Wire, Word};
 
 /// Fraction bits of a weight on its wire; `weight_bits` of them are kept.
@@ -20,6 +21,8 @@ pub struct Address<W: Word> {
     /// Weight of the upper texel, [0, 1).
     pub weight: [Fx<W, WEIGHT>; 2],
 }
+
+bundle!(Address { index, weight });
 
 /// Splits a texel coordinate, texel centres at integers, into index and weight.
 #[inline(always)]
@@ -42,10 +45,10 @@ pub fn face_address<W: Word>(st: &[Fx<W, POSITION>; 2], edge: Fx<W, 0>, p: &Prec
 
 /// Address on a level of a repeated map: texel coordinate u·width − ½, u in [0, 1) with 32 fraction bits.
 #[inline(always)]
-pub fn repeat_address<W: Word>(uv: &[Wide<W, 32>; 2], size: [Fx<W, 0>; 2], p: &Precision) -> Address<W> {
+pub fn repeat_address<W: Word>(place: &TexturePosition<W>, size: [Fx<W, 0>; 2], p: &Precision) -> Address<W> {
     let parts: [_; 2] = core::array::from_fn(|i| {
         // A 32-bit fraction times a 14-bit edge in two halves of 16 bits; the product is exact.
-        let (high, low) = (uv[i].raw().sar(16), uv[i].raw().and(W::Wide::lit(0xffff)));
+        let (high, low) = (place.uv[i].raw().sar(16), place.uv[i].raw().and(W::Wide::lit(0xffff)));
         let part = |half: W::Wide| Fx::<W, 0>::from_raw(W::narrow(half)).mul::<0, 0>(size[i]).raw();
         let scaled = Fx::<W::Wide, 32>::from_raw(part(high).shl(16).add(part(low)));
         split(scaled - Fx::lit(1 << 31), p)
@@ -73,6 +76,8 @@ pub struct LevelPair<W: Word> {
     /// Weight of the coarser one, [0, 1), `lod_bits` kept.
     pub weight: Fx<W, LOD_WEIGHT>,
 }
+
+bundle!(LevelPair { level, weight });
 
 /// Fraction bits of the weight between levels.
 pub const LOD_WEIGHT: u32 = 12;

@@ -5,9 +5,10 @@
 //! probes are the same blocks that serve the environment (S97 §2, footprint assembly).
 
 use crate::block::{Block, normalise};
+use crate::bundle::bundle;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
-use crate::signals::POSITION;
+use crate::signals::{POSITION, TexturePosition};
 use crate::word::{Wire, Word};
 
 /// Fraction bits of the units-to-repeats factor.
@@ -24,6 +25,8 @@ pub struct TextureScale<W: Word> {
     pub repeats_per_unit: [Fx<W, REPEATS>; 2],
 }
 
+bundle!(TextureScale { size, log2_unit, repeats_per_unit });
+
 /// The footprint column of one derivative d(u, v), repeats per pixel.
 #[inline(always)]
 pub fn texture_column<W: Word>(duv: &Block<W, 2>, map: &TextureScale<W>, p: &Precision) -> Block<W, 2> {
@@ -33,18 +36,17 @@ pub fn texture_column<W: Word>(duv: &Block<W, 2>, map: &TextureScale<W>, p: &Pre
 }
 
 /// Texture coordinates of a probe: centre plus an offset in map units, in repeats modulo 1.
-///
-/// `uv` and the result: 32 fraction bits, unsigned, on a wide wire.
 #[inline(always)]
 pub fn texture_position<W: Word>(
-    uv: &[Wide<W, 32>; 2],
+    centre: &TexturePosition<W>,
     offset: &[Fx<W, POSITION>; 2],
     map: &TextureScale<W>,
-) -> [Wide<W, 32>; 2] {
-    core::array::from_fn(|i| {
+) -> TexturePosition<W> {
+    let uv = core::array::from_fn(|i| {
         let repeats: Wide<W, 44> = offset[i].mul(map.repeats_per_unit[i]);
-        let moved = uv[i] + repeats.floor_shr(12).reread();
+        let moved = centre.uv[i] + repeats.floor_shr(12).reread();
         // Repeat addressing wraps on purpose.
         Fx::from_raw(moved.raw().and(W::Wide::lit(0xffff_ffff)))
-    })
+    });
+    TexturePosition { uv }
 }

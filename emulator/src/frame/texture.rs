@@ -8,7 +8,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::ports::{TextureIn, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::probe_list::texture_probes;
-use roughxel_core::signals::{Ellipse, MapScale, Probes};
+use roughxel_core::signals::{Ellipse, MapScale, Probes, TexturePosition};
 use roughxel_core::stage::filter::{Address, ProbeSum, levels, repeat_address, trilinear};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{axes, moments};
@@ -50,13 +50,13 @@ impl RepeatedMap {
         probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
     ) -> [i32; CHANNELS] {
         let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
-        let uv = input.uv.map(|u| Fx::<i64, 32>::from_raw(i64::from(u.to_bits())));
+        let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
         if !footprint {
-            return probe(self.trilinear(&uv, Fx::zero(), p, extra, &texel));
+            return probe(self.trilinear(&centre, Fx::zero(), p, extra, &texel));
         }
         let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
         let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
-        for place in texture_probes(&uv, &probes, &self.scale.0, p) {
+        for place in texture_probes(&centre, &probes, &self.scale.0, p) {
             let sample = probe(self.trilinear(&place.place, probes.lod, p, extra, &texel));
             for (sum, channel) in sums.iter_mut().zip(sample) {
                 *sum = sum.add(channel, place.weight);
@@ -67,7 +67,7 @@ impl RepeatedMap {
 
     fn trilinear<const CHANNELS: usize>(
         &self,
-        uv: &[Fx<i64, 32>; 2],
+        place: &TexturePosition<i32>,
         lod: Fx<i32, 16>,
         p: &Precision,
         extra: u32,
@@ -78,7 +78,7 @@ impl RepeatedMap {
         let coarse = (fine + 1).min(self.sizes.len() - 1);
         let fetch = |level: usize| {
             let size = self.sizes[level];
-            let address: Address<i32> = repeat_address(uv, size.map(Fx::from_raw), p);
+            let address: Address<i32> = repeat_address(place, size.map(Fx::from_raw), p);
             let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as usize;
             let [x, y] = address.index.map(Fx::raw);
             let (x0, x1) = (wrap(x, size[0]), wrap(x + 1, size[0]));

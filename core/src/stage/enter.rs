@@ -1,0 +1,24 @@
+//! Enter: what comes through a port is brought to the form the datapath works in.
+//!
+//! A vector's largest component comes to [½, 1] by an exact shift and is rounded to `fraction_bits`, exactly if the
+//! port carries no more significant bits; an offset is rounded to the bits the profile keeps.
+
+use crate::block::{Block, normalise};
+use crate::fx::Fx;
+use crate::precision::Precision;
+use crate::signals::{OFFSET, PortBlock};
+use crate::word::Word;
+
+/// A vector or a derivative, normalised. Range: any mantissas, any exponent of 16 bits.
+#[inline(always)]
+pub fn enter<W: Word, const N: usize>(port: &PortBlock<W, N>, p: &Precision) -> Block<W, N> {
+    normalise(port.mantissa.map(Fx::widen::<60>), port.exponent, p.fraction_bits)
+}
+
+/// An offset or a roughness with the bits the profile keeps. What would round up to 8 saturates to the largest number
+/// below it.
+#[inline(always)]
+pub fn enter_offset<W: Word>(x: Fx<W, OFFSET>, p: &Precision) -> Fx<W, OFFSET> {
+    let dropped = OFFSET.saturating_sub(p.offset_bits());
+    x.min(Fx::lit(i64::from(i32::MAX >> dropped << dropped))).keep(p.offset_bits())
+}
