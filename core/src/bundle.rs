@@ -75,6 +75,7 @@ impl<W: Word, B: Bundle<W>, const N: usize> Bundle<W> for [B; N] {
 }
 
 /// Implements [`Bundle`] for a structure of bundles, `wide` wires and `flag`s: `bundle!(Name { a, b; wide c; flag d })`.
+#[macro_export]
 macro_rules! bundle {
     ($name:ident $(<$size:ident>)? { $($field:ident),* $(; wide $($wide:ident),+)? $(; flag $($flag:ident),+)? }) => {
         impl<W: $crate::word::Word $(, const $size: usize)?> $crate::bundle::Bundle<W> for $name<W $(, $size)?> {
@@ -107,11 +108,11 @@ macro_rules! bundle {
         }
     };
 }
-pub(crate) use bundle;
+pub use crate::bundle;
 
-/// One wide wire; a helper of [`bundle!`].
+/// One wide wire of a walk; [`bundle!`](crate::bundle!) uses it.
 #[inline(always)]
-pub(crate) fn wide_wire<W: Word, V: Word, R: Rewire<W, V>, const FRAC: u32>(
+pub fn wide_wire<W: Word, V: Word, R: Rewire<W, V>, const FRAC: u32>(
     wire: Fx<W::Wide, FRAC>,
     with: &mut R,
 ) -> Fx<V::Wide, FRAC> {

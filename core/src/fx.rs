@@ -126,6 +126,13 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
         self.negate_if(self.lt(Self::zero()))
     }
 
+    /// `self`, with the fact that |self| ≤ `limit / 2^FRAC`, by the lemma of that name.
+    #[inline(always)]
+    #[track_caller]
+    pub fn claim_at_most(self, limit: i64, lemma: &'static str) -> Self {
+        Self(self.0.claim(-limit, limit, lemma))
+    }
+
     /// `⌊self / 2^k⌋` with the count on a wire.
     #[inline(always)]
     #[track_caller]

@@ -45,8 +45,7 @@ pub trait Wire: Copy + Debug {
     fn leading_zeros(self) -> Self::Count;
     /// `self`, with a fact that intervals cannot find: `low ≤ self ≤ high` by the lemma of that name, a test.
     #[inline(always)]
-    fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
-        let _ = (low, high, lemma);
+    fn claim(self, _low: i64, _high: i64, _lemma: &'static str) -> Self {
         self
     }
 }
@@ -65,8 +64,7 @@ pub trait Word: Wire<Count = Self> {
     fn lookup(self, table: &'static [i32]) -> Self;
     /// Runs one block of the datapath, which a reading may compile, name or record on its own.
     #[inline(always)]
-    fn block<B: Bundle<Self>>(name: &'static str, body: impl FnOnce() -> B) -> B {
-        let _ = name;
+    fn block<B: Bundle<Self>>(_name: &'static str, body: impl FnOnce() -> B) -> B {
         body()
     }
 }

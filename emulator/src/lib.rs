@@ -10,6 +10,7 @@ pub mod demo;
 pub mod eval;
 pub mod frame;
 pub mod maps;
+pub mod net;
 pub mod output;
 pub mod picture;
 pub mod plan;

@@ -5,7 +5,7 @@
 
 use crate::block::{Block, MANTISSA, Mantissa, normalise};
 use crate::elementary::half_reciprocal;
-use crate::fx::Fx;
+use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::{CubePoint, FacePosition, FaceSelect, POSITION};
 use crate::word::Word;
@@ -24,8 +24,9 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
     let one = Fx::lit(1 << MANTISSA);
     let divide = |numerator: Mantissa<W>| -> Mantissa<W> {
         // numerator/m = 2·numerator·(1/2m): one binary place less in the product.
-        let quotient: Fx<W, MANTISSA> =
-            numerator.mul::<MANTISSA, 60>(half_reciprocal).reread::<59>().round_to(p.fraction_bits);
+        let quotient: Wide<W, 59> = numerator.mul::<MANTISSA, 60>(half_reciprocal).reread();
+        let quotient = quotient.claim_at_most(17 << 55, "a_quotient_by_the_largest_component_is_near_one_at_most");
+        let quotient: Mantissa<W> = quotient.round_to(p.fraction_bits);
         quotient.saturate(-one, one)
     };
     CubePoint { select, st: [divide(s_c), divide(t_c)], half_reciprocal, tie: second.ge(m) }

@@ -4,7 +4,7 @@
 //! that value. The memory between address and texel is not part of the datapath.
 //! Error: one last place of the sample (2^−24 of full scale for 24 fraction bits), beside that of the weights.
 
-use crate::bundle::bundle;
+use crate::bundle::{Bundle, Rewire, bundle};
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::{LOD, POSITION, TexturePosition};
@@ -135,11 +135,25 @@ pub fn corner<W: Word>(three: &[W; 3]) -> W {
 #[derive(Clone, Copy, Debug)]
 pub struct ProbeSum<W: Word>(W::Wide);
 
+impl<W: Word> Bundle<W> for ProbeSum<W> {
+    type In<V: Word> = ProbeSum<V>;
+    #[inline(always)]
+    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> ProbeSum<V> {
+        ProbeSum(with.wide(self.0, 16))
+    }
+}
+
 impl<W: Word> ProbeSum<W> {
     /// No probe yet.
     #[inline(always)]
     pub fn zero() -> Self {
         Self(W::Wide::lit(0))
+    }
+
+    /// A sum as it is kept between probes, 16 more fraction bits than a sample.
+    #[inline(always)]
+    pub fn of(sum: W::Wide) -> Self {
+        Self(sum)
     }
 
     /// Adds a sample with its weight in 2^−16.

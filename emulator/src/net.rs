@@ -1,0 +1,12 @@
+//! The recorded reading: the datapath as a graph, and the walks over it.
+//!
+//! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
+//! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
+//! its word, [`census`] counts what each block costs, [`verilog`] writes it down as hardware. [`design`] lists what
+//! can be recorded: the whole reflection datapath and every block beside it.
+
+pub mod design;
+pub mod evaluate;
+pub mod graph;
+pub mod interval;
+pub mod record;

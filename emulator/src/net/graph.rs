@@ -1,0 +1,334 @@
+//! The graph: nodes in the order in which they were made, so every operand comes before its use.
+
+use std::panic::Location;
+
+/// Index of a node in [`Net::nodes`].
+pub type NodeId = u32;
+
+/// What a wire may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// One bit.
+    Flag,
+    /// 32 bits, two's complement.
+    Word,
+    /// 64 bits, two's complement.
+    Wide,
+}
+
+impl Kind {
+    /// Bits of the wire.
+    pub const fn bits(self) -> u32 {
+        match self {
+            Self::Flag => 1,
+            Self::Word => 32,
+            Self::Wide => 64,
+        }
+    }
+
+    /// The smallest and the largest integer it holds; a flag holds 0 and 1.
+    pub const fn limits(self) -> (i64, i64) {
+        match self {
+            Self::Flag => (0, 1),
+            Self::Word => (i32::MIN as i64, i32::MAX as i64),
+            Self::Wide => (i64::MIN, i64::MAX),
+        }
+    }
+}
+
+/// A table of the datapath, compared by its place in memory: tables are statics.
+#[derive(Clone, Copy, Debug)]
+pub struct Table(pub &'static [i32]);
+
+impl PartialEq for Table {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.0, other.0)
+    }
+}
+
+impl Eq for Table {}
+
+impl std::hash::Hash for Table {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.0.as_ptr().hash(state);
+    }
+}
+
+/// One operation of the algebra on earlier nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Op {
+    /// Input port number.
+    Port(u32),
+    /// Constant.
+    Lit(i64),
+    /// a + b.
+    Add(NodeId, NodeId),
+    /// a − b.
+    Sub(NodeId, NodeId),
+    /// a · b of two words, wide.
+    Mul(NodeId, NodeId),
+    /// a · 2^k.
+    Shl(NodeId, u32),
+    /// ⌊a / 2^k⌋.
+    Sar(NodeId, u32),
+    /// a · 2^count.
+    ShlBy(NodeId, NodeId),
+    /// ⌊a / 2^count⌋.
+    SarBy(NodeId, NodeId),
+    /// Bitwise and; of flags, too.
+    And(NodeId, NodeId),
+    /// Bitwise or; of flags, too.
+    Or(NodeId, NodeId),
+    /// Bitwise exclusive or.
+    Xor(NodeId, NodeId),
+    /// Not of a flag.
+    Not(NodeId),
+    /// a < b, signed; a flag.
+    Lt(NodeId, NodeId),
+    /// Flag, value where it is set, value where it is not.
+    Select(NodeId, NodeId, NodeId),
+    /// Leading zero bits of a wire as wide as the operand's kind; a word.
+    LeadingZeros(NodeId),
+    /// A word as a wide wire.
+    Widen(NodeId),
+    /// A wide wire as a word.
+    Narrow(NodeId),
+    /// Entry of a table.
+    Lookup(NodeId, Table),
+    /// The operand, said to be in low ..= high by a lemma.
+    Claim {
+        /// The operand.
+        of: NodeId,
+        /// Smallest value.
+        low: i64,
+        /// Largest value.
+        high: i64,
+        /// Name of the lemma, a test of `host-tests`.
+        lemma: &'static str,
+    },
+}
+
+impl Op {
+    /// The nodes it reads, in order.
+    pub fn operands(&self) -> impl Iterator<Item = NodeId> {
+        let (list, count) = match *self {
+            Self::Port(_) | Self::Lit(_) => ([0; 3], 0),
+            Self::Shl(a, _)
+            | Self::Sar(a, _)
+            | Self::Not(a)
+            | Self::LeadingZeros(a)
+            | Self::Widen(a)
+            | Self::Narrow(a)
+            | Self::Lookup(a, _)
+            | Self::Claim { of: a, .. } => ([a, 0, 0], 1),
+            Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::ShlBy(a, b)
+            | Self::SarBy(a, b)
+            | Self::And(a, b)
+            | Self::Or(a, b)
+            | Self::Xor(a, b)
+            | Self::Lt(a, b) => ([a, b, 0], 2),
+            Self::Select(flag, a, b) => ([flag, a, b], 3),
+        };
+        list.into_iter().take(count)
+    }
+
+    /// The same operation on other nodes.
+    pub fn map(self, mut to: impl FnMut(NodeId) -> NodeId) -> Self {
+        match self {
+            Self::Port(_) | Self::Lit(_) => self,
+            Self::Add(a, b) => Self::Add(to(a), to(b)),
+            Self::Sub(a, b) => Self::Sub(to(a), to(b)),
+            Self::Mul(a, b) => Self::Mul(to(a), to(b)),
+            Self::Shl(a, k) => Self::Shl(to(a), k),
+            Self::Sar(a, k) => Self::Sar(to(a), k),
+            Self::ShlBy(a, b) => Self::ShlBy(to(a), to(b)),
+            Self::SarBy(a, b) => Self::SarBy(to(a), to(b)),
+            Self::And(a, b) => Self::And(to(a), to(b)),
+            Self::Or(a, b) => Self::Or(to(a), to(b)),
+            Self::Xor(a, b) => Self::Xor(to(a), to(b)),
+            Self::Not(a) => Self::Not(to(a)),
+            Self::Lt(a, b) => Self::Lt(to(a), to(b)),
+            Self::Select(flag, a, b) => Self::Select(to(flag), to(a), to(b)),
+            Self::LeadingZeros(a) => Self::LeadingZeros(to(a)),
+            Self::Widen(a) => Self::Widen(to(a)),
+            Self::Narrow(a) => Self::Narrow(to(a)),
+            Self::Lookup(a, table) => Self::Lookup(to(a), table),
+            Self::Claim { of, low, high, lemma } => Self::Claim { of: to(of), low, high, lemma },
+        }
+    }
+
+    /// Name as in the traits of the algebra.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Port(_) => "port",
+            Self::Lit(_) => "lit",
+            Self::Add(..) => "add",
+            Self::Sub(..) => "sub",
+            Self::Mul(..) => "mul",
+            Self::Shl(..) => "shl",
+            Self::Sar(..) => "sar",
+            Self::ShlBy(..) => "shl_by",
+            Self::SarBy(..) => "sar_by",
+            Self::And(..) => "and",
+            Self::Or(..) => "or",
+            Self::Xor(..) => "xor",
+            Self::Not(_) => "not",
+            Self::Lt(..) => "lt",
+            Self::Select(..) => "select",
+            Self::LeadingZeros(_) => "leading_zeros",
+            Self::Widen(_) => "widen",
+            Self::Narrow(_) => "narrow",
+            Self::Lookup(..) => "lookup",
+            Self::Claim { .. } => "claim",
+        }
+    }
+}
+
+/// One wire and the operation that drives it.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// Operation.
+    pub op: Op,
+    /// What the wire may hold.
+    pub kind: Kind,
+    /// Index in [`Net::blocks`] of the block that made it; constants and ports belong to none.
+    pub block: Option<u32>,
+    /// Line of the source that asked for it.
+    pub at: &'static Location<'static>,
+}
+
+/// One run of a block of the datapath, in the order in which they ran.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Name as the composer gives it: the stage, then after a dot what it is used for (`columns.pixel`).
+    pub name: &'static str,
+    /// Number among the runs of that name, from 0.
+    pub run: u32,
+    /// Whether the name ran more than once.
+    pub repeated: bool,
+}
+
+impl Block {
+    /// The hardware block: the name up to the first dot.
+    pub fn stage(&self) -> &'static str {
+        self.name.split('.').next().unwrap_or(self.name)
+    }
+
+    /// A name unique in the net: `columns_pixel_1`.
+    pub fn instance(&self) -> String {
+        let name = self.name.replace('.', "_");
+        if self.repeated { format!("{name}_{}", self.run) } else { name }
+    }
+}
+
+/// An input port.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Port {
+    /// Path in the bundle: `normal.mantissa[0]`.
+    pub name: String,
+    /// What it may hold.
+    pub kind: Kind,
+    /// Binary point; 0 for a flag.
+    pub fraction_bits: u32,
+    /// Smallest declared value.
+    pub low: i64,
+    /// Largest declared value.
+    pub high: i64,
+    /// Its node.
+    pub node: NodeId,
+}
+
+/// A named wire: an outcome of a block (`block` given) or of the whole design.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tap {
+    /// The block whose outcome it is.
+    pub block: Option<u32>,
+    /// Path in the bundle: `r.m[0]`.
+    pub name: String,
+    /// Binary point; 0 for a flag.
+    pub fraction_bits: u32,
+    /// The wire.
+    pub node: NodeId,
+}
+
+/// A recorded design.
+#[derive(Clone, Debug, Default)]
+pub struct Net {
+    /// Every wire; operands come before their users.
+    pub nodes: Vec<Node>,
+    /// Every run of a block.
+    pub blocks: Vec<Block>,
+    /// Inputs in the order of their bundle.
+    pub ports: Vec<Port>,
+    /// Outcomes of blocks in the order in which they ran.
+    pub taps: Vec<Tap>,
+    /// Outputs in the order of their bundle.
+    pub outputs: Vec<Tap>,
+}
+
+impl Net {
+    /// The node.
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id as usize]
+    }
+
+    /// Nodes with their numbers.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (NodeId, &Node)> {
+        (0..).zip(&self.nodes).collect::<Vec<_>>().into_iter()
+    }
+
+    /// `frame.e1.m[0]`: the block and the path of a tap.
+    pub fn tap_name(&self, tap: &Tap) -> String {
+        match tap.block {
+            Some(block) => format!("{}.{}", self.blocks[block as usize].instance(), tap.name),
+            None => tap.name.clone(),
+        }
+    }
+
+    /// Where a node comes from: `core/src/block.rs:84 in columns_pixel_0`.
+    pub fn origin(&self, id: NodeId) -> String {
+        let node = self.node(id);
+        let line = format!("{}:{}", node.at.file(), node.at.line());
+        match node.block {
+            Some(block) => format!("{line} in {}", self.blocks[block as usize].instance()),
+            None => line,
+        }
+    }
+
+    /// Drops every node that no output needs, and taps of dropped nodes. Ports stay.
+    pub fn without_dead_wires(self) -> Self {
+        let mut alive = vec![false; self.nodes.len()];
+        for port in &self.ports {
+            alive[port.node as usize] = true;
+        }
+        for output in &self.outputs {
+            alive[output.node as usize] = true;
+        }
+        for id in (0..self.nodes.len()).rev() {
+            if alive[id] {
+                for operand in self.nodes[id].op.operands() {
+                    alive[operand as usize] = true;
+                }
+            }
+        }
+        let mut place = vec![NodeId::MAX; self.nodes.len()];
+        let mut nodes = Vec::new();
+        for (id, node) in self.nodes.into_iter().enumerate() {
+            if alive[id] {
+                place[id] = nodes.len() as NodeId;
+                nodes.push(Node { op: node.op.map(|operand| place[operand as usize]), ..node });
+            }
+        }
+        let moved = |tap: Tap| Tap { node: place[tap.node as usize], ..tap };
+        Self {
+            nodes,
+            blocks: self.blocks,
+            ports: self.ports.into_iter().map(|port| Port { node: place[port.node as usize], ..port }).collect(),
+            taps: self.taps.into_iter().filter(|tap| alive[tap.node as usize]).map(moved).collect(),
+            outputs: self.outputs.into_iter().map(moved).collect(),
+        }
+    }
+}
