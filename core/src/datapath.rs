@@ -11,17 +11,20 @@
 //!  u v, d(u,v) ──► texture ──► ellipse ──► axes ──► probes ──► filter ──► moments ──► b, d
 //! ```
 
-use crate::block::Block;
+use crate::block::{Block, Mantissa};
 use crate::bundle::{Bundle, Rewire, Step, bundle};
 use crate::fx::Fx;
 use crate::plan::{FrameSystem, ReflectionPlan};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::{
-    Axes, CubePoint, Ellipse, FacePosition, Frame, MapScale, OFFSET, PortBlock, Probes, Reflected, TexturePosition,
+    Axes, CubePoint, Ellipse, FacePosition, Frame, LOD, MapScale, OFFSET, POSITION, PortBlock, Probes, Reflected,
+    TexturePosition,
 };
 use crate::stage::columns::Mirror;
 use crate::stage::texture::TextureScale;
-use crate::stage::{axes, columns, cube_face, ellipse, enter, frame, perturb, probes, reflect, roughness, texture};
+use crate::stage::{
+    axes, columns, cube_face, ellipse, enter, frame, leave, perturb, probes, reflect, roughness, texture,
+};
 use crate::status::{Status, StatusBit};
 use crate::word::Word;
 
@@ -184,6 +187,81 @@ fn no_footprint<W: Word>(never: W::Flag) -> ([Block<W, 2>; 4], Ellipse<W>, Axes<
     let ellipse = Ellipse { k: Block::zero(), det: number };
     let axes = Axes { major: number, minor: number, direction: [Fx::lit(1 << 30), Fx::zero()] };
     ([Block::zero(); 4], ellipse, axes, probes)
+}
+
+/// What leaves the reflection datapath, as [`crate::ports::ReflectionOut`] describes it, in the order of the pipeline.
+#[derive(Clone, Copy, Debug)]
+pub struct ReflectionOutput<W: Word> {
+    /// E₁ and E₂, scaled by |n|.
+    pub frame: [PortBlock<W, 3>; 2],
+    /// n_mod.
+    pub normal_mod: PortBlock<W, 3>,
+    /// r.
+    pub reflected: PortBlock<W, 3>,
+    /// Face 0…5.
+    pub face: Fx<W, 0>,
+    /// s and t.
+    pub st: [Mantissa<W>; 2],
+    /// Columns of ∂x, ∂y, d₁E₁, d₂E₁ + d₃E₂.
+    pub columns: [PortBlock<W, 2>; 4],
+    /// a, b, c of K.
+    pub covariance: PortBlock<W, 3>,
+    /// det K.
+    pub determinant: PortBlock<W, 1>,
+    /// λ₁.
+    pub major: PortBlock<W, 1>,
+    /// λ₂.
+    pub minor: PortBlock<W, 1>,
+    /// Direction of λ₁.
+    pub direction: [Mantissa<W>; 2],
+    /// N.
+    pub probes: Fx<W, 0>,
+    /// Step between probes.
+    pub step: [Fx<W, POSITION>; 2],
+    /// Level of detail.
+    pub lod: Fx<W, LOD>,
+    /// Sticky bits.
+    pub status: Status<W>,
+}
+
+bundle!(ReflectionOutput {
+    frame,
+    normal_mod,
+    reflected,
+    face,
+    st,
+    columns,
+    covariance,
+    determinant,
+    major,
+    minor,
+    direction,
+    probes,
+    step,
+    lod,
+    status
+});
+
+/// The outcomes of the stages in the form of ports.
+#[inline(always)]
+pub fn leave<W: Word>(stages: &Reflection<W>) -> ReflectionOutput<W> {
+    W::block("leave", || ReflectionOutput {
+        frame: [&stages.frame.e1, &stages.frame.e2].map(|e| leave::leave(&e.scaled(stages.normal.e))),
+        normal_mod: leave::leave(&stages.normal_mod),
+        reflected: leave::leave(&stages.reflected.r),
+        face: stages.point.select.index(),
+        st: stages.point.st,
+        columns: stages.columns.each_ref().map(leave::leave),
+        covariance: leave::leave(&stages.ellipse.k),
+        determinant: leave::leave(&stages.ellipse.det),
+        major: leave::leave(&stages.axes.major),
+        minor: leave::leave(&stages.axes.minor),
+        direction: stages.axes.direction,
+        probes: stages.probes.count,
+        step: stages.probes.step,
+        lod: stages.probes.lod,
+        status: stages.status,
+    })
 }
 
 /// A probe: where it reads and how much it counts.

@@ -7,8 +7,7 @@
 
 use fixed::types::{I2F30, I4F28, I16F16, U0F32};
 
-use crate::block::Block;
-use crate::datapath::{self, Reflection, ReflectionInput, TextureFootprint};
+use crate::datapath::{self, Reflection, ReflectionInput, ReflectionOutput, TextureFootprint};
 use crate::fx::Fx;
 use crate::plan::ReflectionPlan;
 use crate::precision::Precision;
@@ -136,7 +135,7 @@ pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>)
 
 /// The scale of an environment whose faces have `edge` texels, read as 1…16384.
 pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
-    face_scale(Fx::from_raw(i32::from(edge.clamp(1, 16384))), p)
+    face_scale(Fx::from_raw(i32::from(edge)), p)
 }
 
 fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<Scalar, N> {
@@ -183,52 +182,52 @@ impl TextureIn {
     }
 }
 
-fn port_exponent<const N: usize>(block: &Block<Scalar, N>) -> i16 {
-    let exponent = block.e.raw().clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
-    if block.is_zero() { 0 } else { exponent }
-}
-
 fn port_mantissa<const N: usize>(m: [Fx<Scalar, 30>; N]) -> [I2F30; N] {
     m.map(|m| I2F30::from_bits(m.raw()))
 }
 
-impl From<&Block<Scalar, 3>> for BlockVector {
-    fn from(block: &Block<Scalar, 3>) -> Self {
-        Self { mantissa: port_mantissa(block.m), exponent: port_exponent(block) }
+impl From<&PortBlock<Scalar, 3>> for BlockVector {
+    fn from(port: &PortBlock<Scalar, 3>) -> Self {
+        Self { mantissa: port_mantissa(port.mantissa), exponent: port.exponent.raw() as i16 }
     }
 }
 
-impl From<&Block<Scalar, 2>> for BlockPair {
-    fn from(block: &Block<Scalar, 2>) -> Self {
-        Self { mantissa: port_mantissa(block.m), exponent: port_exponent(block) }
+impl From<&PortBlock<Scalar, 2>> for BlockPair {
+    fn from(port: &PortBlock<Scalar, 2>) -> Self {
+        Self { mantissa: port_mantissa(port.mantissa), exponent: port.exponent.raw() as i16 }
     }
 }
 
-impl From<&Block<Scalar, 1>> for BlockNumber {
-    fn from(block: &Block<Scalar, 1>) -> Self {
-        Self { mantissa: I2F30::from_bits(block.m[0].raw()), exponent: port_exponent(block) }
+impl From<&PortBlock<Scalar, 1>> for BlockNumber {
+    fn from(port: &PortBlock<Scalar, 1>) -> Self {
+        Self { mantissa: I2F30::from_bits(port.mantissa[0].raw()), exponent: port.exponent.raw() as i16 }
+    }
+}
+
+impl From<&ReflectionOutput<Scalar>> for ReflectionOut {
+    fn from(output: &ReflectionOutput<Scalar>) -> Self {
+        Self {
+            frame: output.frame.each_ref().map(BlockVector::from),
+            normal_mod: BlockVector::from(&output.normal_mod),
+            reflected: BlockVector::from(&output.reflected),
+            face: output.face.raw() as u8,
+            st: port_mantissa(output.st),
+            columns: output.columns.each_ref().map(BlockPair::from),
+            covariance: BlockVector::from(&output.covariance),
+            determinant: BlockNumber::from(&output.determinant),
+            major: BlockNumber::from(&output.major),
+            minor: BlockNumber::from(&output.minor),
+            direction: port_mantissa(output.direction),
+            probes: output.probes.raw() as u8,
+            step: output.step.map(|step| I4F28::from_bits(step.raw())),
+            lod: I16F16::from_bits(output.lod.raw()),
+            status: output.status.word().raw() as u32,
+        }
     }
 }
 
 impl From<&Reflection<Scalar>> for ReflectionOut {
     fn from(stages: &Reflection<Scalar>) -> Self {
-        let frame = [&stages.frame.e1, &stages.frame.e2];
-        Self {
-            frame: frame.map(|e| BlockVector::from(&e.scaled(stages.normal.e))),
-            normal_mod: BlockVector::from(&stages.normal_mod),
-            reflected: BlockVector::from(&stages.reflected.r),
-            face: stages.point.select.index().raw() as u8,
-            st: port_mantissa(stages.point.st),
-            columns: stages.columns.map(|q| BlockPair::from(&q)),
-            covariance: BlockVector::from(&stages.ellipse.k),
-            determinant: BlockNumber::from(&stages.ellipse.det),
-            major: BlockNumber::from(&stages.axes.major),
-            minor: BlockNumber::from(&stages.axes.minor),
-            direction: port_mantissa(stages.axes.direction),
-            probes: stages.probes.count.raw() as u8,
-            step: stages.probes.step.map(|step| I4F28::from_bits(step.raw())),
-            lod: I16F16::from_bits(stages.probes.lod.raw()),
-            status: stages.status.word().raw() as u32,
-        }
+        Self::from(&datapath::leave(stages))
     }
 }

@@ -9,6 +9,7 @@ pub mod ellipse;
 pub mod enter;
 pub mod filter;
 pub mod frame;
+pub mod leave;
 pub mod moments;
 pub mod perturb;
 pub mod probes;

@@ -22,9 +22,10 @@ fn cut<W: Word>(sigma: &Block<W, 1>) -> (Block<W, 1>, W::Flag) {
     (Block::select(above, limit, *sigma), above)
 }
 
-/// The scale of a cube face of `edge` texels, 1…16384: 2 map units across.
+/// The scale of a cube face of `edge` texels, read as 1…16384: 2 map units across.
 #[inline(always)]
 pub fn face_scale<W: Word>(edge: Fx<W, 0>, p: &Precision) -> MapScale<W> {
+    let edge = edge.saturate(Fx::lit(1), Fx::lit(16384));
     let block = Block::of(edge.widen::<0>(), Fx::zero(), p.fraction_bits);
     let fraction: Fx<W, LOD> = log2(block.m[0], p).floor_shr(24 - LOD).reread();
     let whole: Fx<W, LOD> = (block.e - Fx::lit(1)).reread().shl(LOD);

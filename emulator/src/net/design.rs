@@ -9,6 +9,7 @@ use roughxel_core::bundle;
 use roughxel_core::datapath::{self, ReflectionInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{
     CubePoint, Ellipse, FacePosition, FaceSelect, LOD, MapScale, OFFSET, POSITION, PortBlock, Probes, TexturePosition,
@@ -73,6 +74,11 @@ pub const DESIGNS: &[Design] = &[
         name: "roughness_decode",
         description: "mean moments to roughness d1, d2, d3 or I1",
         record: roughness_decode,
+    },
+    Design {
+        name: "fragment",
+        description: "all of the reflection datapath with the ports of a vector word: edge of the map in, port formats out",
+        record: fragment,
     },
     Design {
         name: "reflection",
@@ -152,6 +158,53 @@ fn reflection_ports(end: usize) -> ReflectionInput<i32> {
 
 fn reflection(plan: &ReflectionPlan, p: &Precision) -> Net {
     record(&reflection_ports(0), &reflection_ports(1), |input| datapath::reflection(input, plan, p))
+}
+
+/// Ports of `fragment`: those of `reflection` with the edge of the environment's faces in place of its scale.
+#[derive(Clone, Copy, Debug)]
+pub struct FragmentInput<W: Word> {
+    /// n.
+    pub normal: PortBlock<W, 3>,
+    /// v.
+    pub view: PortBlock<W, 3>,
+    /// h, or p_u and p_v.
+    pub tangents: [PortBlock<W, 3>; 2],
+    /// b₁, b₂.
+    pub offset: [Fx<W, OFFSET>; 2],
+    /// d₁, d₂, d₃, or I₁.
+    pub roughness: [Fx<W, OFFSET>; 3],
+    /// ∂v/∂x, ∂v/∂y.
+    pub dview: [PortBlock<W, 3>; 2],
+    /// ∂n/∂x, ∂n/∂y.
+    pub dnormal: [PortBlock<W, 3>; 2],
+    /// Edge of a face, texels; any 16-bit number.
+    pub edge_texels: Fx<W, 0>,
+}
+
+bundle!(FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels });
+
+impl FragmentInput<i32> {
+    /// The ports of a fragment.
+    pub fn new(fragment: &ReflectionIn) -> Self {
+        let ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map: _ } =
+            fragment.wires(scale(0));
+        Self { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels: fx(fragment.edge_texels.into()) }
+    }
+}
+
+fn fragment(plan: &ReflectionPlan, p: &Precision) -> Net {
+    let ports = |end: usize| {
+        let ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map: _ } =
+            reflection_ports(end);
+        let edge_texels = fx([0, u16::MAX.into()][end]);
+        FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels }
+    };
+    record(&ports(0), &ports(1), |input| {
+        let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels } = *input;
+        let map = NetWord::block("map_scale", || face_scale(edge_texels, p));
+        let input = ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map };
+        datapath::leave(&datapath::reflection(&input, plan, p))
+    })
 }
 
 /// Ports of `texture`.
