@@ -104,7 +104,8 @@ pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Fx<W, 24> {
     let fraction: Mantissa<W> = within.shl(rom::LOG_BITS + 1).keep(p.fraction_bits);
     let knot: Fx<W, 24> = Fx::from_raw(index.raw().lookup(&rom::LOG2));
     let next: Fx<W, 24> = Fx::from_raw((index + Fx::lit(1)).raw().lookup(&rom::LOG2));
-    let rise: Wide<W, 54> = (next - knot).mul(fraction);
+    let rise: Fx<W, 24> = (next - knot).claim(0..=(1 << 17) - 1, "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
+    let rise: Wide<W, 54> = rise.mul(fraction);
     let value: Fx<W, 24> = (knot.widen::<54>() + rise).round_to(24);
     // 1 itself lies beyond the last interval by one bit of the kept fraction: log₂ 1 = 0 exactly.
     let whole = !m.lt(Fx::lit(1 << 30));
@@ -121,7 +122,8 @@ pub fn exp2<W: Word>(x: Fx<W, 24>, p: &Precision) -> Block<W, 1> {
     let fraction: Mantissa<W> = step.reread::<MANTISSA>().shl(MANTISSA - 24 + rom::LOG_BITS).keep(p.fraction_bits);
     let knot: Mantissa<W> = Fx::from_raw(index.raw().lookup(&rom::EXP2));
     let next: Mantissa<W> = Fx::from_raw(index.raw().add(W::lit(1)).lookup(&rom::EXP2));
-    let rise: Wide<W, 60> = (next - knot).mul(fraction);
+    let rise: Mantissa<W> = (next - knot).claim(0..=(1 << 22) - 1, "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
+    let rise: Wide<W, 60> = rise.mul(fraction);
     let mantissa = (knot.widen::<60>() + rise).round_to(p.fraction_bits);
     Block { m: [mantissa], e: whole.reread::<0>() + Fx::lit(1) }
 }

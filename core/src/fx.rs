@@ -4,7 +4,7 @@
 //! checked at compile time. A wire is made where an operation is called, so a reading that records wires knows the
 //! line of the stage (`track_caller`). The only lossy conversions are [`Fx::round_to`] and those named `saturate` or `floor`.
 
-use core::ops::{Add, Neg, Sub};
+use core::ops::{Add, Neg, RangeInclusive, Sub};
 
 use crate::word::{Wire, Word};
 
@@ -126,11 +126,11 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
         self.negate_if(self.lt(Self::zero()))
     }
 
-    /// `self`, with the fact that |self| ≤ `limit / 2^FRAC`, by the lemma of that name.
+    /// `self`, with the fact that its integer is in `range`, by the lemma of that name.
     #[inline(always)]
     #[track_caller]
-    pub fn claim_at_most(self, limit: i64, lemma: &'static str) -> Self {
-        Self(self.0.claim(-limit, limit, lemma))
+    pub fn claim(self, range: RangeInclusive<i64>, lemma: &'static str) -> Self {
+        Self(self.0.claim(*range.start(), *range.end(), lemma))
     }
 
     /// `⌊self / 2^k⌋` with the count on a wire.

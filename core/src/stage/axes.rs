@@ -76,7 +76,7 @@ fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> 
     let [cos, sin] = w.m.map(|m| -> Mantissa<W> {
         let product: Wide<W, 60> = m.mul::<MANTISSA, 60>(inverse.m[0]);
         let unit: Wide<W, 58> = product.reread::<58>().floor_shr_by(places);
-        let unit = unit.claim_at_most(17 << 54, "a_component_over_its_length_is_near_one_at_most");
+        let unit = unit.claim(-(17 << 54)..=17 << 54, "a_component_over_its_length_is_near_one_at_most");
         unit.round_to(p.fraction_bits).min(Fx::lit(1 << MANTISSA))
     });
     (cos, sin)

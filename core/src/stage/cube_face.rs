@@ -25,7 +25,8 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
     let divide = |numerator: Mantissa<W>| -> Mantissa<W> {
         // numerator/m = 2·numerator·(1/2m): one binary place less in the product.
         let quotient: Wide<W, 59> = numerator.mul::<MANTISSA, 60>(half_reciprocal).reread();
-        let quotient = quotient.claim_at_most(17 << 55, "a_quotient_by_the_largest_component_is_near_one_at_most");
+        let quotient =
+            quotient.claim(-(17 << 55)..=17 << 55, "a_quotient_by_the_largest_component_is_near_one_at_most");
         let quotient: Mantissa<W> = quotient.round_to(p.fraction_bits);
         quotient.saturate(-one, one)
     };

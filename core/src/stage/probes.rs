@@ -93,7 +93,7 @@ fn step<W: Word>(
     let places = places_below(product.e, Fx::lit(3), 62);
     product.m.map(|m| {
         let at_eight: Wide<W, 57> = m.widen::<60>().reread();
-        at_eight.floor_shr_by(places).claim_at_most(7 << 57, "a_step_is_below_seven_map_units").round_to(POSITION)
+        at_eight.floor_shr_by(places).claim(-(7 << 57)..=7 << 57, "a_step_is_below_seven_map_units").round_to(POSITION)
     })
 }
 
@@ -122,7 +122,7 @@ pub fn position<W: Word>(probes: &Probes<W>, index: Fx<W, 0>) -> [Fx<W, POSITION
     let odd = index.shl(1) - probes.count + Fx::lit(1);
     probes.step.map(|step| {
         let twice: Wide<W, 29> = step.mul::<0, 28>(odd).reread();
-        twice.claim_at_most(7 << 28, "probes_stay_on_the_major_axis").round_to(POSITION)
+        twice.claim(-(7 << 28)..=7 << 28, "probes_stay_on_the_major_axis").round_to(POSITION)
     })
 }
 
