@@ -1,0 +1,253 @@
+//! Speed of the readings of the whole reflection datapath, fetches excluded, on one thread and from memory.
+//!
+//! `cargo bench -p roughxel-host-tests --bench readings` runs criterion over every contender and then prints the bars:
+//! every round takes each contender once over the same fragments, a ratio is the median of the rounds' ratios, so
+//! that a machine that changes its speed changes both sides; let nothing else run beside it. Exit code 1 if a bar is
+//! missed. With a filter or an option criterion alone runs, for a part has no ratios.
+//!
+//! All write what a sampler needs (face, s, t, N, step, LOD, status), from inputs in their own format. *f32* is what
+//! a user would write instead: plain, compiled as by default, and batched, with the widest vectors of the machine.
+
+use std::hint::black_box;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use criterion::{Criterion, Throughput};
+use fearless_simd::Level;
+use roughxel_core::datapath::{Reflection, reflection};
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::{ReflectionIn, environment_scale};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::scalar::Scalar;
+use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::scene::Scene;
+use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
+use roughxel_emulator::study::cases::random_fragment;
+use roughxel_host_tests::float_datapath::{Environment, Footprint, FootprintBlock, Fragment, FragmentBlock};
+use roughxel_host_tests::reference;
+
+/// Fragments of a set: inputs and outputs of one contender stay within a second-level cache.
+const FRAGMENTS: usize = 2048;
+
+/// Rounds of the paired measurement.
+const ROUNDS: usize = 121;
+
+/// Least time of one contender in one round: long against reading the clock, short against a turn of another process.
+const LEAST: Duration = Duration::from_millis(1);
+
+const PROFILE: Precision = Precision::STANDARD;
+
+/// A mirror without bumps, roughness or curvature: the least plan with a footprint.
+const MIRROR: ReflectionPlan =
+    ReflectionPlan { bump: false, roughness: RoughnessKind::None, curvature: false, ..ReflectionPlan::FULL };
+
+/// `of` has to be at least `least` times as fast as `over`.
+struct Bar {
+    of: &'static str,
+    over: &'static str,
+    least: f64,
+}
+
+const BARS: [Bar; 4] = [
+    Bar { of: "lanes", over: "scalar", least: 3.0 },
+    Bar { of: "lanes", over: "f32 plain", least: 1.0 },
+    Bar { of: "lanes", over: "f32 batched", least: 0.4 },
+    Bar { of: "lanes", over: "verilated", least: 20.0 },
+];
+
+/// Fragments every contender computes, and the edge of the environment they all see.
+struct Set {
+    name: &'static str,
+    fragments: Vec<ReflectionIn>,
+    edge_texels: u16,
+}
+
+/// One way to compute a set.
+struct Contender<'a> {
+    name: &'static str,
+    /// Computes the whole set so many times and says how long that took.
+    passes: Box<dyn FnMut(u64) -> Duration + 'a>,
+}
+
+impl<'a> Contender<'a> {
+    /// `pass` computes the set once.
+    fn new(name: &'static str, mut pass: impl FnMut() + 'a) -> Self {
+        let passes = move |count| {
+            let start = Instant::now();
+            (0..count).for_each(|_| pass());
+            start.elapsed()
+        };
+        Self { name, passes: Box::new(passes) }
+    }
+}
+
+/// Random fragments in the range of `f32`.
+fn random() -> Set {
+    let fragments = (0..).map(|index| random_fragment("bench", index, &PROFILE)).filter(Fragment::in_range);
+    let edge_texels = 256;
+    let fragments = fragments.map(|fragment| ReflectionIn { edge_texels, ..fragment });
+    Set { name: "random", fragments: fragments.take(FRAGMENTS).collect(), edge_texels }
+}
+
+/// Fragments of a frame in which every block has work to do, in the order of its rows.
+fn frame() -> Set {
+    let scene = Scene::builtin("globe").expect("the scene is built in").expect("built-in scenes are read");
+    let prepared = Prepared::new(&scene, Mode::Footprint, &PROFILE).expect("built-in scenes are drawn");
+    let captured = prepared.capture(FRAGMENTS).expect("built-in scenes are drawn");
+    let full = captured.into_iter().filter(|(_, plan)| *plan == ReflectionPlan::FULL);
+    let fragments: Vec<_> = full.map(|(fragment, _)| fragment).collect();
+    assert_eq!(fragments.len(), FRAGMENTS, "every fragment of the globe goes through every block");
+    Set { name: "globe", edge_texels: fragments[0].edge_texels, fragments }
+}
+
+/// Every contender of a set with its inputs and outputs in memory.
+fn contenders(set: &Set) -> Vec<Contender<'_>> {
+    let ports = &set.fragments;
+    let scale = environment_scale(set.edge_texels, &PROFILE);
+    // Data here as in the emulator: a profile known to the compiler makes the scalar reading 1.25 times as fast.
+    let profile = black_box(PROFILE);
+    let scalar = |name, plan: ReflectionPlan| {
+        let mut sampled = vec![[0; 8]; ports.len()];
+        Contender::new(name, move || {
+            for (fragment, sampled) in ports.iter().zip(&mut sampled) {
+                *sampled = sampler_words(&reflection(&fragment.wires(scale), &plan, &profile));
+            }
+            black_box(&mut sampled);
+        })
+    };
+
+    let inputs: Vec<_> = ports.iter().map(reference_inputs).collect();
+    let options = reference_options(&ReflectionPlan::FULL, &PROFILE);
+    let mut outputs = Vec::with_capacity(ports.len());
+    let reference = move || {
+        outputs.clear();
+        outputs.extend(inputs.iter().map(|inputs| {
+            let out = reference::reflection(inputs, &options);
+            (out.selection, out.probes)
+        }));
+        black_box(&mut outputs);
+    };
+
+    let environment = Environment::new(u32::from(set.edge_texels));
+    let fragments: Vec<_> = ports.iter().map(Fragment::from).collect();
+    let blocks = FragmentBlock::blocks(&fragments);
+    let mut footprints = vec![Footprint::default(); fragments.len()];
+    let plain = move || {
+        for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
+            *footprint = environment.reflect(fragment);
+        }
+        black_box(&mut footprints);
+    };
+    let mut footprint_blocks = vec![FootprintBlock::default(); blocks.len()];
+    let batched = move || {
+        environment.reflect_batch(&blocks, &mut footprint_blocks);
+        black_box(&mut footprint_blocks);
+    };
+
+    vec![
+        scalar("scalar", ReflectionPlan::FULL),
+        scalar("scalar, mirror plan", MIRROR),
+        Contender::new("float64 reference", reference),
+        Contender::new("f32 plain", plain),
+        Contender::new("f32 batched", batched),
+    ]
+}
+
+/// What a sampler needs of the stages.
+fn sampler_words(stages: &Reflection<Scalar>) -> [i32; 8] {
+    let Reflection { point, probes, status, .. } = stages;
+    let [s, t] = point.st.map(Fx::raw);
+    let [step_s, step_t] = probes.step.map(Fx::raw);
+    [point.select.index().raw(), s, t, probes.count.raw(), step_s, step_t, probes.lod.raw(), status.word().raw()]
+}
+
+/// Seconds a fragment of every contender, by name, one figure for each round.
+fn paired_rounds(set: &Set) -> Vec<(&'static str, Vec<f64>)> {
+    let mut contenders: Vec<_> = contenders(set)
+        .into_iter()
+        .map(|mut contender| {
+            let once = (contender.passes)(1).max(Duration::from_nanos(1));
+            let passes = LEAST.as_nanos().div_ceil(once.as_nanos()) as u64;
+            (contender, passes, Vec::with_capacity(ROUNDS))
+        })
+        .collect();
+    for _ in 0..ROUNDS {
+        for (contender, passes, seconds) in &mut contenders {
+            let fragments = *passes as f64 * set.fragments.len() as f64;
+            seconds.push((contender.passes)(*passes).as_secs_f64() / fragments);
+        }
+    }
+    contenders.into_iter().map(|(contender, _, seconds)| (contender.name, seconds)).collect()
+}
+
+/// The middle figure of an odd number of them.
+fn median(figures: impl Iterator<Item = f64>) -> f64 {
+    let mut figures: Vec<_> = figures.collect();
+    figures.sort_by(f64::total_cmp);
+    figures[figures.len() / 2]
+}
+
+/// Prints speeds and bars of every set; whether no bar is missed.
+fn report(sets: &[Set]) -> bool {
+    let mut speeds = Table::new();
+    speeds.load_style(UTF8_FULL_CONDENSED).set_header(["fragments", "by", "10⁶/s", "ns", "× scalar"]);
+    let mut bars = Table::new();
+    bars.load_style(UTF8_FULL_CONDENSED).set_header(["fragments", "ratio", "measured", "bar", ""]);
+    for (table, columns) in [(&mut speeds, 2..5), (&mut bars, 2..4)] {
+        for column in columns {
+            if let Some(column) = table.column_mut(column) {
+                column.set_cell_alignment(CellAlignment::Right);
+            }
+        }
+    }
+    let mut holds = true;
+    for set in sets {
+        let rounds = paired_rounds(set);
+        let seconds = |name| rounds.iter().find(|(known, _)| *known == name).map(|(_, seconds)| seconds);
+        let ratio = |of, over| {
+            let pairs = seconds(of)?.iter().zip(seconds(over)?);
+            Some(median(pairs.map(|(of, over)| over / of)))
+        };
+        for (name, seconds) in &rounds {
+            let typical = median(seconds.iter().copied());
+            let [speed, time] = [1e-6 / typical, 1e9 * typical].map(|figure| format!("{figure:.2}"));
+            let ratio = ratio(*name, "scalar").map_or_else(String::new, |ratio| format!("{ratio:.2}"));
+            speeds.add_row([set.name, name, &speed, &time, &ratio]);
+        }
+        for Bar { of, over, least } in BARS {
+            let (measured, verdict) = match ratio(of, over) {
+                None => ("–".to_string(), "NOT MEASURED"),
+                Some(ratio) => (format!("{ratio:.2}"), if ratio >= least { "met" } else { "MISSED" }),
+            };
+            holds &= verdict != "MISSED";
+            bars.add_row([set.name, &format!("{of} / {over}"), &measured, &format!("≥ {least:.1}"), verdict]);
+        }
+    }
+    let level = format!("{:?}", Level::new());
+    let level = level.split('(').next().unwrap_or(&level);
+    println!("\nMedians of {ROUNDS} rounds, one thread; widest vectors here: {level}.\n{speeds}\n{bars}");
+    holds
+}
+
+fn main() -> ExitCode {
+    let sets = [frame(), random()];
+    let mut criterion = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_millis(1500))
+        .configure_from_args();
+    for set in &sets {
+        let mut group = criterion.benchmark_group(format!("fragment/{}", set.name));
+        group.throughput(Throughput::Elements(set.fragments.len() as u64));
+        for mut contender in contenders(set) {
+            group.bench_function(contender.name, |bencher| bencher.iter_custom(&mut contender.passes));
+        }
+        group.finish();
+    }
+    criterion.final_summary();
+    let whole = std::env::args().skip(1).eq(["--bench"]);
+    if !whole || report(&sets) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
