@@ -3,9 +3,11 @@
 //! Data goes to stdout, progress and errors to stderr. Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 
 mod console;
+mod cost;
 mod demo;
 mod effects;
 mod eval;
+mod ranges;
 mod render;
 mod report;
 mod scenes;
@@ -59,6 +61,12 @@ enum Command {
     /// Print a report.
     #[command(subcommand)]
     Report(report::ReportCommand),
+    /// Prove that no wire can overflow; print declared, proven and observed ranges.
+    #[command(long_about = ranges::LONG_HELP)]
+    Ranges(ranges::RangesArgs),
+    /// Count multipliers, adders, tables and gate levels of every stage.
+    #[command(long_about = cost::LONG_HELP)]
+    Cost(cost::CostArgs),
     /// List the built-in scenes.
     Scenes(scenes::ScenesArgs),
 }
@@ -113,6 +121,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Vectors(command) => vectors::run(&command),
         Command::Eval(args) => eval::run(&args),
         Command::Report(command) => report::run(&command),
+        Command::Ranges(args) => ranges::run(&args),
+        Command::Cost(args) => cost::run(&args),
         Command::Scenes(args) => scenes::run(&args),
     };
     match outcome {

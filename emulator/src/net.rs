@@ -2,11 +2,15 @@
 //!
 //! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
 //! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
-//! its word, [`census`] counts what each block costs, [`verilog`] writes it down as hardware. [`design`] lists what
-//! can be recorded: the whole reflection datapath and every block beside it.
+//! its word, [`observe`] holds that against what wires carry, [`census`] counts what each block costs and [`delay`] how
+//! long it takes, [`verilog`] writes it down as hardware. [`design`] lists what can be recorded: the whole reflection
+//! datapath and every block beside it.
 
+pub mod census;
+pub mod delay;
 pub mod design;
 pub mod evaluate;
 pub mod graph;
 pub mod interval;
+pub mod observe;
 pub mod record;

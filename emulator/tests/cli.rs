@@ -12,7 +12,7 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 16] = [
+    let cases: [&[&str]; 20] = [
         &[],
         &["frobnicate"],
         &["eval", "--profile", "best"],
@@ -29,6 +29,10 @@ fn usage_errors_end_with_2() {
         &["render"],
         &["render", "lake", "--mode", "supersampled:0"],
         &["report", "accuracy", "--profile", "best"],
+        &["ranges", "--design", "everything"],
+        &["ranges", "--size", "0x3"],
+        &["cost", "--effects", "fog"],
+        &["cost", "--profile", "paper", "--path", "no_such_stage"],
     ];
     for arguments in cases {
         let output = roughxel(arguments);
@@ -72,6 +76,66 @@ fn help_gives_units_formats_and_exit_codes() {
         for part in ["I2F30", "I4F28", "0 done, 1 failure, 2 usage, 3 mismatch", "per pixel"] {
             assert!(help.contains(part), "{arguments:?} misses {part}");
         }
+    }
+}
+
+#[test]
+fn ranges_and_cost_say_what_their_columns_and_exit_codes_mean() {
+    for (command, parts) in [
+        ("ranges", ["proven", "declared", "slack", "0 no wire can overflow; 1 one can", "3 a value was observed"]),
+        ("cost", ["multipliers", "ROM", "ceil(log2 w)+2", "Exit codes: 0 done, 1 ", "two's complement"]),
+    ] {
+        let output = roughxel(&[command, "--help"]);
+        let help = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        for part in parts {
+            assert!(help.contains(part), "{command} misses {part}");
+        }
+    }
+}
+
+fn json(arguments: &[&str]) -> serde_json::Value {
+    let output = roughxel(arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn every_observed_range_is_inside_the_proven_one_and_leaves_no_less_slack() {
+    let all = json(&["ranges", "--json", "--design", "all", "--profile", "all", "--size", "16x12", "--random", "50"]);
+    let number = |value: &serde_json::Value| value.as_i64().unwrap();
+    for design in all.as_array().unwrap() {
+        assert!(design["violations"].as_array().unwrap().is_empty());
+        for tap in design["taps"].as_array().unwrap() {
+            let (proven, declared) = (&tap["proven"], number(&tap["declared_bits"]));
+            assert_eq!(number(&tap["slack_bits"]), declared - number(&tap["proven_bits"]), "{tap}");
+            assert!(number(&tap["observed_bits"]) <= number(&tap["proven_bits"]), "{tap}");
+            for seen in ["frame", "sets"] {
+                assert!(number(&proven["low"]) <= number(&tap[seen]["low"]), "{tap}");
+                assert!(number(&proven["high"]) >= number(&tap[seen]["high"]), "{tap}");
+            }
+            assert!(tap["line"].as_str().unwrap().contains(".rs:"), "{tap}");
+        }
+    }
+}
+
+#[test]
+fn a_smaller_plan_costs_less_and_a_critical_path_ends_at_its_levels() {
+    let multipliers = |effects: &str| -> u64 {
+        let cost = json(&["cost", "--json", "--profile", "compact", "--effects", effects]);
+        let list = cost[0]["total"]["multipliers"].as_array().unwrap().clone();
+        list.iter().map(|widths| widths["count"].as_u64().unwrap()).sum()
+    };
+    let plans = ["none", "footprint", "footprint,bump", "footprint,bump,roughness", "all"].map(multipliers);
+    assert!(plans.is_sorted_by(|a, b| a < b), "{plans:?}");
+
+    let cost = json(&["cost", "--json", "--profile", "compact"]);
+    for stage in cost[0]["stages"].as_array().unwrap() {
+        let name = stage["stage"].as_str().unwrap();
+        let path = json(&["cost", "--json", "--profile", "compact", "--path", name]);
+        let last = path[0]["path"].as_array().unwrap().last().unwrap()[0].as_str().unwrap().to_string();
+        let levels = stage["cost"]["levels"].as_u64().unwrap();
+        assert!(last.starts_with(&format!("{levels} (+")), "{name}: {last}, {levels}");
     }
 }
 

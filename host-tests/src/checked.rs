@@ -5,7 +5,7 @@
 //! index inside its table: the first violation panics with the operation and its operands. Logic on one-bit flags
 //! cannot go wrong and is not counted.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::fmt;
 
 use roughxel_core::bundle::{Bundle, Rewire, Step};
@@ -109,6 +109,20 @@ pub fn counted<T>(work: impl FnOnce() -> T) -> (T, OperationCounts) {
     let result = work();
     let after = COUNTS.get();
     (result, OperationCounts(std::array::from_fn(|i| after[i] - before[i])))
+}
+
+/// Outcomes of the blocks that ran, in their order, each with the name of its block.
+pub type Trace = Vec<(&'static str, Integers)>;
+
+thread_local! {
+    static TRACE: RefCell<Option<Trace>> = const { RefCell::new(None) };
+}
+
+/// Runs `work` and says what every block of the datapath came to on this thread.
+pub fn traced<T>(work: impl FnOnce() -> T) -> (T, Trace) {
+    TRACE.set(Some(Trace::new()));
+    let result = work();
+    (result, TRACE.take().unwrap_or_default())
 }
 
 macro_rules! wire {
@@ -230,6 +244,15 @@ impl Word for Checked {
             None => panic!("lookup at {} in a table of {}", self.0, table.len()),
         }
     }
+    fn block<B: Bundle<Self>>(name: &'static str, body: impl FnOnce() -> B) -> B {
+        let outcome = body();
+        TRACE.with_borrow_mut(|trace| {
+            if let Some(trace) = trace {
+                trace.push((name, Integers::of(&outcome)));
+            }
+        });
+        outcome
+    }
 }
 
 /// Word types of which a test can see the integer.
@@ -279,6 +302,35 @@ impl<V: Visible> Rewire<i32, V> for SameIntegers {
     fn flag(&mut self, wire: bool) -> V::Flag {
         V::lit(0).lt(V::lit(i64::from(wire)))
     }
+}
+
+/// Puts given integers on the wires, in the order of the walk.
+struct Given<'a>(std::slice::Iter<'a, i64>);
+
+impl Given<'_> {
+    fn next(&mut self) -> i64 {
+        *self.0.next().expect("an integer for every wire of the bundle")
+    }
+}
+
+impl<V: Visible> Rewire<i32, V> for Given<'_> {
+    fn word(&mut self, _: i32, _: u32) -> V {
+        V::lit(self.next())
+    }
+    fn wide(&mut self, _: i64, _: u32) -> V::Wide {
+        V::Wide::lit(self.next())
+    }
+    fn flag(&mut self, _: bool) -> V::Flag {
+        V::lit(0).lt(V::lit(self.next()))
+    }
+}
+
+/// A bundle of the same form with other integers on its wires, in the order of the walk.
+pub fn filled<V: Visible, B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<V> {
+    let mut given = Given(integers.iter());
+    let bundle = form.rewire(&mut given);
+    assert!(given.0.next().is_none(), "a wire of the bundle for every integer");
+    bundle
 }
 
 /// The same bundle in another reading.

@@ -1,29 +1,270 @@
-//! The proof that no wire can leave its word, and that the proof would notice.
+//! The proof that no wire can leave its word: that it holds, that it is sound, and that it would notice.
+
+#[path = "proof/evaluation.rs"]
+mod evaluation;
+#[path = "proof/mutations.rs"]
+mod mutations;
+#[path = "proof/rules.rs"]
+mod rules;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
 
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
-use roughxel_emulator::net::design::DESIGNS;
-use roughxel_emulator::net::interval::Ranges;
+use roughxel_core::precision::{
+    AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
+};
+use roughxel_emulator::net::census::{Census, Cost};
+use roughxel_emulator::net::delay::{arrival_in_block, critical_path, levels};
+use roughxel_emulator::net::design::{DESIGNS, Design};
+use roughxel_emulator::net::graph::{Net, Op};
+use roughxel_emulator::net::interval::{Range, Ranges};
+use roughxel_emulator::net::observe::Observed;
+
+fn profiles() -> [(&'static str, Precision); 4] {
+    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+}
+
+fn design(name: &str) -> &'static Design {
+    Design::by_name(name).expect("a listed design exists")
+}
+
+/// Every combination of blocks.
+fn plans() -> Vec<ReflectionPlan> {
+    let mut plans = Vec::new();
+    for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
+        for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
+            for switches in 0..8 {
+                let [bump, curvature, footprint] = [0, 1, 2].map(|bit| switches >> bit & 1 == 1);
+                plans.push(ReflectionPlan { bump, frame, roughness, curvature, footprint });
+            }
+        }
+    }
+    plans
+}
+
+/// The plans under which a design is a different one.
+fn plans_of(design: &Design) -> Vec<ReflectionPlan> {
+    if matches!(design.name, "fragment" | "reflection") { plans() } else { vec![ReflectionPlan::FULL] }
+}
+
+fn holds(design: &Design, plan: &ReflectionPlan, p: &Precision) {
+    let net = design.record(plan, p);
+    let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
+    assert!(violations.is_empty(), "{} {plan:?} {p:?}:\n{}", design.name, violations.join("\n"));
+}
 
 #[test]
 fn no_wire_of_any_design_can_leave_its_word() {
-    let mut problems = Vec::new();
-    for name in PROFILE_NAMES {
-        let p = Precision::by_name(name).expect("a profile");
+    for (_, p) in profiles() {
         for design in DESIGNS {
-            for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
-                let plan = ReflectionPlan { frame, ..ReflectionPlan::FULL };
-                let net = design.record(&plan, &p);
-                let ranges = Ranges::new(&net);
-                println!("{name} {} {frame:?}: {} nodes", design.name, net.nodes.len());
-                problems.extend(ranges.violations.iter().map(|v| format!("{name} {} {v}", design.name)));
-                if design.name != "reflection" {
-                    break;
+            for plan in plans_of(design) {
+                holds(design, &plan, &p);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
+    let mut precisions = Vec::new();
+    // The ends of every knob that changes a width, all combinations.
+    for fraction_bits in [12, 13, 20, 27, 28] {
+        for (seed_bits, steps) in [(6, 0), (6, 1), (6, 2), (10, 0), (10, 2)] {
+            for direction in
+                [AxisDirection::Exact, AxisDirection::Table { steps: 2 }, AxisDirection::Table { steps: 64 }]
+            {
+                for probe_rule in [ProbeRule::PowerOfTwo, ProbeRule::Ceiling] {
+                    for (max_probes, lod_bits, weight_bits) in [(1, 2, 2), (16, 12, 10)] {
+                        let newton = Newton { seed_bits, steps };
+                        precisions.push(Precision {
+                            fraction_bits,
+                            reciprocal: newton,
+                            inverse_root: newton,
+                            direction,
+                            max_probes,
+                            probe_rule,
+                            probe_weights: ProbeWeights::Gaussian,
+                            lod_bits,
+                            weight_bits,
+                            ..Precision::STANDARD
+                        });
+                    }
                 }
             }
         }
     }
-    problems.sort();
-    problems.dedup();
-    assert!(problems.is_empty(), "{} problems\n{}", problems.len(), problems.join("\n"));
+    let plans = plans();
+    for (index, p) in precisions.iter().enumerate() {
+        let p = p.checked().expect("the knobs are inside their limits");
+        for design in DESIGNS {
+            let plan = if plans_of(design).len() > 1 { plans[index % plans.len()] } else { ReflectionPlan::FULL };
+            holds(design, &plan, &p);
+        }
+        holds(design("reflection"), &ReflectionPlan::FULL, &p);
+    }
+}
+
+/// Which outcomes of a design feed which ports of another: design and path above, design and path below.
+const CONNECTIONS: [[&str; 4]; 18] = [
+    ["map_scale", "", "reflection", "map"],
+    ["map_scale", "log2_texels", "texture", "map.log2_texels"],
+    ["reflection", "point", "environment_probe", "point"],
+    ["reflection", "probes", "environment_probe", "probes"],
+    ["reflection", "probes.lod", "levels", "lod"],
+    ["environment_probe", "place", "face_address", "place"],
+    ["environment_probe", "weight", "probe_sum", "weight"],
+    ["texture", "probes", "texture_probe", "probes"],
+    ["texture", "probes.lod", "levels", "lod"],
+    ["texture_probe", "place", "texture_probe", "centre"],
+    ["texture_probe", "place", "repeat_address", "place"],
+    ["texture_probe", "weight", "probe_sum", "weight"],
+    ["face_address", "weight", "colour_sample", "weights[0]"],
+    ["repeat_address", "weight", "moment_sample", "weights[1]"],
+    ["levels", "weight", "colour_sample", "level_weight"],
+    ["moment_sample", "", "probe_sum", "sample"],
+    ["roughness_decode", "", "reflection", "roughness"],
+    ["corner", "", "colour_sample", "texels[0][0]"],
+];
+
+/// What an output can be: by the walk, or, where one port of 16 bits is all there is, by trying every value of it.
+fn sent(net: &Net) -> Vec<Range> {
+    let ranges = Ranges::new(net);
+    let [port] = net.ports.as_slice() else { return net.outputs.iter().map(|output| ranges.of(output.node)).collect() };
+    let mut seen = Observed::new(net);
+    assert!(port.high - port.low <= 1 << 16, "{} can be tried", port.name);
+    for value in port.low..=port.high {
+        seen.evaluate(net, &[value]);
+    }
+    net.outputs.iter().filter_map(|output| seen.of(output.node)).collect()
+}
+
+#[test]
+fn ports_allow_what_the_design_before_them_can_send() {
+    for (profile, p) in profiles() {
+        for [above, from, below, to] in CONNECTIONS {
+            let plans = if above == "reflection" { plans() } else { vec![ReflectionPlan::FULL] };
+            for plan in plans {
+                let (above, below) = (design(above).record(&plan, &p), design(below).record(&plan, &p));
+                let outputs = above.outputs.iter().zip(sent(&above));
+                let mut connected = 0;
+                for (output, range) in outputs.filter(|(output, _)| output.name.starts_with(from)) {
+                    let rest = output.name[from.len()..].trim_start_matches('.');
+                    let point = if rest.is_empty() || rest.starts_with('[') { "" } else { "." };
+                    let name = format!("{to}{point}{rest}");
+                    let port = below.ports.iter().find(|port| port.name == name);
+                    let port = port.unwrap_or_else(|| panic!("{name} is a port"));
+                    let allowed = Range { low: port.low, high: port.high, zeros: 0 };
+                    let inside = allowed.contains(range.low) && allowed.contains(range.high);
+                    assert!(inside, "{profile} {plan:?}: {} is {range}, {name} takes {allowed}", output.name);
+                    assert_eq!(port.fraction_bits, output.fraction_bits, "{name}");
+                    connected += 1;
+                }
+                assert!(connected > 0, "nothing connects {from} with {to}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_operation_names_its_source_line_and_is_in_a_block() {
+    for (_, p) in profiles() {
+        for design in DESIGNS {
+            for plan in plans_of(design) {
+                let net = design.record(&plan, &p);
+                for (id, node) in net.iter() {
+                    if !matches!(node.op, Op::Lit(_) | Op::Port(_)) {
+                        let origin = net.origin(id);
+                        // The choice between two levels of detail is the design's own.
+                        let ours =
+                            ["core/src/", "emulator/src/net/design.rs"].iter().any(|place| origin.starts_with(place));
+                        assert!(ours, "{}: {origin}", node.op.name());
+                        assert!(node.block.is_some(), "{}: {origin} is in no block", design.name);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Lemmas named by the claims of a net.
+fn lemmas(net: &Net) -> impl Iterator<Item = &'static str> {
+    net.nodes.iter().filter_map(|node| match node.op {
+        Op::Claim { lemma, .. } => Some(lemma),
+        _ => None,
+    })
+}
+
+#[test]
+fn every_claim_names_a_lemma_that_is_a_test() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = |path: &str| fs::read_to_string(package.join(path)).expect("sources are text");
+    let source = text("tests/lemmas.rs");
+    let mut named = BTreeSet::new();
+    for (_, p) in profiles() {
+        for design in DESIGNS {
+            for plan in plans_of(design) {
+                named.extend(lemmas(&design.record(&plan, &p)));
+            }
+        }
+    }
+    let tests: BTreeSet<_> =
+        source.split("#[test]\nfn ").skip(1).filter_map(|test| Some(test.split_once("() {")?.0)).collect();
+    assert!(named.is_subset(&tests), "no test: {:?}", named.difference(&tests));
+    // What no design goes through is claimed in the source all the same.
+    let core = ["elementary.rs", "stage/axes.rs", "stage/cube_face.rs", "stage/probes.rs"];
+    let core = core.map(|file| text(&format!("../core/src/{file}"))).concat();
+    for test in tests {
+        assert!(core.contains(&format!("\"{test}\"")), "{test}: nothing claims it");
+    }
+}
+
+#[test]
+fn compact_fits_multipliers_of_18_by_18() {
+    for (profile, p) in profiles() {
+        for name in ["reflection", "fragment", "texture"] {
+            for plan in plans_of(design(name)) {
+                let net = design(name).record(&plan, &p);
+                let census = Census::new(&net, &Ranges::new(&net));
+                let operand = p.fraction_bits + 2;
+                // A rise of the logarithm's table has 18 bits, whatever the profile.
+                let [wide, narrow] = census.total.widest_multiplier();
+                assert!(wide <= operand.max(18) && narrow <= operand, "{profile} {plan:?}: {wide} x {narrow}");
+                assert!(census.total.constant_multipliers.keys().all(|[bits, _]| *bits <= operand));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_census_adds_up_and_its_critical_paths_take_the_levels_it_says() {
+    for (_, p) in profiles() {
+        for design in DESIGNS {
+            let net = design.record(&ReflectionPlan::FULL, &p);
+            let ranges = Ranges::new(&net);
+            let census = Census::new(&net, &ranges);
+            let sum = |figure: fn(&Cost) -> u64| {
+                let stages: u64 = census.stages.iter().map(|stage| figure(&stage.cost)).sum();
+                let blocks: u64 = census.blocks.iter().map(figure).sum();
+                assert_eq!((stages, blocks), (figure(&census.total), figure(&census.total)), "{}", design.name);
+            };
+            sum(|cost| cost.multiplier_count().into());
+            sum(Cost::carry_bits);
+            sum(Cost::rom_bits);
+            sum(|cost| cost.selects.bits + cost.logic.bits + cost.shifters.bits);
+            let multiplications = net.nodes.iter().filter(|node| matches!(node.op, Op::Mul(..))).count() as u32;
+            let by_constants: u32 = census.total.constant_multipliers.values().sum();
+            assert!(census.total.multiplier_count() + by_constants <= multiplications);
+
+            let length = |path: Vec<u32>| -> u32 { path.into_iter().map(|id| levels(&net, &ranges, id)).sum() };
+            assert_eq!(length(critical_path(&net, &ranges, None)), census.total.levels, "{}", design.name);
+            for (block, cost) in (0..).zip(&census.blocks) {
+                let path = critical_path(&net, &ranges, Some(block));
+                assert!(path.iter().all(|&id| net.node(id).block == Some(block)));
+                assert_eq!(length(path), cost.levels, "{} {}", design.name, net.blocks[block as usize].instance());
+            }
+            assert_eq!(arrival_in_block(&net, &ranges).len(), net.nodes.len());
+        }
+    }
 }

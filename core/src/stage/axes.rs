@@ -65,7 +65,7 @@ fn direction<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> [
 /// (cos |α|, sin |α|) ∝ (h + |a − c|, |2b|).
 #[inline(always)]
 fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
-    let [x, y] = double.m.map(Fx::abs);
+    let [x, y] = core::array::from_fn(|i| double.m[i].abs());
     // h over the scale of `double` is in [½, √2]: 58 fraction bits hold h + |x| < 4.
     let places = places_below(h.e - double.e, Fx::lit(2), 62);
     let h: Wide<W, 58> = h.m[0].widen::<60>().reread().floor_shr_by(places);

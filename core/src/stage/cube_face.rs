@@ -13,7 +13,7 @@ use crate::word::Word;
 /// Selects the face and divides.
 #[inline(always)]
 pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
-    let [x, y, z] = r.m.map(Fx::abs);
+    let [x, y, z] = core::array::from_fn(|i| r.m[i].abs());
     let is_z = z.ge(x) & z.ge(y);
     let is_y = !is_z & y.ge(x);
     let second = Fx::select(is_z, x.max(y), Fx::select(is_y, x.max(z), y.max(z)));
@@ -45,7 +45,8 @@ pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &[Fx<W, POSITION>; 2]
     let one: Fx<W, POSITION> = Fx::lit(1 << POSITION);
     let inside = moved.iter().fold(!one.lt(moved[0].abs()), |inside, x| inside & !one.lt(x.abs()));
     let direction = point.select.from_face([moved[0], moved[1], one]);
-    let across = cube_face(&normalise(direction.map(Fx::widen::<58>), Fx::zero(), p.fraction_bits), p);
+    let direction: [Wide<W, 58>; 3] = core::array::from_fn(|i| direction[i].widen());
+    let across = cube_face(&normalise(direction, Fx::zero(), p.fraction_bits), p);
     let across_st: [Fx<W, POSITION>; 2] = across.st.map(|s| s.floor_shr(2).reread());
     FacePosition {
         face: Fx::select(inside, point.select.index(), across.select.index()),

@@ -66,10 +66,10 @@ pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2],
 /// The cross product of the unit axis on which |n| is smallest with n, exact.
 #[inline(always)]
 fn axis_cross_n<W: Word>(n: &[Mantissa<W>; 3]) -> [Wide<W, 60>; 3] {
-    let [x, y, z] = n.map(Fx::abs);
+    let [x, y, z] = core::array::from_fn(|i| n[i].abs());
     let x_smallest = !y.lt(x) & !z.lt(x);
     let y_smallest = !x_smallest & !z.lt(y);
-    let [nx, ny, nz] = n.map(Fx::widen::<60>);
+    let [nx, ny, nz]: [Wide<W, 60>; 3] = core::array::from_fn(|i| n[i].widen());
     let zero = Fx::zero();
     let of_axis = [[zero, -nz, ny], [nz, zero, -nx], [-ny, nx, zero]];
     core::array::from_fn(|i| {

@@ -37,7 +37,7 @@ pub(super) struct AccuracyArgs {
 #[derive(Clone, Debug)]
 pub(super) struct Profiles(pub(super) Vec<ProfileArg>);
 
-fn parse_profiles(name: &str) -> Result<Profiles, String> {
+pub(super) fn parse_profiles(name: &str) -> Result<Profiles, String> {
     let names = if name == "all" { PROFILE_NAMES.to_vec() } else { vec![name] };
     names.into_iter().map(parse_profile).collect::<Result<_, _>>().map(Profiles)
 }

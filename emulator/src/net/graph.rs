@@ -280,12 +280,11 @@ impl Net {
         (0..).zip(&self.nodes).collect::<Vec<_>>().into_iter()
     }
 
-    /// `frame.e1.m[0]`: the block and the path of a tap.
+    /// `frame.e1.m[0]`: the block and the path of a tap; `blend` where the outcome is a single wire.
     pub fn tap_name(&self, tap: &Tap) -> String {
-        match tap.block {
-            Some(block) => format!("{}.{}", self.blocks[block as usize].instance(), tap.name),
-            None => tap.name.clone(),
-        }
+        let Some(block) = tap.block else { return tap.name.clone() };
+        let point = if tap.name.is_empty() || tap.name.starts_with('[') { "" } else { "." };
+        format!("{}{point}{}", self.blocks[block as usize].instance(), tap.name)
     }
 
     /// Where a node comes from: `core/src/block.rs:84 in columns_pixel_0`.

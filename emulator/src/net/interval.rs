@@ -2,9 +2,9 @@
 //! operation leaves its word for any input.
 //!
 //! A range is an interval and a power of two that divides every value. Plain intervals know nothing of correlation, so
-//! six patterns are recognised, each an exact lemma about integers:
+//! five patterns are recognised, each an exact lemma about integers:
 //! `select(x < y, …)` knows the comparison in its branches (min, max, absolute value, |x| ≤ y);
-//! `x − ((x >> k) << k)` is the remainder, in [0, 2^k); `table[i + k] − table[i]` is a rise of that table;
+//! `x − ((x >> k) << k)` is the remainder, in [0, 2^k);
 //! `x ^ (x >> w − 1)` is the one's complement magnitude, in [0, max(high, −1 − low)];
 //! `x << (clz(m) − 1)` fits its wire where m is an `or` of magnitudes with that of x among them (block
 //! normalisation); and a sum Σ wᵢ·tᵢ with wᵢ ≥ 0 whose weights sum to a constant c, as polynomials in wires, lies
@@ -194,10 +194,7 @@ impl Walk<'_> {
                 let (a, b) = (self.range(a), self.range(b));
                 Exact { low: a.low + b.low, high: a.high + b.high, zeros: a.zeros.min(b.zeros) }
             }),
-            Op::Sub(a, b) => {
-                let known = self.remainder(a, b).or_else(|| self.rise(a, b));
-                known.unwrap_or_else(|| difference(self.range(a), self.range(b)))
-            }
+            Op::Sub(a, b) => self.remainder(a, b).unwrap_or_else(|| difference(self.range(a), self.range(b))),
             Op::Mul(a, b) => {
                 let (x, y) = (self.range(a), self.range(b));
                 let product =
@@ -365,20 +362,6 @@ impl Walk<'_> {
         let Op::Select(flag, negated, x) = self.op(id) else { return None };
         let (Op::Lt(of, zero), Op::Sub(from, taken)) = (self.op(flag), self.op(negated)) else { return None };
         ([of, taken] == [x; 2] && [zero, from].map(|id| self.op(id)) == [Op::Lit(0); 2]).then_some(x)
-    }
-
-    /// `table[i + k] − table[i]` for a constant k.
-    fn rise(&self, a: NodeId, b: NodeId) -> Option<Exact> {
-        let (Op::Lookup(upper, table), Op::Lookup(lower, same)) = (self.op(a), self.op(b)) else { return None };
-        let Op::Add(index, step) = self.op(upper) else { return None };
-        let Op::Lit(step) = self.op(step) else { return None };
-        let first = self.ranges[lower as usize];
-        let inside = first.low.min(first.low + step) >= 0 && first.high.max(first.high + step) < table.0.len() as i64;
-        if table != same || index != lower || !inside {
-            return None;
-        }
-        let entry = |index: i64| i128::from(table.0[index as usize]);
-        Some(Exact::corners((first.low..=first.high).map(|i| entry(i + step) - entry(i)), 0))
     }
 
     /// `x − ((x >> k) << k)` in [0, 2^k).

@@ -1,0 +1,230 @@
+//! The census: what each block costs in hardware, counted on the recorded graph with the widths the interval walk proves.
+//!
+//! Widths leave out constant low zeros, so a mantissa of p fraction bits counts p + 2 bits whatever its wire. Operands of
+//! multipliers are in two's complement, as multiplier blocks take them. A table is counted once a block with the
+//! entries that can be read, however often it is. Fixed shifts, widening, narrowing, claims, sign tests, masks with a
+//! constant and inverters are wires; `delay` says what they and the rest take in time. Nothing is shared between runs of
+//! a block: this is the cost of a datapath that takes a fragment each cycle.
+
+use std::collections::BTreeMap;
+
+use super::delay::{arrival, block_levels, carry_bits, signed_digits};
+use super::graph::{Net, NodeId, Op, Table};
+use super::interval::{Range, Ranges};
+
+/// Units of one sort and their bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Units {
+    /// How many.
+    pub count: u32,
+    /// Bits of all of them.
+    pub bits: u64,
+}
+
+impl Units {
+    fn add(&mut self, bits: u32) {
+        self.count += 1;
+        self.bits += u64::from(bits);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.bits += other.bits;
+    }
+}
+
+/// What a block, a stage or a design costs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Multipliers by the widths of their operands, bits in two's complement, the wider first.
+    pub multipliers: BTreeMap<[u32; 2], u32>,
+    /// Multipliers by a constant: width of the operand, bits in two's complement, and non-zero signed digits of the
+    /// constant, at least two (one is a shift).
+    pub constant_multipliers: BTreeMap<[u32; 2], u32>,
+    /// Adders and subtracters of two wires; bits in which there is a carry.
+    pub adders: Units,
+    /// Adders and subtracters with a constant: increments, complements, roundings.
+    pub constant_adders: Units,
+    /// Comparators; bits in which there is a carry.
+    pub comparators: Units,
+    /// Selects; bits of their outcomes.
+    pub selects: Units,
+    /// Shifters by a count; selects in them, bits times bits of the count.
+    pub shifters: Units,
+    /// Leading-zero counters; bits of their operands.
+    pub leading_zeros: Units,
+    /// And, or, exclusive or; bits.
+    pub logic: Units,
+    /// Tables by entries and bits of an entry.
+    pub tables: BTreeMap<[u32; 2], u32>,
+    /// Reads of tables.
+    pub lookups: u32,
+    /// Operations that are wires.
+    pub wires: u32,
+    /// Gate levels of the critical path.
+    pub levels: u32,
+}
+
+impl Cost {
+    /// Multipliers of two wires.
+    pub fn multiplier_count(&self) -> u32 {
+        self.multipliers.values().sum()
+    }
+
+    /// The widest operands of a multiplier, bits in two's complement: the wider and the narrower of each.
+    pub fn widest_multiplier(&self) -> [u32; 2] {
+        self.multipliers.keys().fold([0; 2], |widest, widths| [0, 1].map(|i| widths[i].max(widest[i])))
+    }
+
+    /// Bits of every adder, subtracter and comparator.
+    pub fn carry_bits(&self) -> u64 {
+        self.adders.bits + self.constant_adders.bits + self.comparators.bits
+    }
+
+    /// Bits of every table.
+    pub fn rom_bits(&self) -> u64 {
+        self.tables.iter().map(|([entries, width], count)| u64::from(entries * width * count)).sum()
+    }
+
+    /// Adds what stands beside it; the critical path is the longer one.
+    fn merge(&mut self, other: &Self) {
+        let maps = [
+            (&mut self.multipliers, &other.multipliers),
+            (&mut self.constant_multipliers, &other.constant_multipliers),
+            (&mut self.tables, &other.tables),
+        ];
+        for (map, other) in maps {
+            for (key, count) in other {
+                *map.entry(*key).or_default() += count;
+            }
+        }
+        let units = [
+            (&mut self.adders, other.adders),
+            (&mut self.constant_adders, other.constant_adders),
+            (&mut self.comparators, other.comparators),
+            (&mut self.selects, other.selects),
+            (&mut self.shifters, other.shifters),
+            (&mut self.leading_zeros, other.leading_zeros),
+            (&mut self.logic, other.logic),
+        ];
+        for (units, other) in units {
+            units.merge(&other);
+        }
+        self.lookups += other.lookups;
+        self.wires += other.wires;
+        self.levels = self.levels.max(other.levels);
+    }
+
+    /// Counts one operation; tables are counted by the block.
+    fn count(&mut self, net: &Net, ranges: &Ranges, id: NodeId) {
+        let range = |id| ranges.of(id);
+        let constant = |id| range(id).constant();
+        let width = range(id).width();
+        match net.node(id).op {
+            Op::Port(_) | Op::Lit(_) => {}
+            Op::Shl(..) | Op::Sar(..) | Op::Widen(_) | Op::Narrow(_) | Op::Not(_) | Op::Claim { .. } => self.wires += 1,
+            Op::Add(a, b) | Op::Sub(a, b) => match carry_bits(net, ranges, id) {
+                None | Some(0) => self.wires += 1,
+                Some(bits) if constant(a).or(constant(b)).is_some() => self.constant_adders.add(bits),
+                Some(bits) => self.adders.add(bits),
+            },
+            Op::Lt(..) => match carry_bits(net, ranges, id) {
+                None | Some(0) => self.wires += 1,
+                Some(bits) => self.comparators.add(bits),
+            },
+            Op::Mul(a, b) => match (constant(a), constant(b)) {
+                (None, None) => {
+                    let [v, w] = [a, b].map(|operand| signed_width(range(operand)));
+                    *self.multipliers.entry([v.max(w), v.min(w)]).or_default() += 1;
+                }
+                (Some(by), _) => self.multiply_by(by, range(b)),
+                (_, Some(by)) => self.multiply_by(by, range(a)),
+            },
+            Op::ShlBy(a, count) => self.shifters.add(width.max(range(a).width()) * range(count).width()),
+            Op::SarBy(a, count) => self.shifters.add(range(a).width() * range(count).width()),
+            Op::And(a, b) if constant(a).or(constant(b)).is_some() => self.wires += 1,
+            Op::And(..) | Op::Or(..) | Op::Xor(..) => self.logic.add(width),
+            Op::Select(..) => self.selects.add(width),
+            Op::LeadingZeros(a) => self.leading_zeros.add(range(a).width()),
+            Op::Lookup(..) => self.lookups += 1,
+        }
+    }
+
+    fn multiply_by(&mut self, constant: i64, operand: Range) {
+        match signed_digits(constant) {
+            0 | 1 => self.wires += 1,
+            digits => *self.constant_multipliers.entry([signed_width(operand), digits]).or_default() += 1,
+        }
+    }
+}
+
+/// Bits in two's complement without constant low zeros.
+fn signed_width(range: Range) -> u32 {
+    range.width() + u32::from(!range.signed())
+}
+
+/// All runs of one stage.
+#[derive(Clone, Debug)]
+pub struct StageCost {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// Runs of it.
+    pub runs: u32,
+    /// All of them together; the critical path of the slowest.
+    pub cost: Cost,
+}
+
+/// The census of a net.
+#[derive(Clone, Debug)]
+pub struct Census {
+    /// Every run of a block, in the order of [`Net::blocks`].
+    pub blocks: Vec<Cost>,
+    /// Every stage, in the order of its first run.
+    pub stages: Vec<StageCost>,
+    /// The design; its critical path leads from ports to outputs without a register.
+    pub total: Cost,
+}
+
+impl Census {
+    /// Counts a net.
+    pub fn new(net: &Net, ranges: &Ranges) -> Self {
+        let mut blocks = vec![Cost::default(); net.blocks.len()];
+        let mut total = Cost::default();
+        // First and last entry read, and the widest entry, of every table of every block.
+        let mut tables: Vec<(Option<u32>, Table, i64, i64, u32)> = Vec::new();
+        for (id, node) in net.iter() {
+            let cost = node.block.map_or(&mut total, |block| &mut blocks[block as usize]);
+            cost.count(net, ranges, id);
+            if let Op::Lookup(index, table) = node.op {
+                let (index, width) = (ranges.of(index), ranges.of(id).width());
+                match tables.iter_mut().find(|known| (known.0, known.1) == (node.block, table)) {
+                    Some((_, _, low, high, widest)) => {
+                        (*low, *high, *widest) = (index.low.min(*low), index.high.max(*high), width.max(*widest));
+                    }
+                    None => tables.push((node.block, table, index.low, index.high, width)),
+                }
+            }
+        }
+        for (block, _, low, high, width) in tables {
+            let cost = block.map_or(&mut total, |block| &mut blocks[block as usize]);
+            *cost.tables.entry([(high - low + 1) as u32, width]).or_default() += 1;
+        }
+        for (cost, levels) in blocks.iter_mut().zip(block_levels(net, ranges)) {
+            cost.levels = levels;
+        }
+        let mut stages: Vec<StageCost> = Vec::new();
+        for (block, cost) in net.blocks.iter().zip(&blocks) {
+            total.merge(cost);
+            match stages.iter_mut().find(|known| known.stage == block.stage()) {
+                Some(stage) => {
+                    stage.runs += 1;
+                    stage.cost.merge(cost);
+                }
+                None => stages.push(StageCost { stage: block.stage(), runs: 1, cost: cost.clone() }),
+            }
+        }
+        let times = arrival(net, ranges);
+        total.levels = net.outputs.iter().map(|output| times[output.node as usize]).max().unwrap_or(0);
+        Self { blocks, stages, total }
+    }
+}

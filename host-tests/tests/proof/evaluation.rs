@@ -1,0 +1,275 @@
+//! The evaluator of a net gives the scalar reading's bits on every named wire, and every wire stays in its proven range.
+
+use fixed::types::{I2F30, I4F28};
+use rayon::prelude::*;
+use roughxel_core::block::Block;
+use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale, texture_scale};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::signals::{CubePoint, Ellipse, FacePosition, FaceSelect, PortBlock, Probes, TexturePosition};
+use roughxel_core::stage::filter::ROUGHNESS_LOD_BIAS;
+use roughxel_core::stage::{axes, blend, filter, moments, probes};
+use roughxel_emulator::net::design::{
+    BlendInput, CornerInput, DESIGNS, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput,
+    LevelsInput, MomentsInput, MomentsOutput, ProbeSumInput, RepeatAddressInput, SampleInput, TextureInput,
+    TextureProbeInput,
+};
+use roughxel_emulator::net::graph::{Net, Tap};
+use roughxel_emulator::net::interval::Ranges;
+use roughxel_emulator::net::observe::{Observed, port_values};
+use roughxel_emulator::net::record::integers;
+use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_host_tests::checked::{Checked, Integers, Trace, Visible, filled, traced};
+
+use super::{design, plans, profiles};
+
+/// What a design's function comes to in a reading of which integers can be seen: the scalar one, or the checked one.
+fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> Integers {
+    fn fx<const FRAC: u32>() -> Fx<i32, FRAC> {
+        Fx::zero()
+    }
+    fn port<const N: usize>() -> PortBlock<i32, N> {
+        PortBlock { mantissa: [fx(); N], exponent: fx() }
+    }
+    let (texture, map) = texture_scale([1, 1]);
+    let probes = Probes { count: fx(), step: [fx(); 2], lod: fx(), empty: false, saturated: false, capped: false };
+    let centre = TexturePosition { uv: [Fx::lit(0); 2] };
+    let sample = SampleInput { texels: [[fx(); 4]; 2], weights: [[fx(); 2]; 2], level_weight: fx() };
+    let trilinear = |extra| -> Fx<W, 0> {
+        let SampleInput { texels, weights, level_weight } = filled::<W, _>(&sample, ports);
+        let [fine, coarse] = texels.map(|texels| texels.map(Fx::raw));
+        let levels = [(&fine, &weights[0]), (&coarse, &weights[1])];
+        Fx::from_raw(filter::trilinear(levels[0], levels[1], level_weight, extra))
+    };
+    match name {
+        "map_scale" => {
+            let Edge { edge_texels } = filled::<W, _>(&Edge { edge_texels: fx() }, ports);
+            Integers::of(&probes::face_scale(edge_texels, p))
+        }
+        "texture" => {
+            let input = filled::<W, _>(&TextureInput { duv: [port(); 2], texture, map }, ports);
+            Integers::of(&datapath::texture_footprint(&input.duv, &input.texture, &input.map, p))
+        }
+        "texture_probe" => {
+            let input = filled::<W, _>(&TextureProbeInput { centre, probes, index: fx(), texture }, ports);
+            Integers::of(&datapath::texture_probe(&input.centre, &input.probes, input.index, &input.texture, p))
+        }
+        "repeat_address" => {
+            let input = filled::<W, _>(&RepeatAddressInput { place: centre, size: [fx(); 2] }, ports);
+            Integers::of(&filter::repeat_address(&input.place, input.size, p))
+        }
+        "moments" => {
+            let form = MomentsInput { roughness: [fx(); 3], offset: [fx(); 2], covariance: [fx(); 3] };
+            let input = filled::<W, _>(&form, ports);
+            let texel = match p.roughness {
+                RoughnessKind::Isotropic => moments::of_isotropic_texel(input.roughness[0]),
+                _ => moments::of_texel(&input.roughness),
+            };
+            Integers::of(&MomentsOutput { texel, probe: moments::of_probe(&input.offset, &input.covariance) })
+        }
+        "roughness_decode" => {
+            let input = filled::<W, _>(&DecodeInput { offset: [fx(); 2], moments: [fx(); 3] }, ports);
+            let k = moments::covariance(&(input.offset, input.moments), p);
+            Integers::of(&match p.roughness {
+                RoughnessKind::Isotropic => {
+                    let axes = axes::axes(&Ellipse { k, det: Block::zero() }, p);
+                    [moments::to_roughness(axes.major), Fx::zero(), Fx::zero()]
+                }
+                _ => moments::decompose(&k, p),
+            })
+        }
+        "fragment" => {
+            let input = filled::<W, _>(&FragmentInput::new(&ReflectionIn::default()), ports);
+            let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels } = input;
+            let map = W::block("map_scale", || probes::face_scale(edge_texels, p));
+            let input = ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map };
+            Integers::of(&datapath::leave(&datapath::reflection(&input, plan, p)))
+        }
+        "reflection" => {
+            let input = filled::<W, _>(&ReflectionIn::default().wires(map), ports);
+            Integers::of(&datapath::reflection(&input, plan, p))
+        }
+        "environment_probe" => {
+            let select = FaceSelect { is_z: false, is_y: false, negative: false };
+            let point = CubePoint { select, st: [fx(); 2], half_reciprocal: fx(), tie: false };
+            let input = filled::<W, _>(&EnvironmentProbeInput { point, probes, index: fx() }, ports);
+            Integers::of(&datapath::environment_probe(&input.point, &input.probes, input.index, p))
+        }
+        "levels" => {
+            let input = filled::<W, _>(&LevelsInput { lod: fx(), rough: false }, ports);
+            let biased = filter::biased(input.lod, Fx::lit(ROUGHNESS_LOD_BIAS), p);
+            Integers::of(&filter::levels(Fx::select(input.rough, biased, input.lod)))
+        }
+        "face_address" => {
+            let form = FaceAddressInput { place: FacePosition { face: fx(), st: [fx(); 2] }, edge: fx() };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&filter::face_address(&input.place.st, input.edge, p))
+        }
+        "corner" => {
+            let input = filled::<W, _>(&CornerInput { texels: [fx(); 3] }, ports);
+            Integers::of(&Fx::<W, 0>::from_raw(filter::corner(&input.texels.map(Fx::raw))))
+        }
+        "colour_sample" => Integers::of(&trilinear(8)),
+        "moment_sample" => Integers::of(&trilinear(0)),
+        "probe_sum" => {
+            let form = ProbeSumInput { sample: fx(), weight: fx(), sum: filter::ProbeSum::zero() };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&input.sum.add(input.sample.raw(), input.weight))
+        }
+        "probe_mean" => {
+            let sum = filled::<W, _>(&filter::ProbeSum::<i32>::zero(), ports);
+            Integers::of(&Fx::<W, 0>::from_raw(sum.mean()))
+        }
+        "blend" => {
+            let form = BlendInput { surface: fx(), reflection: fx(), reflectance: fx() };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&blend::blend(input.surface, input.reflection, input.reflectance))
+        }
+        _ => panic!("{name} is a new design: say what its function is"),
+    }
+}
+
+/// The integer of a tap as the checked reading has it; `None` where its function does not go through the block.
+fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
+    let block = &net.blocks[tap.block? as usize];
+    let mut runs = trace.iter().filter(|(name, _)| *name == block.name);
+    let (_, outcome) = runs.nth(block.run as usize)?;
+    outcome.0.iter().find(|(name, _)| *name == tap.name).map(|(_, value)| *value)
+}
+
+/// Compares outputs with the scalar reading and taps with the checked one. Says how many taps were compared.
+fn compare(name: &str, net: &Net, wires: &[i64], ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> usize {
+    let scalar = outcome::<i32>(name, ports, plan, p);
+    let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
+    let outputs = Integers(outputs.collect());
+    assert_eq!(outputs, scalar, "{name} of {ports:?}");
+    let (checked, trace) = traced(|| outcome::<Checked>(name, ports, plan, p));
+    assert_eq!(checked, scalar);
+    let taps = net.taps.iter().filter_map(|tap| Some((tap, in_trace(net, &trace, tap)?)));
+    let differing = |(tap, value): (_, i64)| {
+        let tap: &Tap = tap;
+        assert_eq!(wires[tap.node as usize], value, "{name}: {} of {ports:?}", net.tap_name(tap));
+    };
+    taps.map(differing).count()
+}
+
+/// Evaluates a design for every fragment and holds it against the other readings and the proof.
+fn check(name: &str, plan: &ReflectionPlan, p: &Precision, fragments: &[ReflectionIn]) {
+    let net = design(name).record(plan, p);
+    let ranges = Ranges::new(&net);
+    assert!(ranges.violations.is_empty());
+    let halves: Vec<_> = fragments.chunks(fragments.len().div_ceil(2).max(1)).collect();
+    halves.into_par_iter().for_each(|fragments| {
+        let mut seen = Observed::new(&net);
+        for (index, fragment) in (0..).zip(fragments) {
+            let mut random = SplitMix64::for_element(name, index);
+            for ports in port_values(name, &net, fragment, plan, p, &mut random) {
+                let wires = seen.evaluate(&net, &ports).to_vec();
+                let compared = compare(name, &net, &wires, &ports, plan, p);
+                if matches!(name, "fragment" | "reflection" | "texture" | "texture_probe" | "environment_probe") {
+                    assert_eq!(compared, net.taps.len(), "every named wire has a counterpart");
+                }
+            }
+        }
+        if let Some(id) = seen.first_outside(&ranges) {
+            panic!("{name}: {} is {:?}, proven {}", net.origin(id), seen.of(id), ranges.of(id));
+        }
+    });
+}
+
+#[test]
+fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
+    for (_, p) in profiles() {
+        for set in hard_case_sets(&p) {
+            check("reflection", &set.plan, &p, &set.fragments);
+            check("environment_probe", &set.plan, &p, &set.fragments);
+        }
+    }
+}
+
+#[test]
+fn a_net_gives_the_bits_of_the_scalar_reading_on_random_fragments() {
+    for (_, p) in profiles() {
+        let fragments: Vec<_> = (0..10_000).map(|index| random_fragment("net", index, &p)).collect();
+        for design in DESIGNS {
+            check(design.name, &ReflectionPlan::FULL, &p, &fragments);
+        }
+        for (index, plan) in plans().iter().enumerate() {
+            check("fragment", plan, &p, &fragments[100 * index..100 * (index + 1)]);
+        }
+    }
+}
+
+/// A number from 0 to `end`, often one of the ends.
+fn corner(random: &mut SplitMix64, end: u64) -> u64 {
+    match random.below(4) {
+        0 => 0,
+        1 => end,
+        _ => random.below(end + 1),
+    }
+}
+
+/// A fragment of any bits, those at the ends of the ports first.
+fn any_bits(random: &mut SplitMix64) -> ReflectionIn {
+    let word = |random: &mut SplitMix64| -> i32 {
+        let power = 1_i64 << random.below(32);
+        let word = match random.below(6) {
+            0 => [0, i32::MIN.into(), i32::MAX.into()][random.below(3) as usize],
+            1 => power,
+            2 => -power,
+            3 => power - 1,
+            _ => random.next_u64() as i32 as i64 >> random.below(31),
+        };
+        word.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    };
+    let vector = |random: &mut SplitMix64| BlockVector {
+        mantissa: [0; 3].map(|_| I2F30::from_bits(word(random))),
+        exponent: (corner(random, u16::MAX.into()) as i32 - 32768) as i16 >> random.below(16),
+    };
+    let mut vectors = [(); 8].map(|()| vector(random));
+    if random.below(2) == 0 {
+        vectors[random.below(8) as usize] = vectors[random.below(8) as usize];
+    }
+    let [normal, view, t0, t1, vx, vy, nx, ny] = vectors;
+    let offsets: [I4F28; 5] = [0; 5].map(|_| I4F28::from_bits(word(random)));
+    let [b1, b2, d1, d2, d3] = offsets;
+    ReflectionIn {
+        normal,
+        view,
+        tangents: [t0, t1],
+        offset: [b1, b2],
+        roughness: [d1, d2, d3],
+        dview: [vx, vy],
+        dnormal: [nx, ny],
+        edge_texels: corner(random, u16::MAX.into()) as u16 >> random.below(16),
+    }
+}
+
+#[test]
+fn a_net_gives_the_bits_of_the_scalar_reading_for_any_bits_at_its_ports() {
+    for (profile, p) in profiles() {
+        for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
+            let plan = ReflectionPlan { frame, ..ReflectionPlan::FULL };
+            let mut random = SplitMix64::for_element(profile, frame as u64);
+            let fragments: Vec<_> = (0..4000).map(|_| any_bits(&mut random)).collect();
+            for name in ["fragment", "environment_probe", "texture", "texture_probe"] {
+                check(name, &plan, &p, &fragments);
+            }
+        }
+    }
+}
+
+#[test]
+fn integers_of_a_bundle_are_the_ports_of_its_net() {
+    let p = Precision::STANDARD;
+    let fragment = random_fragment("ports", 0, &p);
+    let wires = fragment.wires(environment_scale(fragment.edge_texels, &p));
+    let net = design("reflection").record(&ReflectionPlan::FULL, &p);
+    let names: Vec<_> = net.ports.iter().map(|port| port.name.clone()).collect();
+    let expected = Integers::of(&wires);
+    assert_eq!(names, expected.0.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
+    assert_eq!(integers(&wires), expected.0.into_iter().map(|(_, value)| value).collect::<Vec<_>>());
+}

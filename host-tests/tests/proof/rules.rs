@@ -1,0 +1,304 @@
+//! The rules of the interval walk against brute force: small graphs, every value of every port.
+
+use std::panic::Location;
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use roughxel_core::rom;
+use roughxel_emulator::net::evaluate::apply_exactly;
+use roughxel_emulator::net::graph::{Kind, Net, Node, NodeId, Op, Port, Table, Tap};
+use roughxel_emulator::net::interval::Ranges;
+
+/// A small net under construction, with its wires by kind.
+#[derive(Default)]
+struct Small {
+    net: Net,
+    words: Vec<NodeId>,
+    wides: Vec<NodeId>,
+    flags: Vec<NodeId>,
+}
+
+impl Small {
+    fn node(&mut self, op: Op, kind: Kind) -> NodeId {
+        let id = self.net.nodes.len() as NodeId;
+        self.net.nodes.push(Node { op, kind, block: None, at: Location::caller() });
+        match kind {
+            Kind::Word => self.words.push(id),
+            Kind::Wide => self.wides.push(id),
+            Kind::Flag => self.flags.push(id),
+        }
+        id
+    }
+
+    fn port(&mut self, low: i64, high: i64) -> NodeId {
+        let number = self.net.ports.len() as u32;
+        let node = self.node(Op::Port(number), Kind::Word);
+        let name = format!("p{number}");
+        self.net.ports.push(Port { name, kind: Kind::Word, fraction_bits: 0, low, high, node });
+        node
+    }
+
+    fn lit(&mut self, value: i64, kind: Kind) -> NodeId {
+        self.node(Op::Lit(value), kind)
+    }
+
+    /// `select(x < y, x, y)`, or the larger.
+    fn smaller(&mut self, x: NodeId, y: NodeId, larger: bool) -> NodeId {
+        let kind = self.net.node(x).kind;
+        let flag = self.node(Op::Lt(x, y), Kind::Flag);
+        self.node(if larger { Op::Select(flag, y, x) } else { Op::Select(flag, x, y) }, kind)
+    }
+
+    fn saturate(&mut self, x: NodeId, low: i64, high: i64) -> NodeId {
+        let kind = self.net.node(x).kind;
+        let (low, high) = (self.lit(low, kind), self.lit(high, kind));
+        let above = self.smaller(x, low, true);
+        self.smaller(above, high, false)
+    }
+
+    fn absolute(&mut self, x: NodeId) -> NodeId {
+        let kind = self.net.node(x).kind;
+        let zero = self.lit(0, kind);
+        let flag = self.node(Op::Lt(x, zero), Kind::Flag);
+        let negated = self.node(Op::Sub(zero, x), kind);
+        self.node(Op::Select(flag, negated, x), kind)
+    }
+
+    fn magnitude(&mut self, x: NodeId) -> NodeId {
+        let kind = self.net.node(x).kind;
+        let sign = self.node(Op::Sar(x, kind.bits() - 1), kind);
+        self.node(Op::Xor(x, sign), kind)
+    }
+
+    /// One more operation, or one of the patterns; `pick` chooses operands and constants.
+    fn grow(&mut self, code: u8, pick: [u16; 3]) {
+        let one_of = |list: &[NodeId], pick: u16| list[usize::from(pick) % list.len()];
+        let wide = pick[2] % 2 == 1 && !self.wides.is_empty();
+        let kind = if wide { Kind::Wide } else { Kind::Word };
+        let list = if wide { &self.wides } else { &self.words };
+        let (a, b) = (one_of(list, pick[0]), one_of(list, pick[1]));
+        let [x, y, z] = pick.map(|pick| one_of(&self.words, pick));
+        let flags = (!self.flags.is_empty()).then(|| pick.map(|pick| one_of(&self.flags, pick)));
+        let places = u32::from(pick[1] % 5);
+        match code {
+            0 => self.lit(i64::from(pick[0] as i16) >> (pick[1] % 16), kind),
+            1 => self.node(Op::Add(a, b), kind),
+            2 => self.node(Op::Sub(a, b), kind),
+            3 => self.node(Op::Mul(x, y), Kind::Wide),
+            4 => self.node(Op::Shl(a, places), kind),
+            5 => self.node(Op::Sar(a, places), kind),
+            6 | 7 => {
+                let count = self.saturate(y, 0, i64::from(places));
+                self.node(if code == 6 { Op::ShlBy(a, count) } else { Op::SarBy(a, count) }, kind)
+            }
+            8 => self.node(Op::And(a, b), kind),
+            9 => self.node(Op::Or(a, b), kind),
+            10 => self.node(Op::Xor(a, b), kind),
+            11 => self.node(Op::Lt(a, b), Kind::Flag),
+            12 => self.node(Op::LeadingZeros(a), Kind::Word),
+            13 => self.node(Op::Widen(x), Kind::Wide),
+            14 if wide => self.node(Op::Narrow(a), Kind::Word),
+            15 => self.smaller(a, b, pick[2] % 4 < 2),
+            16 => self.absolute(a),
+            17 => self.magnitude(a),
+            18 => {
+                let shifted = self.node(Op::Sar(a, places), kind);
+                let whole = self.node(Op::Shl(shifted, places), kind);
+                self.node(Op::Sub(a, whole), kind)
+            }
+            19 => {
+                // Block normalisation of two wires.
+                let [m, n] = [a, b].map(|of| self.magnitude(of));
+                let either = self.node(Op::Or(m, n), kind);
+                let zeros = self.node(Op::LeadingZeros(either), Kind::Word);
+                let one = self.lit(1, Kind::Word);
+                let count = self.node(Op::Sub(zeros, one), Kind::Word);
+                self.node(Op::ShlBy(a, count), kind);
+                self.node(Op::ShlBy(b, count), kind)
+            }
+            20 => {
+                // Interpolation with weights w and 8 − w.
+                let weight = self.saturate(z, 0, 8);
+                let eight = self.lit(8, Kind::Word);
+                let rest = self.node(Op::Sub(eight, weight), Kind::Word);
+                let (first, second) =
+                    (self.node(Op::Mul(x, weight), Kind::Wide), self.node(Op::Mul(rest, y), Kind::Wide));
+                self.node(Op::Add(first, second), Kind::Wide)
+            }
+            21 => {
+                // Two entries of a table, beyond its ends, too.
+                let index = self.saturate(x, i64::from(pick[1] % 3) - 1, 20);
+                let step = self.lit(i64::from(pick[2] % 4), Kind::Word);
+                let upper = self.node(Op::Add(index, step), Kind::Word);
+                let table = Table(&rom::LOG2);
+                let [next, entry] = [upper, index].map(|index| self.node(Op::Lookup(index, table), Kind::Word));
+                self.node(Op::Sub(next, entry), Kind::Word)
+            }
+            22 => {
+                // x where |x| ≤ y, else z.
+                let (size, limit) = (self.absolute(x), self.absolute(y));
+                let above = self.node(Op::Lt(limit, size), Kind::Flag);
+                let inside = self.node(Op::Not(above), Kind::Flag);
+                self.node(Op::Select(inside, x, z), Kind::Word)
+            }
+            23 => {
+                let Some([flag, ..]) = flags else { return };
+                self.node(Op::Select(flag, a, b), kind)
+            }
+            _ => {
+                let Some([f, g, h]) = flags else { return };
+                let not = self.node(Op::Not(f), Kind::Flag);
+                let and = self.node(Op::And(not, g), Kind::Flag);
+                let or = self.node(Op::Or(and, h), Kind::Flag);
+                self.node(Op::Select([and, or][usize::from(pick[2] % 2)], a, b), kind)
+            }
+        };
+    }
+}
+
+/// Evaluates a net for every combination of port values.
+fn for_every_input(net: &Net, mut look: impl FnMut(&[i64], &[i64])) {
+    let mut ports: Vec<_> = net.ports.iter().map(|port| port.low).collect();
+    let mut wires = Vec::new();
+    loop {
+        net.evaluate(&ports, &mut wires);
+        look(&ports, &wires);
+        // The next combination, the first port fastest.
+        let next = net.ports.iter().zip(&mut ports).find_map(|(port, value)| {
+            let more = *value < port.high;
+            *value = if more { *value + 1 } else { port.low };
+            more.then_some(())
+        });
+        if next.is_none() {
+            return;
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 20_000,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(11),
+        ..Default::default()
+    })]
+
+    #[test]
+    fn no_input_leaves_the_range_of_any_wire_of_any_small_graph(
+        ports in prop::collection::vec((-40_i64..40, 0_i64..6), 1..4),
+        steps in prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..16),
+    ) {
+        let mut small = Small::default();
+        for (low, extent) in ports {
+            small.port(low, low + extent);
+        }
+        for (code, pick) in steps {
+            small.grow(code, pick);
+        }
+        let net = small.net;
+        let ranges = Ranges::new(&net);
+        // Wires after an operation that overflows may hold anything.
+        let sound = ranges.violations.first().map_or(net.nodes.len(), |violation| violation.node as usize);
+        for_every_input(&net, |ports, wires| {
+            for (id, &value) in (0..).zip(&wires[..sound]) {
+                let range = ranges.of(id);
+                let multiple = value.trailing_zeros() >= range.zeros || value == 0;
+                assert!(
+                    range.low <= value && value <= range.high && multiple,
+                    "node {id} is {value}, proven {range} with {} zeros, for {ports:?} of {:#?}", range.zeros, net.nodes
+                );
+            }
+        });
+    }
+
+    #[test]
+    fn an_operation_that_is_said_to_fit_fits(
+        ports in prop::collection::vec((any::<i32>(), 0_i64..3), 2..4),
+        steps in prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..10),
+    ) {
+        // Words near their ends: what the proof lets pass must be exact.
+        let mut small = Small::default();
+        for (low, extent) in ports {
+            let low = i64::from(low);
+            small.port(low, (low + extent).min(i32::MAX.into()));
+        }
+        for (code, pick) in steps {
+            small.grow(code, pick);
+        }
+        let net = small.net;
+        let ranges = Ranges::new(&net);
+        let sound = ranges.violations.first().map_or(net.nodes.len(), |violation| violation.node as usize);
+        for_every_input(&net, |_, wires| {
+            for (id, node) in net.nodes.iter().enumerate().take(sound) {
+                let kind_of = |id| net.node(id).kind;
+                let exact = apply_exactly(&node.op, node.kind, kind_of, |id| wires[id as usize]);
+                if !matches!(node.op, Op::Port(_)) {
+                    assert_eq!(exact, Some(wires[id]), "node {id} of {:#?}", net.nodes);
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn the_range_of_one_operation_is_exactly_what_occurs() {
+    let spans = [(-5, 6), (-9, -2), (3, 8), (0, 7), (-1, 0), (4, 4)];
+    let operations: [fn(&mut Small, NodeId, NodeId) -> NodeId; 12] = [
+        |net, a, b| net.node(Op::Add(a, b), Kind::Word),
+        |net, a, b| net.node(Op::Sub(a, b), Kind::Word),
+        |net, a, b| net.node(Op::Mul(a, b), Kind::Wide),
+        |net, a, _| net.node(Op::Shl(a, 3), Kind::Word),
+        |net, a, _| net.node(Op::Sar(a, 2), Kind::Word),
+        |net, a, b| net.node(Op::Lt(a, b), Kind::Flag),
+        |net, a, _| net.node(Op::LeadingZeros(a), Kind::Word),
+        |net, a, b| net.smaller(a, b, false),
+        |net, a, b| net.smaller(a, b, true),
+        |net, a, _| net.saturate(a, -3, 4),
+        Small::magnitude_of_two,
+        Small::absolute_of_two,
+    ];
+    for (index, operation) in operations.iter().enumerate() {
+        for a in spans {
+            for b in spans {
+                let mut small = Small::default();
+                let (a, b) = (small.port(a.0, a.1), small.port(b.0, b.1));
+                let outcome = operation(&mut small, a, b);
+                let (mut low, mut high) = (i64::MAX, i64::MIN);
+                for_every_input(&small.net, |_, wires| {
+                    let value = wires[outcome as usize];
+                    (low, high) = (low.min(value), high.max(value));
+                });
+                let range = Ranges::new(&small.net).of(outcome);
+                assert_eq!((range.low, range.high), (low, high), "operation {index} of {:?}", small.net.ports);
+            }
+        }
+    }
+}
+
+impl Small {
+    fn magnitude_of_two(&mut self, a: NodeId, _: NodeId) -> NodeId {
+        self.magnitude(a)
+    }
+
+    fn absolute_of_two(&mut self, a: NodeId, _: NodeId) -> NodeId {
+        self.absolute(a)
+    }
+}
+
+#[test]
+fn dropping_dead_wires_keeps_every_output() {
+    let mut small = Small::default();
+    let (a, b) = (small.port(-3, 4), small.port(0, 5));
+    small.node(Op::Mul(a, a), Kind::Wide);
+    let sum = small.node(Op::Add(a, b), Kind::Word);
+    let tap = |node| Tap { block: None, name: "sum".into(), fraction_bits: 0, node };
+    let mut net = small.net;
+    net.outputs = vec![tap(sum)];
+    let live = net.clone().without_dead_wires();
+    assert_eq!((net.nodes.len(), live.nodes.len()), (4, 3));
+    let mut wires = Vec::new();
+    for_every_input(&net, |ports, expected| {
+        live.evaluate(ports, &mut wires);
+        assert_eq!(wires[live.outputs[0].node as usize], expected[sum as usize]);
+    });
+}
