@@ -1,7 +1,9 @@
 //! Precision as data: every accuracy knob of the datapath in one plain value.
 //!
 //! A narrower profile is the same datapath with low bits rounded away. Multiplier operands are mantissas of
-//! `fraction_bits + 2` bits (sign, one integer bit, fraction), so `fraction_bits = 16` fits 18×18 multipliers.
+//! `fraction_bits + 2` bits (sign, one integer bit, fraction), so with `fraction_bits = 16` the
+//! reflection datapath and the texture footprint fit 18×18 multipliers (`roughxel cost`); texels, weights and addresses have widths
+//! of their own.
 
 /// How the direction of the major axis is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,7 +101,7 @@ impl Precision {
         roughness_bits: 8,
     };
 
-    /// Fits 18×18 multipliers.
+    /// Footprints in 18×18 multipliers.
     pub const COMPACT: Self = Self {
         direction: AxisDirection::Exact,
         probe_rule: ProbeRule::Ceiling,

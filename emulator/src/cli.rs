@@ -56,7 +56,7 @@ enum Command {
     #[command(subcommand)]
     Vectors(vectors::VectorsCommand),
     /// Run fragments given in real numbers through the datapath.
-    #[command(after_help = CONVENTIONS)]
+    #[command(long_about = eval::LONG_HELP, after_help = CONVENTIONS)]
     Eval(eval::EvalArgs),
     /// Print a report.
     #[command(subcommand)]

@@ -12,7 +12,7 @@ use roughxel_emulator::output::OutputFile;
 
 use super::{Failure, ProfileArg, effects, parse_profile};
 
-const LONG_HELP: &str = "\
+pub(super) const LONG_HELP: &str = "\
 Run fragments given in real numbers through the datapath.
 
 Input: CSV with a header row, columns in any order, `#` starts a comment line.
@@ -38,7 +38,6 @@ Output: a row for each row, real units with block exponents undone, 17 significa
 A value beyond the range of a double (|r| grows with |n|^2 |v|) is inf, in JSON null; --raw has it.";
 
 #[derive(Args)]
-#[command(long_about = LONG_HELP)]
 pub(super) struct EvalArgs {
     /// CSV file; `-` or nothing is stdin.
     file: Option<PathBuf>,
