@@ -12,6 +12,7 @@ mod render;
 mod report;
 mod scenes;
 mod vectors;
+mod verilog;
 
 use std::error::Error;
 use std::io;
@@ -67,6 +68,9 @@ enum Command {
     /// Count multipliers, adders, tables and gate levels of every stage.
     #[command(long_about = cost::LONG_HELP)]
     Cost(cost::CostArgs),
+    /// Write the datapath as synthesizable Verilog: a module a block, a pipelined top, ROMs, a JSON manifest.
+    #[command(after_help = CONVENTIONS)]
+    Verilog(verilog::VerilogArgs),
     /// List the built-in scenes.
     Scenes(scenes::ScenesArgs),
 }
@@ -123,6 +127,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Report(command) => report::run(&command),
         Command::Ranges(args) => ranges::run(&args),
         Command::Cost(args) => cost::run(&args),
+        Command::Verilog(args) => verilog::run(&args),
         Command::Scenes(args) => scenes::run(&args),
     };
     match outcome {

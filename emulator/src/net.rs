@@ -6,6 +6,7 @@
 //! long it takes, [`verilog`] writes it down as hardware. [`design`] lists what can be recorded: the whole reflection
 //! datapath and every block beside it.
 
+pub mod bench;
 pub mod census;
 pub mod delay;
 pub mod design;
@@ -14,3 +15,4 @@ pub mod graph;
 pub mod interval;
 pub mod observe;
 pub mod record;
+pub mod verilog;

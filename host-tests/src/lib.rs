@@ -5,6 +5,7 @@
 
 pub mod bars;
 pub mod checked;
+pub mod designs;
 pub mod float_datapath;
 pub mod float_frame;
 

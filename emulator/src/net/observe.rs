@@ -132,7 +132,7 @@ pub fn port_values(
 }
 
 /// A number from `low` to `high`, often one of the two, zero or a power of two.
-fn within(low: i64, high: i64, random: &mut SplitMix64) -> i64 {
+pub fn within(low: i64, high: i64, random: &mut SplitMix64) -> i64 {
     let span = high.wrapping_sub(low) as u64;
     let any = low.wrapping_add(if span == u64::MAX { random.next_u64() } else { random.below(span + 1) } as i64);
     match random.below(8) {

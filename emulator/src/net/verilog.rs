@@ -1,0 +1,403 @@
+//! The Verilog walk: a recorded design as synthesizable Verilog-2005.
+//!
+//! One module a block (`module`, its wires in `body`), shared by runs that are the same hardware (`share`), a
+//! pipelined top around them (`pipeline`), the tables as ROMs (`rom`) and, around a step of the probe stepper, its
+//! state machine (`stepper`). Wires have the bits their proven ranges need (`format`), so there is nothing to write where the
+//! interval walk finds an operation that could leave its word.
+
+mod body;
+mod context;
+mod expression;
+mod format;
+mod module;
+mod pipeline;
+mod rom;
+mod share;
+mod stepper;
+mod value;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Write as _};
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+pub use format::Format;
+pub use rom::Rom;
+
+use self::context::Context;
+use self::module::Module;
+use super::design::Design;
+use super::interval::{Ranges, Violation};
+use crate::output::OutputFile;
+
+/// What to write.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Name of the profile.
+    pub profile: String,
+    /// Its knobs.
+    pub precision: Precision,
+    /// Blocks that are on.
+    pub plan: ReflectionPlan,
+    /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers
+    /// between blocks only.
+    pub depth: Option<u32>,
+    /// Only the modules of this stage (`columns`) or block (`columns_pixel`), and what they use.
+    pub stage: Option<String>,
+    /// Put before the names of the modules of blocks, so that two designs can be in one project.
+    pub prefix: String,
+}
+
+/// Why nothing was written.
+#[derive(Debug, Error)]
+pub enum VerilogError {
+    /// The interval proof fails.
+    #[error("the interval proof fails at {} operations, first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
+    Unproven(Vec<Violation>),
+    /// One operation alone is deeper than the target.
+    #[error("{origin}: {operation} has {levels} levels, which a depth of {depth} cannot cut")]
+    TooDeep {
+        /// Name of the operation.
+        operation: &'static str,
+        /// Its levels.
+        levels: u32,
+        /// The target.
+        depth: u32,
+        /// Source line and block.
+        origin: String,
+    },
+    /// An operation that is part of no block.
+    #[error("{0}: an operation outside every block has no module")]
+    OutsideBlocks(String),
+    /// A table that is none of the datapath's.
+    #[error("{0}: a table without a name")]
+    UnknownTable(String),
+    /// No such stage in the design.
+    #[error("there is no stage `{name}`; there are {}", .known.join(", "))]
+    UnknownStage {
+        /// What was asked for.
+        name: String,
+        /// Modules of the design.
+        known: Vec<String>,
+    },
+    /// A file could not be written.
+    #[error("cannot write {}", path.display())]
+    Io {
+        /// The file or directory.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A text could not be put together.
+    #[error("cannot format the text")]
+    Format(#[from] fmt::Error),
+}
+
+/// A port of the top.
+#[derive(Clone, Debug, Serialize)]
+pub struct PortDescription {
+    /// Path in the bundle: `normal.mantissa[0]`.
+    pub name: String,
+    /// Name in Verilog.
+    pub port: String,
+    /// Bits.
+    pub width: u32,
+    /// Whether the top bit is a sign.
+    pub signed: bool,
+    /// Binary point: value = integer / 2^fraction_bits, of the integer with its dropped zeros.
+    pub fraction_bits: u32,
+    /// Constant low zeros without a wire: the port carries `integer >> dropped_zeros`.
+    pub dropped_zeros: u32,
+    /// Smallest integer.
+    pub low: i64,
+    /// Largest integer.
+    pub high: i64,
+    /// The same as a format.
+    #[serde(skip)]
+    pub format: Format,
+}
+
+impl PortDescription {
+    fn new(name: &str, port: &str, format: Format, [low, high]: [i64; 2]) -> Self {
+        Self {
+            name: name.to_owned(),
+            port: port.to_owned(),
+            width: format.width(),
+            signed: format.signed(),
+            fraction_bits: format.fraction_bits,
+            dropped_zeros: format.zeros,
+            low,
+            high,
+            format,
+        }
+    }
+}
+
+/// The ports of a pipelined module. Beside these it has `clk`, `rst` and the handshake `in_valid`, `in_ready`,
+/// `out_valid`, `out_ready`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Interface {
+    /// Name of the module.
+    pub module: String,
+    /// Cycles from an accepted input to its output.
+    pub latency: u32,
+    /// Inputs in the order of their bundle.
+    pub inputs: Vec<PortDescription>,
+    /// Outputs in the order of the pipeline.
+    pub outputs: Vec<PortDescription>,
+}
+
+/// A design as Verilog.
+#[derive(Clone, Debug)]
+pub struct Verilog {
+    /// The top; with [`Options::stage`] there is none.
+    pub top: Option<Interface>,
+    /// The probe stepper around the top, where the top is a step.
+    pub stepper: Option<Interface>,
+    /// Path below the directory, and text.
+    pub files: BTreeMap<String, String>,
+    /// Bits of registers of the top, of its blocks and of delay lines.
+    pub register_bits: u32,
+}
+
+/// Name of the top of a design.
+pub fn top_name(design: &Design) -> String {
+    format!("roughxel_{}", design.name)
+}
+
+impl Verilog {
+    /// Records, proves and writes down a design.
+    ///
+    /// Errors: everything [`VerilogError`] lists but input and output.
+    pub fn new(design: &Design, options: &Options) -> Result<Self, VerilogError> {
+        let net = design.record(&options.plan, &options.precision);
+        let ranges = Ranges::new(&net);
+        if !ranges.violations.is_empty() {
+            return Err(VerilogError::Unproven(ranges.violations));
+        }
+        let groups = share::groups(&net);
+        let ranges = share::joined(&net, &ranges, &groups);
+        let (effects, frame) = (effects(&options.plan), frame(&options.plan));
+        let origin = format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name, options.profile);
+        let context =
+            Context { net: &net, ranges: &ranges, depth: options.depth, prefix: &options.prefix, origin: &origin };
+        pipeline::check_blocks(context)?;
+
+        let mut outside: BTreeSet<_> = net.outputs.iter().map(|output| output.node).collect();
+        for group in &groups {
+            outside.extend(group.runs.iter().flat_map(|run| run.inputs.iter().copied()));
+        }
+        let mut modules = Vec::new();
+        for group in &groups {
+            modules.push(Module::new(context, group, |id| outside.contains(&id))?);
+        }
+        let mut files = BTreeMap::new();
+        let stage = options.stage.as_deref();
+        let wanted = |index: usize| {
+            stage.is_none_or(|stage| {
+                let block = &net.blocks[groups[index].runs[0].block as usize];
+                [groups[index].name.as_str(), block.stage(), block.name].contains(&stage)
+            })
+        };
+        let chosen: Vec<&Module> =
+            modules.iter().enumerate().filter(|(index, _)| wanted(*index)).map(|(_, m)| m).collect();
+        if let (true, Some(name)) = (chosen.is_empty(), stage) {
+            let known = groups.iter().map(|group| group.name.clone()).collect();
+            return Err(VerilogError::UnknownStage { name: name.into(), known });
+        }
+        let mut roms = BTreeMap::new();
+        for module in &chosen {
+            files.insert(format!("{}.v", module.name), module.text.clone());
+            roms.extend(module.roms.clone());
+            for &width in &module.leading_zeros {
+                files.insert(format!("leading_zeros_{width}.v"), rom::leading_zeros(width));
+            }
+        }
+        for (name, rom) in &roms {
+            files.insert(format!("{name}.v"), rom.module());
+            files.insert(format!("rom/{name}.hex"), rom.hex());
+        }
+        let mut verilog = Self { top: None, stepper: None, files, register_bits: 0 };
+        let mut instances = Vec::new();
+        if stage.is_none() {
+            let name = top_name(design);
+            let top = pipeline::top(context, &name, design.description, &groups, &modules)?;
+            verilog.files.insert(format!("{name}.v"), top.text);
+            verilog.register_bits = top.register_bits;
+            instances = top.instances;
+            let stepper = stepper::stepper(&top.interface, &origin)?;
+            if top.uses_delay || stepper.is_some() {
+                verilog.files.insert(format!("{}.v", rom::DELAY), rom::delay());
+            }
+            if let Some((interface, text)) = stepper {
+                verilog.files.insert(format!("{}.v", interface.module), text);
+                verilog.stepper = Some(interface);
+            }
+            verilog.top = Some(top.interface);
+        }
+        let manifest = Manifest {
+            schema: "roughxel-verilog",
+            format_version: 1,
+            generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")),
+            design: design.name,
+            profile: &options.profile,
+            effects,
+            frame,
+            depth: options.depth,
+            top: verilog.top.as_ref(),
+            stepper: verilog.stepper.as_ref(),
+            register_bits: verilog.register_bits,
+            instances,
+            modules: chosen.iter().map(|module| ModuleEntry::new(module)).collect(),
+            roms: roms.values().map(Rom::description).collect(),
+            files: verilog.files.iter().map(|(name, text)| FileEntry::new(name, text)).collect(),
+        };
+        // Strings and numbers only: there is nothing in it that JSON cannot say.
+        let manifest = serde_json::to_string_pretty(&manifest).unwrap_or_default();
+        let name = stage.map_or_else(|| top_name(design), |stage| stage.replace('.', "_"));
+        verilog.files.insert(format!("{name}.json"), manifest + "\n");
+        Ok(verilog)
+    }
+
+    /// Writes the files below a directory, which is made if it is not there; the manifest comes last.
+    ///
+    /// Errors: a directory or a file cannot be written.
+    pub fn write(&self, directory: &Path) -> Result<(), VerilogError> {
+        let (manifests, sources): (Vec<_>, Vec<_>) = self.files.iter().partition(|(name, _)| name.ends_with(".json"));
+        for (name, text) in sources.into_iter().chain(manifests) {
+            let path = directory.join(name);
+            write_file(&path, text).map_err(|source| VerilogError::Io { path, source })?;
+        }
+        Ok(())
+    }
+}
+
+fn write_file(path: &Path, text: &str) -> io::Result<()> {
+    if let Some(directory) = path.parent() {
+        fs::create_dir_all(directory)?;
+    }
+    let mut file = OutputFile::create(path)?;
+    file.write_all(text.as_bytes())?;
+    file.commit()
+}
+
+/// `NAME.json`.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    schema: &'static str,
+    format_version: u32,
+    generator: &'static str,
+    design: &'a str,
+    profile: &'a str,
+    effects: String,
+    frame: &'static str,
+    depth: Option<u32>,
+    top: Option<&'a Interface>,
+    stepper: Option<&'a Interface>,
+    register_bits: u32,
+    instances: Vec<pipeline::Placed>,
+    modules: Vec<ModuleEntry>,
+    roms: Vec<rom::RomDescription>,
+    files: Vec<FileEntry>,
+}
+
+#[derive(Serialize)]
+struct ModuleEntry {
+    name: String,
+    /// Cycles from inputs to outcomes; 0 is combinational.
+    cycles: u32,
+    inputs: Vec<ModulePortEntry>,
+    outputs: Vec<ModulePortEntry>,
+}
+
+#[derive(Serialize)]
+struct ModulePortEntry {
+    port: String,
+    width: u32,
+    signed: bool,
+    fraction_bits: u32,
+    dropped_zeros: u32,
+}
+
+impl ModuleEntry {
+    fn new(module: &Module) -> Self {
+        let ports = |ports: &[module::ModulePort]| {
+            let entry = |port: &module::ModulePort| ModulePortEntry {
+                port: port.name.clone(),
+                width: port.format.width(),
+                signed: port.format.signed(),
+                fraction_bits: port.format.fraction_bits,
+                dropped_zeros: port.format.zeros,
+            };
+            ports.iter().map(entry).collect()
+        };
+        let (inputs, outputs) = (ports(&module.inputs), ports(&module.outputs));
+        Self { name: module.name.clone(), cycles: module.cuts, inputs, outputs }
+    }
+}
+
+#[derive(Serialize)]
+struct FileEntry {
+    name: String,
+    bytes: usize,
+    sha256: String,
+}
+
+impl FileEntry {
+    fn new(name: &str, text: &str) -> Self {
+        let hash = Sha256::digest(text.as_bytes());
+        let sha256 = hash.iter().fold(String::new(), |mut hex, byte| {
+            // Writing to a string cannot fail.
+            let _ = write!(hex, "{byte:02x}");
+            hex
+        });
+        Self { name: name.to_owned(), bytes: text.len(), sha256 }
+    }
+}
+
+/// The blocks of a plan, as `--effects` names them.
+fn effects(plan: &ReflectionPlan) -> String {
+    let roughness = match plan.roughness {
+        RoughnessKind::None => None,
+        RoughnessKind::Isotropic => Some("roughness-iso"),
+        RoughnessKind::Anisotropic => Some("roughness"),
+    };
+    let on = |on: bool, name| on.then_some(name);
+    let effects = [on(plan.bump, "bump"), roughness, on(plan.curvature, "curvature"), on(plan.footprint, "footprint")];
+    let effects: Vec<&str> = effects.into_iter().flatten().collect();
+    if effects.is_empty() { "none".to_owned() } else { effects.join(",") }
+}
+
+/// The frame of a plan, as `--frame` names it.
+const fn frame(plan: &ReflectionPlan) -> &'static str {
+    match plan.frame {
+        FrameSystem::MainDirection => "main",
+        FrameSystem::Natural => "natural",
+        FrameSystem::NaturalNormalised => "natural-normalised",
+    }
+}
+
+/// A path of a bundle as part of a Verilog name: `e1.m[0]` is `e1_m_0`.
+fn identifier(path: &str) -> String {
+    path.replace(['.', '['], "_").replace(']', "").trim_start_matches('_').to_owned()
+}
+
+/// The comment at the head of a file, and the rule that every wire is declared.
+fn header(name: &str, about: &[String]) -> String {
+    let mut text = format!("// {name}\n//\n");
+    for line in about {
+        text += format!("// {line}").trim_end();
+        text.push('\n');
+    }
+    text + "\n`default_nettype none\n\n"
+}
+
+/// The end of a module and its file.
+const END: &str = "\nendmodule\n\n`default_nettype wire\n";

@@ -1,0 +1,85 @@
+//! What the modules of a design have in common: the net, its ranges, names and comments.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use super::format::Format;
+use super::identifier;
+use crate::net::graph::{Kind, Net, NodeId, Op};
+use crate::net::interval::Ranges;
+
+/// What all modules of a design share.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    pub(super) net: &'a Net,
+    /// One range for all nodes that meet in a place of a module.
+    pub(super) ranges: &'a Ranges,
+    /// Most levels between registers.
+    pub(super) depth: Option<u32>,
+    /// Prefix of module names.
+    pub(super) prefix: &'a str,
+    /// Lines that every header ends with: profile, blocks that are on.
+    pub(super) origin: &'a str,
+}
+
+impl Context<'_> {
+    /// Path of a port or of a tap of a node's own block, and its binary point.
+    pub(super) fn path_of(&self, id: NodeId) -> Option<(&str, u32)> {
+        let node = self.net.node(id);
+        if let Op::Port(port) = node.op {
+            let port = &self.net.ports[port as usize];
+            return Some((&port.name, port.fraction_bits));
+        }
+        let tap = self.net.taps.iter().find(|tap| tap.node == id && tap.block == node.block)?;
+        Some((&tap.name, tap.fraction_bits))
+    }
+
+    /// The format in which a node travels between blocks.
+    pub(super) fn format(&self, id: NodeId) -> Format {
+        let fraction_bits = self.path_of(id).map_or(0, |(_, fraction_bits)| fraction_bits);
+        Format::new(self.ranges.of(id), fraction_bits, self.net.node(id).kind == Kind::Flag)
+    }
+
+    /// Source line of a node; `None` where it was asked for outside the project, by an iterator of the library.
+    pub(super) fn line(&self, id: NodeId) -> Option<String> {
+        let at = self.net.node(id).at;
+        Path::new(at.file()).is_relative().then(|| format!("{}:{}", at.file(), at.line()))
+    }
+
+    /// What a comment says of a node with a name: path, range, source line.
+    pub(super) fn about(&self, id: NodeId, path: &str) -> String {
+        let line = self.line(id).map_or_else(String::new, |line| format!("; {line}"));
+        format!("{path}: {}{line}", self.format(id).describe())
+    }
+
+    /// Name of a node between blocks: `enter_dview_0_m_0`, or without the number of the run.
+    pub(super) fn signal(&self, id: NodeId, with_run: bool) -> String {
+        let path = identifier(self.path_of(id).map_or("", |(path, _)| path));
+        match self.net.node(id).block {
+            None if path.is_empty() => "value".into(),
+            None => path,
+            Some(block) => {
+                let block = &self.net.blocks[block as usize];
+                let block = if with_run { block.instance() } else { block.name.replace('.', "_") };
+                if path.is_empty() { block } else { format!("{block}_{path}") }
+            }
+        }
+    }
+}
+
+/// Names that are taken in a module.
+#[derive(Default)]
+pub(super) struct Names(BTreeSet<String>);
+
+impl Names {
+    /// The name, or the name with a number where it is taken.
+    pub(super) fn take(&mut self, name: &str) -> String {
+        let mut candidate = name.to_owned();
+        let mut number = 2;
+        while !self.0.insert(candidate.clone()) {
+            candidate = format!("{name}_{number}");
+            number += 1;
+        }
+        candidate
+    }
+}

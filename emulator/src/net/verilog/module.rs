@@ -1,0 +1,459 @@
+//! One block of the datapath as a module.
+//!
+//! A wire has the bits its range needs and somebody reads: an adder whose lowest bits only round drops them where it
+//! is (`{sum, sum_unused} = …`), a claim cuts what its lemma excludes. With a target depth the operations are placed
+//! in stages, as soon as their operands are there; registers carry what later stages read.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::path::Path;
+
+use super::body::{Body, Driver, mask, top};
+use super::context::{Context, Names};
+use super::format::{Format, vector};
+use super::rom::{Rom, count_bits};
+use super::share::Group;
+use super::value::{View, Wire, constant_bits, view_bits};
+use super::{END, VerilogError, header, identifier};
+use crate::net::graph::{NodeId, Op};
+
+/// A port of a module, named for the first run.
+#[derive(Clone, Debug)]
+pub(super) struct ModulePort {
+    /// Place among the nodes (an output) or the inputs (an input) of a run.
+    pub(super) place: usize,
+    /// Name in the module.
+    pub(super) name: String,
+    pub(super) format: Format,
+}
+
+/// The text of a block and what surrounds it needs to know.
+#[derive(Clone, Debug)]
+pub(super) struct Module {
+    pub(super) name: String,
+    pub(super) text: String,
+    pub(super) inputs: Vec<ModulePort>,
+    pub(super) outputs: Vec<ModulePort>,
+    /// Ranks of registers inside.
+    pub(super) cuts: u32,
+    /// Bits of those registers.
+    pub(super) register_bits: u32,
+    /// Tables it reads.
+    pub(super) roms: BTreeMap<String, Rom>,
+    /// Widths of the leading zero counters it uses.
+    pub(super) leading_zeros: BTreeSet<u32>,
+}
+
+/// Names of a group's inputs: the common part of what the runs call them, made unique.
+fn input_names(context: &Context, group: &Group, inputs: &[usize], names: &mut Names) -> Vec<String> {
+    let name = |place: usize, with_run: bool| -> String {
+        let of = |run: usize| context.signal(group.runs[run].inputs[place], with_run);
+        let mut common: Vec<String> = of(0).split('_').map(str::to_owned).collect();
+        for run in 1..group.runs.len() {
+            let other = of(run);
+            let other: Vec<&str> = other.split('_').collect();
+            if other.len() == common.len() {
+                let both = common.iter().zip(other);
+                common = both.map(|(a, b)| if a == b { a.clone() } else { String::new() }).collect();
+            }
+        }
+        common.retain(|part| !part.is_empty());
+        let format = context.format(group.runs[0].inputs[place]);
+        format!("{}_{format}", common.join("_"))
+    };
+    let short: Vec<String> = inputs.iter().map(|&place| name(place, false)).collect();
+    let unique = |i: usize| short.iter().filter(|other| **other == short[i]).count() == 1;
+    let chosen =
+        inputs.iter().enumerate().map(|(i, &place)| if unique(i) { short[i].clone() } else { name(place, true) });
+    chosen.map(|name| names.take(&name)).collect()
+}
+
+/// Name of an outcome in its module: the path, or the last part of the block's name before what starts with a number.
+fn output_name(context: &Context, id: NodeId) -> String {
+    let path = identifier(context.path_of(id).map_or("", |(path, _)| path));
+    let block = context.net.node(id).block.map_or("", |block| context.net.blocks[block as usize].name);
+    let own = block.rsplit('.').next().unwrap_or(block);
+    let name = match path.chars().next() {
+        None => own.to_owned(),
+        Some(first) if first.is_ascii_digit() => format!("{own}_{path}"),
+        Some(_) => path,
+    };
+    format!("{name}_{}", context.format(id))
+}
+
+impl Module {
+    /// Writes the module of a group. `leaves` says whether any run's node is read outside its block.
+    pub(super) fn new(context: Context, group: &Group, leaves: impl Fn(NodeId) -> bool) -> Result<Self, VerilogError> {
+        let first = &group.runs[0];
+        let net = context.net;
+        let fixed = |id: NodeId| context.ranges.of(id).constant().is_some();
+        let inputs: Vec<usize> = (0..first.inputs.len()).filter(|&place| !fixed(first.inputs[place])).collect();
+        let input_ids: Vec<NodeId> = inputs.iter().map(|&place| first.inputs[place]).collect();
+        let tapped = net.taps.iter().filter(|tap| tap.block == Some(first.block));
+        let mut outputs: Vec<usize> = Vec::new();
+        for tap in tapped {
+            let Some(place) = first.nodes.iter().position(|&id| id == tap.node) else { continue };
+            let leaves = group.runs.iter().any(|run| leaves(run.nodes[place]));
+            if leaves && !fixed(tap.node) && !outputs.contains(&place) {
+                outputs.push(place);
+            }
+        }
+
+        let output_ids: Vec<NodeId> = outputs.iter().map(|&place| first.nodes[place]).collect();
+        let mut body = Body::new(context, &first.nodes, &input_ids, &output_ids)?;
+
+        let mut names = Names::default();
+        for taken in ["clk", "enable", "unused"] {
+            names.take(taken);
+        }
+        let inputs: Vec<ModulePort> = input_names(&context, group, &inputs, &mut names)
+            .into_iter()
+            .zip(inputs)
+            .map(|(name, place)| ModulePort { place, name, format: context.format(first.inputs[place]) })
+            .collect();
+        let outputs: Vec<ModulePort> = outputs
+            .into_iter()
+            .map(|place| {
+                let name = names.take(&output_name(&context, first.nodes[place]));
+                ModulePort { place, name, format: context.format(first.nodes[place]) }
+            })
+            .collect();
+        let mut module = Self {
+            name: format!("{}{}", context.prefix, group.name),
+            text: String::new(),
+            inputs,
+            outputs,
+            cuts: body.last_stage,
+            register_bits: 0,
+            roms: BTreeMap::new(),
+            leading_zeros: BTreeSet::new(),
+        };
+        module.name_wires(&mut body, group, &mut names);
+        module.write(&body, group)?;
+        Ok(module)
+    }
+
+    fn name_wires(&self, body: &mut Body, group: &Group, names: &mut Names) {
+        let (net, first) = (body.context.net, &group.runs[0]);
+        for port in &self.inputs {
+            body.names.insert(first.inputs[port.place], port.name.clone());
+        }
+        for port in &self.outputs {
+            let id = first.nodes[port.place];
+            // An outcome that is made in the last stage is its port.
+            if body.stages.get(&id) == Some(&body.last_stage) {
+                body.names.insert(id, port.name.clone());
+            }
+        }
+        let mut number = 0;
+        for &id in &first.nodes {
+            if !body.reads.contains_key(&id) || body.names.contains_key(&id) {
+                continue;
+            }
+            let tapped = net.taps.iter().any(|tap| tap.node == id && tap.block == Some(first.block));
+            let name = if tapped {
+                names.take(&format!("{}_tap", output_name(&body.context, id)))
+            } else {
+                let kind = match body.driver(id) {
+                    Driver::IsZero(_) => "is_zero",
+                    Driver::IsNotZero(_) => "is_not_zero",
+                    Driver::Op(op) => op.name(),
+                };
+                names.take(&format!("n{number}_{kind}"))
+            };
+            number += 1;
+            body.names.insert(id, name);
+        }
+    }
+
+    fn write(&mut self, body: &Body, group: &Group) -> Result<(), VerilogError> {
+        let context = body.context;
+        let first = &group.runs[0];
+        let mut wires = String::new();
+        let mut unused: Vec<String> = Vec::new();
+        for port in &self.inputs {
+            let id = first.inputs[port.place];
+            let wire = body.wire(id, 0);
+            unused.extend(unread(&wire, body.reads_from(id, 0)));
+        }
+        for stage in 0..=body.last_stage {
+            if body.last_stage > 0 {
+                writeln!(wires, "\n  // ---- stage {stage} ----")?;
+            }
+            let mut line = None;
+            for &id in &first.nodes {
+                if body.stages.get(&id) != Some(&stage) || !body.reads.contains_key(&id) {
+                    continue;
+                }
+                let own = context.line(id);
+                if own.is_some() && line != own {
+                    writeln!(wires, "\n  // {}", own.as_deref().unwrap_or_default())?;
+                    line = own;
+                }
+                self.wire(&mut wires, body, group, id, stage)?;
+                unused.extend(unread(&body.wire(id, stage), body.reads_from(id, stage)));
+            }
+            if stage < body.last_stage {
+                self.registers(&mut wires, body, &first.nodes, stage)?;
+            }
+        }
+        let assigned: Vec<&ModulePort> =
+            self.outputs.iter().filter(|port| body.names.get(&first.nodes[port.place]) != Some(&port.name)).collect();
+        if !assigned.is_empty() {
+            writeln!(wires)?;
+        }
+        for port in assigned {
+            let text = body.text(first.nodes[port.place], port.format.zeros, top(port.format.range), body.last_stage);
+            writeln!(wires, "  assign {} = {};", port.name, text.code)?;
+        }
+        if !unused.is_empty() {
+            writeln!(wires, "\n  // Bits nobody reads.")?;
+            wires.push_str(&sink("unused", &unused));
+        }
+        self.text = self.frame(body, group, &wires)?;
+        Ok(())
+    }
+
+    /// Header, ports and end around the wires.
+    fn frame(&self, body: &Body, group: &Group, wires: &str) -> Result<String, VerilogError> {
+        let context = body.context;
+        let net = context.net;
+        let first = &group.runs[0];
+        let block = &net.blocks[first.block as usize];
+        let files = first.nodes.iter().map(|&id| net.node(id).at.file());
+        let mut sources: Vec<&str> = files.filter(|file| Path::new(file).is_relative()).collect();
+        sources.sort_unstable();
+        sources.dedup();
+        let runs: Vec<String> = group.runs.iter().map(|run| net.blocks[run.block as usize].instance()).collect();
+        let mut about = vec![
+            format!("Block {} of stage {}: {}", block.name, block.stage(), summary(block.name)),
+            format!("Source: {}", sources.join(", ")),
+            format!("Instances: {}", runs.join(", ")),
+            context.origin.to_owned(),
+        ];
+        match (context.depth, self.cuts) {
+            (None, _) => about.push("Combinational.".into()),
+            (Some(depth), 0) => about.push(format!("Combinational, at most {depth} levels.")),
+            (Some(depth), cuts) => about.push(format!(
+                "Pipelined: outcomes follow their inputs by {cuts} cycles with enable high, at most {depth} levels each."
+            )),
+        }
+        let mut text = header(&self.name, &about);
+        writeln!(text, "module {} (", self.name)?;
+        let mut lines: Vec<(String, String)> = Vec::new();
+        if self.cuts > 0 {
+            lines.push(("input  wire clk".into(), String::new()));
+            lines.push(("input  wire enable".into(), String::new()));
+        }
+        for port in &self.inputs {
+            let declared = vector(port.format.width(), port.format.signed());
+            lines.push((format!("input  wire {declared}{}", port.name), port.format.describe()));
+        }
+        for port in &self.outputs {
+            let declared = vector(port.format.width(), port.format.signed());
+            let id = first.nodes[port.place];
+            let (path, _) = context.path_of(id).unwrap_or_default();
+            let path = if path.is_empty() { block.name } else { path };
+            lines.push((format!("output wire {declared}{}", port.name), context.about(id, path)));
+        }
+        port_list(&mut text, &lines);
+        text.push_str(");\n");
+        text.push_str(wires);
+        text.push_str(END);
+        Ok(text)
+    }
+
+    /// Declares and drives the wire of a node.
+    fn wire(
+        &mut self,
+        text: &mut String,
+        body: &Body,
+        group: &Group,
+        id: NodeId,
+        stage: u32,
+    ) -> Result<(), VerilogError> {
+        let context = body.context;
+        let net = context.net;
+        let wire = body.wire(id, stage);
+        let driver = body.driver(id);
+        let (first, last) = body.span(driver, wire.low, wire.high);
+        let is_port = self.outputs.iter().any(|port| port.name == wire.name);
+        let about = if let (Op::Claim { low, high, lemma, .. }, Driver::Op(_)) = (body.op(id), driver) {
+            // In units of the wire's lowest bit.
+            format!(" // claim: {} .. {} by lemma {lemma}", low >> wire.low, high >> wire.low)
+        } else if is_port {
+            String::new()
+        } else if let Some(tap) = net.taps.iter().find(|tap| tap.node == id && tap.block == Some(group.runs[0].block)) {
+            format!(" // tap {}", context.about(id, &tap.name))
+        } else {
+            String::new()
+        };
+        let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
+        // Bits that are computed and dropped.
+        let mut target = Vec::new();
+        let mut dropped = Vec::new();
+        if last > wire.high {
+            let name = format!("{}_unused_high", wire.name);
+            dropped.push(format!("{}{name}", vector(last - wire.high, false)));
+            target.push(name);
+        }
+        target.push(wire.name.clone());
+        if wire.low > first {
+            let name = format!("{}_unused", wire.name);
+            dropped.push(format!("{}{name}", vector(wire.low - first, false)));
+            target.push(name);
+        }
+        let target = if let [alone] = &target[..] { alone.clone() } else { format!("{{{}}}", target.join(", ")) };
+        let own = (!is_port).then_some(&declared);
+        let wires: Vec<String> = own.into_iter().chain(&dropped).map(|wire| format!("wire {wire};")).collect();
+        let declare = |text: &mut String| {
+            if wires.is_empty() { Ok(()) } else { writeln!(text, "  {}", wires.join(" ")) }
+        };
+        let right = match (driver, body.op(id)) {
+            (Driver::Op(_), Op::Lookup(index, table)) => {
+                let rom = Rom::new(table).ok_or_else(|| VerilogError::UnknownTable(net.origin(id)))?;
+                declare(text)?;
+                let index = body.text(index, 0, rom.index_bits(), stage).code;
+                writeln!(text, "  {} {}_rom (.index({index}), .entry({target}));", rom.name(), wire.name)?;
+                self.roms.insert(rom.name(), rom);
+                return Ok(());
+            }
+            (Driver::Op(_), Op::LeadingZeros(a)) => {
+                let width = body.counted(a);
+                self.leading_zeros.insert(width);
+                let bits = count_bits(width);
+                let count = format!("{}_count", wire.name);
+                let value = body.text(a, 0, width, stage).code;
+                writeln!(text, "  wire {}{count};", vector(bits, false))?;
+                writeln!(text, "  leading_zeros_{width} {count}er (.value({value}), .count({count}));")?;
+                let counted = Wire { name: count, low: 0, high: bits, signed: false };
+                let above = i64::from(net.node(a).kind.bits() - width);
+                let counted = view_bits(&View::of(id), &counted, first, last).code;
+                if above == 0 { counted } else { format!("{counted} + {}", constant_bits(above, first, last).code) }
+            }
+            _ => body.expression(driver, first, last, stage),
+        };
+        if dropped.is_empty() && !is_port {
+            writeln!(text, "  wire {declared} = {right};{about}")?;
+        } else {
+            declare(text)?;
+            writeln!(text, "  assign {target} = {right};{about}")?;
+        }
+        Ok(())
+    }
+
+    /// Registers from a stage to the next: everything made so far that is still read.
+    fn registers(&mut self, text: &mut String, body: &Body, nodes: &[NodeId], stage: u32) -> Result<(), VerilogError> {
+        let inputs = body.names.keys().filter(|id| !nodes.contains(id));
+        let mut inputs: Vec<NodeId> = inputs.copied().collect();
+        inputs.sort_unstable();
+        let carried: Vec<NodeId> = inputs
+            .into_iter()
+            .chain(nodes.iter().copied())
+            .filter(|id| body.stages.get(id).is_some_and(|&made| made <= stage))
+            .filter(|&id| body.reads_from(id, stage + 1) != 0)
+            .collect();
+        writeln!(text)?;
+        let mut moves = String::new();
+        for id in carried {
+            let (from, to) = (body.wire(id, stage), body.wire(id, stage + 1));
+            writeln!(text, "  reg {}{};", vector(to.width(), to.signed), to.name)?;
+            writeln!(moves, "      {} <= {};", to.name, from.slice(to.low, to.high))?;
+            self.register_bits += to.width();
+        }
+        writeln!(text, "  always @(posedge clk)\n    if (enable) begin\n{moves}    end")?;
+        Ok(())
+    }
+}
+
+/// Runs of bits of a wire that are not read.
+fn unread(wire: &Wire, reads: u64) -> Vec<String> {
+    let missing = mask(wire.low, wire.high) as u64 & !reads;
+    let mut parts = Vec::new();
+    let mut from = wire.low;
+    while from < wire.high {
+        if missing >> from & 1 == 0 {
+            from += 1;
+            continue;
+        }
+        let upto = (from..wire.high).find(|bit| missing >> bit & 1 == 0).unwrap_or(wire.high);
+        parts.push(wire.slice(from, upto));
+        from = upto;
+    }
+    parts.reverse();
+    parts
+}
+
+/// A wire that reads what nobody else does, so that a linter knows it is meant.
+pub(super) fn sink(name: &str, unread: &[String]) -> String {
+    let mut text = format!("  wire {name} = &{{1'b0");
+    let mut column = text.len();
+    for wire in unread {
+        text.push(',');
+        column += wire.len() + 2;
+        if column > 110 {
+            text += "\n    ";
+            column = wire.len() + 4;
+        } else {
+            text.push(' ');
+        }
+        text += wire;
+    }
+    text + "};\n"
+}
+
+/// Lines of a list of ports, comments in a column.
+pub(super) fn port_list(text: &mut String, lines: &[(String, String)]) {
+    let column = lines.iter().map(|(port, _)| port.len()).max().unwrap_or(0).min(60) + 1;
+    for (index, (port, about)) in lines.iter().enumerate() {
+        let comma = if index + 1 < lines.len() { "," } else { "" };
+        let line = format!("{port}{comma}");
+        text.push_str("  ");
+        if about.is_empty() {
+            text.push_str(&line);
+        } else {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{line:column$} // {about}");
+        }
+        text.push('\n');
+    }
+}
+
+/// What a block does, in a few words.
+fn summary(block: &str) -> &'static str {
+    match block.split('.').next().unwrap_or(block) {
+        "enter" => "a port brought to the profile's bits and normalised",
+        "frame" => "the tangents E1, E2",
+        "perturb" => "the normal moved by the bump offset",
+        "reflect" => "the view vector mirrored at the normal",
+        "cube_face" => "face of the cube and place on it",
+        "columns" => "how the place on the face moves with one change of view vector and normal",
+        "roughness" => "the change of the normal along the axes of the roughness",
+        "ellipse" => "covariance of the footprint",
+        "axes" => "main axes of the footprint",
+        "probes" => match block {
+            "probes.position" => "place of a probe on the major axis",
+            "probes.weight" => "weight of a probe",
+            _ => "number of probes, their step, level of detail",
+        },
+        "status" => "the sticky bits of a fragment",
+        "leave" => "outcomes in the formats of the ports",
+        "map_scale" => "log2 of the size of a cube face",
+        "texture" => match block {
+            "texture.position" => "place of a probe in a repeated map",
+            _ => "derivatives of texture coordinates in map units",
+        },
+        "continuation" => "a place beside the face's middle, across its edge if need be",
+        "filter" => match block {
+            "filter.repeat_address" | "filter.face_address" => "texels and weights of a bilinear sample",
+            "filter.levels" => "two levels of a map and the weight between them",
+            "filter.corner" => "the texel at a corner of the cube",
+            "filter.trilinear" => "interpolation of eight texels",
+            "filter.sum" => "one more sample of a weighted sum",
+            _ => "the mean of a weighted sum",
+        },
+        "moments" => "bumps and roughness as moments, and back",
+        "blend" => "surface and reflection by reflectance",
+        _ => "a block of the datapath",
+    }
+}

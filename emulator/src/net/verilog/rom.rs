@@ -1,0 +1,209 @@
+//! Parts that do not depend on the design: tables, leading zero counters, delay lines.
+
+use std::fmt::Write;
+
+use roughxel_core::rom;
+use serde::Serialize;
+
+use super::format::{Format, vector};
+use super::value::literal;
+use super::{END, header};
+use crate::net::graph::Table;
+use crate::net::interval::Range;
+
+/// A table of the datapath under its name.
+#[derive(Clone, Copy, Debug)]
+pub struct Rom {
+    name: &'static str,
+    /// Index bits of a table that exists in several sizes.
+    size: Option<u32>,
+    table: Table,
+}
+
+impl Rom {
+    /// The ROM of a table; `None` for a table the datapath does not have.
+    pub fn new(table: Table) -> Option<Self> {
+        let named: [(&'static str, &'static [i32]); 6] = [
+            ("log2", &rom::LOG2),
+            ("exp2", &rom::EXP2),
+            ("step_per_sigma", &rom::STEP_PER_SIGMA),
+            ("log2_of_count", &rom::LOG2_OF_COUNT),
+            ("box_weights", &rom::BOX_WEIGHTS),
+            ("gaussian_weights", &rom::GAUSSIAN_WEIGHTS),
+        ];
+        let sized = (6..=10).flat_map(|bits| {
+            [("reciprocal", bits, rom::reciprocal(bits)), ("inverse_root", bits, rom::inverse_root(bits))]
+        });
+        let named = named.into_iter().map(|(name, entries)| (name, None, entries));
+        let all = named.chain(sized.map(|(name, bits, entries)| (name, Some(bits), entries)));
+        let found = all.into_iter().find(|(.., entries)| Table(entries) == table);
+        found.map(|(name, size, _)| Self { name, size, table })
+    }
+
+    /// `rom_reciprocal_8`.
+    pub fn name(&self) -> String {
+        match self.size {
+            Some(bits) => format!("rom_{}_{bits}", self.name),
+            None => format!("rom_{}", self.name),
+        }
+    }
+
+    /// Bits of the index.
+    pub fn index_bits(&self) -> u32 {
+        count_bits(self.table.0.len() as u32 - 1)
+    }
+
+    /// How an entry is stored.
+    pub fn format(table: Table) -> Format {
+        let low = table.0.iter().copied().min().unwrap_or(0).into();
+        let high = table.0.iter().copied().max().unwrap_or(0).into();
+        let zeros = table.0.iter().filter(|entry| **entry != 0).map(|entry| entry.trailing_zeros()).min();
+        Format::new(Range { low, high, zeros: zeros.unwrap_or(0) }, 0, false)
+    }
+
+    fn entries(&self) -> impl Iterator<Item = u64> {
+        let format = Self::format(self.table);
+        // The format is that of these entries.
+        self.table.0.iter().map(move |&entry| format.pack(entry.into()).unwrap_or(0))
+    }
+
+    /// The module.
+    pub fn module(&self) -> String {
+        let (name, format) = (self.name(), Self::format(self.table));
+        let (width, index) = (format.width(), self.index_bits());
+        let about = [
+            format!(
+                "Table of the datapath, {} entries; entry = integer of the table >> {}.",
+                self.table.0.len(),
+                format.zeros
+            ),
+            format!("The same entries for $readmemh: rom/{name}.hex."),
+        ];
+        let mut text = header(&name, &about);
+        text += &format!(
+            "module {name} (\n  input  wire {}index,\n  output reg  {}entry\n);\n\n  always @(*)\n    case (index)\n",
+            vector(index, false),
+            vector(width, format.signed()),
+        );
+        let entries: Vec<u64> = self.entries().collect();
+        // A table that fills its index needs no default; its last entry is it.
+        let full = entries.len() == 1 << index;
+        for (place, &entry) in entries.iter().enumerate() {
+            let last = full && place + 1 == entries.len();
+            let place = if last { "default".to_owned() } else { format!("{index}'d{place}") };
+            text += &format!("      {place}: entry = {};\n", literal(entry.into(), width));
+        }
+        if !full {
+            text += &format!("      default: entry = {};\n", literal(0, width));
+        }
+        text + &format!("    endcase\n{END}")
+    }
+
+    /// The entries for `$readmemh`.
+    pub fn hex(&self) -> String {
+        let format = Self::format(self.table);
+        let digits = format.width().div_ceil(4) as usize;
+        let mut text = format!(
+            "// {}: {} entries of {} bits; entry = integer of the table >> {}\n",
+            self.name(),
+            self.table.0.len(),
+            format.width(),
+            format.zeros
+        );
+        for entry in self.entries() {
+            text += &format!("{entry:0digits$x}\n");
+        }
+        text
+    }
+
+    /// What a tool needs to know.
+    pub(super) fn description(&self) -> RomDescription {
+        let format = Self::format(self.table);
+        RomDescription {
+            name: self.name(),
+            entries: self.table.0.len(),
+            index_bits: self.index_bits(),
+            width: format.width(),
+            signed: format.signed(),
+            dropped_zeros: format.zeros,
+        }
+    }
+}
+
+/// A ROM in the manifest.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct RomDescription {
+    name: String,
+    entries: usize,
+    index_bits: u32,
+    width: u32,
+    signed: bool,
+    dropped_zeros: u32,
+}
+
+/// Bits of an unsigned number up to `most`.
+pub(super) fn count_bits(most: u32) -> u32 {
+    (32 - most.leading_zeros()).max(1)
+}
+
+/// `leading_zeros_40`: a binary search for the highest one.
+pub(super) fn leading_zeros(width: u32) -> String {
+    let name = format!("leading_zeros_{width}");
+    let bits = count_bits(width);
+    // One place more than the value, so that the search always finds a one.
+    let places = 1_u32 << bits;
+    let about =
+        [format!("Zeros above the highest one of {width} bits; {width} where there is none."), "Binary search.".into()];
+    let mut text = header(&name, &about);
+    text += &format!(
+        "module {name} (\n  input  wire {}value,\n  output wire {}count\n);\n\n",
+        vector(width, false),
+        vector(bits, false)
+    );
+    let padding = places - width;
+    text += &format!("  wire [{}:0] w{bits} = {{value, {{{padding}{{1'b1}}}}}};\n", places - 1);
+    for step in (1..bits).rev() {
+        let (from, half) = (step + 1, 1_u32 << step);
+        let (upper, lower) = (format!("w{from}[{}:{half}]", 2 * half - 1), format!("w{from}[{}:0]", half - 1));
+        text += &format!("  wire z{step} = {upper} == {};\n", literal(0, half));
+        text += &format!("  wire [{}:0] w{step} = z{step} ? {lower} : {upper};\n", half - 1);
+    }
+    // One of the last two bits is set.
+    text += "  wire z0 = w1 == 2'd1;\n";
+    let count: Vec<String> = (0..bits).rev().map(|step| format!("z{step}")).collect();
+    text + &format!("  assign count = {{{}}};\n{END}", count.join(", "))
+}
+
+/// Name of the delay line.
+pub(super) const DELAY: &str = "roughxel_delay";
+
+/// A delay line.
+pub(super) fn delay() -> String {
+    let mut text = header(DELAY, &["What came in CYCLES cycles with enable high ago.".into()]);
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "module {DELAY} #(
+  parameter WIDTH = 1,
+  parameter CYCLES = 1
+) (
+  input  wire clk,
+  input  wire enable,
+  input  wire [WIDTH-1:0] in,
+  output wire [WIDTH-1:0] out
+);
+
+  reg [WIDTH*CYCLES-1:0] line;
+  assign out = line[WIDTH*CYCLES-1 -: WIDTH];
+
+  generate
+    if (CYCLES == 1) begin : single
+      always @(posedge clk) if (enable) line <= in;
+    end else begin : several
+      always @(posedge clk) if (enable) line <= {{line[WIDTH*(CYCLES-1)-1:0], in}};
+    end
+  endgenerate
+{END}"
+    );
+    text
+}

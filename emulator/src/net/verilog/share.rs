@@ -1,0 +1,144 @@
+//! Runs of a block that are the same hardware: equal operations on equal constants, whatever drives their inputs.
+//!
+//! Such runs are instances of one module. Its wires hold what any of the runs can put on them, so the ranges of nodes
+//! that meet in a place of a module are joined, until every node has one range, at both ends of every connection.
+
+use std::collections::HashMap;
+
+use crate::net::graph::{Kind, Net, NodeId, Op};
+use crate::net::interval::{Range, Ranges};
+
+/// One run of a block. Places of nodes and inputs correspond between runs of one module.
+#[derive(Clone, Debug)]
+pub(super) struct Run {
+    /// Index in [`Net::blocks`].
+    pub(super) block: u32,
+    /// Its operations, in order.
+    pub(super) nodes: Vec<NodeId>,
+    /// Ports and wires of other blocks it reads, in the order of a person: ports, then outcomes of earlier blocks.
+    pub(super) inputs: Vec<NodeId>,
+}
+
+/// Runs that are instances of one module.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    /// Name of the module, before any prefix.
+    pub(super) name: String,
+    /// At least one.
+    pub(super) runs: Vec<Run>,
+}
+
+/// Everything that makes two runs the same hardware.
+#[derive(PartialEq)]
+struct Structure {
+    name: &'static str,
+    operations: Vec<(Op, Kind)>,
+    constants: Vec<i64>,
+    inputs: Vec<Kind>,
+    taps: Vec<(NodeId, String, u32)>,
+}
+
+/// An operand that is an input or a constant, as a node number no net reaches.
+const INPUT: NodeId = 1 << 30;
+const CONSTANT: NodeId = 1 << 31;
+
+/// The run of a block with its structure; inputs in the order of their first use.
+fn run_of(net: &Net, block: u32, nodes: Vec<NodeId>) -> (Run, Structure) {
+    let place: HashMap<NodeId, NodeId> = nodes.iter().copied().zip(0..).collect();
+    let mut inputs: Vec<NodeId> = Vec::new();
+    let mut constants = Vec::new();
+    let mut local = |id: NodeId| {
+        if let Some(&place) = place.get(&id) {
+            return place;
+        }
+        if let Op::Lit(value) = net.node(id).op {
+            constants.push(value);
+            return CONSTANT | (constants.len() - 1) as NodeId;
+        }
+        let known = inputs.iter().position(|&input| input == id);
+        INPUT
+            | known.unwrap_or_else(|| {
+                inputs.push(id);
+                inputs.len() - 1
+            }) as NodeId
+    };
+    let operations = nodes.iter().map(|&id| (net.node(id).op.map(&mut local), net.node(id).kind)).collect();
+    let own = net.taps.iter().filter(|tap| tap.block == Some(block));
+    let taps = own.filter_map(|tap| Some((*place.get(&tap.node)?, tap.name.clone(), tap.fraction_bits))).collect();
+    let name = net.blocks[block as usize].name;
+    let kinds = inputs.iter().map(|&input| net.node(input).kind).collect();
+    (Run { block, nodes, inputs }, Structure { name, operations, constants, inputs: kinds, taps })
+}
+
+/// Groups the runs of blocks that have operations, in the order of their first run.
+pub(super) fn groups(net: &Net) -> Vec<Group> {
+    let mut nodes = vec![Vec::new(); net.blocks.len()];
+    for (id, node) in net.iter() {
+        if let Some(block) = node.block {
+            nodes[block as usize].push(id);
+        }
+    }
+    let mut found: Vec<(Structure, Vec<Run>)> = Vec::new();
+    for (block, nodes) in (0..).zip(nodes).filter(|(_, nodes)| !nodes.is_empty()) {
+        let (run, structure) = run_of(net, block, nodes);
+        match found.iter_mut().find(|(known, _)| *known == structure) {
+            Some((_, runs)) => runs.push(run),
+            None => found.push((structure, vec![run])),
+        }
+    }
+    let alone = |name| found.iter().filter(|(structure, _)| structure.name == name).count() == 1;
+    let named = found.iter().map(|(structure, runs)| {
+        let block = &net.blocks[runs[0].block as usize];
+        let name = if alone(structure.name) { block.name.replace('.', "_") } else { block.instance() };
+        let mut runs = runs.clone();
+        let mut order: Vec<usize> = (0..runs[0].inputs.len()).collect();
+        order.sort_by_key(|&place| position(net, runs[0].inputs[place]));
+        for run in &mut runs {
+            run.inputs = order.iter().map(|&place| run.inputs[place]).collect();
+        }
+        Group { name, runs }
+    });
+    named.collect()
+}
+
+/// Where a person expects an input: ports first, then outcomes of blocks in the order in which they ran.
+fn position(net: &Net, id: NodeId) -> (usize, NodeId) {
+    match net.node(id).op {
+        Op::Port(port) => (0, port),
+        _ => (1 + net.taps.iter().position(|tap| tap.node == id).unwrap_or(net.taps.len()), id),
+    }
+}
+
+/// Ranges in which nodes that meet in a place of a module have one range.
+pub(super) fn joined(net: &Net, ranges: &Ranges, groups: &[Group]) -> Ranges {
+    let mut parent: Vec<NodeId> = (0..net.nodes.len() as NodeId).collect();
+    fn root(parent: &mut [NodeId], mut id: NodeId) -> NodeId {
+        while parent[id as usize] != id {
+            parent[id as usize] = parent[parent[id as usize] as usize];
+            id = parent[id as usize];
+        }
+        id
+    }
+    for group in groups {
+        for run in &group.runs[1..] {
+            let (first, other) = (&group.runs[0], run);
+            let pairs = first.nodes.iter().chain(&first.inputs).zip(other.nodes.iter().chain(&other.inputs));
+            for (&a, &b) in pairs {
+                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+                parent[b as usize] = a;
+            }
+        }
+    }
+    let mut hull: Vec<Option<Range>> = vec![None; net.nodes.len()];
+    for id in 0..net.nodes.len() as NodeId {
+        let range = ranges.of(id);
+        let entry = &mut hull[root(&mut parent, id) as usize];
+        *entry = Some(entry.map_or(range, |hull| Range {
+            low: hull.low.min(range.low),
+            high: hull.high.max(range.high),
+            zeros: hull.zeros.min(range.zeros),
+        }));
+    }
+    let of = |id| hull[root(&mut parent, id) as usize].unwrap_or(ranges.of(id));
+    Ranges { ranges: (0..net.nodes.len() as NodeId).map(of).collect(), violations: Vec::new() }
+}

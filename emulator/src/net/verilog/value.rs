@@ -1,0 +1,179 @@
+//! What stands for a node in the text: a constant, or bits of a wire.
+//!
+//! Shifts by constants, remainders of powers of two, signs and inversions are bits of another wire and get no wire of
+//! their own. Bit positions are those of the node's integer.
+
+use crate::net::graph::NodeId;
+
+/// A node's integer as bits of a wire: bit p of the value is bit p − `shift` of the wire's integer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct View {
+    /// The node whose wire it is.
+    pub(super) base: NodeId,
+    /// Places to the left.
+    pub(super) shift: i32,
+    /// Bits of the wire's integer below this one read zero.
+    pub(super) cut: i32,
+    /// Bits of the value from this one on read zero.
+    pub(super) limit: Option<i32>,
+    /// The one bit of a flag, inverted.
+    pub(super) inverted: bool,
+}
+
+impl View {
+    /// The wire itself.
+    pub(super) fn of(base: NodeId) -> Self {
+        Self { base, shift: 0, cut: 0, limit: None, inverted: false }
+    }
+
+    /// · 2^k.
+    pub(super) fn shl(self, k: u32) -> Self {
+        let k = k as i32;
+        Self { shift: self.shift + k, limit: self.limit.map(|limit| limit + k), ..self }
+    }
+
+    /// ⌊ · / 2^k⌋.
+    pub(super) fn sar(self, k: u32) -> Self {
+        let k = k as i32;
+        let limit = self.limit.map(|limit| (limit - k).max(0));
+        let shift = self.shift - k;
+        Self { shift, cut: self.cut.max(-shift), limit, ..self }
+    }
+
+    /// The lowest `k` bits.
+    pub(super) fn low_bits(self, k: u32) -> Self {
+        let k = k as i32;
+        Self { limit: Some(self.limit.map_or(k, |limit| limit.min(k))), ..self }
+    }
+
+    /// Bit `p` alone.
+    pub(super) fn bit(self, p: u32) -> Self {
+        self.sar(p).low_bits(1)
+    }
+
+    /// Not, of a flag.
+    pub(super) fn not(self) -> Self {
+        Self { inverted: !self.inverted, ..self }
+    }
+}
+
+/// A node in the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Value {
+    /// Always the same.
+    Constant(i64),
+    /// Bits of a wire.
+    Bits(View),
+}
+
+/// Bits of a wire that exist, from `low` up to but not `high`, of which the top one is a sign where `signed`.
+#[derive(Clone, Debug)]
+pub(super) struct Wire {
+    pub(super) name: String,
+    pub(super) low: u32,
+    pub(super) high: u32,
+    pub(super) signed: bool,
+}
+
+impl Wire {
+    pub(super) fn width(&self) -> u32 {
+        self.high - self.low
+    }
+
+    /// Bits `low` up to `high` of the integer, all of them there.
+    pub(super) fn slice(&self, low: u32, high: u32) -> String {
+        let Self { name, low: first, .. } = self;
+        match high - low {
+            _ if low == self.low && high == self.high => name.clone(),
+            1 => format!("{name}[{}]", low - first),
+            _ => format!("{name}[{}:{}]", high - 1 - first, low - first),
+        }
+    }
+}
+
+/// An expression of a known width.
+#[derive(Clone, Debug)]
+pub(super) struct Text {
+    pub(super) code: String,
+    /// It is one signed wire, not a slice or a concatenation, which are unsigned.
+    pub(super) signed: bool,
+}
+
+impl Text {
+    /// The expression as a signed one.
+    pub(super) fn as_signed(&self) -> String {
+        if self.signed { self.code.clone() } else { format!("$signed({})", self.code) }
+    }
+
+    /// The expression as an unsigned one.
+    pub(super) fn as_unsigned(&self) -> String {
+        if self.signed { format!("$unsigned({})", self.code) } else { self.code.clone() }
+    }
+}
+
+/// A constant of `width` bits.
+pub(super) fn literal(bits: u128, width: u32) -> String {
+    sized(bits, width, "")
+}
+
+fn sized(bits: u128, width: u32, sign: &str) -> String {
+    let bits = if width < 128 { bits & ((1 << width) - 1) } else { bits };
+    if width == 1 {
+        return format!("1'{sign}b{bits}");
+    }
+    if bits < 1000 {
+        return format!("{width}'{sign}d{bits}");
+    }
+    let digits = format!("{bits:x}");
+    let mut grouped = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index) % 4 == 0 {
+            grouped.push('_');
+        }
+        grouped.push(digit);
+    }
+    format!("{width}'{sign}h{grouped}")
+}
+
+/// Bits `low` up to `high` of a constant.
+pub(super) fn constant_bits(value: i64, low: u32, high: u32) -> Text {
+    Text { code: literal((i128::from(value) >> low.min(127)) as u128, high - low), signed: false }
+}
+
+/// Bits `low` up to `high` of a constant as a signed number.
+pub(super) fn signed_constant(value: i64, low: u32, high: u32) -> String {
+    sized((i128::from(value) >> low.min(127)) as u128, high - low, "s")
+}
+
+/// Bits `low` up to `high` of a view of `wire`. Bits the wire does not have read zero, or its sign above its top.
+pub(super) fn view_bits(view: &View, wire: &Wire, low: u32, high: u32) -> Text {
+    let (low, high) = (low as i32, high as i32);
+    let limit = view.limit.unwrap_or(high).clamp(low, high);
+    let above = high - limit;
+    // In bits of the wire's integer.
+    let (from, upto) = (low - view.shift, limit - view.shift);
+    let first = from.max(view.cut).max(wire.low as i32).min(upto);
+    let zeros = first - from;
+    let last = upto.min(wire.high as i32).max(first);
+    let mut parts = Vec::new();
+    let pad = |count: i32| (count > 0).then(|| literal(0, count as u32));
+    parts.extend(pad(above));
+    let beyond = upto - last;
+    if beyond > 0 {
+        if wire.signed {
+            let sign = wire.slice(wire.high - 1, wire.high);
+            parts.push(if beyond == 1 { sign } else { format!("{{{beyond}{{{sign}}}}}") });
+        } else {
+            parts.extend(pad(beyond));
+        }
+    }
+    if last > first {
+        let bits = wire.slice(first as u32, last as u32);
+        parts.push(if view.inverted { format!("~{bits}") } else { bits });
+    }
+    parts.extend(pad(zeros));
+    match &parts[..] {
+        [alone] => Text { code: alone.clone(), signed: wire.signed && *alone == wire.name },
+        _ => Text { code: format!("{{{}}}", parts.join(", ")), signed: false },
+    }
+}

@@ -1,0 +1,129 @@
+//! What every recorded design computes, in a reading of which integers can be seen.
+//!
+//! Nets, their evaluator and generated hardware are held against this: the stages themselves, called as the composer
+//! calls them.
+
+use roughxel_core::block::Block;
+use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::{ReflectionIn, texture_scale};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::signals::{CubePoint, Ellipse, FacePosition, FaceSelect, PortBlock, Probes, TexturePosition};
+use roughxel_core::stage::filter::ROUGHNESS_LOD_BIAS;
+use roughxel_core::stage::{axes, blend, filter, moments, probes};
+use roughxel_emulator::net::design::{
+    BlendInput, CornerInput, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, LevelsInput,
+    MomentsInput, MomentsOutput, ProbeSumInput, RepeatAddressInput, SampleInput, TextureInput, TextureProbeInput,
+};
+
+use crate::checked::{Integers, Visible, filled};
+
+/// What a design's function comes to in a reading of which integers can be seen: the scalar one, or the checked one.
+///
+/// `ports` are the integers of the design's ports in the order of their bundle. Panics where there are fewer, or where the
+/// design is unknown here.
+pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> Integers {
+    fn fx<const FRAC: u32>() -> Fx<i32, FRAC> {
+        Fx::zero()
+    }
+    fn port<const N: usize>() -> PortBlock<i32, N> {
+        PortBlock { mantissa: [fx(); N], exponent: fx() }
+    }
+    let (texture, map) = texture_scale([1, 1]);
+    let probes = Probes { count: fx(), step: [fx(); 2], lod: fx(), empty: false, saturated: false, capped: false };
+    let centre = TexturePosition { uv: [Fx::lit(0); 2] };
+    let sample = SampleInput { texels: [[fx(); 4]; 2], weights: [[fx(); 2]; 2], level_weight: fx() };
+    let trilinear = |extra| -> Fx<W, 0> {
+        let SampleInput { texels, weights, level_weight } = filled::<W, _>(&sample, ports);
+        let [fine, coarse] = texels.map(|texels| texels.map(Fx::raw));
+        let levels = [(&fine, &weights[0]), (&coarse, &weights[1])];
+        Fx::from_raw(filter::trilinear(levels[0], levels[1], level_weight, extra))
+    };
+    match name {
+        "map_scale" => {
+            let Edge { edge_texels } = filled::<W, _>(&Edge { edge_texels: fx() }, ports);
+            Integers::of(&probes::face_scale(edge_texels, p))
+        }
+        "texture" => {
+            let input = filled::<W, _>(&TextureInput { duv: [port(); 2], texture, map }, ports);
+            Integers::of(&datapath::texture_footprint(&input.duv, &input.texture, &input.map, p))
+        }
+        "texture_probe" => {
+            let input = filled::<W, _>(&TextureProbeInput { centre, probes, index: fx(), texture }, ports);
+            Integers::of(&datapath::texture_probe(&input.centre, &input.probes, input.index, &input.texture, p))
+        }
+        "repeat_address" => {
+            let input = filled::<W, _>(&RepeatAddressInput { place: centre, size: [fx(); 2] }, ports);
+            Integers::of(&filter::repeat_address(&input.place, input.size, p))
+        }
+        "moments" => {
+            let form = MomentsInput { roughness: [fx(); 3], offset: [fx(); 2], covariance: [fx(); 3] };
+            let input = filled::<W, _>(&form, ports);
+            let texel = match p.roughness {
+                RoughnessKind::Isotropic => moments::of_isotropic_texel(input.roughness[0]),
+                _ => moments::of_texel(&input.roughness),
+            };
+            Integers::of(&MomentsOutput { texel, probe: moments::of_probe(&input.offset, &input.covariance) })
+        }
+        "roughness_decode" => {
+            let input = filled::<W, _>(&DecodeInput { offset: [fx(); 2], moments: [fx(); 3] }, ports);
+            let k = moments::covariance(&(input.offset, input.moments), p);
+            Integers::of(&match p.roughness {
+                RoughnessKind::Isotropic => {
+                    let axes = axes::axes(&Ellipse { k, det: Block::zero() }, p);
+                    [moments::to_roughness(axes.major), Fx::zero(), Fx::zero()]
+                }
+                _ => moments::decompose(&k, p),
+            })
+        }
+        "fragment" => {
+            let input = filled::<W, _>(&FragmentInput::new(&ReflectionIn::default()), ports);
+            let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels } = input;
+            let map = W::block("map_scale", || probes::face_scale(edge_texels, p));
+            let input = ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map };
+            Integers::of(&datapath::leave(&datapath::reflection(&input, plan, p)))
+        }
+        "reflection" => {
+            let input = filled::<W, _>(&ReflectionIn::default().wires(map), ports);
+            Integers::of(&datapath::reflection(&input, plan, p))
+        }
+        "environment_probe" => {
+            let select = FaceSelect { is_z: false, is_y: false, negative: false };
+            let point = CubePoint { select, st: [fx(); 2], half_reciprocal: fx(), tie: false };
+            let input = filled::<W, _>(&EnvironmentProbeInput { point, probes, index: fx() }, ports);
+            Integers::of(&datapath::environment_probe(&input.point, &input.probes, input.index, p))
+        }
+        "levels" => {
+            let input = filled::<W, _>(&LevelsInput { lod: fx(), rough: false }, ports);
+            let biased = filter::biased(input.lod, Fx::lit(ROUGHNESS_LOD_BIAS), p);
+            Integers::of(&filter::levels(Fx::select(input.rough, biased, input.lod)))
+        }
+        "face_address" => {
+            let form = FaceAddressInput { place: FacePosition { face: fx(), st: [fx(); 2] }, edge: fx() };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&filter::face_address(&input.place.st, input.edge, p))
+        }
+        "corner" => {
+            let input = filled::<W, _>(&CornerInput { texels: [fx(); 3] }, ports);
+            Integers::of(&Fx::<W, 0>::from_raw(filter::corner(&input.texels.map(Fx::raw))))
+        }
+        "colour_sample" => Integers::of(&trilinear(8)),
+        "moment_sample" => Integers::of(&trilinear(0)),
+        "probe_sum" => {
+            let form = ProbeSumInput { sample: fx(), weight: fx(), sum: filter::ProbeSum::zero() };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&input.sum.add(input.sample.raw(), input.weight))
+        }
+        "probe_mean" => {
+            let sum = filled::<W, _>(&filter::ProbeSum::<i32>::zero(), ports);
+            Integers::of(&Fx::<W, 0>::from_raw(sum.mean()))
+        }
+        "blend" => {
+            let form = BlendInput { surface: fx(), reflection: fx(), reflectance: fx() };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&blend::blend(input.surface, input.reflection, input.reflectance))
+        }
+        _ => panic!("{name} is a new design: say what its function is"),
+    }
+}

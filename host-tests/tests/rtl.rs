@@ -1,0 +1,438 @@
+//! The generated Verilog is the datapath: it lints clean, and simulated it gives the bits of the scalar reading.
+//!
+//! Vectors are fragments (plausible ones, corner bit patterns, every hard case) and integers anywhere in the declared
+//! ranges of the ports; expected values are those of the scalar stages. A tool that is missing is named aloud.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_emulator::net::bench::Bench;
+use roughxel_emulator::net::design::{DESIGNS, Design};
+use roughxel_emulator::net::graph::{Net, Op};
+use roughxel_emulator::net::interval::Ranges;
+use roughxel_emulator::net::observe::{port_values, within};
+use roughxel_emulator::net::verilog::{Interface, Options, Verilog, VerilogError};
+use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_host_tests::designs::outcome;
+use tempfile::TempDir;
+
+const FULL: ReflectionPlan = ReflectionPlan::FULL;
+
+/// Plans that differ in what exists.
+fn plans() -> [(&'static str, ReflectionPlan); 5] {
+    let mirror =
+        ReflectionPlan { bump: false, roughness: RoughnessKind::None, curvature: false, footprint: false, ..FULL };
+    [
+        ("full", FULL),
+        ("mirror", mirror),
+        ("smooth", ReflectionPlan { roughness: RoughnessKind::None, ..FULL }),
+        ("natural", ReflectionPlan { frame: FrameSystem::Natural, roughness: RoughnessKind::Isotropic, ..FULL }),
+        ("normalised", ReflectionPlan { frame: FrameSystem::NaturalNormalised, ..FULL }),
+    ]
+}
+
+fn profiles() -> [(&'static str, Precision); 4] {
+    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+}
+
+fn options(profile: &str, plan: ReflectionPlan, depth: Option<u32>) -> Options {
+    Options {
+        profile: profile.into(),
+        precision: Precision::by_name(profile).expect("a profile"),
+        plan,
+        depth,
+        stage: None,
+        prefix: String::new(),
+    }
+}
+
+fn design(name: &str) -> &'static Design {
+    Design::by_name(name).expect("a design")
+}
+
+/// Ports of a design: at least `count` vectors, from random fragments, every hard case of the plan, and integers anywhere
+/// in the declared ranges.
+fn inputs(name: &str, net: &Net, count: usize, plan: &ReflectionPlan, p: &Precision) -> Vec<Vec<i64>> {
+    let whole = matches!(name, "fragment" | "reflection");
+    let cases = hard_case_sets(p).into_iter().filter(|set| set.plan == *plan || *plan != FULL);
+    // Only designs that take a whole fragment see each hard case.
+    let hard = cases.flat_map(|set| set.fragments).step_by(if whole { 1 } else { 10 });
+    let random = (0..count as u64 * 3 / 4).map(|index| random_fragment("rtl", index, p));
+    let mut vectors = Vec::new();
+    for (index, fragment) in (0..).zip(hard.chain(random)) {
+        if whole || vectors.len() < count {
+            let mut random = SplitMix64::for_element(name, index);
+            vectors.extend(port_values(name, net, &fragment, plan, p, &mut random));
+        }
+    }
+    // Ports of a probe belong together.
+    if !name.ends_with("_probe") {
+        let mut random = SplitMix64::for_element(name, u64::MAX);
+        let mut anywhere = || net.ports.iter().map(|port| within(port.low, port.high, &mut random)).collect();
+        vectors.extend((0..count / 4).map(|_| anywhere()));
+    }
+    vectors
+}
+
+/// Whether a tool is there; says so where it is not.
+fn have(tool: &str) -> bool {
+    let found = Command::new(tool).arg("-V").output().is_ok();
+    if !found {
+        eprintln!("SKIPPED: {tool} is not installed, so nothing here was checked with it");
+    }
+    found
+}
+
+/// Runs a command, which succeeds.
+fn run(command: &mut Command) -> Output {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{command:?}\n{}\n{}", text(&output.stdout), text(&output.stderr));
+    output
+}
+
+fn hdl(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/hdl").join(file)
+}
+
+/// A design in a directory of its own.
+struct Written {
+    directory: TempDir,
+    verilog: Verilog,
+}
+
+impl Written {
+    fn new(design: &Design, options: &Options) -> Self {
+        let verilog = Verilog::new(design, options)
+            .unwrap_or_else(|error| panic!("{} {}: {error}", design.name, options.profile));
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        verilog.write(directory.path()).expect("the directory can be written");
+        Self { directory, verilog }
+    }
+
+    fn path(&self) -> &Path {
+        self.directory.path()
+    }
+
+    /// The outermost module.
+    fn outermost(&self) -> &Interface {
+        self.verilog.stepper.as_ref().or(self.verilog.top.as_ref()).expect("a top")
+    }
+
+    fn lint(&self) {
+        let module = &self.outermost().module;
+        let mut command = Command::new("verilator");
+        command.args(["--lint-only", "-Wall", "--top-module", module, "-y"]).arg(self.path());
+        run(command.arg(self.path().join(format!("{module}.v"))));
+    }
+
+    /// Simulates with Icarus, the handshake pausing at random.
+    fn icarus(&self, bench: &Bench) {
+        let text = self.simulate(bench);
+        assert!(text.contains("PASS"), "{} in Icarus: {text}", bench.module());
+    }
+
+    /// What the bench prints in Icarus.
+    fn simulate(&self, bench: &Bench) -> String {
+        bench.write(self.path()).expect("the directory can be written");
+        let compiled = self.path().join("bench.vvp");
+        let mut command = Command::new("iverilog");
+        command.args(["-g2005", "-s", "bench", "-I"]).arg(self.path()).arg("-y").arg(self.path());
+        run(command.arg("-o").arg(&compiled).arg(hdl("bench.v")));
+        let output = run(Command::new("vvp").arg("-N").arg(&compiled).arg("+stalls").current_dir(self.path()));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// Builds the Verilator model of the outermost module and runs it on the vectors of a bench.
+    fn verilator(&self, bench: &Bench, arguments: &[&str]) -> Output {
+        bench.write(self.path()).expect("the directory can be written");
+        let objects = self.path().join("obj");
+        let program = objects.join("bench");
+        reuse_runtime(&objects);
+        let flat = format!("{}_flat", bench.module());
+        let mut command = Command::new("verilator");
+        command.args(["--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"]);
+        command.args(["--prefix", "Vdesign", "-CFLAGS", "-std=c++17", "--top-module", &flat]);
+        command.args(["-MAKEFLAGS", "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O1", "--Mdir"]).arg(&objects);
+        command.arg("-y").arg(self.path()).arg("-o").arg(&program);
+        run(command.arg(self.path().join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp")));
+        keep_runtime(&objects);
+        Command::new(&program).arg(self.path()).args(arguments).output().expect("the model was built")
+    }
+}
+
+/// Objects of Verilator's own library, which are the same for every model and take longer than a small one.
+const RUNTIME: [&str; 2] = ["verilated.o", "verilated_threads.o"];
+
+/// Set once this run has put them into [`runtime`].
+static RUNTIME_IS_KEPT: OnceLock<()> = OnceLock::new();
+
+fn runtime() -> &'static Path {
+    Path::new(env!("CARGO_TARGET_TMPDIR"))
+}
+
+fn reuse_runtime(objects: &Path) {
+    fs::create_dir_all(objects).expect("a directory");
+    if RUNTIME_IS_KEPT.get().is_some() {
+        for name in RUNTIME {
+            fs::copy(runtime().join(name), objects.join(name)).expect("an object was kept");
+        }
+    }
+}
+
+fn keep_runtime(objects: &Path) {
+    if RUNTIME.iter().all(|name| objects.join(name).exists()) {
+        RUNTIME_IS_KEPT.get_or_init(|| {
+            for name in RUNTIME {
+                fs::copy(objects.join(name), runtime().join(name)).expect("an object can be kept");
+            }
+        });
+    }
+}
+
+/// Integers of the outputs, by the scalar reading.
+fn expected(name: &str, ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> Vec<i64> {
+    outcome::<i32>(name, ports, plan, p).0.into_iter().map(|(_, value)| value).collect()
+}
+
+/// A design with vectors and what the scalar reading makes of them.
+struct Case {
+    written: Written,
+    inputs: Vec<Vec<i64>>,
+    outputs: Vec<Vec<i64>>,
+}
+
+impl Case {
+    fn new(name: &str, count: usize, options: &Options) -> Self {
+        let (design, plan, p) = (design(name), &options.plan, &options.precision);
+        let net = design.record(plan, p);
+        let inputs = inputs(name, &net, count, plan, p);
+        let outputs = inputs.iter().map(|ports| expected(name, ports, plan, p)).collect();
+        Self { written: Written::new(design, options), inputs, outputs }
+    }
+
+    fn top(&self) -> &Interface {
+        self.written.verilog.top.as_ref().expect("a top")
+    }
+
+    fn bench(&self) -> Bench<'_> {
+        Bench::new(self.top(), &self.inputs, &self.outputs).expect("the ports hold the vectors")
+    }
+
+    fn verilate(&self, arguments: &[&str]) {
+        let output = self.written.verilator(&self.bench(), arguments);
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.starts_with("PASS"), "{} in Verilator: {text}", self.top().module);
+        println!("{}: {}", self.top().module, text.trim());
+    }
+}
+
+#[test]
+fn every_design_lints_clean() {
+    if !have("verilator") {
+        return;
+    }
+    for (profile, _) in profiles() {
+        for design in DESIGNS {
+            Written::new(design, &options(profile, FULL, None)).lint();
+        }
+        for (_, plan) in plans() {
+            Written::new(design("reflection"), &options(profile, plan, None)).lint();
+        }
+        for name in ["reflection", "environment_probe"] {
+            Written::new(design(name), &options(profile, FULL, Some(24))).lint();
+        }
+    }
+}
+
+#[test]
+fn every_design_gives_the_scalar_bits_in_icarus() {
+    if !have("iverilog") {
+        return;
+    }
+    for (profile, _) in profiles() {
+        for design in DESIGNS {
+            let mut case = Case::new(design.name, 400, &options(profile, FULL, None));
+            // Some 200 fragments a second: every twentieth of them, hard cases included.
+            if case.inputs.len() > 1000 {
+                case.inputs = case.inputs.into_iter().step_by(20).collect();
+                case.outputs = case.outputs.into_iter().step_by(20).collect();
+            }
+            case.written.icarus(&case.bench());
+        }
+    }
+    let pipelined = Case::new("environment_probe", 400, &options("standard", FULL, Some(24)));
+    pipelined.written.icarus(&pipelined.bench());
+}
+
+#[test]
+fn verilated_reflection_gives_the_scalar_bits_in_every_profile() {
+    if !have("verilator") {
+        return;
+    }
+    for (profile, _) in profiles() {
+        Case::new("reflection", 100_000, &options(profile, FULL, None)).verilate(&[]);
+    }
+}
+
+#[test]
+fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
+    if !have("verilator") {
+        return;
+    }
+    for design in DESIGNS.iter().filter(|design| design.name != "reflection") {
+        Case::new(design.name, 20_000, &options("standard", FULL, None)).verilate(&["stalls"]);
+    }
+    for ((name, plan), profile) in plans().into_iter().skip(1).zip(PROFILE_NAMES) {
+        println!("{profile} {name}");
+        Case::new("reflection", 10_000, &options(profile, plan, None)).verilate(&["stalls"]);
+    }
+    Case::new("reflection", 10_000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
+}
+
+#[test]
+fn a_stepper_walks_the_probes_of_every_footprint() {
+    let p = Precision::STANDARD;
+    for (name, depth) in [("environment_probe", None), ("environment_probe", Some(24)), ("texture_probe", None)] {
+        let options = options("standard", FULL, depth);
+        let written = Written::new(design(name), &options);
+        let net = design(name).record(&FULL, &p);
+        let stepper = written.verilog.stepper.as_ref().expect("a step has a stepper");
+        let place = |port: &str| net.ports.iter().position(|p| p.name == port).expect("a port of a step");
+        let [index, lod, count] = [place("index"), place("probes.lod"), place("probes.count")];
+
+        let (mut footprints, mut steps) = (Vec::new(), Vec::new());
+        for ports in inputs(name, &net, 3000, &FULL, &p) {
+            let outcome = expected(name, &ports, &FULL, &p);
+            if ports[index] == 0 {
+                footprints.push(ports.clone());
+                footprints.last_mut().expect("one was pushed").remove(index);
+            }
+            let last = i64::from(ports[index] + 1 == ports[count]);
+            steps.push([outcome.as_slice(), &[ports[lod], last]].concat());
+        }
+        // The set may end amid a footprint.
+        while steps.last().is_some_and(|step| step.last() == Some(&0)) {
+            steps.pop();
+        }
+        footprints.truncate(steps.iter().filter(|step| step.last() == Some(&1)).count());
+        let bench = Bench::new(stepper, &footprints, &steps).expect("the ports hold the vectors");
+        if have("iverilog") {
+            written.icarus(&bench);
+        }
+        if have("verilator") {
+            let output = written.verilator(&bench, &["stalls"]);
+            let text = String::from_utf8_lossy(&output.stdout);
+            assert!(text.starts_with("PASS"), "{name} stepper in Verilator: {text}");
+        }
+    }
+}
+
+#[test]
+fn both_benches_name_the_first_wire_that_differs() {
+    let mut case = Case::new("texture", 20, &options("compact", FULL, None));
+    let names: Vec<_> = case.top().outputs.iter().map(|port| port.name.clone()).collect();
+    let wrong = names.iter().position(|name| name == "axes.direction[1]").expect("an output");
+    // The last bit that has a wire.
+    case.outputs[7][wrong] ^= 1 << case.top().outputs[wrong].dropped_zeros;
+    case.outputs[7][wrong + 1] ^= 1;
+    let found = "vector 7: axes.direction[1] is ";
+    if have("verilator") {
+        let output = case.written.verilator(&case.bench(), &[]);
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.starts_with(found), "{text}");
+        assert_eq!(output.status.code(), Some(3));
+    }
+    if have("iverilog") {
+        let text = case.written.simulate(&case.bench());
+        assert!(text.starts_with(found) && text.contains("FAIL"), "{text}");
+    }
+}
+
+#[test]
+fn yosys_takes_every_top() {
+    if !have("yosys") {
+        return;
+    }
+    let check = |design: &Design, options: &Options| {
+        let written = Written::new(design, options);
+        let module = &written.outermost().module;
+        let script = format!("read_verilog *.v; hierarchy -check -top {module}; proc; check -assert");
+        run(Command::new("yosys").args(["-q", "-p", &script]).current_dir(written.path()));
+    };
+    for (profile, _) in profiles() {
+        for name in ["reflection", "fragment", "texture", "environment_probe", "texture_probe"] {
+            check(design(name), &options(profile, FULL, None));
+        }
+    }
+    for design in DESIGNS {
+        check(design, &options("standard", FULL, None));
+    }
+    check(design("reflection"), &options("compact", FULL, Some(24)));
+}
+
+#[test]
+fn compact_and_paper_multiply_18_by_18_bits() {
+    for (profile, p) in [("paper", Precision::PAPER), ("compact", Precision::COMPACT)] {
+        for (plan_name, plan) in plans() {
+            let net = design("reflection").record(&plan, &p);
+            let ranges = Ranges::new(&net);
+            for (id, node) in net.iter() {
+                let Op::Mul(a, b) = node.op else { continue };
+                // An unsigned operand needs a sign in a signed multiplier.
+                let bits = |id| ranges.of(id).width() + u32::from(!ranges.of(id).signed());
+                let widest = bits(a).max(bits(b));
+                assert!(widest <= 18, "{profile} {plan_name}: {widest} bits at {}", net.origin(id));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_text_is_the_same_every_time_and_names_no_machine() {
+    let options = options("standard", FULL, Some(30));
+    let (first, second) = (Verilog::new(design("reflection"), &options), Verilog::new(design("reflection"), &options));
+    let (first, second) = (first.expect("it can be written"), second.expect("it can be written"));
+    assert_eq!(first.files, second.files);
+    for (name, text) in &first.files {
+        assert!(text.is_ascii(), "{name}");
+        assert!(!text.contains("/rustc/") && !text.contains(env!("CARGO_MANIFEST_DIR")), "{name} names a machine");
+    }
+}
+
+#[test]
+fn runs_of_a_block_share_a_module() {
+    let verilog = Verilog::new(design("reflection"), &options("compact", FULL, None)).expect("it can be written");
+    let top = &verilog.files["roughxel_reflection.v"];
+    for (module, runs) in [("columns_pixel", 2), ("columns_roughness", 2), ("enter_dview", 2), ("axes", 1)] {
+        assert!(verilog.files.contains_key(&format!("{module}.v")));
+        assert_eq!(top.matches(&format!("\n  {module} u_")).count(), runs, "{module}");
+    }
+}
+
+#[test]
+fn a_stage_comes_alone_and_an_impossible_wish_is_refused() {
+    let one = Options { stage: Some("columns".into()), ..options("compact", FULL, None) };
+    let verilog = Verilog::new(design("reflection"), &one).expect("it can be written");
+    assert!(verilog.top.is_none());
+    let names: Vec<&str> = verilog.files.keys().map(String::as_str).collect();
+    assert!(names.contains(&"columns_pixel.v") && names.contains(&"columns.json"), "{names:?}");
+    assert!(!names.contains(&"axes.v"), "{names:?}");
+
+    let unknown = Options { stage: Some("colums".into()), ..one.clone() };
+    let error = Verilog::new(design("reflection"), &unknown).expect_err("there is no such stage");
+    assert!(error.to_string().contains("columns_pixel"), "{error}");
+    let error = Verilog::new(design("reflection"), &options("compact", FULL, Some(3))).expect_err("3 levels");
+    assert!(matches!(error, VerilogError::TooDeep { depth: 3, .. }), "{error}");
+
+    // No profile has seventeen probes, and the tables end at sixteen.
+    let beyond =
+        Options { precision: Precision { max_probes: 17, ..Precision::COMPACT }, ..options("compact", FULL, None) };
+    let error = Verilog::new(design("reflection"), &beyond).expect_err("the proof fails");
+    assert!(error.to_string().contains("core/src/stage/probes.rs"), "{error}");
+}
