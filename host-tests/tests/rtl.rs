@@ -1,7 +1,8 @@
 //! The generated Verilog is the datapath: it lints clean, and simulated it gives the bits of the scalar reading.
 //!
 //! Vectors are fragments (plausible ones, corner bit patterns, every hard case) and integers anywhere in the declared
-//! ranges of the ports; expected values are those of the scalar stages. A tool that is missing is named aloud.
+//! ranges of the ports; expected values are those of the scalar stages. The committed vectors are read from their files, outputs
+//! included. A tool that is missing is named aloud, and fails the test where ROUGHXEL_REQUIRE_TOOLS is set.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ use roughxel_emulator::net::observe::{port_values, within};
 use roughxel_emulator::net::verilog::{Interface, Options, Verilog, VerilogError};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_emulator::vectors::{Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
 use tempfile::TempDir;
 
@@ -83,6 +85,7 @@ fn inputs(name: &str, net: &Net, count: usize, plan: &ReflectionPlan, p: &Precis
 fn have(tool: &str) -> bool {
     let found = Command::new(tool).arg("-V").output().is_ok();
     if !found {
+        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{tool} is not installed");
         eprintln!("SKIPPED: {tool} is not installed, so nothing here was checked with it");
     }
     found
@@ -277,6 +280,80 @@ fn verilated_reflection_gives_the_scalar_bits_in_every_profile() {
     }
     for (profile, _) in profiles() {
         Case::new("reflection", 100_000, &options(profile, FULL, None)).verilate(&[]);
+    }
+}
+
+/// The integers of the fields of a committed set, a word a vector, as its manifest describes them.
+fn words_of(manifest: &Path) -> (Manifest, Vec<Vec<i64>>) {
+    let text = fs::read_to_string(manifest).expect("a manifest");
+    let manifest_of: Manifest = serde_json::from_str(&text).expect("a manifest of this version");
+    let hex = fs::read_to_string(manifest.with_file_name(&manifest_of.files[0].name)).expect("the words of the set");
+    let words = hex.lines().filter(|line| !line.starts_with("//")).map(|line| {
+        let digits = line.split('_').map(|field| u64::from_str_radix(field, 16).expect("hex digits"));
+        let fields = digits.zip(&manifest_of.fields).map(|(bits, field)| {
+            let spare = 64 - field.width;
+            let bits = bits << spare;
+            if field.signed { bits.cast_signed() >> spare } else { (bits >> spare).cast_signed() }
+        });
+        fields.collect()
+    });
+    let words: Vec<Vec<i64>> = words.collect();
+    assert_eq!(words.len() as u64, manifest_of.count);
+    (manifest_of, words)
+}
+
+/// Vectors of a committed set as ports and outputs of the design `fragment`, whose wires carry whole port words.
+fn fragment_vectors(net: &Net, manifest: &Manifest, words: &[Vec<i64>]) -> (Vec<Vec<i64>>, Vec<Vec<i64>>) {
+    let fields = &manifest.fields;
+    let place = |name: &str| fields.iter().position(|field| field.name == name).expect("a field of every word");
+    // The design hands out face, s and t where they are made; a word has them among its outputs.
+    let (columns, face, probes, check) = (place("column_dx_s"), place("face"), place("probes"), place("check"));
+    let inputs: Vec<usize> = (0..net.ports.len()).collect();
+    let outputs: Vec<usize> =
+        (net.ports.len()..columns).chain(face..probes).chain(columns..face).chain(probes..check).collect();
+    assert_eq!(outputs.len(), net.outputs.len());
+    let gather = |fields_of: &[usize], binary_points: &[u32], word: &[i64]| -> Vec<i64> {
+        let values = fields_of.iter().zip(binary_points);
+        // A field drops the low bits its profile does not keep.
+        values.map(|(&field, point)| word[field] << (point - fields[field].fraction_bits)).collect()
+    };
+    let points_in: Vec<u32> = net.ports.iter().map(|port| port.fraction_bits).collect();
+    let points_out: Vec<u32> = net.outputs.iter().map(|output| output.fraction_bits).collect();
+    words.iter().map(|word| (gather(&inputs, &points_in, word), gather(&outputs, &points_out, word))).unzip()
+}
+
+#[test]
+fn the_committed_vectors_run_in_both_simulators() {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke");
+    let mut cases: Vec<(Options, Case)> = Vec::new();
+    let mut read = 0;
+    for path in manifests_in(&directory).expect("the committed sets") {
+        let (manifest, words) = words_of(&path);
+        let options = options(&manifest.profile.name, manifest.effects, None);
+        let net = design("fragment").record(&options.plan, &options.precision);
+        let (inputs, outputs) = fragment_vectors(&net, &manifest, &words);
+        read += words.len();
+        let same = |known: &&mut (Options, Case)| known.0.plan == options.plan && known.0.profile == options.profile;
+        match cases.iter_mut().find(same) {
+            Some((_, case)) => {
+                case.inputs.extend(inputs);
+                case.outputs.extend(outputs);
+            }
+            None => {
+                let written = Written::new(design("fragment"), &options);
+                cases.push((options, Case { written, inputs, outputs }));
+            }
+        }
+    }
+    assert!(read >= 3000, "{read} vectors");
+    for (options, case) in cases {
+        println!("{} {:?}: {} vectors", options.profile, options.plan, case.inputs.len());
+        if have("iverilog") {
+            case.written.icarus(&case.bench());
+        }
+        if have("verilator") {
+            case.verilate(&["stalls"]);
+        }
     }
 }
 
