@@ -10,7 +10,7 @@
 //! 3. [`stage`]: one file per hardware block; [`signals`] are the bundles between them.
 //! 4. [`block`] and [`elementary`]: the compound steps, each with its claimed range and error bound.
 //! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 17 operations that
-//!    several readings implement; [`scalar`] is the meaning. [`bundle`] walks the wires of a structure.
+//!    several readings implement; [`scalar`] is the meaning. [`mod@bundle`] walks the wires of a structure.
 //!
 //! [`probe_list`] is the footprint unrolled for a soft core. [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky
 //! bits of degenerate inputs.
