@@ -6,6 +6,7 @@
 //! walk cannot find; `host-tests/tests/arithmetic.rs` holds the proofs.
 
 use crate::bundle::bundle;
+use crate::each::each;
 use crate::fx::{Fx, Wide};
 use crate::word::{Wire, Word};
 
@@ -48,13 +49,21 @@ impl<W: Word, const N: usize> Block<W, N> {
     /// `if flag { a } else { b }`.
     #[inline(always)]
     pub fn select(flag: W::Flag, a: Self, b: Self) -> Self {
-        Self { m: core::array::from_fn(|i| Fx::select(flag, a.m[i], b.m[i])), e: Fx::select(flag, a.e, b.e) }
+        let mut m = b.m;
+        for (m, &a) in m.iter_mut().zip(&a.m) {
+            *m = Fx::select(flag, a, *m);
+        }
+        Self { m, e: Fx::select(flag, a.e, b.e) }
     }
 
     /// Whether every component is zero.
     #[inline(always)]
     pub fn is_zero(&self) -> W::Flag {
-        self.m.iter().skip(1).fold(self.m[0].is_zero(), |zero, m| zero & m.is_zero())
+        let mut zero = self.m[0].is_zero();
+        for m in &self.m[1..] {
+            zero = zero & m.is_zero();
+        }
+        zero
     }
 }
 
@@ -77,14 +86,18 @@ pub fn normalise<W: Word, const N: usize, const FRAC: u32>(
     keep: u32,
 ) -> Block<W, N> {
     // One's complement magnitude: −2^k counts as the octave below, which is what lets −1 occur.
-    let magnitude = wide.iter().fold(W::Wide::lit(0), |bits, w| bits.or(w.raw().xor(w.raw().sar(63))));
+    // 64 leading zeros are not enough for a block of zeros: −1 has them, too.
+    let (mut magnitude, mut bits) = (W::Wide::lit(0), W::Wide::lit(0));
+    for w in &wide {
+        magnitude = magnitude.or(w.raw().xor(w.raw().sar(63)));
+        bits = bits.or(w.raw());
+    }
+    let all_zero = Wide::<W, FRAC>::from_raw(bits).is_zero();
     let zeros = Fx::<W, 0>::from_raw(magnitude.leading_zeros());
     let shift = zeros - Fx::lit(1);
-    // 64 leading zeros are not enough for a block of zeros: −1 has them, too.
-    let all_zero = Wide::<W, FRAC>::from_raw(wide.iter().fold(W::Wide::lit(0), |bits, w| bits.or(w.raw()))).is_zero();
     Block {
         // |wide · 2^shift| is in [2^62, 2^63): read with 63 fraction bits it is in [½, 1].
-        m: wide.map(|w| Fx::<W::Wide, 63>::from_raw(w.raw().shl_by(shift.raw())).round_to::<MANTISSA>(keep)),
+        m: each!(w in wide => Fx::<W::Wide, 63>::from_raw(w.raw().shl_by(shift.raw())).round_to::<MANTISSA>(keep)),
         e: Fx::select(all_zero, Fx::lit(ZERO_EXPONENT), e + Fx::lit(64 - i64::from(FRAC)) - zeros),
     }
 }
@@ -103,10 +116,13 @@ pub fn align<W: Word, const N: usize, const COUNT: usize>(
     blocks: [Block<W, N>; COUNT],
     keep: u32,
 ) -> ([[Mantissa<W>; N]; COUNT], Exponent<W>) {
-    let top = blocks.iter().skip(1).fold(blocks[0].e, |top, block| top.max(block.e));
-    let aligned = blocks.map(|block| {
+    let mut top = blocks[0].e;
+    for block in &blocks[1..] {
+        top = top.max(block.e);
+    }
+    let aligned = each!(block in blocks => {
         let places = places_below(block.e, top, 31);
-        block.m.map(|m| m.round_shr_by(places, keep))
+        each!(m in block.m => m.round_shr_by(places, keep))
     });
     (aligned, top)
 }
@@ -114,12 +130,15 @@ pub fn align<W: Word, const N: usize, const COUNT: usize>(
 /// Exact dot product, |·| ≤ N.
 #[inline(always)]
 pub fn dot<W: Word, const N: usize>(a: &[Mantissa<W>; N], b: &[Mantissa<W>; N]) -> Wide<W, 60> {
-    a.iter().zip(b).fold(Fx::zero(), |sum, (&x, &y)| sum + x.mul(y))
+    let mut sum = Fx::zero();
+    for (&x, &y) in a.iter().zip(b) {
+        sum = sum + x.mul(y);
+    }
+    sum
 }
 
 /// Exact cross product of mantissas, each component |·| ≤ 2.
 #[inline(always)]
 pub fn cross<W: Word>(a: &[Mantissa<W>; 3], b: &[Mantissa<W>; 3]) -> [Wide<W, 60>; 3] {
-    let minor = |i: usize, j: usize| -> Wide<W, 60> { a[i].mul(b[j]) - a[j].mul(b[i]) };
-    [minor(1, 2), minor(2, 0), minor(0, 1)]
+    each!((i, j) in [(1, 2), (2, 0), (0, 1)] => a[i].mul::<MANTISSA, 60>(b[j]) - a[j].mul(b[i]))
 }

@@ -65,12 +65,10 @@ impl<W: Word, B: Bundle<W>, const N: usize> Bundle<W> for [B; N] {
     type In<V: Word> = [B::In<V>; N];
     #[inline(always)]
     fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> [B::In<V>; N] {
-        let mut index = 0;
-        self.each_ref().map(|part| {
-            let other = with.part(Step::Index(index), part);
-            index += 1;
-            other
-        })
+        core::array::from_fn(
+            #[inline(always)]
+            |index| with.part(Step::Index(index), &self[index]),
+        )
     }
 }
 

@@ -13,6 +13,7 @@
 
 use crate::block::{Block, Mantissa};
 use crate::bundle::{Bundle, Rewire, Step, bundle};
+use crate::each::each;
 use crate::fx::Fx;
 use crate::plan::{FrameSystem, ReflectionPlan};
 use crate::precision::{Precision, RoughnessKind};
@@ -27,6 +28,17 @@ use crate::stage::{
 };
 use crate::status::{Status, StatusBit};
 use crate::word::Word;
+
+/// One stage as a named block of the reading `W`: one function, whatever the optimiser thinks of its size.
+macro_rules! block {
+    ($name:literal, $stage:expr) => {
+        W::block(
+            $name,
+            #[inline(always)]
+            || $stage,
+        )
+    };
+}
 
 /// Inputs of the reflection datapath on wires; [`crate::ports::ReflectionIn`] describes each.
 #[derive(Clone, Copy, Debug)]
@@ -84,82 +96,86 @@ bundle!(Reflection { normal, view, frame, normal_mod, reflected, point, columns,
 #[inline(always)]
 pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p: &Precision) -> Reflection<W> {
     let never = !Fx::<W, 0>::zero().is_zero();
-    let normal = W::block("enter.normal", || enter::enter(&input.normal, p));
-    let view = W::block("enter.view", || enter::enter(&input.view, p));
+    let normal = block!("enter.normal", enter::enter(&input.normal, p));
+    let view = block!("enter.view", enter::enter(&input.view, p));
 
     let frame = if plan.needs_frame() {
         let tangents = match plan.frame {
-            FrameSystem::MainDirection => {
-                [W::block("enter.tangent", || enter::enter(&input.tangents[0], p)), Block::zero()]
-            }
+            FrameSystem::MainDirection => [block!("enter.tangent", enter::enter(&input.tangents[0], p)), Block::zero()],
             FrameSystem::Natural | FrameSystem::NaturalNormalised => {
-                input.tangents.map(|tangent| W::block("enter.tangent", || enter::enter(&tangent, p)))
+                input.tangents.map(|tangent| block!("enter.tangent", enter::enter(&tangent, p)))
             }
         };
-        W::block("frame", || match plan.frame {
-            FrameSystem::MainDirection => frame::main_direction(&normal, &tangents[0], p),
-            FrameSystem::Natural => frame::natural(&normal, &tangents, p),
-            FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &tangents, p),
-        })
+        block!(
+            "frame",
+            match plan.frame {
+                FrameSystem::MainDirection => frame::main_direction(&normal, &tangents[0], p),
+                FrameSystem::Natural => frame::natural(&normal, &tangents, p),
+                FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &tangents, p),
+            }
+        )
     } else {
         Frame { e1: Block::zero(), e2: Block::zero(), pole: never }
     };
 
     let normal_mod = if plan.bump {
-        let offset = W::block("enter.offset", || input.offset.map(|b| enter::enter_offset(b, p)));
-        W::block("perturb", || perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
+        let offset = block!("enter.offset", each!(b in input.offset => enter::enter_offset(b, p)));
+        block!("perturb", perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
     } else {
         normal
     };
 
-    let reflected = W::block("reflect", || reflect::reflect(&normal_mod, &view, p));
-    let point = W::block("cube_face", || cube_face::cube_face(&reflected.r, p));
+    let reflected = block!("reflect", reflect::reflect(&normal_mod, &view, p));
+    let point = block!("cube_face", cube_face::cube_face(&reflected.r, p));
 
     let (columns, ellipse, axes, probes) = if plan.footprint {
         let mirror = Mirror { normal: &normal_mod, view: &view, reflected: &reflected, point: &point };
         let pixel = core::array::from_fn(|i| {
-            let dv = W::block("enter.dview", || enter::enter(&input.dview[i], p));
+            let dv = block!("enter.dview", enter::enter(&input.dview[i], p));
             let dn = if plan.curvature {
-                W::block("enter.dnormal", || enter::enter(&input.dnormal[i], p))
+                block!("enter.dnormal", enter::enter(&input.dnormal[i], p))
             } else {
                 Block::zero()
             };
-            W::block("columns.pixel", || columns::column(&mirror, &dv, &dn, p))
+            block!("columns.pixel", columns::column(&mirror, &dv, &dn, p))
         });
         let tangents = match plan.roughness {
             RoughnessKind::None => None,
             kind => {
-                let d = W::block("enter.roughness", || input.roughness.map(|d| enter::enter_offset(d, p)));
-                Some(W::block("roughness", || match kind {
-                    RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
-                    _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
-                }))
+                let d = block!("enter.roughness", each!(d in input.roughness => enter::enter_offset(d, p)));
+                Some(block!(
+                    "roughness",
+                    match kind {
+                        RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
+                        _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
+                    }
+                ))
             }
         };
         let (rough, ellipse) = match tangents {
             None => {
-                let columns = || ellipse::pixel_columns(&pixel, p);
-                ([Block::zero(); 2], W::block("ellipse", || ellipse::ellipse(columns(), p)))
+                let ellipse = block!("ellipse", ellipse::ellipse(ellipse::pixel_columns(&pixel, p), p));
+                ([Block::zero(); 2], ellipse)
             }
             Some(tangents) => {
                 let rough = tangents.map(|dn| {
-                    W::block("columns.roughness", || columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
+                    block!("columns.roughness", columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
                 });
-                let ellipse = W::block("ellipse", || {
+                let ellipse = block!("ellipse", {
                     let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
                     ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p)
                 });
                 (rough, ellipse)
             }
         };
-        let axes = W::block("axes", || axes::axes(&ellipse, p));
-        let probes = W::block("probes", || probes::probes(&axes, &input.map, p));
+        let axes = block!("axes", axes::axes(&ellipse, p));
+        let probes = block!("probes", probes::probes(&axes, &input.map, p));
         ([pixel[0], pixel[1], rough[0], rough[1]], ellipse, axes, probes)
     } else {
         no_footprint(never)
     };
 
-    let status = W::block("status", || {
+    let status = block!("status", {
         Status::clear()
             .raise(StatusBit::NormalZero, normal.is_zero())
             .raise(StatusBit::ViewZero, view.is_zero())
@@ -245,23 +261,26 @@ bundle!(ReflectionOutput {
 /// The outcomes of the stages in the form of ports.
 #[inline(always)]
 pub fn leave<W: Word>(stages: &Reflection<W>) -> ReflectionOutput<W> {
-    W::block("leave", || ReflectionOutput {
-        frame: [&stages.frame.e1, &stages.frame.e2].map(|e| leave::leave(&e.scaled(stages.normal.e))),
-        normal_mod: leave::leave(&stages.normal_mod),
-        reflected: leave::leave(&stages.reflected.r),
-        face: stages.point.select.index(),
-        st: stages.point.st,
-        columns: stages.columns.each_ref().map(leave::leave),
-        covariance: leave::leave(&stages.ellipse.k),
-        determinant: leave::leave(&stages.ellipse.det),
-        major: leave::leave(&stages.axes.major),
-        minor: leave::leave(&stages.axes.minor),
-        direction: stages.axes.direction,
-        probes: stages.probes.count,
-        step: stages.probes.step,
-        lod: stages.probes.lod,
-        status: stages.status,
-    })
+    block!(
+        "leave",
+        ReflectionOutput {
+            frame: each!(e in [stages.frame.e1, stages.frame.e2] => leave::leave(&e.scaled(stages.normal.e))),
+            normal_mod: leave::leave(&stages.normal_mod),
+            reflected: leave::leave(&stages.reflected.r),
+            face: stages.point.select.index(),
+            st: stages.point.st,
+            columns: each!(q in stages.columns => leave::leave(&q)),
+            covariance: leave::leave(&stages.ellipse.k),
+            determinant: leave::leave(&stages.ellipse.det),
+            major: leave::leave(&stages.axes.major),
+            minor: leave::leave(&stages.axes.minor),
+            direction: stages.axes.direction,
+            probes: stages.probes.count,
+            step: stages.probes.step,
+            lod: stages.probes.lod,
+            status: stages.status,
+        }
+    )
 }
 
 /// A probe: where it reads and how much it counts.
@@ -290,9 +309,9 @@ pub fn environment_probe<W: Word>(
     index: Fx<W, 0>,
     p: &Precision,
 ) -> Probe<FacePosition<W>, W> {
-    let offset = W::block("probes.position", || probes::position(probes, index));
-    let place = W::block("continuation", || cube_face::continuation(point, &offset, p));
-    Probe { place, weight: W::block("probes.weight", || probes::weight(probes, index, p)) }
+    let offset = block!("probes.position", probes::position(probes, index));
+    let place = block!("continuation", cube_face::continuation(point, &offset, p));
+    Probe { place, weight: block!("probes.weight", probes::weight(probes, index, p)) }
 }
 
 /// Probe `index` of a footprint in a repeated map.
@@ -304,9 +323,9 @@ pub fn texture_probe<W: Word>(
     texture: &TextureScale<W>,
     p: &Precision,
 ) -> Probe<TexturePosition<W>, W> {
-    let offset = W::block("probes.position", || probes::position(probes, index));
-    let place = W::block("texture.position", || texture::texture_position(centre, &offset, texture));
-    Probe { place, weight: W::block("probes.weight", || probes::weight(probes, index, p)) }
+    let offset = block!("probes.position", probes::position(probes, index));
+    let place = block!("texture.position", texture::texture_position(centre, &offset, texture));
+    Probe { place, weight: block!("probes.weight", probes::weight(probes, index, p)) }
 }
 
 /// The footprint of a fragment in a repeated map.
@@ -333,11 +352,11 @@ pub fn texture_footprint<W: Word>(
     p: &Precision,
 ) -> TextureFootprint<W> {
     let columns = derivatives.map(|duv| {
-        let duv = W::block("enter.duv", || enter::enter(&duv, p));
-        W::block("texture", || texture::texture_column(&duv, texture, p))
+        let duv = block!("enter.duv", enter::enter(&duv, p));
+        block!("texture", texture::texture_column(&duv, texture, p))
     });
-    let ellipse = W::block("ellipse", || ellipse::ellipse(ellipse::pixel_columns(&columns, p), p));
-    let axes = W::block("axes", || axes::axes(&ellipse, p));
-    let probes = W::block("probes", || probes::probes(&axes, map, p));
+    let ellipse = block!("ellipse", ellipse::ellipse(ellipse::pixel_columns(&columns, p), p));
+    let axes = block!("axes", axes::axes(&ellipse, p));
+    let probes = block!("probes", probes::probes(&axes, map, p));
     TextureFootprint { columns, ellipse, axes, probes }
 }

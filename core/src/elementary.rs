@@ -13,6 +13,7 @@ use crate::rom;
 use crate::word::Word;
 
 /// One with 60 fraction bits.
+#[inline(always)]
 fn one<W: Word>() -> Wide<W, 60> {
     Fx::lit(1 << 60)
 }

@@ -193,9 +193,7 @@ where
     pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
         const { assert!(OUT < FRAC, "rounding drops at least one bit") }
         let keep = if keep < OUT { keep } else { OUT };
-        // Rounding after a first shift needs no spare bit above the value: ⌊x/2^k + ½⌋ = ⌊(⌊x/2^(k−1)⌋ + 1)/2⌋.
-        let rounded = self.0.sar(FRAC - keep - 1).add(X::lit(1)).sar(1);
-        Fx(X::Count::narrow(rounded).shl(OUT - keep))
+        Fx(X::Count::round(self.0, FRAC - keep).shl(OUT - keep))
     }
 }
 

@@ -30,6 +30,7 @@
 pub mod block;
 pub mod bundle;
 pub mod datapath;
+pub mod each;
 pub mod elementary;
 pub mod fx;
 pub mod plan;

@@ -52,17 +52,20 @@ impl<W: Word> Bundle<W> for Status<W> {
 
 impl<W: Word> Status<W> {
     /// No bit raised.
+    #[inline(always)]
     pub fn clear() -> Self {
         Self(Fx::zero())
     }
 
     /// Raises `bit` where the flag is set.
+    #[inline(always)]
     pub fn raise(self, bit: StatusBit, flag: W::Flag) -> Self {
         let raised = self.0.raw().or(W::lit(bit as i64));
         Self(Fx::from_raw(W::select(flag, raised, self.0.raw())))
     }
 
     /// The word of bits.
+    #[inline(always)]
     pub fn word(self) -> Fx<W, 0> {
         self.0
     }

@@ -1,15 +1,10 @@
-//! The algebra every stage is written in: integers on wires.
-//!
-//! A *wire* is a signed two's complement integer; a *word* is a wire of at most 32 bits, the only thing that may
-//! travel between operations of different stages; its *wide* companion has 64 bits and holds products and sums of
-//! products exactly. A *reading* of the datapath is an implementation of these two traits: [`crate::scalar`] is
-//! the meaning of the design. No operation may leave its word: that is a proof obligation of the stage, checked
-//! by the counting reading of the test suite.
-
-use core::fmt::Debug;
-use core::ops::{BitAnd, BitOr, Not};
+//! The algebra every stage is written in: signed integers on *wires*. A *word* has at most 32 bits and alone travels between
+//! stages; its *wide* companion has 64 and holds sums of products exactly. A *reading* of the datapath implements these
+//! two traits; [`crate::scalar`] is the meaning. No operation may leave its wire: `roughxel ranges` proves it.
 
 use crate::bundle::Bundle;
+use core::fmt::Debug;
+use core::ops::{BitAnd, BitOr, Not};
 
 /// Operations common to words and wide wires. Shift counts are `0 ≤ k <` the width of the wire.
 pub trait Wire: Copy + Debug {
@@ -49,7 +44,6 @@ pub trait Wire: Copy + Debug {
         self
     }
 }
-
 /// A wire of at most 32 bits.
 pub trait Word: Wire<Count = Self> {
     /// The 64-bit companion.
@@ -60,6 +54,12 @@ pub trait Word: Wire<Count = Self> {
     fn widen(self) -> Self::Wide;
     /// The same value, 32 bits wide. The value fits.
     fn narrow(wide: Self::Wide) -> Self;
+    /// `⌊wide/2^k + ½⌋` = `⌊(⌊wide/2^(k−1)⌋ + 1)/2⌋`, `k ≥ 1`, or a reading's shorter way. The value fits.
+    #[inline(always)]
+    #[track_caller]
+    fn round(wide: Self::Wide, k: u32) -> Self {
+        Self::narrow(wide.sar(k - 1).add(Self::Wide::lit(1)).sar(1))
+    }
     /// `table[self]`; the index is inside the table.
     fn lookup(self, table: &'static [i32]) -> Self;
     /// Runs one block of the datapath, which a reading may compile, name or record on its own.

@@ -6,6 +6,7 @@
 //! Sign: the larger component is positive. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
 
 use crate::block::{Block, MANTISSA, Mantissa, dot, normalise, places_below};
+use crate::each::each;
 use crate::elementary::{inverse_root, root_and_inverse};
 use crate::fx::{Fx, Wide};
 use crate::precision::{AxisDirection, Precision};
@@ -40,8 +41,8 @@ pub fn axes<W: Word>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
 #[inline(always)]
 fn less<W: Word>(a: &Block<W, 1>, b: &Block<W, 1>) -> W::Flag {
     let top = a.e.max(b.e);
-    let at_top = |x: &Block<W, 1>| -> Wide<W, 60> { x.m[0].widen().floor_shr_by(places_below(x.e, top, 63)) };
-    at_top(a).lt(at_top(b))
+    let [a, b]: [Wide<W, 60>; 2] = each!(x in [a, b] => x.m[0].widen().floor_shr_by(places_below(x.e, top, 63)));
+    a.lt(b)
 }
 
 #[inline(always)]
@@ -65,7 +66,7 @@ fn direction<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> [
 /// (cos |α|, sin |α|) ∝ (h + |a − c|, |2b|).
 #[inline(always)]
 fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
-    let [x, y] = core::array::from_fn(|i| double.m[i].abs());
+    let [x, y] = each!(m in double.m => m.abs());
     // h over the scale of `double` is in [½, √2]: 58 fraction bits hold h + |x| < 4.
     let places = places_below(h.e - double.e, Fx::lit(2), 62);
     let h: Wide<W, 58> = h.m[0].widen::<60>().reread().floor_shr_by(places);
@@ -73,7 +74,7 @@ fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> 
     let inverse = inverse_root(Block::of(dot(&w.m, &w.m), Fx::zero(), p.fraction_bits), p);
     // |w| is in [½, √2], so its inverse has exponent 0 or 1 (2 where |w| is ½ exactly).
     let places = places_below(inverse.e, Fx::lit(2), 62);
-    let [cos, sin] = w.m.map(|m| -> Mantissa<W> {
+    let [cos, sin] = each!(m in w.m => {
         let product: Wide<W, 60> = m.mul::<MANTISSA, 60>(inverse.m[0]);
         let unit: Wide<W, 58> = product.reread::<58>().floor_shr_by(places);
         let unit = unit.claim(-(17 << 54)..=17 << 54, "a_component_over_its_length_is_near_one_at_most");
@@ -86,18 +87,21 @@ fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> 
 /// boundaries below it.
 #[inline(always)]
 fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
-    let entry = |numerator: u32, denominator: u32| {
-        let (sin, cos) = rom::sin_cos_of_right_angle(numerator, denominator);
-        [cos, sin].map(|value| -> Mantissa<W> { Fx::lit(i64::from(value)).keep(p.fraction_bits) })
-    };
-    let [mut cos, mut sin] = entry(0, steps);
+    let [mut cos, mut sin] = angle(0, steps, p);
     for step in 1..=steps >> 1 {
         // The boundary between entries step − 1 and step is at 2α = (2·step − 1)·90°/steps.
-        let [boundary_cos, boundary_sin] = entry(2 * step - 1, steps);
+        let [boundary_cos, boundary_sin] = angle(2 * step - 1, steps, p);
         let past = boundary_sin.mul::<MANTISSA, 60>(x).lt(boundary_cos.mul(y));
-        let [next_cos, next_sin] = entry(step, steps);
+        let [next_cos, next_sin] = angle(step, steps, p);
         cos = Fx::select(past, next_cos, cos);
         sin = Fx::select(past, next_sin, sin);
     }
     (cos, sin)
+}
+
+/// (cos, sin) of the share `numerator/denominator` of a right angle.
+#[inline(always)]
+fn angle<W: Word>(numerator: u32, denominator: u32, p: &Precision) -> [Mantissa<W>; 2] {
+    let (sin, cos) = rom::sin_cos_of_right_angle(numerator, denominator);
+    each!(value in [cos, sin] => Fx::lit(i64::from(value)).keep(p.fraction_bits))
 }

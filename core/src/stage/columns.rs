@@ -5,7 +5,8 @@
 //! q = (ds_c − s·dm, dt_c − t·dm)/m (W97 (6)). Error: 2^−(p−5) relative to the size of the terms; a footprint in
 //! which they cancel (the parabolic mirror seen from its focus) keeps that absolute error.
 
-use crate::block::{Block, MANTISSA, Mantissa, align, dot, normalise};
+use crate::block::{Block, MANTISSA, align, dot, normalise};
+use crate::each::each;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::{CubePoint, Reflected};
@@ -32,14 +33,15 @@ pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3
     let ([u, w], e_pair) = align([dv.scaled(normal.e), dn.scaled(view.e)], keep);
 
     // ⟨v·n⟩ and |n|² come back to the scale of the exact products; all four with 58 fraction bits, below 2^61.
-    let products = [dot(&normal.m, &u) + dot(&view.m, &w), dot(&normal.m, &w)].map(|x| x.floor_shr(2).reread());
+    let products = [dot(&normal.m, &u) + dot(&view.m, &w), dot(&normal.m, &w)];
+    let products = each!(x in products => x.floor_shr(2).reread());
     let up = (reflected.scalars.e + Fx::lit(2)).saturate(Fx::lit(0), Fx::lit(4));
-    let scalars =
-        reflected.scalars.m.map(|m| -> Wide<W, 58> { m.widen::<60>().reread::<58>().floor_shr_by(Fx::lit(4) - up) });
+    let down = Fx::lit(4) - up;
+    let scalars: [Wide<W, 58>; 2] = each!(m in reflected.scalars.m => m.widen::<60>().reread().floor_shr_by(down));
     let four = normalise([products[0], products[1], scalars[0], scalars[1]], Fx::zero(), keep);
     let [n_dv_v_dn, n_dn, n_v, n_n] = four.m;
 
-    let dr = core::array::from_fn(|i| {
+    let dr = each!(i in [0, 1, 2] => {
         // At most 7·2^60 with its doubling: inside 63 bits.
         let half: Wide<W, 60> = normal.m[i].mul(n_dv_v_dn) - view.m[i].mul(n_dn) + w[i].mul(n_v);
         half.shl(1) - u[i].mul(n_n)
@@ -47,9 +49,10 @@ pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3
     let dr = normalise(dr, e_pair + four.e, keep);
 
     let [ds, dt, dm] = point.select.to_face(dr.m);
-    let across = |d: Mantissa<W>, coordinate: Mantissa<W>| -> Wide<W, 60> { d.widen() - coordinate.mul(dm) };
-    let numerator = normalise([across(ds, point.st[0]), across(dt, point.st[1])], dr.e, keep);
-    let q = numerator.m.map(|m| -> Wide<W, 60> { m.mul::<MANTISSA, 60>(point.half_reciprocal) });
+    let across: [Wide<W, 60>; 2] =
+        each!((d, coordinate) in [(ds, point.st[0]), (dt, point.st[1])] => d.widen() - coordinate.mul(dm));
+    let numerator = normalise(across, dr.e, keep);
+    let q = each!(m in numerator.m => m.mul::<MANTISSA, 60>(point.half_reciprocal));
     // Both dr and r carry the exponents of n and v; what is left of them here is the pair's own.
     let e = numerator.e + Fx::lit(1) + normal.e - reflected.r.e;
     // Without a reflected direction there is no footprint.

@@ -4,6 +4,7 @@
 //! gives face +z with s = t = 0. Error of s, t: 2^−p from the quotient, beside that of r.
 
 use crate::block::{Block, MANTISSA, Mantissa, normalise};
+use crate::each::each;
 use crate::elementary::half_reciprocal;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
@@ -13,7 +14,7 @@ use crate::word::Word;
 /// Selects the face and divides.
 #[inline(always)]
 pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
-    let [x, y, z] = core::array::from_fn(|i| r.m[i].abs());
+    let [x, y, z] = each!(m in r.m => m.abs());
     let is_z = z.ge(x) & z.ge(y);
     let is_y = !is_z & y.ge(x);
     let second = Fx::select(is_z, x.max(y), Fx::select(is_y, x.max(z), y.max(z)));
@@ -22,15 +23,15 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
     let [s_c, t_c, m] = select.to_face(r.m);
     let half_reciprocal = half_reciprocal(m, p);
     let one = Fx::lit(1 << MANTISSA);
-    let divide = |numerator: Mantissa<W>| -> Mantissa<W> {
+    let st = each!(numerator in [s_c, t_c] => {
         // numerator/m = 2·numerator·(1/2m): one binary place less in the product.
         let quotient: Wide<W, 59> = numerator.mul::<MANTISSA, 60>(half_reciprocal).reread();
         let quotient =
             quotient.claim(-(17 << 55)..=17 << 55, "a_quotient_by_the_largest_component_is_near_one_at_most");
         let quotient: Mantissa<W> = quotient.round_to(p.fraction_bits);
         quotient.saturate(-one, one)
-    };
-    CubePoint { select, st: [divide(s_c), divide(t_c)], half_reciprocal, tie: second.ge(m) }
+    });
+    CubePoint { select, st, half_reciprocal, tie: second.ge(m) }
 }
 
 /// The point `offset` away from `point` on the plane of its face: there, or, beyond the edge, on the face which
@@ -38,18 +39,17 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
 #[inline(always)]
 pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &[Fx<W, POSITION>; 2], p: &Precision) -> FacePosition<W> {
     // |s + offset| ≤ 1 + 3.5: inside I4F28.
-    let moved: [Fx<W, POSITION>; 2] = core::array::from_fn(|i| {
+    let moved: [Fx<W, POSITION>; 2] = each!(i in [0, 1] => {
         let centre: Fx<W, POSITION> = point.st[i].floor_shr(2).reread();
         centre + offset[i]
     });
     let one: Fx<W, POSITION> = Fx::lit(1 << POSITION);
-    let inside = moved.iter().fold(!one.lt(moved[0].abs()), |inside, x| inside & !one.lt(x.abs()));
+    let inside = !one.lt(moved[0].abs()) & !one.lt(moved[1].abs());
     let direction = point.select.from_face([moved[0], moved[1], one]);
-    let direction: [Wide<W, 58>; 3] = core::array::from_fn(|i| direction[i].widen());
-    let across = cube_face(&normalise(direction, Fx::zero(), p.fraction_bits), p);
-    let across_st: [Fx<W, POSITION>; 2] = across.st.map(|s| s.floor_shr(2).reread());
+    let across = cube_face(&normalise(each!(x in direction => x.widen::<58>()), Fx::zero(), p.fraction_bits), p);
+    let across_st: [Fx<W, POSITION>; 2] = each!(s in across.st => s.floor_shr(2).reread());
     FacePosition {
         face: Fx::select(inside, point.select.index(), across.select.index()),
-        st: core::array::from_fn(|i| Fx::select(inside, moved[i], across_st[i])),
+        st: each!(i in [0, 1] => Fx::select(inside, moved[i], across_st[i])),
     }
 }

@@ -4,7 +4,8 @@
 //! port carries no more significant bits; an offset is rounded to the bits the profile keeps.
 
 use crate::block::{Block, normalise};
-use crate::fx::{Fx, Wide};
+use crate::each::each;
+use crate::fx::Fx;
 use crate::precision::Precision;
 use crate::signals::{OFFSET, PortBlock};
 use crate::word::Word;
@@ -12,8 +13,7 @@ use crate::word::Word;
 /// A vector or a derivative, normalised. Range: any mantissas, any exponent of 16 bits.
 #[inline(always)]
 pub fn enter<W: Word, const N: usize>(port: &PortBlock<W, N>, p: &Precision) -> Block<W, N> {
-    let wide: [Wide<W, 60>; N] = core::array::from_fn(|i| port.mantissa[i].widen());
-    normalise(wide, port.exponent, p.fraction_bits)
+    normalise(each!(m in port.mantissa => m.widen::<60>()), port.exponent, p.fraction_bits)
 }
 
 /// An offset or a roughness with the bits the profile keeps. What would round up to 8 saturates to the largest number

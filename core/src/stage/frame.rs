@@ -7,6 +7,7 @@
 //! down to one last bit between n and h. Error: 2^−(p−3) relative to |n|.
 
 use crate::block::{Block, Mantissa, cross, dot, normalise};
+use crate::each::each;
 use crate::elementary::{inverse_root, root_and_inverse};
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
@@ -23,7 +24,7 @@ pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) 
     let h_cross_n = cross(&h.m, &n.m);
     let pole = normalise::<W, 3, 60>(h_cross_n, Fx::zero(), keep).is_zero();
     let stand_in = axis_cross_n(&n.m);
-    let tangent = core::array::from_fn(|i| Fx::select(pole, stand_in[i], h_cross_n[i]));
+    let tangent = each!(i in [0, 1, 2] => Fx::select(pole, stand_in[i], h_cross_n[i]));
     let c = normalise(tangent, Fx::zero(), keep);
     let d = normalise(cross(&n.m, &c.m), c.e, keep);
     let inverse_length = inverse_root(square_length(&c, keep), p);
@@ -40,11 +41,11 @@ pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precis
     let c = normalise(cross(&u.m, &v.m), u.e + v.e, keep);
     let pole = c.is_zero();
     let inverse_length = inverse_root(square_length(&c, keep), p);
-    let across = |a: &Block<W, 3>, b: &Block<W, 3>, e| {
+    let [e1, e2] = each!((a, b, e) in [(n, v, v.e), (u, n, u.e)] => {
         let block = times(&normalise(cross(&a.m, &b.m), e, keep), inverse_length, keep);
         Block::select(pole, Block::zero(), block)
-    };
-    Frame { e1: across(n, v, v.e), e2: across(u, n, u.e), pole }
+    });
+    Frame { e1, e2, pole }
 }
 
 /// System 2: the directions of system 1, both of length |n|. Pole (n ∥ p_u or n ∥ p_v): zero frame.
@@ -56,23 +57,23 @@ pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2],
     let s_v = normalise(cross(&u.m, &n.m), Fx::zero(), keep);
     let pole = s_u.is_zero() | s_v.is_zero();
     let normal_length = root_and_inverse(square_length(n, keep), p).0.scaled(-n.e);
-    let scaled = |s: &Block<W, 3>| {
-        let ratio = product(inverse_root(square_length(s, keep), p), normal_length, keep);
-        Block::select(pole, Block::zero(), times(s, ratio, keep))
-    };
-    Frame { e1: scaled(&s_u), e2: scaled(&s_v), pole }
+    let [e1, e2] = each!(s in [s_u, s_v] => {
+        let ratio = product(inverse_root(square_length(&s, keep), p), normal_length, keep);
+        Block::select(pole, Block::zero(), times(&s, ratio, keep))
+    });
+    Frame { e1, e2, pole }
 }
 
 /// The cross product of the unit axis on which |n| is smallest with n, exact.
 #[inline(always)]
 fn axis_cross_n<W: Word>(n: &[Mantissa<W>; 3]) -> [Wide<W, 60>; 3] {
-    let [x, y, z] = core::array::from_fn(|i| n[i].abs());
+    let [x, y, z] = each!(x in *n => x.abs());
     let x_smallest = !y.lt(x) & !z.lt(x);
     let y_smallest = !x_smallest & !z.lt(y);
-    let [nx, ny, nz]: [Wide<W, 60>; 3] = core::array::from_fn(|i| n[i].widen());
+    let [nx, ny, nz] = each!(x in *n => x.widen::<60>());
     let zero = Fx::zero();
     let of_axis = [[zero, -nz, ny], [nz, zero, -nx], [-ny, nx, zero]];
-    core::array::from_fn(|i| {
+    each!(i in [0, 1, 2] => {
         Fx::select(x_smallest, of_axis[0][i], Fx::select(y_smallest, of_axis[1][i], of_axis[2][i]))
     })
 }
@@ -91,5 +92,5 @@ fn product<W: Word>(a: Block<W, 1>, b: Block<W, 1>, keep: u32) -> Block<W, 1> {
 /// A vector times a number.
 #[inline(always)]
 fn times<W: Word>(a: &Block<W, 3>, k: Block<W, 1>, keep: u32) -> Block<W, 3> {
-    normalise(a.m.map(|m| m.mul::<30, 60>(k.m[0])), a.e + k.e, keep)
+    normalise(each!(m in a.m => m.mul::<30, 60>(k.m[0])), a.e + k.e, keep)
 }

@@ -3,6 +3,7 @@
 //! E₁ and E₂ are perpendicular to n, so |n_mod| ≥ |n|: nothing cancels. Error: that of E times |b|/|n_mod| < 1.
 
 use crate::block::{Block, ZERO_EXPONENT, normalise, places_below};
+use crate::each::each;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::OFFSET;
@@ -20,15 +21,16 @@ pub fn perturb<W: Word>(
 ) -> Block<W, 3> {
     // Terms with 57 fraction bits: |n| ≤ 2^57, |b·E| ≤ 2^60, their sum stays below 2^62.
     let zero = Fx::lit(ZERO_EXPONENT);
-    let exponents: [Fx<W, 0>; 2] = core::array::from_fn(|i| Fx::select(offset[i].is_zero(), zero, tangents[i].e));
+    let exponents = each!(i in [0, 1] => Fx::select(offset[i].is_zero(), zero, tangents[i].e));
     let top = exponents[0].max(exponents[1]).max(Fx::select(n.is_zero(), zero, Fx::zero()));
-    let sum = core::array::from_fn(|axis| {
-        let base: Wide<W, 57> = n.m[axis].widen().floor_shr_by(places_below(Fx::zero(), top, 63));
-        (0..2).fold(base, |sum, i| {
+    let sum = each!(axis in [0, 1, 2] => {
+        let mut sum: Wide<W, 57> = n.m[axis].widen().floor_shr_by(places_below(Fx::zero(), top, 63));
+        for i in 0..2 {
             let term: Wide<W, 58> = offset[i].mul(tangents[i].m[axis]);
             let term = term.floor_shr(1).reread::<57>();
-            sum + term.floor_shr_by(places_below(exponents[i], top, 63))
-        })
+            sum = sum + term.floor_shr_by(places_below(exponents[i], top, 63));
+        }
+        sum
     });
     // Without an offset n stays as it came: its largest mantissa may be 1, which normalising again would halve.
     let flat = offset[0].is_zero() & offset[1].is_zero();

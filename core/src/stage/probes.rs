@@ -6,10 +6,11 @@
 //! Error: LOD 2^−(lod_bits + 1) from its own rounding; step 2^−(p−4), relative.
 
 use crate::block::{Block, MANTISSA, Mantissa, normalise, places_below};
+use crate::each::each;
 use crate::elementary::log2;
 use crate::fx::{Fx, Wide};
 use crate::precision::{Precision, ProbeRule, ProbeWeights};
-use crate::rom;
+use crate::rom::{self, MAX_PROBES};
 use crate::signals::{Axes, LOD, MapScale, POSITION, Probes};
 use crate::word::Word;
 
@@ -42,26 +43,25 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
     let minor_at_major: Wide<W, 58> = minor.m[0].widen::<60>().reread::<58>().floor_shr(2).floor_shr_by(places);
     let major_wide: Wide<W, 58> = major.m[0].widen::<60>().reread::<58>().floor_shr(2);
     let threshold = major_wide - major_wide.floor_shr(p.fraction_bits - 4);
-    let exceeds = |multiple: u32| -> W::Flag {
-        // multiple·λ₂ as shifts and adds; below 16·2^58 = 2^62.
-        let product = (0..5)
-            .filter(|bit| multiple >> bit & 1 == 1)
-            .fold(Wide::<W, 58>::zero(), |sum, bit| sum + minor_at_major.shl(bit));
-        product.lt(threshold)
-    };
-    let (count, capped) = match p.probe_rule {
+    // Multiples of λ₂ up to 16, by seven adders; below 16·2^58 = 2^62.
+    let mut multiples = [minor_at_major; MAX_PROBES + 1];
+    for n in 2..=MAX_PROBES {
+        multiples[n] = if n & 1 == 0 { multiples[n >> 1].shl(1) } else { multiples[n - 1] + minor_at_major };
+    }
+    let mut count = Fx::lit(1);
+    let capped = match p.probe_rule {
         ProbeRule::Ceiling => {
-            let count = (1..p.max_probes).fold(Fx::lit(1), |count: Fx<W, 0>, multiple| {
-                Fx::select(exceeds(multiple), Fx::lit(i64::from(multiple) + 1), count)
-            });
-            (count, exceeds(p.max_probes))
+            for n in 1..p.max_probes {
+                count = Fx::select(exceeds::<W>(&multiples, n, threshold), Fx::lit(i64::from(n) + 1), count);
+            }
+            exceeds::<W>(&multiples, p.max_probes, threshold)
         }
         ProbeRule::PowerOfTwo => {
             let doublings = p.max_probes.max(1).ilog2();
-            let count = (0..doublings).fold(Fx::lit(1), |count: Fx<W, 0>, doubling| {
-                Fx::select(exceeds(1 << doubling), Fx::lit(2 << doubling), count)
-            });
-            (count, exceeds(1 << doublings))
+            for doubling in 0..doublings {
+                count = Fx::select(exceeds::<W>(&multiples, 1 << doubling, threshold), Fx::lit(2 << doubling), count);
+            }
+            exceeds::<W>(&multiples, 1 << doublings, threshold)
         }
     };
 
@@ -74,6 +74,13 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
         saturated,
         capped,
     }
+}
+
+/// Whether the threshold is above the n-th multiple, n ≤ 16.
+#[inline(always)]
+fn exceeds<W: Word>(multiples: &[Wide<W, 58>; MAX_PROBES + 1], n: u32, threshold: Wide<W, 58>) -> W::Flag {
+    // The cut is never taken; it leaves no panic path.
+    multiples[(n as usize).min(MAX_PROBES)].lt(threshold)
 }
 
 /// 2√3·λ₁/N along the direction.
@@ -89,9 +96,9 @@ fn step<W: Word>(
     let length: Wide<W, 58> = per_sigma.keep(p.offset_bits()).mul(major.m[0]);
     let length = Block::of(length, major.e, keep);
     // λ₁ ≤ 2 and 2√3/N < 4: the exponent of the step is at most 3, and 4 fits I4F28.
-    let product = normalise(direction.map(|d| d.mul::<30, 60>(length.m[0])), length.e, keep);
+    let product = normalise(each!(d in *direction => d.mul::<30, 60>(length.m[0])), length.e, keep);
     let places = places_below(product.e, Fx::lit(3), 62);
-    product.m.map(|m| {
+    each!(m in product.m => {
         let at_eight: Wide<W, 57> = m.widen::<60>().reread();
         at_eight.floor_shr_by(places).claim(-(7 << 57)..=7 << 57, "a_step_is_below_seven_map_units").round_to(POSITION)
     })
@@ -120,7 +127,7 @@ fn level_of_detail<W: Word>(
 #[inline(always)]
 pub fn position<W: Word>(probes: &Probes<W>, index: Fx<W, 0>) -> [Fx<W, POSITION>; 2] {
     let odd = index.shl(1) - probes.count + Fx::lit(1);
-    probes.step.map(|step| {
+    each!(step in probes.step => {
         let twice: Wide<W, 29> = step.mul::<0, 28>(odd).reread();
         twice.claim(-(7 << 28)..=7 << 28, "probes_stay_on_the_major_axis").round_to(POSITION)
     })

@@ -5,6 +5,7 @@
 //! Error of the direction: 2^−(p−2.9).
 
 use crate::block::{Block, dot, normalise};
+use crate::each::each;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::Reflected;
@@ -16,7 +17,7 @@ pub fn reflect<W: Word>(n: &Block<W, 3>, v: &Block<W, 3>, p: &Precision) -> Refl
     let view_dot_normal = dot(&v.m, &n.m);
     let scalars = normalise([view_dot_normal, dot(&n.m, &n.m)], Fx::zero(), p.fraction_bits);
     let [along, square] = scalars.m;
-    let r = core::array::from_fn(|i| {
+    let r = each!(i in [0, 1, 2] => {
         let twice: Wide<W, 60> = n.m[i].mul(along).shl(1);
         twice - v.m[i].mul(square)
     });

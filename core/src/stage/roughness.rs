@@ -4,6 +4,7 @@
 //! d₂E₁ + d₃E₂. Isotropic: I₁E₁ and I₁E₂, I₁² the larger eigenvalue (S97 §8).
 
 use crate::block::{Block, ZERO_EXPONENT, normalise, places_below};
+use crate::each::each;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::OFFSET;
@@ -12,7 +13,7 @@ use crate::word::Word;
 /// A number times a tangent.
 #[inline(always)]
 fn times<W: Word>(d: Fx<W, OFFSET>, tangent: &Block<W, 3>, keep: u32) -> Block<W, 3> {
-    normalise(tangent.m.map(|m| d.mul::<30, 58>(m)), tangent.e, keep)
+    normalise(each!(m in tangent.m => d.mul::<30, 58>(m)), tangent.e, keep)
 }
 
 /// d₁E₁ and d₂E₁ + d₃E₂.
@@ -23,11 +24,11 @@ pub fn anisotropic<W: Word>(
     e2: &Block<W, 3>,
     p: &Precision,
 ) -> [Block<W, 3>; 2] {
-    let exponent = |d: Fx<W, OFFSET>, e| Fx::select(d.is_zero(), Fx::lit(ZERO_EXPONENT), e);
-    let (e_1, e_2) = (exponent(d[1], e1.e), exponent(d[2], e2.e));
+    let [e_1, e_2] =
+        each!((d, e) in [(d[1], e1.e), (d[2], e2.e)] => Fx::select(d.is_zero(), Fx::lit(ZERO_EXPONENT), e));
     let top = e_1.max(e_2);
     let (places_1, places_2) = (places_below(e_1, top, 63), places_below(e_2, top, 63));
-    let sum = core::array::from_fn(|i| {
+    let sum = each!(i in [0, 1, 2] => {
         // Each product is at most 2^61; halved, their sum stays below 2^62.
         let first: Wide<W, 58> = d[1].mul(e1.m[i]);
         let second: Wide<W, 58> = d[2].mul(e2.m[i]);

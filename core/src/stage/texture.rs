@@ -6,6 +6,7 @@
 
 use crate::block::{Block, normalise};
 use crate::bundle::bundle;
+use crate::each::each;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::{POSITION, TexturePosition};
@@ -31,7 +32,7 @@ bundle!(TextureScale { size, log2_unit, repeats_per_unit });
 #[inline(always)]
 pub fn texture_column<W: Word>(duv: &Block<W, 2>, map: &TextureScale<W>, p: &Precision) -> Block<W, 2> {
     // |du·width| ≤ 2^14 with 30 fraction bits.
-    let texels: [Wide<W, 30>; 2] = core::array::from_fn(|i| duv.m[i].keep(p.fraction_bits).mul(map.size[i]));
+    let texels: [Wide<W, 30>; 2] = each!(i in [0, 1] => duv.m[i].keep(p.fraction_bits).mul(map.size[i]));
     normalise(texels, duv.e - map.log2_unit, p.fraction_bits)
 }
 
@@ -42,7 +43,7 @@ pub fn texture_position<W: Word>(
     offset: &[Fx<W, POSITION>; 2],
     map: &TextureScale<W>,
 ) -> TexturePosition<W> {
-    let uv = core::array::from_fn(|i| {
+    let uv = each!(i in [0, 1] => {
         let repeats: Wide<W, 44> = offset[i].mul(map.repeats_per_unit[i]);
         let moved = centre.uv[i] + repeats.floor_shr(12).reread();
         // Repeat addressing wraps on purpose.
