@@ -12,16 +12,17 @@ use std::fmt;
 use fixed::types::I4F28;
 use glam::DVec3;
 use rayon::prelude::*;
-use roughxel_core::datapath;
+use roughxel_core::datapath::ReflectionInput;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
-use roughxel_core::stage::blend::blend;
+use roughxel_core::stage::blend::{REFLECTANCE, blend};
 use sha2::{Digest, Sha256};
 
+use crate::lanes::Reading;
 use crate::picture::Picture;
 use crate::plan::{Mode, ObjectPlan, frame_system};
 use crate::raster::{
@@ -41,6 +42,7 @@ pub struct Prepared<'a> {
     projection: Projection,
     mode: Mode,
     precision: Precision,
+    reading: Reading,
     environment: Option<EnvironmentMap>,
     environment_scale: MapScale<i32>,
     objects: Vec<PreparedObject>,
@@ -54,6 +56,46 @@ struct PreparedObject {
     main_direction: BlockVector,
     colour_map: Option<ColourMap>,
     bump_map: Option<BumpMap>,
+}
+
+/// Fragments that wait for the reflection datapath, at most: their inputs stay in a second-level cache.
+const BATCH: usize = 256;
+
+/// Fragments of one plan that wait for the reflection datapath.
+struct Waiting {
+    plan: ReflectionPlan,
+    reflectance: [Fx<i32, 16>; 3],
+    inputs: Vec<ReflectionInput<i32>>,
+    /// The pixel of each in its tile, and its colour without the reflection.
+    pixels: Vec<(usize, Colour)>,
+}
+
+impl Waiting {
+    /// None of an object; without a reflection none will come.
+    fn of(object: &PreparedObject) -> Self {
+        let plan = object.plan.reflection.unwrap_or(ReflectionPlan::FULL);
+        Self { plan, reflectance: object.reflectance, inputs: Vec::new(), pixels: Vec::new() }
+    }
+
+    /// None of the rays that hit nothing: mirrors without bumps.
+    fn rays(mode: Mode) -> Self {
+        let plan = ReflectionPlan {
+            bump: false,
+            frame: FrameSystem::MainDirection,
+            roughness: RoughnessKind::None,
+            curvature: false,
+            footprint: mode.filters(),
+        };
+        Self { plan, reflectance: [Fx::lit(1 << REFLECTANCE); 3], inputs: Vec::new(), pixels: Vec::new() }
+    }
+}
+
+/// What a ray that hits nothing sees.
+enum Ray {
+    /// A colour.
+    Colour(Colour),
+    /// The environment, as this mirror reflects it.
+    Reflection(ReflectionIn),
 }
 
 /// A finished frame, rows top to bottom.
@@ -151,7 +193,13 @@ impl<'a> Prepared<'a> {
             })
             .collect();
         let environment_scale = environment_scale(edge as u16, &precision);
-        Ok(Self { scene, projection, mode, precision, environment, environment_scale, objects })
+        let reading = Reading::best();
+        Ok(Self { scene, projection, mode, precision, reading, environment, environment_scale, objects })
+    }
+
+    /// The same with another reading of the reflection datapath than [`Reading::best`]; no bit of a frame depends on it.
+    pub fn with_reading(self, reading: Reading) -> Self {
+        Self { reading, ..self }
     }
 
     /// The plan of each object, in the order of the scene.
@@ -198,30 +246,40 @@ impl<'a> Prepared<'a> {
         let offsets = self.sample_offsets();
         let mut buffer = TileBuffer::new();
         let mut sums = vec![[0_i64; 3]; tile.width as usize * tile.height as usize];
+        let mut add = |pixel: usize, colour: Colour| {
+            for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
+                *sum += i64::from(channel);
+            }
+        };
+        let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
+        let mut rays = Waiting::rays(self.mode);
         for &offset in &offsets {
             triangles.rasterise_tile(tile, offset, &mut buffer);
             let mut current: Option<(u32, Option<Triangle<'_>>)> = None;
             let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (tile.x + x, tile.y + y)));
-            for ((sum, (x, y)), visible) in sums.iter_mut().zip(positions).zip(buffer.triangles()) {
+            for ((pixel, (x, y)), visible) in positions.enumerate().zip(buffer.triangles()) {
                 let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
-                let colour = match visible {
-                    None => self.background(x, y),
-                    Some(index) => {
-                        let object = triangles.object_index(index);
-                        if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                            current = Some((index, triangles.triangle(index, self.needs_tangents(object))));
-                        }
-                        match &current {
-                            Some((_, Some(triangle))) => self.shade(object, &triangle.fragment(x, y)),
-                            _ => [0; 3],
-                        }
+                let Some(index) = visible else {
+                    match self.background(x, y) {
+                        Ray::Colour(colour) => add(pixel, colour),
+                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [0; 3]), &input, &mut add),
                     }
+                    continue;
                 };
-                for (sum, channel) in sum.iter_mut().zip(colour) {
-                    *sum += i64::from(channel);
+                let object = triangles.object_index(index);
+                if current.as_ref().is_none_or(|(held, _)| *held != index) {
+                    current = Some((index, triangles.triangle(index, self.needs_tangents(object))));
+                }
+                let Some((_, Some(triangle))) = &current else { continue };
+                let attributes = triangle.fragment(x, y);
+                let surface = self.surface(&self.objects[object], &attributes);
+                match self.reflection_input(&self.objects[object], &attributes) {
+                    None => add(pixel, surface),
+                    Some((input, _)) => self.reflect(&mut waiting[object], (pixel, surface), &input, &mut add),
                 }
             }
         }
+        waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut add));
         let samples = offsets.len() as i64;
         sums.into_iter().map(|sum| sum.map(|channel| ((channel + samples / 2) / samples) as i32)).collect()
     }
@@ -231,26 +289,46 @@ impl<'a> Prepared<'a> {
         plan.is_some_and(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
     }
 
-    /// One fragment through the blocks of its object's plan.
-    fn shade(&self, object: usize, attributes: &FragmentAttributes) -> Colour {
-        let prepared = &self.objects[object];
-        let p = &self.precision;
-        let surface = match &prepared.colour_map {
-            None => prepared.colour,
+    /// Colour of a fragment without its reflection.
+    fn surface(&self, object: &PreparedObject, attributes: &FragmentAttributes) -> Colour {
+        match &object.colour_map {
+            None => object.colour,
             Some(map) => {
-                let sample = map.sample(attributes, prepared.plan.texture_footprint, p);
-                core::array::from_fn(|i| multiply(sample[i], prepared.colour[i]))
+                let sample = map.sample(attributes, object.plan.texture_footprint, &self.precision);
+                core::array::from_fn(|i| multiply(sample[i], object.colour[i]))
             }
-        };
-        let Some((input, plan)) = self.reflection_input(prepared, attributes) else { return surface };
-        let stages = datapath::reflection(&input.wires(self.environment_scale), &plan, p);
-        let reflection = self
-            .environment
-            .as_ref()
-            .map_or([0; 3], |map| map.sample(&stages.point, &stages.probes, plan.roughness != RoughnessKind::None, p));
-        core::array::from_fn(|i| {
-            blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), prepared.reflectance[i]).raw()
-        })
+        }
+    }
+
+    /// Lets a fragment wait; with [`BATCH`] of them, all are reflected. `add` gives each pixel its colour.
+    fn reflect(
+        &self,
+        waiting: &mut Waiting,
+        (pixel, surface): (usize, Colour),
+        input: &ReflectionIn,
+        add: impl FnMut(usize, Colour),
+    ) {
+        waiting.inputs.push(input.wires(self.environment_scale));
+        waiting.pixels.push((pixel, surface));
+        if waiting.inputs.len() == BATCH {
+            self.fetch(waiting, add);
+        }
+    }
+
+    /// The waiting fragments through the reflection datapath, the environment and the blend.
+    fn fetch(&self, waiting: &mut Waiting, mut add: impl FnMut(usize, Colour)) {
+        let Waiting { plan, reflectance, inputs, pixels } = waiting;
+        let rough = plan.roughness != RoughnessKind::None;
+        let footprints = self.reading.footprints(inputs, plan, &self.precision);
+        for (footprint, (pixel, surface)) in footprints.iter().zip(pixels.drain(..)) {
+            let reflection = self
+                .environment
+                .as_ref()
+                .map_or([0; 3], |map| map.sample(&footprint.point, &footprint.probes, rough, &self.precision));
+            let channel = |i: usize| blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), reflectance[i]).raw();
+            add(pixel, core::array::from_fn(channel));
+        }
+        inputs.clear();
     }
 
     /// Ports of the reflection datapath, bump map sampled; `None` where the object reflects nothing.
@@ -281,30 +359,21 @@ impl<'a> Prepared<'a> {
         Some((input, plan))
     }
 
-    /// What a ray that hits nothing sees.
-    fn background(&self, x: i32, y: i32) -> Colour {
+    /// What the ray through a pixel sees that hits nothing.
+    fn background(&self, x: i32, y: i32) -> Ray {
         match (&self.scene.background, &self.environment) {
-            (Background::Colour(colour), _) => colour_word(*colour),
+            (Background::Colour(colour), _) => Ray::Colour(colour_word(*colour)),
             (Background::Ramp { top, bottom }, _) => {
                 let down = y as f32 / (self.projection.height() as i32 * SUBPIXELS) as f32;
-                colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down))
+                Ray::Colour(colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down)))
             }
-            (Background::Environment, None) => [0; 3],
-            (Background::Environment, Some(map)) => {
+            (Background::Environment, None) => Ray::Colour([0; 3]),
+            (Background::Environment, Some(_)) => {
                 // A mirror facing the ray from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|², and a footprint as wide as the pixel's.
                 let view = self.projection.ray_view(x, y);
                 let ray = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
-                let input =
-                    ReflectionIn { normal: ray, view: ray, dview: self.projection.dview(), ..ReflectionIn::default() };
-                let plan = ReflectionPlan {
-                    bump: false,
-                    frame: FrameSystem::MainDirection,
-                    roughness: RoughnessKind::None,
-                    curvature: false,
-                    footprint: self.mode.filters(),
-                };
-                let stages = datapath::reflection(&input.wires(self.environment_scale), &plan, &self.precision);
-                map.sample(&stages.point, &stages.probes, false, &self.precision)
+                let dview = self.projection.dview();
+                Ray::Reflection(ReflectionIn { normal: ray, view: ray, dview, ..ReflectionIn::default() })
             }
         }
     }

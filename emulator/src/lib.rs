@@ -9,6 +9,7 @@
 pub mod demo;
 pub mod eval;
 pub mod frame;
+pub mod lanes;
 pub mod maps;
 pub mod net;
 pub mod output;

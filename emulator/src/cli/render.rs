@@ -9,6 +9,7 @@ use miette::miette;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::lanes::Reading;
 use roughxel_emulator::picture::write_png_srgb;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
@@ -40,6 +41,10 @@ pub(super) struct RenderArgs {
     /// Threads; the picture is the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
+    /// How the datapath is computed: scalar, or in lanes of baseline, avx2 or avx512; the fastest of the machine if nothing
+    /// is given. The picture is the same for each.
+    #[arg(long, value_name = "NAME")]
+    pub(super) reading: Option<Reading>,
     /// Export a set of vectors made of the frame's fragments into this directory.
     #[arg(long, value_name = "DIR")]
     pub(super) capture: Option<PathBuf>,
@@ -64,7 +69,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
 
     let start = Instant::now();
-    let prepared = Prepared::new(&scene, args.mode, precision)?;
+    let reading = args.reading.unwrap_or_else(Reading::best);
+    let prepared = Prepared::new(&scene, args.mode, precision)?.with_reading(reading);
     let preparation = start.elapsed().as_secs_f64();
     let bar = progress(prepared.work(), &scene.name);
     let start = Instant::now();
@@ -83,7 +89,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
         let figures = json!({
             "scene": scene.name, "mode": args.mode.to_string(), "profile": args.profile.name,
-            "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
+            "reading": reading.to_string(), "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
             "digest": frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
         });
         writeln!(out, "{figures:#}")?;

@@ -1,0 +1,381 @@
+//! Lanes give the bits of the scalar reading: every operation, every stage of every fragment, every frame, with every
+//! instruction set of this machine. A failure names the first wire that differs.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use roughxel_core::bundle::{Bundle, Rewire};
+use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::ports::{ReflectionIn, environment_scale};
+use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::word::{Wire, Word};
+use roughxel_emulator::frame::Prepared;
+#[cfg(target_arch = "x86_64")]
+use roughxel_emulator::lanes::{Avx2, Avx512};
+use roughxel_emulator::lanes::{Baseline, Batch, Footprint, InstructionSet, LANES, Lanes, Reading, Target, WideLanes};
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::scene::Scene;
+use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_host_tests::bars;
+use roughxel_host_tests::checked::{Integers, first_difference};
+
+/// The instruction sets of this machine; says aloud which it cannot test.
+fn instruction_sets() -> Vec<InstructionSet> {
+    for set in InstructionSet::ALL.into_iter().filter(|set| !set.is_available()) {
+        eprintln!("SKIPPED: this machine has no {set}");
+    }
+    InstructionSet::available().collect()
+}
+
+/// `check!(set => check::<T>(…))` with the type `T` of an instruction set.
+macro_rules! check {
+    ($set:expr => $check:ident($($argument:expr),*)) => {
+        match $set {
+            InstructionSet::Baseline => $check::<Baseline>($($argument),*),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2 => $check::<Avx2>($($argument),*),
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 => $check::<Avx512>($($argument),*),
+            #[cfg(not(target_arch = "x86_64"))]
+            set => panic!("{set} is of another machine"),
+        }
+    };
+}
+
+/// A wire with weight on the corners: the ends of the range, single bits, runs of ones; any bits else.
+fn corner(random: &mut SplitMix64) -> i64 {
+    let power = 1_i64 << random.below(64);
+    match random.below(8) {
+        0 => 0,
+        1 => i64::MIN.wrapping_add(random.below(3) as i64),
+        2 => i64::MAX - random.below(3) as i64,
+        3 => power,
+        4 => power.wrapping_neg(),
+        5 => power.wrapping_sub(1),
+        _ => random.next_u64() as i64 >> random.below(63),
+    }
+}
+
+/// Every operation that words and wide wires share, on all lanes, beside the scalar reading.
+macro_rules! shared_operations {
+    ($name:ident, $lanes:ident, $int:ty) => {
+        fn $name<T: Target>(random: &mut SplitMix64) {
+            let mut lane = || core::array::from_fn(|_| corner(random) as $int);
+            let [a, b]: [[$int; LANES]; 2] = [lane(), lane()];
+            let counts: [i32; LANES] = core::array::from_fn(|_| corner(random) as i32);
+            let (value, k) = (corner(random) as $int, random.below(u64::from(<$int>::BITS)) as u32);
+            let (x, y, n) = ($lanes::<T, LANES>::of(a), $lanes::<T, LANES>::of(b), Lanes::<T, LANES>::of(counts));
+            let (below, positive) = (x.lt(y), $lanes::lit(0).lt(x));
+            macro_rules! same {
+                ($lanes_operation:expr, |$i:ident| $scalar:expr) => {
+                    // In the function that is compiled for the instruction set, as it is in a stage.
+                    let got = T::run(
+                        #[inline(always)]
+                        || $lanes_operation,
+                    );
+                    let name = stringify!($lanes_operation);
+                    for ($i, got) in got.lanes().iter().enumerate() {
+                        let operands = (a[$i], b[$i], counts[$i], k);
+                        assert_eq!(*got, $scalar, "{name} of {operands:?}");
+                    }
+                };
+            }
+            same!($lanes::<T, LANES>::lit(value.into()), |i| value + a[i].and(0));
+            same!(x.add(y), |i| a[i].add(b[i]));
+            same!(x.sub(y), |i| a[i].sub(b[i]));
+            same!(x.shl(k), |i| a[i].shl(k));
+            same!(x.sar(k), |i| a[i].sar(k));
+            same!(x.shl_by(n), |i| a[i].shl_by(counts[i]));
+            same!(x.sar_by(n), |i| a[i].sar_by(counts[i]));
+            same!(x.and(y), |i| a[i].and(b[i]));
+            same!(x.or(y), |i| a[i].or(b[i]));
+            same!(x.xor(y), |i| a[i].xor(b[i]));
+            same!(x.lt(y), |i| a[i].lt(b[i]));
+            same!(!below, |i| !a[i].lt(b[i]));
+            same!(below & positive, |i| a[i].lt(b[i]) & 0.lt(a[i]));
+            same!(below | positive, |i| a[i].lt(b[i]) | 0.lt(a[i]));
+            same!(Wire::select(below, x, y), |i| if a[i].lt(b[i]) { a[i] } else { b[i] });
+            same!(x.leading_zeros(), |i| a[i].leading_zeros() as i32);
+        }
+    };
+}
+
+shared_operations!(operations_of_words_and_wide_wires, Lanes, i32);
+shared_operations!(operations_of_wide_wires, WideLanes, i64);
+
+/// The operations of words alone.
+fn operations_of_words<T: Target>(random: &mut SplitMix64) {
+    static TABLE: [i32; 5] = [3, -1, i32::MAX, i32::MIN, 7];
+    let mut lane = || core::array::from_fn(|_| corner(random) as i32);
+    let [a, b]: [[i32; LANES]; 2] = [lane(), lane()];
+    let wide: [i64; LANES] = core::array::from_fn(|_| corner(random));
+    let places: [i32; LANES] = core::array::from_fn(|_| random.below(8) as i32 - 1);
+    let [x, y, place] = [a, b, places].map(Lanes::<T, LANES>::of);
+    let w = WideLanes::<T, LANES>::of(wide);
+    let run = |name: &str, got: [i64; LANES], scalar: &dyn Fn(usize) -> i64| {
+        for (i, got) in got.into_iter().enumerate() {
+            assert_eq!(got, scalar(i), "{name} of {}, {}, {}, {}", a[i], b[i], wide[i], places[i]);
+        }
+    };
+    let of_words = |words: Lanes<T, LANES>| words.lanes().map(i64::from);
+    run(
+        "mul",
+        *T::run(
+            #[inline(always)]
+            || x.mul(y),
+        )
+        .lanes(),
+        &|i| a[i].mul(b[i]),
+    );
+    run(
+        "widen",
+        *T::run(
+            #[inline(always)]
+            || x.widen(),
+        )
+        .lanes(),
+        &|i| a[i].widen(),
+    );
+    run(
+        "narrow",
+        of_words(T::run(
+            #[inline(always)]
+            || Word::narrow(w),
+        )),
+        &|i| i32::narrow(wide[i]).into(),
+    );
+    run(
+        "lookup",
+        of_words(T::run(
+            #[inline(always)]
+            || place.lookup(&TABLE),
+        )),
+        &|i| places[i].lookup(&TABLE).into(),
+    );
+    for k in 1..64 {
+        let rounded: Lanes<T, LANES> = T::run(
+            #[inline(always)]
+            || Word::round(w, k),
+        );
+        run(&format!("round by {k}"), of_words(rounded), &|i| i32::round(wide[i], k).into());
+    }
+}
+
+#[test]
+fn every_operation_gives_the_bits_of_the_scalar_reading() {
+    for set in instruction_sets() {
+        (0..20_000_u64).into_par_iter().for_each(|index| {
+            let random = &mut SplitMix64::for_element("operations", index);
+            check!(set => operations_of_words_and_wide_wires(random));
+            check!(set => operations_of_wide_wires(random));
+            check!(set => operations_of_words(random));
+        });
+    }
+}
+
+/// Leading zeros of the words whose upper half is `upper`.
+fn leading_zeros_below<T: Target>(upper: u16) {
+    for lower in (0..=u16::MAX).step_by(LANES) {
+        let words = core::array::from_fn(|lane| i32::from(upper as i16) << 16 | i32::from(lower + lane as u16));
+        let zeros = T::run(
+            #[inline(always)]
+            || Lanes::<T, LANES>::of(words).leading_zeros(),
+        );
+        assert_eq!(*zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
+    }
+}
+
+#[test]
+fn leading_zeros_from_a_float_are_those_of_every_word() {
+    (0..=u16::MAX).into_par_iter().for_each(leading_zeros_below::<Baseline>);
+}
+
+/// Every wire of a bundle, without names.
+#[derive(Default)]
+struct Values(Vec<i64>);
+
+impl Rewire<i32, i32> for Values {
+    fn word(&mut self, wire: i32, _: u32) -> i32 {
+        self.0.push(wire.into());
+        wire
+    }
+    fn wide(&mut self, wire: i64, _: u32) -> i64 {
+        self.0.push(wire);
+        wire
+    }
+    fn flag(&mut self, wire: bool) -> bool {
+        self.0.push(wire.into());
+        wire
+    }
+}
+
+fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
+    let values = |bundle: &B| {
+        let mut values = Values::default();
+        bundle.rewire::<i32, _>(&mut values);
+        values.0
+    };
+    if values(expected) == values(got) {
+        return Ok(());
+    }
+    Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
+}
+
+/// Every stage of every fragment, in lanes with every instruction set and beside the scalar reading.
+fn compare(inputs: &[ReflectionInput<i32>], plan: &ReflectionPlan, p: &Precision) {
+    let scalar: Vec<_> = inputs.iter().map(|input| datapath::reflection(input, plan, p)).collect();
+    let batch = Batch::new(inputs);
+    for set in InstructionSet::available() {
+        let (lanes, footprints) = (batch.reflect(set, plan, p), batch.footprints(set, plan, p));
+        assert_eq!((lanes.len(), footprints.len()), (inputs.len(), inputs.len()), "{set}");
+        for ((expected, got), footprint) in scalar.iter().zip(&lanes).zip(&footprints) {
+            let context = |difference| format!("{set}, {plan:?}: {difference}");
+            same_wires(expected, got).map_err(context).unwrap();
+            same_wires(&Footprint::of(expected), footprint).map_err(context).unwrap();
+        }
+    }
+}
+
+fn wires(fragments: &[ReflectionIn], p: &Precision) -> Vec<ReflectionInput<i32>> {
+    fragments.iter().map(|fragment| fragment.wires(environment_scale(fragment.edge_texels, p))).collect()
+}
+
+fn profiles() -> [(&'static str, Precision); 4] {
+    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+}
+
+/// Every combination of blocks.
+fn plans() -> Vec<ReflectionPlan> {
+    let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+    let kinds = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
+    let mut plans = Vec::new();
+    for frame in frames {
+        for roughness in kinds {
+            for switches in 0..8 {
+                let [bump, curvature, footprint] = [0, 1, 2].map(|bit| switches >> bit & 1 == 1);
+                plans.push(ReflectionPlan { bump, frame, roughness, curvature, footprint });
+            }
+        }
+    }
+    plans
+}
+
+#[test]
+fn every_hard_case_gives_the_bits_of_the_scalar_reading() {
+    let plans = plans();
+    for (_, p) in profiles() {
+        for set in hard_case_sets(&p) {
+            let inputs = wires(&set.fragments, &p);
+            inputs.par_chunks(64).enumerate().for_each(|(chunk, inputs)| {
+                compare(inputs, &set.plan, &p);
+                plans.iter().skip(chunk % 7).step_by(7).for_each(|plan| compare(inputs, plan, &p));
+            });
+        }
+    }
+}
+
+#[test]
+fn random_fragments_give_the_bits_of_the_scalar_reading() {
+    let plans = plans();
+    for (name, p) in profiles() {
+        (0..160_u64).into_par_iter().for_each(|batch| {
+            let start = 200 * batch;
+            let fragments: Vec<_> = (start..start + 200).map(|index| random_fragment(name, index, &p)).collect();
+            let inputs = wires(&fragments, &p);
+            compare(&inputs, &ReflectionPlan::FULL, &p);
+            // Batches of any length, faces and probe counts mixed as they come.
+            let length = 1 + batch as usize % 60;
+            compare(&inputs[..length], &plans[batch as usize % plans.len()], &p);
+        });
+    }
+}
+
+/// Puts any bits on the wires.
+struct AnyBits(SplitMix64);
+
+impl Rewire<i32, i32> for AnyBits {
+    fn word(&mut self, _: i32, _: u32) -> i32 {
+        corner(&mut self.0) as i32
+    }
+    fn wide(&mut self, _: i64, _: u32) -> i64 {
+        corner(&mut self.0)
+    }
+    fn flag(&mut self, _: bool) -> bool {
+        self.0.below(2) == 1
+    }
+}
+
+#[test]
+fn wires_that_no_port_carries_give_the_bits_of_the_scalar_reading() {
+    let plans = plans();
+    for (name, p) in profiles() {
+        (0..200_u64).into_par_iter().for_each(|index| {
+            let mut bits = AnyBits(SplitMix64::for_element(name, index));
+            let blank = wires(&[ReflectionIn::default()], &p)[0];
+            let inputs: Vec<ReflectionInput<i32>> = (0..40).map(|_| blank.rewire(&mut bits)).collect();
+            compare(&inputs, &plans[index as usize % plans.len()], &p);
+        });
+    }
+}
+
+#[test]
+fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
+    let p = Precision::STANDARD;
+    let fragments: Vec<_> = (0..LANES as u64).map(|index| random_fragment("mixed", index, &p)).collect();
+    let inputs = wires(&fragments, &p);
+    let footprints = Batch::new(&inputs).footprints(InstructionSet::best(), &ReflectionPlan::FULL, &p);
+    let distinct = |of: fn(&Footprint<i32>) -> i32| {
+        let mut values: Vec<_> = footprints.iter().map(of).collect();
+        values.sort_unstable();
+        values.dedup();
+        values.len()
+    };
+    assert!(distinct(|footprint| footprint.point.select.index().raw()) >= 4);
+    assert!(distinct(|footprint| footprint.probes.count.raw()) >= 4);
+    compare(&inputs, &ReflectionPlan::FULL, &p);
+}
+
+#[test]
+fn batches_of_any_length_come_back_in_order() {
+    let p = Precision::STANDARD;
+    let fragments: Vec<_> = (0..50).map(|index| random_fragment("length", index, &p)).collect();
+    let inputs = wires(&fragments, &p);
+    for length in 0..=inputs.len() {
+        assert_eq!(Batch::new(&inputs[..length]).len(), length);
+        compare(&inputs[..length], &ReflectionPlan::FULL, &p);
+    }
+}
+
+#[test]
+fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
+    let readings: Vec<_> = instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]).collect();
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
+    let golden = std::fs::read_to_string(golden).unwrap();
+    for name in bars::SCENES {
+        let scene = Scene::builtin(name).unwrap().unwrap().with_size(64, 48).unwrap();
+        for mode in [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }] {
+            let prefix = format!("{name} standard {mode} ");
+            let expected = golden.lines().find_map(|line| line.strip_prefix(&prefix)).expect("a golden frame");
+            for &reading in &readings {
+                let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).unwrap().with_reading(reading);
+                for threads in [1, 2, 7] {
+                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                    let digest = pool.install(|| prepared.render(|| ())).unwrap().digest();
+                    assert_eq!(digest, expected, "{name}, {mode}, {reading}, {threads} threads");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_reading_is_named_as_it_is_printed() {
+    let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar, Reading::best()]);
+    for reading in readings {
+        assert_eq!(reading.to_string().parse(), Ok(reading));
+    }
+    let error = "lanes".parse::<Reading>().unwrap_err();
+    assert!(error.contains("scalar") && error.contains("baseline"), "{error}");
+}
