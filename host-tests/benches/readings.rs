@@ -5,11 +5,15 @@
 //! that a machine that changes its speed changes both sides; let nothing else run beside it. Exit code 1 if a bar is
 //! missed. With a filter or an option criterion alone runs, for a part has no ratios.
 //!
-//! All write what a sampler needs (face, s, t, N, step, LOD, status), from inputs in their own format. *f32* is what
-//! a user would write instead: plain, compiled as by default, and batched, with the widest vectors of the machine.
+//! All write what a sampler needs (face, s, t, N, step, LOD, status), from inputs in their own format. *Lanes* include
+//! putting fragments side by side, as the renderer does; the bars take the widest vectors of the machine. *f32* is what a
+//! user would write instead: plain, compiled as by default, and batched, from fragments that lie side by side, with the
+//! widest vectors of the machine. *Verilated* is the top of `roughxel verilog`, a fragment a cycle, every output compared;
+//! where Verilator is missing it is not measured.
 
 use std::hint::black_box;
-use std::process::ExitCode;
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
@@ -22,15 +26,27 @@ use roughxel_core::ports::{ReflectionIn, environment_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::scalar::Scalar;
 use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::lanes::{InstructionSet, Reading};
+use roughxel_emulator::net::bench::Bench;
+use roughxel_emulator::net::design::Design;
+use roughxel_emulator::net::observe::port_values;
+use roughxel_emulator::net::verilog::{Options, Verilog};
 use roughxel_emulator::plan::Mode;
+use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_emulator::study::cases::random_fragment;
+use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::float_datapath::{Environment, Footprint, FootprintBlock, Fragment, FragmentBlock};
 use roughxel_host_tests::reference;
+use roughxel_host_tests::simulators::{have, run, verilate};
+use tempfile::TempDir;
 
 /// Fragments of a set: inputs and outputs of one contender stay within a second-level cache.
 const FRAGMENTS: usize = 2048;
+
+/// Fragments that go through lanes at a time, as in the renderer.
+const BATCH: usize = 256;
 
 /// Rounds of the paired measurement.
 const ROUNDS: usize = 121;
@@ -103,8 +119,75 @@ fn frame() -> Set {
     Set { name: "globe", edge_texels: fragments[0].edge_texels, fragments }
 }
 
+/// The Verilator model of the reflection datapath.
+struct Model {
+    directory: TempDir,
+    verilog: Verilog,
+    program: PathBuf,
+}
+
+impl Model {
+    const DESIGN: &str = "reflection";
+
+    /// Builds it, with the C++ compiler's best; `None` where there is no Verilator.
+    fn build(sets: &[Set]) -> Option<Self> {
+        if !have("verilator") {
+            return None;
+        }
+        let design = Design::by_name(Self::DESIGN).expect("the datapath is a design");
+        let options = Options {
+            profile: "standard".into(),
+            precision: PROFILE,
+            plan: ReflectionPlan::FULL,
+            depth: None,
+            stage: None,
+            prefix: String::new(),
+        };
+        let verilog = Verilog::new(design, &options).expect("the datapath is generated");
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        verilog.write(directory.path()).expect("the directory can be written");
+        let mut model = Self { directory, verilog, program: PathBuf::new() };
+        let net = design.record(&ReflectionPlan::FULL, &PROFILE);
+        for set in sets {
+            let mut random = SplitMix64::for_element(set.name, 0);
+            let mut ports = |fragment| {
+                let ports = port_values(Self::DESIGN, &net, fragment, &ReflectionPlan::FULL, &PROFILE, &mut random);
+                ports.into_iter().next().expect("a fragment is a vector")
+            };
+            let inputs: Vec<_> = set.fragments.iter().map(&mut ports).collect();
+            let wires = |ports: &Vec<i64>| outcome::<Scalar>(Self::DESIGN, ports, &ReflectionPlan::FULL, &PROFILE).0;
+            let integers = |ports| wires(ports).into_iter().map(|(_, integer)| integer).collect();
+            let outputs: Vec<Vec<i64>> = inputs.iter().map(integers).collect();
+            let top = model.verilog.top.as_ref().expect("the datapath has a top");
+            let bench = Bench::new(top, &inputs, &outputs).expect("the ports hold the fragments");
+            let vectors = model.vectors(set);
+            std::fs::create_dir(&vectors).expect("the directory can be written");
+            for place in [&vectors, model.directory.path()] {
+                bench.write(place).expect("the directory can be written");
+            }
+            if model.program.as_os_str().is_empty() {
+                model.program = verilate(model.directory.path(), bench.module(), "-O3");
+            }
+        }
+        Some(model)
+    }
+
+    /// Where the vectors of a set are.
+    fn vectors(&self, set: &Set) -> PathBuf {
+        self.directory.path().join(set.name)
+    }
+
+    /// Takes the vectors of a set so many times; the time of the cycles alone.
+    fn passes(&self, set: &Set, count: u64) -> Duration {
+        let output = run(Command::new(&self.program).arg(self.vectors(set)).arg(count.to_string()));
+        let text = String::from_utf8_lossy(&output.stdout);
+        let seconds = text.split_whitespace().rev().nth(1).and_then(|seconds| seconds.parse().ok());
+        Duration::from_secs_f64(seconds.unwrap_or_else(|| panic!("the bench says {text}")))
+    }
+}
+
 /// Every contender of a set with its inputs and outputs in memory.
-fn contenders(set: &Set) -> Vec<Contender<'_>> {
+fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> {
     let ports = &set.fragments;
     let scale = environment_scale(set.edge_texels, &PROFILE);
     // Data here as in the emulator: a profile known to the compiler makes the scalar reading 1.25 times as fast.
@@ -116,6 +199,17 @@ fn contenders(set: &Set) -> Vec<Contender<'_>> {
                 *sampled = sampler_words(&reflection(&fragment.wires(scale), &plan, &profile));
             }
             black_box(&mut sampled);
+        })
+    };
+
+    let lanes = |name, set| {
+        let mut inputs = Vec::with_capacity(BATCH);
+        Contender::new(name, move || {
+            for fragments in ports.chunks(BATCH) {
+                inputs.clear();
+                inputs.extend(fragments.iter().map(|fragment| fragment.wires(scale)));
+                black_box(Reading::Lanes(set).footprints(&inputs, &ReflectionPlan::FULL, &profile));
+            }
         })
     };
 
@@ -147,13 +241,26 @@ fn contenders(set: &Set) -> Vec<Contender<'_>> {
         black_box(&mut footprint_blocks);
     };
 
-    vec![
+    let mut contenders = vec![
         scalar("scalar", ReflectionPlan::FULL),
         scalar("scalar, mirror plan", MIRROR),
+        lanes("lanes", InstructionSet::best()),
         Contender::new("float64 reference", reference),
         Contender::new("f32 plain", plain),
         Contender::new("f32 batched", batched),
-    ]
+    ];
+    for set in InstructionSet::available().filter(|set| *set != InstructionSet::best()) {
+        let name = match set {
+            InstructionSet::Baseline => "lanes, baseline",
+            InstructionSet::Avx2 => "lanes, avx2",
+            InstructionSet::Avx512 => "lanes, avx512",
+        };
+        contenders.push(lanes(name, set));
+    }
+    if let Some(model) = model {
+        contenders.push(Contender { name: "verilated", passes: Box::new(|count| model.passes(set, count)) });
+    }
+    contenders
 }
 
 /// What a sampler needs of the stages.
@@ -165,8 +272,8 @@ fn sampler_words(stages: &Reflection<Scalar>) -> [i32; 8] {
 }
 
 /// Seconds a fragment of every contender, by name, one figure for each round.
-fn paired_rounds(set: &Set) -> Vec<(&'static str, Vec<f64>)> {
-    let mut contenders: Vec<_> = contenders(set)
+fn paired_rounds(set: &Set, model: Option<&Model>) -> Vec<(&'static str, Vec<f64>)> {
+    let mut contenders: Vec<_> = contenders(set, model)
         .into_iter()
         .map(|mut contender| {
             let once = (contender.passes)(1).max(Duration::from_nanos(1));
@@ -191,7 +298,7 @@ fn median(figures: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Prints speeds and bars of every set; whether no bar is missed.
-fn report(sets: &[Set]) -> bool {
+fn report(sets: &[Set], model: Option<&Model>) -> bool {
     let mut speeds = Table::new();
     speeds.load_style(UTF8_FULL_CONDENSED).set_header(["fragments", "by", "10⁶/s", "ns", "× scalar"]);
     let mut bars = Table::new();
@@ -205,7 +312,7 @@ fn report(sets: &[Set]) -> bool {
     }
     let mut holds = true;
     for set in sets {
-        let rounds = paired_rounds(set);
+        let rounds = paired_rounds(set, model);
         let seconds = |name| rounds.iter().find(|(known, _)| *known == name).map(|(_, seconds)| seconds);
         let ratio = |of, over| {
             let pairs = seconds(of)?.iter().zip(seconds(over)?);
@@ -234,6 +341,7 @@ fn report(sets: &[Set]) -> bool {
 
 fn main() -> ExitCode {
     let sets = [frame(), random()];
+    let model = Model::build(&sets);
     let mut criterion = Criterion::default()
         .sample_size(20)
         .warm_up_time(Duration::from_millis(300))
@@ -242,12 +350,12 @@ fn main() -> ExitCode {
     for set in &sets {
         let mut group = criterion.benchmark_group(format!("fragment/{}", set.name));
         group.throughput(Throughput::Elements(set.fragments.len() as u64));
-        for mut contender in contenders(set) {
+        for mut contender in contenders(set, model.as_ref()) {
             group.bench_function(contender.name, |bencher| bencher.iter_custom(&mut contender.passes));
         }
         group.finish();
     }
     criterion.final_summary();
     let whole = std::env::args().skip(1).eq(["--bench"]);
-    if !whole || report(&sets) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if !whole || report(&sets, model.as_ref()) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

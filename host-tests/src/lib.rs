@@ -8,5 +8,6 @@ pub mod checked;
 pub mod designs;
 pub mod float_datapath;
 pub mod float_frame;
+pub mod simulators;
 
 pub use roughxel_reference as reference;

@@ -5,7 +5,7 @@
 //! included. A tool that is missing is named aloud, and fails the test where ROUGHXEL_REQUIRE_TOOLS is set.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
@@ -21,6 +21,7 @@ use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::vectors::{Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::simulators::{have, hdl, run, verilate};
 use tempfile::TempDir;
 
 const FULL: ReflectionPlan = ReflectionPlan::FULL;
@@ -81,28 +82,6 @@ fn inputs(name: &str, net: &Net, count: usize, plan: &ReflectionPlan, p: &Precis
     vectors
 }
 
-/// Whether a tool is there; says so where it is not.
-fn have(tool: &str) -> bool {
-    let found = Command::new(tool).arg("-V").output().is_ok();
-    if !found {
-        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{tool} is not installed");
-        eprintln!("SKIPPED: {tool} is not installed, so nothing here was checked with it");
-    }
-    found
-}
-
-/// Runs a command, which succeeds.
-fn run(command: &mut Command) -> Output {
-    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    assert!(output.status.success(), "{command:?}\n{}\n{}", text(&output.stdout), text(&output.stderr));
-    output
-}
-
-fn hdl(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/hdl").join(file)
-}
-
 /// A design in a directory of its own.
 struct Written {
     directory: TempDir,
@@ -155,15 +134,8 @@ impl Written {
     fn verilator(&self, bench: &Bench, arguments: &[&str]) -> Output {
         bench.write(self.path()).expect("the directory can be written");
         let objects = self.path().join("obj");
-        let program = objects.join("bench");
         reuse_runtime(&objects);
-        let flat = format!("{}_flat", bench.module());
-        let mut command = Command::new("verilator");
-        command.args(["--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"]);
-        command.args(["--prefix", "Vdesign", "-CFLAGS", "-std=c++17", "--top-module", &flat]);
-        command.args(["-MAKEFLAGS", "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O1", "--Mdir"]).arg(&objects);
-        command.arg("-y").arg(self.path()).arg("-o").arg(&program);
-        run(command.arg(self.path().join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp")));
+        let program = verilate(self.path(), bench.module(), "-O1");
         keep_runtime(&objects);
         Command::new(&program).arg(self.path()).args(arguments).output().expect("the model was built")
     }

@@ -1,8 +1,8 @@
 // Drives a generated module, verilated, with the vectors of a directory from memory and compares every output.
 //
-// Arguments: the directory with bench.txt, inputs.bin and expected.bin; `stalls` to pause both sides of the handshake
-// at random. Prints the vectors and the time of the cycles alone. Exit code 0 equal, 1 failure, 2 usage, 3 a mismatch,
-// of which the first wire is named.
+// Arguments: the directory with bench.txt, inputs.bin and expected.bin; then `stalls` to pause both sides of the handshake
+// at random, or how many times to take all vectors. Prints the vectors and the time of the cycles alone. Exit code
+// 0 equal, 1 failure, 2 usage, 3 a mismatch, of which the first wire is named.
 //
 //   verilator --cc --exe --build -O3 --x-assign fast --x-initial fast --prefix Vdesign -y DIR \
 //     --top-module MODULE_flat DIR/MODULE_flat.v verilator_bench.cpp -o bench
@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -76,12 +77,13 @@ std::string field_bits(const uint32_t* words, const Field& field) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: %s DIRECTORY [stalls]\n", argv[0]);
+  const bool stalls = argc > 2 && std::strcmp(argv[2], "stalls") == 0;
+  const long passes = argc > 2 && !stalls ? std::strtol(argv[2], nullptr, 10) : 1;
+  if (argc < 2 || argc > 3 || passes < 1) {
+    std::fprintf(stderr, "usage: %s DIRECTORY [stalls | PASSES]\n", argv[0]);
     return 2;
   }
   const std::string directory = argv[1];
-  const bool stalls = argc > 2 && std::strcmp(argv[2], "stalls") == 0;
 
   Words inputs, expected;
   std::vector<Field> fields;
@@ -109,23 +111,25 @@ int main(int argc, char** argv) {
   top->rst = 0;
 
   std::vector<uint32_t> got(expected.stride + 1);
+  const size_t inputs_in_all = inputs.count * size_t(passes), outputs_in_all = expected.count * size_t(passes);
   size_t taken = 0, checked = 0, idle = 0, cycles = 0;
   uint32_t noise = 0xace1;
   const auto start = std::chrono::steady_clock::now();
-  while (checked < expected.count) {
+  while (checked < outputs_in_all) {
     noise = noise * 1664525 + 1013904223;
-    top->in_valid = taken < inputs.count && (!stalls || (noise >> 20 & 7) != 0);
+    top->in_valid = taken < inputs_in_all && (!stalls || (noise >> 20 & 7) != 0);
     top->out_ready = !stalls || (noise >> 24 & 3) != 0;
-    if (top->in_valid) put(top->in_bits, inputs.at(taken));
+    if (top->in_valid) put(top->in_bits, inputs.at(taken % inputs.count));
     // What is there before the edge is what the edge takes.
     top->eval();
     if (top->in_valid && top->in_ready) ++taken;
     if (top->out_valid && top->out_ready) {
       idle = 0;
       get(top->out_bits, got.data());
-      if (std::memcmp(got.data(), expected.at(checked), expected.stride * 4) != 0) {
+      const uint32_t* const words = expected.at(checked % expected.count);
+      if (std::memcmp(got.data(), words, expected.stride * 4) != 0) {
         for (const Field& field : fields) {
-          const std::string is = field_bits(got.data(), field), wanted = field_bits(expected.at(checked), field);
+          const std::string is = field_bits(got.data(), field), wanted = field_bits(words, field);
           if (is == wanted) continue;
           std::printf("vector %zu: %s is %s, expected %s\n", checked, field.name.c_str(), is.c_str(), wanted.c_str());
           break;
@@ -134,7 +138,7 @@ int main(int argc, char** argv) {
       }
       ++checked;
     } else if (++idle > 100000) {
-      std::printf("only %zu of %zu outputs came\n", checked, expected.count);
+      std::printf("only %zu of %zu outputs came\n", checked, outputs_in_all);
       return 3;
     }
     cycle();

@@ -1,0 +1,48 @@
+//! The tools of hardware people, as programs: whether they are there, and a Verilator model of a generated module.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A file of `vectors/hdl`.
+pub fn hdl(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/hdl").join(file)
+}
+
+/// Whether a tool is there; says so where it is not.
+///
+/// Panics where it has to be: with `ROUGHXEL_REQUIRE_TOOLS` set.
+pub fn have(tool: &str) -> bool {
+    let found = Command::new(tool).arg("-V").output().is_ok();
+    if !found {
+        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{tool} is not installed");
+        eprintln!("SKIPPED: {tool} is not installed, so nothing here was checked with it");
+    }
+    found
+}
+
+/// Runs a command. Panics where it fails, with what it said.
+pub fn run(command: &mut Command) -> Output {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{command:?}\n{}\n{}", text(&output.stdout), text(&output.stderr));
+    output
+}
+
+/// Builds the Verilator model of a module that stands in a directory with its bench
+/// ([`Bench::write`](roughxel_emulator::net::bench::Bench::write)), below `directory/obj`, and returns the program.
+///
+/// `optimise` is the C++ compiler's option for what runs in every cycle. Panics where Verilator or the compiler fails.
+pub fn verilate(directory: &Path, module: &str, optimise: &str) -> PathBuf {
+    let objects = directory.join("obj");
+    let program = objects.join("bench");
+    fs::create_dir_all(&objects).unwrap_or_else(|error| panic!("{}: {error}", objects.display()));
+    let flat = format!("{module}_flat");
+    let mut command = Command::new("verilator");
+    command.args(["--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"]);
+    command.args(["--prefix", "Vdesign", "-CFLAGS", "-std=c++17", "--top-module", &flat, "-MAKEFLAGS"]);
+    command.arg(format!("OPT_FAST={optimise} OPT_SLOW=-O0 OPT_GLOBAL=-O1")).arg("--Mdir").arg(&objects);
+    command.arg("-y").arg(directory).arg("-o").arg(&program);
+    run(command.arg(directory.join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp")));
+    program
+}
