@@ -9,7 +9,6 @@
 pub mod demo;
 pub mod eval;
 pub mod frame;
-pub mod lanes;
 pub mod maps;
 pub mod net;
 pub mod output;
@@ -20,3 +19,5 @@ pub mod raster;
 pub mod scene;
 pub mod study;
 pub mod vectors;
+
+pub use roughxel_lanes as lanes;
