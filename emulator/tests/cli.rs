@@ -12,7 +12,7 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 20] = [
+    let cases: [&[&str]; 24] = [
         &[],
         &["frobnicate"],
         &["eval", "--profile", "best"],
@@ -33,6 +33,10 @@ fn usage_errors_end_with_2() {
         &["ranges", "--size", "0x3"],
         &["cost", "--effects", "fog"],
         &["cost", "--profile", "paper", "--path", "no_such_stage"],
+        &["render", "lake", "--reading", "fast"],
+        &["verilog"],
+        &["verilog", "-o", "unused", "--stage", "no_such_stage"],
+        &["verilog", "-o", "unused", "--prefix", "9"],
     ];
     for arguments in cases {
         let output = roughxel(arguments);
@@ -50,7 +54,7 @@ fn failures_end_with_1_and_name_the_file() {
     let scene = directory.path().join("scene.toml");
     std::fs::write(&scene, "name = 3\n").unwrap();
     let picture = directory.path().join("no/where.png");
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 8] = [
         (&["render", "no-such.toml"], "no-such.toml"),
         (&["render", scene.to_str().unwrap()], "scene.toml:1:"),
         (&["render", "lake", "--size", "16x16", "-o", picture.to_str().unwrap()], "where.png"),
@@ -58,6 +62,7 @@ fn failures_end_with_1_and_name_the_file() {
         (&["eval", directory.path().to_str().unwrap()], "cannot read"),
         (&["vectors", "verify", "no-such-directory"], "no-such-directory"),
         (&["vectors", "export", "random", "-o", inside_file.to_str().unwrap()], "cannot write"),
+        (&["verilog", "-o", inside_file.to_str().unwrap()], inside_file.to_str().unwrap()),
     ];
     for (arguments, named) in cases {
         let output = roughxel(arguments);
@@ -137,6 +142,42 @@ fn a_smaller_plan_costs_less_and_a_critical_path_ends_at_its_levels() {
         let levels = stage["cost"]["levels"].as_u64().unwrap();
         assert!(last.starts_with(&format!("{levels} (+")), "{name}: {last}, {levels}");
     }
+}
+
+#[test]
+fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
+    use sha2::{Digest, Sha256};
+    let directory = tempfile::tempdir().unwrap();
+    let [first, second, alone] = ["first", "second", "alone"].map(|name| directory.path().join(name));
+    let written = |path: &std::path::Path, more: &[&str]| -> std::collections::BTreeMap<String, Vec<u8>> {
+        let arguments = [&["verilog", "--profile", "compact", "-o", path.to_str().unwrap()], more].concat();
+        let output = roughxel(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let folders = [path.to_owned(), path.join("rom")].into_iter().filter(|folder| folder.exists());
+        let files = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
+        let name = |file: &std::path::Path| file.strip_prefix(path).unwrap().to_str().unwrap().to_owned();
+        files.filter(|file| file.is_file()).map(|file| (name(&file), std::fs::read(&file).unwrap())).collect()
+    };
+    let (files, again) = (written(&first, &[]), written(&second, &[]));
+    assert!(files == again);
+    let manifest: serde_json::Value = serde_json::from_slice(&files["roughxel_reflection.json"]).unwrap();
+    let listed = manifest["files"].as_array().unwrap();
+    assert_eq!(listed.len() + 1, files.len());
+    for file in listed {
+        let hash = Sha256::digest(&files[file["name"].as_str().unwrap()]);
+        let hex = hash.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
+        assert_eq!(file["sha256"], hex, "{file}");
+    }
+    assert!(files.contains_key("roughxel_reflection.v"));
+
+    let stage = written(&alone, &["--stage", "columns", "--prefix", "mine_"]);
+    // Leading zeros of a width are the same module in every design.
+    assert!(
+        stage
+            .keys()
+            .all(|name| name.starts_with("mine_") || name.starts_with("leading_zeros_") || name == "columns.json")
+    );
+    assert!(stage.len() < files.len() && stage.contains_key("mine_columns_pixel.v"), "{:?}", stage.keys());
 }
 
 #[test]
