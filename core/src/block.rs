@@ -86,14 +86,14 @@ pub fn normalise<W: Word, const N: usize, const FRAC: u32>(
     keep: u32,
 ) -> Block<W, N> {
     // One's complement magnitude: −2^k counts as the octave below, which is what lets −1 occur.
-    // 64 leading zeros are not enough for a block of zeros: −1 has them, too.
+    // 64 leading zeros are not enough for a block of zeros: −1 has them, too, but is negative.
     let (mut magnitude, mut bits) = (W::Wide::lit(0), W::Wide::lit(0));
     for w in &wide {
         magnitude = magnitude.or(w.raw().xor(w.raw().sar(63)));
         bits = bits.or(w.raw());
     }
-    let all_zero = Wide::<W, FRAC>::from_raw(bits).is_zero();
     let zeros = Fx::<W, 0>::from_raw(magnitude.leading_zeros());
+    let all_zero = zeros.ge(Fx::lit(64)) & !bits.lt(W::Wide::lit(0));
     let shift = zeros - Fx::lit(1);
     Block {
         // |wide · 2^shift| is in [2^62, 2^63): read with 63 fraction bits it is in [½, 1].

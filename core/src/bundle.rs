@@ -3,6 +3,7 @@
 //! A walk visits the wires of a bundle in the order of its fields and may put other wires, of another reading, in
 //! their place. Names are paths of fields and indices; nothing is allocated.
 
+use crate::each::{each, places};
 use crate::fx::Fx;
 use crate::word::Word;
 
@@ -48,7 +49,7 @@ pub trait Rewire<W: Word, V: Word> {
 /// A structure of wires.
 pub trait Bundle<W: Word> {
     /// The same structure in another reading.
-    type In<V: Word>;
+    type In<V: Word>: Copy;
     /// Walks all wires in the order of the fields.
     fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Self::In<V>;
 }
@@ -65,10 +66,7 @@ impl<W: Word, B: Bundle<W>, const N: usize> Bundle<W> for [B; N] {
     type In<V: Word> = [B::In<V>; N];
     #[inline(always)]
     fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> [B::In<V>; N] {
-        core::array::from_fn(
-            #[inline(always)]
-            |index| with.part(Step::Index(index), &self[index]),
-        )
+        each!(index in places() => with.part(Step::Index(index), &self[index]))
     }
 }
 
@@ -85,7 +83,7 @@ macro_rules! bundle {
                     $($($wide: {
                         with.enter($crate::bundle::Step::Field(stringify!($wide)));
                         let mut index = 0;
-                        let wires = self.$wide.map(|wire| {
+                        let wires = $crate::each!(wire in self.$wide => {
                             with.enter($crate::bundle::Step::Index(index));
                             let other = $crate::bundle::wide_wire(wire, with);
                             with.leave();

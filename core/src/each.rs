@@ -14,6 +14,16 @@ pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], mut f: impl FnMut(A
     results
 }
 
+/// `[0, 1, …]`.
+#[inline(always)]
+pub fn places<const N: usize>() -> [usize; N] {
+    let mut places = [0; N];
+    for (i, place) in places.iter_mut().enumerate() {
+        *place = i;
+    }
+    places
+}
+
 /// `each!(a in array => expression)`: the array of what the expression is for each element.
 #[macro_export]
 macro_rules! each {

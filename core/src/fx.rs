@@ -193,7 +193,7 @@ where
     pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
         const { assert!(OUT < FRAC, "rounding drops at least one bit") }
         let keep = if keep < OUT { keep } else { OUT };
-        Fx(X::Count::round(self.0, FRAC - keep).shl(OUT - keep))
+        Fx(X::Count::round(self.0, FRAC - OUT, OUT - keep))
     }
 }
 

@@ -54,17 +54,17 @@ pub trait Word: Wire<Count = Self> {
     fn widen(self) -> Self::Wide;
     /// The same value, 32 bits wide. The value fits.
     fn narrow(wide: Self::Wide) -> Self;
-    /// `⌊wide/2^k + ½⌋` = `⌊(⌊wide/2^(k−1)⌋ + 1)/2⌋`, `k ≥ 1`, or a reading's shorter way. The value fits.
+    /// `⌊wide/2^(drop + up) + ½⌋·2^up`, `drop ≥ 1`, or a reading's shorter way. The value fits.
     #[inline(always)]
     #[track_caller]
-    fn round(wide: Self::Wide, k: u32) -> Self {
-        Self::narrow(wide.sar(k - 1).add(Self::Wide::lit(1)).sar(1))
+    fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
+        Self::narrow(wide.sar(drop + up - 1).add(Self::Wide::lit(1)).sar(1)).shl(up)
     }
     /// `table[self]`; the index is inside the table.
     fn lookup(self, table: &'static [i32]) -> Self;
     /// Runs one block of the datapath, which a reading may compile, name or record on its own.
     #[inline(always)]
-    fn block<B: Bundle<Self>>(_name: &'static str, body: impl FnOnce() -> B) -> B {
+    fn block<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
         body()
     }
 }

@@ -244,14 +244,13 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     let mut contenders = vec![
         scalar("scalar", ReflectionPlan::FULL),
         scalar("scalar, mirror plan", MIRROR),
-        lanes("lanes", InstructionSet::best()),
         Contender::new("float64 reference", reference),
         Contender::new("f32 plain", plain),
         Contender::new("f32 batched", batched),
     ];
-    for set in InstructionSet::available().filter(|set| *set != InstructionSet::best()) {
+    for set in InstructionSet::available() {
         let name = match set {
-            InstructionSet::Baseline => "lanes, baseline",
+            set if Some(set) == InstructionSet::best() => "lanes",
             InstructionSet::Avx2 => "lanes, avx2",
             InstructionSet::Avx512 => "lanes, avx512",
         };

@@ -244,7 +244,7 @@ impl Word for Checked {
             None => panic!("lookup at {} in a table of {}", self.0, table.len()),
         }
     }
-    fn block<B: Bundle<Self>>(name: &'static str, body: impl FnOnce() -> B) -> B {
+    fn block<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
         let outcome = body();
         TRACE.with_borrow_mut(|trace| {
             if let Some(trace) = trace {

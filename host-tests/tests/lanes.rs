@@ -13,7 +13,7 @@ use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
-use roughxel_emulator::lanes::{Baseline, Batch, Footprint, InstructionSet, LANES, Lanes, Reading, Target, WideLanes};
+use roughxel_emulator::lanes::{Batch, Footprint, InstructionSet, LANES, Lanes, Reading, Target, WideLanes};
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
@@ -21,7 +21,7 @@ use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
 
-/// The instruction sets of this machine; says aloud which it cannot test.
+/// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar reading.
 fn instruction_sets() -> Vec<InstructionSet> {
     for set in InstructionSet::ALL.into_iter().filter(|set| !set.is_available()) {
         eprintln!("SKIPPED: this machine has no {set}");
@@ -33,7 +33,6 @@ fn instruction_sets() -> Vec<InstructionSet> {
 macro_rules! check {
     ($set:expr => $check:ident($($argument:expr),*)) => {
         match $set {
-            InstructionSet::Baseline => $check::<Baseline>($($argument),*),
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 => $check::<Avx2>($($argument),*),
             #[cfg(target_arch = "x86_64")]
@@ -66,7 +65,7 @@ macro_rules! shared_operations {
             let [a, b]: [[$int; LANES]; 2] = [lane(), lane()];
             let counts: [i32; LANES] = core::array::from_fn(|_| corner(random) as i32);
             let (value, k) = (corner(random) as $int, random.below(u64::from(<$int>::BITS)) as u32);
-            let (x, y, n) = ($lanes::<T, LANES>::of(a), $lanes::<T, LANES>::of(b), Lanes::<T, LANES>::of(counts));
+            let (x, y, n) = ($lanes::<T>::of(a), $lanes::<T>::of(b), Lanes::<T>::of(counts));
             let (below, positive) = (x.lt(y), $lanes::lit(0).lt(x));
             macro_rules! same {
                 ($lanes_operation:expr, |$i:ident| $scalar:expr) => {
@@ -82,7 +81,7 @@ macro_rules! shared_operations {
                     }
                 };
             }
-            same!($lanes::<T, LANES>::lit(value.into()), |i| value + a[i].and(0));
+            same!($lanes::<T>::lit(value.into()), |i| value + a[i].and(0));
             same!(x.add(y), |i| a[i].add(b[i]));
             same!(x.sub(y), |i| a[i].sub(b[i]));
             same!(x.shl(k), |i| a[i].shl(k));
@@ -112,17 +111,17 @@ fn operations_of_words<T: Target>(random: &mut SplitMix64) {
     let [a, b]: [[i32; LANES]; 2] = [lane(), lane()];
     let wide: [i64; LANES] = core::array::from_fn(|_| corner(random));
     let places: [i32; LANES] = core::array::from_fn(|_| random.below(8) as i32 - 1);
-    let [x, y, place] = [a, b, places].map(Lanes::<T, LANES>::of);
-    let w = WideLanes::<T, LANES>::of(wide);
+    let [x, y, place] = [a, b, places].map(Lanes::<T>::of);
+    let w = WideLanes::<T>::of(wide);
     let run = |name: &str, got: [i64; LANES], scalar: &dyn Fn(usize) -> i64| {
         for (i, got) in got.into_iter().enumerate() {
             assert_eq!(got, scalar(i), "{name} of {}, {}, {}, {}", a[i], b[i], wide[i], places[i]);
         }
     };
-    let of_words = |words: Lanes<T, LANES>| words.lanes().map(i64::from);
+    let of_words = |words: Lanes<T>| words.lanes().map(i64::from);
     run(
         "mul",
-        *T::run(
+        T::run(
             #[inline(always)]
             || x.mul(y),
         )
@@ -131,7 +130,7 @@ fn operations_of_words<T: Target>(random: &mut SplitMix64) {
     );
     run(
         "widen",
-        *T::run(
+        T::run(
             #[inline(always)]
             || x.widen(),
         )
@@ -154,12 +153,15 @@ fn operations_of_words<T: Target>(random: &mut SplitMix64) {
         )),
         &|i| places[i].lookup(&TABLE).into(),
     );
-    for k in 1..64 {
-        let rounded: Lanes<T, LANES> = T::run(
-            #[inline(always)]
-            || Word::round(w, k),
-        );
-        run(&format!("round by {k}"), of_words(rounded), &|i| i32::round(wide[i], k).into());
+    for drop in 1..64 {
+        for up in (0..32).take_while(|up| drop + up < 64) {
+            let rounded: Lanes<T> = T::run(
+                #[inline(always)]
+                || Word::round(w, drop, up),
+            );
+            let name = format!("round by {drop} + {up}");
+            run(&name, of_words(rounded), &|i| i32::round(wide[i], drop, up).into());
+        }
     }
 }
 
@@ -181,15 +183,17 @@ fn leading_zeros_below<T: Target>(upper: u16) {
         let words = core::array::from_fn(|lane| i32::from(upper as i16) << 16 | i32::from(lower + lane as u16));
         let zeros = T::run(
             #[inline(always)]
-            || Lanes::<T, LANES>::of(words).leading_zeros(),
+            || Lanes::<T>::of(words).leading_zeros(),
         );
-        assert_eq!(*zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
+        assert_eq!(zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
     }
 }
 
 #[test]
-fn leading_zeros_from_a_float_are_those_of_every_word() {
-    (0..=u16::MAX).into_par_iter().for_each(leading_zeros_below::<Baseline>);
+fn leading_zeros_are_those_of_every_word() {
+    for set in instruction_sets() {
+        (0..=u16::MAX).into_par_iter().for_each(|upper| check!(set => leading_zeros_below(upper)));
+    }
 }
 
 /// Every wire of a bundle, without names.
@@ -325,7 +329,7 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     let p = Precision::STANDARD;
     let fragments: Vec<_> = (0..LANES as u64).map(|index| random_fragment("mixed", index, &p)).collect();
     let inputs = wires(&fragments, &p);
-    let footprints = Batch::new(&inputs).footprints(InstructionSet::best(), &ReflectionPlan::FULL, &p);
+    let footprints = Reading::best().footprints(&inputs, &ReflectionPlan::FULL, &p);
     let distinct = |of: fn(&Footprint<i32>) -> i32| {
         let mut values: Vec<_> = footprints.iter().map(of).collect();
         values.sort_unstable();
@@ -377,5 +381,5 @@ fn a_reading_is_named_as_it_is_printed() {
         assert_eq!(reading.to_string().parse(), Ok(reading));
     }
     let error = "lanes".parse::<Reading>().unwrap_err();
-    assert!(error.contains("scalar") && error.contains("baseline"), "{error}");
+    assert!(error.contains("scalar"), "{error}");
 }

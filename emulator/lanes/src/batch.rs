@@ -2,20 +2,17 @@
 
 use roughxel_core::bundle::{Bundle, Rewire, bundle};
 use roughxel_core::datapath::{self, Reflection, ReflectionInput};
+use roughxel_core::each::each;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::{CubePoint, MapScale, Probes};
-use roughxel_core::word::Word;
+use roughxel_core::word::{Wire, Word};
 
 #[cfg(target_arch = "x86_64")]
-use super::target::{Avx2, Avx512};
-use super::target::{Baseline, InstructionSet, Target};
-use super::{FlagLanes, Lanes, WideLanes};
-
-/// Fragments in a group, whatever the instruction set.
-pub const LANES: usize = 16;
+use super::{Avx2, Avx512};
+use super::{FlagLanes, InstructionSet, LANES, Lanes, Target, WideLanes};
 
 /// What fetching needs of a reflection: where it looks, and over which footprint.
 #[derive(Clone, Copy, Debug)]
@@ -35,11 +32,17 @@ impl<W: Word> Footprint<W> {
     }
 }
 
-/// Words of a [`ReflectionInput`].
-const WORDS: usize = 39;
+/// Squares of [`LANES`] words of [`LANES`] fragments that hold the 39 words of a [`ReflectionInput`].
+const SQUARES: usize = 3;
 
-/// Inputs of [`LANES`] fragments: their words in the order of a walk, side by side.
-type Group = [[i32; LANES]; WORDS];
+/// Words of a [`Reflection`], at most.
+const ROWS: usize = 128;
+
+/// A word of [`LANES`] fragments.
+type Row = [i32; LANES];
+
+/// Inputs of [`LANES`] fragments: of each, the words in the order of a walk, [`LANES`] in every square.
+type Group = [[Row; LANES]; SQUARES];
 
 /// Inputs of any number of fragments; the last group is filled up with fragments of zeros.
 #[derive(Clone, Debug, Default)]
@@ -53,10 +56,11 @@ macro_rules! collect {
     ($batch:expr, $set:expr, $plan:expr, $p:expr, $pick:expr) => {
         match $set {
             #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 if $set.is_available() => $batch.collect::<Avx2, _>($plan, $p, $pick),
+            InstructionSet::Avx2 => $batch.collect::<Avx2, _>($plan, $p, $pick),
             #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 if $set.is_available() => $batch.collect::<Avx512, _>($plan, $p, $pick),
-            _ => $batch.collect::<Baseline, _>($plan, $p, $pick),
+            InstructionSet::Avx512 => $batch.collect::<Avx512, _>($plan, $p, $pick),
+            #[cfg(not(target_arch = "x86_64"))]
+            set => unreachable!("the machine has {set}"),
         }
     };
 }
@@ -83,7 +87,7 @@ impl Batch {
     pub fn push(&mut self, input: &ReflectionInput<i32>) {
         let lane = self.len % LANES;
         if lane == 0 {
-            self.groups.push([[0; LANES]; WORDS]);
+            self.groups.push([[[0; LANES]; LANES]; SQUARES]);
         }
         if let Some(group) = self.groups.last_mut() {
             input.rewire::<i32, _>(&mut Store { group, lane, next: 0 });
@@ -91,42 +95,63 @@ impl Batch {
         }
     }
 
-    /// Every stage's outcome of every fragment. A set the machine does not have stands for [`InstructionSet::Baseline`].
+    /// Every stage's outcome of every fragment.
+    ///
+    /// # Panics
+    /// If the machine does not have the instruction set.
     pub fn reflect(&self, set: InstructionSet, plan: &ReflectionPlan, p: &Precision) -> Vec<Reflection<i32>> {
-        collect!(self, set, plan, p, |stages| stages)
+        collect!(
+            self,
+            set,
+            plan,
+            p,
+            #[inline(always)]
+            |stages| stages
+        )
     }
 
-    /// What fetching needs of every fragment; instruction sets as for [`Self::reflect`].
+    /// What fetching needs of every fragment.
+    ///
+    /// # Panics
+    /// If the machine does not have the instruction set.
     pub fn footprints(&self, set: InstructionSet, plan: &ReflectionPlan, p: &Precision) -> Vec<Footprint<i32>> {
-        collect!(self, set, plan, p, |stages| Footprint::of(&stages))
+        collect!(
+            self,
+            set,
+            plan,
+            p,
+            #[inline(always)]
+            |stages| Footprint::of(&stages)
+        )
     }
 
-    fn collect<T: Target, B: Bundle<Lanes<T, LANES>>>(
+    fn collect<T: Target, B: Bundle<Lanes<T>>>(
         &self,
         plan: &ReflectionPlan,
         p: &Precision,
-        pick: impl Fn(Reflection<Lanes<T, LANES>>) -> B,
-    ) -> Vec<B::In<i32>> {
+        pick: impl Fn(Reflection<Lanes<T>>) -> B,
+    ) -> Vec<B::In<i32>>
+    where
+        B::In<i32>: Bundle<i32, In<i32> = B::In<i32>>,
+    {
+        let scale = MapScale { log2_texels: Fx::zero(), last_level: Fx::zero() };
+        let blank = ReflectionIn::default().wires(scale);
         let mut fragments = Vec::with_capacity(self.len);
+        let mut rows = [[0; LANES]; ROWS];
         for group in &self.groups {
-            let picked = pick(reflection(group, plan, p));
-            fragments.extend((0..LANES.min(self.len - fragments.len())).map(|lane| picked.rewire(&mut Lane(lane))));
+            // The composer and both walks are compiled for the instruction set, as the stages are.
+            let form = T::run(
+                #[inline(always)]
+                || {
+                    let input = blank.rewire(&mut Load::<T>::new(group));
+                    pick(datapath::reflection(&input, plan, p)).rewire(&mut Unload { rows: &mut rows, next: 0 })
+                },
+            );
+            let lanes = LANES.min(self.len - fragments.len());
+            fragments.extend((0..lanes).map(|lane| form.rewire(&mut Lane { rows: &rows, lane, next: 0 })));
         }
         fragments
     }
-}
-
-/// The composer, compiled for the instruction set as its stages are.
-#[inline(never)]
-fn reflection<T: Target>(group: &Group, plan: &ReflectionPlan, p: &Precision) -> Reflection<Lanes<T, LANES>> {
-    T::run(
-        #[inline(always)]
-        || {
-            let scale = MapScale { log2_texels: Fx::zero(), last_level: Fx::zero() };
-            let blank = ReflectionIn::default().wires(scale);
-            datapath::reflection(&blank.rewire(&mut Load { group, next: 0 }), plan, p)
-        },
-    )
 }
 
 /// Puts the words of a walk into a lane of a group; a wide wire is two of them, a flag is 0 or 1.
@@ -139,7 +164,7 @@ struct Store<'a> {
 impl Store<'_> {
     #[inline(always)]
     fn store(&mut self, word: i32) {
-        self.group[self.next][self.lane] = word;
+        self.group[self.next / LANES][self.lane][self.next % LANES] = word;
         self.next += 1;
     }
 }
@@ -164,49 +189,103 @@ impl Rewire<i32, i32> for Store<'_> {
 }
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
-struct Load<'a> {
-    group: &'a Group,
+struct Load<T: Target> {
+    columns: [[T::Words; LANES]; SQUARES],
+    proof: T,
     next: usize,
 }
 
-impl Load<'_> {
+impl<T: Target> Load<T> {
     #[inline(always)]
-    fn load(&mut self) -> [i32; LANES] {
+    fn new(group: &Group) -> Self {
+        let proof = T::proof();
+        Self { columns: each!(square in [&group[0], &group[1], &group[2]] => proof.columns(square)), proof, next: 0 }
+    }
+    #[inline(always)]
+    fn load(&mut self) -> Lanes<T> {
         self.next += 1;
-        self.group[self.next - 1]
+        let place = self.next - 1;
+        Lanes(self.columns[place / LANES][place % LANES], self.proof)
     }
 }
 
-impl<T: Target> Rewire<i32, Lanes<T, LANES>> for Load<'_> {
+impl<T: Target> Rewire<i32, Lanes<T>> for Load<T> {
     #[inline(always)]
-    fn word(&mut self, _: i32, _: u32) -> Lanes<T, LANES> {
-        Lanes::of(self.load())
+    fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
+        self.load()
     }
     #[inline(always)]
-    fn wide(&mut self, _: i64, _: u32) -> WideLanes<T, LANES> {
+    fn wide(&mut self, _: i64, _: u32) -> WideLanes<T> {
         let [low, high] = [self.load(), self.load()];
-        WideLanes::of(core::array::from_fn(|i| i64::from(high[i]) << 32 | i64::from(low[i].cast_unsigned())))
+        let low = low.widen().and(Wire::lit(0xffff_ffff));
+        high.widen().shl(32).or(low)
     }
     #[inline(always)]
-    fn flag(&mut self, _: bool) -> FlagLanes<T, LANES> {
-        FlagLanes::of(self.load().map(|flag| flag != 0))
+    fn flag(&mut self, _: bool) -> FlagLanes<T> {
+        Lanes::lit(0).lt(self.load())
     }
 }
 
-/// The wires of one lane.
-struct Lane(usize);
+/// Puts the wires of a walk into rows of words; a wide wire is two of them, a flag is 0 or 1.
+struct Unload<'a> {
+    rows: &'a mut [Row; ROWS],
+    next: usize,
+}
 
-impl<T: Target> Rewire<Lanes<T, LANES>, i32> for Lane {
+impl Unload<'_> {
     #[inline(always)]
-    fn word(&mut self, wire: Lanes<T, LANES>, _: u32) -> i32 {
-        wire.lanes()[self.0]
+    fn store<T: Target>(&mut self, word: Lanes<T>) {
+        self.rows[self.next] = word.lanes();
+        self.next += 1;
+    }
+}
+
+impl<T: Target> Rewire<Lanes<T>, i32> for Unload<'_> {
+    #[inline(always)]
+    fn word(&mut self, wire: Lanes<T>, _: u32) -> i32 {
+        self.store(wire);
+        0
     }
     #[inline(always)]
-    fn wide(&mut self, wire: WideLanes<T, LANES>, _: u32) -> i64 {
-        wire.lanes()[self.0]
+    fn wide(&mut self, wire: WideLanes<T>, _: u32) -> i64 {
+        self.store(Lanes::narrow(wire));
+        self.store(Lanes::narrow(wire.sar(32)));
+        0
     }
     #[inline(always)]
-    fn flag(&mut self, wire: FlagLanes<T, LANES>) -> bool {
-        wire.lanes()[self.0]
+    fn flag(&mut self, wire: FlagLanes<T>) -> bool {
+        self.store(Lanes::select(wire, Wire::lit(1), Wire::lit(0)));
+        false
+    }
+}
+
+/// Takes the words of one lane in the order of a walk.
+struct Lane<'a> {
+    rows: &'a [Row; ROWS],
+    lane: usize,
+    next: usize,
+}
+
+impl Lane<'_> {
+    #[inline(always)]
+    fn load(&mut self) -> i32 {
+        self.next += 1;
+        self.rows[self.next - 1][self.lane]
+    }
+}
+
+impl Rewire<i32, i32> for Lane<'_> {
+    #[inline(always)]
+    fn word(&mut self, _: i32, _: u32) -> i32 {
+        self.load()
+    }
+    #[inline(always)]
+    fn wide(&mut self, _: i64, _: u32) -> i64 {
+        let [low, high] = [self.load(), self.load()];
+        i64::from(high) << 32 | i64::from(low.cast_unsigned())
+    }
+    #[inline(always)]
+    fn flag(&mut self, _: bool) -> bool {
+        self.load() != 0
     }
 }

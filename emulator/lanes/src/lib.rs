@@ -1,245 +1,237 @@
-//! The lanes reading: the datapath for `N` fragments at once.
+//! The lanes reading: the datapath for [`LANES`] fragments at once, the bits of the scalar reading.
+//!
+//! Explicit vectors, the even and the odd lanes of a wide wire apart: a product is one instruction and rounding packs
+//! nothing. DOC
+//!
+//! A stage is a function of its own, compiled for the instruction set that is chosen at run time; what stands around it
+//! is not. There are no lanes for a baseline of 128 bits: arrays of them, the best there, took 1.2 times as long as the
+//! scalar reading, which [`Reading::best`] takes instead.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod batch;
 mod reading;
 mod target;
+mod vectors;
 
-use std::marker::PhantomData;
 use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::Bundle;
 use roughxel_core::word::{Wire, Word};
 
-pub use batch::{Batch, Footprint, LANES};
-pub use reading::Reading;
 #[cfg(target_arch = "x86_64")]
-pub use target::{Avx2, Avx512};
-pub use target::{Baseline, InstructionSet, Target};
+pub use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub use avx512::Avx512;
+pub use batch::{Batch, Footprint};
+pub use reading::Reading;
+pub use target::{InstructionSet, Target};
 
-/// A word of `N` fragments, for the instruction set `T`.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub struct Lanes<T, const N: usize>([i32; N], PhantomData<T>);
-
-/// A wide wire of `N` fragments.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub struct WideLanes<T, const N: usize>([i64; N], PhantomData<T>);
-
-/// A flag of `N` fragments.
-#[derive(Clone, Copy, Debug)]
-pub struct FlagLanes<T, const N: usize>([bool; N], PhantomData<T>);
-
-/// An array by its places. Always inlined, so that it is compiled for the instruction set of the stage around it.
-#[inline(always)]
-#[expect(clippy::needless_range_loop, reason = "an iterator here makes the optimiser take five times as long")]
-fn from_places<L: Copy + Default, const N: usize>(lane: impl Fn(usize) -> L) -> [L; N] {
-    let mut lanes = [L::default(); N];
-    for i in 0..N {
-        lanes[i] = lane(i);
-    }
-    lanes
-}
-
-/// `lanes!(i => expression)`: the wire whose lane `i` is the expression.
-macro_rules! lanes {
-    ($i:ident => $lane:expr) => {
-        Self::of(from_places(
-            #[inline(always)]
-            |$i| $lane,
-        ))
-    };
-}
+/// Fragments side by side, whatever the instruction set.
+pub const LANES: usize = 16;
 
 macro_rules! carrier {
-    ($name:ident, $lane:ty) => {
-        impl<T, const N: usize> $name<T, N> {
+    ($(#[$doc:meta])* $name:ident, $vectors:ident, $lane:ty, $of:ident, $lanes:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name<T: Target>(T::$vectors, T);
+
+        impl<T: Target> $name<T> {
             /// The wire with these values, lane 0 first.
             #[inline(always)]
-            pub fn of(lanes: [$lane; N]) -> Self {
-                Self(lanes, PhantomData)
+            pub fn of(lanes: [$lane; LANES]) -> Self {
+                let proof = T::detect();
+                Self(proof.$of(lanes), proof)
             }
 
             /// The values, lane 0 first.
             #[inline(always)]
-            pub fn lanes(&self) -> &[$lane; N] {
-                &self.0
+            pub fn lanes(self) -> [$lane; LANES] {
+                self.1.$lanes(self.0)
             }
         }
     };
 }
 
-carrier!(Lanes, i32);
-carrier!(WideLanes, i64);
-carrier!(FlagLanes, bool);
+carrier!(
+    /// A word of [`LANES`] fragments, for the instruction set `T`.
+    Lanes, Words, i32, words, word_lanes
+);
+carrier!(
+    /// A wide wire of [`LANES`] fragments.
+    WideLanes, Wides, i64, wides, wide_lanes
+);
+carrier!(
+    /// A flag of [`LANES`] fragments.
+    FlagLanes, Flags, bool, flags, flag_lanes
+);
 
-impl<T: Target, const N: usize> Not for FlagLanes<T, N> {
+impl<T: Target> Not for FlagLanes<T> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        lanes!(i => !self.0[i])
+        Self(self.1.not(self.0), self.1)
     }
 }
 
-impl<T: Target, const N: usize> BitAnd for FlagLanes<T, N> {
+impl<T: Target> BitAnd for FlagLanes<T> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        lanes!(i => self.0[i] & other.0[i])
+        Self(self.1.both(self.0, other.0), self.1)
     }
 }
 
-impl<T: Target, const N: usize> BitOr for FlagLanes<T, N> {
+impl<T: Target> BitOr for FlagLanes<T> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        lanes!(i => self.0[i] | other.0[i])
+        Self(self.1.either(self.0, other.0), self.1)
     }
 }
 
 macro_rules! wire {
-    ($name:ident, $int:ty, $leading_zeros:ident) => {
-        impl<T: Target, const N: usize> Wire for $name<T, N> {
-            type Flag = FlagLanes<T, N>;
-            type Count = Lanes<T, N>;
+    (
+        $name:ident, $int:ty, $splat:ident, $add:ident, $sub:ident, $shl:ident, $sar:ident, $shl_by:ident, $sar_by:ident,
+        $and:ident, $or:ident, $xor:ident, $lt:ident, $select:ident, $leading_zeros:ident
+    ) => {
+        impl<T: Target> Wire for $name<T> {
+            type Flag = FlagLanes<T>;
+            type Count = Lanes<T>;
             #[inline(always)]
             fn lit(value: i64) -> Self {
-                Self::of([value as $int; N])
+                let proof = T::proof();
+                Self(proof.$splat(value as $int), proof)
             }
             #[inline(always)]
             fn add(self, other: Self) -> Self {
-                lanes!(i => self.0[i].wrapping_add(other.0[i]))
+                Self(self.1.$add(self.0, other.0), self.1)
             }
             #[inline(always)]
             fn sub(self, other: Self) -> Self {
-                lanes!(i => self.0[i].wrapping_sub(other.0[i]))
+                Self(self.1.$sub(self.0, other.0), self.1)
             }
             #[inline(always)]
             fn shl(self, k: u32) -> Self {
-                lanes!(i => self.0[i].wrapping_shl(k))
+                Self(self.1.$shl(self.0, k), self.1)
             }
             #[inline(always)]
             fn sar(self, k: u32) -> Self {
-                lanes!(i => self.0[i].wrapping_shr(k))
+                Self(self.1.$sar(self.0, k), self.1)
             }
             #[inline(always)]
-            fn shl_by(self, k: Lanes<T, N>) -> Self {
-                lanes!(i => self.0[i].wrapping_shl(k.0[i] as u32))
+            fn shl_by(self, k: Lanes<T>) -> Self {
+                Self(self.1.$shl_by(self.0, k.0), self.1)
             }
             #[inline(always)]
-            fn sar_by(self, k: Lanes<T, N>) -> Self {
-                lanes!(i => self.0[i].wrapping_shr(k.0[i] as u32))
+            fn sar_by(self, k: Lanes<T>) -> Self {
+                Self(self.1.$sar_by(self.0, k.0), self.1)
             }
             #[inline(always)]
             fn and(self, other: Self) -> Self {
-                lanes!(i => self.0[i] & other.0[i])
+                Self(self.1.$and(self.0, other.0), self.1)
             }
             #[inline(always)]
             fn or(self, other: Self) -> Self {
-                lanes!(i => self.0[i] | other.0[i])
+                Self(self.1.$or(self.0, other.0), self.1)
             }
             #[inline(always)]
             fn xor(self, other: Self) -> Self {
-                lanes!(i => self.0[i] ^ other.0[i])
+                Self(self.1.$xor(self.0, other.0), self.1)
             }
             #[inline(always)]
-            fn lt(self, other: Self) -> FlagLanes<T, N> {
-                FlagLanes::of(from_places(
-                    #[inline(always)]
-                    |i| self.0[i] < other.0[i],
-                ))
+            fn lt(self, other: Self) -> FlagLanes<T> {
+                FlagLanes(self.1.$lt(self.0, other.0), self.1)
             }
             #[inline(always)]
-            fn select(flag: FlagLanes<T, N>, a: Self, b: Self) -> Self {
-                lanes!(i => if flag.0[i] { a.0[i] } else { b.0[i] })
+            fn select(flag: FlagLanes<T>, a: Self, b: Self) -> Self {
+                Self(a.1.$select(flag.0, a.0, b.0), a.1)
             }
             #[inline(always)]
-            fn leading_zeros(self) -> Lanes<T, N> {
-                Lanes::of(from_places(
-                    #[inline(always)]
-                    |i| $leading_zeros::<T>(self.0[i]),
-                ))
+            fn leading_zeros(self) -> Lanes<T> {
+                Lanes(self.1.$leading_zeros(self.0), self.1)
             }
         }
     };
 }
 
-wire!(Lanes, i32, leading_zeros_of_word);
-wire!(WideLanes, i64, leading_zeros_of_wide);
+wire!(Lanes, i32, splat, add, sub, shl, sar, shl_by, sar_by, and, or, xor, lt, select, leading_zeros);
+wire!(
+    WideLanes,
+    i64,
+    splat_wide,
+    add_wide,
+    sub_wide,
+    shl_wide,
+    sar_wide,
+    shl_wide_by,
+    sar_wide_by,
+    and_wide,
+    or_wide,
+    xor_wide,
+    lt_wide,
+    select_wide,
+    leading_zeros_wide
+);
 
-/// Leading zeros of a word: from the exponent of a float where vectors cannot count them. Without the bit below its
-/// highest the word does not round up to the next power of two.
-#[inline(always)]
-fn leading_zeros_of_word<T: Target>(word: i32) -> i32 {
-    if T::COUNTS_LEADING_ZEROS {
-        return word.leading_zeros() as i32;
-    }
-    let highest = word & !(word.cast_unsigned() >> 1).cast_signed();
-    let exponent = (highest as f32).to_bits() >> 23;
-    // 0 has the exponent 0, a negative word a sign above the exponent. Wrapping: no lane may branch, in no build.
-    158_i32.wrapping_sub(exponent.cast_signed()).clamp(0, 32)
-}
-
-/// Leading zeros of a wide wire, half by half.
-#[inline(always)]
-fn leading_zeros_of_wide<T: Target>(wide: i64) -> i32 {
-    if T::COUNTS_LEADING_ZEROS {
-        return wide.leading_zeros() as i32;
-    }
-    let (high, low) = ((wide >> 32) as i32, wide as i32);
-    let (half, above) = if high == 0 { (low, 32) } else { (high, 0) };
-    leading_zeros_of_word::<T>(half).wrapping_add(above)
-}
-
-impl<T: Target, const N: usize> Word for Lanes<T, N> {
-    type Wide = WideLanes<T, N>;
+impl<T: Target> Word for Lanes<T> {
+    type Wide = WideLanes<T>;
     #[inline(always)]
-    fn mul(self, other: Self) -> WideLanes<T, N> {
-        WideLanes::of(from_places(
-            #[inline(always)]
-            |i| i64::from(self.0[i]).wrapping_mul(i64::from(other.0[i])),
-        ))
+    fn mul(self, other: Self) -> WideLanes<T> {
+        WideLanes(self.1.mul(self.0, other.0), self.1)
     }
     #[inline(always)]
-    fn widen(self) -> WideLanes<T, N> {
-        WideLanes::of(from_places(
-            #[inline(always)]
-            |i| i64::from(self.0[i]),
-        ))
+    fn widen(self) -> WideLanes<T> {
+        WideLanes(self.1.widen(self.0), self.1)
     }
     #[inline(always)]
-    fn narrow(wide: WideLanes<T, N>) -> Self {
-        lanes!(i => wide.0[i] as i32)
+    fn narrow(wide: WideLanes<T>) -> Self {
+        Self(wide.1.narrow(wide.0), wide.1)
     }
     #[inline(always)]
-    fn round(wide: WideLanes<T, N>, k: u32) -> Self {
-        if k <= 33 {
-            return Self::narrow(wide.sar(k - 1).add(Wire::lit(1)).sar(1));
+    fn round(wide: WideLanes<T>, drop: u32, up: u32) -> Self {
+        let proof = wide.1;
+        // Where a sum wraps, the shift up or the narrowing drops what differs from the exact one.
+        let multiple = |word: Self| word.and(Self::lit(-1 << up));
+        if drop <= 32 {
+            return multiple(Self(proof.round_low(wide.0, drop, up), proof));
         }
-        // The lower half is shifted out whole, and a bit more, so that the one fits: the rest is done on words, of which a
-        // vector holds twice as many.
-        let high: Self = lanes!(i => (wide.0[i] >> 32) as i32);
-        high.sar(k - 33).add(Wire::lit(1)).sar(1)
+        // The lower half is dropped whole: the rest is done on words, of which a vector holds twice as many.
+        let high = Self(proof.high(wide.0), proof);
+        if up == 0 {
+            // Of 33 places the upper half loses the one that is rounded: the sum would need a bit more.
+            return match drop {
+                33 => Self::narrow(wide.sar(32).add(Wire::lit(1)).sar(1)),
+                _ => high.sar(drop - 33).add(Self::lit(1)).sar(1),
+            };
+        }
+        multiple(high.sar(drop - 32).add(Self::lit(1 << (up - 1))))
     }
     #[inline(always)]
     fn lookup(self, table: &'static [i32]) -> Self {
-        Self::of(lookup(&self.0, table))
+        // A stage never asks outside the table; 0 keeps the function total, as in the scalar reading.
+        // Through memory, one store: taken out of the vector one by one, places and values compete for the same port.
+        let places = std::hint::black_box(self.lanes());
+        let mut values = [0; LANES];
+        for i in 0..LANES {
+            values[i] = table.get(places[i] as usize).copied().unwrap_or(0);
+        }
+        Self(self.1.words(values), self.1)
     }
     #[inline(always)]
-    fn block<B: Bundle<Self>>(_name: &'static str, body: impl FnOnce() -> B) -> B {
+    fn block<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
         stage::<T, B>(body)
     }
 }
 
-/// One block of the datapath as a function of its own, compiled for the instruction set `T`.
+/// One block of the datapath as a function of its own, compiled for the instruction set `T`. The body goes on by
+/// reference: copied, its captures would be read in other sizes than they were just written in, which stalls.
 #[inline(never)]
-fn stage<T: Target, B>(body: impl FnOnce() -> B) -> B {
-    T::run(body)
-}
-
-/// Lookups are loads one by one: out of line, so that they do not pull what stands around them out of the vectors.
-#[inline(never)]
-fn lookup<const N: usize>(places: &[i32; N], table: &'static [i32]) -> [i32; N] {
-    // A stage never asks outside the table; 0 keeps the function total, as in the scalar reading.
-    places.map(|place| table.get(place as usize).copied().unwrap_or(0))
+fn stage<T: Target, B>(body: impl Fn() -> B) -> B {
+    T::run(
+        #[inline(always)]
+        || body(),
+    )
 }

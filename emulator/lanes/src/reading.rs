@@ -15,17 +15,14 @@ use super::target::InstructionSet;
 pub enum Reading {
     /// One fragment after the other.
     Scalar,
-    /// Lanes.
+    /// Lanes, with an instruction set of this machine.
     Lanes(InstructionSet),
 }
 
 impl Reading {
-    /// The fastest on this machine: lanes, where vectors are wide enough to be faster than the scalar reading.
+    /// The fastest on this machine.
     pub fn best() -> Self {
-        match InstructionSet::best() {
-            InstructionSet::Baseline => Self::Scalar,
-            set => Self::Lanes(set),
-        }
+        InstructionSet::best().map_or(Self::Scalar, Self::Lanes)
     }
 
     /// What fetching needs of every fragment, in their order.

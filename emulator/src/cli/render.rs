@@ -41,7 +41,7 @@ pub(super) struct RenderArgs {
     /// Threads; the picture is the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
-    /// How the datapath is computed: scalar, or in lanes of baseline, avx2 or avx512; the fastest of the machine if nothing
+    /// How the datapath is computed: scalar, or in lanes of avx2 or avx512; the fastest of the machine if nothing
     /// is given. The picture is the same for each.
     #[arg(long, value_name = "NAME")]
     pub(super) reading: Option<Reading>,

@@ -230,7 +230,7 @@ impl Word for NetWord {
         Self(node(Op::Lookup(self.0, Table(table)), Kind::Word))
     }
     /// Nodes made by `body` belong to the block, its outcome is tapped. Blocks do not nest.
-    fn block<B: Bundle<Self>>(name: &'static str, body: impl FnOnce() -> B) -> B {
+    fn block<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
         recorder(|recorder| {
             let blocks = &mut recorder.net.blocks;
             let run = blocks.iter().filter(|block| block.name == name).count() as u32;

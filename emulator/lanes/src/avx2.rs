@@ -1,0 +1,184 @@
+//! AVX2: a word is two vectors; a wide wire is four, the even and the odd lanes of each. A flag is as wide as a word.
+//! What the instruction set lacks, arithmetic shifts of 64 bits and leading zeros, is made of what it has.
+
+use core::arch::x86_64::*;
+
+use fearless_simd::x86::Avx2 as Proof;
+use fearless_simd::{SimdInto, i32x8, i64x4};
+
+use roughxel_core::each::{each, places};
+
+use super::vectors::vectors;
+
+type Word = __m256i;
+type Wide = [__m256i; 2];
+type Flag = __m256i;
+
+vectors! {
+    /// x86-64-v3: vectors of 256 bits.
+    Avx2: Proof, as_avx2, 8 lanes of Word, Wide, Flag;
+
+    to {
+        fn words(t, lanes: [i32; 8]) -> Word { let v: i32x8<Proof> = lanes.simd_into(t); v.into() }
+        fn wides(t, lanes: [i64; 8]) -> Wide {
+            let half = |first: usize| -> i64x4<Proof> {
+                let half: [i64; 4] = core::array::from_fn(|i| lanes[2 * i + first]);
+                half.simd_into(t)
+            };
+            [half(0).into(), half(1).into()]
+        }
+        fn flags(t, lanes: [bool; 8]) -> Flag {
+            let v: i32x8<Proof> = lanes.map(|flag| -i32::from(flag)).simd_into(t);
+            v.into()
+        }
+    }
+    from {
+        fn word_lanes(t, a: Word) -> [i32; 8] { let v: i32x8<Proof> = a.simd_into(t); *v }
+        fn wide_lanes(t, a: Wide) -> [i64; 8] {
+            let [even, odd]: [i64x4<Proof>; 2] = a.map(|half| half.simd_into(t));
+            core::array::from_fn(|i| if i % 2 == 0 { even[i / 2] } else { odd[i / 2] })
+        }
+        fn flag_lanes(t, a: Flag) -> [bool; 8] { let v: i32x8<Proof> = a.simd_into(t); (*v).map(|lane| lane != 0) }
+    }
+    all {
+        fn splat(t, value: i32) -> Word { _mm256_set1_epi32(value) }
+        fn splat_wide(t, value: i64) -> Wide { [_mm256_set1_epi64x(value); 2] }
+    }
+
+    fn transpose(t, rows: [Word; 8]) -> [Word; 8] {
+        // Words, then pairs of words are interleaved in each half of a vector; the halves come together last.
+        let (mut words, mut pairs, mut columns) = (rows, rows, rows);
+        for i in [0, 2, 4, 6] {
+            words[i] = _mm256_unpacklo_epi32(rows[i], rows[i + 1]);
+            words[i + 1] = _mm256_unpackhi_epi32(rows[i], rows[i + 1]);
+        }
+        for i in [0, 1, 4, 5] {
+            let pair = i / 4 * 4 + i % 4 * 2;
+            pairs[pair] = _mm256_unpacklo_epi64(words[i], words[i + 2]);
+            pairs[pair + 1] = _mm256_unpackhi_epi64(words[i], words[i + 2]);
+        }
+        for i in 0..4 {
+            columns[i] = _mm256_permute2x128_si256::<0x20>(pairs[i], pairs[i + 4]);
+            columns[i + 4] = _mm256_permute2x128_si256::<0x31>(pairs[i], pairs[i + 4]);
+        }
+        columns
+    }
+
+    fn not(t, a: Flag) -> Flag { _mm256_xor_si256(a, _mm256_set1_epi32(-1)) }
+    fn both(t, a: Flag, b: Flag) -> Flag { _mm256_and_si256(a, b) }
+    fn either(t, a: Flag, b: Flag) -> Flag { _mm256_or_si256(a, b) }
+
+    fn add(t, a: Word, b: Word) -> Word { _mm256_add_epi32(a, b) }
+    fn sub(t, a: Word, b: Word) -> Word { _mm256_sub_epi32(a, b) }
+    fn and(t, a: Word, b: Word) -> Word { _mm256_and_si256(a, b) }
+    fn or(t, a: Word, b: Word) -> Word { _mm256_or_si256(a, b) }
+    fn xor(t, a: Word, b: Word) -> Word { _mm256_xor_si256(a, b) }
+    fn shl(t, a: Word, k: u32) -> Word { _mm256_sll_epi32(a, count(t, k & 31)) }
+    fn sar(t, a: Word, k: u32) -> Word { _mm256_sra_epi32(a, count(t, k & 31)) }
+    fn shl_by(t, a: Word, k: Word) -> Word { _mm256_sllv_epi32(a, _mm256_and_si256(k, _mm256_set1_epi32(31))) }
+    fn sar_by(t, a: Word, k: Word) -> Word { _mm256_srav_epi32(a, _mm256_and_si256(k, _mm256_set1_epi32(31))) }
+    fn lt(t, a: Word, b: Word) -> Flag { _mm256_cmpgt_epi32(b, a) }
+    fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm256_blendv_epi8(b, a, f) }
+    fn leading_zeros(t, a: Word) -> Word { zeros(t, a) }
+
+    fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_add_epi64(a[0], b[0]), _mm256_add_epi64(a[1], b[1])] }
+    fn sub_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_sub_epi64(a[0], b[0]), _mm256_sub_epi64(a[1], b[1])] }
+    fn and_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_and_si256(a[0], b[0]), _mm256_and_si256(a[1], b[1])] }
+    fn or_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_or_si256(a[0], b[0]), _mm256_or_si256(a[1], b[1])] }
+    fn xor_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_xor_si256(a[0], b[0]), _mm256_xor_si256(a[1], b[1])] }
+    fn shl_wide(t, a: Wide, k: u32) -> Wide {
+        let k = count(t, k & 63);
+        [_mm256_sll_epi64(a[0], k), _mm256_sll_epi64(a[1], k)]
+    }
+    fn sar_wide(t, a: Wide, k: u32) -> Wide {
+        if k & 63 == 63 {
+            let zero = _mm256_setzero_si256();
+            return [_mm256_cmpgt_epi64(zero, a[0]), _mm256_cmpgt_epi64(zero, a[1])];
+        }
+        let k = count(t, k & 63);
+        let sign = _mm256_srl_epi64(_mm256_set1_epi64x(i64::MIN), k);
+        [signed(t, _mm256_srl_epi64(a[0], k), sign), signed(t, _mm256_srl_epi64(a[1], k), sign)]
+    }
+    fn shl_wide_by(t, a: Wide, k: Word) -> Wide {
+        let k = counts(t, k);
+        [_mm256_sllv_epi64(a[0], k[0]), _mm256_sllv_epi64(a[1], k[1])]
+    }
+    fn sar_wide_by(t, a: Wide, k: Word) -> Wide {
+        let k = counts(t, k);
+        let sign = _mm256_set1_epi64x(i64::MIN);
+        [
+            signed(t, _mm256_srlv_epi64(a[0], k[0]), _mm256_srlv_epi64(sign, k[0])),
+            signed(t, _mm256_srlv_epi64(a[1], k[1]), _mm256_srlv_epi64(sign, k[1])),
+        ]
+    }
+    fn lt_wide(t, a: Wide, b: Wide) -> Flag {
+        _mm256_blend_epi32::<0xaa>(_mm256_cmpgt_epi64(b[0], a[0]), _mm256_cmpgt_epi64(b[1], a[1]))
+    }
+    fn select_wide(t, f: Flag, a: Wide, b: Wide) -> Wide {
+        [
+            _mm256_blendv_epi8(b[0], a[0], _mm256_shuffle_epi32::<0xa0>(f)),
+            _mm256_blendv_epi8(b[1], a[1], _mm256_shuffle_epi32::<0xf5>(f)),
+        ]
+    }
+    fn leading_zeros_wide(t, a: Wide) -> Word {
+        let upper = _mm256_blend_epi32::<0xaa>(_mm256_srli_epi64::<32>(a[0]), a[1]);
+        let lower = _mm256_blend_epi32::<0xaa>(a[0], _mm256_slli_epi64::<32>(a[1]));
+        let empty = _mm256_cmpeq_epi32(upper, _mm256_setzero_si256());
+        let zeros = zeros(t, _mm256_blendv_epi8(upper, lower, empty));
+        _mm256_add_epi32(zeros, _mm256_and_si256(empty, _mm256_set1_epi32(32)))
+    }
+
+    fn mul(t, a: Word, b: Word) -> Wide {
+        [_mm256_mul_epi32(a, b), _mm256_mul_epi32(_mm256_srli_epi64::<32>(a), _mm256_srli_epi64::<32>(b))]
+    }
+    fn widen(t, a: Word) -> Wide {
+        let sign = _mm256_srai_epi32::<31>(a);
+        [
+            _mm256_blend_epi32::<0xaa>(a, _mm256_slli_epi64::<32>(sign)),
+            _mm256_blend_epi32::<0xaa>(_mm256_srli_epi64::<32>(a), sign),
+        ]
+    }
+    fn narrow(t, a: Wide) -> Word { _mm256_blend_epi32::<0xaa>(a[0], _mm256_slli_epi64::<32>(a[1])) }
+    fn round_low(t, a: Wide, drop: u32, up: u32) -> Word {
+        let half = _mm256_set1_epi64x(1 << (drop + up - 1));
+        let even = _mm256_srl_epi64(_mm256_add_epi64(a[0], half), count(t, drop));
+        let odd = _mm256_sll_epi64(_mm256_add_epi64(a[1], half), count(t, 32 - drop));
+        _mm256_blend_epi32::<0xaa>(even, odd)
+    }
+    fn high(t, a: Wide) -> Word { _mm256_blend_epi32::<0xaa>(_mm256_srli_epi64::<32>(a[0]), a[1]) }
+}
+
+fearless_simd::kernel! {
+    /// A shift count for all lanes.
+    #[inline(always)]
+    fn count(t: Avx2, k: u32) -> __m128i { _mm_cvtsi32_si128(k.cast_signed()) }
+}
+
+fearless_simd::kernel! {
+    /// Shift counts of a wide wire.
+    #[inline(always)]
+    fn counts(t: Avx2, k: Word) -> Wide {
+        let most = _mm256_set1_epi64x(63);
+        [_mm256_and_si256(k, most), _mm256_and_si256(_mm256_srli_epi64::<32>(k), most)]
+    }
+}
+
+fearless_simd::kernel! {
+    /// A lane that was shifted right with zeros, given where its sign bit came to.
+    #[inline(always)]
+    fn signed(t: Avx2, shifted: __m256i, sign: __m256i) -> __m256i {
+        _mm256_sub_epi64(_mm256_xor_si256(shifted, sign), sign)
+    }
+}
+
+fearless_simd::kernel! {
+    /// Leading zeros from the exponent of a float. Without the bit below its highest a word does not round up to the
+    /// next power of two; 0 has the exponent 0, a negative word a sign above the exponent.
+    #[inline(always)]
+    fn zeros(t: Avx2, a: Word) -> Word {
+        let highest = _mm256_andnot_si256(_mm256_srli_epi32::<1>(a), a);
+        let exponent = _mm256_srli_epi32::<23>(_mm256_castps_si256(_mm256_cvtepi32_ps(highest)));
+        let zeros = _mm256_sub_epi32(_mm256_set1_epi32(158), exponent);
+        _mm256_max_epi32(_mm256_min_epi32(zeros, _mm256_set1_epi32(32)), _mm256_setzero_si256())
+    }
+}

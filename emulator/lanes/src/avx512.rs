@@ -1,0 +1,155 @@
+//! AVX-512: a word is one vector; a wide wire is two, its even and its odd lanes, so that products need no sign
+//! extension and rounding no packing. A flag is three masks, of which the optimiser keeps those that are asked for.
+
+use core::arch::x86_64::*;
+
+use fearless_simd::x86::Avx512 as Proof;
+use fearless_simd::{SimdInto, i32x16, i64x8};
+
+use roughxel_core::each::{each, places};
+
+use super::vectors::vectors;
+
+type Word = __m512i;
+type Wide = [__m512i; 2];
+
+/// All lanes of a flag, and its even and its odd lanes. Were it a few bytes, it would be taken for one integer and
+/// packed and unpacked at every use.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub struct Flag {
+    all: __mmask16,
+    even: __mmask8,
+    odd: __mmask8,
+}
+
+vectors! {
+    /// AVX-512 of Ice Lake and later: vectors of 512 bits, masks, leading zeros.
+    Avx512: Proof, as_avx512, 16 lanes of Word, Wide, Flag;
+
+    to {
+        fn words(t, lanes: [i32; 16]) -> Word { let v: i32x16<Proof> = lanes.simd_into(t); v.into() }
+        fn wides(t, lanes: [i64; 16]) -> Wide {
+            let half = |first: usize| -> i64x8<Proof> {
+                let half: [i64; 8] = core::array::from_fn(|i| lanes[2 * i + first]);
+                half.simd_into(t)
+            };
+            [half(0).into(), half(1).into()]
+        }
+        fn flags(t, lanes: [bool; 16]) -> Flag {
+            let word = words(t, lanes.map(i32::from));
+            of_all(t, _mm512_test_epi32_mask(word, word))
+        }
+    }
+    from {
+        fn word_lanes(t, a: Word) -> [i32; 16] { let v: i32x16<Proof> = a.simd_into(t); *v }
+        fn wide_lanes(t, a: Wide) -> [i64; 16] {
+            let [even, odd]: [i64x8<Proof>; 2] = a.map(|half| half.simd_into(t));
+            core::array::from_fn(|i| if i % 2 == 0 { even[i / 2] } else { odd[i / 2] })
+        }
+        fn flag_lanes(t, a: Flag) -> [bool; 16] { core::array::from_fn(|i| a.all >> i & 1 != 0) }
+    }
+    all {
+        fn splat(t, value: i32) -> Word { _mm512_set1_epi32(value) }
+        fn splat_wide(t, value: i64) -> Wide { [_mm512_set1_epi64(value); 2] }
+    }
+
+    fn transpose(t, rows: [Word; 16]) -> [Word; 16] {
+        let low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+        let high = _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+        let mut columns = rows;
+        // Each round interleaves the two halves of the rows.
+        for _ in 0..4 {
+            let halves = columns;
+            for i in 0..8 {
+                columns[2 * i] = _mm512_permutex2var_epi32(halves[i], low, halves[i + 8]);
+                columns[2 * i + 1] = _mm512_permutex2var_epi32(halves[i], high, halves[i + 8]);
+            }
+        }
+        columns
+    }
+
+    fn not(t, a: Flag) -> Flag { Flag { all: !a.all, even: !a.even, odd: !a.odd } }
+    fn both(t, a: Flag, b: Flag) -> Flag { Flag { all: a.all & b.all, even: a.even & b.even, odd: a.odd & b.odd } }
+    fn either(t, a: Flag, b: Flag) -> Flag { Flag { all: a.all | b.all, even: a.even | b.even, odd: a.odd | b.odd } }
+
+    fn add(t, a: Word, b: Word) -> Word { _mm512_add_epi32(a, b) }
+    fn sub(t, a: Word, b: Word) -> Word { _mm512_sub_epi32(a, b) }
+    fn and(t, a: Word, b: Word) -> Word { _mm512_and_si512(a, b) }
+    fn or(t, a: Word, b: Word) -> Word { _mm512_or_si512(a, b) }
+    fn xor(t, a: Word, b: Word) -> Word { _mm512_xor_si512(a, b) }
+    fn shl(t, a: Word, k: u32) -> Word { _mm512_sllv_epi32(a, _mm512_set1_epi32((k & 31).cast_signed())) }
+    fn sar(t, a: Word, k: u32) -> Word { _mm512_srav_epi32(a, _mm512_set1_epi32((k & 31).cast_signed())) }
+    fn shl_by(t, a: Word, k: Word) -> Word { _mm512_sllv_epi32(a, _mm512_and_si512(k, _mm512_set1_epi32(31))) }
+    fn sar_by(t, a: Word, k: Word) -> Word { _mm512_srav_epi32(a, _mm512_and_si512(k, _mm512_set1_epi32(31))) }
+    fn lt(t, a: Word, b: Word) -> Flag { of_all(t, _mm512_cmplt_epi32_mask(a, b)) }
+    fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm512_mask_blend_epi32(f.all, b, a) }
+    fn leading_zeros(t, a: Word) -> Word { _mm512_lzcnt_epi32(a) }
+
+    fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_add_epi64(a[0], b[0]), _mm512_add_epi64(a[1], b[1])] }
+    fn sub_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_sub_epi64(a[0], b[0]), _mm512_sub_epi64(a[1], b[1])] }
+    fn and_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_and_si512(a[0], b[0]), _mm512_and_si512(a[1], b[1])] }
+    fn or_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_or_si512(a[0], b[0]), _mm512_or_si512(a[1], b[1])] }
+    fn xor_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_xor_si512(a[0], b[0]), _mm512_xor_si512(a[1], b[1])] }
+    fn shl_wide(t, a: Wide, k: u32) -> Wide {
+        let k = _mm512_set1_epi64(i64::from(k & 63));
+        [_mm512_sllv_epi64(a[0], k), _mm512_sllv_epi64(a[1], k)]
+    }
+    fn sar_wide(t, a: Wide, k: u32) -> Wide {
+        let k = _mm512_set1_epi64(i64::from(k & 63));
+        [_mm512_srav_epi64(a[0], k), _mm512_srav_epi64(a[1], k)]
+    }
+    fn shl_wide_by(t, a: Wide, k: Word) -> Wide {
+        let k = counts(t, k);
+        [_mm512_sllv_epi64(a[0], k[0]), _mm512_sllv_epi64(a[1], k[1])]
+    }
+    fn sar_wide_by(t, a: Wide, k: Word) -> Wide {
+        let k = counts(t, k);
+        [_mm512_srav_epi64(a[0], k[0]), _mm512_srav_epi64(a[1], k[1])]
+    }
+    fn lt_wide(t, a: Wide, b: Wide) -> Flag {
+        let (even, odd) = (_mm512_cmplt_epi64_mask(a[0], b[0]), _mm512_cmplt_epi64_mask(a[1], b[1]));
+        let low = _mm512_maskz_set1_epi64(even, 0xffff_ffff);
+        let lanes = _mm512_mask_or_epi64(low, odd, low, _mm512_set1_epi64(-1 << 32));
+        Flag { all: _mm512_test_epi32_mask(lanes, lanes), even, odd }
+    }
+    fn select_wide(t, f: Flag, a: Wide, b: Wide) -> Wide {
+        [_mm512_mask_blend_epi64(f.even, b[0], a[0]), _mm512_mask_blend_epi64(f.odd, b[1], a[1])]
+    }
+    fn leading_zeros_wide(t, a: Wide) -> Word {
+        _mm512_or_si512(_mm512_lzcnt_epi64(a[0]), _mm512_slli_epi64::<32>(_mm512_lzcnt_epi64(a[1])))
+    }
+
+    fn mul(t, a: Word, b: Word) -> Wide {
+        [_mm512_mul_epi32(a, b), _mm512_mul_epi32(_mm512_srli_epi64::<32>(a), _mm512_srli_epi64::<32>(b))]
+    }
+    fn widen(t, a: Word) -> Wide {
+        [_mm512_srai_epi64::<32>(_mm512_slli_epi64::<32>(a)), _mm512_srai_epi64::<32>(a)]
+    }
+    fn narrow(t, a: Wide) -> Word { _mm512_mask_blend_epi32(0xaaaa, a[0], _mm512_slli_epi64::<32>(a[1])) }
+    fn round_low(t, a: Wide, drop: u32, up: u32) -> Word {
+        let half = _mm512_set1_epi64(1 << (drop + up - 1));
+        let (right, left) = (_mm512_set1_epi64(i64::from(drop)), _mm512_set1_epi64(i64::from(32 - drop)));
+        let even = _mm512_srlv_epi64(_mm512_add_epi64(a[0], half), right);
+        _mm512_mask_blend_epi32(0xaaaa, even, _mm512_sllv_epi64(_mm512_add_epi64(a[1], half), left))
+    }
+    fn high(t, a: Wide) -> Word { _mm512_mask_blend_epi32(0xaaaa, _mm512_srli_epi64::<32>(a[0]), a[1]) }
+}
+
+fearless_simd::kernel! {
+    /// A flag of 32-bit lanes.
+    #[inline(always)]
+    fn of_all(t: Avx512, all: __mmask16) -> Flag {
+        let lanes = _mm512_movm_epi32(all);
+        Flag { all, even: _mm512_test_epi64_mask(lanes, _mm512_set1_epi64(1)), odd: _mm512_movepi64_mask(lanes) }
+    }
+}
+
+fearless_simd::kernel! {
+    /// Shift counts of a wide wire.
+    #[inline(always)]
+    fn counts(t: Avx512, k: Word) -> Wide {
+        let most = _mm512_set1_epi64(63);
+        [_mm512_and_si512(k, most), _mm512_and_si512(_mm512_srli_epi64::<32>(k), most)]
+    }
+}

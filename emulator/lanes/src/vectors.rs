@@ -1,0 +1,215 @@
+//! What an instruction set computes, for [`LANES`](super::LANES) lanes in as many vectors as that takes.
+
+use std::fmt::Debug;
+
+use super::LANES;
+
+macro_rules! vectors_trait {
+    ($($name:ident($($a:ident: $ty:ident),*) -> $out:ident;)*) => {
+        /// The operations of [`Wire`](roughxel_core::word::Wire) and [`Word`](roughxel_core::word::Word); those of wide wires
+        /// are called `_wide`. A value proves that the machine has the instruction set.
+        pub trait Vectors: Copy + Debug + Send + Sync + 'static {
+            /// Words.
+            type Words: Copy + Debug;
+            /// Wide wires.
+            type Wides: Copy + Debug;
+            /// Flags.
+            type Flags: Copy + Debug;
+
+            /// The proof. Panics where the machine does not have the instruction set.
+            fn detect() -> Self;
+            /// The proof, in a thread that has found it before. Panics in any other.
+            fn proof() -> Self;
+            /// Words `j` of the rows, row `i` in lane `i`, for every `j`.
+            fn columns(self, rows: &[[i32; LANES]; LANES]) -> [Self::Words; LANES];
+            $(
+                #[doc = concat!("`", stringify!($name), "` of every lane.")]
+                fn $name(self, $($a: vectors_trait!(@type $ty)),*) -> vectors_trait!(@type $out);
+            )*
+        }
+    };
+    (@type Words) => { Self::Words };
+    (@type Wides) => { Self::Wides };
+    (@type Flags) => { Self::Flags };
+    (@type WordLanes) => { [i32; LANES] };
+    (@type WideLanes) => { [i64; LANES] };
+    (@type FlagLanes) => { [bool; LANES] };
+    (@type $other:ident) => { $other };
+}
+
+vectors_trait! {
+    words(lanes: WordLanes) -> Words;
+    wides(lanes: WideLanes) -> Wides;
+    flags(lanes: FlagLanes) -> Flags;
+    word_lanes(a: Words) -> WordLanes;
+    wide_lanes(a: Wides) -> WideLanes;
+    flag_lanes(a: Flags) -> FlagLanes;
+    splat(value: i32) -> Words;
+    splat_wide(value: i64) -> Wides;
+    not(a: Flags) -> Flags;
+    both(a: Flags, b: Flags) -> Flags;
+    either(a: Flags, b: Flags) -> Flags;
+    add(a: Words, b: Words) -> Words;
+    sub(a: Words, b: Words) -> Words;
+    and(a: Words, b: Words) -> Words;
+    or(a: Words, b: Words) -> Words;
+    xor(a: Words, b: Words) -> Words;
+    shl(a: Words, k: u32) -> Words;
+    sar(a: Words, k: u32) -> Words;
+    shl_by(a: Words, k: Words) -> Words;
+    sar_by(a: Words, k: Words) -> Words;
+    lt(a: Words, b: Words) -> Flags;
+    select(f: Flags, a: Words, b: Words) -> Words;
+    leading_zeros(a: Words) -> Words;
+    add_wide(a: Wides, b: Wides) -> Wides;
+    sub_wide(a: Wides, b: Wides) -> Wides;
+    and_wide(a: Wides, b: Wides) -> Wides;
+    or_wide(a: Wides, b: Wides) -> Wides;
+    xor_wide(a: Wides, b: Wides) -> Wides;
+    shl_wide(a: Wides, k: u32) -> Wides;
+    sar_wide(a: Wides, k: u32) -> Wides;
+    shl_wide_by(a: Wides, k: Words) -> Wides;
+    sar_wide_by(a: Wides, k: Words) -> Wides;
+    lt_wide(a: Wides, b: Wides) -> Flags;
+    select_wide(f: Flags, a: Wides, b: Wides) -> Wides;
+    leading_zeros_wide(a: Wides) -> Words;
+    mul(a: Words, b: Words) -> Wides;
+    widen(a: Words) -> Wides;
+    narrow(a: Wides) -> Words;
+    high(a: Wides) -> Words;
+    round_low(a: Wides, drop: u32, up: u32) -> Words;
+}
+
+/// Implements [`Vectors`] and [`Target`](super::Target) with the vectors of an instruction set: what is written for one
+/// vector of words is done for all of them.
+#[cfg(target_arch = "x86_64")]
+macro_rules! vectors {
+    (
+        $(#[$doc:meta])*
+        $target:ident: $proof:ident, $detected:ident, $width:literal lanes of $Word:ident, $Wide:ident, $Flag:ident;
+        to { $(fn $to:ident($t0:ident, $a0:ident: $lanes0:ty) -> $out0:ident $body0:block)* }
+        from { $(fn $from:ident($t1:ident, $a1:ident: $ty1:ident) -> $lanes1:ty $body1:block)* }
+        all { $(fn $all:ident($t2:ident, $a2:ident: $ty2:ident) -> $out2:ident $body2:block)* }
+        fn transpose($t3:ident, $rows:ident: $square:ty) -> $columns:ty $body3:block
+        $(fn $name:ident($t:ident $(, $a:ident: $ty:ident)*) -> $out:ident $body:block)*
+    ) => {
+        $(fearless_simd::kernel! { #[inline(always)] fn $to($t0: $target, $a0: $lanes0) -> $out0 { $body0 } })*
+        $(fearless_simd::kernel! { #[inline(always)] fn $from($t1: $target, $a1: $ty1) -> $lanes1 { $body1 } })*
+        $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
+        fearless_simd::kernel! { #[inline(always)] fn transpose($t3: $target, $rows: $square) -> $columns { $body3 } }
+        $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
+
+        const VECTORS: usize = crate::LANES / $width;
+
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $target($proof);
+
+        thread_local! {
+            /// The proof, for the literals: they have no operand that carries it. Where a function compiled for the
+            /// instruction set begins, it is put here, so that asking costs a compare at most.
+            static PROOF: core::cell::Cell<Option<$proof>> = const { core::cell::Cell::new(None) };
+        }
+
+        /// Looks for the instruction set, once in a thread.
+        #[cold]
+        #[inline(never)]
+        fn detect() -> $proof {
+            let Some(proof) = fearless_simd::Level::new().$detected() else {
+                unreachable!("the machine has the instruction set")
+            };
+            PROOF.set(Some(proof));
+            proof
+        }
+
+        impl crate::Target for $target {
+            #[inline(always)]
+            fn run<R>(body: impl FnOnce() -> R) -> R {
+                let Self(proof) = crate::vectors::Vectors::detect();
+                fearless_simd::Simd::vectorize(
+                    proof,
+                    #[inline(always)]
+                    || {
+                        PROOF.set(Some(proof));
+                        body()
+                    },
+                )
+            }
+        }
+
+        impl crate::vectors::Vectors for $target {
+            type Words = [$Word; VECTORS];
+            type Wides = [$Wide; VECTORS];
+            type Flags = [$Flag; VECTORS];
+
+            #[inline(always)]
+            fn detect() -> Self {
+                Self(PROOF.get().unwrap_or_else(detect))
+            }
+            #[inline(always)]
+            fn proof() -> Self {
+                // Not `detect`: around a call that may return every vector would have to go to memory.
+                let Some(proof) = PROOF.get() else { crate::vectors::outside() };
+                Self(proof)
+            }
+            #[inline(always)]
+            fn columns(self, rows: &[[i32; crate::LANES]; crate::LANES]) -> [Self::Words; crate::LANES] {
+                let mut columns = [[splat(self.0, 0); VECTORS]; crate::LANES];
+                for v in 0..VECTORS {
+                    for across in 0..VECTORS {
+                        let square = each!(i in places() => words(self.0, rows[v * $width + i].as_chunks().0[across]));
+                        let square = transpose(self.0, square);
+                        for j in 0..$width {
+                            columns[across * $width + j][v] = square[j];
+                        }
+                    }
+                }
+                columns
+            }
+            $(
+                #[inline(always)]
+                fn $to(self, lanes: vectors!(@lanes $out0)) -> vectors!(@vectors $out0) {
+                    each!(v in places() => $to(self.0, lanes.as_chunks().0[v]))
+                }
+            )*
+            $(
+                #[inline(always)]
+                fn $from(self, a: vectors!(@vectors $ty1)) -> vectors!(@lanes $ty1) {
+                    let vectors: [$lanes1; VECTORS] = each!(v in places() => $from(self.0, a[v]));
+                    each!(i in places() => vectors[i / $width][i % $width])
+                }
+            )*
+            $(
+                #[inline(always)]
+                fn $all(self, value: $ty2) -> vectors!(@vectors $out2) {
+                    [$all(self.0, value); VECTORS]
+                }
+            )*
+            $(
+                #[inline(always)]
+                fn $name(self $(, $a: vectors!(@vectors $ty))*) -> vectors!(@vectors $out) {
+                    each!(v in places() => $name(self.0 $(, vectors!(@vector $ty, $a, v))*))
+                }
+            )*
+        }
+    };
+    (@lanes Word) => { [i32; crate::LANES] };
+    (@lanes Wide) => { [i64; crate::LANES] };
+    (@lanes Flag) => { [bool; crate::LANES] };
+    (@vectors Word) => { Self::Words };
+    (@vectors Wide) => { Self::Wides };
+    (@vectors Flag) => { Self::Flags };
+    (@vectors u32) => { u32 };
+    (@vector u32, $a:ident, $v:ident) => { $a };
+    (@vector $other:ident, $a:ident, $v:ident) => { $a[$v] };
+}
+#[cfg(target_arch = "x86_64")]
+pub(crate) use vectors;
+
+/// Ends the program where a thread makes a literal before any other wire.
+#[cfg(target_arch = "x86_64")]
+#[cold]
+#[inline(never)]
+pub(crate) fn outside() -> ! {
+    unreachable!("the first wire of a thread is made inside `Target::run`, or of values")
+}
