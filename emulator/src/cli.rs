@@ -7,6 +7,7 @@ mod cost;
 mod demo;
 mod effects;
 mod eval;
+mod plan;
 mod ranges;
 mod render;
 mod report;
@@ -16,12 +17,13 @@ mod verilog;
 
 use std::error::Error;
 use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use miette::{LabeledSpan, MietteDiagnostic, MietteHandlerOpts, NamedSource, Report};
 use roughxel_core::precision::{PROFILE_NAMES, Precision};
-use roughxel_emulator::scene::SceneError;
+use roughxel_emulator::scene::{Scene, SceneError};
 
 /// Shown at the end of every command's help.
 const CONVENTIONS: &str = "\
@@ -71,6 +73,9 @@ enum Command {
     /// Write the datapath as synthesizable Verilog: a module a block, a pipelined top, ROMs, a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Verilog(verilog::VerilogArgs),
+    /// Say which effects each object of a scene has, why, and what they cost.
+    #[command(long_about = plan::LONG_HELP)]
+    Plan(plan::PlanArgs),
     /// List the built-in scenes.
     Scenes(scenes::ScenesArgs),
 }
@@ -110,6 +115,18 @@ fn scene_failure(error: SceneError) -> Failure {
     Failure::Error(Report::new(diagnostic).with_source_code(NamedSource::new(&fault.file, fault.text.to_string())))
 }
 
+/// The built-in scene of that name or the scene in that file, at another size where one is given; its warnings are told.
+fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Failure> {
+    let scene = Scene::builtin(name).unwrap_or_else(|| Scene::from_file(Path::new(name))).map_err(scene_failure)?;
+    for warning in &scene.warnings {
+        console::complain(&format!("warning: {warning}"));
+    }
+    Ok(match size {
+        Some([width, height]) => scene.with_size(width, height)?,
+        None => scene,
+    })
+}
+
 /// Parses the arguments and runs the command.
 pub(crate) fn run() -> ExitCode {
     // Messages name files; a wrapped path could not be copied.
@@ -128,6 +145,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Ranges(args) => ranges::run(&args),
         Command::Cost(args) => cost::run(&args),
         Command::Verilog(args) => verilog::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Scenes(args) => scenes::run(&args),
     };
     match outcome {

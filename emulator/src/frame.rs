@@ -18,13 +18,13 @@ use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
-use roughxel_core::signals::MapScale;
+use roughxel_core::signals::{MapScale, OFFSET};
 use roughxel_core::stage::blend::{REFLECTANCE, blend};
 use sha2::{Digest, Sha256};
 
 use crate::lanes::Reading;
 use crate::picture::Picture;
-use crate::plan::{Mode, ObjectPlan, frame_system};
+use crate::plan::{Decision, Effect, Mode, ObjectPlan, frame_system};
 use crate::raster::{
     FragmentAttributes, Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles,
 };
@@ -51,6 +51,7 @@ pub struct Prepared<'a> {
 /// Maps and constants of one object.
 struct PreparedObject {
     plan: ObjectPlan,
+    decisions: Vec<Decision>,
     colour: Colour,
     reflectance: [Fx<i32, 16>; 3],
     main_direction: BlockVector,
@@ -182,6 +183,7 @@ impl<'a> Prepared<'a> {
                 let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
                 PreparedObject {
                     plan,
+                    decisions: plan.decisions(object, bump.as_ref(), mode, &precision),
                     colour: colour_word(material.colour),
                     reflectance: material
                         .reflectance
@@ -205,6 +207,38 @@ impl<'a> Prepared<'a> {
     /// The plan of each object, in the order of the scene.
     pub fn plans(&self) -> impl Iterator<Item = &ObjectPlan> {
         self.objects.iter().map(|object| &object.plan)
+    }
+
+    /// Every effect of each object with the reason for it, in the order of the scene.
+    pub fn decisions(&self) -> impl Iterator<Item = &[Decision]> {
+        self.objects.iter().map(|object| object.decisions.as_slice())
+    }
+
+    /// The same with another plan for one object, to see what an effect changes and what it costs. Blocks without a map
+    /// get neutral inputs.
+    pub fn with_plan(mut self, object: usize, plan: ObjectPlan) -> Self {
+        if let Some(object) = self.objects.get_mut(object) {
+            object.plan = plan;
+            object.colour_map.take_if(|_| !plan.colour_map);
+            object.bump_map.take_if(|_| !plan.bump_map);
+        }
+        self
+    }
+
+    /// The maps of an object and the environment it reflects, by effect, in bytes of their storage.
+    pub fn map_bytes(&self, object: usize) -> Vec<(Effect, u64)> {
+        let Some(object) = self.objects.get(object) else { return Vec::new() };
+        let environment = self.environment.as_ref().filter(|_| object.plan.reflection.is_some());
+        let [offsets, roughness] = [0, 1].map(|part| object.bump_map.as_ref().map(|map| map.bytes()[part]));
+        [
+            (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
+            (Effect::Bump, offsets),
+            (Effect::Roughness, roughness.filter(|&bytes| bytes > 0)),
+            (Effect::Environment, environment.map(EnvironmentMap::bytes)),
+        ]
+        .into_iter()
+        .filter_map(|(effect, bytes)| Some((effect, bytes?)))
+        .collect()
     }
 
     /// Draws the frame. `progress` is called once for each of [`Self::work`] pieces, from any thread.
@@ -319,7 +353,7 @@ impl<'a> Prepared<'a> {
     fn fetch(&self, waiting: &mut Waiting, mut add: impl FnMut(usize, Colour)) {
         let Waiting { plan, reflectance, inputs, pixels } = waiting;
         let rough = plan.roughness != RoughnessKind::None;
-        let footprints = self.reading.footprints(inputs, plan, &self.precision);
+        let footprints = self.reading.footprints(inputs, &plan_of_batch(plan, inputs), &self.precision);
         for (footprint, (pixel, surface)) in footprints.iter().zip(pixels.drain(..)) {
             let reflection = self
                 .environment
@@ -407,6 +441,18 @@ impl<'a> Prepared<'a> {
             Some((quantised(&input, &self.precision), plan))
         });
         Ok(chosen.collect())
+    }
+}
+
+/// The plan of a batch: without the blocks that every fragment of it feeds with zeros, which change no bit.
+fn plan_of_batch(plan: &ReflectionPlan, inputs: &[ReflectionInput<i32>]) -> ReflectionPlan {
+    let is_zero = |word: Fx<i32, OFFSET>| word.raw() == 0;
+    let is_smooth = inputs.iter().all(|input| input.roughness.into_iter().all(is_zero));
+    let is_flat = inputs.iter().all(|input| input.dnormal.iter().flat_map(|dn| dn.mantissa).all(|m| m.raw() == 0));
+    ReflectionPlan {
+        roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
+        curvature: plan.curvature && !is_flat,
+        ..*plan
     }
 }
 

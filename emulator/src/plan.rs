@@ -1,7 +1,7 @@
 //! The plan of a scene: which blocks of the datapath each object goes through, and why.
 //!
 //! An effect is switched on by what the scene contains, never by a global default. One value drives the frame, the
-//! vector sets and the reports.
+//! vector sets and the reports; [`ObjectPlan::decisions`] says of each effect why it is there or not.
 
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -118,9 +118,134 @@ impl ObjectPlan {
                 bump: bump_map,
                 frame: frame_system(material.frame),
                 roughness,
-                curvature: mode.filters() && is_curved(object),
+                curvature: mode.filters() && curved_triangles(object) > 0,
                 footprint: mode.filters(),
             }),
+        }
+    }
+}
+
+/// What a scene may call for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// A colour map on the object.
+    ColourTexture,
+    /// Bumps: the normal is moved.
+    Bump,
+    /// The detail that a bump map's level has lost.
+    Roughness,
+    /// An environment is reflected.
+    Environment,
+    /// Samples have footprints.
+    Footprint,
+    /// Normals that vary over a triangle widen the footprint.
+    Curvature,
+}
+
+impl Effect {
+    /// Every effect, in the order of the datapath.
+    pub const ALL: [Self; 6] =
+        [Self::ColourTexture, Self::Bump, Self::Roughness, Self::Environment, Self::Footprint, Self::Curvature];
+
+    /// Its name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ColourTexture => "colour texture",
+            Self::Bump => "bump",
+            Self::Roughness => "roughness",
+            Self::Environment => "environment",
+            Self::Footprint => "footprint",
+            Self::Curvature => "curvature",
+        }
+    }
+}
+
+/// Whether an object has an effect, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// The effect.
+    pub effect: Effect,
+    /// Whether it exists.
+    pub on: bool,
+    /// Which key of the scene or property of its maps decided.
+    pub why: String,
+}
+
+impl ObjectPlan {
+    /// Whether an effect is on.
+    pub fn has(&self, effect: Effect) -> bool {
+        let reflection = |on: fn(&ReflectionPlan) -> bool| self.reflection.as_ref().is_some_and(on);
+        match effect {
+            Effect::ColourTexture => self.colour_map,
+            Effect::Bump => self.bump_map,
+            Effect::Roughness => reflection(|plan| plan.roughness != RoughnessKind::None),
+            Effect::Environment => self.reflection.is_some(),
+            Effect::Footprint => self.texture_footprint,
+            Effect::Curvature => reflection(|plan| plan.curvature),
+        }
+    }
+
+    /// The plan without an effect, and without what needs it.
+    pub fn without(mut self, effect: Effect) -> Self {
+        match effect {
+            Effect::ColourTexture => self.colour_map = false,
+            Effect::Bump => {
+                self.bump_map = false;
+                self.change_reflection(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
+            }
+            Effect::Roughness => self.change_reflection(|plan| plan.roughness = RoughnessKind::None),
+            Effect::Environment => (self.reflection, self.bump_map) = (None, false),
+            Effect::Footprint => {
+                self.texture_footprint = false;
+                self.change_reflection(|plan| {
+                    (plan.footprint, plan.curvature, plan.roughness) = (false, false, RoughnessKind::None);
+                });
+            }
+            Effect::Curvature => self.change_reflection(|plan| plan.curvature = false),
+        }
+        self
+    }
+
+    fn change_reflection(&mut self, change: impl FnOnce(&mut ReflectionPlan)) {
+        if let Some(plan) = &mut self.reflection {
+            change(plan);
+        }
+    }
+
+    /// Every effect with the reason that this plan, made of these, has it or not.
+    pub fn decisions(&self, object: &Object, bump: Option<&BumpPyramid>, mode: Mode, p: &Precision) -> Vec<Decision> {
+        Effect::ALL
+            .map(|effect| Decision { effect, on: self.has(effect), why: self.why(effect, object, bump, mode, p) })
+            .into()
+    }
+
+    fn why(&self, effect: Effect, object: &Object, bump: Option<&BumpPyramid>, mode: Mode, p: &Precision) -> String {
+        let material = &object.material;
+        let no_footprint = || format!("samples of mode {mode} are points");
+        let reflects = self.reflection.is_some();
+        match effect {
+            Effect::ColourTexture if self.colour_map => "`colour_map`".into(),
+            Effect::ColourTexture => "no `colour_map`".into(),
+            Effect::Environment if reflects => "`reflectance` above 0 and [environment]".into(),
+            Effect::Environment => "`reflectance` is 0".into(),
+            Effect::Bump if self.bump_map => "`height_map` or `normal_map`, and the object reflects".into(),
+            Effect::Bump if material.bump.is_none() => "no `height_map` or `normal_map`".into(),
+            Effect::Bump => "nothing is reflected that a bump could move".into(),
+            Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
+            Effect::Footprint => no_footprint(),
+            Effect::Roughness if !self.bump_map => "no bumps".into(),
+            Effect::Roughness if !mode.filters() => no_footprint(),
+            Effect::Roughness if p.roughness == RoughnessKind::None => "the profile has none".into(),
+            Effect::Roughness => match bump.map(BumpPyramid::is_smooth) {
+                Some(false) => "levels of the bump map have lost detail".into(),
+                _ => "no level of the bump map has lost detail".into(),
+            },
+            Effect::Curvature if !reflects => "nothing is reflected".into(),
+            Effect::Curvature if !mode.filters() => no_footprint(),
+            Effect::Curvature => {
+                let (curved, all) = (curved_triangles(object), object.mesh.triangles.len());
+                format!("normals vary over {curved} of {all} triangles")
+            }
         }
     }
 }
@@ -134,10 +259,11 @@ pub const fn frame_system(frame: scene::FrameSystem) -> FrameSystem {
     }
 }
 
-/// Whether the normal varies over any triangle.
-fn is_curved(object: &Object) -> bool {
-    object.mesh.triangles.iter().any(|corners| {
+/// Triangles over which the normal varies.
+fn curved_triangles(object: &Object) -> usize {
+    let is_curved = |corners: &&[u32; 3]| {
         let [a, b, c] = corners.map(|corner| object.mesh.vertices.get(corner as usize).map(|v| v.normal));
         a != b || b != c
-    })
+    };
+    object.mesh.triangles.iter().filter(is_curved).count()
 }

@@ -1,4 +1,5 @@
-//! Studies of the datapath: the named hard cases and its accuracy against the float64 reference.
+//! Studies of the datapath: the named hard cases, its accuracy against the float64 reference, what each effect costs.
 
 pub mod accuracy;
 pub mod cases;
+pub mod plan;

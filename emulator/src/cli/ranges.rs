@@ -1,7 +1,6 @@
 //! `roughxel ranges`.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use clap::Args;
 use miette::miette;
@@ -15,13 +14,12 @@ use roughxel_emulator::net::interval::{Range, Ranges, Violation};
 use roughxel_emulator::net::observe::{Observed, port_values};
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use serde_json::{Value, json};
 
 use super::console::{complain, new_table, progress};
 use super::report::{Profiles, parse_profiles};
-use super::{Failure, effects, parse_size, scene_failure};
+use super::{Failure, effects, open_scene, parse_size};
 
 pub(super) const LONG_HELP: &str = "\
 Prove that no wire can overflow, for any bits at any port, and print the range of every named wire.
@@ -102,12 +100,7 @@ struct Surveyed<'a> {
 }
 
 pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
-    let scene = match Scene::builtin(&args.scene) {
-        Some(scene) => scene,
-        None => Scene::from_file(Path::new(&args.scene)),
-    }
-    .map_err(scene_failure)?
-    .with_size(args.size[0], args.size[1])?;
+    let scene = open_scene(&args.scene, Some(args.size))?;
 
     let mut surveyed = Vec::new();
     for profile in &args.profile.0 {

@@ -16,8 +16,8 @@ use roughxel_emulator::scene::Scene;
 use roughxel_emulator::vectors::{Manifest, SetInfo, export};
 use serde_json::json;
 
-use super::console::{complain, progress};
-use super::{Failure, ProfileArg, parse_profile, parse_size, scene_failure, use_threads};
+use super::console::progress;
+use super::{Failure, ProfileArg, open_scene, parse_profile, parse_size, use_threads};
 
 /// Most fragments of a frame that become vectors.
 const CAPTURED_FRAGMENTS: usize = 4096;
@@ -56,17 +56,7 @@ pub(super) struct RenderArgs {
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let precision = &args.profile.precision;
-    let mut scene = match Scene::builtin(&args.scene) {
-        Some(scene) => scene,
-        None => Scene::from_file(Path::new(&args.scene)),
-    }
-    .map_err(scene_failure)?;
-    if let Some([width, height]) = args.size {
-        scene = scene.with_size(width, height)?;
-    }
-    for warning in &scene.warnings {
-        complain(&format!("warning: {warning}"));
-    }
+    let scene = open_scene(&args.scene, args.size)?;
 
     let start = Instant::now();
     let reading = args.reading.unwrap_or_else(Reading::best);

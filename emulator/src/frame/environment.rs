@@ -34,6 +34,12 @@ impl EnvironmentMap {
         self.pyramid.edge
     }
 
+    /// Bytes of the stored texels.
+    pub fn bytes(&self) -> u64 {
+        let levels = self.pyramid.levels.iter().flatten();
+        levels.map(|level| size_of_val(level.texels.as_slice()) as u64).sum()
+    }
+
     /// The mean colour of a footprint: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
     pub fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> Colour {

@@ -116,6 +116,11 @@ impl ColourMap {
         Self { map, pyramid }
     }
 
+    /// Bytes of the stored texels.
+    pub(super) fn bytes(&self) -> u64 {
+        self.pyramid.levels.iter().map(|level| size_of_val(level.texels.as_slice()) as u64).sum()
+    }
+
     /// The mean colour of the footprint.
     pub fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
         let texel = |level: usize, index: usize| self.pyramid.levels[level].texels[index].map(i32::from);
@@ -132,6 +137,8 @@ pub(super) struct BumpMap {
     levels: Vec<Vec<[i32; 5]>>,
     /// log₂ of the unit of the channels.
     exponent: i32,
+    /// Of offsets and roughness as the format stores them.
+    bytes: [u64; 2],
 }
 
 impl BumpMap {
@@ -175,7 +182,17 @@ impl BumpMap {
             })
             .collect();
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
-        Self { map, levels, exponent }
+        let roughness_bits = u64::from(format.roughness.bits()) * if isotropic { 1 } else { 3 };
+        let bytes = pyramid.levels.iter().fold([0; 2], |[offsets, roughness], level| {
+            let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
+            [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
+        });
+        Self { map, levels, exponent, bytes }
+    }
+
+    /// Bytes of the stored offsets and of the stored roughness.
+    pub(super) fn bytes(&self) -> [u64; 2] {
+        self.bytes
     }
 
     /// Mean offset and roughness of the footprint, as the ports of the reflection datapath take them.

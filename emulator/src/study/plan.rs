@@ -1,0 +1,176 @@
+//! What each effect of a scene's objects costs: hardware it adds, memory of its maps, its share of the time.
+//!
+//! Hardware is the difference between the census of the object's datapath with the effect and without; what an
+//! effect needs of others (a frame, a footprint) belongs to both. The share of time is 1 − t(without)/t(with) of
+//! whole frames, the median of rounds that take both in turn. Nothing but the plan differs between them.
+
+use std::time::Instant;
+
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::precision::Precision;
+
+use crate::frame::Prepared;
+use crate::net::census::{Census, Cost};
+use crate::net::design::Design;
+use crate::net::interval::Ranges;
+use crate::plan::{Decision, Effect, Mode, ObjectPlan};
+use crate::raster::RasterError;
+use crate::scene::Scene;
+
+/// The designs a texture fetch of one channel goes through.
+const TEXTURE_FETCH: [&str; 5] = ["texture", "texture_probe", "levels", "repeat_address", "probe_sum"];
+/// And one of the environment.
+const ENVIRONMENT_FETCH: [&str; 5] = ["environment_probe", "levels", "face_address", "colour_sample", "blend"];
+/// Whatever the plan, a design of a fetch is the same.
+const ANY: ReflectionPlan = ReflectionPlan::FULL;
+
+/// Hardware of something.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Hardware {
+    /// Blocks, each run by its instance name.
+    pub blocks: Vec<String>,
+    /// Operations that are no wires.
+    pub operations: i64,
+    /// Of them, multipliers of two wires.
+    pub multipliers: i64,
+    /// Bits of adders, subtracters and comparators.
+    pub carry_bits: i64,
+    /// Bits of tables.
+    pub rom_bits: i64,
+}
+
+impl Hardware {
+    /// Of a design under a plan.
+    fn of(design: &str, plan: &ReflectionPlan, p: &Precision) -> Self {
+        let Some(design) = Design::by_name(design) else { return Self::default() };
+        let net = design.record(plan, p);
+        let total = Census::new(&net, &Ranges::new(&net)).total;
+        let Cost { adders, constant_adders, comparators, selects, shifters, leading_zeros, logic, lookups, .. } =
+            &total;
+        let units = [adders, constant_adders, comparators, selects, shifters, leading_zeros, logic];
+        let by_constant: u32 = total.constant_multipliers.values().sum();
+        let counted: u32 = units.iter().map(|units| units.count).sum::<u32>() + lookups + by_constant;
+        Self {
+            blocks: net.blocks.iter().map(|block| block.instance()).collect(),
+            operations: i64::from(counted + total.multiplier_count()),
+            multipliers: total.multiplier_count().into(),
+            carry_bits: total.carry_bits() as i64,
+            rom_bits: total.rom_bits() as i64,
+        }
+    }
+
+    /// Of several designs side by side.
+    fn of_all(designs: &[&str], p: &Precision) -> Self {
+        designs.iter().fold(Self::default(), |mut sum, design| {
+            let one = Self::of(design, &ANY, p);
+            sum.blocks.push((*design).into());
+            sum.operations += one.operations;
+            sum.multipliers += one.multipliers;
+            sum.carry_bits += one.carry_bits;
+            sum.rom_bits += one.rom_bits;
+            sum
+        })
+    }
+
+    /// What this has more than `other`.
+    fn more_than(&self, other: &Self) -> Self {
+        Self {
+            blocks: self.blocks.iter().filter(|block| !other.blocks.contains(block)).cloned().collect(),
+            operations: self.operations - other.operations,
+            multipliers: self.multipliers - other.multipliers,
+            carry_bits: self.carry_bits - other.carry_bits,
+            rom_bits: self.rom_bits - other.rom_bits,
+        }
+    }
+}
+
+/// One effect of one object.
+#[derive(Clone, Debug)]
+pub struct EffectReport {
+    /// Whether it is on, and why.
+    pub decision: Decision,
+    /// What it adds to the datapath of a fragment; nothing where it is off.
+    pub datapath: Hardware,
+    /// What it adds for each fetch.
+    pub fetch: Hardware,
+    /// Bytes of its maps.
+    pub map_bytes: u64,
+    /// Share of the time of a frame, where it was measured.
+    pub share: Option<f64>,
+}
+
+/// Every effect of one object.
+#[derive(Clone, Debug)]
+pub struct ObjectReport {
+    /// Name of the object.
+    pub name: String,
+    /// Its plan.
+    pub plan: ObjectPlan,
+    /// Its effects in the order of [`Effect::ALL`].
+    pub effects: Vec<EffectReport>,
+}
+
+/// A plan of a reflection for the census: nothing but points where nothing is reflected.
+fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
+    plan.reflection.map_or_else(Hardware::default, |plan| Hardware::of("reflection", &plan, p))
+}
+
+/// Explains the plan of every object, without measuring.
+pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<ObjectReport> {
+    let objects = scene.objects.iter().zip(prepared.plans()).zip(prepared.decisions()).enumerate();
+    let report =
+        |(index, ((object, plan), decisions)): (usize, ((&crate::scene::Object, &ObjectPlan), &[Decision]))| {
+            let (whole, bytes) = (datapath(plan, p), prepared.map_bytes(index));
+            let effect = |decision: &Decision| {
+                let effect = decision.effect;
+                let nothing = Hardware::default();
+                let fetch = match effect {
+                    _ if !decision.on => nothing.clone(),
+                    Effect::ColourTexture => Hardware::of_all(&TEXTURE_FETCH, p),
+                    Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &["moment_sample"]].concat(), p),
+                    Effect::Roughness => Hardware::of_all(&["moments", "roughness_decode"], p),
+                    Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
+                    _ => nothing.clone(),
+                };
+                EffectReport {
+                    decision: decision.clone(),
+                    datapath: if decision.on { whole.more_than(&datapath(&plan.without(effect), p)) } else { nothing },
+                    fetch,
+                    map_bytes: bytes.iter().find(|(known, _)| *known == effect).map_or(0, |(_, bytes)| *bytes),
+                    share: None,
+                }
+            };
+            ObjectReport { name: object.name.clone(), plan: *plan, effects: decisions.iter().map(effect).collect() }
+        };
+    objects.map(report).collect()
+}
+
+/// Measures the share of every effect that is on. `progress` is called before each of the rounds of each effect.
+pub fn measure(
+    scene: &Scene,
+    mode: Mode,
+    profile: &Precision,
+    rounds: usize,
+    reports: &mut [ObjectReport],
+    progress: impl Fn(),
+) -> Result<(), RasterError> {
+    let with = Prepared::new(scene, mode, profile)?;
+    for (index, report) in reports.iter_mut().enumerate() {
+        for effect in report.effects.iter_mut().filter(|effect| effect.decision.on) {
+            let plan = report.plan.without(effect.decision.effect);
+            let without = Prepared::new(scene, mode, profile)?.with_plan(index, plan);
+            let mut shares = Vec::new();
+            for _ in 0..rounds.max(1) {
+                progress();
+                let [with, without] = [&with, &without].map(|prepared| {
+                    let start = Instant::now();
+                    prepared.render(|| ()).map(|_| start.elapsed().as_secs_f64())
+                });
+                shares.push(1.0 - without? / with?);
+            }
+            shares.sort_by(f64::total_cmp);
+            effect.share = Some(shares[shares.len() / 2]);
+        }
+    }
+    Ok(())
+}
