@@ -7,6 +7,7 @@ mod cost;
 mod demo;
 mod effects;
 mod eval;
+mod gallery;
 mod plan;
 mod ranges;
 mod render;
@@ -73,6 +74,9 @@ enum Command {
     /// Write the datapath as synthesizable Verilog: a module a block, a pipelined top, ROMs, a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Verilog(verilog::VerilogArgs),
+    /// Draw the scenes of the papers, each beside what it is compared with, and a page of all of them.
+    #[command(long_about = gallery::LONG_HELP)]
+    Gallery(gallery::GalleryArgs),
     /// Say which effects each object of a scene has, why, and what they cost.
     #[command(long_about = plan::LONG_HELP)]
     Plan(plan::PlanArgs),
@@ -145,6 +149,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Ranges(args) => ranges::run(&args),
         Command::Cost(args) => cost::run(&args),
         Command::Verilog(args) => verilog::run(&args),
+        Command::Gallery(args) => gallery::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Scenes(args) => scenes::run(&args),
     };

@@ -7,6 +7,10 @@
 //! operations only, so the pixels are the same bits on every machine. Files are written beside their name and renamed
 //! when complete.
 
+mod compare;
+
+pub use compare::{DIFFERENCE_GAIN, difference, ssim};
+
 use crate::output::OutputFile;
 use std::fs::File;
 use std::io::{BufReader, Write};

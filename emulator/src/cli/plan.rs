@@ -109,14 +109,11 @@ fn table(report: &ObjectReport, measured: bool) -> Table {
             share.filter(|_| measured).map_or_else(String::new, |share| format!("{:.1} %", 100.0 * share)),
         ]);
     }
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    if !table.is_tty() {
-        table.set_width(WIDTH);
-    }
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
 }
 
-/// Columns of a table where no terminal says how many there are.
+/// Characters of a line; reasons and blocks are wrapped.
 const WIDTH: u16 = 150;
 
 /// Blocks by name, those that run several times with their count: `columns_pixel ×2`.

@@ -1,0 +1,97 @@
+//! The scenes of the gallery and their columns: the papers' pictures, one entry each.
+
+use super::change::{Change, natural_frame, natural_normalised_frame};
+use super::{Column, Entry};
+use crate::plan::Mode;
+
+/// One sample a pixel: what times are compared with.
+pub const UNFILTERED: Column = plain("unfiltered", Mode::Unfiltered);
+/// The footprint, the default.
+pub const FILTERED: Column = plain("filtered", Mode::Footprint);
+/// F92's supersampling.
+pub const SAMPLES_16: Column = plain("16 samples", Mode::Supersampled { edge: 4 });
+/// The label of a smooth surface of one colour: F92's first column.
+pub const NO_TEXTURE: &str = "no texture";
+
+const fn plain(label: &'static str, mode: Mode) -> Column {
+    Column { label, mode, change: Change::Nothing }
+}
+
+/// The filtered picture of a changed scene.
+const fn changed(label: &'static str, change: Change) -> Column {
+    Column { label, mode: Mode::Footprint, change }
+}
+
+/// Every scene, in the order of the page.
+pub const ENTRIES: &[Entry] = &[
+    Entry {
+        name: "puzzle",
+        source: "S97 Fig. 1–2",
+        shows: "Writing on a plane at a flat angle can be read where the texture is filtered along the footprint.",
+        columns: &[UNFILTERED, plain("trilinear", Mode::Isotropic), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "lake",
+        source: "S97 Fig. 10–11",
+        shows: "Waves that no pixel resolves stretch the moon's reflection towards the viewer.",
+        columns: &[UNFILTERED, plain("isotropic", Mode::Isotropic), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "zebra",
+        source: "S97 Fig. 12–13",
+        shows: "Stripes all around, reflected in a flat plane with bumps far below a pixel.",
+        columns: &[UNFILTERED, plain("isotropic", Mode::Isotropic), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "globe",
+        source: "S97 §7, system 3",
+        shows: "With the axis of the earth as main direction, bumps keep their height and direction up to both poles.",
+        columns: &[
+            UNFILTERED,
+            changed("system 1", Change::Scene(natural_frame)),
+            changed("system 2", Change::Scene(natural_normalised_frame)),
+            FILTERED,
+            SAMPLES_16,
+        ],
+    },
+];
+
+/// The entry of that name.
+pub fn entry(name: &str) -> Option<&'static Entry> {
+    ENTRIES.iter().find(|entry| entry.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin_names;
+    use std::collections::HashSet;
+
+    #[test]
+    fn every_entry_is_a_built_in_scene_and_stands_once() {
+        let known: Vec<&str> = builtin_names().collect();
+        let names: HashSet<&str> = ENTRIES.iter().map(|entry| entry.name).collect();
+        assert_eq!(names.len(), ENTRIES.len());
+        for entry in ENTRIES {
+            assert!(known.contains(&entry.name), "{}", entry.name);
+            assert!(!entry.source.is_empty() && entry.shows.ends_with('.'), "{}", entry.name);
+        }
+    }
+
+    #[test]
+    fn every_entry_has_the_three_columns_that_figures_are_taken_from() {
+        for entry in ENTRIES {
+            for wanted in [UNFILTERED, FILTERED, SAMPLES_16] {
+                let is_it = |c: &&Column| {
+                    (c.label, c.mode) == (wanted.label, wanted.mode) && matches!(c.change, Change::Nothing)
+                };
+                assert_eq!(entry.columns.iter().filter(is_it).count(), 1, "{}: {}", entry.name, wanted.label);
+            }
+            let files: HashSet<String> = entry.columns.iter().map(Column::stem).collect();
+            assert_eq!(files.len(), entry.columns.len(), "{}", entry.name);
+            // Files of the scene beside its columns.
+            assert!(!files.contains("reference") && !files.contains("side-by-side"), "{}", entry.name);
+            assert!(!files.iter().any(|stem| stem.starts_with("difference-")), "{}", entry.name);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! `roughxel gallery`: what it leaves in its directory, and how it fails.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use roughxel_core::precision::Precision;
+use roughxel_emulator::gallery::{Settings, draw_scene, table, work};
+use roughxel_emulator::picture::{Encoding, read_png};
+use serde_json::Value;
+
+fn gallery(directory: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
+    command.arg("gallery").arg("-o").arg(directory).args(arguments);
+    command.stdin(Stdio::null()).output().unwrap()
+}
+
+/// One small scene, and what is said about it.
+fn small(directory: &Path) -> Value {
+    let output =
+        gallery(directory, &["--scene", "lake", "--size", "32x24", "--samples", "16", "--threads", "1", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Opening and closing tags match, attributes are quoted, and text has no bare `<`; gives every tag.
+fn tags(page: &str) -> Vec<&str> {
+    let (mut open, mut all, mut rest) = (Vec::new(), Vec::new(), page);
+    while let Some(start) = rest.find('<') {
+        let end = start + rest[start..].find('>').expect("a tag ends");
+        let tag = &rest[start + 1..end];
+        rest = &rest[end + 1..];
+        assert!(!tag.contains('<') && tag.matches('"').count() % 2 == 0, "{}", &tag[..tag.len().min(80)]);
+        let name = tag.split_whitespace().next().expect("a tag has a name");
+        match name.strip_prefix('/') {
+            Some(name) => assert_eq!(open.pop(), Some(name), "closing"),
+            None if ["!DOCTYPE", "meta", "img"].contains(&name) => {}
+            None => open.push(name),
+        }
+        if name == "style" {
+            rest = &rest[rest.find("</style>").expect("a style ends")..];
+        }
+        all.push(tag);
+    }
+    assert!(open.is_empty(), "{open:?} are left open");
+    all
+}
+
+fn attribute<'a>(tag: &'a str, name: &str) -> &'a str {
+    let start = tag.find(&format!(" {name}=\"")).unwrap_or_else(|| panic!("no {name}")) + name.len() + 3;
+    &tag[start..start + tag[start..].find('"').unwrap()]
+}
+
+#[test]
+fn a_gallery_has_every_picture_a_whole_page_and_figures() {
+    let directory = tempfile::tempdir().unwrap();
+    let figures = small(directory.path());
+    let own = directory.path().join("lake");
+    let files = |stem: &str| [format!("{stem}.png"), format!("difference-{stem}.png")];
+    let columns = ["unfiltered", "isotropic", "filtered", "16-samples"];
+    for file in columns.iter().flat_map(|stem| files(stem)).chain(["reference.png".into()]) {
+        let picture = read_png(&own.join(&file), Encoding::Srgb).unwrap();
+        assert_eq!((picture.width, picture.height), (32, 24), "{file}");
+    }
+    let row = read_png(&own.join("side-by-side.png"), Encoding::Srgb).unwrap();
+    assert_eq!((row.width, row.height), (5 * 32 + 4 * 8, 24));
+    let mut there: Vec<String> =
+        fs::read_dir(&own).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
+    there.sort();
+    assert_eq!(there.len(), 2 * 4 + 2, "{there:?}");
+
+    let page = fs::read_to_string(directory.path().join("index.html")).unwrap();
+    let tags = tags(&page);
+    let pictures: Vec<&&str> = tags.iter().filter(|tag| tag.starts_with("img ")).collect();
+    assert_eq!(pictures.len(), 2 * 4 + 1);
+    let mut without_data = page.clone();
+    for picture in pictures {
+        let data = attribute(picture, "src");
+        assert!(data.starts_with("data:image/png;base64,iVBORw0KGgo"), "{}", &data[..40]);
+        assert!(attribute(picture, "alt").starts_with("lake: "));
+        without_data = without_data.replace(data, "");
+    }
+    for outside in ["http", "//", "url(", "<script", "<link", "@import", ".png"] {
+        assert!(!without_data.contains(outside), "{outside}");
+    }
+
+    assert_eq!((&figures["samples"], &figures["width"], &figures["threads"]), (&16.into(), &32.into(), &1.into()));
+    let scene = &figures["scenes"][0];
+    assert_eq!((&scene["scene"], scene["columns"].as_array().unwrap().len()), (&"lake".into(), 4));
+    assert!(scene["plan"].as_str().unwrap().starts_with("water: "));
+    for column in scene["columns"].as_array().unwrap() {
+        assert!(column["time_s"].as_f64().unwrap() > 0.0 && column["ratio_to_unfiltered"].as_f64().unwrap() > 0.0);
+        // The grids of both 16 samples are one; only the profiles differ.
+        let is_reference = column["column"] == "16 samples";
+        assert_eq!(column["psnr_db"].as_f64().unwrap() > 60.0, is_reference, "{column}");
+        assert_eq!(column["ssim"].as_f64().unwrap() > 0.999, is_reference, "{column}");
+    }
+}
+
+#[test]
+fn a_reference_is_kept_and_a_damaged_one_drawn_again() {
+    let directory = tempfile::tempdir().unwrap();
+    let first = small(directory.path());
+    let time = |figures: &Value| figures["scenes"][0]["reference"]["time_s"].clone();
+    assert!(time(&first).is_number());
+    let again = small(directory.path());
+    assert!(time(&again).is_null());
+    let columns = |figures: &Value| {
+        let columns = figures["scenes"][0]["columns"].as_array().unwrap().clone();
+        columns.into_iter().map(|c| [c["digest"].clone(), c["psnr_db"].clone(), c["ssim"].clone()]).collect::<Vec<_>>()
+    };
+    assert_eq!(columns(&first), columns(&again));
+
+    let kept: Vec<_> = fs::read_dir(directory.path().join(".reference")).unwrap().map(|f| f.unwrap().path()).collect();
+    let [kept] = &kept[..] else { panic!("{kept:?}") };
+    let mut bytes = fs::read(kept).unwrap();
+    *bytes.last_mut().unwrap() ^= 4;
+    fs::write(kept, &bytes).unwrap();
+    let repaired = small(directory.path());
+    assert!(time(&repaired).is_number());
+    assert_eq!(columns(&first), columns(&repaired));
+}
+
+#[test]
+fn progress_ends_where_it_was_said_to_end() {
+    let directory = tempfile::tempdir().unwrap();
+    let settings = Settings { size: [70, 12], reference_edge: 2, precision: Precision::COMPACT };
+    let entry = table::entry("puzzle").unwrap();
+    for is_kept in [false, true] {
+        let done = AtomicU64::new(0);
+        let count = |_: &str, steps: u64| {
+            done.fetch_add(steps, Ordering::Relaxed);
+        };
+        let drawn = draw_scene(entry, &settings, directory.path(), count).unwrap();
+        assert_eq!(drawn.reference.time.is_none(), is_kept);
+        assert_eq!(done.into_inner(), work(entry, &settings));
+    }
+}
+
+#[test]
+fn what_the_gallery_cannot_do_ends_with_2_or_1() {
+    let directory = tempfile::tempdir().unwrap();
+    let unused = directory.path().join("unused");
+    for arguments in [
+        &["--scene", "atlantis"][..],
+        &["--size", "320"],
+        &["--samples", "15"],
+        &["--samples", "0"],
+        &["--samples", "8100"],
+        &["--threads", "0"],
+        &["--profile", "best"],
+    ] {
+        let output = gallery(&unused, arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    }
+    assert!(!unused.exists());
+    let unknown = gallery(&unused, &["--scene", "atlantis"]);
+    assert!(String::from_utf8(unknown.stderr).unwrap().contains("lake"));
+
+    let file = directory.path().join("file");
+    fs::write(&file, "").unwrap();
+    for place in [file.clone(), file.join("below")] {
+        let output = gallery(&place, &["--scene", "lake", "--size", "8x8", "--samples", "1"]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains(place.to_str().unwrap()) && !message.contains("panicked"), "{message}");
+    }
+    let taken = directory.path().join("taken");
+    fs::create_dir_all(taken.join("index.html")).unwrap();
+    let output = gallery(&taken, &["--scene", "lake", "--size", "8x8", "--samples", "1"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("index.html"));
+}
