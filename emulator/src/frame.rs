@@ -23,8 +23,9 @@ use roughxel_core::stage::blend::{REFLECTANCE, blend};
 use sha2::{Digest, Sha256};
 
 use crate::lanes::Reading;
+use crate::maps::bump::BumpPyramid;
 use crate::picture::Picture;
-use crate::plan::{Decision, Effect, Mode, ObjectPlan, frame_system};
+use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::{
     FragmentAttributes, Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles,
 };
@@ -174,12 +175,8 @@ impl<'a> Prepared<'a> {
             .par_iter()
             .map(|object| {
                 let material = &object.material;
-                let natural = frame_system(material.frame) != FrameSystem::MainDirection;
-                let bump = material
-                    .bump
-                    .as_ref()
-                    .filter(|_| environment.is_some())
-                    .map(|field| BumpMap::pyramid(field, natural, mode.filters(), &precision));
+                let bump =
+                    environment.as_ref().and_then(|_| BumpPyramid::of_material(material, mode.filters(), &precision));
                 let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
                 PreparedObject {
                     plan,

@@ -93,7 +93,7 @@ impl std::str::FromStr for Mode {
 pub struct ObjectPlan {
     /// A colour map is sampled.
     pub colour_map: bool,
-    /// A bump map is sampled.
+    /// A bump map, or a roughness map, is sampled.
     pub bump_map: bool,
     /// Colour and bump maps have a footprint.
     pub texture_footprint: bool,
@@ -106,7 +106,7 @@ impl ObjectPlan {
     pub fn new(object: &Object, bump: Option<&BumpPyramid>, has_environment: bool, mode: Mode, p: &Precision) -> Self {
         let material = &object.material;
         let reflects = has_environment && material.reflectance.iter().any(|&r| r > 0.0);
-        // A bump map moves only what is reflected.
+        // A bump or roughness map moves only what is reflected.
         let bump_map = reflects && bump.is_some();
         let lost_detail = bump.is_some_and(|bump| !bump.is_smooth());
         let roughness = if mode.filters() && lost_detail { p.roughness } else { RoughnessKind::None };
@@ -115,7 +115,7 @@ impl ObjectPlan {
             bump_map,
             texture_footprint: mode.filters(),
             reflection: reflects.then_some(ReflectionPlan {
-                bump: bump_map,
+                bump: bump_map && material.bump.is_some(),
                 frame: frame_system(material.frame),
                 roughness,
                 curvature: mode.filters() && curved_triangles(object) > 0,
@@ -177,7 +177,7 @@ impl ObjectPlan {
         let reflection = |on: fn(&ReflectionPlan) -> bool| self.reflection.as_ref().is_some_and(on);
         match effect {
             Effect::ColourTexture => self.colour_map,
-            Effect::Bump => self.bump_map,
+            Effect::Bump => reflection(|plan| plan.bump),
             Effect::Roughness => reflection(|plan| plan.roughness != RoughnessKind::None),
             Effect::Environment => self.reflection.is_some(),
             Effect::Footprint => self.texture_footprint,
@@ -185,7 +185,7 @@ impl ObjectPlan {
         }
     }
 
-    /// The plan without an effect, and without what needs it.
+    /// The plan without an effect, and without what needs it; roughness goes with the bumps.
     pub fn without(mut self, effect: Effect) -> Self {
         match effect {
             Effect::ColourTexture => self.colour_map = false,
@@ -228,15 +228,16 @@ impl ObjectPlan {
             Effect::ColourTexture => "no `colour_map`".into(),
             Effect::Environment if reflects => "`reflectance` above 0 and [environment]".into(),
             Effect::Environment => "`reflectance` is 0".into(),
-            Effect::Bump if self.bump_map => "`height_map` or `normal_map`, and the object reflects".into(),
+            Effect::Bump if self.has(effect) => "`height_map` or `normal_map`, and the object reflects".into(),
             Effect::Bump if material.bump.is_none() => "no `height_map` or `normal_map`".into(),
             Effect::Bump => "nothing is reflected that a bump could move".into(),
             Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
             Effect::Footprint => no_footprint(),
-            Effect::Roughness if !self.bump_map => "no bumps".into(),
+            Effect::Roughness if !self.bump_map => "no bumps and no `roughness_map`".into(),
             Effect::Roughness if !mode.filters() => no_footprint(),
             Effect::Roughness if p.roughness == RoughnessKind::None => "the profile has none".into(),
             Effect::Roughness => match bump.map(BumpPyramid::is_smooth) {
+                Some(false) if material.roughness.is_some() => "`roughness_map`".into(),
                 Some(false) => "levels of the bump map have lost detail".into(),
                 _ => "no level of the bump map has lost detail".into(),
             },

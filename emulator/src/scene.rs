@@ -1,7 +1,8 @@
 //! Scenes: camera, background, environment and objects, read from a TOML file or built in.
 //!
 //! `description` holds the file's keys and where each stands, `shapes` and `mesh` make triangles, `bump` makes offset
-//! vectors (S97 §7), `generate` makes the maps nobody has to download, `builtin` lists the scenes of the papers.
+//! vectors (S97 §7), `roughness` what is finer than those, `generate` makes the maps nobody has to download, `builtin`
+//! lists the scenes of the papers.
 //! Everything that comes from outside is bounded here, so that later stages see finite numbers and indices in range.
 
 mod builtin;
@@ -11,6 +12,7 @@ mod error;
 mod generate;
 mod load;
 mod mesh;
+mod roughness;
 mod shapes;
 
 use std::path::Path;
@@ -24,6 +26,7 @@ pub use builtin::{builtin_names, builtin_text};
 pub use bump::{BumpField, FrameSystem, OFFSET_LIMIT};
 pub use error::{Fault, SceneError};
 pub use mesh::MeshError;
+pub use roughness::RoughnessField;
 
 /// Largest edge of a frame in pixels.
 pub const MAX_FRAME_EDGE_PX: u32 = 16_384;
@@ -134,7 +137,9 @@ pub struct Material {
     pub colour_map: Option<Arc<Picture>>,
     /// Offsets of the normal.
     pub bump: Option<Arc<BumpField>>,
-    /// In which frame `bump` is meant.
+    /// Roughness besides `bump`: of the same size as that, or of one texel.
+    pub roughness: Option<Arc<RoughnessField>>,
+    /// In which frame `bump` and `roughness` are meant; the latter not in [`FrameSystem::Natural`].
     pub frame: FrameSystem,
     /// Main direction h of [`FrameSystem::MainDirection`]: unit, world space.
     pub main_direction: DVec3,

@@ -88,7 +88,8 @@ fn a_gallery_has_every_picture_a_whole_page_and_figures() {
     assert_eq!((&figures["samples"], &figures["width"], &figures["threads"]), (&16.into(), &32.into(), &1.into()));
     let scene = &figures["scenes"][0];
     assert_eq!((&scene["scene"], scene["columns"].as_array().unwrap().len()), (&"lake".into(), 4));
-    assert!(scene["plan"].as_str().unwrap().starts_with("water: "));
+    let plan = scene["plan"].as_str().unwrap();
+    assert!(plan.starts_with("water\n") && plan.contains("  + bump: `height_map`"), "{plan}");
     for column in scene["columns"].as_array().unwrap() {
         assert!(column["time_s"].as_f64().unwrap() > 0.0 && column["ratio_to_unfiltered"].as_f64().unwrap() > 0.0);
         // The grids of both 16 samples are one; only the profiles differ.

@@ -229,6 +229,7 @@ impl<T: Target> Word for Lanes<T> {
 /// One block of the datapath as a function of its own, compiled for the instruction set `T`. The body goes on by
 /// reference: copied, its captures would be read in other sizes than they were just written in, which stalls.
 #[inline(never)]
+#[expect(clippy::redundant_closure, reason = "only a closure can say that it is always inlined")]
 fn stage<T: Target, B>(body: impl Fn() -> B) -> B {
     T::run(
         #[inline(always)]

@@ -1,7 +1,5 @@
 //! Fetches from repeated maps: colour, and bumps with their second moments.
 
-use std::sync::Arc;
-
 use fixed::types::I4F28;
 use roughxel_core::block::Block;
 use roughxel_core::fx::Fx;
@@ -13,12 +11,10 @@ use roughxel_core::stage::filter::{Address, ProbeSum, levels, repeat_address, tr
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{axes, moments};
 
-use crate::maps::bump::{BumpOptions, BumpPyramid};
+use crate::maps::bump::BumpPyramid;
 use crate::maps::mip::{ColourPyramid, smallest_exponent};
-use crate::maps::roughness::RoughnessStorage;
 use crate::picture::Picture;
 use crate::raster::FragmentAttributes;
-use crate::scene::BumpField;
 
 use super::{Colour, MAX_MAP_EXPONENT};
 
@@ -142,21 +138,6 @@ pub(super) struct BumpMap {
 }
 
 impl BumpMap {
-    /// The pyramid of a field as the profile stores it.
-    pub(super) fn pyramid(field: &Arc<BumpField>, natural: bool, filters: bool, p: &Precision) -> BumpPyramid {
-        let kind = if filters { p.roughness } else { RoughnessKind::None };
-        let options = BumpOptions {
-            negate: natural,
-            roughness: RoughnessStorage::new(kind, p.roughness_bits),
-            base_deviation: 0.0,
-        };
-        let mut pyramid = BumpPyramid::new(field, &options);
-        if !filters {
-            pyramid.levels.truncate(1);
-        }
-        pyramid
-    }
-
     /// Decodes a pyramid into moments.
     pub(super) fn new(pyramid: BumpPyramid) -> Self {
         let format = pyramid.format;

@@ -1,8 +1,8 @@
 //! The scenes of the gallery and their columns: the papers' pictures, one entry each.
 
-use super::change::{Change, natural_frame, natural_normalised_frame};
+use super::change::{Change, isotropic_roughness, natural_frame, natural_normalised_frame};
 use super::{Column, Entry};
-use crate::plan::Mode;
+use crate::plan::{Effect, Mode};
 
 /// One sample a pixel: what times are compared with.
 pub const UNFILTERED: Column = plain("unfiltered", Mode::Unfiltered);
@@ -12,6 +12,11 @@ pub const FILTERED: Column = plain("filtered", Mode::Footprint);
 pub const SAMPLES_16: Column = plain("16 samples", Mode::Supersampled { edge: 4 });
 /// The label of a smooth surface of one colour: F92's first column.
 pub const NO_TEXTURE: &str = "no texture";
+
+/// One trilinear probe.
+const ISOTROPIC: Column = plain("isotropic", Mode::Isotropic);
+/// Roughness by its widest direction only.
+const ISOTROPIC_ROUGHNESS: Change = Change::Profile(isotropic_roughness);
 
 const fn plain(label: &'static str, mode: Mode) -> Column {
     Column { label, mode, change: Change::Nothing }
@@ -34,13 +39,13 @@ pub const ENTRIES: &[Entry] = &[
         name: "lake",
         source: "S97 Fig. 10–11",
         shows: "Waves that no pixel resolves stretch the moon's reflection towards the viewer.",
-        columns: &[UNFILTERED, plain("isotropic", Mode::Isotropic), FILTERED, SAMPLES_16],
+        columns: &[UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
     },
     Entry {
         name: "zebra",
         source: "S97 Fig. 12–13",
         shows: "Stripes all around, reflected in a flat plane with bumps far below a pixel.",
-        columns: &[UNFILTERED, plain("isotropic", Mode::Isotropic), FILTERED, SAMPLES_16],
+        columns: &[UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
     },
     Entry {
         name: "globe",
@@ -53,6 +58,36 @@ pub const ENTRIES: &[Entry] = &[
             FILTERED,
             SAMPLES_16,
         ],
+    },
+    Entry {
+        name: "cylinder-mirror",
+        source: "W97, problem section",
+        shows: "A cylinder curves in one direction only, so its reflections need an anisotropic footprint.",
+        columns: &[UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "parabola",
+        source: "W97, compensation example",
+        shows: "In a parabolic mirror seen from its focus aperture and curvature cancel, and the picture stays sharp.",
+        columns: &[UNFILTERED, changed("without curvature", Change::Without(Effect::Curvature)), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "corrugated",
+        source: "S97 §8",
+        shows: "Corrugated iron scatters across its folds only.",
+        columns: &[UNFILTERED, changed("isotropic roughness", ISOTROPIC_ROUGHNESS), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "brushed",
+        source: "S97 §8",
+        shows: "Brushed metal scatters across its scratches only.",
+        columns: &[UNFILTERED, changed("isotropic roughness", ISOTROPIC_ROUGHNESS), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "mesh",
+        source: "any OBJ with a normal map",
+        shows: "A mesh with texture coordinates, a normal map and an environment.",
+        columns: &[UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
     },
 ];
 

@@ -1,15 +1,17 @@
 //! Bump pyramid: offsets (b₁, b₂) and the roughness that replaces the bumps a level has lost (S97 §7–8).
 //!
 //! The offsets of a level are the means over the covered area of level 0, a standard mip map. Roughness is the covariance
-//! over the same area ([`roughness`](crate::maps::roughness)), both from the *quantised* offsets of level 0, so a level and its
-//! roughness describe the texels that the hardware would have fetched. Codes carry one power-of-two scale per map,
+//! over the same area ([`roughness`](crate::maps::roughness)) plus the mean of the scene's own roughness map: variances add.
+//! Both come from the *quantised* texels of level 0, so a level and its roughness describe what the hardware would have
+//! fetched. Codes carry one power-of-two scale per map,
 //! chosen as small as the map allows; decoding to the datapath's I4F28 ports is a shift.
 
 use crate::maps::mip::{for_each_level, round_ratio};
 use crate::maps::power_of_two;
-use crate::maps::roughness::{Covariance, RoughnessStorage, moments};
-use crate::scene::BumpField;
+use crate::maps::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, moments};
+use crate::scene::{BumpField, FrameSystem, Material, RoughnessField};
 use rayon::prelude::*;
+use roughxel_core::precision::{Precision, RoughnessKind};
 
 /// Fraction bits of the ports that offsets and roughness enter by (I4F28).
 pub const PORT_FRACTION_BITS: i32 = 28;
@@ -21,9 +23,6 @@ pub struct BumpOptions {
     pub negate: bool,
     /// Kind and word length of the roughness.
     pub roughness: RoughnessStorage,
-    /// Standard deviation of the offsets below the resolution of level 0, in both directions, in units of an
-    /// offset; added to the covariance of every level. 0 for a surface that is smooth between its bumps.
-    pub base_deviation: f64,
 }
 
 /// Scales of the codes of one map.
@@ -106,15 +105,43 @@ pub struct BumpPyramid {
 }
 
 impl BumpPyramid {
+    /// The pyramid a material calls for with a profile; without filters its base alone, with no roughness.
+    ///
+    /// `None` without a bump map and, where nothing is filtered or no roughness kept, without a roughness map.
+    pub fn of_material(material: &Material, filters: bool, p: &Precision) -> Option<Self> {
+        let kind = if filters { p.roughness } else { RoughnessKind::None };
+        let roughness = material.roughness.as_deref().filter(|_| kind != RoughnessKind::None);
+        let flat;
+        let field = match (material.bump.as_deref(), roughness) {
+            (Some(bump), _) => bump,
+            (None, Some(roughness)) => {
+                let (width, height) = (roughness.width, roughness.height);
+                flat = BumpField { width, height, offsets: vec![[0.0; 2]; roughness.factors.len()] };
+                &flat
+            }
+            (None, None) => return None,
+        };
+        let options = BumpOptions {
+            negate: material.frame != FrameSystem::MainDirection,
+            roughness: RoughnessStorage::new(kind, p.roughness_bits),
+        };
+        let mut pyramid = Self::new(field, roughness, &options);
+        if !filters {
+            pyramid.levels.truncate(1);
+        }
+        Some(pyramid)
+    }
+
     /// Quantises a field to 16-bit offsets and builds all levels with their roughness.
     ///
     /// Rounding: offsets to nearest, ties up before the sign is applied (so negated maps mirror each other), once
     /// for level 0 and once from its exact sums for every other level; roughness as its storage says. Level 0 has
-    /// roughness only where `base_deviation` is not 0.
+    /// roughness only where `roughness` has.
     ///
     /// # Panics
-    /// If `field` has no texels, or not `width · height` of them.
-    pub fn new(field: &BumpField, options: &BumpOptions) -> Self {
+    /// If `field` has no texels, or not `width · height` of them; if `roughness` has neither one texel nor the size of
+    /// `field`.
+    pub fn new(field: &BumpField, roughness: Option<&RoughnessField>, options: &BumpOptions) -> Self {
         let (width, height) = (field.width, field.height);
         assert!(width > 0 && field.offsets.len() == width as usize * height as usize);
         let offset_exponent = smallest_offset_exponent(&field.offsets);
@@ -125,42 +152,44 @@ impl BumpPyramid {
 
         let storage = options.roughness;
         let lsb = power_of_two(offset_exponent - 15);
-        let base_variance = (options.base_deviation / lsb) * (options.base_deviation / lsb);
-        let components = |covariance: Covariance| {
-            storage.components(covariance.plus_isotropic(base_variance)).map(|component| component * lsb)
+        let added = roughness.map(|roughness| {
+            let fits = roughness.factors.len() == 1 || (roughness.width, roughness.height) == (width, height);
+            assert!(fits, "a roughness map has one texel or the size of the bump map");
+            AddedRoughness::new(roughness, lsb)
+        });
+        // In units of an offset.
+        let components = |level: usize, index: usize, lost: Covariance| {
+            let covariance = added.as_ref().map_or(lost, |added| lost.plus(added.texel(level, index)));
+            storage.components(covariance).map(|component| component * lsb)
         };
-        let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
         let mut levels = vec![BumpLevel { width, height, offsets: Vec::new(), roughness: Vec::new() }];
-        // Components in units of an offset; level 0 has the same in all texels.
-        let base_components = components(smooth);
-        let mut lost = vec![Vec::new()];
+        let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
+        let base_texels = if added.is_some() { offsets.len() } else { 0 };
+        let mut lost: Vec<Vec<[f64; 3]>> =
+            vec![(0..base_texels).into_par_iter().map(|index| components(0, index, smooth)).collect()];
         for_each_level(
             width,
             height,
             |index| moments(offsets[index]),
             |sums| {
                 let mean = |sum: i64| round_ratio(sum, sums.area) as i16;
+                let level = levels.len();
                 levels.push(BumpLevel {
                     width: sums.width,
                     height: sums.height,
                     offsets: sums.sums.par_iter().map(|sums| [mean(sums[0]), mean(sums[1])]).collect(),
                     roughness: Vec::new(),
                 });
-                lost.push(
-                    sums.sums.par_iter().map(|moments| components(Covariance::of(*moments, sums.area))).collect(),
-                );
+                let texels = sums.sums.par_iter().enumerate();
+                let covariance = |moments: &Moments| Covariance::of(*moments, sums.area);
+                lost.push(texels.map(|(index, moments)| components(level, index, covariance(moments))).collect());
             },
         );
         levels[0].offsets = offsets;
 
-        let largest =
-            lost.iter().flatten().chain([&base_components]).flatten().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+        let largest = lost.iter().flatten().flatten().fold(0.0, |largest: f64, d| largest.max(d.abs()));
         let roughness_exponent = storage.smallest_exponent(largest);
-        let base_codes = storage.quantise(base_components, roughness_exponent);
-        if base_codes != [0; 3] {
-            levels[0].roughness = vec![base_codes; levels[0].offsets.len()];
-        }
-        for (level, lost) in levels.iter_mut().zip(&lost).skip(1) {
+        for (level, lost) in levels.iter_mut().zip(&lost) {
             let codes: Vec<_> =
                 lost.par_iter().map(|components| storage.quantise(*components, roughness_exponent)).collect();
             if codes.iter().any(|codes| *codes != [0; 3]) {
@@ -211,7 +240,6 @@ fn smallest_offset_exponent(offsets: &[[f32; 2]]) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::maps::roughness::RoughnessKind;
 
     fn field(width: u32, height: u32, offset: impl Fn(u32, u32) -> [f32; 2]) -> BumpField {
         BumpField {
@@ -222,7 +250,7 @@ mod tests {
     }
 
     fn options(kind: RoughnessKind, bits: u32) -> BumpOptions {
-        BumpOptions { negate: false, roughness: RoughnessStorage::new(kind, bits), base_deviation: 0.0 }
+        BumpOptions { negate: false, roughness: RoughnessStorage::new(kind, bits) }
     }
 
     /// Offsets without structure, within ±1.
@@ -274,7 +302,7 @@ mod tests {
         for (width, height) in [(1, 1), (2, 2), (16, 16), (7, 7), (13, 4), (1, 9), (37, 5), (20, 12)] {
             for bits in [8, 12, 16] {
                 let pyramid =
-                    BumpPyramid::new(&field(width, height, noise), &options(RoughnessKind::Anisotropic, bits));
+                    BumpPyramid::new(&field(width, height, noise), None, &options(RoughnessKind::Anisotropic, bits));
                 let lsb = power_of_two(pyramid.format.roughness_exponent - bits as i32);
                 for (l, level) in pyramid.levels.iter().enumerate() {
                     for y in 0..level.height {
@@ -304,7 +332,7 @@ mod tests {
     #[test]
     fn the_recursion_of_s97_needs_its_plus_and_equals_the_covariance() {
         // One step by S97 §8 from the K of level 1 and the exact means; 8×8 → level 2, with and without the plus.
-        let pyramid = BumpPyramid::new(&field(8, 8, noise), &options(RoughnessKind::Anisotropic, 16));
+        let pyramid = BumpPyramid::new(&field(8, 8, noise), None, &options(RoughnessKind::Anisotropic, 16));
         let k1: Vec<[f64; 3]> = (0..16).map(|index| covariance_over_area(&pyramid, 1, index % 4, index / 4)).collect();
         let mean = |level: usize, x: u32, y: u32| {
             let size = 8 >> pyramid.levels[level].width.ilog2();
@@ -351,7 +379,7 @@ mod tests {
                 [wave * cos, wave * sin]
             });
             for bits in [2, 4, 8, 16] {
-                let pyramid = BumpPyramid::new(&corrugated, &options(RoughnessKind::Anisotropic, bits));
+                let pyramid = BumpPyramid::new(&corrugated, None, &options(RoughnessKind::Anisotropic, bits));
                 let lsb = power_of_two(pyramid.format.roughness_exponent - bits as i32);
                 let decoded = pyramid.levels[1].texel(0, 0).decode(&pyramid.format);
                 let [a, b, c] = covariance(&decoded);
@@ -368,7 +396,7 @@ mod tests {
     #[test]
     fn waves_along_u_alone_leave_d2_and_d3_zero() {
         let waves = field(4, 4, |x, _| [if x % 2 == 0 { 0.5 } else { -0.5 }, 0.25]);
-        let pyramid = BumpPyramid::new(&waves, &options(RoughnessKind::Anisotropic, 8));
+        let pyramid = BumpPyramid::new(&waves, None, &options(RoughnessKind::Anisotropic, 8));
         let decoded = pyramid.levels[1].texel(1, 1).decode(&pyramid.format);
         assert_eq!(decoded.roughness, [1 << 27, 0, 0]);
         assert_eq!(decoded.offset, [0, 1 << 26]);
@@ -379,7 +407,7 @@ mod tests {
         let waves = field(2, 2, |x, _| if x == 0 { [0.5, -0.25] } else { [-0.5, 0.25] });
         for negate in [false, true] {
             let options = BumpOptions { negate, ..options(RoughnessKind::Anisotropic, 8) };
-            let pyramid = BumpPyramid::new(&waves, &options);
+            let pyramid = BumpPyramid::new(&waves, None, &options);
             let decoded = pyramid.levels[1].texel(0, 0).decode(&pyramid.format);
             assert_eq!(decoded.roughness, [0, -(1 << 27), 1 << 26]);
         }
@@ -388,8 +416,8 @@ mod tests {
     #[test]
     fn negated_maps_mirror_each_other_bit_by_bit() {
         let options = |negate| BumpOptions { negate, ..options(RoughnessKind::Anisotropic, 8) };
-        let plus = BumpPyramid::new(&field(9, 5, noise), &options(false));
-        let minus = BumpPyramid::new(&field(9, 5, noise), &options(true));
+        let plus = BumpPyramid::new(&field(9, 5, noise), None, &options(false));
+        let minus = BumpPyramid::new(&field(9, 5, noise), None, &options(true));
         assert_eq!(plus.format, minus.format);
         for (plus, minus) in plus.levels[0].offsets.iter().zip(&minus.levels[0].offsets) {
             assert_eq!(plus.map(|b| -b), *minus);
@@ -403,7 +431,7 @@ mod tests {
     fn flat_maps_have_no_roughness_at_any_level() {
         for (width, height) in [(1, 1), (8, 8), (7, 3)] {
             let flat = field(width, height, |_, _| [0.3, -0.7]);
-            let pyramid = BumpPyramid::new(&flat, &options(RoughnessKind::Anisotropic, 16));
+            let pyramid = BumpPyramid::new(&flat, None, &options(RoughnessKind::Anisotropic, 16));
             assert!(pyramid.is_smooth());
             let last = pyramid.levels.len() - 1;
             assert!(!pyramid.lost_detail(last));
@@ -416,31 +444,74 @@ mod tests {
         // Two texels a period along u only: level 0 shows all, level 1 nothing.
         let pyramid = BumpPyramid::new(
             &field(8, 8, |x, _| [if x < 4 { 0.5 } else { -0.5 }, 0.0]),
+            None,
             &options(RoughnessKind::Isotropic, 8),
         );
         let lost: Vec<_> = (0..5).map(|level| pyramid.lost_detail(level)).collect();
         assert_eq!(lost, [false, false, false, true, false]);
-        let averaged = BumpPyramid::new(&field(8, 8, noise), &options(RoughnessKind::None, 8));
+        let averaged = BumpPyramid::new(&field(8, 8, noise), None, &options(RoughnessKind::None, 8));
         assert!(averaged.is_smooth());
     }
 
     #[test]
-    fn base_roughness_reaches_every_level_and_adds_variances() {
-        let options = BumpOptions { base_deviation: 0.3, ..options(RoughnessKind::Anisotropic, 16) };
+    fn a_roughness_map_reaches_every_level_and_variances_add() {
         let waves = field(2, 2, |x, _| [if x == 0 { 0.4 } else { -0.4 }, 0.0]);
-        let pyramid = BumpPyramid::new(&waves, &options);
-        assert!(pyramid.lost_detail(0) && pyramid.lost_detail(1));
-        let [d1, d2, d3] = pyramid.levels[1].texel(0, 0).decode(&pyramid.format).roughness;
-        // √(0.4² + 0.3²); half a step of 2⁻¹⁶ from D, and of the 16-bit offsets.
-        assert!((real(d1) - 0.5).abs() <= power_of_two(-16));
-        assert_eq!(d2, 0);
-        assert!((real(d3) - 0.3).abs() <= power_of_two(-17));
+        let uniform = RoughnessField { width: 1, height: 1, factors: vec![[0.3, 0.0, 0.3]] };
+        let varied =
+            RoughnessField { factors: vec![[0.3, 0.0, 0.1], [0.0; 3], [0.0; 3], [0.3, 0.0, 0.5]], ..map(2, 2) };
+        for (roughness, level_0, d3) in [(uniform, [0.3, 0.3], 0.3_f64), (varied, [0.3, 0.1], 0.065_f64.sqrt())] {
+            let pyramid = BumpPyramid::new(&waves, Some(&roughness), &options(RoughnessKind::Anisotropic, 16));
+            let factor = |level: usize| pyramid.levels[level].texel(0, 0).decode(&pyramid.format).roughness.map(real);
+            // Half a step of 2⁻¹⁶ from D, twice that from the 16-bit offsets and factors of the map.
+            let near = |a: f64, b: f64| (a - b).abs() <= 1.5 * power_of_two(-16);
+            assert!(near(factor(0)[0], level_0[0]) && near(factor(0)[2], level_0[1]), "{:?}", factor(0));
+            // Mean of the map's variances along u: 0.3² or half of it.
+            let d1 = if roughness.factors.len() == 1 { 0.5 } else { (0.16 + 0.045_f64).sqrt() };
+            assert!(near(factor(1)[0], d1) && factor(1)[1] == 0.0 && near(factor(1)[2], d3), "{:?}", factor(1));
+        }
+    }
+
+    /// A roughness map without roughness.
+    fn map(width: u32, height: u32) -> RoughnessField {
+        RoughnessField { width, height, factors: vec![[0.0; 3]; (width * height) as usize] }
+    }
+
+    #[test]
+    fn a_roughness_map_of_zeros_changes_no_bit() {
+        for kind in [RoughnessKind::Anisotropic, RoughnessKind::Isotropic, RoughnessKind::None] {
+            let (bumps, options) = (field(13, 5, noise), options(kind, 8));
+            let bare = BumpPyramid::new(&bumps, None, &options);
+            assert_eq!(BumpPyramid::new(&bumps, Some(&map(13, 5)), &options), bare);
+            assert_eq!(BumpPyramid::new(&bumps, Some(&map(1, 1)), &options), bare);
+        }
+    }
+
+    #[test]
+    fn bumps_as_bumps_and_as_a_roughness_map_are_the_same_roughness_above_them() {
+        // The covariance of each 2×2 block as a map of half the size, under its means.
+        let fine = BumpPyramid::new(&field(16, 16, noise), None, &options(RoughnessKind::Anisotropic, 16));
+        let means = field(8, 8, |x, y| fine.levels[1].texel(x, y).decode(&fine.format).offset.map(|b| real(b) as f32));
+        let factors = (0..64).map(|index| {
+            fine.levels[1].texel(index % 8, index / 8).decode(&fine.format).roughness.map(|d| real(d) as f32)
+        });
+        let roughness = RoughnessField { width: 8, height: 8, factors: factors.collect() };
+        let coarse = BumpPyramid::new(&means, Some(&roughness), &options(RoughnessKind::Anisotropic, 16));
+        for level in 1..5 {
+            let (size, lsb) = (fine.levels[level].width, power_of_two(-15));
+            for index in 0..size * size {
+                let (x, y) = (index % size, index / size);
+                let wanted = covariance(&fine.levels[level].texel(x, y).decode(&fine.format));
+                let found = covariance(&coarse.levels[level - 1].texel(x, y).decode(&coarse.format));
+                // Means and factors of |·| ≤ 1 were each rounded twice to 16 bits.
+                assert!((0..3).all(|k| (wanted[k] - found[k]).abs() < 4.0 * lsb), "{wanted:?} {found:?}");
+            }
+        }
     }
 
     #[test]
     fn offsets_beyond_8_saturate_and_are_counted() {
         let steep = field(2, 1, |x, _| if x == 0 { [1e9, f32::NAN] } else { [-8.0, 2.0] });
-        let pyramid = BumpPyramid::new(&steep, &options(RoughnessKind::Anisotropic, 16));
+        let pyramid = BumpPyramid::new(&steep, None, &options(RoughnessKind::Anisotropic, 16));
         assert_eq!(pyramid.saturated, 2);
         assert_eq!(pyramid.format.offset_exponent, 3);
         let texel = |x| pyramid.levels[0].texel(x, 0).decode(&pyramid.format).offset;
@@ -453,7 +524,9 @@ mod tests {
     #[test]
     fn the_scale_is_the_smallest_that_holds_the_map() {
         let exponent = |b: f32| {
-            BumpPyramid::new(&field(1, 1, |_, _| [b, 0.0]), &options(RoughnessKind::None, 8)).format.offset_exponent
+            BumpPyramid::new(&field(1, 1, |_, _| [b, 0.0]), None, &options(RoughnessKind::None, 8))
+                .format
+                .offset_exponent
         };
         assert_eq!(exponent(0.0), -13);
         assert_eq!(exponent(0.9), 0);
@@ -487,7 +560,7 @@ mod tests {
 
     #[test]
     fn isotropic_roughness_is_at_least_the_largest_deviation() {
-        let pyramid = BumpPyramid::new(&field(16, 9, noise), &options(RoughnessKind::Isotropic, 8));
+        let pyramid = BumpPyramid::new(&field(16, 9, noise), None, &options(RoughnessKind::Isotropic, 8));
         let lsb = power_of_two(pyramid.format.roughness_exponent - 8);
         for (l, level) in pyramid.levels.iter().enumerate().skip(1) {
             for y in 0..level.height {
@@ -508,7 +581,7 @@ mod tests {
     fn texels_do_not_depend_on_the_number_of_threads() {
         let build = |threads| {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().map(|pool| {
-                pool.install(|| BumpPyramid::new(&field(100, 63, noise), &options(RoughnessKind::Anisotropic, 8)))
+                pool.install(|| BumpPyramid::new(&field(100, 63, noise), None, &options(RoughnessKind::Anisotropic, 8)))
             })
         };
         assert_eq!(build(1).ok(), build(3).ok());

@@ -7,7 +7,9 @@
 //! the root of a covariance. c = 0 means d₂ = 0, d₁ = √a. Isotropic maps store I₁, the root of the larger eigenvalue,
 //! rounded up: never smoother than the surface.
 
+use crate::maps::mip::for_each_level;
 use crate::maps::power_of_two;
+use crate::scene::RoughnessField;
 pub use roughxel_core::precision::RoughnessKind;
 
 /// Kind and word length of stored roughness.
@@ -105,9 +107,9 @@ impl Covariance {
         Self { a: entry(s11, s1, s1), b: entry(s12, s1, s2), c: entry(s22, s2, s2) }
     }
 
-    /// The same plus a constant variance in both directions.
-    pub(crate) fn plus_isotropic(self, variance: f64) -> Self {
-        Self { a: self.a + variance, b: self.b, c: self.c + variance }
+    /// The covariance of two independent deviations together: variances add.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self { a: self.a + other.a, b: self.b + other.b, c: self.c + other.c }
     }
 
     /// d₁ = √(a − b²/c), d₂ = b/√c, d₃ = √c; for c = 0, d₁ = √a, d₂ = d₃ = 0 (erratum 13).
@@ -127,6 +129,46 @@ impl Covariance {
         let difference = self.a - self.c;
         let root = (difference * difference + 4.0 * self.b * self.b).sqrt();
         ((self.a + self.c + root) / 2.0).sqrt()
+    }
+}
+
+/// Fraction bits of the factors of a roughness map before they are averaged.
+const MAP_BITS: u32 = 16;
+
+/// The covariance a roughness map adds on every level: the mean of its K = D Dᵀ over the area of a texel (erratum 15).
+pub(crate) struct AddedRoughness {
+    levels: Vec<Vec<Covariance>>,
+}
+
+impl AddedRoughness {
+    /// The means of a map, in squared units of `lsb`, a power of two.
+    ///
+    /// Factors are rounded to 16 bits first (one code is at most 2⁻¹³); their squares, below 2^33, are summed exactly.
+    pub(crate) fn new(field: &RoughnessField, lsb: f64) -> Self {
+        let storage = RoughnessStorage::new(RoughnessKind::Anisotropic, MAP_BITS);
+        let largest = field.factors.iter().flatten().fold(0.0, |largest: f64, d| largest.max(f64::from(d.abs())));
+        let exponent = storage.smallest_exponent(largest);
+        let codes: Vec<[i32; 3]> =
+            field.factors.iter().map(|factor| storage.quantise(factor.map(f64::from), exponent)).collect();
+        let unit = power_of_two(exponent - MAP_BITS as i32) / lsb;
+        let squares = |index: usize| {
+            let [d1, d2, d3] = codes[index].map(i64::from);
+            [d1 * d1 + d2 * d2, d2 * d3, d3 * d3]
+        };
+        let covariance = |sums: [i64; 3], area: i64| {
+            let [a, b, c] = sums.map(|sum| sum as f64 / area as f64 * (unit * unit));
+            Covariance { a, b, c }
+        };
+        let mut levels = vec![(0..codes.len()).map(|index| covariance(squares(index), 1)).collect()];
+        for_each_level(field.width, field.height, squares, |sums| {
+            levels.push(sums.sums.iter().map(|&texel| covariance(texel, sums.area)).collect());
+        });
+        Self { levels }
+    }
+
+    /// What is added to a texel of a level of the bump map; a map of one texel is the same everywhere.
+    pub(crate) fn texel(&self, level: usize, index: usize) -> Covariance {
+        if self.levels.len() == 1 { self.levels[0][0] } else { self.levels[level][index] }
     }
 }
 

@@ -57,6 +57,7 @@ fn object(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Object {
             colour: [1.0; 3],
             colour_map: None,
             bump: None,
+            roughness: None,
             frame: FrameSystem::MainDirection,
             main_direction: DVec3::Y,
             reflectance: [0.0; 3],

@@ -1,11 +1,16 @@
 //! The built-in scenes: those of the papers, with maps the program generates.
 
 /// Name and text of each scene.
-const SCENES: [(&str, &str); 5] = [
+const SCENES: [(&str, &str); 10] = [
     ("lake", include_str!("../../scenes/lake.toml")),
     ("zebra", include_str!("../../scenes/zebra.toml")),
     ("puzzle", include_str!("../../scenes/puzzle.toml")),
     ("globe", include_str!("../../scenes/globe.toml")),
+    ("cylinder-mirror", include_str!("../../scenes/cylinder-mirror.toml")),
+    ("parabola", include_str!("../../scenes/parabola.toml")),
+    ("corrugated", include_str!("../../scenes/corrugated.toml")),
+    ("brushed", include_str!("../../scenes/brushed.toml")),
+    ("mesh", include_str!("../../scenes/mesh.toml")),
     ("shapes", include_str!("../../scenes/shapes.toml")),
 ];
 

@@ -75,21 +75,11 @@ impl BumpField {
     }
 
     /// Offsets of a tangent-space normal map (red +u, green +v as in OpenGL, blue outwards), and how many were clamped.
-    ///
-    /// 8-bit maps mean zero by 128 and ±1 by 128 ± 127, so that the usual neutral (128, 128, 255) is exactly flat;
-    /// deeper maps run from −1 to 1 over their whole range.
     pub(super) fn from_normals(normals: &Picture) -> (Self, usize) {
-        let is_8_bit = normals.pixels.iter().flatten().all(|value| {
-            let code = value * 255.0;
-            // A code of 16 bits that is none of 8 is at least 1/257 away; rounding of value·255 is 2e-5.
-            (code - code.round()).abs() < 1e-3
-        });
-        let signed = |value: f32| {
-            if is_8_bit { ((value * 255.0).round() - 128.0) / 127.0 } else { 2.0 * value - 1.0 }
-        };
+        let signed = signed_decoder(normals);
         let (width, height) = (normals.width as usize, normals.height as usize);
         let offsets = (0..height).rev().flat_map(|row| &normals.pixels[row * width..(row + 1) * width]).map(|pixel| {
-            let [x, y, z] = pixel.map(signed);
+            let [x, y, z] = pixel.map(&signed);
             let length = (x * x + y * y + z * z).sqrt();
             if length == 0.0 {
                 return [0.0, 0.0];
@@ -111,6 +101,19 @@ impl BumpField {
             .collect();
         (Self { width: picture.width, height: picture.height, offsets }, clamped)
     }
+}
+
+/// From a value of `picture` to −1…1.
+///
+/// 8-bit maps mean zero by 128 and ±1 by 128 ± 127, so that the usual neutral (128, 128, 255) is exactly flat;
+/// deeper maps run from −1 to 1 over their whole range.
+pub(super) fn signed_decoder(picture: &Picture) -> impl Fn(f32) -> f32 + use<> {
+    let is_8_bit = picture.pixels.iter().flatten().all(|value| {
+        let code = value * 255.0;
+        // A code of 16 bits that is none of 8 is at least 1/257 away; rounding of value·255 is 2e-5.
+        (code - code.round()).abs() < 1e-3
+    });
+    move |value| if is_8_bit { ((value * 255.0).round() - 128.0) / 127.0 } else { 2.0 * value - 1.0 }
 }
 
 #[cfg(test)]

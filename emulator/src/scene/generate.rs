@@ -1,4 +1,4 @@
-//! Maps the program makes itself: height maps, colour maps, environments.
+//! What the program makes itself: height, normal, roughness and colour maps, environments, a mesh.
 //!
 //! A generator is a pure function of its parameters. This file asks the scene for them, with defaults and ranges;
 //! `emulator/scenes/README.md` lists them, and a test holds the two together.
@@ -7,7 +7,11 @@ mod colour;
 mod environment;
 mod font;
 mod height;
+mod knot;
 pub(super) mod maths;
+mod normal;
+mod relief;
+mod roughness;
 
 use std::ops::Range;
 
@@ -20,11 +24,20 @@ use crate::picture::Picture;
 const SIZES: std::ops::RangeInclusive<u32> = 4..=4096;
 /// Brightest value of an environment's colour, where white is 1.
 const BRIGHTEST: f64 = 1000.0;
+/// Largest standard deviation of a roughness map: the ports hold values below 8, and bumps come on top.
+pub(super) const MAX_DEVIATION: f64 = 4.0;
 
 /// Names of generated height maps.
-const HEIGHT_MAPS: [&str; 4] = ["waves", "ripples", "bumps", "earth"];
+const HEIGHT_MAPS: [&str; 10] =
+    ["waves", "ripples", "bumps", "earth", "brushed", "corrugated", "grooves", "hemispheres", "cylinders", "denim"];
+/// Names of generated normal maps.
+const NORMAL_MAPS: [&str; 1] = ["hammered"];
+/// Name of the one generated roughness that is no picture.
+pub(super) const UNIFORM_ROUGHNESS: &str = "uniform";
+/// Names of generated meshes.
+const MESHES: [&str; 1] = ["knot"];
 /// Names of generated colour maps.
-const COLOUR_MAPS: [&str; 4] = ["checker", "noise", "writing", "earth"];
+const COLOUR_MAPS: [&str; 5] = ["checker", "noise", "writing", "earth", "denim"];
 /// Names of generated environments.
 const ENVIRONMENTS: [&str; 5] = ["moon", "zebra", "checker", "sky", "studio"];
 
@@ -56,8 +69,54 @@ pub(super) fn height_map(arguments: &Arguments<'_>, name: &str, span: Range<usiz
             gain: arguments.number("gain", 0.5, 0.0..=1.0)?,
         })),
         "earth" => Ok(height::earth(&earth(arguments)?)),
+        "brushed" => Ok(relief::brushed(&relief::Brushed {
+            size: arguments.whole("size", 512, SIZES)?,
+            seed: seed(arguments)?,
+            scratches: arguments.whole("scratches", 2000, 1..=20_000)?,
+            length: arguments.number("length", 0.5, 0.01..=1.0)?,
+            width_texels: arguments.number("width_texels", 4.0, 2.0..=16.0)?,
+            spread_degrees: arguments.number("spread_degrees", 2.0, 0.0..=30.0)?,
+        })),
+        "corrugated" => Ok(relief::corrugated(&profile(arguments)?)),
+        "grooves" => Ok(relief::grooves(&profile(arguments)?)),
+        "hemispheres" => Ok(relief::hemispheres(&round(arguments)?)),
+        "cylinders" => Ok(relief::cylinders(&round(arguments)?)),
+        "denim" => Ok(relief::denim(&denim(arguments)?)),
         _ => Err(unknown(arguments, "height map", name, span, &HEIGHT_MAPS)),
     }
+}
+
+/// The generated normal map `name`: (n + 1)/2 in tangent space, repeating without a seam.
+pub(super) fn normal_map(arguments: &Arguments<'_>, name: &str, span: Range<usize>) -> Result<Picture, SceneError> {
+    match name {
+        "hammered" => Ok(normal::hammered(&normal::Hammered {
+            size: arguments.whole("size", 512, SIZES)?,
+            seed: seed(arguments)?,
+            dents: arguments.whole("dents", 8, 2..=256)?,
+            slope: arguments.number("slope", 0.25, 0.0..=2.0)?,
+        })),
+        _ => Err(unknown(arguments, "normal map", name, span, &NORMAL_MAPS)),
+    }
+}
+
+/// d₁, d₂, d₃ of the roughness [`UNIFORM_ROUGHNESS`].
+pub(super) fn uniform_roughness(arguments: &Arguments<'_>) -> Result<[f64; 3], SceneError> {
+    let uniform = roughness::Uniform {
+        along: arguments.number("along", 0.1, 0.0..=MAX_DEVIATION)?,
+        across: arguments.number("across", 0.1, 0.0..=MAX_DEVIATION)?,
+        direction_degrees: arguments.number("direction_degrees", 0.0, -360.0..=360.0)?,
+    };
+    Ok(uniform.factor())
+}
+
+/// The OBJ text of the generated mesh `name`; `None` for a name that is not known.
+pub(super) fn mesh_text(name: &str) -> Option<String> {
+    (name == "knot").then(knot::knot)
+}
+
+/// The generated meshes, for messages.
+pub(super) fn mesh_names() -> String {
+    MESHES.join(", ")
 }
 
 /// The generated colour map `name`, linear.
@@ -76,6 +135,11 @@ pub(super) fn colour_map(arguments: &Arguments<'_>, name: &str, span: Range<usiz
         })),
         "writing" => writing(arguments),
         "earth" => Ok(colour::earth(&earth(arguments)?, arguments.number("graticule_degrees", 15.0, 0.0..=90.0)?)),
+        "denim" => {
+            let denim = denim(arguments)?;
+            let warp = arguments.colour("warp", [0.03, 0.06, 0.2], 1.0)?;
+            Ok(colour::denim(&denim, [warp, arguments.colour("weft", [0.55, 0.55, 0.5], 1.0)?]))
+        }
         _ => Err(unknown(arguments, "colour map", name, span, &COLOUR_MAPS)),
     }
 }
@@ -191,6 +255,30 @@ fn earth(arguments: &Arguments<'_>) -> Result<height::Earth, SceneError> {
     })
 }
 
+fn profile(arguments: &Arguments<'_>) -> Result<relief::Profile, SceneError> {
+    let periods = [arguments.whole("periods_u", 8, 0..=1024)?, arguments.whole("periods_v", 0, 0..=1024)?];
+    if periods == [0; 2] {
+        return Err(arguments.error("the profile has no period", "give `periods_u` or `periods_v` above 0"));
+    }
+    Ok(relief::Profile { size: arguments.whole("size", 512, SIZES)?, periods })
+}
+
+fn round(arguments: &Arguments<'_>) -> Result<relief::Round, SceneError> {
+    Ok(relief::Round {
+        size: arguments.whole("size", 512, SIZES)?,
+        count: arguments.whole("count", 4, 1..=1024)?,
+        rim: arguments.number("rim", 0.9, 0.01..=0.98)?,
+    })
+}
+
+fn denim(arguments: &Arguments<'_>) -> Result<relief::Denim, SceneError> {
+    Ok(relief::Denim {
+        size: arguments.whole("size", 512, SIZES)?,
+        threads: arguments.whole("threads", 16, 4..=1024)?,
+        twist: arguments.number("twist", 0.1, 0.0..=1.0)?,
+    })
+}
+
 fn seed(arguments: &Arguments<'_>) -> Result<u32, SceneError> {
     arguments.whole("seed", 1, 0..=u32::MAX)
 }
@@ -232,8 +320,13 @@ mod tests {
 
     type Maker = fn(&Arguments<'_>, &str, Range<usize>) -> Result<Vec<Picture>, SceneError>;
 
-    const MAKERS: [(&[&str], Maker); 3] = [
+    const MAKERS: [(&[&str], Maker); 5] = [
         (&HEIGHT_MAPS, |arguments, name, span| height_map(arguments, name, span).map(|picture| vec![picture])),
+        (&NORMAL_MAPS, |arguments, name, span| normal_map(arguments, name, span).map(|picture| vec![picture])),
+        (&[UNIFORM_ROUGHNESS], |arguments, _, _| {
+            let d = uniform_roughness(arguments)?.map(|d| d as f32);
+            Ok(vec![Picture { width: 1, height: 1, pixels: vec![d] }])
+        }),
         (&COLOUR_MAPS, |arguments, name, span| colour_map(arguments, name, span).map(|picture| vec![picture])),
         (&ENVIRONMENTS, |arguments, name, span| environment(arguments, name, span).map(|faces| faces.to_vec())),
     ];

@@ -14,12 +14,16 @@ use super::description::{
     ArgumentTable, Arguments, BackgroundDescription, CameraDescription, FrameName, MaterialDescription,
     ObjectDescription, OneOrThree, ShapeName, Source,
 };
-use super::generate::{colour_map, environment, height_map};
-use super::mesh::{MAX_TRIANGLES, ObjMesh, read_obj};
+use super::generate::{
+    MAX_DEVIATION, UNIFORM_ROUGHNESS, colour_map, environment, height_map, mesh_names, mesh_text, normal_map,
+    uniform_roughness,
+};
+use super::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
+use super::roughness::RoughnessChannels;
 use super::shapes::{MAX_SEGMENTS, Placement, Shape};
 use super::{
     Background, BumpField, Camera, EnvironmentSource, FrameSystem, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS,
-    MAX_SCENE_BYTES, Material, Mesh, Object, Scene, SceneError, frame_size_is_allowed,
+    MAX_SCENE_BYTES, Material, Mesh, Object, RoughnessField, Scene, SceneError, frame_size_is_allowed,
 };
 use crate::maps::environment::faces_from_equirectangular;
 use crate::picture::{Encoding, Picture, read_exr, read_png};
@@ -60,8 +64,13 @@ pub(super) fn from_file(path: &Path) -> Result<Scene, SceneError> {
 pub(super) fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Scene, SceneError> {
     let source = Source::new(label, text, base_dir);
     let description = source.parse()?;
-    let mut loader =
-        Loader { source: &source, colour_maps: HashMap::new(), bumps: HashMap::new(), warnings: Vec::new() };
+    let mut loader = Loader {
+        source: &source,
+        colour_maps: HashMap::new(),
+        bumps: HashMap::new(),
+        roughness: HashMap::new(),
+        warnings: Vec::new(),
+    };
     let camera = loader.camera(&description.camera)?;
     let environment = description.environment.as_ref().map(|table| loader.environment(table)).transpose()?;
     let background = loader.background(description.background.as_ref(), environment.is_some())?;
@@ -82,6 +91,7 @@ struct Loader<'a> {
     source: &'a Source,
     colour_maps: HashMap<String, Arc<Picture>>,
     bumps: HashMap<String, Arc<BumpField>>,
+    roughness: HashMap<String, Arc<RoughnessField>>,
     warnings: Vec<String>,
 }
 
@@ -91,6 +101,7 @@ enum PictureUse {
     Colour,
     Height,
     Normal,
+    Roughness,
 }
 
 impl Loader<'_> {
@@ -232,10 +243,10 @@ impl Loader<'_> {
             (Some((path, span)), None, PictureUse::Colour) => self.read_picture(path, span, Encoding::Srgb)?,
             (Some((path, span)), None, _) => self.read_picture(path, span, Encoding::Linear)?,
             (None, Some((name, span)), PictureUse::Colour) => colour_map(arguments, name, span)?,
-            (None, Some((name, span)), PictureUse::Height) => height_map(arguments, name, span)?,
-            (None, Some((_, span)), PictureUse::Normal) => {
-                let help = "use `height_map` with `generate`, or `path`";
-                return Err(arguments.error_at(span, "normal maps are not generated", help));
+            (None, Some((name, span)), PictureUse::Normal) => normal_map(arguments, name, span)?,
+            // The grey of a height map is as good for a deviation as for a height.
+            (None, Some((name, span)), PictureUse::Height | PictureUse::Roughness) => {
+                height_map(arguments, name, span)?
             }
             _ => {
                 return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));
@@ -294,16 +305,21 @@ impl Loader<'_> {
             ("size", object.size.as_ref().map(Spanned::span)),
             ("radius", object.radius.as_ref().map(Spanned::span)),
             ("height", object.height.as_ref().map(Spanned::span)),
+            ("arc_degrees", object.arc_degrees.as_ref().map(Spanned::span)),
             ("focal_length", object.focal_length.as_ref().map(Spanned::span)),
+            ("depth", object.depth.as_ref().map(Spanned::span)),
+            ("folds", object.folds.as_ref().map(Spanned::span)),
             ("segments", object.segments.as_ref().map(Spanned::span)),
             ("path", object.path.as_ref().map(Spanned::span)),
+            ("generate", object.generate.as_ref().map(Spanned::span)),
         ];
         let known: &[&str] = match shape_name {
             ShapeName::Plane => &["size", "segments"],
             ShapeName::Sphere => &["radius", "segments"],
-            ShapeName::Cylinder => &["radius", "height", "segments"],
+            ShapeName::Cylinder => &["radius", "height", "arc_degrees", "segments"],
             ShapeName::Paraboloid => &["radius", "focal_length", "segments"],
-            ShapeName::Mesh => &["path"],
+            ShapeName::Drapery => &["size", "depth", "folds", "segments"],
+            ShapeName::Mesh => &["path", "generate"],
         };
         for (key, span) in measures {
             if let Some(span) = span
@@ -313,30 +329,31 @@ impl Loader<'_> {
                 return Err(source.value_error(span, format!("`{key}` does not belong to this shape"), help));
             }
         }
-        let length = |key, value: &Option<Spanned<f64>>, default| match value {
+        let number = |key, value: &Option<Spanned<f64>>, default, range| match value {
             None => Ok(default),
-            Some(value) => source.in_range(key, *value.get_ref(), value.span(), LENGTHS),
+            Some(value) => source.in_range(key, *value.get_ref(), value.span(), range),
         };
+        let length = |key, value, default| number(key, value, default, LENGTHS);
         let radius = length("radius", &object.radius, 1.0)?;
+        let size = object.size.as_ref().map_or(Ok([1.0; 2]), |size| source.all_in_range("size", size, LENGTHS))?;
         let shape = match shape_name {
-            ShapeName::Plane => Shape::Plane {
-                size: object.size.as_ref().map_or(Ok([1.0; 2]), |size| source.all_in_range("size", size, LENGTHS))?,
-            },
+            ShapeName::Plane => Shape::Plane { size },
             ShapeName::Sphere => Shape::Sphere { radius },
-            ShapeName::Cylinder => Shape::Cylinder { radius, height: length("height", &object.height, 1.0)? },
+            ShapeName::Cylinder => Shape::Cylinder {
+                radius,
+                height: length("height", &object.height, 1.0)?,
+                arc_degrees: number("arc_degrees", &object.arc_degrees, 360.0, 1.0..=360.0)?,
+            },
             ShapeName::Paraboloid => {
                 Shape::Paraboloid { radius, focal_length: length("focal_length", &object.focal_length, 1.0)? }
             }
+            ShapeName::Drapery => Shape::Drapery {
+                size,
+                depth: length("depth", &object.depth, 0.1)?,
+                folds: number("folds", &object.folds, 5.0, 0.25..=64.0)?,
+            },
             ShapeName::Mesh => {
-                let Some(path) = &object.path else {
-                    let help = "add `path = \"file.obj\"`, relative to the scene file";
-                    return Err(source.value_error(object_span, "a mesh needs a file", help));
-                };
-                let ObjMesh { mesh, has_uv, warnings } =
-                    read_obj(&self.resolve(path.get_ref())).map_err(|error| SceneError::Mesh {
-                        fault: source.fault(path.span(), error.to_string(), "paths are relative to the scene file"),
-                        source: error,
-                    })?;
+                let ObjMesh { mesh, has_uv, warnings } = self.obj(object, object_span)?;
                 self.warnings.extend(warnings.into_iter().map(|warning| format!("{name}: {warning}")));
                 return Ok((mesh, has_uv, None));
             }
@@ -353,6 +370,29 @@ impl Loader<'_> {
         };
         debug_assert!(2 * MAX_SEGMENTS as usize * MAX_SEGMENTS as usize <= MAX_TRIANGLES);
         Ok((shape.mesh(segments), true, Some(shape)))
+    }
+
+    /// The triangles of a mesh, from a file or generated.
+    fn obj(&self, object: &ObjectDescription, object_span: Range<usize>) -> Result<ObjMesh, SceneError> {
+        let source = self.source;
+        let (read, span) = match (&object.path, &object.generate) {
+            (Some(path), None) => (read_obj(&self.resolve(path.get_ref())), path.span()),
+            (None, Some(name)) => {
+                let text = mesh_text(name.get_ref()).ok_or_else(|| {
+                    let message = format!("there is no generated mesh `{}`", name.get_ref());
+                    source.value_error(name.span(), message, format!("the generated ones are: {}", mesh_names()))
+                })?;
+                (parse_obj(Path::new(name.get_ref()), &text), name.span())
+            }
+            _ => {
+                let help = "give exactly one of `path` (an OBJ file, relative to the scene file) and `generate`";
+                return Err(source.value_error(object_span, "a mesh needs a file", help));
+            }
+        };
+        read.map_err(|error| SceneError::Mesh {
+            fault: source.fault(span, error.to_string(), "paths are relative to the scene file"),
+            source: error,
+        })
     }
 
     fn placement(&self, object: &ObjectDescription) -> Result<Placement, SceneError> {
@@ -394,7 +434,7 @@ impl Loader<'_> {
         has_environment: bool,
     ) -> Result<Material, SceneError> {
         let source = self.source;
-        let maps = [&material.colour_map, &material.height_map, &material.normal_map];
+        let maps = [&material.colour_map, &material.height_map, &material.normal_map, &material.roughness_map];
         if let Some(map) = maps.into_iter().flatten().next()
             && !has_uv
         {
@@ -437,10 +477,13 @@ impl Loader<'_> {
             }
         };
         let colour_map = material.colour_map.as_ref().map(|table| self.colour_map(table)).transpose()?;
+        let bump = self.bump(material, name, frame)?;
+        let roughness = self.roughness(material, name, frame, bump.as_deref())?;
         Ok(Material {
             colour: colour.map(|channel| channel as f32),
             colour_map,
-            bump: self.bump(material, name, frame)?,
+            bump,
+            roughness,
             frame,
             main_direction: placement.direction(main_direction),
             reflectance: reflectance.map(|channel| channel as f32),
@@ -488,6 +531,66 @@ impl Loader<'_> {
         let field = Arc::new(field);
         self.bumps.insert(key, Arc::clone(&field));
         Ok(Some(field))
+    }
+
+    fn roughness(
+        &mut self,
+        material: &MaterialDescription,
+        name: &str,
+        frame: FrameSystem,
+        bump: Option<&BumpField>,
+    ) -> Result<Option<Arc<RoughnessField>>, SceneError> {
+        let Some(table) = &material.roughness_map else {
+            return Ok(None);
+        };
+        let arguments = Arguments::new(self.source, table);
+        if frame == FrameSystem::Natural {
+            let help = "use the frame \"natural-normalised\" or \"main-direction\"";
+            return Err(arguments.error("the frame \"natural\" takes no roughness map: it has no unit there", help));
+        }
+        let key = arguments.fingerprint();
+        let field = match self.roughness.get(&key) {
+            Some(known) => Arc::clone(known),
+            None => {
+                let (field, clamped) = self.roughness_field(&arguments)?;
+                if clamped > 0 {
+                    self.warnings.push(format!(
+                        "{name}: {clamped} texels of the roughness map are outside 0 to {MAX_DEVIATION} and were clamped"
+                    ));
+                }
+                let field = Arc::new(field);
+                self.roughness.insert(key, Arc::clone(&field));
+                field
+            }
+        };
+        if let Some(bump) = bump
+            && field.factors.len() > 1
+            && (bump.width, bump.height) != (field.width, field.height)
+        {
+            let sizes = [(field.width, field.height), (bump.width, bump.height)].map(|(w, h)| format!("{w}×{h}"));
+            let message = format!("the roughness map has {} texels and the bump map {}", sizes[0], sizes[1]);
+            return Err(arguments.error(message, "make both the same size"));
+        }
+        Ok(Some(field))
+    }
+
+    /// The factors of a table, and how many were out of range.
+    fn roughness_field(&self, arguments: &Arguments<'_>) -> Result<(RoughnessField, usize), SceneError> {
+        if arguments.text("generate")?.is_some_and(|(name, _)| name == UNIFORM_ROUGHNESS) {
+            let factor = uniform_roughness(arguments)?;
+            arguments.finish()?;
+            return Ok((RoughnessField::uniform(factor), 0));
+        }
+        let deviation = arguments.number("deviation", 0.25, 0.0..=MAX_DEVIATION)?;
+        let channels = match arguments.text("channels")? {
+            None | Some(("isotropic", _)) => RoughnessChannels::Isotropic,
+            Some(("anisotropic", _)) => RoughnessChannels::Anisotropic,
+            Some((other, span)) => {
+                let message = format!("`channels` is \"{other}\"");
+                return Err(arguments.error_at(span, message, "choose \"isotropic\" or \"anisotropic\""));
+            }
+        };
+        Ok(RoughnessField::from_picture(&self.picture(arguments, PictureUse::Roughness)?, channels, deviation))
     }
 }
 
@@ -590,7 +693,11 @@ mod tests {
             (format!("{CAMERA}environment = {{ faces = [\"a\", \"b\"] }}\n"), (2, 25), "name six"),
             (format!("{CAMERA}environment = {{ equirectangular = \"a.png\" }}\n"), (2, 35), "a.png"),
             (object("radius = 2"), (5, 10), "this shape takes: size, segments"),
+            (object("arc_degrees = 90"), (5, 15), "this shape takes: size, segments"),
             (object("size = [1, -1]"), (5, 8), "out of range"),
+            (format!("{CAMERA}[[object]]\nshape = \"cylinder\"\narc_degrees = 361\n"), (4, 15), "from 1 to 360"),
+            (format!("{CAMERA}[[object]]\nshape = \"drapery\"\nfolds = 0\n"), (4, 9), "from 0.25 to 64"),
+            (format!("{CAMERA}[[object]]\nshape = \"drapery\"\nradius = 1\n"), (4, 10), "size, depth, folds, segments"),
             (object("segments = [0, 4]"), (5, 12), "from 1 to 1024"),
             (object("scale = [1, 0, 1]"), (5, 9), "out of range"),
             (object("scale = [1, 1]"), (5, 9), "three numbers"),
@@ -606,7 +713,25 @@ mod tests {
             (material("colour_map = { generate = \"writing\", text = \"ä\" }"), (6, 45), "no letter `Ä`"),
             (material("colour_map = { path = \"missing.png\" }"), (6, 23), "missing.png"),
             (material("height_map = { generate = \"waves\", scale = 1, rms_slope = 1 }"), (6, 14), "keep one"),
-            (material("normal_map = { generate = \"waves\" }"), (6, 27), "not generated"),
+            (material("normal_map = { generate = \"waves\" }"), (6, 27), "no generated normal map `waves`"),
+            (material("roughness_map = {}"), (6, 17), "exactly one of `path` and `generate`"),
+            (material("roughness_map = { generate = \"uniform\", along = 5 }"), (6, 49), "from 0 to 4"),
+            (material("roughness_map = { generate = \"uniform\", deviation = 1 }"), (6, 41), "unknown key `deviation`"),
+            (material("roughness_map = { generate = \"waves\", channels = \"d\" }"), (6, 50), "`channels` is \"d\""),
+            (
+                material("frame = \"natural\"\nroughness_map = { generate = \"uniform\" }"),
+                (7, 17),
+                "takes no roughness map",
+            ),
+            (
+                material(
+                    "height_map = { generate = \"bumps\", size = 16 }\n\
+                     roughness_map = { generate = \"bumps\", size = 8 }",
+                ),
+                (7, 17),
+                "the roughness map has 8×8 texels and the bump map 16×16 (make both the same size)",
+            ),
+            (material("height_map = { generate = \"grooves\", periods_u = 0 }"), (6, 14), "no period"),
             (material("frame = \"natural\"\nnormal_map = { path = \"n.png\" }"), (7, 14), "needs heights"),
             (
                 material("height_map = { generate = \"waves\" }\nnormal_map = { path = \"n.png\" }"),
@@ -616,6 +741,7 @@ mod tests {
             (format!("{CAMERA}[[object]]\nshape = \"cube\"\n"), (3, 9), "unknown variant `cube`"),
             (format!("{CAMERA}[[object]]\nshape = \"mesh\"\n"), (2, 1), "a mesh needs a file"),
             (format!("{CAMERA}[[object]]\nshape = \"mesh\"\npath = \"no.obj\"\n"), (4, 8), "no.obj"),
+            (format!("{CAMERA}[[object]]\nshape = \"mesh\"\ngenerate = \"cow\"\n"), (4, 12), "no generated mesh `cow`"),
             (
                 format!("{CAMERA}[[object]]\nshape = \"plane\"\nmaterial = {{ reflectance = 1 }}\n"),
                 (4, 28),

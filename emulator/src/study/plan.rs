@@ -12,6 +12,7 @@ use roughxel_core::precision::Precision;
 use crate::frame::Prepared;
 use crate::net::census::{Census, Cost};
 use crate::net::design::Design;
+use crate::net::graph::Block;
 use crate::net::interval::Ranges;
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::RasterError;
@@ -51,7 +52,7 @@ impl Hardware {
         let by_constant: u32 = total.constant_multipliers.values().sum();
         let counted: u32 = units.iter().map(|units| units.count).sum::<u32>() + lookups + by_constant;
         Self {
-            blocks: net.blocks.iter().map(|block| block.instance()).collect(),
+            blocks: net.blocks.iter().map(Block::instance).collect(),
             operations: i64::from(counted + total.multiplier_count()),
             multipliers: total.multiplier_count().into(),
             carry_bits: total.carry_bits() as i64,

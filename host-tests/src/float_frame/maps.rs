@@ -1,13 +1,11 @@
 //! The emulator's stored pyramids as real numbers.
 
-use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::precision::RoughnessKind;
 use roughxel_emulator::frame::MAX_MAP_EXPONENT;
-use roughxel_emulator::maps::bump::{BumpLevel, BumpOptions, BumpPyramid, BumpTexel, PORT_FRACTION_BITS};
+use roughxel_emulator::maps::bump::{BumpLevel, BumpPyramid, BumpTexel, PORT_FRACTION_BITS};
 use roughxel_emulator::maps::environment::CubePyramid;
 use roughxel_emulator::maps::mip::{ColourPyramid, Level, smallest_exponent};
-use roughxel_emulator::maps::roughness::RoughnessStorage;
 use roughxel_emulator::picture::Picture;
-use roughxel_emulator::scene::BumpField;
 
 use crate::reference::filter::{CubeMap, Map};
 use crate::reference::roughness::compose;
@@ -38,17 +36,6 @@ pub(super) fn environment(faces: &[Picture; 6], filters: bool) -> Vec<CubeMap<3>
     let level =
         |faces: &[Level; 6]| CubeMap { faces: faces.each_ref().map(|face| colour_level(face, pyramid.exponent)) };
     kept(&pyramid.levels, filters).iter().map(level).collect()
-}
-
-/// The bump pyramid a frame builds of a field.
-pub(super) fn bump_pyramid(field: &BumpField, negate: bool, filters: bool, p: &Precision) -> BumpPyramid {
-    let kind = if filters { p.roughness } else { RoughnessKind::None };
-    let roughness = RoughnessStorage::new(kind, p.roughness_bits);
-    let mut pyramid = BumpPyramid::new(field, &BumpOptions { negate, roughness, base_deviation: 0.0 });
-    if !filters {
-        pyramid.levels.truncate(1);
-    }
-    pyramid
 }
 
 /// Offsets and K of every stored texel, K from the stored D or I₁.

@@ -3,7 +3,8 @@
 use roughxel_core::plan::FrameSystem;
 use roughxel_core::ports::{BlockPair, BlockVector};
 use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind};
-use roughxel_emulator::plan::{Mode, ObjectPlan, frame_system};
+use roughxel_emulator::maps::bump::BumpPyramid;
+use roughxel_emulator::plan::{Mode, ObjectPlan};
 use roughxel_emulator::raster::{FragmentAttributes, Projection, SUBPIXELS};
 use roughxel_emulator::scene::{Background, Object, Scene};
 
@@ -60,9 +61,7 @@ impl<'a> Shader<'a> {
             .map(|source| maps::environment(&source.faces, filters));
         let objects = scene.objects.iter().map(|object| {
             let material = &object.material;
-            let natural = frame_system(material.frame) != FrameSystem::MainDirection;
-            let bump = material.bump.as_ref().filter(|_| environment.is_some());
-            let pyramid = bump.map(|field| maps::bump_pyramid(field, natural, filters, &p));
+            let pyramid = environment.as_ref().and_then(|_| BumpPyramid::of_material(material, filters, &p));
             let plan = ObjectPlan::new(object, pyramid.as_ref(), environment.is_some(), mode, &p);
             ShadedObject {
                 object,

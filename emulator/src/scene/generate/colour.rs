@@ -3,6 +3,7 @@
 use super::font::{GLYPH_COLUMNS, GLYPH_ROWS, glyph};
 use super::height::Earth;
 use super::maths::{hash, mix, smoothstep, unit};
+use super::relief::Denim;
 use super::{rectangle, square};
 use crate::picture::Picture;
 
@@ -156,6 +157,17 @@ pub(super) fn earth(earth: &Earth, graticule_degrees: f64) -> Picture {
         mix(colour, LINE, 0.7 * parallel.max(meridian))
     });
     Picture { width, height, pixels }
+}
+
+/// Draws the threads of a [`Denim`] in the colours of warp and weft, darker in the gaps.
+pub(super) fn denim(denim: &Denim, [warp, weft]: [[f32; 3]; 2]) -> Picture {
+    let pixels = square(denim.size, |column, row| {
+        let strand = denim.at(column, row);
+        let colour = if strand.is_warp { warp } else { weft };
+        // The crown of an upper thread is at 1.45 radii, the lowest seam between two at about 0.6.
+        mix([0.0; 3], colour, smoothstep(0.2, 1.4, strand.height))
+    });
+    Picture { width: denim.size, height: denim.size, pixels }
 }
 
 #[cfg(test)]

@@ -167,7 +167,7 @@ pub(super) fn earth(earth: &Earth) -> Picture {
 }
 
 /// Grey picture of `width` columns, with the lowest height at 0 and the highest at 1 (all 0 where they are the same).
-fn grey(width: u32, heights: &[f64]) -> Picture {
+pub(super) fn grey(width: u32, heights: &[f64]) -> Picture {
     let (low, high) =
         heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(*h), high.max(*h)));
     let range = if high > low { high - low } else { 1.0 };
