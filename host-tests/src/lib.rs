@@ -9,5 +9,6 @@ pub mod designs;
 pub mod float_datapath;
 pub mod float_frame;
 pub mod simulators;
+pub mod space;
 
 pub use roughxel_reference as reference;

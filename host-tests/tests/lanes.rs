@@ -6,9 +6,9 @@ use std::path::Path;
 use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::datapath::{self, ReflectionInput};
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{ReflectionIn, environment_scale};
-use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::precision::Precision;
 use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
@@ -20,6 +20,7 @@ use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
+use roughxel_host_tests::space::{plans, profiles};
 
 /// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar reading.
 fn instruction_sets() -> Vec<InstructionSet> {
@@ -244,26 +245,6 @@ fn compare(inputs: &[ReflectionInput<i32>], plan: &ReflectionPlan, p: &Precision
 
 fn wires(fragments: &[ReflectionIn], p: &Precision) -> Vec<ReflectionInput<i32>> {
     fragments.iter().map(|fragment| fragment.wires(environment_scale(fragment.edge_texels, p))).collect()
-}
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
-}
-
-/// Every combination of blocks.
-fn plans() -> Vec<ReflectionPlan> {
-    let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
-    let kinds = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
-    let mut plans = Vec::new();
-    for frame in frames {
-        for roughness in kinds {
-            for switches in 0..8 {
-                let [bump, curvature, footprint] = [0, 1, 2].map(|bit| switches >> bit & 1 == 1);
-                plans.push(ReflectionPlan { bump, frame, roughness, curvature, footprint });
-            }
-        }
-    }
-    plans
 }
 
 #[test]

@@ -11,37 +11,18 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
-use roughxel_core::precision::{
-    AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
-};
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
 use roughxel_emulator::net::census::{Census, Cost};
 use roughxel_emulator::net::delay::{arrival_in_block, critical_path, levels};
 use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::{Range, Ranges};
 use roughxel_emulator::net::observe::Observed;
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
-}
+use roughxel_host_tests::space::{plans, profiles};
 
 fn design(name: &str) -> &'static Design {
     Design::by_name(name).expect("a listed design exists")
-}
-
-/// Every combination of blocks.
-fn plans() -> Vec<ReflectionPlan> {
-    let mut plans = Vec::new();
-    for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
-        for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
-            for switches in 0..8 {
-                let [bump, curvature, footprint] = [0, 1, 2].map(|bit| switches >> bit & 1 == 1);
-                plans.push(ReflectionPlan { bump, frame, roughness, curvature, footprint });
-            }
-        }
-    }
-    plans
 }
 
 /// The plans under which a design is a different one.

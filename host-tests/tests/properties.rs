@@ -10,7 +10,7 @@ use roughxel_core::datapath::{Reflection, environment_probe, reflection};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, environment_scale};
-use roughxel_core::precision::{AxisDirection, PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::precision::{AxisDirection, Precision, RoughnessKind};
 use roughxel_core::setup::real_number;
 use roughxel_core::signals::FaceSelect;
 use roughxel_core::stage::cube_face::cube_face;
@@ -21,13 +21,10 @@ use roughxel_emulator::study::accuracy::{Figure, reference_inputs, reference_opt
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::linear::{add_scaled, cross, norm, scaled};
+use roughxel_host_tests::space::profiles;
 
 /// 2^30.
 const ONE: i32 = 1 << MANTISSA;
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
-}
 
 fn mantissa(x: Fx<i32, 30>) -> f64 {
     f64::from(x.raw()) / f64::from(ONE)

@@ -12,36 +12,15 @@ use roughxel_core::block::Block;
 use roughxel_core::datapath;
 use roughxel_core::elementary;
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{BlockPair, BlockVector, ReflectionIn, TextureIn, environment_scale, texture_scale};
-use roughxel_core::precision::{
-    AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
-};
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_core::signals::{PortBlock, Probes, TexturePosition};
 use roughxel_core::stage::{blend, filter, moments, probes};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, counted, first_difference, reread};
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
-}
-
-/// Every combination of blocks.
-fn plans() -> Vec<ReflectionPlan> {
-    let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
-    let kinds = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
-    let mut plans = Vec::new();
-    for frame in frames {
-        for roughness in kinds {
-            for switches in 0..8 {
-                let [bump, curvature, footprint] = [0, 1, 2].map(|bit| switches >> bit & 1 == 1);
-                plans.push(ReflectionPlan { bump, frame, roughness, curvature, footprint });
-            }
-        }
-    }
-    plans
-}
+use roughxel_host_tests::space::{plans, profiles};
 
 /// Runs both readings, probe places included, and compares every integer of every stage.
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {

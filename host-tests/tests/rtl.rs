@@ -22,6 +22,7 @@ use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::vectors::{Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
+use roughxel_host_tests::space::profiles;
 use tempfile::TempDir;
 
 const FULL: ReflectionPlan = ReflectionPlan::FULL;
@@ -37,10 +38,6 @@ fn plans() -> [(&'static str, ReflectionPlan); 5] {
         ("natural", ReflectionPlan { frame: FrameSystem::Natural, roughness: RoughnessKind::Isotropic, ..FULL }),
         ("normalised", ReflectionPlan { frame: FrameSystem::NaturalNormalised, ..FULL }),
     ]
-}
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
 }
 
 fn options(profile: &str, plan: ReflectionPlan, depth: Option<u32>) -> Options {
