@@ -1,6 +1,6 @@
 //! Synthesises every module of the generated Verilog and writes `vectors/hdl/RESULTS.md`.
 //!
-//! `cargo run --release -p roughxel-host-tests --bin synthesis` takes about an hour on two cores: Yosys for iCE40 and
+//! `cargo run --release -p roughxel-host-tests --bin synthesis` takes about a quarter of an hour on two cores: Yosys for iCE40 and
 //! ECP5, then nextpnr with several seeds. What has been run is kept below `target/synthesis` by the hash of its input, so a second
 //! run only does what changed. Exit code 0 done, 1 a tool is missing or fails, 2 wrong arguments.
 //!
@@ -24,7 +24,7 @@ use serde_json::Value;
 
 const USAGE: &str = "synthesis [--seeds N] [--profiles NAME,NAME] [--place N] [-o FILE]
   --seeds N       seeds of nextpnr, 1 to 16, default 3
-  --place N       logic cells of the largest module that is placed and routed, default 4000
+  --place N       logic cells of the largest module that is placed and routed, default 1300
   --profiles LIST profiles, default all
   -o FILE         default vectors/hdl/RESULTS.md";
 
@@ -173,7 +173,7 @@ fn main() -> ExitCode {
 
 fn parse(arguments: impl Iterator<Item = String>) -> Result<Arguments, String> {
     let output = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/hdl/RESULTS.md");
-    let mut parsed = Arguments { seeds: 3, place: 4000, profiles: PROFILE_NAMES.map(str::to_owned).to_vec(), output };
+    let mut parsed = Arguments { seeds: 3, place: 1300, profiles: PROFILE_NAMES.map(str::to_owned).to_vec(), output };
     let mut rest = arguments;
     while let Some(argument) = rest.next() {
         let value = rest.next();
