@@ -18,7 +18,6 @@ mod verilog;
 
 use std::error::Error;
 use std::io;
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -121,7 +120,7 @@ fn scene_failure(error: SceneError) -> Failure {
 
 /// The built-in scene of that name or the scene in that file, at another size where one is given; its warnings are told.
 fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Failure> {
-    let scene = Scene::builtin(name).unwrap_or_else(|| Scene::from_file(Path::new(name))).map_err(scene_failure)?;
+    let scene = Scene::open(name).map_err(scene_failure)?;
     for warning in &scene.warnings {
         console::complain(&format!("warning: {warning}"));
     }

@@ -73,10 +73,7 @@ pub fn demo_scene(
     step: impl Fn(&str),
 ) -> Result<DemoScene, DrawError> {
     step(&format!("{name}: maps"));
-    let mut scene = match Scene::builtin(name) {
-        Some(scene) => scene?,
-        None => Scene::from_file(Path::new(name))?,
-    };
+    let mut scene = Scene::open(name)?;
     if let Some([width, height]) = size {
         scene = scene.with_size(width, height)?;
     }

@@ -18,11 +18,12 @@ use std::time::{Duration, Instant};
 use roughxel_core::precision::Precision;
 use thiserror::Error;
 
+use crate::demo::DrawError;
 use crate::frame::{Frame, Prepared};
 use crate::picture::{Picture, PictureError, beside, difference, ssim, write_png_srgb};
 use crate::plan::{Decision, Mode, ObjectPlan};
-use crate::raster::{RasterError, tiles};
-use crate::scene::{Scene, SceneError};
+use crate::raster::tiles;
+use crate::scene::Scene;
 
 pub use change::Change;
 pub use page::write_page;
@@ -72,20 +73,9 @@ pub struct Settings {
 /// Why a gallery could not be drawn.
 #[derive(Debug, Error)]
 pub enum GalleryError {
-    /// The scene.
+    /// A scene or a picture of it.
     #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The camera or the geometry.
-    #[error("scene {scene}: {source}")]
-    Raster {
-        /// Name of the scene.
-        scene: String,
-        /// What does not fit.
-        source: RasterError,
-    },
-    /// A picture file.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
+    Draw(#[from] DrawError),
     /// A directory, the page or a kept reference.
     #[error("cannot write {}: {source}", path.display())]
     Write {
@@ -94,6 +84,12 @@ pub enum GalleryError {
         /// What the system said.
         source: io::Error,
     },
+}
+
+impl From<PictureError> for GalleryError {
+    fn from(error: PictureError) -> Self {
+        Self::Draw(error.into())
+    }
 }
 
 /// A scene that has been drawn.
@@ -174,12 +170,8 @@ pub fn draw_scene(
     progress: impl Fn(&str, u64) + Sync,
 ) -> Result<DrawnScene, GalleryError> {
     progress(entry.name, 0);
-    let scene = match Scene::builtin(entry.name) {
-        Some(scene) => scene?,
-        None => Scene::from_file(Path::new(entry.name))?,
-    };
     let [width, height] = settings.size;
-    let scene = scene.with_size(width, height)?;
+    let scene = Scene::open(entry.name).and_then(|scene| scene.with_size(width, height)).map_err(DrawError::from)?;
     let own = directory.join(entry.name);
     fs::create_dir_all(&own).map_err(|source| GalleryError::Write { path: own.clone(), source })?;
 
@@ -237,21 +229,17 @@ pub fn draw_scene(
 }
 
 /// A scene with its maps.
-fn prepare<'a>(scene: &'a Scene, mode: Mode, precision: &Precision) -> Result<Prepared<'a>, GalleryError> {
-    Prepared::new(scene, mode, precision).map_err(|source| GalleryError::Raster { scene: scene.name.clone(), source })
+fn prepare<'a>(scene: &'a Scene, mode: Mode, precision: &Precision) -> Result<Prepared<'a>, DrawError> {
+    Prepared::new(scene, mode, precision).map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
 }
 
 /// Draws once.
-fn render(scene: &Scene, prepared: &Prepared<'_>, progress: impl Fn() + Sync) -> Result<Frame, GalleryError> {
-    prepared.render(progress).map_err(|source| GalleryError::Raster { scene: scene.name.clone(), source })
+fn render(scene: &Scene, prepared: &Prepared<'_>, progress: impl Fn() + Sync) -> Result<Frame, DrawError> {
+    prepared.render(progress).map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
 }
 
 /// Draws, and measures how long it takes; only the first drawing shows in the progress.
-fn timed(
-    scene: &Scene,
-    prepared: &Prepared<'_>,
-    progress: impl Fn() + Sync,
-) -> Result<(Frame, Duration), GalleryError> {
+fn timed(scene: &Scene, prepared: &Prepared<'_>, progress: impl Fn() + Sync) -> Result<(Frame, Duration), DrawError> {
     let begin = Instant::now();
     let frame = render(scene, prepared, progress)?;
     let mut fastest = begin.elapsed();

@@ -170,6 +170,13 @@ impl Scene {
         Some(Self::from_toml(name, text, Path::new("")))
     }
 
+    /// The built-in scene of that name, or else the scene in that file.
+    ///
+    /// Errors: those of [`Scene::from_file`].
+    pub fn open(name: &str) -> Result<Self, SceneError> {
+        Self::builtin(name).unwrap_or_else(|| Self::from_file(Path::new(name)))
+    }
+
     /// The same scene at another frame size in pixels; the vertical angle of view stays.
     ///
     /// Errors: an edge outside 1 to [`MAX_FRAME_EDGE_PX`], or more than [`MAX_FRAME_PIXELS`].

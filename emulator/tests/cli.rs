@@ -12,7 +12,7 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 24] = [
+    let cases: [&[&str]; 26] = [
         &[],
         &["frobnicate"],
         &["eval", "--profile", "best"],
@@ -34,6 +34,8 @@ fn usage_errors_end_with_2() {
         &["cost", "--effects", "fog"],
         &["cost", "--profile", "paper", "--path", "no_such_stage"],
         &["render", "lake", "--reading", "fast"],
+        &["plan"],
+        &["plan", "lake", "--rounds", "3"],
         &["verilog"],
         &["verilog", "-o", "unused", "--stage", "no_such_stage"],
         &["verilog", "-o", "unused", "--prefix", "9"],
@@ -54,8 +56,9 @@ fn failures_end_with_1_and_name_the_file() {
     let scene = directory.path().join("scene.toml");
     std::fs::write(&scene, "name = 3\n").unwrap();
     let picture = directory.path().join("no/where.png");
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 9] = [
         (&["render", "no-such.toml"], "no-such.toml"),
+        (&["plan", "no-such.toml"], "no-such.toml"),
         (&["render", scene.to_str().unwrap()], "scene.toml:1:"),
         (&["render", "lake", "--size", "16x16", "-o", picture.to_str().unwrap()], "where.png"),
         (&["eval", "no-such.csv"], "no-such.csv"),
@@ -141,6 +144,48 @@ fn a_smaller_plan_costs_less_and_a_critical_path_ends_at_its_levels() {
         let last = path[0]["path"].as_array().unwrap().last().unwrap()[0].as_str().unwrap().to_string();
         let levels = stage["cost"]["levels"].as_u64().unwrap();
         assert!(last.starts_with(&format!("{levels} (+")), "{name}: {last}, {levels}");
+    }
+}
+
+#[test]
+fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
+    let effects = |arguments: &[&str]| -> Vec<serde_json::Value> {
+        let plan = json(arguments);
+        plan["objects"].as_array().unwrap()[0]["effects"].as_array().unwrap().clone()
+    };
+    let find = |effects: &[serde_json::Value], name: &str| {
+        effects.iter().find(|effect| effect["effect"] == name).unwrap_or_else(|| panic!("no {name}")).clone()
+    };
+    let lake = effects(&["plan", "lake", "--json"]);
+    // A flat mirror with waves: everything but a colour map and normals that turn.
+    for (name, on, why) in [
+        ("colour texture", false, "no `colour_map`"),
+        ("bump", true, "`height_map`"),
+        ("roughness", true, "lost detail"),
+        ("environment", true, "`reflectance`"),
+        ("footprint", true, "mode footprint"),
+        ("curvature", false, "normals vary over 0 of"),
+    ] {
+        let effect = find(&lake, name);
+        assert_eq!(effect["on"], on, "{name}");
+        assert!(effect["why"].as_str().unwrap().contains(why), "{name}: {}", effect["why"]);
+    }
+    for effect in lake.iter().chain(&effects(&["plan", "lake", "--mode", "unfiltered", "--json"])) {
+        if effect["on"] == false {
+            for part in ["datapath", "fetch"] {
+                let hardware = &effect[part];
+                assert_eq!((&hardware["operations"], hardware["blocks"].as_array().unwrap().len()), (&0.into(), 0));
+            }
+            assert_eq!(effect["map_bytes"], 0);
+        }
+    }
+    let roughness = find(&lake, "roughness");
+    assert!(roughness["datapath"]["multipliers"].as_i64().unwrap() > 0 && roughness["map_bytes"].as_u64().unwrap() > 0);
+
+    let measured =
+        effects(&["plan", "shapes", "--size", "16x12", "--measure", "--rounds", "1", "--threads", "1", "--json"]);
+    for effect in measured {
+        assert_eq!(effect["share"].is_number(), effect["on"] == true, "{effect}");
     }
 }
 
