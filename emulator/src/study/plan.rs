@@ -111,7 +111,7 @@ pub struct ObjectReport {
     pub effects: Vec<EffectReport>,
 }
 
-/// A plan of a reflection for the census: nothing but points where nothing is reflected.
+/// Hardware of an object's reflection; none where nothing is reflected.
 fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
     plan.reflection.map_or_else(Hardware::default, |plan| Hardware::of("reflection", &plan, p))
 }
