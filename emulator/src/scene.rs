@@ -10,6 +10,7 @@ mod bump;
 mod description;
 mod error;
 mod generate;
+mod lighting;
 mod load;
 mod mesh;
 mod roughness;
@@ -25,6 +26,9 @@ use crate::picture::Picture;
 pub use builtin::{builtin_names, builtin_text};
 pub use bump::{BumpField, FrameSystem, OFFSET_LIMIT};
 pub use error::{Fault, SceneError};
+pub use lighting::{
+    EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, PeakSource, Peaks,
+};
 pub use mesh::MeshError;
 pub use roughness::RoughnessField;
 
@@ -46,6 +50,8 @@ pub struct Scene {
     pub background: Background,
     /// Reflected surroundings, infinitely far away.
     pub environment: Option<EnvironmentSource>,
+    /// Lights in the order of the file.
+    pub lights: Vec<Light>,
     /// Objects in the order of the file.
     pub objects: Vec<Object>,
     /// What was repaired while reading (dropped triangles, clamped offsets), one sentence each.
@@ -128,7 +134,8 @@ pub struct Vertex {
     pub tangents: [DVec3; 2],
 }
 
-/// Surface: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, per channel.
+/// Surface: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, and for each light its colour times
+/// the highlight or the peaks, per channel.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Linear colour, 0 to 1.
@@ -145,6 +152,10 @@ pub struct Material {
     pub main_direction: DVec3,
     /// Share of the environment per channel, 0 to 1.
     pub reflectance: [f32; 3],
+    /// Highlight of the lights; not together with peaks.
+    pub highlight: Option<Highlight>,
+    /// Several normals at a point.
+    pub peaks: Option<Peaks>,
 }
 
 impl Scene {

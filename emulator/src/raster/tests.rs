@@ -61,6 +61,8 @@ fn object(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Object {
             frame: FrameSystem::MainDirection,
             main_direction: DVec3::Y,
             reflectance: [0.0; 3],
+            highlight: None,
+            peaks: None,
         },
     }
 }

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
+use super::lighting::{HighlightDescription, LightDescription, PeaksDescription};
 use super::{Fault, SceneError};
 
 /// Most elements of an array in a generator's table.
@@ -25,6 +26,8 @@ pub(super) struct SceneDescription {
     pub(super) camera: CameraDescription,
     pub(super) background: Option<Spanned<BackgroundDescription>>,
     pub(super) environment: Option<Spanned<ArgumentTable>>,
+    #[serde(default)]
+    pub(super) light: Vec<Spanned<LightDescription>>,
     #[serde(default)]
     pub(super) object: Vec<Spanned<ObjectDescription>>,
 }
@@ -99,6 +102,8 @@ pub(super) struct MaterialDescription {
     pub(super) frame: Option<Spanned<FrameName>>,
     pub(super) main_direction: Option<Spanned<[f64; 3]>>,
     pub(super) reflectance: Option<Spanned<OneOrThree>>,
+    pub(super) highlight: Option<Spanned<HighlightDescription>>,
+    pub(super) peaks: Option<Spanned<PeaksDescription>>,
 }
 
 /// `frame = "…"`.

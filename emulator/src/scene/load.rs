@@ -18,6 +18,7 @@ use super::generate::{
     MAX_DEVIATION, UNIFORM_ROUGHNESS, colour_map, environment, height_map, mesh_names, mesh_text, normal_map,
     uniform_roughness,
 };
+use super::lighting::{self, Available};
 use super::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
 use super::roughness::RoughnessChannels;
 use super::shapes::{MAX_SEGMENTS, Placement, Shape};
@@ -69,6 +70,7 @@ pub(super) fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Scen
         colour_maps: HashMap::new(),
         bumps: HashMap::new(),
         roughness: HashMap::new(),
+        has_lights: false,
         warnings: Vec::new(),
     };
     let camera = loader.camera(&description.camera)?;
@@ -78,12 +80,14 @@ pub(super) fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Scen
         let help = format!("a scene has at most {MAX_OBJECTS}; join some in one mesh");
         return Err(source.value_error(extra.span(), "too many objects", help));
     }
+    let lights = lighting::lights(&source, &description.light)?;
+    loader.has_lights = !lights.is_empty();
     let mut objects = Vec::new();
     for (index, object) in description.object.iter().enumerate() {
         objects.push(loader.object(index, object, environment.is_some())?);
     }
     let warnings = loader.warnings;
-    Ok(Scene { name: label.to_owned(), camera, background, environment, objects, warnings })
+    Ok(Scene { name: label.to_owned(), camera, background, environment, lights, objects, warnings })
 }
 
 /// Reads one scene; maps that are named more than once are made once.
@@ -92,6 +96,7 @@ struct Loader<'a> {
     colour_maps: HashMap<String, Arc<Picture>>,
     bumps: HashMap<String, Arc<BumpField>>,
     roughness: HashMap<String, Arc<RoughnessField>>,
+    has_lights: bool,
     warnings: Vec<String>,
 }
 
@@ -479,6 +484,14 @@ impl Loader<'_> {
         let colour_map = material.colour_map.as_ref().map(|table| self.colour_map(table)).transpose()?;
         let bump = self.bump(material, name, frame)?;
         let roughness = self.roughness(material, name, frame, bump.as_deref())?;
+        let heights = material.height_map.is_some();
+        let there = Available { lights: self.has_lights, heights, bumps: heights || material.normal_map.is_some() };
+        let highlight = material.highlight.as_ref().map(|highlight| lighting::highlight(source, highlight, there));
+        let peaks = material.peaks.as_ref().map(|peaks| lighting::peaks(source, peaks, there));
+        if let (Some(_), Some(peaks)) = (&material.highlight, &material.peaks) {
+            let help = "give the highlight as a further peak: normal = [0, 0, 1] and its exponent";
+            return Err(source.value_error(peaks.span(), "a material has one of `highlight` and `peaks`", help));
+        }
         Ok(Material {
             colour: colour.map(|channel| channel as f32),
             colour_map,
@@ -487,6 +500,8 @@ impl Loader<'_> {
             frame,
             main_direction: placement.direction(main_direction),
             reflectance: reflectance.map(|channel| channel as f32),
+            highlight: highlight.transpose()?,
+            peaks: peaks.transpose()?,
         })
     }
 
