@@ -22,7 +22,7 @@ mod tests;
 
 use thiserror::Error;
 
-pub use attributes::{FragmentAttributes, Triangle};
+pub use attributes::{FragmentAttributes, PointFromTriangle, Triangle};
 pub use camera::Projection;
 pub use edges::TileBuffer;
 pub use setup::TriangleList;

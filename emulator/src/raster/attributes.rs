@@ -58,6 +58,10 @@ impl CornerValues<3> {
     }
 }
 
+/// Vectors from a triangle to a point, at its corners: what [`Triangle::direction_to`] interpolates.
+#[derive(Clone, Copy, Debug)]
+pub struct PointFromTriangle(CornerValues<3>);
+
 /// A triangle with the setup of its attributes.
 #[derive(Clone, Debug)]
 pub struct Triangle<'a> {
@@ -66,6 +70,7 @@ pub struct Triangle<'a> {
     bounds: [[i32; 2]; 2],
     /// Sub-pixel position that the weights' constants belong to.
     reference: [i32; 2],
+    corners: [DVec3; 3],
     weights: [LinearForm; 3],
     /// Least value a weight is allowed: zero where the triangle is thinner than snapping moves its edges.
     least_weight: i64,
@@ -106,6 +111,7 @@ impl<'a> Triangle<'a> {
             projection,
             bounds,
             reference,
+            corners: vertices.map(|v| v.position),
             weights,
             least_weight: if is_thin { 0 } else { i64::MIN },
             slopes,
@@ -151,6 +157,20 @@ impl<'a> Triangle<'a> {
             uv: uv_codes.map(|code| wrapped(code, uv_exponent - Quotient::EXTRA_BITS as i32)),
             duv,
         }
+    }
+
+    /// Setup of the directions to a point in the world, once a triangle.
+    pub fn point(&self, point: DVec3) -> PointFromTriangle {
+        PointFromTriangle(CornerValues::from_vectors(self.corners.map(|corner| point - corner)))
+    }
+
+    /// Direction from the surface to a point, at a sample as in [`Self::fragment`]; its length means nothing, for
+    /// Σ eᵢ (P − pᵢ) is Σ eᵢ times the vector. Rounding as there.
+    pub fn direction_to(&self, point: &PointFromTriangle, x_subpx: i32, y_subpx: i32) -> BlockVector {
+        let [[left, top], [right, bottom]] = self.bounds;
+        let (x, y) = (x_subpx.clamp(left, right), y_subpx.clamp(top, bottom));
+        let (weights, _) = self.weights_at(x - self.reference[0], y - self.reference[1]);
+        block_vector(point.0.corner.map(|corner| weighted_sum(weights, corner)), point.0.exponent - FORM_BITS)
     }
 
     /// Weights at a position relative to the reference, below 2^60 each, and their positive sum.

@@ -287,6 +287,32 @@ fn view_derivatives_carry_the_minus_of_erratum_11() {
 }
 
 #[test]
+fn directions_to_a_point_start_where_the_ray_meets_the_triangle() {
+    let camera = plain_camera(128, 96);
+    let projection = Projection::new(&camera).expect("a camera");
+    let corners = [DVec3::new(-3.0, -1.0, -2.0), DVec3::new(4.0, -1.5, -9.0), DVec3::new(0.5, 2.5, -4.0)];
+    let objects = one_triangle(corners.map(|corner| vertex(corner, DVec3::Z, DVec2::ZERO)));
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let triangle = list.triangle(0, false).expect("visible");
+    let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    let (mut seen, mut worst) = (0, 0.0_f64);
+    for light in [DVec3::new(1.0, 3.0, 2.0), DVec3::new(0.0, 0.0, -3.0), DVec3::new(-500.0, 40.0, 1000.0)] {
+        let point = triangle.point(light);
+        for (x, y, _) in visible(&list, &projection, PIXEL_CENTRE_SUBPX) {
+            let ray = -vector_value(triangle.fragment(x, y).view);
+            let hit = camera.eye + ray * (plane.dot(corners[0] - camera.eye) / plane.dot(ray));
+            let (truth, found) =
+                ((light - hit).normalize(), vector_value(triangle.direction_to(&point, x, y)).normalize());
+            worst = worst.max((truth - found).length());
+            seen += 1;
+        }
+    }
+    assert!(seen > 1000, "{seen}");
+    // Two ports are rounded to 2^-30 of their largest component: the ray and the direction.
+    assert!(worst < 2f64.powi(-26), "{worst:e}");
+}
+
+#[test]
 fn texture_coordinates_far_from_zero_lose_nothing() {
     let camera = camera(64, 48);
     let corners = [DVec2::new(0.0, 0.0), DVec2::new(1.0, 0.0), DVec2::new(0.0, 1.0)]
