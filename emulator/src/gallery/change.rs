@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use crate::plan::Effect;
-use crate::scene::{FrameSystem, OFFSET_LIMIT, Scene, Vertex};
+use crate::scene::{FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Vertex};
 
 /// A change before drawing.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +30,50 @@ impl Change {
             Self::Profile(change) => change(precision),
         }
     }
+}
+
+/// Neither colour maps nor bumps: the smooth surface. Peaks of a bump map become one peak along the normal.
+pub fn no_texture(scene: &mut Scene) {
+    for object in &mut scene.objects {
+        let material = &mut object.material;
+        (material.colour_map, material.bump) = (None, None);
+        if let Some(peaks) = &mut material.peaks {
+            peaks.shadowing = false;
+            if let PeakSource::Bump { exponent, amplitude } = peaks.source {
+                peaks.source = PeakSource::Given(vec![GivenPeak { amplitude, normal: DVec3::Z, exponent }]);
+            }
+        }
+    }
+}
+
+/// Given peaks become one of the first's amplitude and exponent along the normal.
+pub fn single_normal(scene: &mut Scene) {
+    for peaks in scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()) {
+        if let PeakSource::Given(given) = &mut peaks.source {
+            given.truncate(1);
+            given.iter_mut().for_each(|peak| peak.normal = DVec3::Z);
+        }
+    }
+}
+
+/// Bumps that hide each other neither from light nor from eye.
+pub fn no_shadowing(scene: &mut Scene) {
+    scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()).for_each(|p| p.shadowing = false);
+}
+
+/// Blinn-Phong, which knows no roughness.
+pub fn plain_highlight(scene: &mut Scene) {
+    highlight_form(scene, HighlightForm::Plain);
+}
+
+/// The formula as printed in S97, Appendix A.
+pub fn printed_highlight(scene: &mut Scene) {
+    highlight_form(scene, HighlightForm::Printed);
+}
+
+fn highlight_form(scene: &mut Scene, form: HighlightForm) {
+    let set = |highlight: &mut Highlight| highlight.form = form;
+    scene.objects.iter_mut().filter_map(|object| object.material.highlight.as_mut()).for_each(set);
 }
 
 /// S97's frame system 1: p_u and p_v with their lengths, which shrink towards a pole. Offsets become slopes per unit of u and v,
@@ -65,10 +110,53 @@ mod tests {
 
     fn material(keys: &str) -> Scene {
         let text = format!(
-            "camera = {{ eye = [0, 1, 5], target = [0, 0, 0] }}\n\
+            "camera = {{ eye = [0, 1, 5], target = [0, 0, 0] }}\n[[light]]\ndirection = [0, 0, 1]\n\
              [[object]]\nshape = \"sphere\"\n[object.material]\n{keys}\n"
         );
         Scene::from_toml("test.toml", &text, Path::new("")).unwrap()
+    }
+
+    #[test]
+    fn a_surface_without_texture_keeps_one_peak_along_its_normal() {
+        let mut scene = material(
+            "colour_map = { generate = \"earth\", size = 16 }\nheight_map = { generate = \"bumps\", size = 16 }\n\
+             peaks = { exponent = 30, amplitude = 2, shadowing = true }",
+        );
+        no_texture(&mut scene);
+        let material = &scene.objects[0].material;
+        assert!(material.colour_map.is_none() && material.bump.is_none());
+        let peaks = material.peaks.as_ref().unwrap();
+        let one = GivenPeak { amplitude: 2.0, normal: DVec3::Z, exponent: 30.0 };
+        assert_eq!((&peaks.source, peaks.shadowing), (&PeakSource::Given(vec![one]), false));
+    }
+
+    #[test]
+    fn several_normals_become_one() {
+        let mut scene = material(
+            "peaks = { given = [{ amplitude = 0.4, normal = [0.6, 0, 0.8], exponent = 100 }, \
+             { amplitude = 1, normal = [0, 0, 1], exponent = 5 }] }",
+        );
+        single_normal(&mut scene);
+        let one = GivenPeak { amplitude: 0.4, normal: DVec3::Z, exponent: 100.0 };
+        assert_eq!(scene.objects[0].material.peaks.as_ref().unwrap().source, PeakSource::Given(vec![one]));
+    }
+
+    #[test]
+    fn shadowing_and_formulas_change_and_nothing_else() {
+        let mut scene = material("height_map = { generate = \"bumps\", size = 16 }\npeaks = { shadowing = true }");
+        let before = scene.objects[0].material.peaks.clone().unwrap();
+        no_shadowing(&mut scene);
+        let after = scene.objects[0].material.peaks.clone().unwrap();
+        assert!(before.shadowing && !after.shadowing && before.source == after.source);
+
+        let mut scene = material("highlight = { exponent = 20 }");
+        for (change, form) in
+            [(plain_highlight as fn(&mut Scene), HighlightForm::Plain), (printed_highlight, HighlightForm::Printed)]
+        {
+            change(&mut scene);
+            let expected = Highlight { exponent: 20.0, colour: [1.0; 3], form };
+            assert_eq!(scene.objects[0].material.highlight, Some(expected));
+        }
     }
 
     #[test]
