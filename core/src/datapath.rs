@@ -9,6 +9,7 @@
 //!                                           └──────────────────────────────┤
 //!                                                     continuation ──► filter ──► blend
 //!  u v, d(u,v) ──► texture ──► ellipse ──► axes ──► probes ──► filter ──► moments ──► b, d
+//!  h, frame ──► local ──► peaks ──► light        l, v, frame ──► local ──► horizon ──► weight of a peak
 //! ```
 
 use crate::block::{Block, Mantissa};
@@ -18,13 +19,14 @@ use crate::fx::Fx;
 use crate::plan::{FrameSystem, ReflectionPlan};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::{
-    Axes, CubePoint, Ellipse, FacePosition, Frame, LOD, MapScale, OFFSET, POSITION, PortBlock, Probes, Reflected,
-    TexturePosition,
+    Axes, AxisSlope, CubePoint, Ellipse, FacePosition, Frame, Horizon, LIGHT, LOD, LocalDirection, MapScale, OFFSET,
+    POSITION, Peak, PeakSum, PortBlock, Probes, Reflected, SHARE, TexturePosition,
 };
 use crate::stage::columns::Mirror;
 use crate::stage::texture::TextureScale;
 use crate::stage::{
-    axes, columns, cube_face, ellipse, enter, frame, leave, perturb, probes, reflect, roughness, texture,
+    axes, columns, cube_face, ellipse, enter, frame, horizon, leave, local, peaks, perturb, probes, reflect, roughness,
+    texture,
 };
 use crate::status::{Status, StatusBit};
 use crate::word::Word;
@@ -359,4 +361,64 @@ pub fn texture_footprint<W: Word>(
     let axes = block!("axes", axes::axes(&ellipse, p));
     let probes = block!("probes", probes::probes(&axes, map, p));
     TextureFootprint { columns, ellipse, axes, probes }
+}
+
+/// A direction in the frame of the surface, at any length: of the light and of the eye, for [`horizon_slopes`].
+#[inline(always)]
+pub fn local_components<W: Word>(
+    d: &Block<W, 3>,
+    frame: &Frame<W>,
+    normal: &Block<W, 3>,
+    p: &Precision,
+) -> Block<W, 3> {
+    block!("local.components", local::components(d, frame, normal, p))
+}
+
+/// A direction in the frame of the surface, at unit length: of the half vector, for [`peak`].
+#[inline(always)]
+pub fn local_direction<W: Word>(
+    d: &Block<W, 3>,
+    frame: &Frame<W>,
+    normal: &Block<W, 3>,
+    p: &Precision,
+) -> LocalDirection<W> {
+    let local = local_components(d, frame, normal, p);
+    block!("local.unit", local::unit(&local, p))
+}
+
+/// The light of one stored peak. `weight` is its share of the fragment, times its visibility where there is a horizon.
+#[inline(always)]
+pub fn peak<W: Word>(h: &LocalDirection<W>, stored: &Peak<W>, weight: Fx<W, SHARE>, p: &Precision) -> Fx<W, LIGHT> {
+    block!("peaks.peak", peaks::peak(h, stored, weight, p))
+}
+
+/// A sum of peaks with one more.
+#[inline(always)]
+pub fn peak_sum<W: Word>(sum: &PeakSum<W>, light: Fx<W, LIGHT>) -> PeakSum<W> {
+    block!("peaks.sum", peaks::add(sum, light))
+}
+
+/// Sticky bits of a finished sum.
+#[inline(always)]
+pub fn peak_status<W: Word>(h: &LocalDirection<W>, sum: &PeakSum<W>) -> Status<W> {
+    block!("peaks.status", peaks::status(h, sum))
+}
+
+/// The slopes of a local direction over both axes, once for the light and once for the eye.
+#[inline(always)]
+pub fn horizon_slopes<W: Word>(local: &Block<W, 3>, p: &Precision) -> [AxisSlope<W>; 2] {
+    block!("horizon.slopes", horizon::slopes(local, p))
+}
+
+/// The share of a peak's facets that light and eye both clear.
+#[inline(always)]
+pub fn horizon<W: Word>(
+    light: &[AxisSlope<W>; 2],
+    eye: &[AxisSlope<W>; 2],
+    stored: &Horizon<W>,
+    p: &Precision,
+) -> Fx<W, SHARE> {
+    let [lit, seen] =
+        each!(slopes in [light, eye] => block!("horizon.visibility", horizon::visibility(slopes, stored, p)));
+    block!("horizon.product", horizon::product(lit, seen))
 }

@@ -1,4 +1,4 @@
-//! Elementary functions of mantissas: reciprocal, inverse root, root, log₂, exp₂.
+//! Elementary functions of mantissas: reciprocal, inverse root, root, log₂, exp₂, powers of a cosine.
 //!
 //! Reciprocal and inverse root: a seed from a table, then Newton steps whose residual is taken exactly. log₂ and
 //! exp₂: linear interpolation between 257 knots. Bounds, proven by exhausting the mantissa in
@@ -6,7 +6,7 @@
 //! 1/2x errs by at most 2^−(p+0.8) + 2^−(2^n·(k+0.7)), 1/2√x by 2^−p + ⅔·2^−(2^n·(k−0.76)), log₂ by 2^−18.4,
 //! exp₂ by 2^−p + 2^−20 (relative).
 
-use crate::block::{Block, Exponent, MANTISSA, Mantissa};
+use crate::block::{Block, Exponent, MANTISSA, Mantissa, places_below};
 use crate::fx::{Fx, Wide};
 use crate::precision::{Newton, Precision};
 use crate::rom;
@@ -124,7 +124,68 @@ pub fn exp2<W: Word>(x: Fx<W, 24>, p: &Precision) -> Block<W, 1> {
     let knot: Mantissa<W> = Fx::from_raw(index.raw().lookup(&rom::EXP2));
     let next: Mantissa<W> = Fx::from_raw(index.raw().add(W::lit(1)).lookup(&rom::EXP2));
     let rise: Mantissa<W> = (next - knot).claim(0..=(1 << 22) - 1, "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
-    let rise: Wide<W, 60> = rise.mul(fraction);
+    // 24 fraction bits of a rise fit an operand of 18 bits; the rest would be 2^−25.
+    let rise: Wide<W, 60> = rise.keep(24).mul(fraction);
     let mantissa = (knot.widen::<60>() + rise).round_to(p.fraction_bits);
     Block { m: [mantissa], e: whole.reread::<0>() + Fx::lit(1) }
+}
+
+/// Fraction bits of y = 1 − cos, so that a square of mantissas is twice it.
+pub const VERSINE: u32 = 61;
+
+/// `−log₂(1 − y)` for y in [0, 1], relative error 2^−(p−1.4) + 2^−19.4; −log₂ of 2^−63 or less, y above 1 among it, is 64.
+///
+/// Below ½ it is y times a tabulated ratio, so that a tiny y keeps its accuracy; above, the logarithm of 1 − y.
+#[inline(always)]
+pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Block<W, 1> {
+    let keep = p.fraction_bits;
+    let (one, half): (Wide<W, VERSINE>, Wide<W, VERSINE>) = (Fx::lit(1 << VERSINE), Fx::lit(1 << (VERSINE - 1)));
+    let scaled = Block::of(y, Fx::zero(), keep);
+    let below_half = y.saturate(Fx::zero(), half - Fx::lit(1)).floor_shr(VERSINE - MANTISSA);
+    let below_half: Mantissa<W> = Fx::from_raw(W::narrow(below_half.raw()));
+    let index = below_half.floor_shr(29 - rom::LOG_BITS);
+    let within = below_half - index.shl(29 - rom::LOG_BITS);
+    let fraction = within.shl(rom::LOG_BITS + 1).keep(keep);
+    let knot: Fx<W, 26> = Fx::from_raw(index.raw().lookup(&rom::HALF_LOG2_ONE_MINUS_RATIO));
+    let next: Fx<W, 26> = Fx::from_raw(index.raw().add(W::lit(1)).lookup(&rom::HALF_LOG2_ONE_MINUS_RATIO));
+    let rise = (next - knot).claim(0..=(1 << 17) - 1, "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
+    let rise: Wide<W, 56> = rise.mul(fraction);
+    let half_ratio: Mantissa<W> = (knot.widen::<56>() + rise).round_to(keep);
+    let near: Wide<W, 60> = scaled.m[0].mul(half_ratio);
+
+    let rest: Block<W, 1> = Block::of((one - y).max(Fx::zero()), Fx::zero(), keep);
+    let log = log2(rest.m[0], p) + rest.e.saturate(Fx::lit(-63), Fx::zero()).reread::<24>().shl(24);
+    // At most 64 with 24 fraction bits: 2^12 above the binary point of a product leaves it in [−1, 1].
+    let far: Wide<W, 60> = (-log).widen::<48>().reread();
+
+    let is_far = y.ge(half);
+    Block::of(Fx::select(is_far, far, near), Fx::select(is_far, Fx::lit(12), scaled.e + Fx::lit(1)), keep)
+}
+
+/// `cosⁿ` = 2^(n·log₂(1 − y)) of y = 1 − cos ≥ 0 and n = n.m·2^n.e, n.e in 0…14; 0 where y ≥ 1, 1 where y = 0.
+///
+/// n.m need not be normalised where n.e = 0. Error, absolute: 2^−(p−0.3) + 2^−20 for every n up to 2^13, beside that
+/// of y (n times it, relative). A power below 2^−63 is 2^−63.
+#[inline(always)]
+pub fn cosine_power<W: Word>(y: Wide<W, VERSINE>, n: Block<W, 1>, p: &Precision) -> Block<W, 1> {
+    let log = minus_log2_one_minus(y, p);
+    let product: Wide<W, 60> = log.m[0].mul(n.m[0]);
+    let e = log.e + n.e;
+    // n.m ≥ ½ where n.e > 0 and log.m ≥ ½: with an exponent above 6 the product is 32 at least.
+    let at_64: Wide<W, 54> = product.reread::<54>().floor_shr_by(places_below(e, Fx::lit(6), 62));
+    let last: Fx<W, 24> = Fx::lit(63 << 24);
+    let x = Fx::select(Fx::lit(6).lt(e), last, at_64.round_to::<24>(24).min(last));
+    Block::select(y.ge(Fx::lit(1 << VERSINE)), Block::zero(), exp2(-x, p))
+}
+
+/// A stored number of 16 bits, exponent c in the upper 4, fraction f in the lower 12: m·2^e with m = f/8192 and e = 0
+/// where c = 0, else m = (4096 + f)/8192 and e = c − 1.
+///
+/// Range: any code; the number is 0 or from 2^−13 to 16 382, in the unit of whoever stores it.
+#[inline(always)]
+pub fn short_number<W: Word>(code: Fx<W, 0>) -> Block<W, 1> {
+    let c = code.floor_shr(12);
+    let f = code - c.shl(12);
+    let m = f + Fx::select(c.is_zero(), Fx::zero(), Fx::lit(1 << 12));
+    Block { m: [m.reread::<MANTISSA>().shl(MANTISSA - 13)], e: (c - Fx::lit(1)).max(Fx::zero()) }
 }

@@ -5,14 +5,14 @@
 //! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
 //! bits are rounded away on entry.
 
-use fixed::types::{I2F30, I4F28, I16F16, U0F32};
+use fixed::types::{I1F15, I2F30, I4F12, I4F28, I16F16, U0F32};
 
 use crate::datapath::{self, Reflection, ReflectionInput, ReflectionOutput, TextureFootprint};
 use crate::fx::Fx;
 use crate::plan::ReflectionPlan;
 use crate::precision::Precision;
 use crate::scalar::Scalar;
-use crate::signals::{MapScale, PortBlock};
+use crate::signals::{Horizon, MapScale, Peak, PortBlock};
 use crate::stage::probes::face_scale;
 use crate::stage::texture::TextureScale;
 
@@ -143,7 +143,8 @@ fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<Scala
 }
 
 impl BlockVector {
-    fn wires(&self) -> PortBlock<Scalar, 3> {
+    /// The port as scalar wires.
+    pub fn wires(&self) -> PortBlock<Scalar, 3> {
         wires(self.mantissa, self.exponent)
     }
 }
@@ -229,5 +230,59 @@ impl From<&ReflectionOutput<Scalar>> for ReflectionOut {
 impl From<&Reflection<Scalar>> for ReflectionOut {
     fn from(stages: &Reflection<Scalar>) -> Self {
         Self::from(&datapath::leave(stages))
+    }
+}
+
+/// One peak of a distribution of normals as maps store it: a·max(0, N·H)ⁿ, in 10 bytes.
+///
+/// A code of 16 bits holds an exponent c in its upper 4 bits and a fraction f in its lower 12: f units where c = 0, else
+/// (4096 + f)·2^(c − 1) units. It is monotone, and a number of at least 4096 units is within 2^−13 of what was stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StoredPeak {
+    /// N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
+    /// Another length: 1 − |N − H|²/2 stands for the cosine.
+    pub normal: [I1F15; 3],
+    /// Amplitude a, a code in units of 2^−21: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below.
+    pub amplitude: u16,
+    /// Exponent n, a code in units of 2^−13: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most.
+    /// The other codes, 0 to 16 382, count as they read.
+    pub exponent: u16,
+}
+
+/// The horizon of a peak as maps store it, towards −x, +x, −y, +y of the local frame, in 16 bytes.
+///
+/// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StoredHorizon {
+    /// Slope at which the ramp begins, μ − √3σ, or of the step; within 2^−13, cut to ±8.
+    pub low: [I4F12; 4],
+    /// 1/(2√3σ), a code as in [`StoredPeak`] in units of 2^−14: within 2^−13 from ¼ on (widths up to 4), 2^−15 below.
+    /// 0 is a step: visible at `low` and above.
+    pub inverse_width: [u16; 4],
+}
+
+impl StoredHorizon {
+    /// No horizon: every direction is visible.
+    pub const OPEN: Self = Self { low: [I4F12::MIN; 4], inverse_width: [0; 4] };
+}
+
+impl StoredPeak {
+    /// The port as scalar wires.
+    pub fn wires(&self) -> Peak<Scalar> {
+        Peak {
+            normal: self.normal.map(|n| Fx::from_raw(n.to_bits().into())),
+            amplitude: Fx::from_raw(self.amplitude.into()),
+            exponent: Fx::from_raw(self.exponent.into()),
+        }
+    }
+}
+
+impl StoredHorizon {
+    /// The port as scalar wires.
+    pub fn wires(&self) -> Horizon<Scalar> {
+        Horizon {
+            low: self.low.map(|low| Fx::from_raw(low.to_bits().into())),
+            inverse_width: self.inverse_width.map(|code| Fx::from_raw(code.into())),
+        }
     }
 }

@@ -3,10 +3,10 @@
 //! Real numbers become ports: a vector's largest component goes to [½, 1) and is rounded, ties towards +∞, to the
 //! profile's `fraction_bits`, which is what the datapath would keep of it anyway.
 
-use fixed::types::{I2F30, I4F28};
+use fixed::types::{I1F15, I2F30, I4F12, I4F28};
 use glam::{DVec2, DVec3};
 
-use crate::ports::{BlockNumber, BlockPair, BlockVector};
+use crate::ports::{BlockNumber, BlockPair, BlockVector, StoredHorizon, StoredPeak};
 use crate::precision::Precision;
 
 /// 2^exponent for any exponent a port can hold; 0 below and ∞ above the range of f64.
@@ -93,4 +93,73 @@ fn real(mantissa: I2F30, exponent: i16) -> f64 {
 /// The real value of a number with 28 fraction bits.
 pub fn real_offset(x: I4F28) -> f64 {
     f64::from(x.to_bits()) * power_of_two(-28)
+}
+
+/// The code of 16 bits nearest to `x` ≥ 0 in units of 2^`unit`; saturates, and reads what is no number as 0.
+fn code(x: f64, unit: i32) -> u16 {
+    let units = scale_by_power_of_two(x, -unit);
+    if units.is_nan() || units < 0.5 {
+        return 0;
+    }
+    // (4096 + f)·2^(c − 1) with 4096 + f in [4096, 8192]: a carry out of f is one into c.
+    let c = exponent_above(units.min(power_of_two(30))).max(12) - 12;
+    let significand = libm_floor(scale_by_power_of_two(units.min(power_of_two(30)), -(c - 1).max(0)) + 0.5) as i64;
+    let below = if c == 0 { 0 } else { (i64::from(c) << 12) - 4096 };
+    (below + significand).min(u16::MAX.into()) as u16
+}
+
+/// The number of a code in units of 2^`unit`.
+fn real_code(code: u16, unit: i32) -> f64 {
+    let (c, f) = (i32::from(code >> 12), f64::from(code & 0xfff));
+    scale_by_power_of_two(if c == 0 { f } else { f + 4096.0 }, unit + (c - 1).max(0))
+}
+
+/// Units of the codes of an amplitude, an exponent and an inverse width, as powers of two.
+const UNITS: [i32; 3] = [-21, -13, -14];
+
+/// Rounds `x` to `bits` fraction bits of a word of 16, saturated.
+fn word_of_16(x: f64, bits: i32) -> i16 {
+    let scaled = libm_floor(x * power_of_two(bits) + 0.5);
+    scaled.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+}
+
+/// A peak as a port: N brought to unit length, the amplitude saturated below 64, the exponent to 1…8192.
+///
+/// A vector that has no direction (zero, infinite, not a number) and a negative amplitude give a peak without light;
+/// callers refuse those earlier.
+pub fn stored_peak(normal: DVec3, amplitude: f64, exponent: f64) -> StoredPeak {
+    // The squares of no vector overflow or vanish that is scaled by its largest component.
+    let unit = (normal / normal.abs().max_element()).normalize_or_zero();
+    let amplitude = if unit == DVec3::ZERO { 0.0 } else { amplitude };
+    StoredPeak {
+        normal: unit.to_array().map(|x| I1F15::from_bits(word_of_16(x, 15))),
+        amplitude: code(amplitude, UNITS[0]),
+        exponent: code(exponent.clamp(1.0, 8192.0), UNITS[1]),
+    }
+}
+
+/// A horizon as a port, from mean and standard deviation of its slopes towards −x, +x, −y, +y; σ ≤ 0 is a step.
+pub fn stored_horizon(mean: [f64; 4], sigma: [f64; 4]) -> StoredHorizon {
+    // √3, by which the uniform law of the same variance reaches beyond the mean (erratum 22).
+    const REACH: f64 = 1.732_050_807_568_877_2;
+    let mut stored = StoredHorizon::OPEN;
+    for side in 0..4 {
+        let reach = REACH * sigma[side];
+        let ramp = reach > 0.0;
+        stored.low[side] = I4F12::from_bits(word_of_16(mean[side] - if ramp { reach } else { 0.0 }, 12));
+        stored.inverse_width[side] = if ramp { code(0.5 / reach, UNITS[2]).max(1) } else { 0 };
+    }
+    stored
+}
+
+/// N, a and n of a stored peak.
+pub fn real_peak(stored: &StoredPeak) -> (DVec3, f64, f64) {
+    let normal = DVec3::from_array(stored.normal.map(|x| f64::from(x.to_bits()) * power_of_two(-15)));
+    (normal, real_code(stored.amplitude, UNITS[0]), real_code(stored.exponent, UNITS[1]))
+}
+
+/// Where each ramp of a stored horizon begins, and its inverse width; `None` for a step.
+pub fn real_horizon(stored: &StoredHorizon) -> ([f64; 4], [Option<f64>; 4]) {
+    let low = stored.low.map(|low| f64::from(low.to_bits()) * power_of_two(-12));
+    (low, stored.inverse_width.map(|code| (code > 0).then(|| real_code(code, UNITS[2]))))
 }

@@ -202,3 +202,73 @@ pub struct TexturePosition<W: Word> {
 }
 
 bundle!(TexturePosition { ; wide uv });
+
+/// Fraction bits of linear light: I8F24.
+pub const LIGHT: u32 = 24;
+/// Fraction bits of a component of a stored normal: I1F15.
+pub const STORED_NORMAL: u32 = 15;
+/// Fraction bits of a stored slope: I4F12.
+pub const STORED_SLOPE: u32 = 12;
+/// Fraction bits of a slope on its wire, ±8.
+pub const SLOPE: u32 = 26;
+/// Fraction bits of a weight or a visibility in [0, 1].
+pub const SHARE: u32 = 16;
+
+/// A direction in the frame of a surface: along E₁, E₂ and n.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalDirection<W: Word> {
+    /// Unit length, or zero where there is none.
+    pub unit: [Mantissa<W>; 3],
+    /// The direction or the frame is zero.
+    pub none: W::Flag,
+}
+
+bundle!(LocalDirection { unit; flag none });
+
+/// A peak as it is stored; [`crate::ports::StoredPeak`] describes each number.
+#[derive(Clone, Copy, Debug)]
+pub struct Peak<W: Word> {
+    /// N.
+    pub normal: [Fx<W, STORED_NORMAL>; 3],
+    /// a, a code of 16 bits.
+    pub amplitude: Fx<W, 0>,
+    /// n, a code of 16 bits.
+    pub exponent: Fx<W, 0>,
+}
+
+bundle!(Peak { normal, amplitude, exponent });
+
+/// Light of the peaks so far.
+#[derive(Clone, Copy, Debug)]
+pub struct PeakSum<W: Word> {
+    /// Their sum, below 64.
+    pub light: Fx<W, LIGHT>,
+    /// It was cut to the largest number below 64.
+    pub saturated: W::Flag,
+}
+
+bundle!(PeakSum { light; flag saturated });
+
+/// Slope of a direction over one axis of its surface.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisSlope<W: Word> {
+    /// z/|x|, cut to ±8.
+    pub slope: Fx<W, SLOPE>,
+    /// It points to the negative side.
+    pub negative: W::Flag,
+    /// x = 0: to neither side.
+    pub upright: W::Flag,
+}
+
+bundle!(AxisSlope { slope; flag negative, upright });
+
+/// A horizon as it is stored, towards −x, +x, −y, +y; [`crate::ports::StoredHorizon`] describes each number.
+#[derive(Clone, Copy, Debug)]
+pub struct Horizon<W: Word> {
+    /// Slope at which the ramp begins, or of the step.
+    pub low: [Fx<W, STORED_SLOPE>; 4],
+    /// Inverse width of the ramp, a code of 16 bits; 0 is a step.
+    pub inverse_width: [Fx<W, 0>; 4],
+}
+
+bundle!(Horizon { low, inverse_width });

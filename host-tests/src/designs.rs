@@ -7,14 +7,17 @@ use roughxel_core::block::Block;
 use roughxel_core::datapath::{self, ReflectionInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{ReflectionIn, texture_scale};
+use roughxel_core::ports::{ReflectionIn, StoredHorizon, StoredPeak, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::signals::{CubePoint, Ellipse, FacePosition, FaceSelect, PortBlock, Probes, TexturePosition};
+use roughxel_core::signals::{
+    CubePoint, Ellipse, FacePosition, FaceSelect, Frame, LocalDirection, PortBlock, Probes, TexturePosition,
+};
 use roughxel_core::stage::filter::ROUGHNESS_LOD_BIAS;
-use roughxel_core::stage::{axes, blend, filter, moments, probes};
+use roughxel_core::stage::{axes, blend, filter, moments, peaks, probes};
 use roughxel_emulator::net::design::{
-    BlendInput, CornerInput, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, LevelsInput,
-    MomentsInput, MomentsOutput, ProbeSumInput, RepeatAddressInput, SampleInput, TextureInput, TextureProbeInput,
+    BlendInput, CornerInput, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, HorizonInput,
+    LevelsInput, LocalInput, MomentsInput, MomentsOutput, PeakInput, PeakOutput, ProbeSumInput, RepeatAddressInput,
+    SampleInput, TextureInput, TextureProbeInput,
 };
 
 use crate::checked::{Integers, Visible, filled};
@@ -30,6 +33,7 @@ pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: 
     fn port<const N: usize>() -> PortBlock<i32, N> {
         PortBlock { mantissa: [fx(); N], exponent: fx() }
     }
+    let block = Block::<i32, 3>::zero;
     let (texture, map) = texture_scale([1, 1]);
     let probes = Probes { count: fx(), step: [fx(); 2], lod: fx(), empty: false, saturated: false, capped: false };
     let centre = TexturePosition { uv: [Fx::lit(0); 2] };
@@ -123,6 +127,32 @@ pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: 
             let form = BlendInput { surface: fx(), reflection: fx(), reflectance: fx() };
             let input = filled::<W, _>(&form, ports);
             Integers::of(&blend::blend(input.surface, input.reflection, input.reflectance))
+        }
+        "local" => {
+            let form = LocalInput {
+                direction: block(),
+                frame: Frame { e1: block(), e2: block(), pole: false },
+                normal: block(),
+            };
+            let input = filled::<W, _>(&form, ports);
+            Integers::of(&datapath::local_direction(&input.direction, &input.frame, &input.normal, p))
+        }
+        "peak" => {
+            let form = PeakInput {
+                h: LocalDirection { unit: [fx(); 3], none: false },
+                peak: StoredPeak::default().wires(),
+                weight: fx(),
+                sum: peaks::none(),
+            };
+            let input = filled::<W, _>(&form, ports);
+            let sum = datapath::peak_sum(&input.sum, datapath::peak(&input.h, &input.peak, input.weight, p));
+            Integers::of(&PeakOutput { sum, status: datapath::peak_status(&input.h, &sum) })
+        }
+        "horizon" => {
+            let form = HorizonInput { light: block(), eye: block(), horizon: StoredHorizon::OPEN.wires() };
+            let input = filled::<W, _>(&form, ports);
+            let [light, eye] = [&input.light, &input.eye].map(|direction| datapath::horizon_slopes(direction, p));
+            Integers::of(&datapath::horizon(&light, &eye, &input.horizon, p))
         }
         _ => panic!("{name} is a new design: say what its function is"),
     }

@@ -256,6 +256,9 @@ fn every_table_entry_is_the_nearest_to_its_function() {
         let x = f64::from(i) / 256.0;
         assert!(nearest(rom::LOG2[i as usize], (1.0 + x).log2() * two(24)), "log2 {i}");
         assert!(nearest(rom::EXP2[i as usize], x.exp2() * two(29)), "exp2 {i}");
+        let y = x / 2.0;
+        let ratio = if i == 0 { 0.5 / LN_2 } else { -(-y).ln_1p() / LN_2 / (2.0 * y) };
+        assert!(nearest(rom::HALF_LOG2_ONE_MINUS_RATIO[i as usize], ratio * two(26)), "log2(1 - y) {i}");
     }
     for bits in 6..=10 {
         // Seeds keep bits + 2 fraction bits.

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA};
-use roughxel_core::elementary::{half_reciprocal, inverse_root};
+use roughxel_core::elementary::{exp2, half_reciprocal, inverse_root, short_number};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::environment_scale;
 use roughxel_core::precision::{Newton, Precision, ProbeRule};
@@ -51,6 +51,30 @@ fn knots_of_log2_rise_by_less_than_2_to_the_minus_7() {
 #[test]
 fn knots_of_exp2_rise_by_less_than_2_to_the_minus_8() {
     assert!(rises(&rom::EXP2).all(|rise| (0..1 << 22).contains(&rise)));
+}
+
+#[test]
+fn knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9() {
+    assert!(rises(&rom::HALF_LOG2_ONE_MINUS_RATIO).all(|rise| (0..1 << 17).contains(&rise)));
+}
+
+/// A power of a cosine is 2^−x for x ≥ 0: at x = 0 it is ½·2, elsewhere a mantissa of at most 1 with an exponent of at most
+/// 0. Times an amplitude m·2^(e − 8) with m < 1 and e ≤ 14, and a weight of at most 1, it is 64 at most, and not below 0;
+/// what is rounded to p bits between is a mantissa of at most ½ or 1, which stays at most that.
+#[test]
+fn a_peak_gives_64_at_most() {
+    for p in precisions() {
+        let steps = (0..=63 << 8).into_par_iter().map(|x| x << 16).chain((0..1 << 16).into_par_iter());
+        steps.for_each(|x: i32| {
+            let power = exp2(Fx::<i32, 24>::from_raw(-x), &p);
+            let (m, e) = (power.m[0].raw(), power.e.raw());
+            assert!(0 < m && (m == ONE / 2 && e == 1 || m <= ONE && e <= 0), "2^−{x:#x} with {p:?}");
+            let last = short_number(Fx::<i32, 0>::from_raw(u16::MAX.into()));
+            assert!(last.m[0].raw() < ONE && last.e.raw() == 14);
+            let product: Fx<i32, 30> = power.m[0].mul::<30, 60>(last.m[0]).round_to(p.fraction_bits);
+            assert!((0..=m).contains(&product.raw()));
+        });
+    }
 }
 
 /// |numerator| ≤ m for the largest component m, so |numerator·(1/2m)| is largest at m itself. A block of zeros has

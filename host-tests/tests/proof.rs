@@ -88,7 +88,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [[&str; 4]; 18] = [
+const CONNECTIONS: [[&str; 4]; 22] = [
     ["map_scale", "", "reflection", "map"],
     ["map_scale", "log2_texels", "texture", "map.log2_texels"],
     ["reflection", "point", "environment_probe", "point"],
@@ -107,6 +107,10 @@ const CONNECTIONS: [[&str; 4]; 18] = [
     ["moment_sample", "", "probe_sum", "sample"],
     ["roughness_decode", "", "reflection", "roughness"],
     ["corner", "", "colour_sample", "texels[0][0]"],
+    ["reflection", "frame", "local", "frame"],
+    ["local", "", "peak", "h"],
+    ["horizon", "", "peak", "weight"],
+    ["peak", "sum", "peak", "sum"],
 ];
 
 /// What an output can be: by the walk, or, where one port of 16 bits is all there is, by trying every value of it.
@@ -194,7 +198,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
         source.split("#[test]\nfn ").skip(1).filter_map(|test| Some(test.split_once("() {")?.0)).collect();
     assert!(named.is_subset(&tests), "no test: {:?}", named.difference(&tests));
     // What no design goes through is claimed in the source all the same.
-    let core = ["elementary.rs", "stage/axes.rs", "stage/cube_face.rs", "stage/probes.rs"];
+    let core = ["elementary.rs", "stage/axes.rs", "stage/cube_face.rs", "stage/peaks.rs", "stage/probes.rs"];
     let core = core.map(|file| text(&format!("../core/src/{file}"))).concat();
     for test in tests {
         assert!(core.contains(&format!("\"{test}\"")), "{test}: nothing claims it");
@@ -204,7 +208,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
 #[test]
 fn compact_fits_multipliers_of_18_by_18() {
     for (profile, p) in profiles() {
-        for name in ["reflection", "fragment", "texture"] {
+        for name in ["reflection", "fragment", "texture", "peak", "horizon"] {
             for plan in plans_of(design(name)) {
                 let net = design(name).record(&plan, &p);
                 let census = Census::new(&net, &Ranges::new(&net));

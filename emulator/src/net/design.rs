@@ -12,7 +12,8 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{
-    CubePoint, Ellipse, FacePosition, FaceSelect, LOD, MapScale, OFFSET, POSITION, PortBlock, Probes, TexturePosition,
+    CubePoint, Ellipse, FacePosition, FaceSelect, Frame, Horizon, LIGHT, LOD, LocalDirection, MapScale, OFFSET,
+    POSITION, Peak, PeakSum, PortBlock, Probes, SHARE, TexturePosition,
 };
 use roughxel_core::stage::blend::{COLOUR, REFLECTANCE};
 use roughxel_core::stage::filter::{self, Address, LOD_WEIGHT, ROUGHNESS_LOD_BIAS, WEIGHT};
@@ -20,6 +21,7 @@ use roughxel_core::stage::moments::{self, MOMENT};
 use roughxel_core::stage::probes::face_scale;
 use roughxel_core::stage::texture::{REPEATS, TextureScale};
 use roughxel_core::stage::{axes, blend};
+use roughxel_core::status::Status;
 use roughxel_core::word::Word;
 
 use super::graph::Net;
@@ -114,6 +116,13 @@ pub const DESIGNS: &[Design] = &[
     Design { name: "probe_sum", description: "one more sample of a weighted sum over probes", record: probe_sum },
     Design { name: "probe_mean", description: "the mean of the weighted sum", record: probe_mean },
     Design { name: "blend", description: "surface and reflection by reflectance", record: blend_channel },
+    Design { name: "local", description: "a direction in the frame of a surface, at unit length", record: local },
+    Design { name: "peak", description: "one more peak of a distribution of normals", record: peak },
+    Design {
+        name: "horizon",
+        description: "the share of a peak's facets that light and eye both clear",
+        record: horizon,
+    },
 ];
 
 fn fx<const FRAC: u32>(raw: i64) -> Fx<i32, FRAC> {
@@ -547,5 +556,103 @@ fn blend_channel(_: &ReflectionPlan, _: &Precision) -> Net {
     };
     record(&ports(0), &ports(1), |input| {
         NetWord::block("blend", || blend::blend(input.surface, input.reflection, input.reflectance))
+    })
+}
+
+/// A block between stages: any mantissas in [−1, 1], and an exponent that may be a sum of those of blocks of zeros.
+fn block<const N: usize>(end: usize) -> Block<i32, N> {
+    Block { m: [fx([-1 << 30, 1 << 30][end]); N], e: fx([-1 << 24, 1 << 24][end]) }
+}
+
+/// Ports of `local`.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalInput<W: Word> {
+    /// The direction, any length.
+    pub direction: Block<W, 3>,
+    /// E₁ and E₂ in units of the mantissas of n.
+    pub frame: Frame<W>,
+    /// n.
+    pub normal: Block<W, 3>,
+}
+
+bundle!(LocalInput { direction, frame, normal });
+
+fn local(_: &ReflectionPlan, p: &Precision) -> Net {
+    let ports = |end: usize| LocalInput {
+        direction: block(end),
+        frame: Frame { e1: block(end), e2: block(end), pole: end == 1 },
+        normal: block(end),
+    };
+    record(&ports(0), &ports(1), |input| datapath::local_direction(&input.direction, &input.frame, &input.normal, p))
+}
+
+/// Ports of `peak`.
+#[derive(Clone, Copy, Debug)]
+pub struct PeakInput<W: Word> {
+    /// Half vector in the frame of the surface.
+    pub h: LocalDirection<W>,
+    /// The peak as it is stored.
+    pub peak: Peak<W>,
+    /// Its share of the fragment, [0, 1].
+    pub weight: Fx<W, SHARE>,
+    /// The sum so far.
+    pub sum: PeakSum<W>,
+}
+
+bundle!(PeakInput { h, peak, weight, sum });
+
+/// Outcomes of `peak`.
+#[derive(Clone, Copy, Debug)]
+pub struct PeakOutput<W: Word> {
+    /// The sum with this peak.
+    pub sum: PeakSum<W>,
+    /// Its sticky bits.
+    pub status: Status<W>,
+}
+
+bundle!(PeakOutput { sum, status });
+
+fn peak(_: &ReflectionPlan, p: &Precision) -> Net {
+    let ports = |end: usize| PeakInput {
+        h: LocalDirection { unit: [fx([-1 << 30, 1 << 30][end]); 3], none: end == 1 },
+        peak: Peak {
+            normal: [fx([i16::MIN.into(), i16::MAX.into()][end]); 3],
+            amplitude: fx([0, u16::MAX.into()][end]),
+            exponent: fx([0, u16::MAX.into()][end]),
+        },
+        weight: fx([0, 1 << SHARE][end]),
+        sum: PeakSum { light: fx([0, (64 << LIGHT) - 1][end]), saturated: end == 1 },
+    };
+    record(&ports(0), &ports(1), |input| {
+        let sum = datapath::peak_sum(&input.sum, datapath::peak(&input.h, &input.peak, input.weight, p));
+        PeakOutput { sum, status: datapath::peak_status(&input.h, &sum) }
+    })
+}
+
+/// Ports of `horizon`.
+#[derive(Clone, Copy, Debug)]
+pub struct HorizonInput<W: Word> {
+    /// Direction of the light in the frame of the surface, any length.
+    pub light: Block<W, 3>,
+    /// Direction of the eye.
+    pub eye: Block<W, 3>,
+    /// The horizon of a peak as it is stored.
+    pub horizon: Horizon<W>,
+}
+
+bundle!(HorizonInput { light, eye, horizon });
+
+fn horizon(_: &ReflectionPlan, p: &Precision) -> Net {
+    let ports = |end: usize| HorizonInput {
+        light: block(end),
+        eye: block(end),
+        horizon: Horizon {
+            low: [fx([i16::MIN.into(), i16::MAX.into()][end]); 4],
+            inverse_width: [fx([0, u16::MAX.into()][end]); 4],
+        },
+    };
+    record(&ports(0), &ports(1), |input| {
+        let [light, eye] = [&input.light, &input.eye].map(|direction| datapath::horizon_slopes(direction, p));
+        datapath::horizon(&light, &eye, &input.horizon, p)
     })
 }

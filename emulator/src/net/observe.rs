@@ -3,16 +3,19 @@
 //! An interval is proven for every pattern of bits at every port; what real fragments put on the wire shows how much of
 //! it is meant for cases that do not occur. A value outside the proven range would be an error of the walk.
 
+use glam::DVec3;
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::signals::{PortBlock, TexturePosition};
+use roughxel_core::setup::{stored_horizon, stored_peak};
+use roughxel_core::signals::{LIGHT, PeakSum, PortBlock, SHARE, TexturePosition};
+use roughxel_core::stage::enter::enter;
 
 use super::design::{
-    Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, LevelsInput, RepeatAddressInput, TextureInput,
-    TextureProbeInput,
+    Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, HorizonInput, LevelsInput, LocalInput, PeakInput,
+    RepeatAddressInput, TextureInput, TextureProbeInput,
 };
 use super::graph::{Net, NodeId};
 use super::interval::{Range, Ranges};
@@ -126,6 +129,27 @@ pub fn port_values(
                 Fx::from_raw((i32::from(fragment.edge_texels.clamp(1, 16384)) >> (probes.lod.raw() >> 16)).max(1));
             let place = |index| datapath::environment_probe(&point, &probes, index, p).place;
             indices.map(|index| integers(&FaceAddressInput { place: place(index), edge })).collect()
+        }
+        // Light and eye have any direction: the view and its derivatives are as good as others.
+        "local" | "peak" | "horizon" => {
+            let stages = datapath::reflection(&wires, plan, p);
+            let (frame, normal) = (stages.frame, stages.normal);
+            let directions = [stages.view, enter(&wires.dview[0], p), enter(&wires.dview[1], p)];
+            if design == "local" {
+                return directions.map(|direction| integers(&LocalInput { direction, frame, normal })).into();
+            }
+            let [_, light, eye] = directions.map(|d| datapath::local_components(&d, &frame, &normal, p));
+            if design == "horizon" {
+                let mut four = |low, high| [(); 4].map(|()| random.uniform(low, high));
+                let horizon = stored_horizon(four(-1.0, 2.0), four(-0.2, 0.6)).wires();
+                return vec![integers(&HorizonInput { light, eye, horizon })];
+            }
+            let h = datapath::local_direction(&directions[0], &frame, &normal, p);
+            let exponent = random.uniform(0.0, 13.0).exp2();
+            let near = DVec3::from_array(h.unit.map(|m| f64::from(m.raw()) + random.uniform(-1e8, 1e8)));
+            let peak = stored_peak(near, random.uniform(-10.0, 6.0).exp2(), exponent).wires();
+            let sum = PeakSum { light: Fx::lit(random.below(64 << LIGHT) as i64), saturated: random.below(2) == 1 };
+            vec![integers(&PeakInput { h, peak, weight: Fx::lit(random.below((1 << SHARE) + 1) as i64), sum })]
         }
         _ => vec![net.ports.iter().map(|port| within(port.low, port.high, random)).collect()],
     }

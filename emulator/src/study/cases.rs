@@ -3,6 +3,8 @@
 //! Sets are made of port values, quantised to the profile, so the reference can be fed with exactly what the
 //! datapath sees.
 
+pub mod peaks;
+
 use fixed::types::{I2F30, I4F28};
 use glam::{DMat3, DVec3, dvec3};
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};

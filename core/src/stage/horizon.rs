@@ -1,0 +1,68 @@
+//! Horizon: which share of a peak's facets a direction of light or view clears (F92 §5, erratum 22).
+//!
+//! For the axis x of a local direction (x, y, z): visibility = (slope − low)·inverse width, cut to [0, 1], with
+//! slope = z/|x|, low = μ − √3σ and width = 2√3σ of the horizon on the side to which the direction points; the product
+//! over both axes. σ = 0 is a step, visible from μ on; x = 0 is visible. Slopes are cut to ±8, so a stored step at −8
+//! hides nothing. Error of a slope s: 2^−(p−3.2)·max(1, |s|); of a factor, beside that: 2^−17.
+
+use crate::block::{Block, MANTISSA, places_below};
+use crate::each::each;
+use crate::elementary::{half_reciprocal, short_number};
+use crate::fx::{Fx, Wide};
+use crate::precision::Precision;
+use crate::signals::{AxisSlope, Horizon, SHARE, SLOPE, STORED_SLOPE};
+use crate::word::Word;
+
+/// z/|x| and z/|y| of a local direction of any length.
+#[inline(always)]
+pub fn slopes<W: Word>(local: &Block<W, 3>, p: &Precision) -> [AxisSlope<W>; 2] {
+    let keep = p.fraction_bits;
+    let [x, y, z] = local.m;
+    let rise = Block::of(z.widen::<60>(), Fx::zero(), keep);
+    let limit: Wide<W, 55> = Fx::lit(8 << 55);
+    each!(along in [x, y] => {
+        let run = Block::of(along.abs().widen::<60>(), Fx::zero(), keep);
+        let product: Wide<W, 60> = rise.m[0].mul(half_reciprocal(run.m[0], p));
+        let e = rise.e - run.e + Fx::lit(1);
+        // Both factors are in [½, 1]: with an exponent above 5 the slope is beyond 8.
+        let at_32: Wide<W, 55> = product.reread::<55>().floor_shr_by(places_below(e, Fx::lit(5), 62));
+        let steep = limit.negate_if(z.lt(Fx::zero()));
+        let slope = Fx::select(Fx::lit(5).lt(e), steep, at_32.saturate(-limit, limit));
+        AxisSlope {
+            slope: slope.round_to(slope_bits(p)),
+            negative: along.lt(Fx::zero()),
+            upright: along.is_zero(),
+        }
+    })
+}
+
+/// Kept fraction bits of a slope: the difference of two slopes is below 32.
+const fn slope_bits(p: &Precision) -> u32 {
+    p.fraction_bits - 4
+}
+
+/// The share of facets that a direction clears, in [0, 1].
+#[inline(always)]
+pub fn visibility<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Precision) -> Fx<W, SHARE> {
+    let one: Fx<W, SHARE> = Fx::lit(1 << SHARE);
+    let [x, y] = each!(axis in [0, 1] => {
+        let AxisSlope { slope, negative, upright } = slopes[axis];
+        let low = Fx::select(negative, horizon.low[2 * axis], horizon.low[2 * axis + 1]);
+        let code = Fx::select(negative, horizon.inverse_width[2 * axis], horizon.inverse_width[2 * axis + 1]);
+        let above: Fx<W, SLOPE> = slope - low.reread::<SLOPE>().shl(SLOPE - STORED_SLOPE);
+        // Codes count in 2^−14: 1/width = m·2^(e − 1), e ≤ 14.
+        let inverse = short_number(code);
+        let product: Wide<W, 56> = above.keep(slope_bits(p)).mul::<MANTISSA, 56>(inverse.m[0]);
+        let ramp: Wide<W, 43> = product.reread::<43>().floor_shr_by(Fx::lit(14) - inverse.e);
+        let ramp = ramp.saturate(Fx::zero(), Fx::lit(1 << 43)).round_to::<SHARE>(SHARE);
+        let step = Fx::select(above.lt(Fx::zero()), Fx::zero(), one);
+        Fx::select(upright, one, Fx::select(code.is_zero(), step, ramp))
+    });
+    product(x, y)
+}
+
+/// The product of two shares, rounded to nearest; 1 changes nothing.
+#[inline(always)]
+pub fn product<W: Word>(a: Fx<W, SHARE>, b: Fx<W, SHARE>) -> Fx<W, SHARE> {
+    a.mul::<SHARE, 32>(b).round_to(SHARE)
+}
