@@ -10,23 +10,25 @@
 //!                                                     continuation ──► filter ──► blend
 //!  u v, d(u,v) ──► texture ──► ellipse ──► axes ──► probes ──► filter ──► moments ──► b, d
 //!  h, frame ──► local ──► peaks ──► light        l, v, frame ──► local ──► horizon ──► weight of a peak
+//!
+//!  l, v ──► half ──► highlight ◄── spread ◄── perturb, roughness
 //! ```
 
 use crate::block::{Block, Mantissa};
 use crate::bundle::{Bundle, Rewire, Step, bundle};
 use crate::each::each;
 use crate::fx::Fx;
-use crate::plan::{FrameSystem, ReflectionPlan};
+use crate::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::{
     Axes, AxisSlope, CubePoint, Ellipse, FacePosition, Frame, Horizon, LIGHT, LOD, LocalDirection, MapScale, OFFSET,
-    POSITION, Peak, PeakSum, PortBlock, Probes, Reflected, SHARE, TexturePosition,
+    POSITION, Peak, PeakSum, PortBlock, Probes, Reflected, SHARE, Shininess, ShininessPort, Spread, TexturePosition,
 };
 use crate::stage::columns::Mirror;
 use crate::stage::texture::TextureScale;
 use crate::stage::{
-    axes, columns, cube_face, ellipse, enter, frame, horizon, leave, local, peaks, perturb, probes, reflect, roughness,
-    texture,
+    axes, columns, cube_face, ellipse, enter, frame, half, highlight, horizon, leave, local, peaks, perturb, probes,
+    reflect, roughness, texture,
 };
 use crate::status::{Status, StatusBit};
 use crate::word::Word;
@@ -65,6 +67,98 @@ pub struct ReflectionInput<W: Word> {
 
 bundle!(ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map });
 
+impl<W: Word> ReflectionInput<W> {
+    /// What the surface needs of it.
+    #[inline(always)]
+    pub fn surface(&self) -> SurfaceInput<W> {
+        let Self { normal, view, tangents, offset, roughness, .. } = *self;
+        SurfaceInput { normal, view, tangents, offset, roughness }
+    }
+}
+
+/// Inputs of the surface on wires: those of the reflection datapath that do not depend on what it is for.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInput<W: Word> {
+    /// n.
+    pub normal: PortBlock<W, 3>,
+    /// v.
+    pub view: PortBlock<W, 3>,
+    /// h, or p_u and p_v.
+    pub tangents: [PortBlock<W, 3>; 2],
+    /// b₁, b₂.
+    pub offset: [Fx<W, OFFSET>; 2],
+    /// d₁, d₂, d₃, or I₁.
+    pub roughness: [Fx<W, OFFSET>; 3],
+}
+
+bundle!(SurfaceInput { normal, view, tangents, offset, roughness });
+
+/// The surface of one fragment, made once for its reflection and all its lights.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<W: Word> {
+    /// n, normalised.
+    pub normal: Block<W, 3>,
+    /// v, normalised.
+    pub view: Block<W, 3>,
+    /// E₁, E₂ in units of the mantissas of n.
+    pub frame: Frame<W>,
+    /// n_mod.
+    pub normal_mod: Block<W, 3>,
+    /// d₁E₁ and d₂E₁ + d₃E₂ in units of the mantissas of n; zero where the plan has no roughness.
+    pub roughness: [Block<W, 3>; 2],
+}
+
+bundle!(Surface { normal, view, frame, normal_mod, roughness });
+
+/// The perturbed and rough surface of one fragment.
+#[inline(always)]
+pub fn surface<W: Word>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Precision) -> Surface<W> {
+    let never = !Fx::<W, 0>::zero().is_zero();
+    let normal = block!("enter.normal", enter::enter(&input.normal, p));
+    let view = block!("enter.view", enter::enter(&input.view, p));
+
+    let frame = if plan.needs_frame() {
+        let tangents = match plan.frame {
+            FrameSystem::MainDirection => [block!("enter.tangent", enter::enter(&input.tangents[0], p)), Block::zero()],
+            FrameSystem::Natural | FrameSystem::NaturalNormalised => {
+                input.tangents.map(|tangent| block!("enter.tangent", enter::enter(&tangent, p)))
+            }
+        };
+        block!(
+            "frame",
+            match plan.frame {
+                FrameSystem::MainDirection => frame::main_direction(&normal, &tangents[0], p),
+                FrameSystem::Natural => frame::natural(&normal, &tangents, p),
+                FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &tangents, p),
+            }
+        )
+    } else {
+        Frame { e1: Block::zero(), e2: Block::zero(), pole: never }
+    };
+
+    let normal_mod = if plan.bump {
+        let offset = block!("enter.offset", each!(b in input.offset => enter::enter_offset(b, p)));
+        block!("perturb", perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
+    } else {
+        normal
+    };
+
+    let roughness = match plan.roughness {
+        RoughnessKind::None => [Block::zero(); 2],
+        kind => {
+            let d = block!("enter.roughness", each!(d in input.roughness => enter::enter_offset(d, p)));
+            block!(
+                "roughness",
+                match kind {
+                    RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
+                    _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
+                }
+            )
+        }
+    };
+    Surface { normal, view, frame, normal_mod, roughness }
+}
+
 /// Every stage's outcome for one fragment. Stages the plan leaves out stand at their neutral value.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflection<W: Word> {
@@ -97,36 +191,18 @@ bundle!(Reflection { normal, view, frame, normal_mod, reflected, point, columns,
 /// The reflection datapath of one fragment: from n, v, bumps and roughness to the probes on the cube map.
 #[inline(always)]
 pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p: &Precision) -> Reflection<W> {
-    let never = !Fx::<W, 0>::zero().is_zero();
-    let normal = block!("enter.normal", enter::enter(&input.normal, p));
-    let view = block!("enter.view", enter::enter(&input.view, p));
+    reflection_of(&surface(&input.surface(), &plan.surface(), p), input, plan, p)
+}
 
-    let frame = if plan.needs_frame() {
-        let tangents = match plan.frame {
-            FrameSystem::MainDirection => [block!("enter.tangent", enter::enter(&input.tangents[0], p)), Block::zero()],
-            FrameSystem::Natural | FrameSystem::NaturalNormalised => {
-                input.tangents.map(|tangent| block!("enter.tangent", enter::enter(&tangent, p)))
-            }
-        };
-        block!(
-            "frame",
-            match plan.frame {
-                FrameSystem::MainDirection => frame::main_direction(&normal, &tangents[0], p),
-                FrameSystem::Natural => frame::natural(&normal, &tangents, p),
-                FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &tangents, p),
-            }
-        )
-    } else {
-        Frame { e1: Block::zero(), e2: Block::zero(), pole: never }
-    };
-
-    let normal_mod = if plan.bump {
-        let offset = block!("enter.offset", each!(b in input.offset => enter::enter_offset(b, p)));
-        block!("perturb", perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
-    } else {
-        normal
-    };
-
+/// What comes after the surface, which was made with the blocks of [`ReflectionPlan::surface`] at least.
+#[inline(always)]
+pub fn reflection_of<W: Word>(
+    surface: &Surface<W>,
+    input: &ReflectionInput<W>,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> Reflection<W> {
+    let Surface { normal, view, frame, normal_mod, roughness } = *surface;
     let reflected = block!("reflect", reflect::reflect(&normal_mod, &view, p));
     let point = block!("cube_face", cube_face::cube_face(&reflected.r, p));
 
@@ -141,26 +217,13 @@ pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p:
             };
             block!("columns.pixel", columns::column(&mirror, &dv, &dn, p))
         });
-        let tangents = match plan.roughness {
-            RoughnessKind::None => None,
-            kind => {
-                let d = block!("enter.roughness", each!(d in input.roughness => enter::enter_offset(d, p)));
-                Some(block!(
-                    "roughness",
-                    match kind {
-                        RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
-                        _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
-                    }
-                ))
-            }
-        };
-        let (rough, ellipse) = match tangents {
-            None => {
+        let (rough, ellipse) = match plan.roughness {
+            RoughnessKind::None => {
                 let ellipse = block!("ellipse", ellipse::ellipse(ellipse::pixel_columns(&pixel, p), p));
                 ([Block::zero(); 2], ellipse)
             }
-            Some(tangents) => {
-                let rough = tangents.map(|dn| {
+            _ => {
+                let rough = roughness.map(|dn| {
                     block!("columns.roughness", columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
                 });
                 let ellipse = block!("ellipse", {
@@ -174,7 +237,7 @@ pub fn reflection<W: Word>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p:
         let probes = block!("probes", probes::probes(&axes, &input.map, p));
         ([pixel[0], pixel[1], rough[0], rough[1]], ellipse, axes, probes)
     } else {
-        no_footprint(never)
+        no_footprint(!Fx::<W, 0>::zero().is_zero())
     };
 
     let status = block!("status", {
@@ -421,4 +484,93 @@ pub fn horizon<W: Word>(
     let [lit, seen] =
         each!(slopes in [light, eye] => block!("horizon.visibility", horizon::visibility(slopes, stored, p)));
     block!("horizon.product", horizon::product(lit, seen))
+}
+
+/// Inputs of a highlight on wires; [`crate::ports::HighlightIn`] describes each.
+#[derive(Clone, Copy, Debug)]
+pub struct HighlightInput<W: Word> {
+    /// The surface.
+    pub surface: SurfaceInput<W>,
+    /// l.
+    pub light: PortBlock<W, 3>,
+    /// m.
+    pub shininess: ShininessPort<W>,
+}
+
+bundle!(HighlightInput { surface, light, shininess });
+
+/// What all highlights of a fragment share: the exponent of its material and the spread of its surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Gloss<W: Word> {
+    /// m.
+    pub shininess: Shininess<W>,
+    /// `None` where the plan has no roughness.
+    pub spread: Option<Spread<W>>,
+}
+
+/// The material of one fragment, made once for all its lights.
+#[inline(always)]
+pub fn gloss<W: Word>(
+    surface: &Surface<W>,
+    shininess: &ShininessPort<W>,
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> Gloss<W> {
+    let shininess = block!("enter.shininess", highlight::enter_shininess(shininess, p));
+    let spread = match plan.roughness {
+        RoughnessKind::None => None,
+        _ => Some(block!("highlight.spread", {
+            let tangents = each!(c in surface.roughness => c.scaled(surface.normal.e));
+            highlight::spread(&surface.normal_mod, &tangents, &shininess, p)
+        })),
+    };
+    Gloss { shininess, spread }
+}
+
+/// Every stage's outcome for one light on one fragment.
+#[derive(Clone, Copy, Debug)]
+pub struct Highlight<W: Word> {
+    /// h.
+    pub half: Block<W, 3>,
+    /// The share of the light that the highlight returns, [0, 1].
+    pub f: Fx<W, LIGHT>,
+    /// Sticky bits.
+    pub status: Status<W>,
+}
+
+bundle!(Highlight { half, f, status });
+
+/// The highlight of one light: modified Blinn-Phong. `light` points from the surface to the light.
+#[inline(always)]
+pub fn highlight<W: Word>(
+    surface: &Surface<W>,
+    gloss: &Gloss<W>,
+    light: &PortBlock<W, 3>,
+    p: &Precision,
+) -> Highlight<W> {
+    let Surface { normal, view, frame, normal_mod, .. } = surface;
+    let light = block!("enter.light", enter::enter(light, p));
+    let half = block!("half", half::half(&light, view, p));
+    let lobe = block!(
+        "highlight",
+        highlight::lobe([normal, normal_mod], [&light, &half], gloss.spread.as_ref(), &gloss.shininess, p)
+    );
+    let status = block!("highlight.status", {
+        Status::clear()
+            .raise(StatusBit::NormalZero, normal.is_zero())
+            .raise(StatusBit::ViewZero, view.is_zero())
+            .raise(StatusBit::FramePole, frame.pole)
+            .raise(StatusBit::LightZero, light.is_zero())
+            .raise(StatusBit::HalfZero, half.is_zero())
+            .raise(StatusBit::LightBelowSurface, lobe.light_below)
+            .raise(StatusBit::HalfBelowSurface, lobe.half_below)
+    });
+    Highlight { half, f: lobe.f, status }
+}
+
+/// The highlight datapath of one fragment with one light: surface, material, light.
+#[inline(always)]
+pub fn lit_surface<W: Word>(input: &HighlightInput<W>, plan: &SurfacePlan, p: &Precision) -> Highlight<W> {
+    let surface = surface(&input.surface, plan, p);
+    highlight(&surface, &gloss(&surface, &input.shininess, plan, p), &input.light, p)
 }

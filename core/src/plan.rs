@@ -16,6 +16,24 @@ pub enum FrameSystem {
     NaturalNormalised,
 }
 
+/// Blocks that make the surface, which reflection and lights share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfacePlan {
+    /// Frame and perturb.
+    pub bump: bool,
+    /// Which frame; it exists where `bump` or `roughness` needs it.
+    pub frame: FrameSystem,
+    /// Tangents of the roughness.
+    pub roughness: RoughnessKind,
+}
+
+impl SurfacePlan {
+    /// Whether anything needs the tangents of the frame.
+    pub const fn needs_frame(&self) -> bool {
+        self.bump || !matches!(self.roughness, RoughnessKind::None)
+    }
+}
+
 /// Blocks of the reflection datapath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReflectionPlan {
@@ -41,8 +59,14 @@ impl ReflectionPlan {
         footprint: true,
     };
 
-    /// Whether anything needs the tangents.
+    /// The surface that the reflection needs: without a footprint its roughness is of no use.
+    pub const fn surface(&self) -> SurfacePlan {
+        let roughness = if self.footprint { self.roughness } else { RoughnessKind::None };
+        SurfacePlan { bump: self.bump, frame: self.frame, roughness }
+    }
+
+    /// Whether anything needs the tangents of the frame.
     pub const fn needs_frame(&self) -> bool {
-        self.bump || (self.footprint && !matches!(self.roughness, RoughnessKind::None))
+        self.surface().needs_frame()
     }
 }

@@ -5,14 +5,16 @@
 //! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
 //! bits are rounded away on entry.
 
-use fixed::types::{I1F15, I2F30, I4F12, I4F28, I16F16, U0F32};
+use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16, U0F32};
 
-use crate::datapath::{self, Reflection, ReflectionInput, ReflectionOutput, TextureFootprint};
+use crate::datapath::{
+    self, HighlightInput, Reflection, ReflectionInput, ReflectionOutput, SurfaceInput, TextureFootprint,
+};
 use crate::fx::Fx;
-use crate::plan::ReflectionPlan;
+use crate::plan::{ReflectionPlan, SurfacePlan};
 use crate::precision::Precision;
 use crate::scalar::Scalar;
-use crate::signals::{Horizon, MapScale, Peak, PortBlock};
+use crate::signals::{Horizon, MapScale, Peak, PortBlock, ShininessPort};
 use crate::stage::probes::face_scale;
 use crate::stage::texture::TextureScale;
 
@@ -284,5 +286,75 @@ impl StoredHorizon {
             low: self.low.map(|low| Fx::from_raw(low.to_bits().into())),
             inverse_width: self.inverse_width.map(|code| Fx::from_raw(code.into())),
         }
+    }
+}
+
+/// The exponent m of a highlight: cos^m on a smooth surface. `setup::shininess` makes one.
+///
+/// The datapath takes both numbers as they are: a √m that is not the root of m changes the base roughness alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shininess {
+    /// m, saturated to 1…8192.
+    pub exponent: I16F16,
+    /// √m, saturated to 1…91.
+    pub root: I8F24,
+}
+
+impl Shininess {
+    /// The ports as scalar wires.
+    pub fn wires(&self) -> ShininessPort<Scalar> {
+        ShininessPort { exponent: Fx::from_raw(self.exponent.to_bits()), root: Fx::from_raw(self.root.to_bits()) }
+    }
+}
+
+/// Inputs of the highlight of one light on one fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HighlightIn {
+    /// Surface normal n, any length.
+    pub normal: BlockVector,
+    /// Vector v from the surface to the eye, any length.
+    pub view: BlockVector,
+    /// Frame vectors, as for [`ReflectionIn`].
+    pub tangents: [BlockVector; 2],
+    /// Bump offsets b₁, b₂, as for [`ReflectionIn`].
+    pub offset: [I4F28; 2],
+    /// Roughness d₁, d₂, d₃ or I₁, as for [`ReflectionIn`].
+    pub roughness: [I4F28; 3],
+    /// Vector l from the surface to the light, any length.
+    pub light: BlockVector,
+    /// Exponent m.
+    pub shininess: Shininess,
+}
+
+/// Outputs of the highlight of one light on one fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HighlightOut {
+    /// The share of the light that the highlight returns, [0, 1]. It is 0 where the light is on the horizon of n or below
+    /// it, where n_mod faces away from the half vector, and where any of n, v, l or h is zero.
+    pub f: I8F24,
+    /// Sticky bits, see [`crate::status::LIGHT_STATUS_BITS`]; those of n, v and the frame as for the reflection.
+    pub status: u32,
+}
+
+impl HighlightIn {
+    /// The ports as scalar wires.
+    pub fn wires(&self) -> HighlightInput<Scalar> {
+        HighlightInput {
+            surface: SurfaceInput {
+                normal: self.normal.wires(),
+                view: self.view.wires(),
+                tangents: self.tangents.map(|t| t.wires()),
+                offset: self.offset.map(|b| Fx::from_raw(b.to_bits())),
+                roughness: self.roughness.map(|d| Fx::from_raw(d.to_bits())),
+            },
+            light: self.light.wires(),
+            shininess: self.shininess.wires(),
+        }
+    }
+
+    /// Runs the scalar datapath.
+    pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
+        let stages = datapath::lit_surface(&self.wires(), plan, p);
+        HighlightOut { f: I8F24::from_bits(stages.f.raw()), status: stages.status.word().raw() as u32 }
     }
 }

@@ -170,6 +170,20 @@ pub static HALF_LOG2_ONE_MINUS_RATIO: [i32; 257] = {
     table
 };
 
+/// log₂(1 + x)/(2x) at x = i/256, i = 0…256 (1/(2 ln 2) at 0), 26 fraction bits: a fall between knots has 17. Linear
+/// interpolation errs by at most h²/8 · max|f″| = 2^−20.05 of values in [½, 0.7214], beside 2^−28 a knot.
+pub static HALF_LOG2_ONE_PLUS_RATIO: [i32; 257] = {
+    let mut table = [round((ONE << 59) / LN2, 26); 257];
+    let mut i = 1;
+    while i < 257 {
+        let x = (ONE >> LOG_BITS) * i as i128;
+        let log2 = (ln(ONE + x) << 60) / LN2;
+        table[i] = round((log2 << 59) / x, 26);
+        i += 1;
+    }
+    table
+};
+
 /// The most steps over 90° of an angle table.
 const MAX_ANGLE_STEPS: usize = 64;
 

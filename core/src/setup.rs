@@ -3,10 +3,10 @@
 //! Real numbers become ports: a vector's largest component goes to [½, 1) and is rounded, ties towards +∞, to the
 //! profile's `fraction_bits`, which is what the datapath would keep of it anyway.
 
-use fixed::types::{I1F15, I2F30, I4F12, I4F28};
+use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16};
 use glam::{DVec2, DVec3};
 
-use crate::ports::{BlockNumber, BlockPair, BlockVector, StoredHorizon, StoredPeak};
+use crate::ports::{BlockNumber, BlockPair, BlockVector, Shininess, StoredHorizon, StoredPeak};
 use crate::precision::Precision;
 
 /// 2^exponent for any exponent a port can hold; 0 below and ∞ above the range of f64.
@@ -69,6 +69,18 @@ pub fn offset(x: f64, p: &Precision) -> I4F28 {
     I4F28::from_bits(
         (scaled << (28 - bits)).clamp(i64::from(i32::MIN), i64::from(i32::MAX >> (28 - bits) << (28 - bits))) as i32,
     )
+}
+
+/// The exponent m of a highlight as a port: m and √m, rounded to their last bits. Below 1 and not a number read as 1, above
+/// 8192 as 8192.
+pub fn shininess(m: f64) -> Shininess {
+    let m = if m >= 1.0 { m.min(8192.0) } else { 1.0 };
+    let exponent = libm_floor(m * power_of_two(16) + 0.5) as i32;
+    // √(m·2^16·2^32) = √m·2^24, to nearest.
+    let square = (exponent as u64) << 32;
+    let root = square.isqrt();
+    let root = root + u64::from(square - root * root > root);
+    Shininess { exponent: I16F16::from_bits(exponent), root: I8F24::from_bits(root as i32) }
 }
 
 /// The real numbers of a port, exponent undone.

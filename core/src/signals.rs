@@ -272,3 +272,51 @@ pub struct Horizon<W: Word> {
 }
 
 bundle!(Horizon { low, inverse_width });
+
+/// The exponent m of a highlight as the host prepares it, once per material; [`crate::ports::Shininess`] describes it.
+#[derive(Clone, Copy, Debug)]
+pub struct ShininessPort<W: Word> {
+    /// m.
+    pub exponent: Fx<W, 16>,
+    /// √m.
+    pub root: Fx<W, 24>,
+}
+
+bundle!(ShininessPort { exponent, root });
+
+/// The exponent m of a highlight, normalised.
+#[derive(Clone, Copy, Debug)]
+pub struct Shininess<W: Word> {
+    /// m, 1…8192.
+    pub exponent: Block<W, 1>,
+    /// √m, 1…91.
+    pub root: Block<W, 1>,
+}
+
+bundle!(Shininess { exponent, root });
+
+/// What roughness does to a highlight, whatever the light: everything relative to |n_mod| and to the base deviation 1/√m.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread<W: Word> {
+    /// √m·d₁E₁/|n_mod| and √m·(d₂E₁ + d₃E₂)/|n_mod|.
+    pub tangents: [Block<W, 3>; 2],
+    /// 1/√D ≤ 1, D = det(I + mK).
+    pub amplitude: Block<W, 1>,
+    /// 1/D.
+    pub reciprocal: Block<W, 1>,
+}
+
+bundle!(Spread { tangents, amplitude, reciprocal });
+
+/// How much of a highlight a fragment shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobe<W: Word> {
+    /// f in [0, 1].
+    pub f: Fx<W, LIGHT>,
+    /// n·l ≤ 0.
+    pub light_below: W::Flag,
+    /// n_mod·h ≤ 0.
+    pub half_below: W::Flag,
+}
+
+bundle!(Lobe { f; flag light_below, half_below });

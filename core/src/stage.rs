@@ -9,6 +9,8 @@ pub mod ellipse;
 pub mod enter;
 pub mod filter;
 pub mod frame;
+pub mod half;
+pub mod highlight;
 pub mod horizon;
 pub mod leave;
 pub mod local;

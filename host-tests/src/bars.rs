@@ -12,7 +12,7 @@ pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
 
-use roughxel_core::precision::Precision;
+use roughxel_core::precision::{PROFILE_NAMES, Precision};
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::raster::RasterError;
@@ -35,6 +35,17 @@ pub fn arithmetic_bar(profile: &str) -> Option<f64> {
         _ => None,
     }
 }
+
+/// Largest |error of f| of a highlight with exponent m over max(1, √m), where l and v are not nearly opposite: the angle
+/// between n_mod and h is what errs, and the steepest slope of cos^m is 0.61·√m.
+pub fn highlight_bar(profile: &str) -> Option<f64> {
+    let column = PROFILE_NAMES.iter().position(|name| *name == profile)?;
+    [-13, -13, -17, -19].get(column).map(|&power| 2.0_f64.powi(power))
+}
+
+/// Least PSNR in dB of a highlight in one pixel by its ellipse, and what averaged bumps reach (scenes, picture bars).
+pub const ONE_PIXEL_BARS: [(&str, f64, f64); 4] =
+    [("noise", 28.0, 7.0), ("corrugated", 21.0, 11.0), ("V-groove", 16.0, 10.0), ("hemispheres", 19.0, 13.0)];
 
 /// Least gain of the footprint mode over the unfiltered one on [`FILTERED_SCENES`], dB.
 pub const GAIN_BAR: f64 = 10.0;

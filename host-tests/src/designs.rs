@@ -7,7 +7,7 @@ use roughxel_core::block::Block;
 use roughxel_core::datapath::{self, ReflectionInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{ReflectionIn, StoredHorizon, StoredPeak, texture_scale};
+use roughxel_core::ports::{HighlightIn, ReflectionIn, StoredHorizon, StoredPeak, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{
     CubePoint, Ellipse, FacePosition, FaceSelect, Frame, LocalDirection, PortBlock, Probes, TexturePosition,
@@ -17,7 +17,7 @@ use roughxel_core::stage::{axes, blend, filter, moments, peaks, probes};
 use roughxel_emulator::net::design::{
     BlendInput, CornerInput, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, HorizonInput,
     LevelsInput, LocalInput, MomentsInput, MomentsOutput, PeakInput, PeakOutput, ProbeSumInput, RepeatAddressInput,
-    SampleInput, TextureInput, TextureProbeInput,
+    SampleInput, TextureInput, TextureProbeInput, highlight_surface,
 };
 
 use crate::checked::{Integers, Visible, filled};
@@ -122,6 +122,10 @@ pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: 
         "probe_mean" => {
             let sum = filled::<W, _>(&filter::ProbeSum::<i32>::zero(), ports);
             Integers::of(&Fx::<W, 0>::from_raw(sum.mean()))
+        }
+        "highlight" => {
+            let input = filled::<W, _>(&HighlightIn::default().wires(), ports);
+            Integers::of(&datapath::lit_surface(&input, &highlight_surface(plan), p))
         }
         "blend" => {
             let form = BlendInput { surface: fx(), reflection: fx(), reflectance: fx() };

@@ -8,6 +8,7 @@ pub mod checked;
 pub mod designs;
 pub mod float_datapath;
 pub mod float_frame;
+pub mod one_pixel;
 pub mod side_by_side;
 pub mod simulators;
 pub mod space;

@@ -77,6 +77,11 @@ fn a_peak_gives_64_at_most() {
     }
 }
 
+#[test]
+fn knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9() {
+    assert!(rises(&rom::HALF_LOG2_ONE_PLUS_RATIO).all(|rise| (0..1 << 17).contains(&-rise)));
+}
+
 /// |numerator| ≤ m for the largest component m, so |numerator·(1/2m)| is largest at m itself. A block of zeros has
 /// numerators of zero.
 #[test]

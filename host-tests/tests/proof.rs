@@ -27,7 +27,7 @@ fn design(name: &str) -> &'static Design {
 
 /// The plans under which a design is a different one.
 fn plans_of(design: &Design) -> Vec<ReflectionPlan> {
-    if matches!(design.name, "fragment" | "reflection") { plans() } else { vec![ReflectionPlan::FULL] }
+    if matches!(design.name, "fragment" | "reflection" | "highlight") { plans() } else { vec![ReflectionPlan::FULL] }
 }
 
 fn holds(design: &Design, plan: &ReflectionPlan, p: &Precision) {
@@ -208,7 +208,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
 #[test]
 fn compact_fits_multipliers_of_18_by_18() {
     for (profile, p) in profiles() {
-        for name in ["reflection", "fragment", "texture", "peak", "horizon"] {
+        for name in ["reflection", "fragment", "texture", "highlight", "peak", "horizon"] {
             for plan in plans_of(design(name)) {
                 let net = design(name).record(&plan, &p);
                 let census = Census::new(&net, &Ranges::new(&net));

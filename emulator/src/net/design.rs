@@ -1,19 +1,19 @@
 //! Designs: what can be recorded, each with the declared range of every port.
 //!
 //! `reflection` and `texture` are the datapaths from ports to probes; `environment_probe` and `texture_probe` one step
-//! of the probe stepper; the rest the arithmetic between addresses, texels and pixel. Ranges of ports are stated as two
+//! of the probe stepper; `highlight` one light on a surface; the rest the arithmetic between addresses, texels and pixel. Ranges of ports are stated as two
 //! scalar bundles, the lowest and the highest values.
 
 use roughxel_core::block::{Block, Mantissa};
 use roughxel_core::bundle;
-use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::datapath::{self, HighlightInput, ReflectionInput};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{
     CubePoint, Ellipse, FacePosition, FaceSelect, Frame, Horizon, LIGHT, LOD, LocalDirection, MapScale, OFFSET,
-    POSITION, Peak, PeakSum, PortBlock, Probes, SHARE, TexturePosition,
+    POSITION, Peak, PeakSum, PortBlock, Probes, SHARE, ShininessPort, TexturePosition,
 };
 use roughxel_core::stage::blend::{COLOUR, REFLECTANCE};
 use roughxel_core::stage::filter::{self, Address, LOD_WEIGHT, ROUGHNESS_LOD_BIAS, WEIGHT};
@@ -38,7 +38,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// Records it. The plan matters to `reflection` only.
+    /// Records it. The plan matters to `fragment`, `reflection` and `highlight` only.
     pub fn record(&self, plan: &ReflectionPlan, p: &Precision) -> Net {
         (self.record)(plan, p)
     }
@@ -115,6 +115,11 @@ pub const DESIGNS: &[Design] = &[
     },
     Design { name: "probe_sum", description: "one more sample of a weighted sum over probes", record: probe_sum },
     Design { name: "probe_mean", description: "the mean of the weighted sum", record: probe_mean },
+    Design {
+        name: "highlight",
+        description: "one light on a surface: frame, perturb, roughness, half vector, modified Blinn-Phong",
+        record: highlight,
+    },
     Design { name: "blend", description: "surface and reflection by reflectance", record: blend_channel },
     Design { name: "local", description: "a direction in the frame of a surface, at unit length", record: local },
     Design { name: "peak", description: "one more peak of a distribution of normals", record: peak },
@@ -533,6 +538,20 @@ fn roughness_decode(_: &ReflectionPlan, p: &Precision) -> Net {
             _ => NetWord::block("moments.decompose", || moments::decompose(&k, p)),
         }
     })
+}
+
+/// The surface of `highlight`: its roughness does not need a footprint.
+pub fn highlight_surface(plan: &ReflectionPlan) -> SurfacePlan {
+    SurfacePlan { bump: plan.bump, frame: plan.frame, roughness: plan.roughness }
+}
+
+fn highlight(plan: &ReflectionPlan, p: &Precision) -> Net {
+    let ports = |end: usize| HighlightInput {
+        surface: reflection_ports(end).surface(),
+        light: port(end),
+        shininess: ShininessPort { exponent: fx(WORD[end]), root: fx(WORD[end]) },
+    };
+    record(&ports(0), &ports(1), |input| datapath::lit_surface(input, &highlight_surface(plan), p))
 }
 
 /// Ports of `blend`.

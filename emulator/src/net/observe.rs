@@ -4,12 +4,12 @@
 //! it is meant for cases that do not occur. A value outside the proven range would be an error of the walk.
 
 use glam::DVec3;
-use roughxel_core::datapath;
+use roughxel_core::datapath::{self, HighlightInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::setup::{stored_horizon, stored_peak};
+use roughxel_core::setup::{self, stored_horizon, stored_peak};
 use roughxel_core::signals::{LIGHT, PeakSum, PortBlock, SHARE, TexturePosition};
 use roughxel_core::stage::enter::enter;
 
@@ -100,6 +100,11 @@ pub fn port_values(
     match design {
         "fragment" => vec![integers(&FragmentInput::new(fragment))],
         "reflection" => vec![integers(&wires)],
+        // A light has any direction: that of the first derivative is as good as another.
+        "highlight" => {
+            let m = setup::shininess(random.uniform(0.0, 13.0).exp2()).wires();
+            vec![integers(&HighlightInput { surface: wires.surface(), light: wires.dview[0], shininess: m })]
+        }
         "map_scale" => vec![integers(&Edge { edge_texels: Fx::lit(fragment.edge_texels.clamp(1, 16384).into()) })],
         "texture" => vec![integers(&TextureInput { duv, texture, map: texture_map })],
         "texture_probe" | "repeat_address" => {

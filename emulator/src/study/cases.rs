@@ -3,6 +3,7 @@
 //! Sets are made of port values, quantised to the profile, so the reference can be fed with exactly what the
 //! datapath sees.
 
+pub mod highlight;
 pub mod peaks;
 
 use fixed::types::{I2F30, I4F28};

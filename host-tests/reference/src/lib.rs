@@ -16,6 +16,7 @@ pub mod ellipse;
 pub mod filter;
 pub mod frame;
 pub mod ground_plane;
+pub mod highlight;
 pub mod horizon;
 pub mod linear;
 pub mod peaks;

@@ -1,8 +1,10 @@
 //! Errata of S97: roughness, its storage and pyramid, and the modified highlight.
 
+use roughxel_host_tests::one_pixel::{EXPONENT, OnePixel};
 use roughxel_host_tests::reference::axes::axes;
 use roughxel_host_tests::reference::ellipse::{Ellipse, ellipse};
 use roughxel_host_tests::reference::frame::frame_main_direction;
+use roughxel_host_tests::reference::highlight::printed_cos2;
 use roughxel_host_tests::reference::linear::{Vector2, add_scaled, cross, dot, norm, scaled};
 use roughxel_host_tests::reference::random::SplitMix64;
 use roughxel_host_tests::reference::roughness::{Covariance, Texel, Triangular, compose, covariance, decompose, merge};
@@ -98,40 +100,16 @@ fn row_06_the_spread_along_d_is_that_of_d_transposed() {
     }
 }
 
-/// The one-pixel highlight of the picture bars for corrugated iron: PSNR in dB of a model of d = h's slope − mean slope.
+/// The one-pixel highlight of corrugated iron: PSNR in dB of a model tan²a′ of d = h's slope − mean slope, with the base
+/// covariance I/m and the energy kept.
 fn corrugated_highlight(model: impl Fn(Covariance, Vector2) -> f64) -> f64 {
-    let exponent = 64;
-    let facets: Vec<Vector2> = (0..64 * 64)
-        .map(|i| {
-            let [x, y] = [i % 64, i / 64].map(|k| (f64::from(k) + 0.5) / 64.0);
-            let slope = 0.45 * (std::f64::consts::TAU * 4.0 * (0.8 * x + 0.6 * y)).cos();
-            [0.8 * slope, 0.6 * slope]
-        })
-        .collect();
-    let (mean, k) = covariance(&facets);
-    // Base covariance I/m; the model sees K in units of the base, so that a smooth surface has K = I.
-    let m = f64::from(exponent);
-    let relative = [m * k[0] + 1.0, m * k[1], m * k[2] + 1.0];
+    let pixel = OnePixel::corrugated();
+    let m = f64::from(EXPONENT);
+    // The model sees K in units of the base, so that a smooth surface has K = I.
+    let [a, b, c] = pixel.covariance;
+    let relative = [m * a + 1.0, m * b, m * c + 1.0];
     let energy = Ellipse::from_matrix(relative).det.sqrt();
-
-    let unit = |[x, y]: Vector2| scaled(1.0 / norm(&[x, y, 1.0]), [x, y, 1.0]);
-    let normals: Vec<_> = facets.iter().map(|&facet| unit(facet)).collect();
-    let (mut peak, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
-    for i in 0..41 * 41 {
-        let h = [i % 41, i / 41].map(|k| f64::from(k) / 20.0 - 1.0);
-        if dot(&h, &h) > 1.2 {
-            continue;
-        }
-        let half = unit(h);
-        let lobe = |n: &[f64; 3]| dot(n, &half).max(0.0).powi(exponent);
-        let truth = normals.iter().map(lobe).sum::<f64>() / normals.len() as f64;
-        let d = add_scaled(h, -1.0, mean);
-        let error = (1.0 + model(relative, d)).powf(-0.5 * m) / energy - truth;
-        peak = peak.max(truth);
-        squares += error * error;
-        count += 1.0;
-    }
-    -10.0 * (squares / count / (peak * peak)).log10()
+    pixel.psnr(|half| (1.0 + model(relative, pixel.offset(half))).powf(-0.5 * m) / energy)
 }
 
 #[test]
@@ -151,14 +129,6 @@ fn row_06_the_inverse_form_fits_a_corrugated_highlight_best() {
     for (got, expected) in [(printed, 16.7), (transposed, 19.4), (inverse, 21.5)] {
         assert!((got - expected).abs() < 0.05, "{got:.2} dB for {expected} dB");
     }
-}
-
-/// cos²a′ of S97 App. A with the printed |Dd|².
-fn printed_cos2(d: Triangular, n_minus_h: Vector2) -> f64 {
-    let length2 = dot(&n_minus_h, &n_minus_h);
-    let spread = norm(&times(d, n_minus_h));
-    let cos2 = 1.0 - length2;
-    cos2 / (length2 * length2 / (spread * spread) + cos2)
 }
 
 #[test]

@@ -322,11 +322,19 @@ impl Module {
                 let width = body.counted(a);
                 self.leading_zeros.insert(width);
                 let bits = count_bits(width);
+                // Where the number's size is known, high bits of the count are, too.
+                let used = last.clamp(1, bits);
                 let count = format!("{}_count", wire.name);
                 let value = body.text(a, 0, width, stage).code;
-                writeln!(text, "  wire {}{count};", vector(bits, false))?;
-                writeln!(text, "  leading_zeros_{width} {count}er (.value({value}), .count({count}));")?;
-                let counted = Wire { name: count, low: 0, high: bits, signed: false };
+                write!(text, "  wire {}{count};", vector(used, false))?;
+                let place = if used < bits {
+                    write!(text, " wire {}{count}_unused;", vector(bits - used, false))?;
+                    format!("{{{count}_unused, {count}}}")
+                } else {
+                    count.clone()
+                };
+                writeln!(text, "\n  leading_zeros_{width} {count}er (.value({value}), .count({place}));")?;
+                let counted = Wire { name: count, low: 0, high: used, signed: false };
                 let above = i64::from(net.node(a).kind.bits() - width);
                 let counted = view_bits(&View::of(id), &counted, first, last).code;
                 if above == 0 { counted } else { format!("{counted} + {}", constant_bits(above, first, last).code) }
@@ -435,6 +443,12 @@ fn summary(block: &str) -> &'static str {
             "probes.position" => "place of a probe on the major axis",
             "probes.weight" => "weight of a probe",
             _ => "number of probes, their step, level of detail",
+        },
+        "half" => "the direction halfway between light and eye",
+        "highlight" => match block {
+            "highlight.spread" => "what the roughness does to every highlight",
+            "highlight.status" => "the sticky bits of a light on a fragment",
+            _ => "the share of a light that the highlight returns",
         },
         "status" => "the sticky bits of a fragment",
         "leave" => "outcomes in the formats of the ports",

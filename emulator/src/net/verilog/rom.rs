@@ -23,10 +23,11 @@ pub struct Rom {
 impl Rom {
     /// The ROM of a table; `None` for a table the datapath does not have.
     pub fn new(table: Table) -> Option<Self> {
-        let named: [(&'static str, &'static [i32]); 7] = [
+        let named: [(&'static str, &'static [i32]); 8] = [
             ("log2", &rom::LOG2),
             ("exp2", &rom::EXP2),
             ("half_log2_one_minus_ratio", &rom::HALF_LOG2_ONE_MINUS_RATIO),
+            ("half_log2_one_plus_ratio", &rom::HALF_LOG2_ONE_PLUS_RATIO),
             ("step_per_sigma", &rom::STEP_PER_SIGMA),
             ("log2_of_count", &rom::LOG2_OF_COUNT),
             ("box_weights", &rom::BOX_WEIGHTS),

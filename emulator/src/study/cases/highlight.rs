@@ -1,0 +1,260 @@
+//! Lights on surfaces to test with: seeded random ones, and every hard case of a highlight as a named set.
+
+use fixed::types::I2F30;
+use glam::{DVec3, dvec3};
+use roughxel_core::plan::{FrameSystem, SurfacePlan};
+use roughxel_core::ports::{BlockVector, HighlightIn, ReflectionIn, Shininess};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::setup::{block_vector, offset, shininess};
+
+use super::{bit, direction, random_fragment};
+use crate::random::SplitMix64;
+
+/// A named set of lit fragments and the plan they run under.
+#[derive(Clone, Debug)]
+pub struct HighlightSet {
+    /// Short name.
+    pub name: &'static str,
+    /// What the set holds.
+    pub description: &'static str,
+    /// The fragments.
+    pub fragments: Vec<HighlightIn>,
+    /// Blocks they go through.
+    pub plan: SurfacePlan,
+}
+
+/// Every block of a surface.
+pub const FULL: SurfacePlan =
+    SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic };
+
+/// A light on the surface of a fragment.
+pub fn lit(fragment: &ReflectionIn, light: BlockVector, shininess: Shininess) -> HighlightIn {
+    let ReflectionIn { normal, view, tangents, offset, roughness, .. } = *fragment;
+    HighlightIn { normal, view, tangents, offset, roughness, light, shininess }
+}
+
+/// One light in real numbers, the form the generators think in.
+#[derive(Clone, Copy, Debug)]
+struct RealLight {
+    normal: DVec3,
+    view: DVec3,
+    tangent: DVec3,
+    offset: [f64; 2],
+    roughness: [f64; 3],
+    light: DVec3,
+    exponent: f64,
+}
+
+impl RealLight {
+    /// A light above the floor, seen by mirror reflection.
+    const PLAIN: Self = Self {
+        normal: DVec3::Y,
+        view: dvec3(0.0, 1.0, 1.0),
+        tangent: DVec3::NEG_Z,
+        offset: [0.0; 2],
+        roughness: [0.0; 3],
+        light: dvec3(0.0, 1.0, -1.0),
+        exponent: 64.0,
+    };
+
+    fn quantised(&self, p: &Precision) -> HighlightIn {
+        HighlightIn {
+            normal: block_vector(self.normal, p),
+            view: block_vector(self.view, p),
+            tangents: [block_vector(self.tangent, p), BlockVector::default()],
+            offset: self.offset.map(|b| offset(b, p)),
+            roughness: self.roughness.map(|d| offset(d, p)),
+            light: block_vector(self.light, p),
+            shininess: shininess(self.exponent),
+        }
+    }
+}
+
+/// Light `index` of the random set `set`: nine in ten are plausible (any attitude, exponents from 1 to 8192, a half vector
+/// within four deviations of n_mod), one in ten has random bits at corner exponents. Depends on the name and the
+/// index only.
+pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
+    let mut random = SplitMix64::for_element(set, index);
+    let fragment = random_fragment(set, index, p);
+    let exponent = random.uniform(0.0, 13.0).exp2();
+    if random.below(10) == 0 {
+        let light = if random.below(4) == 0 { fragment.view } else { fragment.dview[0] };
+        return lit(&fragment, light, shininess(exponent));
+    }
+    let normal = direction(&mut random).normalize();
+    let tangent = direction(&mut random).normalize();
+    let e1 = tangent.cross(normal).normalize_or_zero();
+    let e2 = normal.cross(e1);
+    let mut within = |bound: f64| random.uniform(-bound, bound);
+    let b = [within(0.6), within(0.6)];
+    let rough = within(4.0).exp2() / 4.0;
+    let roughness = [within(rough).abs(), within(rough), within(rough).abs()];
+    let deviation = 4.0 / exponent.sqrt();
+    let t = [within(1.0), within(1.0)];
+    let [d1, d2, d3] = roughness.map(|d| 2.0 * d);
+    let half = [b[0] + t[0] * (deviation + d1) + t[1] * d2, b[1] + t[1] * (deviation + d3)];
+    let half = (normal + half[0] * e1 + half[1] * e2).normalize();
+    // An eye on the side of the half vector, and the light opposite.
+    let eye = direction(&mut random).normalize();
+    let eye = if eye.dot(half) < 0.0 { -eye } else { eye };
+    let light = 2.0 * eye.dot(half) * half - eye;
+    let size = |random: &mut SplitMix64| random.uniform(-6.0, 6.0).exp2();
+    RealLight {
+        normal: normal * size(&mut random),
+        view: eye * size(&mut random),
+        tangent,
+        offset: b,
+        roughness,
+        light: light * size(&mut random),
+        exponent,
+    }
+    .quantised(p)
+}
+
+/// Every hard case of a highlight.
+pub fn highlight_sets(p: &Precision) -> Vec<HighlightSet> {
+    let set = |name, description, fragments| HighlightSet { name, description, fragments, plan: FULL };
+    vec![
+        set("highlight_peak", "h approaches n_mod to the last bit and lies on it, D = 0 and not", peak(p)),
+        set("highlight_opposite", "l approaches -v to the last bit and lies on it; n, v, l zero", opposite(p)),
+        set("highlight_rank", "K of rank one in every direction, c = 0, one bit, d2 < 0, saturated", rank(p)),
+        set("highlight_horizon", "light on the horizon, one bit to either side, below; eye below", horizon(p)),
+        set("highlight_exponent", "exponent 1, the largest, between, and beyond both ends", exponents(p)),
+        HighlightSet {
+            name: "highlight_isotropic",
+            description: "isotropic roughness from one bit to the end of its range",
+            fragments: isotropic(p),
+            plan: SurfacePlan { roughness: RoughnessKind::Isotropic, ..FULL },
+        },
+    ]
+}
+
+/// The vector with one component moved by `step` last bits.
+fn moved(vector: &BlockVector, component: usize, step: i32, p: &Precision) -> BlockVector {
+    let mut vector = *vector;
+    vector.mantissa[component] = I2F30::from_bits(vector.mantissa[component].to_bits() + step * bit(p));
+    vector
+}
+
+fn peak(p: &Precision) -> Vec<HighlightIn> {
+    let mut fragments = Vec::new();
+    for normal in [DVec3::Y, dvec3(0.2, 0.9, -0.3), dvec3(0.5, 0.5, 0.5)] {
+        let side = normal.any_orthonormal_vector() * normal.length();
+        for exponent in [1.0, 64.0, 8192.0] {
+            for roughness in [[0.0; 3], [0.3, 0.1, 0.2], [0.0, 0.2, 0.1]] {
+                let at = RealLight { normal, view: normal, light: normal, roughness, exponent, ..RealLight::PLAIN };
+                let exact = at.quantised(p);
+                fragments.push(exact);
+                fragments.extend((0..3).map(|i| HighlightIn { light: moved(&exact.light, i, -1, p), ..exact }));
+                for power in 2..p.fraction_bits {
+                    let angle = 0.5_f64.powi(power as i32);
+                    let light = normal * angle.cos() + side * angle.sin();
+                    fragments.push(RealLight { light, view: light, ..at }.quantised(p));
+                }
+            }
+        }
+    }
+    fragments
+}
+
+fn opposite(p: &Precision) -> Vec<HighlightIn> {
+    let mut fragments = Vec::new();
+    for roughness in [[0.0; 3], [0.3, 0.1, 0.2]] {
+        let plain = RealLight { roughness, exponent: 16.0, ..RealLight::PLAIN };
+        for power in 0..p.fraction_bits + 2 {
+            // Eye and light close above the floor, on either side of the half vector.
+            let angle = 0.5_f64.powi(power as i32);
+            let [view, light] = [1.0, -1.0].map(|side| dvec3(side * angle.cos(), angle.sin(), 0.1 * angle));
+            fragments.push(RealLight { view, light, ..plain }.quantised(p));
+        }
+        for view in [DVec3::Y, dvec3(0.3, 0.5, -0.8), DVec3::X] {
+            let exact = RealLight { view, light: -view, ..plain }.quantised(p);
+            fragments.push(exact);
+            fragments.extend(
+                (0..3)
+                    .flat_map(|i| [-1, 1].map(|step| HighlightIn { light: moved(&exact.light, i, step, p), ..exact })),
+            );
+        }
+        let zero = BlockVector::default();
+        let exact = plain.quantised(p);
+        fragments.extend([
+            HighlightIn { normal: zero, ..exact },
+            HighlightIn { view: zero, ..exact },
+            HighlightIn { light: zero, ..exact },
+            HighlightIn { tangents: [zero; 2], ..exact },
+            HighlightIn { normal: zero, view: zero, light: zero, ..exact },
+        ]);
+    }
+    fragments
+}
+
+fn rank(p: &Precision) -> Vec<HighlightIn> {
+    let last = 0.5_f64.powi(p.offset_bits() as i32);
+    let mut fragments = Vec::new();
+    for turn in 0..16 {
+        let (sin, cos) = (f64::from(turn) * std::f64::consts::PI / 16.0).sin_cos();
+        for size in [last, 0.01, 0.3, 4.0] {
+            // K = size²·(cos, sin)(cos, sin)ᵀ: d₁ = 0 but where sin = 0.
+            let roughness = if turn == 0 { [size, 0.0, 0.0] } else { [0.0, size * cos, size * sin] };
+            for slope in [[0.1, 0.0], [cos, sin], [-sin * 0.2, cos * 0.2]] {
+                let light = dvec3(slope[0], 1.0, slope[1]);
+                let plain = RealLight { roughness, ..RealLight::PLAIN };
+                fragments.push(RealLight { view: light, light, ..plain }.quantised(p));
+            }
+        }
+    }
+    for roughness in [[0.0, 0.0, last], [last; 3], [8.0; 3], [8.0, -8.0, 8.0], [0.2, -0.1, 0.0], [0.2, -0.3, last]] {
+        for offset in [[0.0; 2], [7.9, -7.9], [0.3, -0.2]] {
+            fragments.push(RealLight { roughness, offset, ..RealLight::PLAIN }.quantised(p));
+        }
+    }
+    fragments
+}
+
+fn horizon(p: &Precision) -> Vec<HighlightIn> {
+    let mut fragments = Vec::new();
+    let plain = RealLight { roughness: [0.4, 0.1, 0.3], exponent: 4.0, ..RealLight::PLAIN };
+    for (normal, side) in [(DVec3::Y, DVec3::X), (dvec3(0.5, 0.5, 0.0), dvec3(0.5, -0.5, 0.25))] {
+        for view in [normal, dvec3(0.0, 1.0, 1.0), normal - 0.5 * side, -normal] {
+            for offset in [[0.0; 2], [0.7, 0.4]] {
+                let exact = RealLight { normal, view, offset, light: side, ..plain }.quantised(p);
+                fragments.push(exact);
+                fragments.extend([-1, 1].map(|step| HighlightIn { light: moved(&exact.light, 1, step, p), ..exact }));
+                for height in [-0.2, 0.01, 0.2] {
+                    let light = side + height * normal;
+                    fragments.push(RealLight { normal, view, offset, light, ..plain }.quantised(p));
+                }
+            }
+        }
+    }
+    fragments
+}
+
+fn exponents(p: &Precision) -> Vec<HighlightIn> {
+    let mut fragments = Vec::new();
+    for power in 0..=13 {
+        for roughness in [[0.0; 3], [0.05, 0.02, 0.1]] {
+            let exponent = f64::from(1 << power);
+            let light = dvec3(0.0, 1.0, -1.0) + dvec3(0.7, 0.1, 0.3) / exponent.sqrt();
+            fragments.push(RealLight { light, roughness, exponent, ..RealLight::PLAIN }.quantised(p));
+        }
+    }
+    // What no host makes: the ends of the words.
+    let plain = RealLight { roughness: [0.1, 0.0, 0.1], ..RealLight::PLAIN }.quantised(p);
+    for exponent in [i32::MIN, -1, 0, 1, i32::MAX] {
+        for root in [i32::MIN, 0, i32::MAX] {
+            let shininess = Shininess {
+                exponent: fixed::types::I16F16::from_bits(exponent),
+                root: fixed::types::I8F24::from_bits(root),
+            };
+            fragments.push(HighlightIn { shininess, ..plain });
+        }
+    }
+    fragments
+}
+
+fn isotropic(p: &Precision) -> Vec<HighlightIn> {
+    let plain = RealLight { light: dvec3(0.1, 1.0, -0.8), ..RealLight::PLAIN };
+    let with = |i1: f64| RealLight { roughness: [i1, 0.0, 0.0], ..plain }.quantised(p);
+    (0..p.offset_bits() + 3).map(|power| with(8.0 * 0.5_f64.powi(power as i32))).chain([with(0.0)]).collect()
+}
