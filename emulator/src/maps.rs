@@ -7,7 +7,9 @@
 
 pub mod bump;
 pub mod environment;
+pub mod horizon;
 pub mod mip;
+pub mod peaks;
 pub mod roughness;
 
 /// Widths and heights of all levels of a map, in texels: `max(1, size >> level)`, ending with (1, 1).

@@ -7,7 +7,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::word::{Wire, Word};
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
-use roughxel_emulator::lanes::{Baseline, FlagLanes, InstructionSet, LANES, Lanes, Target, WideLanes};
+use roughxel_emulator::lanes::{FlagLanes, InstructionSet, LANES, Lanes, Target, WideLanes};
 use roughxel_emulator::net::design::{HorizonInput, LocalInput, PeakInput, PeakOutput};
 
 use crate::checked::{Checked, Integers, first_difference};
@@ -62,7 +62,6 @@ pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
         }
         for set in InstructionSet::available() {
             let lanes = match set {
-                InstructionSet::Baseline => in_lanes::<Baseline>(&group[0], &ports, p),
                 #[cfg(target_arch = "x86_64")]
                 InstructionSet::Avx2 => in_lanes::<Avx2>(&group[0], &ports, p),
                 #[cfg(target_arch = "x86_64")]
@@ -82,7 +81,7 @@ fn in_lanes<T: Target>(form: &DesignInput, ports: &[Vec<i64>], p: &Precision) ->
     let mut load = Load { ports, next: 0 };
     match form {
         DesignInput::Local(form) => {
-            let input: LocalInput<Lanes<T, LANES>> = form.rewire(&mut load);
+            let input: LocalInput<Lanes<T>> = form.rewire(&mut load);
             let run = T::run(
                 #[inline(always)]
                 || datapath::local_direction(&input.direction, &input.frame, &input.normal, p),
@@ -90,7 +89,7 @@ fn in_lanes<T: Target>(form: &DesignInput, ports: &[Vec<i64>], p: &Precision) ->
             one_by_one(&run, ports.len())
         }
         DesignInput::Peak(form) => {
-            let input: PeakInput<Lanes<T, LANES>> = form.rewire(&mut load);
+            let input: PeakInput<Lanes<T>> = form.rewire(&mut load);
             let run = T::run(
                 #[inline(always)]
                 || {
@@ -102,7 +101,7 @@ fn in_lanes<T: Target>(form: &DesignInput, ports: &[Vec<i64>], p: &Precision) ->
             one_by_one(&run, ports.len())
         }
         DesignInput::Horizon(form) => {
-            let input: HorizonInput<Lanes<T, LANES>> = form.rewire(&mut load);
+            let input: HorizonInput<Lanes<T>> = form.rewire(&mut load);
             let run = T::run(
                 #[inline(always)]
                 || {
@@ -116,7 +115,7 @@ fn in_lanes<T: Target>(form: &DesignInput, ports: &[Vec<i64>], p: &Precision) ->
     }
 }
 
-fn one_by_one<T: Target, B: Bundle<Lanes<T, LANES>>>(lanes: &B, count: usize) -> Vec<Integers>
+fn one_by_one<T: Target, B: Bundle<Lanes<T>>>(lanes: &B, count: usize) -> Vec<Integers>
 where
     B::In<i32>: Bundle<i32>,
 {
@@ -136,29 +135,29 @@ impl Load<'_> {
     }
 }
 
-impl<T: Target> Rewire<i32, Lanes<T, LANES>> for Load<'_> {
-    fn word(&mut self, _: i32, _: u32) -> Lanes<T, LANES> {
+impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_> {
+    fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
         Lanes::of(self.next().map(|value| value as i32))
     }
-    fn wide(&mut self, _: i64, _: u32) -> WideLanes<T, LANES> {
+    fn wide(&mut self, _: i64, _: u32) -> WideLanes<T> {
         WideLanes::of(self.next())
     }
-    fn flag(&mut self, _: bool) -> FlagLanes<T, LANES> {
-        Lanes::<T, LANES>::lit(0).lt(Lanes::of(self.next().map(|value| value as i32)))
+    fn flag(&mut self, _: bool) -> FlagLanes<T> {
+        Lanes::<T>::lit(0).lt(Lanes::of(self.next().map(|value| value as i32)))
     }
 }
 
 /// One lane of every wire.
 struct Lane(usize);
 
-impl<T: Target> Rewire<Lanes<T, LANES>, i32> for Lane {
-    fn word(&mut self, wire: Lanes<T, LANES>, _: u32) -> i32 {
+impl<T: Target> Rewire<Lanes<T>, i32> for Lane {
+    fn word(&mut self, wire: Lanes<T>, _: u32) -> i32 {
         wire.lanes()[self.0]
     }
-    fn wide(&mut self, wire: <Lanes<T, LANES> as Word>::Wide, _: u32) -> i64 {
+    fn wide(&mut self, wire: <Lanes<T> as Word>::Wide, _: u32) -> i64 {
         wire.lanes()[self.0]
     }
-    fn flag(&mut self, wire: FlagLanes<T, LANES>) -> bool {
+    fn flag(&mut self, wire: FlagLanes<T>) -> bool {
         wire.lanes()[self.0]
     }
 }

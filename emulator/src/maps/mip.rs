@@ -191,9 +191,9 @@ fn shrink<const N: usize>(
 
 /// The texels that one texel of a smaller level covers along one axis, with integer weights.
 #[derive(Debug, PartialEq, Eq)]
-struct Cover {
-    first: usize,
-    last: usize,
+pub(crate) struct Cover {
+    pub(crate) first: usize,
+    pub(crate) last: usize,
     first_weight: i64,
     /// Weight of every texel between the first and the last.
     inner_weight: i64,
@@ -201,7 +201,7 @@ struct Cover {
 }
 
 impl Cover {
-    fn weight(&self, index: usize) -> i64 {
+    pub(crate) fn weight(&self, index: usize) -> i64 {
         if index == self.first {
             self.first_weight
         } else if index == self.last {
@@ -211,13 +211,13 @@ impl Cover {
         }
     }
 
-    fn total(&self) -> i64 {
+    pub(crate) fn total(&self) -> i64 {
         (self.first..=self.last).map(|index| self.weight(index)).sum()
     }
 }
 
 /// Covers of all `to` texels over `from` ≥ `to` texels: with g = gcd, a texel is to/g units long, its cover from/g.
-fn covers(from: u32, to: u32) -> Vec<Cover> {
+pub(crate) fn covers(from: u32, to: u32) -> Vec<Cover> {
     let g = gcd(from, to);
     let (unit, length) = (i64::from(to / g), i64::from(from / g));
     (0..i64::from(to))
