@@ -449,6 +449,27 @@ pub fn local_direction<W: Word>(
     block!("local.unit", local::unit(&local, p))
 }
 
+/// What a light is to the peaks of a fragment.
+#[derive(Clone, Copy, Debug)]
+pub struct PeakLight<W: Word> {
+    /// The half vector in the frame of the surface.
+    pub direction: LocalDirection<W>,
+    /// n·l ≤ 0: no peak is lit.
+    pub below: W::Flag,
+}
+
+bundle!(PeakLight { direction; flag below });
+
+/// The half vector of a light for the peaks of a fragment. `light` points from the surface to the light.
+#[inline(always)]
+pub fn peak_light<W: Word>(surface: &Surface<W>, light: &PortBlock<W, 3>, p: &Precision) -> PeakLight<W> {
+    let Surface { normal, view, frame, .. } = surface;
+    let light = block!("enter.light", enter::enter(light, p));
+    let half = block!("half", half::half(&light, view, p));
+    let along = local_components(&light, frame, normal, p);
+    PeakLight { direction: local_direction(&half, frame, normal, p), below: !Fx::zero().lt(along.m[2]) }
+}
+
 /// The light of one stored peak. `weight` is its share of the fragment, times its visibility where there is a horizon.
 #[inline(always)]
 pub fn peak<W: Word>(h: &LocalDirection<W>, stored: &Peak<W>, weight: Fx<W, SHARE>, p: &Precision) -> Fx<W, LIGHT> {

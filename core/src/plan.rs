@@ -25,12 +25,14 @@ pub struct SurfacePlan {
     pub frame: FrameSystem,
     /// Tangents of the roughness.
     pub roughness: RoughnessKind,
+    /// The frame itself is asked for: peaks stand in it.
+    pub local: bool,
 }
 
 impl SurfacePlan {
     /// Whether anything needs the tangents of the frame.
     pub const fn needs_frame(&self) -> bool {
-        self.bump || !matches!(self.roughness, RoughnessKind::None)
+        self.local || self.bump || !matches!(self.roughness, RoughnessKind::None)
     }
 }
 
@@ -62,7 +64,7 @@ impl ReflectionPlan {
     /// The surface that the reflection needs: without a footprint its roughness is of no use.
     pub const fn surface(&self) -> SurfacePlan {
         let roughness = if self.footprint { self.roughness } else { RoughnessKind::None };
-        SurfacePlan { bump: self.bump, frame: self.frame, roughness }
+        SurfacePlan { bump: self.bump, frame: self.frame, roughness, local: false }
     }
 
     /// Whether anything needs the tangents of the frame.

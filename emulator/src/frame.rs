@@ -5,6 +5,7 @@
 //! and pixel is a stage of `roughxel-core`.
 
 mod environment;
+mod lighting;
 mod texture;
 
 use std::fmt;
@@ -24,13 +25,15 @@ use sha2::{Digest, Sha256};
 
 use crate::lanes::Reading;
 use crate::maps::bump::BumpPyramid;
+use crate::maps::peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource as FacetSource};
 use crate::picture::Picture;
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::{
     FragmentAttributes, Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles,
 };
-use crate::scene::{Background, Scene};
+use crate::scene::{self, Background, Object, PeakSource, Scene};
 pub use environment::EnvironmentMap;
+use lighting::{Lighting, PeakMap, Points};
 use texture::BumpMap;
 pub use texture::ColourMap;
 
@@ -58,6 +61,7 @@ struct PreparedObject {
     main_direction: BlockVector,
     colour_map: Option<ColourMap>,
     bump_map: Option<BumpMap>,
+    lighting: Option<Lighting>,
 }
 
 /// Fragments that wait for the reflection datapath, at most: their inputs stay in a second-level cache.
@@ -146,6 +150,43 @@ impl Frame {
 /// The largest exponent of a map: colours stay below 64, the range of the blend. A brighter sun is cut to it.
 pub const MAX_MAP_EXPONENT: i32 = 6;
 
+/// The brightest channel of a frame.
+const BRIGHTEST: i64 = 63 << 24;
+
+/// What shines in an object.
+fn lighting(
+    object: &Object,
+    plan: &ObjectPlan,
+    scene: &Scene,
+    mode: Mode,
+    p: &Precision,
+) -> Result<Option<Lighting>, RasterError> {
+    let material = &object.material;
+    if let (Some(highlight), Some(plan)) = (&material.highlight, plan.highlight) {
+        return Ok(Some(Lighting::highlight(highlight, &scene.lights, plan, p)));
+    }
+    let (Some(peaks), Some(plan)) = (&material.peaks, plan.peaks) else { return Ok(None) };
+    let map = match (&peaks.source, &material.bump) {
+        (PeakSource::Bump { exponent, amplitude }, Some(bump)) => {
+            let natural = material.frame != scene::FrameSystem::MainDirection;
+            let options = BuildOptions {
+                exponent: *exponent,
+                amplitude: *amplitude,
+                weight: FacetWeight::Surface,
+                negate: natural,
+            };
+            let mut pyramid = PeakPyramid::build(&FacetSource::from_field(bump), &options, || ())
+                .map_err(|source| RasterError::Peaks { object: object.name.clone(), source })?;
+            if !mode.filters() {
+                pyramid.levels.truncate(1);
+            }
+            Some(PeakMap::new(&pyramid))
+        }
+        _ => None,
+    };
+    Ok(Some(Lighting::peaks(peaks, map, &scene.lights, plan, p)))
+}
+
 /// A linear colour as I8F24, cut to the range of the blend.
 fn colour_word(colour: [f32; 3]) -> Colour {
     colour.map(|channel| (f64::from(channel).clamp(0.0, 63.0) * f64::from(1 << 24)).round() as i32)
@@ -175,11 +216,13 @@ impl<'a> Prepared<'a> {
             .par_iter()
             .map(|object| {
                 let material = &object.material;
+                let shows_bumps = environment.is_some() || material.highlight.is_some();
                 let bump =
-                    environment.as_ref().and_then(|_| BumpPyramid::of_material(material, mode.filters(), &precision));
+                    shows_bumps.then(|| BumpPyramid::of_material(material, mode.filters(), &precision)).flatten();
                 let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
-                PreparedObject {
+                Ok(PreparedObject {
                     plan,
+                    lighting: lighting(object, &plan, scene, mode, &precision)?,
                     decisions: plan.decisions(object, bump.as_ref(), mode, &precision),
                     colour: colour_word(material.colour),
                     reflectance: material
@@ -188,9 +231,9 @@ impl<'a> Prepared<'a> {
                     main_direction: block_vector(material.main_direction, &precision),
                     colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
                     bump_map: bump.filter(|_| plan.bump_map).map(BumpMap::new),
-                }
+                })
             })
-            .collect();
+            .collect::<Result<_, RasterError>>()?;
         let environment_scale = environment_scale(edge as u16, &precision);
         let reading = Reading::best();
         Ok(Self { scene, projection, mode, precision, reading, environment, environment_scale, objects })
@@ -218,6 +261,7 @@ impl<'a> Prepared<'a> {
             object.plan = plan;
             object.colour_map.take_if(|_| !plan.colour_map);
             object.bump_map.take_if(|_| !plan.bump_map);
+            object.lighting.take_if(|_| plan.highlight.is_none() && plan.peaks.is_none());
         }
         self
     }
@@ -277,47 +321,59 @@ impl<'a> Prepared<'a> {
         let offsets = self.sample_offsets();
         let mut buffer = TileBuffer::new();
         let mut sums = vec![[0_i64; 3]; tile.width as usize * tile.height as usize];
-        let mut add = |pixel: usize, colour: Colour| {
+        let mut add = |pixel: usize, colour: [i64; 3]| {
             for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
-                *sum += i64::from(channel);
+                *sum += channel;
             }
         };
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
         let mut rays = Waiting::rays(self.mode);
         for &offset in &offsets {
             triangles.rasterise_tile(tile, offset, &mut buffer);
-            let mut current: Option<(u32, Option<Triangle<'_>>)> = None;
+            let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
             let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (tile.x + x, tile.y + y)));
             for ((pixel, (x, y)), visible) in positions.enumerate().zip(buffer.triangles()) {
                 let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
                 let Some(index) = visible else {
                     match self.background(x, y) {
-                        Ray::Colour(colour) => add(pixel, colour),
+                        Ray::Colour(colour) => add(pixel, colour.map(i64::from)),
                         Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [0; 3]), &input, &mut add),
                     }
                     continue;
                 };
                 let object = triangles.object_index(index);
                 if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                    current = Some((index, triangles.triangle(index, self.needs_tangents(object))));
+                    let prepared = &self.objects[object];
+                    let triangle = triangles.triangle(index, prepared.plan.needs_tangents());
+                    let set_up = triangle.map(|triangle| {
+                        let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
+                        (triangle, points.unwrap_or_default())
+                    });
+                    current = Some((index, set_up));
                 }
-                let Some((_, Some(triangle))) = &current else { continue };
+                let Some((_, Some((triangle, points)))) = &current else { continue };
                 let attributes = triangle.fragment(x, y);
-                let surface = self.surface(&self.objects[object], &attributes);
-                match self.reflection_input(&self.objects[object], &attributes) {
-                    None => add(pixel, surface),
-                    Some((input, _)) => self.reflect(&mut waiting[object], (pixel, surface), &input, &mut add),
+                let prepared = &self.objects[object];
+                let surface = self.surface(prepared, &attributes);
+                let needs_ports = prepared.plan.reflection.is_some() || prepared.lighting.is_some();
+                let ports = needs_ports.then(|| self.ports(prepared, &attributes));
+                if let (Some(lighting), Some(ports)) = (&prepared.lighting, &ports) {
+                    let footprint = prepared.plan.texture_footprint;
+                    let triangle = (triangle, points);
+                    let colour = lighting.shine(ports, triangle, (&attributes, [x, y]), footprint, &self.precision);
+                    add(pixel, colour);
+                }
+                match ports.filter(|_| prepared.plan.reflection.is_some()) {
+                    None => add(pixel, surface.map(i64::from)),
+                    Some(input) => self.reflect(&mut waiting[object], (pixel, surface), &input, &mut add),
                 }
             }
         }
         waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut add));
         let samples = offsets.len() as i64;
-        sums.into_iter().map(|sum| sum.map(|channel| ((channel + samples / 2) / samples) as i32)).collect()
-    }
-
-    fn needs_tangents(&self, object: usize) -> bool {
-        let plan = self.objects[object].plan.reflection;
-        plan.is_some_and(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
+        // Many bright lights go beyond the range of a map.
+        let mean = |channel: i64| ((channel + samples / 2) / samples).min(BRIGHTEST) as i32;
+        sums.into_iter().map(|sum| sum.map(mean)).collect()
     }
 
     /// Colour of a fragment without its reflection.
@@ -337,7 +393,7 @@ impl<'a> Prepared<'a> {
         waiting: &mut Waiting,
         (pixel, surface): (usize, Colour),
         input: &ReflectionIn,
-        add: impl FnMut(usize, Colour),
+        add: impl FnMut(usize, [i64; 3]),
     ) {
         waiting.inputs.push(input.wires(self.environment_scale));
         waiting.pixels.push((pixel, surface));
@@ -347,7 +403,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// The waiting fragments through the reflection datapath, the environment and the blend.
-    fn fetch(&self, waiting: &mut Waiting, mut add: impl FnMut(usize, Colour)) {
+    fn fetch(&self, waiting: &mut Waiting, mut add: impl FnMut(usize, [i64; 3])) {
         let Waiting { plan, reflectance, inputs, pixels } = waiting;
         let rough = plan.roughness != RoughnessKind::None;
         let footprints = self.reading.footprints(inputs, &plan_of_batch(plan, inputs), &self.precision);
@@ -357,27 +413,21 @@ impl<'a> Prepared<'a> {
                 .as_ref()
                 .map_or([0; 3], |map| map.sample(&footprint.point, &footprint.probes, rough, &self.precision));
             let channel = |i: usize| blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), reflectance[i]).raw();
-            add(pixel, core::array::from_fn(channel));
+            add(pixel, core::array::from_fn(|i| i64::from(channel(i))));
         }
         inputs.clear();
     }
 
-    /// Ports of the reflection datapath, bump map sampled; `None` where the object reflects nothing.
-    fn reflection_input(
-        &self,
-        object: &PreparedObject,
-        attributes: &FragmentAttributes,
-    ) -> Option<(ReflectionIn, ReflectionPlan)> {
-        let plan = object.plan.reflection?;
+    /// Ports of the datapath, bump map sampled.
+    fn ports(&self, object: &PreparedObject, attributes: &FragmentAttributes) -> ReflectionIn {
+        let plan = &object.plan;
         let (offset, roughness) = match &object.bump_map {
             None => ([I4F28::ZERO; 2], [I4F28::ZERO; 3]),
-            Some(map) => map.sample(attributes, object.plan.texture_footprint, plan.roughness, &self.precision),
+            Some(map) => map.sample(attributes, plan.texture_footprint, plan.roughness(), &self.precision),
         };
-        let tangents = match plan.frame {
-            FrameSystem::MainDirection => [object.main_direction, BlockVector::default()],
-            FrameSystem::Natural | FrameSystem::NaturalNormalised => attributes.tangents,
-        };
-        let input = ReflectionIn {
+        let tangents =
+            if plan.needs_tangents() { attributes.tangents } else { [object.main_direction, BlockVector::default()] };
+        ReflectionIn {
             normal: attributes.normal,
             view: attributes.view,
             tangents,
@@ -386,8 +436,7 @@ impl<'a> Prepared<'a> {
             dview: attributes.dview,
             dnormal: attributes.dnormal,
             edge_texels: self.environment.as_ref().map_or(1, |map| map.edge() as u16),
-        };
-        Some((input, plan))
+        }
     }
 
     /// What the ray through a pixel sees that hits nothing.
@@ -432,9 +481,11 @@ impl<'a> Prepared<'a> {
         let chosen = (0..count).filter_map(|i| {
             let &(x, y, index) = fragments.get(i * fragments.len() / count.max(1))?;
             let object = triangles.object_index(index);
-            let triangle = triangles.triangle(index, self.needs_tangents(object))?;
+            let prepared = &self.objects[object];
+            let triangle = triangles.triangle(index, prepared.plan.needs_tangents())?;
             let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
-            let (input, plan) = self.reflection_input(&self.objects[object], &triangle.fragment(x, y))?;
+            let plan = prepared.plan.reflection?;
+            let input = self.ports(prepared, &triangle.fragment(x, y));
             Some((quantised(&input, &self.precision), plan))
         });
         Ok(chosen.collect())

@@ -3,11 +3,11 @@
 //! An effect is switched on by what the scene contains, never by a global default. One value drives the frame, the
 //! vector sets and the reports; [`ObjectPlan::decisions`] says of each effect why it is there or not.
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use crate::maps::bump::BumpPyramid;
-use crate::scene::{self, Object};
+use crate::scene::{self, HighlightForm, Object};
 
 /// How a frame is sampled and filtered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,6 +99,10 @@ pub struct ObjectPlan {
     pub texture_footprint: bool,
     /// The reflection datapath; `None` where nothing is reflected.
     pub reflection: Option<ReflectionPlan>,
+    /// The surface of a highlight.
+    pub highlight: Option<SurfacePlan>,
+    /// The surface that peaks stand on.
+    pub peaks: Option<SurfacePlan>,
 }
 
 impl ObjectPlan {
@@ -106,8 +110,9 @@ impl ObjectPlan {
     pub fn new(object: &Object, bump: Option<&BumpPyramid>, has_environment: bool, mode: Mode, p: &Precision) -> Self {
         let material = &object.material;
         let reflects = has_environment && material.reflectance.iter().any(|&r| r > 0.0);
-        // A bump or roughness map moves only what is reflected.
-        let bump_map = reflects && bump.is_some();
+        // A bump or roughness map moves only what is reflected or shines.
+        let bump_map = (reflects || material.highlight.is_some()) && bump.is_some();
+        let bumps = bump_map && material.bump.is_some();
         let lost_detail = bump.is_some_and(|bump| !bump.is_smooth());
         let roughness = if mode.filters() && lost_detail { p.roughness } else { RoughnessKind::None };
         Self {
@@ -115,13 +120,40 @@ impl ObjectPlan {
             bump_map,
             texture_footprint: mode.filters(),
             reflection: reflects.then_some(ReflectionPlan {
-                bump: bump_map && material.bump.is_some(),
+                bump: bumps,
                 frame: frame_system(material.frame),
                 roughness,
                 curvature: mode.filters() && curved_triangles(object) > 0,
                 footprint: mode.filters(),
             }),
+            highlight: material.highlight.as_ref().map(|highlight| SurfacePlan {
+                bump: bumps,
+                frame: frame_system(material.frame),
+                roughness: if highlight.form == HighlightForm::Plain { RoughnessKind::None } else { roughness },
+                local: false,
+            }),
+            peaks: material.peaks.as_ref().map(|_| SurfacePlan {
+                bump: false,
+                frame: frame_system(material.frame),
+                roughness: RoughnessKind::None,
+                local: true,
+            }),
         }
+    }
+
+    /// The roughness that a fragment needs of its maps.
+    pub fn roughness(&self) -> RoughnessKind {
+        let reflection = self.reflection.map_or(RoughnessKind::None, |plan| plan.roughness);
+        match (reflection, self.highlight) {
+            (RoughnessKind::None, Some(plan)) => plan.roughness,
+            (kind, _) => kind,
+        }
+    }
+
+    /// The frame system, where any block needs p_u and p_v.
+    pub fn needs_tangents(&self) -> bool {
+        let surfaces = [self.reflection.map(|plan| plan.surface()), self.highlight, self.peaks];
+        surfaces.iter().flatten().any(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
     }
 }
 
@@ -140,12 +172,24 @@ pub enum Effect {
     Footprint,
     /// Normals that vary over a triangle widen the footprint.
     Curvature,
+    /// A lobe around the normal.
+    Highlight,
+    /// Several normals at a point.
+    Peaks,
 }
 
 impl Effect {
     /// Every effect, in the order of the datapath.
-    pub const ALL: [Self; 6] =
-        [Self::ColourTexture, Self::Bump, Self::Roughness, Self::Environment, Self::Footprint, Self::Curvature];
+    pub const ALL: [Self; 8] = [
+        Self::ColourTexture,
+        Self::Bump,
+        Self::Roughness,
+        Self::Environment,
+        Self::Footprint,
+        Self::Curvature,
+        Self::Highlight,
+        Self::Peaks,
+    ];
 
     /// Its name in reports.
     pub const fn name(self) -> &'static str {
@@ -156,6 +200,8 @@ impl Effect {
             Self::Environment => "environment",
             Self::Footprint => "footprint",
             Self::Curvature => "curvature",
+            Self::Highlight => "highlight",
+            Self::Peaks => "peaks",
         }
     }
 }
@@ -177,11 +223,13 @@ impl ObjectPlan {
         let reflection = |on: fn(&ReflectionPlan) -> bool| self.reflection.as_ref().is_some_and(on);
         match effect {
             Effect::ColourTexture => self.colour_map,
-            Effect::Bump => reflection(|plan| plan.bump),
-            Effect::Roughness => reflection(|plan| plan.roughness != RoughnessKind::None),
+            Effect::Bump => reflection(|plan| plan.bump) || self.highlight.is_some_and(|plan| plan.bump),
+            Effect::Roughness => self.roughness() != RoughnessKind::None,
             Effect::Environment => self.reflection.is_some(),
             Effect::Footprint => self.texture_footprint,
             Effect::Curvature => reflection(|plan| plan.curvature),
+            Effect::Highlight => self.highlight.is_some(),
+            Effect::Peaks => self.peaks.is_some(),
         }
     }
 
@@ -192,22 +240,41 @@ impl ObjectPlan {
             Effect::Bump => {
                 self.bump_map = false;
                 self.change_reflection(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
+                self.change_highlight(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
             }
-            Effect::Roughness => self.change_reflection(|plan| plan.roughness = RoughnessKind::None),
-            Effect::Environment => (self.reflection, self.bump_map) = (None, false),
+            Effect::Roughness => {
+                self.change_reflection(|plan| plan.roughness = RoughnessKind::None);
+                self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
+            }
+            Effect::Environment => {
+                self.reflection = None;
+                self.bump_map &= self.highlight.is_some();
+            }
             Effect::Footprint => {
                 self.texture_footprint = false;
                 self.change_reflection(|plan| {
                     (plan.footprint, plan.curvature, plan.roughness) = (false, false, RoughnessKind::None);
                 });
+                self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
             }
             Effect::Curvature => self.change_reflection(|plan| plan.curvature = false),
+            Effect::Highlight => {
+                self.highlight = None;
+                self.bump_map &= self.reflection.is_some();
+            }
+            Effect::Peaks => self.peaks = None,
         }
         self
     }
 
     fn change_reflection(&mut self, change: impl FnOnce(&mut ReflectionPlan)) {
         if let Some(plan) = &mut self.reflection {
+            change(plan);
+        }
+    }
+
+    fn change_highlight(&mut self, change: impl FnOnce(&mut SurfacePlan)) {
+        if let Some(plan) = &mut self.highlight {
             change(plan);
         }
     }
@@ -228,9 +295,11 @@ impl ObjectPlan {
             Effect::ColourTexture => "no `colour_map`".into(),
             Effect::Environment if reflects => "`reflectance` above 0 and [environment]".into(),
             Effect::Environment => "`reflectance` is 0".into(),
-            Effect::Bump if self.has(effect) => "`height_map` or `normal_map`, and the object reflects".into(),
+            Effect::Bump if self.has(effect) => {
+                "`height_map` or `normal_map`, and the object reflects or shines".into()
+            }
             Effect::Bump if material.bump.is_none() => "no `height_map` or `normal_map`".into(),
-            Effect::Bump => "nothing is reflected that a bump could move".into(),
+            Effect::Bump => "nothing is reflected or shines that a bump could move".into(),
             Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
             Effect::Footprint => no_footprint(),
             Effect::Roughness if !self.bump_map => "no bumps and no `roughness_map`".into(),
@@ -247,6 +316,10 @@ impl ObjectPlan {
                 let (curved, all) = (curved_triangles(object), object.mesh.triangles.len());
                 format!("normals vary over {curved} of {all} triangles")
             }
+            Effect::Highlight if material.highlight.is_some() => "`highlight` and [[light]]".into(),
+            Effect::Highlight => "no `highlight`".into(),
+            Effect::Peaks if material.peaks.is_some() => "`peaks` and [[light]]".into(),
+            Effect::Peaks => "no `peaks`".into(),
         }
     }
 }

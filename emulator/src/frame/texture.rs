@@ -20,13 +20,13 @@ use super::{Colour, MAX_MAP_EXPONENT};
 
 /// Geometry of a repeated map: its scale for the footprint and the size of its levels.
 #[derive(Clone, Debug)]
-struct RepeatedMap {
+pub(super) struct RepeatedMap {
     scale: (TextureScale<i32>, MapScale<i32>),
     sizes: Vec<[i32; 2]>,
 }
 
 impl RepeatedMap {
-    fn new(sizes: impl Iterator<Item = (u32, u32)>) -> Self {
+    pub(super) fn new(sizes: impl Iterator<Item = (u32, u32)>) -> Self {
         let sizes: Vec<[i32; 2]> = sizes.map(|(width, height)| [width as i32, height as i32]).collect();
         let base = sizes.first().copied().unwrap_or([1, 1]);
         Self { scale: texture_scale(base.map(|edge| edge as u16)), sizes }
@@ -36,7 +36,7 @@ impl RepeatedMap {
     ///
     /// `texel(level, index)` reads a texel; a sample has `extra` fraction bits more than a texel; `probe` turns the
     /// sample of one probe into what is averaged.
-    fn assemble<const CHANNELS: usize>(
+    pub(super) fn assemble<const CHANNELS: usize>(
         &self,
         attributes: &FragmentAttributes,
         footprint: bool,

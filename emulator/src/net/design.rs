@@ -542,7 +542,7 @@ fn roughness_decode(_: &ReflectionPlan, p: &Precision) -> Net {
 
 /// The surface of `highlight`: its roughness does not need a footprint.
 pub fn highlight_surface(plan: &ReflectionPlan) -> SurfacePlan {
-    SurfacePlan { bump: plan.bump, frame: plan.frame, roughness: plan.roughness }
+    SurfacePlan { bump: plan.bump, frame: plan.frame, roughness: plan.roughness, local: false }
 }
 
 fn highlight(plan: &ReflectionPlan, p: &Precision) -> Net {

@@ -25,7 +25,7 @@ pub struct HighlightSet {
 
 /// Every block of a surface.
 pub const FULL: SurfacePlan =
-    SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic };
+    SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic, local: false };
 
 /// A light on the surface of a fragment.
 pub fn lit(fragment: &ReflectionIn, light: BlockVector, shininess: Shininess) -> HighlightIn {
