@@ -376,7 +376,7 @@ fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
     let mut plans = Vec::new();
     for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
         for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
-            plans.extend([false, true].map(|bump| SurfacePlan { bump, frame, roughness }));
+            plans.extend([false, true].map(|bump| SurfacePlan { bump, frame, roughness, local: false }));
         }
     }
     for (name, p) in profiles() {
