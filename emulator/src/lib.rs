@@ -12,7 +12,6 @@ pub mod eval;
 pub mod frame;
 pub mod gallery;
 pub mod maps;
-pub mod net;
 pub mod output;
 pub mod picture;
 pub mod plan;
@@ -23,3 +22,4 @@ pub mod study;
 pub mod vectors;
 
 pub use roughxel_lanes as lanes;
+pub use roughxel_net as net;

@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
+use thiserror::Error;
 
 /// A file on its way to `path`; nothing is at `path` before [`OutputFile::commit`], and dropping leaves no trace.
 ///
@@ -82,4 +83,37 @@ impl Write for OutputFile {
             Target::Direct(file) => file.flush(),
         }
     }
+}
+
+/// A file or its directory cannot be written.
+#[derive(Debug, Error)]
+#[error("cannot write {}", path.display())]
+pub struct WriteError {
+    /// The file.
+    pub path: PathBuf,
+    /// Why.
+    pub source: io::Error,
+}
+
+/// Writes files, each a path below `directory` and its content, in this order. Directories are made as needed.
+///
+/// Errors: the first file that cannot be written; those before it stay.
+pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(
+    directory: &Path,
+    files: impl IntoIterator<Item = (P, C)>,
+) -> Result<(), WriteError> {
+    for (name, content) in files {
+        let path = directory.join(name);
+        write_file(&path, content.as_ref()).map_err(|source| WriteError { path, source })?;
+    }
+    Ok(())
+}
+
+fn write_file(path: &Path, content: &[u8]) -> io::Result<()> {
+    if let Some(directory) = path.parent() {
+        fs::create_dir_all(directory)?;
+    }
+    let mut file = OutputFile::create(path)?;
+    file.write_all(content)?;
+    file.commit()
 }

@@ -29,13 +29,14 @@ use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::lanes::{InstructionSet, Reading};
 use roughxel_emulator::net::bench::Bench;
 use roughxel_emulator::net::design::Design;
-use roughxel_emulator::net::observe::port_values;
 use roughxel_emulator::net::verilog::{Options, Verilog};
+use roughxel_emulator::output::write_files;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_emulator::study::cases::random_fragment;
+use roughxel_emulator::study::stimulus::port_values;
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::float_datapath::{Environment, Footprint, FootprintBlock, Fragment, FragmentBlock};
 use roughxel_host_tests::reference;
@@ -170,7 +171,7 @@ impl Model {
         };
         let verilog = Verilog::new(design, &options).expect("the datapath is generated");
         let directory = tempfile::tempdir().expect("a temporary directory");
-        verilog.write(directory.path()).expect("the directory can be written");
+        write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         let mut model = Self { directory, verilog, program: PathBuf::new() };
         let net = design.record(&ReflectionPlan::FULL, &PROFILE);
         for set in sets {
@@ -188,7 +189,7 @@ impl Model {
             let vectors = model.vectors(set);
             std::fs::create_dir(&vectors).expect("the directory can be written");
             for place in [&vectors, model.directory.path()] {
-                bench.write(place).expect("the directory can be written");
+                write_files(place, bench.files()).expect("the directory can be written");
             }
             if model.program.as_os_str().is_empty() {
                 model.program = verilate(model.directory.path(), bench.module(), "-O3");

@@ -30,7 +30,7 @@ pub fn run(command: &mut Command) -> Output {
 }
 
 /// Builds the Verilator model of a module that stands in a directory with its bench
-/// ([`Bench::write`](roughxel_emulator::net::bench::Bench::write)), below `directory/obj`, and returns the program.
+/// ([`Bench::files`](roughxel_emulator::net::bench::Bench::files)), below `directory/obj`, and returns the program.
 ///
 /// `optimise` is the C++ compiler's option for what runs in every cycle. Panics where Verilator or the compiler fails.
 pub fn verilate(directory: &Path, module: &str, optimise: &str) -> PathBuf {

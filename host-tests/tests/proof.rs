@@ -163,7 +163,7 @@ fn every_operation_names_its_source_line_and_is_in_a_block() {
                         let origin = net.origin(id);
                         // The choice between two levels of detail is the design's own.
                         let ours =
-                            ["core/src/", "emulator/src/net/design.rs"].iter().any(|place| origin.starts_with(place));
+                            ["core/src/", "emulator/net/src/design.rs"].iter().any(|place| origin.starts_with(place));
                         assert!(ours, "{}: {origin}", node.op.name());
                         assert!(node.block.is_some(), "{}: {origin} is in no block", design.name);
                     }

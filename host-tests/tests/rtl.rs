@@ -15,10 +15,11 @@ use roughxel_emulator::net::bench::Bench;
 use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::net::observe::{port_values, within};
 use roughxel_emulator::net::verilog::{Interface, Options, Verilog, VerilogError};
+use roughxel_emulator::output::write_files;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_emulator::study::stimulus::{port_values, within};
 use roughxel_emulator::vectors::{Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
@@ -90,7 +91,7 @@ impl Written {
         let verilog = Verilog::new(design, options)
             .unwrap_or_else(|error| panic!("{} {}: {error}", design.name, options.profile));
         let directory = tempfile::tempdir().expect("a temporary directory");
-        verilog.write(directory.path()).expect("the directory can be written");
+        write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         Self { directory, verilog }
     }
 
@@ -118,7 +119,7 @@ impl Written {
 
     /// What the bench prints in Icarus.
     fn simulate(&self, bench: &Bench) -> String {
-        bench.write(self.path()).expect("the directory can be written");
+        write_files(self.path(), bench.files()).expect("the directory can be written");
         let compiled = self.path().join("bench.vvp");
         let mut command = Command::new("iverilog");
         command.args(["-g2005", "-s", "bench", "-I"]).arg(self.path()).arg("-y").arg(self.path());
@@ -129,7 +130,7 @@ impl Written {
 
     /// Builds the Verilator model of the outermost module and runs it on the vectors of a bench.
     fn verilator(&self, bench: &Bench, arguments: &[&str]) -> Output {
-        bench.write(self.path()).expect("the directory can be written");
+        write_files(self.path(), bench.files()).expect("the directory can be written");
         let objects = self.path().join("obj");
         reuse_runtime(&objects);
         let program = verilate(self.path(), bench.module(), "-O1");

@@ -7,6 +7,7 @@ use clap::Args;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_emulator::net::design::Design;
 use roughxel_emulator::net::verilog::{Options, Verilog, VerilogError};
+use roughxel_emulator::output::write_files;
 use serde_json::json;
 
 use super::ranges::{design_help, parse_design, unproven};
@@ -73,7 +74,7 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
         Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),
         other => other?,
     };
-    verilog.write(&args.output)?;
+    write_files(&args.output, verilog.in_order())?;
 
     let mut out = io::stdout().lock();
     let (directory, files) = (args.output.display(), verilog.files.len());

@@ -20,6 +20,7 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
 use roughxel_emulator::net::design::Design;
 use roughxel_emulator::net::verilog::{Options, Verilog};
+use roughxel_emulator::output::write_files;
 use serde_json::Value;
 
 const USAGE: &str = "synthesis [--seeds N] [--profiles NAME,NAME] [--place N] [-o FILE]
@@ -289,7 +290,7 @@ fn modules(
     if directory.exists() {
         fs::remove_dir_all(&directory).map_err(|e| format!("{}: {e}", directory.display()))?;
     }
-    verilog.write(&directory).map_err(|e| e.to_string())?;
+    write_files(&directory, verilog.in_order()).map_err(|e| e.to_string())?;
     let manifest_name = format!("roughxel_{design}.json");
     let manifest = verilog.files.get(&manifest_name).ok_or_else(|| format!("no {manifest_name} was made"))?;
     let manifest: Value = serde_json::from_str(manifest).map_err(|e| format!("{manifest_name}: {e}"))?;

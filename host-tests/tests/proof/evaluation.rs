@@ -8,10 +8,11 @@ use roughxel_core::precision::Precision;
 use roughxel_emulator::net::design::DESIGNS;
 use roughxel_emulator::net::graph::{Net, Tap};
 use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::net::observe::{Observed, port_values};
+use roughxel_emulator::net::observe::Observed;
 use roughxel_emulator::net::record::integers;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_emulator::study::stimulus::port_values;
 use roughxel_host_tests::checked::{Checked, Integers, Trace, traced};
 use roughxel_host_tests::designs::outcome;
 

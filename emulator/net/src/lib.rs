@@ -1,4 +1,4 @@
-//! The recorded reading: the datapath as a graph, and the walks over it.
+//! The recorded reading: the datapath of `roughxel-core` as a graph, and the walks over it.
 //!
 //! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
 //! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave

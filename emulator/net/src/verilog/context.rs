@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::format::Format;
 use super::identifier;
-use crate::net::graph::{Kind, Net, NodeId, Op};
-use crate::net::interval::Ranges;
+use crate::graph::{Kind, Net, NodeId, Op};
+use crate::interval::Ranges;
 
 /// What all modules of a design share.
 #[derive(Clone, Copy)]

@@ -11,7 +11,7 @@ use super::pipeline::handshake_ports;
 use super::rom::DELAY;
 use super::value::literal;
 use super::{END, Interface, PortDescription, VerilogError, header};
-use crate::net::interval::Range;
+use crate::interval::Range;
 
 /// The ports that make a design a step.
 const INDEX: &str = "index";

@@ -3,7 +3,7 @@
 //! Shifts by constants, remainders of powers of two, signs and inversions are bits of another wire and get no wire of
 //! their own. Bit positions are those of the node's integer.
 
-use crate::net::graph::NodeId;
+use crate::graph::NodeId;
 
 /// A node's integer as bits of a wire: bit p of the value is bit p − `shift` of the wire's integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
-//! Observation: what the wires of a net carry for given fragments, beside what the interval walk says they may.
+//! Stimulus: integers for the ports of a design.
 //!
-//! An interval is proven for every pattern of bits at every port; what real fragments put on the wire shows how much of
-//! it is meant for cases that do not occur. A value outside the proven range would be an error of the walk.
+//! What a fragment leads to at ports inside the datapath comes from the datapath itself, in the scalar reading; what no
+//! fragment decides is random and favours the ends of its range.
 
 use glam::DVec3;
 use roughxel_core::datapath::{self, HighlightInput};
@@ -13,68 +13,13 @@ use roughxel_core::setup::{self, stored_horizon, stored_peak};
 use roughxel_core::signals::{LIGHT, PeakSum, PortBlock, SHARE, TexturePosition};
 use roughxel_core::stage::enter::enter;
 
-use super::design::{
+use crate::net::design::{
     Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, HorizonInput, LevelsInput, LocalInput, PeakInput,
     RepeatAddressInput, TextureInput, TextureProbeInput,
 };
-use super::graph::{Net, NodeId};
-use super::interval::{Range, Ranges};
-use super::record::integers;
+use crate::net::graph::Net;
+use crate::net::record::integers;
 use crate::random::SplitMix64;
-
-/// What one wire has carried.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    low: i64,
-    high: i64,
-    /// Every bit that was ever set.
-    bits: i64,
-}
-
-/// What the wires of a net have carried so far.
-#[derive(Clone, Debug)]
-pub struct Observed {
-    /// Evaluations so far.
-    pub evaluations: u64,
-    seen: Vec<Seen>,
-    wires: Vec<i64>,
-}
-
-impl Observed {
-    /// Nothing yet.
-    pub fn new(net: &Net) -> Self {
-        let seen = vec![Seen { low: i64::MAX, high: i64::MIN, bits: 0 }; net.nodes.len()];
-        Self { evaluations: 0, seen, wires: Vec::new() }
-    }
-
-    /// Computes every wire of `net`, the one it was made for, from the integers of the ports and keeps what they carry.
-    /// The wires are returned, one a node.
-    pub fn evaluate(&mut self, net: &Net, ports: &[i64]) -> &[i64] {
-        net.evaluate(ports, &mut self.wires);
-        self.evaluations += 1;
-        for (seen, &value) in self.seen.iter_mut().zip(&self.wires) {
-            *seen = Seen { low: seen.low.min(value), high: seen.high.max(value), bits: seen.bits | value };
-        }
-        &self.wires
-    }
-
-    /// The range of what a wire has carried; `None` before the first evaluation.
-    pub fn of(&self, id: NodeId) -> Option<Range> {
-        let Seen { low, high, bits } = *self.seen.get(id as usize)?;
-        let range = Range { low, high, zeros: bits.trailing_zeros().min(62) };
-        (low <= high).then_some(if low == high { Range::of(low) } else { range })
-    }
-
-    /// The first wire that has left its proven range. There is none, or the interval walk is wrong.
-    pub fn first_outside(&self, ranges: &Ranges) -> Option<NodeId> {
-        (0..self.seen.len() as NodeId).find(|&id| {
-            let proven = ranges.of(id);
-            self.of(id).is_some_and(|seen| {
-                seen.low < proven.low || seen.high > proven.high || seen.zeros < proven.zeros.min(62)
-            })
-        })
-    }
-}
 
 /// Integers for the ports of a design, in the order of [`Net::ports`]: those a fragment leads to (a list for every probe and
 /// level it touches), or, behind the memories, random ones that favour the ends of the declared ranges.

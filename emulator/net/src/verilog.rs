@@ -18,9 +18,6 @@ mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Write as _};
-use std::fs;
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
 
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -35,7 +32,6 @@ use self::context::Context;
 use self::module::Module;
 use super::design::Design;
 use super::interval::{Ranges, Violation};
-use crate::output::OutputFile;
 
 /// What to write.
 #[derive(Clone, Debug)]
@@ -86,14 +82,6 @@ pub enum VerilogError {
         name: String,
         /// Modules of the design.
         known: Vec<String>,
-    },
-    /// A file could not be written.
-    #[error("cannot write {}", path.display())]
-    Io {
-        /// The file or directory.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
     },
     /// A text could not be put together.
     #[error("cannot format the text")]
@@ -175,7 +163,7 @@ pub fn top_name(design: &Design) -> String {
 impl Verilog {
     /// Records, proves and writes down a design.
     ///
-    /// Errors: everything [`VerilogError`] lists but input and output.
+    /// Errors: everything [`VerilogError`] lists.
     pub fn new(design: &Design, options: &Options) -> Result<Self, VerilogError> {
         let net = design.record(&options.plan, &options.precision);
         let ranges = Ranges::new(&net);
@@ -266,26 +254,11 @@ impl Verilog {
         Ok(verilog)
     }
 
-    /// Writes the files below a directory, which is made if it is not there; the manifest comes last.
-    ///
-    /// Errors: a directory or a file cannot be written.
-    pub fn write(&self, directory: &Path) -> Result<(), VerilogError> {
+    /// The files, path and text, in the order to write them in: the manifest comes after what it lists.
+    pub fn in_order(&self) -> impl Iterator<Item = (&str, &str)> {
         let (manifests, sources): (Vec<_>, Vec<_>) = self.files.iter().partition(|(name, _)| name.ends_with(".json"));
-        for (name, text) in sources.into_iter().chain(manifests) {
-            let path = directory.join(name);
-            write_file(&path, text).map_err(|source| VerilogError::Io { path, source })?;
-        }
-        Ok(())
+        sources.into_iter().chain(manifests).map(|(name, text)| (name.as_str(), text.as_str()))
     }
-}
-
-fn write_file(path: &Path, text: &str) -> io::Result<()> {
-    if let Some(directory) = path.parent() {
-        fs::create_dir_all(directory)?;
-    }
-    let mut file = OutputFile::create(path)?;
-    file.write_all(text.as_bytes())?;
-    file.commit()
 }
 
 /// `NAME.json`.

@@ -2,7 +2,7 @@
 
 use super::body::{Body, Driver, hull, top};
 use super::value::{Text, Value, Wire, constant_bits, literal, signed_constant, view_bits};
-use crate::net::graph::{NodeId, Op};
+use crate::graph::{NodeId, Op};
 
 impl Body<'_> {
     /// The wire of a node in a stage. An input has all its bits, anything else those that are read.

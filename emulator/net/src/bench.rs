@@ -5,13 +5,10 @@
 //! exactly as wide as its port.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use super::verilog::{Interface, PortDescription};
-use crate::output::OutputFile;
 
 /// Vectors for a pipelined module.
 #[derive(Clone, Debug)]
@@ -43,14 +40,6 @@ pub enum BenchError {
         found: usize,
         /// Ports.
         expected: usize,
-    },
-    /// A file could not be written.
-    #[error("cannot write {}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
     },
 }
 
@@ -102,30 +91,22 @@ impl<'a> Bench<'a> {
         &self.interface.module
     }
 
-    /// Writes the wrapper `MODULE_flat.v`, `bench.vh` for `bench.v`, `bench.txt` for `verilator_bench.cpp`, and the words
-    /// as `inputs.hex`, `expected.hex`, `inputs.bin`, `expected.bin`, into a directory that is there.
-    ///
-    /// Errors: a file cannot be written.
-    pub fn write(&self, directory: &Path) -> Result<(), BenchError> {
-        let save = |name: &str, bytes: &[u8]| -> Result<(), BenchError> {
-            let path = directory.join(name);
-            let saved = OutputFile::create(&path).and_then(|mut file| {
-                file.write_all(bytes)?;
-                file.commit()
-            });
-            saved.map_err(|source| BenchError::Io { path, source })
-        };
-        save(&format!("{}_flat.v", self.interface.module), flat(self.interface).as_bytes())?;
-        save("bench.vh", self.definitions().as_bytes())?;
-        save("bench.txt", self.description().as_bytes())?;
+    /// The files, name and content: the wrapper `MODULE_flat.v`, `bench.vh` for `bench.v`, `bench.txt` for
+    /// `verilator_bench.cpp`, and the words as `inputs.hex`, `expected.hex`, `inputs.bin`, `expected.bin`.
+    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
+        let mut files = vec![
+            (format!("{}_flat.v", self.interface.module), flat(self.interface).into_bytes()),
+            ("bench.vh".to_owned(), self.definitions().into_bytes()),
+            ("bench.txt".to_owned(), self.description().into_bytes()),
+        ];
         let words =
             [("inputs", &self.inputs, &self.interface.inputs), ("expected", &self.outputs, &self.interface.outputs)];
         for (name, words, ports) in words {
-            save(&format!("{name}.hex"), hex(words, total_bits(ports)).as_bytes())?;
-            let bytes: Vec<u8> = words.iter().flatten().flat_map(|word| word.to_le_bytes()).collect();
-            save(&format!("{name}.bin"), &bytes)?;
+            files.push((format!("{name}.hex"), hex(words, total_bits(ports)).into_bytes()));
+            let bytes = words.iter().flatten().flat_map(|word| word.to_le_bytes()).collect();
+            files.push((format!("{name}.bin"), bytes));
         }
-        Ok(())
+        files
     }
 
     /// Sizes and, for the first mismatch, the name of the wire.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::net::interval::Range;
+use crate::interval::Range;
 
 /// The format of a port or a wire: the stored integer is `value >> zeros`.
 ///

@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
-use crate::net::graph::{Kind, Net, NodeId, Op};
-use crate::net::interval::{Range, Ranges};
+use crate::graph::{Kind, Net, NodeId, Op};
+use crate::interval::{Range, Ranges};
 
 /// One run of a block. Places of nodes and inputs correspond between runs of one module.
 #[derive(Clone, Debug)]

@@ -8,8 +8,8 @@ use serde::Serialize;
 use super::format::{Format, vector};
 use super::value::literal;
 use super::{END, header};
-use crate::net::graph::Table;
-use crate::net::interval::Range;
+use crate::graph::Table;
+use crate::interval::Range;
 
 /// A table of the datapath under its name.
 #[derive(Clone, Copy, Debug)]

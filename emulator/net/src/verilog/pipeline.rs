@@ -13,7 +13,7 @@ use super::rom::DELAY;
 use super::share::Group;
 use super::value::constant_bits;
 use super::{END, Interface, PortDescription, VerilogError, header, identifier};
-use crate::net::graph::{Kind, NodeId, Op};
+use crate::graph::{Kind, NodeId, Op};
 
 /// One instance in the pipeline, for the manifest and the header.
 #[derive(Clone, Debug, serde::Serialize)]

@@ -6,9 +6,9 @@ use super::VerilogError;
 use super::context::Context;
 use super::rom::Rom;
 use super::value::{Value, View};
-use crate::net::delay::levels;
-use crate::net::graph::{Kind, NodeId, Op};
-use crate::net::interval::Range;
+use crate::delay::levels;
+use crate::graph::{Kind, NodeId, Op};
+use crate::interval::Range;
 
 /// What drives a wire.
 #[derive(Clone, Copy)]

@@ -15,7 +15,7 @@ use super::rom::{Rom, count_bits};
 use super::share::Group;
 use super::value::{View, Wire, constant_bits, view_bits};
 use super::{END, VerilogError, header, identifier};
-use crate::net::graph::{NodeId, Op};
+use crate::graph::{NodeId, Op};
 
 /// A port of a module, named for the first run.
 #[derive(Clone, Debug)]
