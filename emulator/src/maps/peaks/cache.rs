@@ -21,7 +21,7 @@ use crate::maps::level_sizes;
 use crate::output::OutputFile;
 
 /// First bytes of a file; the number changes with the format and with every change of what is built.
-const MAGIC: &[u8] = b"roughxel peak pyramid 1\n";
+const MAGIC: &[u8] = b"roughxel peak pyramid 2\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
 /// Bytes of the counts that precede the levels.

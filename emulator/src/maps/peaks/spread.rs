@@ -30,6 +30,8 @@ pub(super) struct Hemisphere {
     pub(super) directions: Vec<DVec3>,
     /// Solid angles of the sectors, in steradians; their sum is 2π.
     pub(super) solid_angles: Vec<f64>,
+    /// Their roots, by which a residual is weighted.
+    pub(super) weights: Vec<f64>,
 }
 
 /// The grid, made once.
@@ -47,7 +49,8 @@ pub(super) static HEMISPHERE: LazyLock<Hemisphere> = LazyLock::new(|| {
             solid_angles.push(TAU / SECTORS as f64 * (libm::cos(inner) - libm::cos(outer)));
         }
     }
-    Hemisphere { directions, solid_angles }
+    let weights = solid_angles.iter().map(|angle| angle.sqrt()).collect();
+    Hemisphere { directions, solid_angles, weights }
 });
 
 impl Hemisphere {
