@@ -24,7 +24,7 @@ use glam::{DVec2, DVec3};
 use crate::picture::Picture;
 
 pub use builtin::{builtin_names, builtin_text};
-pub use bump::{BumpField, FrameSystem, OFFSET_LIMIT};
+pub use bump::{BumpField, FrameSystem, HeightField, OFFSET_LIMIT};
 pub use error::{Fault, SceneError};
 pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, PeakSource, Peaks,

@@ -32,7 +32,7 @@ fn relief(size: u32, height: impl Fn(f64, f64) -> f64) -> PeakSource {
             DVec3::new(-0.5 * slope[0], -0.5 * slope[1], 1.0)
         })
         .collect();
-    PeakSource { width: size, height: size, normals, heights: Some(heights) }
+    PeakSource { width: size, height: size, normals, heights: Some(heights), rows_apart: 1.0 }
 }
 
 /// A hemisphere that fills the map.
@@ -66,7 +66,8 @@ fn facets(offset: impl Fn(f64, f64) -> [f64; 2]) -> PeakSource {
         let [b1, b2] = offset(x, y);
         DVec3::new(b1, b2, 1.0)
     };
-    PeakSource { width: 64, height: 64, normals: (0..64 * 64).map(normal).collect(), heights: None }
+    let normals = (0..64 * 64).map(normal).collect();
+    PeakSource { width: 64, height: 64, normals, heights: None, rows_apart: 1.0 }
 }
 
 /// White heights through a Gaussian with its cut-off at .15 of the sampling rate, slopes scaled to σ = .25.

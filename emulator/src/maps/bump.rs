@@ -116,7 +116,8 @@ impl BumpPyramid {
             (Some(bump), _) => bump,
             (None, Some(roughness)) => {
                 let (width, height) = (roughness.width, roughness.height);
-                flat = BumpField { width, height, offsets: vec![[0.0; 2]; roughness.factors.len()] };
+                let offsets = vec![[0.0; 2]; roughness.factors.len()];
+                flat = BumpField { width, height, offsets, heights: None };
                 &flat
             }
             (None, None) => return None,
@@ -246,6 +247,7 @@ mod tests {
             width,
             height,
             offsets: (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| offset(x, y)).collect(),
+            heights: None,
         }
     }
 

@@ -8,9 +8,11 @@
 
 mod cache;
 mod fit;
+mod scene;
 mod spread;
 
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,9 +22,10 @@ use self::spread::{Facet, HEMISPHERE, Spread, power, sharpened, spread_exponent}
 use crate::maps::horizon::{HorizonSlopes, horizon_slopes};
 use crate::maps::level_sizes;
 use crate::maps::mip::{Cover, covers};
-use crate::scene::BumpField;
+use crate::scene::{self as scenes, BumpField, FrameSystem, HeightField, Material};
 
 pub use cache::Cached;
+pub use scene::{ObjectPeakError, ScenePeaks};
 
 /// Most peaks of a texel.
 pub const MAX_PEAKS: usize = fit::MAX_PEAKS;
@@ -30,6 +33,8 @@ pub const MAX_PEAKS: usize = fit::MAX_PEAKS;
 pub const MAX_TEXELS: u64 = 1 << 20;
 /// Exponents of a facet or a peak.
 pub const EXPONENTS: RangeInclusive<f64> = 1.0..=8192.0;
+/// Heights of a map, in distances between columns.
+pub const HEIGHTS: RangeInclusive<f32> = -1e9..=1e9;
 /// Largest amplitude of a facet.
 pub const MAX_AMPLITUDE: f64 = 1024.0;
 /// Largest weight 1/n_z of a facet: steeper ones (86.4°) are taken as this steep.
@@ -64,7 +69,7 @@ pub enum PeakError {
         /// Row.
         y: u32,
     },
-    /// A height is infinite, no number, or beyond ±10^9.
+    /// A height is outside of [`HEIGHTS`] or no number.
     #[error("the height of texel ({x}, {y}) is no number within 10^9")]
     Height {
         /// Column.
@@ -72,6 +77,9 @@ pub enum PeakError {
         /// Row.
         y: u32,
     },
+    /// Rows of heights are no distance apart.
+    #[error("rows that are {0} columns apart have no slopes")]
+    RowDistance(f64),
     /// The exponent is outside of [`EXPONENTS`] or no number.
     #[error("an exponent of {0} is not within 1 to 8192")]
     Exponent(f64),
@@ -89,31 +97,59 @@ pub struct PeakSource {
     pub height: u32,
     /// Normals in the local frame, any length above 0, in rows. Those with z ≤ 0 are never seen: amplitude 0.
     pub normals: Vec<DVec3>,
-    /// Heights in distances between texels, in rows, within ±10^9; `None` for a surface without shadowing and masking.
+    /// Heights in distances between columns, in rows, within [`HEIGHTS`]; `None` for a surface without shadowing and masking.
     pub heights: Option<Vec<f64>>,
+    /// Distance between rows over that between columns, above 0: 1 for square texels.
+    pub rows_apart: f64,
 }
 
 impl PeakSource {
-    /// Normals (o_u, o_v, 1) of a bump field, without heights.
+    /// Normals (o_u, o_v, 1) of a bump field, and the heights that it has kept.
     pub fn from_field(field: &BumpField) -> Self {
         let normal = |[u, v]: &[f32; 2]| DVec3::new(f64::from(*u), f64::from(*v), 1.0);
+        let heights = |kept: &HeightField| kept.heights.iter().copied().map(f64::from).collect();
         Self {
             width: field.width,
             height: field.height,
             normals: field.offsets.iter().map(normal).collect(),
-            heights: None,
+            heights: field.heights.as_ref().map(heights),
+            rows_apart: field.heights.as_ref().map_or(1.0, |kept| kept.rows_apart),
         }
     }
 
-    /// How often [`PeakPyramid::build`] reports progress: once a texel above level 0.
+    /// What a material's peaks are fitted to: the normals of its bump map, with shadowing its heights.
+    ///
+    /// A map has the slope 0, and a level horizon, along an axis of one texel. `None` where no peaks come from a map.
+    pub fn of_material(material: &Material) -> Option<Self> {
+        let (peaks, field) = material.peaks.as_ref().zip(material.bump.as_deref())?;
+        let scenes::PeakSource::Bump { .. } = peaks.source else { return None };
+        let source = Self::from_field(field);
+        Some(if peaks.shadowing { source } else { Self { heights: None, ..source } })
+    }
+
+    /// How often [`PeakPyramid::build`] reports progress: once a texel of each level that takes more than seven of
+    /// level 0 together, for the others take no time.
     pub fn steps(&self) -> u64 {
-        level_sizes(self.width, self.height).skip(1).map(|(width, height)| u64::from(width) * u64::from(height)).sum()
+        self.upper_levels().filter(|size| self.takes_time(*size)).map(texels).sum()
+    }
+
+    fn upper_levels(&self) -> impl Iterator<Item = (u32, u32)> {
+        level_sizes(self.width, self.height).skip(1)
+    }
+
+    /// Whether a texel of a level of this size may need a fit.
+    fn takes_time(&self, level: (u32, u32)) -> bool {
+        texels((self.width, self.height)) > MAX_PEAKS as u64 * texels(level)
     }
 
     fn check(&self) -> Result<(), PeakError> {
-        let texels = u64::from(self.width) * u64::from(self.height);
+        let texels = texels((self.width, self.height));
         if !(1..=MAX_TEXELS).contains(&texels) {
             return Err(PeakError::Size { width: self.width, height: self.height });
+        }
+        // NaN is within nothing.
+        if !(f64::MIN_POSITIVE..=f64::MAX).contains(&self.rows_apart) {
+            return Err(PeakError::RowDistance(self.rows_apart));
         }
         let wanted = texels as usize;
         let count = |what, found| if found == wanted { Ok(()) } else { Err(PeakError::Count { what, found, wanted }) };
@@ -125,8 +161,7 @@ impl PeakSource {
         }
         if let Some(heights) = &self.heights {
             count("heights", heights.len())?;
-            // NaN is within nothing.
-            if let Some(index) = heights.iter().position(|height| !(-1e9..=1e9).contains(height)) {
+            if let Some(index) = heights.iter().position(|height| !HEIGHTS.contains(&(*height as f32))) {
                 let (x, y) = place(index);
                 return Err(PeakError::Height { x, y });
             }
@@ -158,6 +193,13 @@ pub struct BuildOptions {
 }
 
 impl BuildOptions {
+    /// What the facets of a material's bump map reflect; `None` where no peaks come from a map.
+    pub fn of_material(material: &Material) -> Option<Self> {
+        let scenes::PeakSource::Bump { exponent, amplitude } = material.peaks.as_ref()?.source else { return None };
+        let negate = material.frame != FrameSystem::MainDirection;
+        Some(Self { exponent, amplitude, weight: FacetWeight::Surface, negate })
+    }
+
     fn check(&self) -> Result<(), PeakError> {
         if !EXPONENTS.contains(&self.exponent) {
             return Err(PeakError::Exponent(self.exponent));
@@ -169,7 +211,7 @@ impl BuildOptions {
     }
 }
 
-/// Distribution of the horizon's slope towards one side, in heights per distance between texels.
+/// Distribution of the horizon's slope towards one side, in the units of the normals: height over distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Horizon {
     /// Mean, at least 0.
@@ -271,17 +313,18 @@ impl PeakPyramid {
     /// Errors: sizes, normals, heights and options out of range, before anything is built.
     pub fn build(source: &PeakSource, options: &BuildOptions, progress: impl Fn() + Sync) -> Result<Self, PeakError> {
         let base = Base::new(source, options)?;
-        let (width, height) = (source.width, source.height);
-        let single = |index| base.peaks(&[base.facet(index, 1.0)]);
-        let mut levels = vec![PeakLevel::new(width, height, (0..base.normals.len()).map(single))];
+        let mut levels = vec![base.level()];
         let mut fits = FitCounts::default();
-        for (to_width, to_height) in level_sizes(width, height).skip(1) {
-            let (columns, rows) = (covers(width, to_width), covers(height, to_height));
+        for (to_width, to_height) in source.upper_levels() {
+            let (columns, rows) = (covers(source.width, to_width), covers(source.height, to_height));
+            let takes_time = source.takes_time((to_width, to_height));
             let texels: Vec<(Vec<Peak>, Option<fit::Fit>)> = (0..columns.len() * rows.len())
                 .into_par_iter()
                 .map(|index| {
                     let texel = base.texel(&columns[index % columns.len()], &rows[index / columns.len()]);
-                    progress();
+                    if takes_time {
+                        progress();
+                    }
                     texel
                 })
                 .collect();
@@ -289,6 +332,37 @@ impl PeakPyramid {
             levels.push(PeakLevel::new(to_width, to_height, texels.into_iter().map(|(peaks, _)| peaks)));
         }
         Ok(Self { levels, fits })
+    }
+
+    /// Level 0 alone, which nothing is fitted for. Errors: as [`PeakPyramid::build`].
+    pub fn base(source: &PeakSource, options: &BuildOptions) -> Result<Self, PeakError> {
+        Ok(Self { levels: vec![Base::new(source, options)?.level()], fits: FitCounts::default() })
+    }
+
+    /// The pyramid that a material calls for, without filters its base alone; `None` where no peaks come from a map.
+    ///
+    /// With filters it is read from the directory `cache` if it was built before, and kept there if not; the directory is
+    /// made if it is missing. `progress` is called with steps that are done, from any thread: [`PeakSource::steps`] in
+    /// all, none without filters. Errors: as [`PeakPyramid::build`].
+    pub fn of_material(
+        material: &Material,
+        filters: bool,
+        cache: Option<&Path>,
+        progress: impl Fn(u64) + Sync,
+    ) -> Result<Option<Cached>, PeakError> {
+        let Some((source, options)) = PeakSource::of_material(material).zip(BuildOptions::of_material(material)) else {
+            return Ok(None);
+        };
+        let new = |pyramid| Cached { pyramid, read: false, not_kept: None };
+        let cached = match cache {
+            _ if !filters => new(Self::base(&source, &options)?),
+            Some(directory) => Self::cached(directory, &source, &options, || progress(1))?,
+            None => new(Self::build(&source, &options, || progress(1))?),
+        };
+        if cached.read {
+            progress(source.steps());
+        }
+        Ok(Some(cached))
     }
 }
 
@@ -305,6 +379,7 @@ pub fn multiple_surface(source: &PeakSource, options: &BuildOptions) -> Result<V
 /// Level 0, checked.
 struct Base {
     width: usize,
+    height: usize,
     /// Unit vectors.
     normals: Vec<DVec3>,
     amplitudes: Vec<f64>,
@@ -338,13 +413,22 @@ impl Base {
                 std::mem::swap(down, up);
             });
         }
+        for slope in slopes.iter_mut().flat_map(|sides| &mut sides[2..]) {
+            *slope /= source.rows_apart;
+        }
         Ok(Self {
             width: source.width as usize,
+            height: source.height as usize,
             amplitudes: normals.iter().map(|normal| options.amplitude * weight(normal)).collect(),
             normals,
             slopes,
             exponent: options.exponent,
         })
+    }
+
+    fn level(&self) -> PeakLevel {
+        let single = |index| self.peaks(&[self.facet(index, 1.0)]);
+        PeakLevel::new(self.width as u32, self.height as u32, (0..self.normals.len()).map(single))
     }
 
     /// One texel of level 0, by its share of the area it is gathered for.
@@ -440,6 +524,11 @@ fn distribution(weight: f64, [sum, squares]: [f64; 2]) -> Horizon {
     Horizon { mean, deviation: if variance > noise { variance.sqrt() } else { 0.0 } }
 }
 
+/// Texels of a level of this width and height.
+fn texels((width, height): (u32, u32)) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
 /// Unit vector of a normal of any length; `None` where it has no direction.
 fn unit(normal: DVec3) -> Option<DVec3> {
     // The largest coordinate becomes 1 first, so that no square over- or underflows.
@@ -470,7 +559,7 @@ mod tests {
                 DVec3::new(-0.5 * slope[0], -0.5 * slope[1], 1.0)
             })
             .collect();
-        PeakSource { width, height, normals, heights: Some(heights) }
+        PeakSource { width, height, normals, heights: Some(heights), rows_apart: 1.0 }
     }
 
     fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
@@ -498,7 +587,7 @@ mod tests {
         // Seven directions in a map whose sizes do not divide.
         let direction = |index: usize| DVec3::new(index as f64 * 0.1, 0.2, 1.0);
         let normals: Vec<DVec3> = (0..15).map(|index| direction(index % 7) * f64::from(1 << (index % 4))).collect();
-        let source = PeakSource { width: 5, height: 3, normals, heights: Some(vec![0.0; 15]) };
+        let source = PeakSource { width: 5, height: 3, normals, heights: Some(vec![0.0; 15]), rows_apart: 1.0 };
         let pyramid = build(&source, &BuildOptions { weight: FacetWeight::Texel, ..OPTIONS });
         assert_eq!(pyramid.fits, FitCounts::default());
         let top = pyramid.levels[2].texel(0, 0);
@@ -518,7 +607,8 @@ mod tests {
     #[test]
     fn horizons_of_shared_normals_have_their_mean_and_deviation() {
         let heights = vec![0.0, 1.0, 0.0, 3.0];
-        let source = PeakSource { width: 4, height: 1, normals: vec![DVec3::Z; 4], heights: Some(heights) };
+        let normals = vec![DVec3::Z; 4];
+        let source = PeakSource { width: 4, height: 1, normals, heights: Some(heights), rows_apart: 1.0 };
         let pyramid = build(&source, &OPTIONS);
         let &[peak] = pyramid.levels[2].texel(0, 0) else { panic!("one normal") };
         let slopes = [3.0, 1.0, 1.0, 0.0];
@@ -538,6 +628,44 @@ mod tests {
             let [left, right, down, up] = plain.horizon.expect("it has heights");
             assert_eq!(turned.horizon, Some([right, left, up, down]));
         }
+    }
+
+    #[test]
+    fn rows_further_apart_have_a_lower_horizon() {
+        let source = hills(4, 5);
+        let (near, far) = (build(&source, &OPTIONS), build(&PeakSource { rows_apart: 4.0, ..source }, &OPTIONS));
+        for (near, far) in near.levels[0].peaks().iter().zip(far.levels[0].peaks()) {
+            let [left, right, down, up] = near.horizon.expect("it has heights").map(|side| side.mean);
+            let wanted = [left, right, down / 4.0, up / 4.0];
+            let got = far.horizon.expect("it has heights").map(|side| side.mean);
+            for (got, wanted) in got.into_iter().zip(wanted) {
+                assert!((got - wanted).abs() <= 1e-15 * wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn progress_is_told_of_texels_that_may_take_a_fit() {
+        let count = |source: &PeakSource| {
+            let steps = std::sync::atomic::AtomicU64::new(0);
+            let step = || {
+                steps.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            };
+            PeakPyramid::build(source, &OPTIONS, step).expect("the source is good");
+            assert_eq!(steps.into_inner(), source.steps());
+            source.steps()
+        };
+        // Two by two texels each, then four by four and all of them.
+        assert_eq!(count(&hills(8, 8)), 4 + 1);
+        assert_eq!(count(&hills(13, 3)), 3 + 1);
+        assert_eq!(count(&hills(7, 1)), 0);
+    }
+
+    #[test]
+    fn the_base_is_level_0_of_the_pyramid() {
+        let source = hills(5, 4);
+        let base = PeakPyramid::base(&source, &OPTIONS).expect("the source is good");
+        assert_eq!(base.levels, build(&source, &OPTIONS).levels[..1]);
     }
 
     #[test]
@@ -563,7 +691,7 @@ mod tests {
     #[test]
     fn facets_that_face_inwards_have_no_amplitude() {
         let normals = vec![DVec3::new(0.3, 0.0, -1.0), DVec3::X];
-        let source = PeakSource { width: 2, height: 1, normals, heights: None };
+        let source = PeakSource { width: 2, height: 1, normals, heights: None, rows_apart: 1.0 };
         let pyramid = build(&source, &OPTIONS);
         assert!(pyramid.levels[0].peaks().iter().all(|peak| peak.amplitude == 0.0));
         assert!(pyramid.levels[1].texel(0, 0).is_empty());
@@ -571,8 +699,8 @@ mod tests {
 
     #[test]
     fn one_texel_is_one_level() {
-        let source =
-            PeakSource { width: 1, height: 1, normals: vec![DVec3::new(0.0, 3.0, 4.0)], heights: Some(vec![9.0]) };
+        let normals = vec![DVec3::new(0.0, 3.0, 4.0)];
+        let source = PeakSource { width: 1, height: 1, normals, heights: Some(vec![9.0]), rows_apart: 1.0 };
         let pyramid = build(&source, &BuildOptions { weight: FacetWeight::Texel, ..OPTIONS });
         assert_eq!((pyramid.levels.len(), source.steps()), (1, 0));
         let &[peak] = pyramid.levels[0].texel(0, 0) else { panic!("one peak") };
@@ -607,6 +735,10 @@ mod tests {
             let mut source = hills(4, 4);
             source.heights.as_mut().expect("it has heights")[9] = bad;
             assert_eq!(error(&source, &OPTIONS), PeakError::Height { x: 1, y: 2 });
+        }
+        for rows_apart in [0.0, -1.0, f64::INFINITY] {
+            let source = PeakSource { rows_apart, ..hills(4, 4) };
+            assert_eq!(error(&source, &OPTIONS), PeakError::RowDistance(rows_apart));
         }
         for exponent in [0.0, 0.99, 8192.1, f64::INFINITY] {
             assert_eq!(error(&hills(4, 4), &BuildOptions { exponent, ..OPTIONS }), PeakError::Exponent(exponent));

@@ -32,6 +32,19 @@ pub struct BumpField {
     pub height: u32,
     /// (o_u, o_v) row by row, each coordinate within ±[`OFFSET_LIMIT`].
     pub offsets: Vec<[f32; 2]>,
+    /// The heights the offsets come from, where a material asks for their shadows; a normal map has none.
+    pub heights: Option<HeightField>,
+}
+
+/// Heights of a bump map in units in which its offsets are their slopes: o_u = −∂h/∂x, o_v = −∂h/∂y with x one a column and
+/// y `rows_apart` a row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    /// In distances between columns, in the rows of the offsets, not clamped.
+    pub heights: Vec<f32>,
+    /// Distance between rows over that between columns: 1 for square texels; in the natural system, where both are
+    /// parts of a repeat, columns over rows.
+    pub rows_apart: f64,
 }
 
 /// How high the heights of a picture are.
@@ -45,33 +58,21 @@ pub(super) enum HeightScale {
 
 impl BumpField {
     /// Offsets of a height picture (first channel), and how many were clamped.
+    ///
+    /// Along an axis of one texel the slope is 0: the map repeats.
     pub(super) fn from_heights(heights: &Picture, scale: HeightScale, frame: FrameSystem) -> (Self, usize) {
-        let (width, height) = (heights.width as usize, heights.height as usize);
-        // Texels per unit of the direction in which the slope is taken.
-        let per_u = width as f64;
-        let per_v = if frame == FrameSystem::Natural { height as f64 } else { width as f64 };
-        let at = |column: usize, row: usize| f64::from(heights.pixels[row * width + column][0]);
-        let mut slopes = Vec::with_capacity(width * height);
-        // Picture rows run down, v runs up.
-        for row in (0..height).rev() {
-            let (above, below) = ((row + height - 1) % height, (row + 1) % height);
-            for column in 0..width {
-                let (left, right) = ((column + width - 1) % width, (column + 1) % width);
-                slopes.push([
-                    (at(right, row) - at(left, row)) * 0.5 * per_u,
-                    (at(column, above) - at(column, below)) * 0.5 * per_v,
-                ]);
-            }
-        }
-        let factor = match scale {
-            HeightScale::Height(height) => height,
-            HeightScale::RmsSlope(wanted) => {
-                let sum: f64 = slopes.iter().map(|[u, v]| u * u + v * v).sum();
-                let rms = (sum / slopes.len() as f64).sqrt();
-                if rms > 0.0 { wanted / rms } else { 0.0 }
-            }
-        };
-        Self::clamped(heights, slopes.into_iter().map(|[u, v]| [(-factor * u) as f32, (-factor * v) as f32]))
+        let factor = slope_factor(heights, scale, frame);
+        Self::clamped(heights, slopes(heights, frame).map(|slope| slope.map(|slope| (-factor * slope) as f32)))
+    }
+
+    /// As [`BumpField::from_heights`], and keeps the heights.
+    pub(super) fn with_heights(picture: &Picture, scale: HeightScale, frame: FrameSystem) -> (Self, usize) {
+        let factor = slope_factor(picture, scale, frame);
+        let (field, clamped) = Self::from_heights(picture, scale, frame);
+        let [per_u, per_v] = texels_per_unit(picture, frame);
+        let rows = picture.pixels.chunks_exact(picture.width as usize).rev();
+        let heights = rows.flatten().map(|pixel| (factor * per_u * f64::from(pixel[0])) as f32).collect();
+        (Self { heights: Some(HeightField { heights, rows_apart: per_u / per_v }), ..field }, clamped)
     }
 
     /// Offsets of a tangent-space normal map (red +u, green +v as in OpenGL, blue outwards), and how many were clamped.
@@ -99,7 +100,40 @@ impl BumpField {
                 inside
             })
             .collect();
-        (Self { width: picture.width, height: picture.height, offsets }, clamped)
+        (Self { width: picture.width, height: picture.height, offsets, heights: None }, clamped)
+    }
+}
+
+/// Texels per unit of the directions in which slopes are taken.
+fn texels_per_unit(picture: &Picture, frame: FrameSystem) -> [f64; 2] {
+    let [width, height] = [picture.width, picture.height].map(f64::from);
+    [width, if frame == FrameSystem::Natural { height } else { width }]
+}
+
+/// Slopes of a height picture of height 1 along +u and +v, from the bottom row up.
+fn slopes(heights: &Picture, frame: FrameSystem) -> impl Iterator<Item = [f64; 2]> {
+    let (width, height) = (heights.width as usize, heights.height as usize);
+    let [per_u, per_v] = texels_per_unit(heights, frame);
+    let at = move |column: usize, row: usize| f64::from(heights.pixels[row * width + column][0]);
+    // Picture rows run down, v runs up.
+    (0..height).rev().flat_map(move |row| {
+        let (above, below) = ((row + height - 1) % height, (row + 1) % height);
+        (0..width).map(move |column| {
+            let (left, right) = ((column + width - 1) % width, (column + 1) % width);
+            [(at(right, row) - at(left, row)) * 0.5 * per_u, (at(column, above) - at(column, below)) * 0.5 * per_v]
+        })
+    })
+}
+
+/// What the slopes of a picture of height 1 are multiplied by.
+fn slope_factor(heights: &Picture, scale: HeightScale, frame: FrameSystem) -> f64 {
+    match scale {
+        HeightScale::Height(height) => height,
+        HeightScale::RmsSlope(wanted) => {
+            let sum: f64 = slopes(heights, frame).map(|[u, v]| u * u + v * v).sum();
+            let rms = (sum / heights.pixels.len() as f64).sqrt();
+            if rms > 0.0 { wanted / rms } else { 0.0 }
+        }
     }
 }
 
@@ -119,6 +153,7 @@ pub(super) fn signed_decoder(picture: &Picture) -> impl Fn(f32) -> f32 + use<> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::maps::peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource};
 
     fn picture(width: u32, height: u32, value: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect();
@@ -154,6 +189,96 @@ mod tests {
         let (natural, _) = BumpField::from_heights(&tall, HeightScale::Height(1.0), FrameSystem::Natural);
         assert_eq!(square.offsets[2], [0.0, 0.125]);
         assert_eq!(natural.offsets[2], [0.0, 0.5]);
+    }
+
+    const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+
+    /// One smooth hill a repeat, on maps of any shape.
+    fn hill(width: u32, height: u32) -> Picture {
+        let wave = |place: u32, size: u32| (std::f64::consts::TAU * f64::from(place) / f64::from(size)).cos();
+        picture(width, height, |x, y| [(0.5 + 0.2 * wave(x, width) + 0.3 * wave(y + 2, height)) as f32; 3])
+    }
+
+    /// The hill in all shapes, frames and scales.
+    fn kept_hills() -> impl Iterator<Item = (FrameSystem, BumpField)> {
+        [(24, 24), (40, 16), (12, 60)].into_iter().flat_map(|(width, height)| {
+            FRAMES.into_iter().flat_map(move |frame| {
+                let scales = [HeightScale::Height(0.3), HeightScale::Height(-0.07), HeightScale::RmsSlope(0.4)];
+                let field = move |scale| BumpField::with_heights(&hill(width, height), scale, frame);
+                scales.into_iter().map(field).map(move |(field, clamped)| {
+                    assert_eq!(clamped, 0);
+                    (frame, field)
+                })
+            })
+        })
+    }
+
+    #[test]
+    fn heights_and_offsets_are_one_surface_in_every_frame_and_shape() {
+        for (frame, field) in kept_hills() {
+            let (width, height) = (field.width as usize, field.height as usize);
+            let HeightField { heights, rows_apart } = field.heights.as_ref().unwrap();
+            let is_natural = frame == FrameSystem::Natural;
+            assert_eq!(*rows_apart, if is_natural { width as f64 / height as f64 } else { 1.0 });
+            let at = |x: usize, y: usize| f64::from(heights[y % height * width + x % width]);
+            let highest = heights.iter().fold(0.0_f32, |most, height| most.max(height.abs()));
+            for (index, offset) in field.offsets.iter().enumerate() {
+                let (x, y) = (index % width, index / width);
+                let slopes = [
+                    0.5 * (at(x + 1, y) - at(x + width - 1, y)),
+                    0.5 * (at(x, y + 1) - at(x, y + height - 1)) / rows_apart,
+                ];
+                for (offset, slope) in offset.iter().zip(slopes) {
+                    // Two heights rounded to f32, and the offset.
+                    let rounding = f64::from(f32::EPSILON * highest) * (1.0 + 1.0 / rows_apart);
+                    assert!((f64::from(*offset) + slope).abs() <= rounding, "{frame:?} {offset} {slope}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_flank_below_its_top_has_the_horizon_of_its_own_slope() {
+        for (frame, field) in kept_hills() {
+            let negate = frame != FrameSystem::MainDirection;
+            let options = BuildOptions { exponent: 40.0, amplitude: 1.0, weight: FacetWeight::Texel, negate };
+            let base = &PeakPyramid::base(&PeakSource::from_field(&field), &options).unwrap().levels[0];
+            let mut flanks = 0;
+            for (x, y) in (0..field.height).flat_map(|y| (0..field.width).map(move |x| (x, y))) {
+                let peak = base.texel(x, y)[0];
+                let sides = peak.horizon.unwrap().map(|side| side.mean);
+                for (axis, size) in [field.width, field.height].into_iter().enumerate() {
+                    let along = |step: u32| match axis {
+                        0 => base.texel((x + size + step - 2) % size, y)[0].normal,
+                        _ => base.texel(x, (y + size + step - 2) % size)[0].normal,
+                    };
+                    // A surface rises where its normal does not lean to.
+                    let rise = |step: u32| -along(step)[axis] / along(step).z;
+                    let steepness = rise(2).abs();
+                    let uphill = usize::from(rise(2) > 0.0);
+                    let (before, after) = if (uphill == 1) != negate { (1, 3) } else { (3, 1) };
+                    let is_convex = rise(before).abs() > steepness && steepness > rise(after).abs();
+                    if is_convex && rise(before) * rise(after) > 0.0 {
+                        flanks += 1;
+                        let seen = sides[2 * axis + uphill];
+                        // To the next texel: half a second difference less than in this one.
+                        let curvature = rise(before).abs() - rise(after).abs();
+                        assert!(seen < steepness && steepness - seen < 0.5 * curvature, "{frame:?} {axis} {seen}");
+                    }
+                }
+            }
+            assert!(flanks > 40, "{flanks}");
+        }
+    }
+
+    #[test]
+    fn a_map_one_texel_wide_or_high_has_no_slope_along_that_axis() {
+        for (frame, (width, height)) in FRAMES.into_iter().zip([(1, 1), (1, 6), (6, 1)]) {
+            let bumpy = picture(width, height, |x, y| [((x + y) % 3) as f32 * 0.1 + 0.5; 3]);
+            let (field, _) = BumpField::with_heights(&bumpy, HeightScale::Height(0.5), frame);
+            assert!(field.offsets.iter().all(|[u, v]| (width > 1 || *u == 0.0) && (height > 1 || *v == 0.0)));
+            assert_eq!(field.offsets.iter().any(|offset| *offset != [0.0; 2]), width * height > 1);
+        }
     }
 
     #[test]

@@ -130,6 +130,13 @@ pub(super) struct PeaksDescription {
     shadowing: Option<Spanned<bool>>,
 }
 
+impl PeaksDescription {
+    /// Whether the heights of the bump map are needed besides its offsets.
+    pub(super) fn needs_heights(&self) -> bool {
+        self.given.is_none() && self.shadowing.as_ref().is_some_and(|wanted| *wanted.get_ref())
+    }
+}
+
 /// One element of `given`.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]

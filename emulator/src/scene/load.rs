@@ -18,7 +18,7 @@ use super::generate::{
     MAX_DEVIATION, UNIFORM_ROUGHNESS, colour_map, environment, height_map, mesh_names, mesh_text, normal_map,
     uniform_roughness,
 };
-use super::lighting::{self, Available};
+use super::lighting::{self, Available, PeakSource, Peaks};
 use super::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
 use super::roughness::RoughnessChannels;
 use super::shapes::{MAX_SEGMENTS, Placement, Shape};
@@ -27,6 +27,7 @@ use super::{
     MAX_SCENE_BYTES, Material, Mesh, Object, RoughnessField, Scene, SceneError, frame_size_is_allowed,
 };
 use crate::maps::environment::faces_from_equirectangular;
+use crate::maps::peaks::{HEIGHTS, MAX_TEXELS};
 use crate::picture::{Encoding, Picture, read_exr, read_png};
 
 /// Largest coordinate of a scene, world units.
@@ -482,7 +483,8 @@ impl Loader<'_> {
             }
         };
         let colour_map = material.colour_map.as_ref().map(|table| self.colour_map(table)).transpose()?;
-        let bump = self.bump(material, name, frame)?;
+        let shadowing = material.peaks.as_ref().is_some_and(|peaks| peaks.get_ref().needs_heights());
+        let bump = self.bump(material, name, frame, shadowing)?;
         let roughness = self.roughness(material, name, frame, bump.as_deref())?;
         let heights = material.height_map.is_some();
         let there = Available { lights: self.has_lights, heights, bumps: heights || material.normal_map.is_some() };
@@ -492,6 +494,15 @@ impl Loader<'_> {
             let help = "give the highlight as a further peak: normal = [0, 0, 1] and its exponent";
             return Err(source.value_error(peaks.span(), "a material has one of `highlight` and `peaks`", help));
         }
+        let (highlight, peaks) = (highlight.transpose()?, peaks.transpose()?);
+        if let (Some(field), Some(Peaks { source: PeakSource::Bump { .. }, .. })) = (&bump, &peaks)
+            && field.offsets.len() as u64 > MAX_TEXELS
+            && let Some(map) = material.height_map.as_ref().or(material.normal_map.as_ref())
+        {
+            let message = format!("{}×{} texels are too many to fit peaks to", field.width, field.height);
+            let help = format!("make the map smaller, at most {MAX_TEXELS} texels (1024×1024), or leave `peaks` out");
+            return Err(source.value_error(map.span(), message, help));
+        }
         Ok(Material {
             colour: colour.map(|channel| channel as f32),
             colour_map,
@@ -500,8 +511,8 @@ impl Loader<'_> {
             frame,
             main_direction: placement.direction(main_direction),
             reflectance: reflectance.map(|channel| channel as f32),
-            highlight: highlight.transpose()?,
-            peaks: peaks.transpose()?,
+            highlight,
+            peaks,
         })
     }
 
@@ -510,6 +521,7 @@ impl Loader<'_> {
         material: &MaterialDescription,
         name: &str,
         frame: FrameSystem,
+        with_heights: bool,
     ) -> Result<Option<Arc<BumpField>>, SceneError> {
         let table = match (&material.height_map, &material.normal_map) {
             (None, None) => return Ok(None),
@@ -521,14 +533,18 @@ impl Loader<'_> {
         };
         let is_height = material.height_map.is_some();
         let arguments = Arguments::new(self.source, table);
-        let key = format!("{is_height} {frame:?} {}", arguments.fingerprint());
+        let key = format!("{is_height} {with_heights} {frame:?} {}", arguments.fingerprint());
         if let Some(known) = self.bumps.get(&key) {
             return Ok(Some(Arc::clone(known)));
         }
         let (field, clamped) = if is_height {
             let scale = height_scale(&arguments, frame)?;
             let heights = self.picture(&arguments, PictureUse::Height)?;
-            BumpField::from_heights(&heights, scale, frame)
+            if with_heights {
+                BumpField::with_heights(&heights, scale, frame)
+            } else {
+                BumpField::from_heights(&heights, scale, frame)
+            }
         } else {
             if frame == FrameSystem::Natural {
                 let help = "use `height_map`, or the frame \"natural-normalised\" or \"main-direction\"";
@@ -542,6 +558,13 @@ impl Loader<'_> {
                 "{name}: {clamped} texels of the bump map are steeper than {} and were clamped",
                 super::OFFSET_LIMIT
             ));
+        }
+        // NaN is within nothing.
+        if let Some(kept) = &field.heights
+            && !kept.heights.iter().all(|height| HEIGHTS.contains(height))
+        {
+            let help = "choose a smaller `scale`, or a map without such heights";
+            return Err(arguments.error("heights of more than 10^9 texels cast no shadows", help));
         }
         let field = Arc::new(field);
         self.bumps.insert(key, Arc::clone(&field));

@@ -5,7 +5,7 @@
 //! of its range; anything else (torn, truncated, foreign, of another version) counts as missing and is replaced. Files
 //! appear whole ([`crate::output`]), so two programs may share a directory.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 
 use super::{
     BuildOptions, EXPONENTS, FacetWeight, FitCounts, Horizon, MAX_PEAKS, Peak, PeakError, PeakLevel, PeakPyramid,
-    PeakSource,
+    PeakSource, texels,
 };
 use crate::maps::level_sizes;
 use crate::output::OutputFile;
@@ -41,7 +41,7 @@ pub struct Cached {
 impl PeakPyramid {
     /// As [`PeakPyramid::build`], but reads the pyramid from a directory if it was built before, and keeps it there if not.
     ///
-    /// The directory has to exist; `progress` is not called where the pyramid is read. A cache file of the largest map
+    /// The directory is made if it is missing; `progress` is not called where the pyramid is read. A cache file of the largest map
     /// with heights has 0.3 GB. Errors: those of [`PeakPyramid::build`] only.
     pub fn cached(
         directory: &Path,
@@ -80,6 +80,7 @@ fn key(source: &PeakSource, options: &BuildOptions) -> [u8; HASH] {
     for height in source.heights.iter().flatten() {
         hash.update(height.to_le_bytes());
     }
+    hash.update(source.rows_apart.to_le_bytes());
     hash.finalize().into()
 }
 
@@ -115,6 +116,7 @@ fn write(path: &Path, key: &[u8; HASH], pyramid: &PeakPyramid) -> io::Result<()>
         }
     }
     let hash = Sha256::digest(&bytes);
+    path.parent().map_or(Ok(()), fs::create_dir_all)?;
     let mut file = OutputFile::create(path)?;
     file.write_all(&bytes)?;
     file.write_all(&hash)?;
@@ -126,7 +128,7 @@ fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyrami
     let file = File::open(path).ok()?;
     let metadata = file.metadata().ok()?;
     // The file is as long as its peaks; no pyramid of this size is longer than this.
-    let texels = source.steps() + source.normals.len() as u64;
+    let texels = all_texels(source);
     let peak = 8 * (5 + if source.heights.is_some() { 8 } else { 0 });
     let longest = (MAGIC.len() + 2 * HASH + COUNTS) as u64 + texels * (8 + MAX_PEAKS as u64 * peak);
     if !metadata.is_file() || metadata.len() > longest {
@@ -142,6 +144,11 @@ fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyrami
     let mut numbers = Numbers(numbers.iter());
     let pyramid = parse(&mut numbers, source)?;
     (rest.is_empty() && numbers.0.len() == 0).then_some(pyramid)
+}
+
+/// Texels of all levels.
+fn all_texels(source: &PeakSource) -> u64 {
+    source.normals.len() as u64 + source.upper_levels().map(texels).sum::<u64>()
 }
 
 /// Numbers of a file that are still to be read.
@@ -161,11 +168,11 @@ impl Numbers<'_> {
 
 /// A pyramid from its numbers, each within the range it has in a pyramid.
 fn parse(numbers: &mut Numbers<'_>, source: &PeakSource) -> Option<PeakPyramid> {
-    let steps = source.steps() as usize;
+    let most = all_texels(source) as usize;
     let fits = FitCounts {
-        fitted: numbers.count(steps)?,
-        seven: numbers.count(steps)?,
-        missed: numbers.count(steps)?,
+        fitted: numbers.count(most)?,
+        seven: numbers.count(most)?,
+        missed: numbers.count(most)?,
         worst_rms: numbers.real(0.0..=f64::MAX)?,
         worst_maximum: numbers.real(0.0..=f64::MAX)?,
     };
@@ -237,6 +244,7 @@ mod tests {
         source_with(&|source| source.heights = None);
         source_with(&|source| source.heights.iter_mut().for_each(|heights| heights[15] += 1e-9));
         source_with(&|source| (source.width, source.height) = (2, 8));
+        source_with(&|source| source.rows_apart = 2.0);
         for options in [
             BuildOptions { exponent: 41.0, ..options },
             BuildOptions { amplitude: 0.5, ..options },
@@ -257,7 +265,7 @@ mod tests {
         let source = hills(4, 4);
         let (built, ..) = cached(directory.path(), &source, &OPTIONS);
         let path = path(directory.path(), &key(&source, &OPTIONS));
-        let good = std::fs::read(&path).expect("the file is there");
+        let good = fs::read(&path).expect("the file is there");
         let mut bad: Vec<Vec<u8>> = (0..good.len()).step_by(37).map(|length| good[..length].to_vec()).collect();
         for place in (0..good.len()).step_by(41) {
             let mut changed = good.clone();
@@ -269,7 +277,7 @@ mod tests {
         // A file that is whole, but of another map.
         let other = PeakSource { heights: None, ..hills(4, 4) };
         cached(directory.path(), &other, &OPTIONS);
-        bad.push(std::fs::read(super::path(directory.path(), &key(&other, &OPTIONS))).expect("the file is there"));
+        bad.push(fs::read(super::path(directory.path(), &key(&other, &OPTIONS))).expect("the file is there"));
         // A hash that fits what should not be there: one number too many, and an exponent out of range.
         let resealed = |content: &[u8]| [content, &Sha256::digest(content)[..]].concat();
         let content = &good[..good.len() - HASH];
@@ -280,19 +288,24 @@ mod tests {
         exponent[place..place + 8].copy_from_slice(&f64::NAN.to_le_bytes());
         bad.push(resealed(&exponent));
         for bytes in bad {
-            std::fs::write(&path, &bytes).expect("the file can be written");
+            fs::write(&path, &bytes).expect("the file can be written");
             assert!(read(&path, &key(&source, &OPTIONS), &source).is_none(), "{} bytes", bytes.len());
         }
         assert!(!cached(directory.path(), &source, &OPTIONS).1);
-        assert_eq!(std::fs::read(&path).expect("the file is there"), good, "the bad file was replaced");
+        assert_eq!(fs::read(&path).expect("the file is there"), good, "the bad file was replaced");
         assert_eq!(cached(directory.path(), &source, &OPTIONS).0, built);
     }
 
     #[test]
-    fn a_directory_that_cannot_be_written_costs_only_the_next_time() {
+    fn a_directory_is_made_and_one_that_cannot_be_costs_only_the_next_time() {
         let directory = tempfile::tempdir().expect("a directory");
-        let missing = directory.path().join("missing");
-        let cached = PeakPyramid::cached(&missing, &hills(2, 2), &OPTIONS, || ()).expect("the source is good");
-        assert!(!cached.read && cached.not_kept.is_some());
+        let missing = directory.path().join("missing/and/below");
+        assert!(!cached(&missing, &hills(2, 2), &OPTIONS).1 && cached(&missing, &hills(2, 2), &OPTIONS).1);
+        let file = directory.path().join("file");
+        fs::write(&file, "").expect("the file can be written");
+        for place in [&file, &file.join("below")] {
+            let cached = PeakPyramid::cached(place, &hills(2, 2), &OPTIONS, || ()).expect("the source is good");
+            assert!(!cached.read && cached.not_kept.is_some());
+        }
     }
 }
