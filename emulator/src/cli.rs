@@ -2,6 +2,7 @@
 //!
 //! Data goes to stdout, progress and errors to stderr. Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 
+mod cache;
 mod console;
 mod cost;
 mod demo;

@@ -9,6 +9,7 @@ use roughxel_core::precision::Precision;
 use thiserror::Error;
 
 use crate::frame::{Frame, Prepared};
+use crate::maps::peaks::{ObjectPeakError, ScenePeaks};
 use crate::picture::{PictureError, beside, write_png_srgb};
 use crate::plan::Mode;
 use crate::raster::RasterError;
@@ -40,6 +41,14 @@ pub enum DrawError {
         /// What does not fit.
         source: RasterError,
     },
+    /// The peaks of a map.
+    #[error("scene {scene}: {source}")]
+    Peaks {
+        /// Name of the scene.
+        scene: String,
+        /// Which object's, and why.
+        source: ObjectPeakError,
+    },
     /// The picture file.
     #[error(transparent)]
     Picture(#[from] PictureError),
@@ -60,16 +69,19 @@ pub struct DemoScene {
     pub captured: Vec<ReflectionIn>,
     /// Their plan.
     pub plan: ReflectionPlan,
+    /// Why fitted peaks were not kept for the next time, if so.
+    pub not_kept: Option<String>,
 }
 
 /// Draws one scene of the demonstration into `directory`, which exists.
 ///
-/// `step` is called with the name of the step before each of the four drawings.
+/// Fitted peaks are kept in the directory `cache`. `step` is called with the name of the step before each of the four drawings.
 pub fn demo_scene(
     name: &'static str,
     size: Option<[u32; 2]>,
     profile: &Precision,
     directory: &Path,
+    cache: Option<&Path>,
     step: impl Fn(&str),
 ) -> Result<DemoScene, DrawError> {
     step(&format!("{name}: maps"));
@@ -77,6 +89,8 @@ pub fn demo_scene(
     if let Some([width, height]) = size {
         scene = scene.with_size(width, height)?;
     }
+    let peaks = ScenePeaks::new(&scene, true, cache, |_| ())
+        .map_err(|source| DrawError::Peaks { scene: scene.name.clone(), source })?;
     let failed = |source| DrawError::Raster { scene: scene.name.clone(), source };
     let draw = |prepared: &Prepared<'_>, mode: Mode| -> Result<(Frame, Duration), DrawError> {
         step(&format!("{name}: {mode}"));
@@ -99,5 +113,6 @@ pub fn demo_scene(
     let plan = captured.first().map_or(ReflectionPlan::FULL, |(_, plan)| *plan);
     let captured = captured.into_iter().filter(|(_, own)| *own == plan).map(|(fragment, _)| fragment).collect();
     let modes = drawings.each_ref().map(|(frame, time)| (*time, frame.psnr(&truth)));
-    Ok(DemoScene { name, picture, modes, truth: truth_time, captured, plan })
+    let not_kept = peaks.not_kept.map(|reason| reason.to_string());
+    Ok(DemoScene { name, picture, modes, truth: truth_time, captured, plan, not_kept })
 }

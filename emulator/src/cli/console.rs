@@ -1,13 +1,49 @@
 //! What goes to the terminal.
 
 use std::io::{self, Write};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use comfy_table::{Table, presets};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A progress bar on stderr, hidden where that is no terminal.
 pub(super) fn progress(total: u64, what: &str) -> ProgressBar {
-    let bar = ProgressBar::new(total);
+    styled(ProgressBar::new(total), what)
+}
+
+/// Work shorter than this needs no bar.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// A progress bar that shows itself only where the work takes longer than [`PATIENCE`].
+pub(super) struct LateProgress {
+    bar: ProgressBar,
+    start: Instant,
+    shown: OnceLock<()>,
+}
+
+/// As [`progress`], but late.
+pub(super) fn late_progress(total: u64, what: &str) -> LateProgress {
+    let hidden = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
+    LateProgress { bar: styled(hidden, what), start: Instant::now(), shown: OnceLock::new() }
+}
+
+impl LateProgress {
+    /// So much more is done.
+    pub(super) fn inc(&self, done: u64) {
+        self.bar.inc(done);
+        if self.start.elapsed() > PATIENCE {
+            self.shown.get_or_init(|| self.bar.set_draw_target(ProgressDrawTarget::stderr()));
+        }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+fn styled(bar: ProgressBar, what: &str) -> ProgressBar {
     let template = "{msg} {wide_bar} {human_pos}/{human_len} {eta}";
     // A template that does not parse leaves the default style.
     if let Ok(style) = ProgressStyle::with_template(template) {

@@ -12,6 +12,7 @@ use roughxel_emulator::study::cases::{CaseSet, hard_case_sets};
 use roughxel_emulator::vectors::{SetInfo, export};
 use serde_json::json;
 
+use super::cache::CacheArgs;
 use super::console::{new_table, progress};
 use super::report;
 use super::{Failure, ProfileArg, parse_profile, parse_size, use_threads};
@@ -33,6 +34,8 @@ pub(super) struct DemoArgs {
     /// Profile.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     pub(super) profile: ProfileArg,
+    #[command(flatten)]
+    pub(super) cache: CacheArgs,
     /// Table as JSON.
     #[arg(long)]
     pub(super) json: bool,
@@ -49,9 +52,13 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
         bar.inc(u64::from(!what.ends_with("maps")));
     };
     let (mut scenes, mut sets) = (Vec::new(), Vec::new());
+    let cache = args.cache.directory();
     let vectors = args.output.join("vectors");
     for name in DEMO_SCENES {
-        let scene = demo_scene(name, args.size, precision, &args.output, step)?;
+        let scene = demo_scene(name, args.size, precision, &args.output, cache.as_deref(), step)?;
+        if let Some(reason) = &scene.not_kept {
+            bar.suspend(|| args.cache.warn(reason));
+        }
         if !scene.captured.is_empty() {
             let set = format!("frame_{name}");
             let description = format!("fragments of a frame: {name}");

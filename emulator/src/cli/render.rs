@@ -16,6 +16,7 @@ use roughxel_emulator::scene::Scene;
 use roughxel_emulator::vectors::{Manifest, SetInfo, export};
 use serde_json::json;
 
+use super::cache::CacheArgs;
 use super::console::progress;
 use super::{Failure, ProfileArg, open_scene, parse_profile, parse_size, use_threads};
 
@@ -48,6 +49,8 @@ pub(super) struct RenderArgs {
     /// Export a set of vectors made of the frame's fragments into this directory.
     #[arg(long, value_name = "DIR")]
     pub(super) capture: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) cache: CacheArgs,
     /// Figures as JSON.
     #[arg(long)]
     pub(super) json: bool,
@@ -60,6 +63,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
     let start = Instant::now();
     let reading = args.reading.unwrap_or_else(Reading::best);
+    let peaks = args.cache.peaks(&scene, args.mode.filters())?;
     let prepared = Prepared::new(&scene, args.mode, precision)?.with_reading(reading);
     let preparation = start.elapsed().as_secs_f64();
     let bar = progress(prepared.work(), &scene.name);
@@ -81,6 +85,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
             "scene": scene.name, "mode": args.mode.to_string(), "profile": args.profile.name,
             "reading": reading.to_string(), "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
             "digest": frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
+            "peaks": { "built": peaks.built, "read": peaks.read },
         });
         writeln!(out, "{figures:#}")?;
     } else {
