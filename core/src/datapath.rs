@@ -454,11 +454,13 @@ pub fn local_direction<W: Word>(
 pub struct PeakLight<W: Word> {
     /// The half vector in the frame of the surface.
     pub direction: LocalDirection<W>,
+    /// The light in the frame of the surface, at any length: for [`horizon_slopes`].
+    pub light: Block<W, 3>,
     /// n·l ≤ 0: no peak is lit.
     pub below: W::Flag,
 }
 
-bundle!(PeakLight { direction; flag below });
+bundle!(PeakLight { direction, light; flag below });
 
 /// The half vector of a light for the peaks of a fragment. `light` points from the surface to the light.
 #[inline(always)]
@@ -466,8 +468,8 @@ pub fn peak_light<W: Word>(surface: &Surface<W>, light: &PortBlock<W, 3>, p: &Pr
     let Surface { normal, view, frame, .. } = surface;
     let light = block!("enter.light", enter::enter(light, p));
     let half = block!("half", half::half(&light, view, p));
-    let along = local_components(&light, frame, normal, p);
-    PeakLight { direction: local_direction(&half, frame, normal, p), below: !Fx::zero().lt(along.m[2]) }
+    let light = local_components(&light, frame, normal, p);
+    PeakLight { direction: local_direction(&half, frame, normal, p), light, below: !Fx::zero().lt(light.m[2]) }
 }
 
 /// The light of one stored peak. `weight` is its share of the fragment, times its visibility where there is a horizon.

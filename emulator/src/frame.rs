@@ -6,6 +6,7 @@
 
 mod environment;
 mod lighting;
+mod printed;
 mod texture;
 
 use std::fmt;
@@ -33,7 +34,7 @@ use crate::raster::{
 };
 use crate::scene::{self, Background, Object, PeakSource, Scene};
 pub use environment::EnvironmentMap;
-use lighting::{Lighting, PeakMap, Points};
+use lighting::{Lighting, LitFragment, PeakMap, PeaksRead, Points};
 use texture::BumpMap;
 pub use texture::ColourMap;
 
@@ -261,7 +262,7 @@ impl<'a> Prepared<'a> {
             object.plan = plan;
             object.colour_map.take_if(|_| !plan.colour_map);
             object.bump_map.take_if(|_| !plan.bump_map);
-            object.lighting.take_if(|_| plan.highlight.is_none() && plan.peaks.is_none());
+            object.lighting = object.lighting.take().and_then(|lighting| lighting.with_plan(&plan));
         }
         self
     }
@@ -270,12 +271,16 @@ impl<'a> Prepared<'a> {
     pub fn map_bytes(&self, object: usize) -> Vec<(Effect, u64)> {
         let Some(object) = self.objects.get(object) else { return Vec::new() };
         let environment = self.environment.as_ref().filter(|_| object.plan.reflection.is_some());
+        let [peaks, horizons] =
+            object.lighting.as_ref().map_or([0; 2], Lighting::bytes).map(|bytes| (bytes > 0).then_some(bytes));
         let [offsets, roughness] = [0, 1].map(|part| object.bump_map.as_ref().map(|map| map.bytes()[part]));
         [
             (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
             (Effect::Bump, offsets),
             (Effect::Roughness, roughness.filter(|&bytes| bytes > 0)),
             (Effect::Environment, environment.map(EnvironmentMap::bytes)),
+            (Effect::Peaks, peaks),
+            (Effect::Horizon, horizons),
         ]
         .into_iter()
         .filter_map(|(effect, bytes)| Some((effect, bytes?)))
@@ -328,6 +333,7 @@ impl<'a> Prepared<'a> {
         };
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
         let mut rays = Waiting::rays(self.mode);
+        let mut peaks = PeaksRead::default();
         for &offset in &offsets {
             triangles.rasterise_tile(tile, offset, &mut buffer);
             let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
@@ -358,10 +364,10 @@ impl<'a> Prepared<'a> {
                 let needs_ports = prepared.plan.reflection.is_some() || prepared.lighting.is_some();
                 let ports = needs_ports.then(|| self.ports(prepared, &attributes));
                 if let (Some(lighting), Some(ports)) = (&prepared.lighting, &ports) {
+                    let attributes = &attributes;
                     let footprint = prepared.plan.texture_footprint;
-                    let triangle = (triangle, points);
-                    let colour = lighting.shine(ports, triangle, (&attributes, [x, y]), footprint, &self.precision);
-                    add(pixel, colour);
+                    let fragment = LitFragment { ports, triangle, points, attributes, position: [x, y], footprint };
+                    add(pixel, lighting.shine(&fragment, &mut peaks, self.reading, &self.precision));
                 }
                 match ports.filter(|_| prepared.plan.reflection.is_some()) {
                     None => add(pixel, surface.map(i64::from)),

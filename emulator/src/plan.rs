@@ -103,6 +103,8 @@ pub struct ObjectPlan {
     pub highlight: Option<SurfacePlan>,
     /// The surface that peaks stand on.
     pub peaks: Option<SurfacePlan>,
+    /// Peaks have horizons.
+    pub horizon: bool,
 }
 
 impl ObjectPlan {
@@ -138,6 +140,7 @@ impl ObjectPlan {
                 roughness: RoughnessKind::None,
                 local: true,
             }),
+            horizon: material.peaks.as_ref().is_some_and(|peaks| peaks.shadowing),
         }
     }
 
@@ -176,11 +179,13 @@ pub enum Effect {
     Highlight,
     /// Several normals at a point.
     Peaks,
+    /// Bumps hide each other from lights and eye.
+    Horizon,
 }
 
 impl Effect {
     /// Every effect, in the order of the datapath.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::ColourTexture,
         Self::Bump,
         Self::Roughness,
@@ -189,6 +194,7 @@ impl Effect {
         Self::Curvature,
         Self::Highlight,
         Self::Peaks,
+        Self::Horizon,
     ];
 
     /// Its name in reports.
@@ -202,6 +208,7 @@ impl Effect {
             Self::Curvature => "curvature",
             Self::Highlight => "highlight",
             Self::Peaks => "peaks",
+            Self::Horizon => "horizon",
         }
     }
 }
@@ -230,6 +237,7 @@ impl ObjectPlan {
             Effect::Curvature => reflection(|plan| plan.curvature),
             Effect::Highlight => self.highlight.is_some(),
             Effect::Peaks => self.peaks.is_some(),
+            Effect::Horizon => self.horizon,
         }
     }
 
@@ -262,7 +270,8 @@ impl ObjectPlan {
                 self.highlight = None;
                 self.bump_map &= self.reflection.is_some();
             }
-            Effect::Peaks => self.peaks = None,
+            Effect::Peaks => (self.peaks, self.horizon) = (None, false),
+            Effect::Horizon => self.horizon = false,
         }
         self
     }
@@ -320,6 +329,9 @@ impl ObjectPlan {
             Effect::Highlight => "no `highlight`".into(),
             Effect::Peaks if material.peaks.is_some() => "`peaks` and [[light]]".into(),
             Effect::Peaks => "no `peaks`".into(),
+            Effect::Horizon if self.horizon => "`shadowing` of `peaks`".into(),
+            Effect::Horizon if self.peaks.is_some() => "`peaks` without `shadowing`".into(),
+            Effect::Horizon => "no `peaks`".into(),
         }
     }
 }

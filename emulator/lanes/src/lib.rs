@@ -18,6 +18,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod batch;
+mod peaks;
 mod reading;
 mod target;
 mod vectors;
@@ -32,6 +33,7 @@ pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
 pub use batch::{Batch, Footprint};
+pub use peaks::WeightedPeak;
 pub use reading::Reading;
 pub use target::{InstructionSet, Target};
 

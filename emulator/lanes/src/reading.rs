@@ -4,11 +4,19 @@ use std::fmt;
 use std::str::FromStr;
 
 use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::precision::Precision;
+use roughxel_core::signals::{LIGHT, LocalDirection};
 
 use super::batch::{Batch, Footprint};
+use super::peaks::{self, WeightedPeak};
 use super::target::InstructionSet;
+#[cfg(target_arch = "x86_64")]
+use super::{Avx2, Avx512};
+
+/// Peaks that are worth a group of lanes, at least: see the bench.
+const FEW: usize = 4;
 
 /// A way to compute the reflection datapath of many fragments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +43,25 @@ impl Reading {
         match self {
             Self::Scalar => inputs.iter().map(|input| Footprint::of(&datapath::reflection(input, plan, p))).collect(),
             Self::Lanes(set) => Batch::new(inputs).footprints(set, plan, p),
+        }
+    }
+
+    /// Adds the light that every peak returns for one half vector to `lights`, in their order.
+    pub fn peaks(
+        self,
+        half: &LocalDirection<i32>,
+        peaks: &[WeightedPeak<i32>],
+        p: &Precision,
+        lights: &mut Vec<Fx<i32, LIGHT>>,
+    ) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Lanes(InstructionSet::Avx2) if peaks.len() >= FEW => peaks::lights::<Avx2>(half, peaks, p, lights),
+            #[cfg(target_arch = "x86_64")]
+            Self::Lanes(InstructionSet::Avx512) if peaks.len() >= FEW => {
+                peaks::lights::<Avx512>(half, peaks, p, lights);
+            }
+            _ => lights.extend(peaks.iter().map(|one| datapath::peak(half, &one.peak, one.weight, p))),
         }
     }
 }

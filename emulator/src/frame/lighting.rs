@@ -4,29 +4,31 @@
 //! the light they return: they are summed in the texel and filtered like any other, never averaged themselves (F92 §2.4).
 
 use fixed::types::I4F28;
-use roughxel_core::datapath::{self, Surface, SurfaceInput};
+use roughxel_core::datapath::{self, SurfaceInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::SurfacePlan;
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, ReflectionIn, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, shininess, stored_peak};
-use roughxel_core::signals::{LocalDirection, Peak, PortBlock, ShininessPort};
+use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak};
+use roughxel_core::signals::{Horizon, LIGHT, LocalDirection, Peak, SHARE, ShininessPort};
 use roughxel_core::stage::peaks;
 
-use crate::maps::peaks::PeakPyramid;
+use crate::lanes::{Reading, WeightedPeak};
+use crate::maps::peaks::{self as pyramid, PeakPyramid};
+use crate::plan::ObjectPlan;
 use crate::raster::{FragmentAttributes, PointFromTriangle, Triangle};
-use crate::scene::{Highlight, Light, LightPlace, PeakSource, Peaks};
+use crate::scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
-use super::texture::RepeatedMap;
+use super::printed;
+use super::texture::{RepeatedMap, Taps, TexelId, mean};
 use super::{Colour, colour_word, multiply};
-
-/// A weight of 1.
-const WHOLE: i64 = 1 << 16;
 
 /// What shines in an object, and the lights that make it.
 pub(super) struct Lighting {
     /// Blocks of the surface.
     plan: SurfacePlan,
+    /// Peaks have horizons.
+    shadowing: bool,
     lights: Vec<PreparedLight>,
     lobes: Lobes,
 }
@@ -44,8 +46,10 @@ struct PreparedLight {
 enum Lobes {
     /// One lobe around the normal.
     Highlight(ShininessPort<i32>),
+    /// The same, by the formula as printed.
+    Printed(f64),
     /// The same peaks everywhere.
-    Given(Vec<Peak<i32>>),
+    Given(Vec<WeightedPeak<i32>>),
     /// Peaks of a map.
     Map(PeakMap),
 }
@@ -53,33 +57,130 @@ enum Lobes {
 /// The peaks of every texel of a pyramid.
 pub(super) struct PeakMap {
     map: RepeatedMap,
-    /// Of each level, where each texel's peaks end, and all peaks.
-    levels: Vec<(Vec<usize>, Vec<Peak<i32>>)>,
+    levels: Vec<StoredLevel>,
+}
+
+/// One level as it is stored.
+struct StoredLevel {
+    /// Where each texel's peaks end.
+    ends: Vec<u32>,
+    peaks: Vec<WeightedPeak<i32>>,
+    /// As many as peaks, or none.
+    horizons: Vec<Horizon<i32>>,
 }
 
 impl PeakMap {
     /// As it is stored.
     pub(super) fn new(pyramid: &PeakPyramid) -> Self {
-        let level = |level: &crate::maps::peaks::PeakLevel| {
-            let (mut ends, mut peaks) = (Vec::new(), Vec::new());
-            for y in 0..level.height {
-                for x in 0..level.width {
-                    let texel = level.texel(x, y).iter();
-                    peaks.extend(texel.map(|peak| stored_peak(peak.normal, peak.amplitude, peak.exponent).wires()));
-                    ends.push(peaks.len());
-                }
+        let stored = |peak: &pyramid::Peak| whole(stored_peak(peak.normal, peak.amplitude, peak.exponent).wires());
+        let horizon = |sides: [pyramid::Horizon; 4]| {
+            stored_horizon(sides.map(|side| side.mean), sides.map(|side| side.deviation)).wires()
+        };
+        let level = |level: &pyramid::PeakLevel| {
+            let texels = (0..level.height).flat_map(|y| (0..level.width).map(move |x| level.texel(x, y).len() as u32));
+            let ends = texels.scan(0, |end, peaks| {
+                *end += peaks;
+                Some(*end)
+            });
+            StoredLevel {
+                ends: ends.collect(),
+                peaks: level.peaks().iter().map(stored).collect(),
+                horizons: level.peaks().iter().filter_map(|peak| peak.horizon).map(horizon).collect(),
             }
-            (ends, peaks)
         };
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
         Self { map, levels: pyramid.levels.iter().map(level).collect() }
     }
 
-    fn texel(&self, level: usize, index: usize) -> &[Peak<i32>] {
-        let (ends, peaks) = &self.levels[level];
-        let start = index.checked_sub(1).map_or(0, |before| ends[before]);
-        &peaks[start..ends[index]]
+    /// Bytes of the stored peaks, and of their horizons.
+    fn bytes(&self, horizons: bool) -> [u64; 2] {
+        let peaks: u64 = self.levels.iter().map(|level| level.peaks.len() as u64).sum();
+        let horizons = if horizons { peaks } else { 0 };
+        [peaks * size_of::<StoredPeak>() as u64, horizons * size_of::<StoredHorizon>() as u64]
     }
+
+    fn has_horizons(&self) -> bool {
+        self.levels.iter().any(|level| !level.horizons.is_empty())
+    }
+
+    /// Peaks of a texel, and their horizons if there are any.
+    fn texel(&self, id: TexelId) -> (&[WeightedPeak<i32>], &[Horizon<i32>]) {
+        let level = &self.levels[id.level as usize];
+        let index = id.index as usize;
+        let start = index.checked_sub(1).map_or(0, |before| level.ends[before]);
+        let range = start as usize..level.ends[index] as usize;
+        (&level.peaks[range.clone()], level.horizons.get(range).unwrap_or_default())
+    }
+}
+
+/// No map has this level.
+const NO_TEXEL: TexelId = TexelId { level: u32::MAX, index: 0 };
+
+/// Peaks that a fragment reads; its memory is kept for the next one.
+#[derive(Default)]
+pub(super) struct PeaksRead {
+    taps: Taps,
+    /// Where the peaks of each texel end.
+    ends: Vec<usize>,
+    peaks: Vec<WeightedPeak<i32>>,
+    /// As many as peaks, or none.
+    horizons: Vec<Horizon<i32>>,
+    lights: Vec<Fx<i32, LIGHT>>,
+    sums: Vec<i32>,
+}
+
+impl PeaksRead {
+    /// Reads the texels of the probes, once what a probe shares with the one before; the texels of `taps` then name their
+    /// places in [`Self::sums`].
+    fn read(&mut self, map: &PeakMap, at: &LitFragment<'_>, p: &Precision) {
+        map.map.taps(at.attributes, at.footprint, p, &mut self.taps);
+        self.ends.clear();
+        self.peaks.clear();
+        self.horizons.clear();
+        // Of each level, four texels and their places.
+        let mut before = [[[NO_TEXEL; 4]; 2]; 2];
+        for tap in &mut self.taps {
+            let (fine, coarse) = tap.place.levels();
+            for (patch, before) in [Some(fine), coarse].into_iter().flatten().zip(&mut before) {
+                let [read, places] = *before;
+                let new = patch.texels.map(|texel| match read.iter().position(|read| *read == texel) {
+                    Some(shared) => places[shared],
+                    None => {
+                        let (peaks, horizons) = map.texel(texel);
+                        self.peaks.extend_from_slice(peaks);
+                        self.horizons.extend_from_slice(horizons);
+                        self.ends.push(self.peaks.len());
+                        TexelId { level: 0, index: self.ends.len() as u32 - 1 }
+                    }
+                });
+                *before = [std::mem::replace(&mut patch.texels, new), new];
+            }
+        }
+    }
+
+    /// Sums the peaks of each texel, lit by one light.
+    fn light(&mut self, half: &LocalDirection<i32>, reading: Reading, p: &Precision) {
+        self.lights.clear();
+        reading.peaks(half, &self.peaks, p, &mut self.lights);
+        self.sums.clear();
+        let mut start = 0;
+        for &end in &self.ends {
+            self.sums.push(sum(&self.lights[start..end]));
+            start = end;
+        }
+    }
+}
+
+/// A fragment that is lit, and its triangle.
+pub(super) struct LitFragment<'a> {
+    pub(super) ports: &'a ReflectionIn,
+    pub(super) triangle: &'a Triangle<'a>,
+    pub(super) points: &'a Points,
+    pub(super) attributes: &'a FragmentAttributes,
+    /// Sub-pixels.
+    pub(super) position: [i32; 2],
+    /// Whether maps are read over a footprint.
+    pub(super) footprint: bool,
 }
 
 /// Directions to the lights that stand in the scene, set up for a triangle.
@@ -88,8 +189,11 @@ pub(super) type Points = Vec<Option<PointFromTriangle>>;
 impl Lighting {
     /// The highlight of a material.
     pub(super) fn highlight(highlight: &Highlight, lights: &[Light], plan: SurfacePlan, p: &Precision) -> Self {
-        let lobes = Lobes::Highlight(shininess(highlight.exponent).wires());
-        Self { plan, lights: prepared(lights, highlight.colour, p), lobes }
+        let lobes = match highlight.form {
+            HighlightForm::Printed => Lobes::Printed(highlight.exponent),
+            HighlightForm::Corrected | HighlightForm::Plain => Lobes::Highlight(shininess(highlight.exponent).wires()),
+        };
+        Self { plan, shadowing: false, lights: prepared(lights, highlight.colour, p), lobes }
     }
 
     /// The peaks of a material, with the pyramid of its bump map where they come from one.
@@ -103,12 +207,29 @@ impl Lighting {
         let lobes = match (&given.source, map) {
             (PeakSource::Given(given), _) => {
                 let stored = given.iter().map(|peak| stored_peak(peak.normal, peak.amplitude, peak.exponent).wires());
-                Lobes::Given(stored.collect())
+                Lobes::Given(stored.map(whole).collect())
             }
             (PeakSource::Bump { .. }, Some(map)) => Lobes::Map(map),
             (PeakSource::Bump { .. }, None) => Lobes::Given(Vec::new()),
         };
-        Self { plan, lights: prepared(lights, given.colour, p), lobes }
+        let shadowing = matches!(&lobes, Lobes::Map(map) if map.has_horizons());
+        Self { plan, shadowing, lights: prepared(lights, given.colour, p), lobes }
+    }
+
+    /// The same with the blocks of another plan.
+    pub(super) fn with_plan(self, plan: &ObjectPlan) -> Option<Self> {
+        let surface =
+            if matches!(self.lobes, Lobes::Highlight(_) | Lobes::Printed(_)) { plan.highlight } else { plan.peaks };
+        surface.map(|surface| Self { plan: surface, shadowing: self.shadowing && plan.horizon, ..self })
+    }
+
+    /// Bytes of the stored peaks, and of their horizons.
+    pub(super) fn bytes(&self) -> [u64; 2] {
+        match &self.lobes {
+            Lobes::Highlight(_) | Lobes::Printed(_) => [0; 2],
+            Lobes::Given(peaks) => [size_of::<StoredPeak>() as u64 * peaks.len() as u64, 0],
+            Lobes::Map(map) => map.bytes(self.shadowing),
+        }
     }
 
     /// What a triangle's fragments need to know of the lights in the scene.
@@ -123,51 +244,79 @@ impl Lighting {
     /// The colour that all lights make at a sample; channels may go beyond a word where lights are many.
     pub(super) fn shine(
         &self,
-        ports: &ReflectionIn,
-        (triangle, points): (&Triangle<'_>, &Points),
-        (attributes, [x, y]): (&FragmentAttributes, [i32; 2]),
-        footprint: bool,
+        at: &LitFragment<'_>,
+        read: &mut PeaksRead,
+        reading: Reading,
         p: &Precision,
     ) -> [i64; 3] {
-        let surface = datapath::surface(&surface_wires(ports), &self.plan, p);
-        let gloss = match &self.lobes {
-            Lobes::Highlight(shininess) => Some(datapath::gloss(&surface, shininess, &self.plan, p)),
-            _ => None,
-        };
+        let surface = datapath::surface(&surface_wires(at.ports), &self.plan, p);
+        let directions = self.lights.iter().zip(at.points).map(|(light, point)| {
+            let [x, y] = at.position;
+            point.as_ref().map_or(light.direction, |point| at.triangle.direction_to(point, x, y))
+        });
         let mut sum = [0; 3];
-        for (light, point) in self.lights.iter().zip(points) {
-            let direction = point.as_ref().map_or(light.direction, |point| triangle.direction_to(point, x, y)).wires();
-            let returned = match (&self.lobes, &gloss) {
-                (Lobes::Highlight(_), Some(gloss)) => datapath::highlight(&surface, gloss, &direction, p).f.raw(),
-                (Lobes::Highlight(_), None) => 0,
-                (Lobes::Given(peaks), _) => {
-                    self.half(&surface, &direction, p).map_or(0, |half| sum_of(peaks, &half, p))
-                }
-                (Lobes::Map(map), _) => self.half(&surface, &direction, p).map_or(0, |half| {
-                    let texel = |level, index| [sum_of(map.texel(level, index), &half, p)];
-                    let [light] = map.map.assemble(attributes, footprint, p, 0, texel, |sample| sample);
-                    light
-                }),
-            };
+        let mut add = |light: &PreparedLight, returned: i32| {
             for (sum, channel) in sum.iter_mut().zip(light.colour) {
                 *sum += i64::from(multiply(returned, channel));
+            }
+        };
+        match &self.lobes {
+            Lobes::Highlight(shininess) => {
+                let gloss = datapath::gloss(&surface, shininess, &self.plan, p);
+                for (light, direction) in self.lights.iter().zip(directions) {
+                    add(light, datapath::highlight(&surface, &gloss, &direction.wires(), p).f.raw());
+                }
+            }
+            Lobes::Printed(exponent) => {
+                for (light, direction) in self.lights.iter().zip(directions) {
+                    add(light, printed::light(&surface, at.ports, &direction, *exponent).raw());
+                }
+            }
+            Lobes::Given(peaks) => {
+                for (light, direction) in self.lights.iter().zip(directions) {
+                    let lit = datapath::peak_light(&surface, &direction.wires(), p);
+                    if !lit.below {
+                        read.lights.clear();
+                        reading.peaks(&lit.direction, peaks, p, &mut read.lights);
+                        add(light, self::sum(&read.lights));
+                    }
+                }
+            }
+            Lobes::Map(map) => {
+                read.read(map, at, p);
+                let eye = self.shadowing.then(|| {
+                    let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
+                    datapath::horizon_slopes(&eye, p)
+                });
+                for (light, direction) in self.lights.iter().zip(directions) {
+                    let lit = datapath::peak_light(&surface, &direction.wires(), p);
+                    if lit.below {
+                        continue;
+                    }
+                    if let Some(eye) = &eye {
+                        let slopes = datapath::horizon_slopes(&lit.light, p);
+                        for (peak, horizon) in read.peaks.iter_mut().zip(&read.horizons) {
+                            peak.weight = datapath::horizon(&slopes, eye, horizon, p);
+                        }
+                    }
+                    read.light(&lit.direction, reading, p);
+                    let [returned] = mean(&read.taps, 0, |place| [read.sums[place.index as usize]], |sample| sample);
+                    add(light, returned);
+                }
             }
         }
         sum
     }
+}
 
-    /// The half vector of a light in the frame of the surface, where the light is above it.
-    fn half(&self, surface: &Surface<i32>, light: &PortBlock<i32, 3>, p: &Precision) -> Option<LocalDirection<i32>> {
-        let half = datapath::peak_light(surface, light, p);
-        (!half.below).then_some(half.direction)
-    }
+/// A peak of which nothing is hidden.
+fn whole(peak: Peak<i32>) -> WeightedPeak<i32> {
+    WeightedPeak { peak, weight: Fx::lit(1 << SHARE) }
 }
 
 /// The light that peaks return together.
-fn sum_of(peaks: &[Peak<i32>], half: &LocalDirection<i32>, p: &Precision) -> i32 {
-    let whole = Fx::lit(WHOLE);
-    let add = |sum, peak| datapath::peak_sum(&sum, datapath::peak(half, peak, whole, p));
-    peaks.iter().fold(peaks::none(), add).light.raw()
+fn sum(lights: &[Fx<i32, LIGHT>]) -> i32 {
+    lights.iter().fold(peaks::none(), |sum, &light| datapath::peak_sum(&sum, light)).light.raw()
 }
 
 fn prepared(lights: &[Light], colour: [f32; 3], p: &Precision) -> Vec<PreparedLight> {

@@ -2,12 +2,13 @@
 
 use fixed::types::I4F28;
 use roughxel_core::block::Block;
+use roughxel_core::datapath::Probe;
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{TextureIn, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::probe_list::texture_probes;
+use roughxel_core::probe_list::{ProbeList, texture_probes};
 use roughxel_core::signals::{Ellipse, MapScale, Probes, TexturePosition};
-use roughxel_core::stage::filter::{Address, ProbeSum, levels, repeat_address, trilinear};
+use roughxel_core::stage::filter::{Address, LOD_WEIGHT, ProbeSum, WEIGHT, levels, repeat_address, trilinear};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{axes, moments};
 
@@ -32,65 +33,120 @@ impl RepeatedMap {
         Self { scale: texture_scale(base.map(|edge| edge as u16)), sizes }
     }
 
-    /// Averages `CHANNELS` channels over the footprint of a fragment: N trilinear probes along its major axis.
-    ///
-    /// `texel(level, index)` reads a texel; a sample has `extra` fraction bits more than a texel; `probe` turns the
-    /// sample of one probe into what is averaged.
-    pub(super) fn assemble<const CHANNELS: usize>(
+    /// What the fragment reads: N trilinear probes along the major axis of its footprint, or one at the finest level.
+    pub(super) fn taps(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision, taps: &mut Taps) {
+        let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
+        let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
+        taps.clear();
+        if footprint {
+            let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
+            let places = texture_probes(&centre, &probes, &self.scale.0, p).into_iter();
+            taps.extend(places.map(|Probe { place, weight }| Probe { place: self.tap(&place, probes.lod, p), weight }));
+        } else {
+            taps.extend([Probe { place: self.tap(&centre, Fx::zero(), p), weight: Fx::lit(1 << 16) }]);
+        }
+    }
+
+    /// [`mean`] of what the fragment reads.
+    fn mean<const CHANNELS: usize>(
         &self,
         attributes: &FragmentAttributes,
         footprint: bool,
         p: &Precision,
         extra: u32,
-        texel: impl Fn(usize, usize) -> [i32; CHANNELS],
+        texel: impl Fn(TexelId) -> [i32; CHANNELS],
         probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
     ) -> [i32; CHANNELS] {
-        let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
-        let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
-        if !footprint {
-            return probe(self.trilinear(&centre, Fx::zero(), p, extra, &texel));
-        }
-        let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
-        let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
-        for place in texture_probes(&centre, &probes, &self.scale.0, p) {
-            let sample = probe(self.trilinear(&place.place, probes.lod, p, extra, &texel));
-            for (sum, channel) in sums.iter_mut().zip(sample) {
-                *sum = sum.add(channel, place.weight);
-            }
-        }
-        sums.map(ProbeSum::mean)
+        let mut taps = Taps::new();
+        self.taps(attributes, footprint, p, &mut taps);
+        mean(&taps, extra, texel, probe)
     }
 
-    fn trilinear<const CHANNELS: usize>(
-        &self,
-        place: &TexturePosition<i32>,
-        lod: Fx<i32, 16>,
-        p: &Precision,
-        extra: u32,
-        texel: &impl Fn(usize, usize) -> [i32; CHANNELS],
-    ) -> [i32; CHANNELS] {
+    fn tap(&self, place: &TexturePosition<i32>, lod: Fx<i32, 16>, p: &Precision) -> Tap {
         let pair = levels(lod);
         let fine = pair.level.raw() as usize;
         let coarse = (fine + 1).min(self.sizes.len() - 1);
-        let fetch = |level: usize| {
+        let patch = |level: usize| {
             let size = self.sizes[level];
             let address: Address<i32> = repeat_address(place, size.map(Fx::from_raw), p);
-            let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as usize;
+            let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as u32;
             let [x, y] = address.index.map(Fx::raw);
             let (x0, x1) = (wrap(x, size[0]), wrap(x + 1, size[0]));
             let (y0, y1) = (wrap(y, size[1]), wrap(y + 1, size[1]));
-            let width = size[0] as usize;
-            let texels =
-                [y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1].map(|index| texel(level, index));
-            (texels, address.weight)
+            let width = size[0] as u32;
+            let texels = [y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1];
+            Patch { texels: texels.map(|index| TexelId { level: level as u32, index }), weight: address.weight }
         };
-        let (a, a_weight) = fetch(fine);
-        let (b, b_weight) = if pair.weight.raw() == 0 { (a, a_weight) } else { fetch(coarse) };
+        let coarse = (pair.weight.raw() != 0).then(|| patch(coarse));
+        Tap { fine: patch(fine), coarse, level_weight: pair.weight }
+    }
+}
+
+/// A texel of a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct TexelId {
+    pub(super) level: u32,
+    /// In rows.
+    pub(super) index: u32,
+}
+
+/// Four neighbours on one level.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patch {
+    pub(super) texels: [TexelId; 4],
+    weight: [Fx<i32, WEIGHT>; 2],
+}
+
+/// What one probe reads of two levels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tap {
+    fine: Patch,
+    /// `None` where its weight is 0.
+    coarse: Option<Patch>,
+    level_weight: Fx<i32, LOD_WEIGHT>,
+}
+
+impl Tap {
+    /// What it reads of the finer level and of the coarser one.
+    pub(super) fn levels(&mut self) -> (&mut Patch, Option<&mut Patch>) {
+        (&mut self.fine, self.coarse.as_mut())
+    }
+
+    /// A sample has `extra` fraction bits more than a texel.
+    fn sample<const CHANNELS: usize>(
+        &self,
+        extra: u32,
+        texel: &impl Fn(TexelId) -> [i32; CHANNELS],
+    ) -> [i32; CHANNELS] {
+        let (fine, coarse) = (&self.fine, self.coarse.as_ref().unwrap_or(&self.fine));
+        let (a, b) = (fine.texels.map(texel), coarse.texels.map(texel));
         core::array::from_fn(|channel| {
             let (a, b) = (a.map(|texel| texel[channel]), b.map(|texel| texel[channel]));
-            trilinear((&a, &a_weight), (&b, &b_weight), pair.weight, extra)
+            trilinear((&a, &fine.weight), (&b, &coarse.weight), self.level_weight, extra)
         })
     }
+}
+
+/// What a fragment reads, with the weight of each probe.
+pub(super) type Taps = ProbeList<Tap>;
+
+/// Averages `CHANNELS` channels over the probes.
+///
+/// A sample has `extra` fraction bits more than a texel; `probe` turns the sample of one probe into what is averaged.
+pub(super) fn mean<const CHANNELS: usize>(
+    taps: &Taps,
+    extra: u32,
+    texel: impl Fn(TexelId) -> [i32; CHANNELS],
+    probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
+) -> [i32; CHANNELS] {
+    let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
+    for tap in taps {
+        let sample = probe(tap.place.sample(extra, &texel));
+        for (sum, channel) in sums.iter_mut().zip(sample) {
+            *sum = sum.add(channel, tap.weight);
+        }
+    }
+    sums.map(ProbeSum::mean)
 }
 
 /// A colour map.
@@ -119,8 +175,8 @@ impl ColourMap {
 
     /// The mean colour of the footprint.
     pub fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
-        let texel = |level: usize, index: usize| self.pyramid.levels[level].texels[index].map(i32::from);
-        let sample = self.map.assemble(attributes, footprint, p, 8, texel, |sample| sample);
+        let texel = |id: TexelId| self.pyramid.levels[id.level as usize].texels[id.index as usize].map(i32::from);
+        let sample = self.map.mean(attributes, footprint, p, 8, texel, |sample| sample);
         sample.map(|channel| channel << self.pyramid.exponent)
     }
 }
@@ -184,12 +240,12 @@ impl BumpMap {
         kind: RoughnessKind,
         p: &Precision,
     ) -> ([I4F28; 2], [I4F28; 3]) {
-        let texel = |level: usize, index: usize| self.levels[level][index];
+        let texel = |id: TexelId| self.levels[id.level as usize][id.index as usize];
         let probe = |[b1, b2, k11, k12, k22]: [i32; 5]| {
             let m = moments::of_probe(&[b1, b2].map(Fx::from_raw), &[k11, k12, k22].map(Fx::<i32, 29>::from_raw));
             [b1, b2, m[0].raw(), m[1].raw(), m[2].raw()]
         };
-        let [b1, b2, m11, m12, m22] = self.map.assemble(attributes, footprint, p, 0, texel, probe);
+        let [b1, b2, m11, m12, m22] = self.map.mean(attributes, footprint, p, 0, texel, probe);
         let b: [Fx<i32, 30>; 2] = [Fx::from_raw(b1), Fx::from_raw(b2)];
         let port = |word: i32, shift: i32| {
             let word = i64::from(word);

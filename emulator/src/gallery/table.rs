@@ -1,6 +1,9 @@
 //! The scenes of the gallery and their columns: the papers' pictures, one entry each.
 
-use super::change::{Change, isotropic_roughness, natural_frame, natural_normalised_frame};
+use super::change::{
+    Change, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing, no_texture, plain_highlight,
+    printed_highlight, single_normal,
+};
 use super::{Column, Entry};
 use crate::plan::{Effect, Mode};
 
@@ -17,6 +20,12 @@ pub const NO_TEXTURE: &str = "no texture";
 const ISOTROPIC: Column = plain("isotropic", Mode::Isotropic);
 /// Roughness by its widest direction only.
 const ISOTROPIC_ROUGHNESS: Change = Change::Profile(isotropic_roughness);
+
+/// The first column of F92's table of times.
+const SMOOTH: Column = Column { label: NO_TEXTURE, mode: Mode::Unfiltered, change: Change::Scene(no_texture) };
+/// The peaks of a multiple surface as one.
+const SINGLE_NORMAL: Column = changed("single normal", Change::Scene(single_normal));
+const NO_SHADOWING: Column = changed("without shadowing", Change::Scene(no_shadowing));
 
 const fn plain(label: &'static str, mode: Mode) -> Column {
     Column { label, mode, change: Change::Nothing }
@@ -82,6 +91,85 @@ pub const ENTRIES: &[Entry] = &[
         source: "S97 §8",
         shows: "Brushed metal scatters across its scratches only.",
         columns: &[UNFILTERED, changed("isotropic roughness", ISOTROPIC_ROUGHNESS), FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "highlight",
+        source: "S97 Appendix A",
+        shows: "Highlights spread by roughness, isotropic and anisotropic, by the formula as printed and as corrected.",
+        columns: &[
+            UNFILTERED,
+            changed("plain Blinn-Phong", Change::Scene(plain_highlight)),
+            changed("printed formula", Change::Scene(printed_highlight)),
+            changed("isotropic roughness", ISOTROPIC_ROUGHNESS),
+            FILTERED,
+            SAMPLES_16,
+        ],
+    },
+    Entry {
+        name: "cylinders-plane",
+        source: "F92 Fig. 4",
+        shows: "Half cylinders side by side turn into an anisotropic surface in the distance.",
+        columns: &[SMOOTH, UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "spheres-plane",
+        source: "F92 Fig. 5",
+        shows: "Hemispheres on a plane keep the light of their facets in the distance.",
+        columns: &[SMOOTH, UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "spheres-sphere",
+        source: "F92 Fig. 6",
+        shows: "Hemispheres on a sphere keep the light of their facets up to its outline.",
+        columns: &[SMOOTH, UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "denim-plane",
+        source: "F92 Fig. 7",
+        shows: "Denim: the twill is seen nearby and keeps its sheen in the distance.",
+        columns: &[SMOOTH, UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "denim-drapery",
+        source: "F92 Fig. 8",
+        shows: "The denim of the plane on hanging cloth.",
+        columns: &[UNFILTERED, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "three-normals",
+        source: "F92 Fig. 9",
+        shows: "A sphere that has three normals at every point.",
+        columns: &[SINGLE_NORMAL, UNFILTERED, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "anisotropic-sphere",
+        source: "F92 Fig. 9",
+        shows: "A sphere whose normals at every point stand in one direction.",
+        columns: &[SINGLE_NORMAL, UNFILTERED, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "velvet",
+        source: "F92 Fig. 10",
+        shows: "Velvet, by the printed table of normals.",
+        columns: &[SINGLE_NORMAL, UNFILTERED, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "silk",
+        source: "F92 Fig. 11",
+        shows: "Silk, by the printed table of normals.",
+        columns: &[SINGLE_NORMAL, UNFILTERED, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "horizon-plane",
+        source: "F92 Fig. 13",
+        shows: "Bumps on a plane that hide each other from the light and from the eye.",
+        columns: &[UNFILTERED, NO_SHADOWING, FILTERED, SAMPLES_16],
+    },
+    Entry {
+        name: "horizon-sphere",
+        source: "F92 Fig. 14",
+        shows: "Bumps on a sphere that hide each other from the light and from the eye.",
+        columns: &[UNFILTERED, NO_SHADOWING, FILTERED, SAMPLES_16],
     },
     Entry {
         name: "mesh",

@@ -1,7 +1,7 @@
 //! The built-in scenes: those of the papers, with maps the program generates.
 
 /// Name and text of each scene.
-const SCENES: [(&str, &str); 10] = [
+const SCENES: [(&str, &str); 22] = [
     ("lake", include_str!("../../scenes/lake.toml")),
     ("zebra", include_str!("../../scenes/zebra.toml")),
     ("puzzle", include_str!("../../scenes/puzzle.toml")),
@@ -10,6 +10,18 @@ const SCENES: [(&str, &str); 10] = [
     ("parabola", include_str!("../../scenes/parabola.toml")),
     ("corrugated", include_str!("../../scenes/corrugated.toml")),
     ("brushed", include_str!("../../scenes/brushed.toml")),
+    ("highlight", include_str!("../../scenes/highlight.toml")),
+    ("cylinders-plane", include_str!("../../scenes/cylinders-plane.toml")),
+    ("spheres-plane", include_str!("../../scenes/spheres-plane.toml")),
+    ("spheres-sphere", include_str!("../../scenes/spheres-sphere.toml")),
+    ("denim-plane", include_str!("../../scenes/denim-plane.toml")),
+    ("denim-drapery", include_str!("../../scenes/denim-drapery.toml")),
+    ("three-normals", include_str!("../../scenes/three-normals.toml")),
+    ("anisotropic-sphere", include_str!("../../scenes/anisotropic-sphere.toml")),
+    ("velvet", include_str!("../../scenes/velvet.toml")),
+    ("silk", include_str!("../../scenes/silk.toml")),
+    ("horizon-plane", include_str!("../../scenes/horizon-plane.toml")),
+    ("horizon-sphere", include_str!("../../scenes/horizon-sphere.toml")),
     ("mesh", include_str!("../../scenes/mesh.toml")),
     ("shapes", include_str!("../../scenes/shapes.toml")),
 ];
