@@ -98,7 +98,7 @@ pub fn demo_scene(
         let frame = prepared.render(|| ()).map_err(failed)?;
         Ok((frame, start.elapsed()))
     };
-    let prepare = |mode: Mode| Prepared::new(&scene, mode, profile).map_err(failed);
+    let prepare = |mode: Mode| Prepared::with_peaks(&scene, mode, profile, &peaks).map_err(failed);
     let [unfiltered, isotropic, footprint] = DEMO_MODES;
     let filtered = prepare(footprint)?;
     let drawings =

@@ -26,13 +26,13 @@ use sha2::{Digest, Sha256};
 
 use crate::lanes::Reading;
 use crate::maps::bump::BumpPyramid;
-use crate::maps::peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource as FacetSource};
+use crate::maps::peaks::{PeakPyramid, ScenePeaks};
 use crate::picture::Picture;
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::{
     FragmentAttributes, Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles,
 };
-use crate::scene::{self, Background, Object, PeakSource, Scene};
+use crate::scene::{Background, Light, Material, Scene};
 pub use environment::EnvironmentMap;
 use lighting::{Lighting, LitFragment, PeakMap, PeaksRead, Points};
 use texture::BumpMap;
@@ -154,38 +154,23 @@ pub const MAX_MAP_EXPONENT: i32 = 6;
 /// The brightest channel of a frame.
 const BRIGHTEST: i64 = 63 << 24;
 
-/// What shines in an object.
+/// What shines in an object, with its peaks if they come from a map.
 fn lighting(
-    object: &Object,
+    material: &Material,
     plan: &ObjectPlan,
-    scene: &Scene,
+    lights: &[Light],
+    pyramid: Option<&PeakPyramid>,
     mode: Mode,
     p: &Precision,
-) -> Result<Option<Lighting>, RasterError> {
-    let material = &object.material;
-    if let (Some(highlight), Some(plan)) = (&material.highlight, plan.highlight) {
-        return Ok(Some(Lighting::highlight(highlight, &scene.lights, plan, p)));
-    }
-    let (Some(peaks), Some(plan)) = (&material.peaks, plan.peaks) else { return Ok(None) };
-    let map = match (&peaks.source, &material.bump) {
-        (PeakSource::Bump { exponent, amplitude }, Some(bump)) => {
-            let natural = material.frame != scene::FrameSystem::MainDirection;
-            let options = BuildOptions {
-                exponent: *exponent,
-                amplitude: *amplitude,
-                weight: FacetWeight::Surface,
-                negate: natural,
-            };
-            let mut pyramid = PeakPyramid::build(&FacetSource::from_field(bump), &options, || ())
-                .map_err(|source| RasterError::Peaks { object: object.name.clone(), source })?;
-            if !mode.filters() {
-                pyramid.levels.truncate(1);
-            }
-            Some(PeakMap::new(&pyramid))
+) -> Option<Lighting> {
+    match (&material.highlight, plan.highlight, &material.peaks, plan.peaks) {
+        (Some(highlight), Some(plan), ..) => Some(Lighting::highlight(highlight, lights, plan, p)),
+        (.., Some(peaks), Some(plan)) => {
+            let map = pyramid.map(|pyramid| PeakMap::new(pyramid, mode.filters()));
+            Some(Lighting::peaks(peaks, map, lights, plan, p))
         }
         _ => None,
-    };
-    Ok(Some(Lighting::peaks(peaks, map, &scene.lights, plan, p)))
+    }
 }
 
 /// A linear colour as I8F24, cut to the range of the blend.
@@ -202,6 +187,17 @@ impl fmt::Debug for Prepared<'_> {
 impl<'a> Prepared<'a> {
     /// Builds the maps a scene needs in a mode with a profile; what the plan leaves out is not built.
     pub fn new(scene: &'a Scene, mode: Mode, profile: &Precision) -> Result<Self, RasterError> {
+        let peaks = ScenePeaks::new(scene, mode.filters(), None, |_| ())?;
+        Self::with_peaks(scene, mode, profile, &peaks)
+    }
+
+    /// The same with the peaks of the scene's maps already built, with filters or, for a mode without them, of either kind.
+    pub fn with_peaks(
+        scene: &'a Scene,
+        mode: Mode,
+        profile: &Precision,
+        peaks: &ScenePeaks,
+    ) -> Result<Self, RasterError> {
         let precision = mode.precision(profile);
         let projection = Projection::new(&scene.camera)?;
         let any_reflection = scene.objects.iter().any(|o| o.material.reflectance.iter().any(|&r| r > 0.0));
@@ -215,15 +211,16 @@ impl<'a> Prepared<'a> {
         let objects = scene
             .objects
             .par_iter()
-            .map(|object| {
+            .enumerate()
+            .map(|(index, object)| {
                 let material = &object.material;
                 let shows_bumps = environment.is_some() || material.highlight.is_some();
                 let bump =
                     shows_bumps.then(|| BumpPyramid::of_material(material, mode.filters(), &precision)).flatten();
                 let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
-                Ok(PreparedObject {
+                PreparedObject {
                     plan,
-                    lighting: lighting(object, &plan, scene, mode, &precision)?,
+                    lighting: lighting(material, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
                     decisions: plan.decisions(object, bump.as_ref(), mode, &precision),
                     colour: colour_word(material.colour),
                     reflectance: material
@@ -232,9 +229,9 @@ impl<'a> Prepared<'a> {
                     main_direction: block_vector(material.main_direction, &precision),
                     colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
                     bump_map: bump.filter(|_| plan.bump_map).map(BumpMap::new),
-                })
+                }
             })
-            .collect::<Result<_, RasterError>>()?;
+            .collect();
         let environment_scale = environment_scale(edge as u16, &precision);
         let reading = Reading::best();
         Ok(Self { scene, projection, mode, precision, reading, environment, environment_scale, objects })

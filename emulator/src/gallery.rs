@@ -20,6 +20,7 @@ use thiserror::Error;
 
 use crate::demo::DrawError;
 use crate::frame::{Frame, Prepared};
+use crate::maps::peaks::ScenePeaks;
 use crate::picture::{Picture, PictureError, beside, difference, ssim, write_png_srgb};
 use crate::plan::{Decision, Mode, ObjectPlan};
 use crate::raster::tiles;
@@ -60,7 +61,7 @@ impl Column {
 }
 
 /// How a gallery is drawn.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Settings {
     /// Size of each picture, pixels.
     pub size: [u32; 2],
@@ -68,6 +69,8 @@ pub struct Settings {
     pub reference_edge: u32,
     /// Profile of the columns.
     pub precision: Precision,
+    /// Where fitted peaks are kept from run to run, if they are.
+    pub cache: Option<PathBuf>,
 }
 
 /// Why a gallery could not be drawn.
@@ -177,10 +180,12 @@ pub fn draw_scene(
 
     let truth_samples = u64::from(settings.reference_edge.pow(2));
     let truth_name = format!("{}: {truth_samples} samples", entry.name);
+    progress(&format!("{}: maps", entry.name), 0);
+    let peaks = peaks(&scene, settings)?;
     progress(&truth_name, 0);
     let tile_count = tiles(width, height).count() as u64;
     let (truth, truth_time) =
-        reference::reference(&scene, entry.name, settings, directory, || progress(&truth_name, truth_samples))?;
+        reference::reference(&scene, entry.name, &peaks, settings, directory, || progress(&truth_name, truth_samples))?;
     if truth_time.is_none() {
         progress(&truth_name, truth_samples * tile_count);
     }
@@ -194,7 +199,10 @@ pub fn draw_scene(
         progress(&name, 0);
         let (mut changed, mut precision) = (scene.clone(), settings.precision);
         column.change.apply(&mut changed, &mut precision);
-        let mut prepared = prepare(&changed, column.mode, &precision)?;
+        // Another scene may have other peaks.
+        let own_peaks =
+            matches!(column.change, Change::Scene(_)).then(|| self::peaks(&changed, settings)).transpose()?;
+        let mut prepared = prepare(&changed, column.mode, &precision, own_peaks.as_ref().unwrap_or(&peaks))?;
         if let Change::Without(effect) = column.change {
             let plans: Vec<ObjectPlan> = prepared.plans().map(|plan| plan.without(effect)).collect();
             prepared = plans.into_iter().enumerate().fold(prepared, |all, (object, plan)| all.with_plan(object, plan));
@@ -228,9 +236,21 @@ pub fn draw_scene(
     Ok(DrawnScene { entry, columns, reference, side_by_side, plan })
 }
 
+/// The peaks of a scene's maps, for all modes.
+fn peaks(scene: &Scene, settings: &Settings) -> Result<ScenePeaks, DrawError> {
+    ScenePeaks::new(scene, true, settings.cache.as_deref(), |_| ())
+        .map_err(|source| DrawError::Peaks { scene: scene.name.clone(), source })
+}
+
 /// A scene with its maps.
-fn prepare<'a>(scene: &'a Scene, mode: Mode, precision: &Precision) -> Result<Prepared<'a>, DrawError> {
-    Prepared::new(scene, mode, precision).map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
+fn prepare<'a>(
+    scene: &'a Scene,
+    mode: Mode,
+    precision: &Precision,
+    peaks: &ScenePeaks,
+) -> Result<Prepared<'a>, DrawError> {
+    Prepared::with_peaks(scene, mode, precision, peaks)
+        .map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
 }
 
 /// Draws once.

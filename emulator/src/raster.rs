@@ -72,13 +72,8 @@ pub enum RasterError {
         count: u64,
     },
     /// The bump map of an object has no peaks.
-    #[error("object {object:?}: {source}")]
-    Peaks {
-        /// Name of the object.
-        object: String,
-        /// Why.
-        source: crate::maps::peaks::PeakError,
-    },
+    #[error(transparent)]
+    Peaks(#[from] crate::maps::peaks::ObjectPeakError),
     /// A triangle names a vertex its mesh does not have.
     #[error("object {object:?}: triangle {triangle} names vertex {vertex}, but the mesh has {vertices}")]
     VertexIndex {

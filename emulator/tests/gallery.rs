@@ -126,7 +126,7 @@ fn a_reference_is_kept_and_a_damaged_one_drawn_again() {
 #[test]
 fn progress_ends_where_it_was_said_to_end() {
     let directory = tempfile::tempdir().unwrap();
-    let settings = Settings { size: [70, 12], reference_edge: 2, precision: Precision::COMPACT };
+    let settings = Settings { size: [70, 12], reference_edge: 2, precision: Precision::COMPACT, cache: None };
     let entry = table::entry("puzzle").unwrap();
     for is_kept in [false, true] {
         let done = AtomicU64::new(0);

@@ -9,6 +9,7 @@ use roughxel_emulator::gallery::{DrawnScene, GalleryError, Settings, draw_scene,
 use roughxel_emulator::plan::Mode;
 use serde_json::json;
 
+use super::cache::CacheArgs;
 use super::console::{new_table, progress};
 use super::{Failure, ProfileArg, parse_profile, parse_size, use_threads};
 
@@ -44,6 +45,8 @@ pub(super) struct GalleryArgs {
     /// Profile of the columns; the reference is always drawn in `precise`.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     pub(super) profile: ProfileArg,
+    #[command(flatten)]
+    pub(super) cache: CacheArgs,
     /// Figures as JSON.
     #[arg(long)]
     pub(super) json: bool,
@@ -69,7 +72,8 @@ fn parse_entry(name: &str) -> Result<&'static str, String> {
 pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let ProfileArg { name: profile, precision } = &args.profile;
-    let settings = Settings { size: args.size, reference_edge: args.samples.0, precision: *precision };
+    let cache = args.cache.directory();
+    let settings = Settings { size: args.size, reference_edge: args.samples.0, precision: *precision, cache };
     let directory = args.output.as_path();
     fs::create_dir_all(directory).map_err(|source| GalleryError::Write { path: directory.to_path_buf(), source })?;
 

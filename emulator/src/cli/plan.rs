@@ -9,6 +9,7 @@ use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
 use roughxel_emulator::study::plan::{EffectReport, Hardware, ObjectReport, explain, measure};
 use serde_json::{Value, json};
 
+use super::cache::CacheArgs;
 use super::console::{complain, new_table, progress};
 use super::{Failure, ProfileArg, open_scene, parse_profile, parse_size, use_threads};
 
@@ -48,6 +49,8 @@ pub(super) struct PlanArgs {
     /// Threads.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     threads: Option<usize>,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Everything as JSON.
     #[arg(long)]
     json: bool,
@@ -57,13 +60,14 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let scene = open_scene(&args.scene, args.size)?;
     let profile = &args.profile.precision;
-    let prepared = Prepared::new(&scene, args.mode, profile)?;
+    let peaks = args.cache.peaks(&scene, args.mode.filters())?;
+    let prepared = Prepared::with_peaks(&scene, args.mode, profile, &peaks)?;
     let mut reports = explain(&scene, &prepared, &args.mode.precision(profile));
     drop(prepared);
     if args.measure {
         let effects = reports.iter().flat_map(|report| &report.effects).filter(|effect| effect.decision.on).count();
         let bar = progress(effects as u64 * u64::from(args.rounds), &scene.name);
-        measure(&scene, args.mode, profile, args.rounds as usize, &mut reports, || bar.inc(1))?;
+        measure(&scene, args.mode, profile, &peaks, args.rounds as usize, &mut reports, || bar.inc(1))?;
         bar.finish_and_clear();
     }
     let mut out = io::stdout().lock();

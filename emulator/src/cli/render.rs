@@ -64,7 +64,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let reading = args.reading.unwrap_or_else(Reading::best);
     let peaks = args.cache.peaks(&scene, args.mode.filters())?;
-    let prepared = Prepared::new(&scene, args.mode, precision)?.with_reading(reading);
+    let prepared = Prepared::with_peaks(&scene, args.mode, precision, &peaks)?.with_reading(reading);
     let preparation = start.elapsed().as_secs_f64();
     let bar = progress(prepared.work(), &scene.name);
     let start = Instant::now();

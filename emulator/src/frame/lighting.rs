@@ -70,8 +70,9 @@ struct StoredLevel {
 }
 
 impl PeakMap {
-    /// As it is stored.
-    pub(super) fn new(pyramid: &PeakPyramid) -> Self {
+    /// As it is stored, or only its base where nothing is filtered.
+    pub(super) fn new(pyramid: &PeakPyramid, filters: bool) -> Self {
+        let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
         let stored = |peak: &pyramid::Peak| whole(stored_peak(peak.normal, peak.amplitude, peak.exponent).wires());
         let horizon = |sides: [pyramid::Horizon; 4]| {
             stored_horizon(sides.map(|side| side.mean), sides.map(|side| side.deviation)).wires()
@@ -88,8 +89,8 @@ impl PeakMap {
                 horizons: level.peaks().iter().filter_map(|peak| peak.horizon).map(horizon).collect(),
             }
         };
-        let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
-        Self { map, levels: pyramid.levels.iter().map(level).collect() }
+        let map = RepeatedMap::new(kept.iter().map(|level| (level.width, level.height)));
+        Self { map, levels: kept.iter().map(level).collect() }
     }
 
     /// Bytes of the stored peaks, and of their horizons.

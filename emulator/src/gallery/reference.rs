@@ -16,6 +16,7 @@ use sha2::{Digest, Sha256};
 
 use super::{GalleryError, Settings, prepare, render};
 use crate::frame::Frame;
+use crate::maps::peaks::ScenePeaks;
 use crate::output::OutputFile;
 use crate::plan::Mode;
 use crate::scene::{Scene, builtin_text};
@@ -30,17 +31,18 @@ const PROFILE: Precision = Precision::PRECISE;
 pub(super) fn reference(
     scene: &Scene,
     name: &str,
+    peaks: &ScenePeaks,
     settings: &Settings,
     directory: &Path,
     progress: impl Fn() + Sync,
 ) -> Result<(Frame, Option<Duration>), GalleryError> {
     let directory = directory.join(DIRECTORY);
-    let key = key(scene, name, settings)?;
+    let key = key(scene, name, peaks, settings)?;
     let path = directory.join(format!("{key}.frame"));
     if let Some(frame) = read(&path, &key, settings.size) {
         return Ok((frame, None));
     }
-    let prepared = prepare(scene, Mode::Supersampled { edge: settings.reference_edge }, &PROFILE)?;
+    let prepared = prepare(scene, Mode::Supersampled { edge: settings.reference_edge }, &PROFILE, peaks)?;
     let start = Instant::now();
     let frame = render(scene, &prepared, progress)?;
     let time = start.elapsed();
@@ -50,8 +52,8 @@ pub(super) fn reference(
 }
 
 /// 64 hexadecimal digits.
-fn key(scene: &Scene, name: &str, settings: &Settings) -> Result<String, GalleryError> {
-    let once = render(scene, &prepare(scene, Mode::Unfiltered, &PROFILE)?, || ())?.digest();
+fn key(scene: &Scene, name: &str, peaks: &ScenePeaks, settings: &Settings) -> Result<String, GalleryError> {
+    let once = render(scene, &prepare(scene, Mode::Unfiltered, &PROFILE, peaks)?, || ())?.digest();
     let [width, height] = settings.size.map(|edge| edge.to_string());
     let edge = settings.reference_edge.to_string();
     let mut hash = Sha256::new();

@@ -10,6 +10,7 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::precision::Precision;
 
 use crate::frame::Prepared;
+use crate::maps::peaks::ScenePeaks;
 use crate::net::census::{Census, Cost};
 use crate::net::design::Design;
 use crate::net::graph::Block;
@@ -151,15 +152,16 @@ pub fn measure(
     scene: &Scene,
     mode: Mode,
     profile: &Precision,
+    peaks: &ScenePeaks,
     rounds: usize,
     reports: &mut [ObjectReport],
     progress: impl Fn(),
 ) -> Result<(), RasterError> {
-    let with = Prepared::new(scene, mode, profile)?;
+    let with = Prepared::with_peaks(scene, mode, profile, peaks)?;
     for (index, report) in reports.iter_mut().enumerate() {
         for effect in report.effects.iter_mut().filter(|effect| effect.decision.on) {
             let plan = report.plan.without(effect.decision.effect);
-            let without = Prepared::new(scene, mode, profile)?.with_plan(index, plan);
+            let without = Prepared::with_peaks(scene, mode, profile, peaks)?.with_plan(index, plan);
             let mut shares = Vec::new();
             for _ in 0..rounds.max(1) {
                 progress();
