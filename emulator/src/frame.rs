@@ -36,7 +36,7 @@ use crate::scene::{Background, Light, Material, Scene};
 pub use environment::EnvironmentMap;
 use lighting::{Lighting, LitFragment, PeakMap, PeaksRead, Points};
 use texture::BumpMap;
-pub use texture::ColourMap;
+pub use texture::{ColourMap, MapReads};
 
 /// Linear colour with 24 fraction bits per channel, I8F24.
 pub type Colour = [i32; 3];
@@ -357,14 +357,13 @@ impl<'a> Prepared<'a> {
                 let Some((_, Some((triangle, points)))) = &current else { continue };
                 let attributes = triangle.fragment(x, y);
                 let prepared = &self.objects[object];
-                let surface = self.surface(prepared, &attributes);
+                let mut reads = MapReads::new(&attributes, prepared.plan.texture_footprint, &self.precision);
+                let surface = surface(prepared, &mut reads);
                 let needs_ports = prepared.plan.reflection.is_some() || prepared.lighting.is_some();
-                let ports = needs_ports.then(|| self.ports(prepared, &attributes));
+                let ports = needs_ports.then(|| self.ports(prepared, &attributes, &mut reads));
                 if let (Some(lighting), Some(ports)) = (&prepared.lighting, &ports) {
-                    let attributes = &attributes;
-                    let footprint = prepared.plan.texture_footprint;
-                    let fragment = LitFragment { ports, triangle, points, attributes, position: [x, y], footprint };
-                    add(pixel, lighting.shine(&fragment, &mut peaks, self.reading, &self.precision));
+                    let fragment = LitFragment { ports, triangle, points, position: [x, y] };
+                    add(pixel, lighting.shine(&fragment, &mut reads, &mut peaks, self.reading, &self.precision));
                 }
                 match ports.filter(|_| prepared.plan.reflection.is_some()) {
                     None => add(pixel, surface.map(i64::from)),
@@ -377,17 +376,6 @@ impl<'a> Prepared<'a> {
         // Many bright lights go beyond the range of a map.
         let mean = |channel: i64| ((channel + samples / 2) / samples).min(BRIGHTEST) as i32;
         sums.into_iter().map(|sum| sum.map(mean)).collect()
-    }
-
-    /// Colour of a fragment without its reflection.
-    fn surface(&self, object: &PreparedObject, attributes: &FragmentAttributes) -> Colour {
-        match &object.colour_map {
-            None => object.colour,
-            Some(map) => {
-                let sample = map.sample(attributes, object.plan.texture_footprint, &self.precision);
-                core::array::from_fn(|i| multiply(sample[i], object.colour[i]))
-            }
-        }
     }
 
     /// Lets a fragment wait; with [`BATCH`] of them, all are reflected. `add` gives each pixel its colour.
@@ -422,11 +410,16 @@ impl<'a> Prepared<'a> {
     }
 
     /// Ports of the datapath, bump map sampled.
-    fn ports(&self, object: &PreparedObject, attributes: &FragmentAttributes) -> ReflectionIn {
+    fn ports(
+        &self,
+        object: &PreparedObject,
+        attributes: &FragmentAttributes,
+        reads: &mut MapReads<'_>,
+    ) -> ReflectionIn {
         let plan = &object.plan;
         let (offset, roughness) = match &object.bump_map {
             None => ([I4F28::ZERO; 2], [I4F28::ZERO; 3]),
-            Some(map) => map.sample(attributes, plan.texture_footprint, plan.roughness(), &self.precision),
+            Some(map) => map.sample(reads, plan.roughness(), &self.precision),
         };
         let tangents =
             if plan.needs_tangents() { attributes.tangents } else { [object.main_direction, BlockVector::default()] };
@@ -488,10 +481,23 @@ impl<'a> Prepared<'a> {
             let triangle = triangles.triangle(index, prepared.plan.needs_tangents())?;
             let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
             let plan = prepared.plan.reflection?;
-            let input = self.ports(prepared, &triangle.fragment(x, y));
+            let attributes = triangle.fragment(x, y);
+            let mut reads = MapReads::new(&attributes, prepared.plan.texture_footprint, &self.precision);
+            let input = self.ports(prepared, &attributes, &mut reads);
             Some((quantised(&input, &self.precision), plan))
         });
         Ok(chosen.collect())
+    }
+}
+
+/// Colour of a fragment without its reflection and its lights.
+fn surface(object: &PreparedObject, reads: &mut MapReads<'_>) -> Colour {
+    match &object.colour_map {
+        None => object.colour,
+        Some(map) => {
+            let sample = map.sample(reads);
+            core::array::from_fn(|i| multiply(sample[i], object.colour[i]))
+        }
     }
 }
 

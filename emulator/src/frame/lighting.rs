@@ -16,11 +16,11 @@ use roughxel_core::stage::peaks;
 use crate::lanes::{Reading, WeightedPeak};
 use crate::maps::peaks::{self as pyramid, PeakPyramid};
 use crate::plan::ObjectPlan;
-use crate::raster::{FragmentAttributes, PointFromTriangle, Triangle};
+use crate::raster::{PointFromTriangle, Triangle};
 use crate::scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
 use super::printed;
-use super::texture::{RepeatedMap, Taps, TexelId, mean};
+use super::texture::{MapReads, RepeatedMap, Taps, TexelId, mean};
 use super::{Colour, colour_word, multiply};
 
 /// What shines in an object, and the lights that make it.
@@ -120,7 +120,6 @@ const NO_TEXEL: TexelId = TexelId { level: u32::MAX, index: 0 };
 /// Peaks that a fragment reads; its memory is kept for the next one.
 #[derive(Default)]
 pub(super) struct PeaksRead {
-    taps: Taps,
     /// Where the peaks of each texel end.
     ends: Vec<usize>,
     peaks: Vec<WeightedPeak<i32>>,
@@ -133,14 +132,13 @@ pub(super) struct PeaksRead {
 impl PeaksRead {
     /// Reads the texels of the probes, once what a probe shares with the one before; the texels of `taps` then name their
     /// places in [`Self::sums`].
-    fn read(&mut self, map: &PeakMap, at: &LitFragment<'_>, p: &Precision) {
-        map.map.taps(at.attributes, at.footprint, p, &mut self.taps);
+    fn read(&mut self, map: &PeakMap, taps: &mut Taps) {
         self.ends.clear();
         self.peaks.clear();
         self.horizons.clear();
         // Of each level, four texels and their places.
         let mut before = [[[NO_TEXEL; 4]; 2]; 2];
-        for tap in &mut self.taps {
+        for tap in taps {
             let (fine, coarse) = tap.place.levels();
             for (patch, before) in [Some(fine), coarse].into_iter().flatten().zip(&mut before) {
                 let [read, places] = *before;
@@ -177,11 +175,8 @@ pub(super) struct LitFragment<'a> {
     pub(super) ports: &'a ReflectionIn,
     pub(super) triangle: &'a Triangle<'a>,
     pub(super) points: &'a Points,
-    pub(super) attributes: &'a FragmentAttributes,
     /// Sub-pixels.
     pub(super) position: [i32; 2],
-    /// Whether maps are read over a footprint.
-    pub(super) footprint: bool,
 }
 
 /// Directions to the lights that stand in the scene, set up for a triangle.
@@ -246,6 +241,7 @@ impl Lighting {
     pub(super) fn shine(
         &self,
         at: &LitFragment<'_>,
+        reads: &mut MapReads<'_>,
         read: &mut PeaksRead,
         reading: Reading,
         p: &Precision,
@@ -284,7 +280,8 @@ impl Lighting {
                 }
             }
             Lobes::Map(map) => {
-                read.read(map, at, p);
+                let taps = reads.take(&map.map);
+                read.read(map, taps);
                 let eye = self.shadowing.then(|| {
                     let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
                     datapath::horizon_slopes(&eye, p)
@@ -301,7 +298,7 @@ impl Lighting {
                         }
                     }
                     read.light(&lit.direction, reading, p);
-                    let [returned] = mean(&read.taps, 0, |place| [read.sums[place.index as usize]], |sample| sample);
+                    let [returned] = mean(taps, 0, |place| [read.sums[place.index as usize]], |sample| sample);
                     add(light, returned);
                 }
             }

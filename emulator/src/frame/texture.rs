@@ -19,10 +19,56 @@ use crate::raster::FragmentAttributes;
 
 use super::{Colour, MAX_MAP_EXPONENT};
 
+/// What a fragment reads of repeated maps: maps of one size share its footprint.
+#[derive(Debug)]
+pub struct MapReads<'a> {
+    attributes: &'a FragmentAttributes,
+    footprint: bool,
+    p: &'a Precision,
+    /// Size of the maps that the probes are for.
+    size: Option<[i32; 2]>,
+    taps: Taps,
+}
+
+impl<'a> MapReads<'a> {
+    /// N trilinear probes along the major axis of the fragment's footprint, or one at the finest level.
+    pub fn new(attributes: &'a FragmentAttributes, footprint: bool, p: &'a Precision) -> Self {
+        Self { attributes, footprint, p, size: None, taps: Taps::new() }
+    }
+
+    /// The probes in a map.
+    fn of(&mut self, map: &RepeatedMap) -> &Taps {
+        if self.size != Some(map.sizes[0]) {
+            self.size = Some(map.sizes[0]);
+            let (attributes, p) = (self.attributes, self.p);
+            let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
+            let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
+            self.taps.clear();
+            if self.footprint {
+                let probes: Probes<i32> = input.footprint(&map.scale, p).probes;
+                for Probe { place, weight } in texture_probes(&centre, &probes, &map.scale.0, p) {
+                    self.taps.extend([Probe { place: map.tap(&place, probes.lod, p), weight }]);
+                }
+            } else {
+                self.taps.extend([Probe { place: map.tap(&centre, Fx::zero(), p), weight: Fx::lit(1 << 16) }]);
+            }
+        }
+        &self.taps
+    }
+
+    /// The probes in a map, to be changed: no other map will share them.
+    pub(super) fn take(&mut self, map: &RepeatedMap) -> &mut Taps {
+        self.of(map);
+        self.size = None;
+        &mut self.taps
+    }
+}
+
 /// Geometry of a repeated map: its scale for the footprint and the size of its levels.
 #[derive(Clone, Debug)]
 pub(super) struct RepeatedMap {
     scale: (TextureScale<i32>, MapScale<i32>),
+    /// At least one.
     sizes: Vec<[i32; 2]>,
 }
 
@@ -31,35 +77,6 @@ impl RepeatedMap {
         let sizes: Vec<[i32; 2]> = sizes.map(|(width, height)| [width as i32, height as i32]).collect();
         let base = sizes.first().copied().unwrap_or([1, 1]);
         Self { scale: texture_scale(base.map(|edge| edge as u16)), sizes }
-    }
-
-    /// What the fragment reads: N trilinear probes along the major axis of its footprint, or one at the finest level.
-    pub(super) fn taps(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision, taps: &mut Taps) {
-        let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
-        let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
-        taps.clear();
-        if footprint {
-            let probes: Probes<i32> = input.footprint(&self.scale, p).probes;
-            let places = texture_probes(&centre, &probes, &self.scale.0, p).into_iter();
-            taps.extend(places.map(|Probe { place, weight }| Probe { place: self.tap(&place, probes.lod, p), weight }));
-        } else {
-            taps.extend([Probe { place: self.tap(&centre, Fx::zero(), p), weight: Fx::lit(1 << 16) }]);
-        }
-    }
-
-    /// [`mean`] of what the fragment reads.
-    fn mean<const CHANNELS: usize>(
-        &self,
-        attributes: &FragmentAttributes,
-        footprint: bool,
-        p: &Precision,
-        extra: u32,
-        texel: impl Fn(TexelId) -> [i32; CHANNELS],
-        probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
-    ) -> [i32; CHANNELS] {
-        let mut taps = Taps::new();
-        self.taps(attributes, footprint, p, &mut taps);
-        mean(&taps, extra, texel, probe)
     }
 
     fn tap(&self, place: &TexturePosition<i32>, lod: Fx<i32, 16>, p: &Precision) -> Tap {
@@ -174,9 +191,9 @@ impl ColourMap {
     }
 
     /// The mean colour of the footprint.
-    pub fn sample(&self, attributes: &FragmentAttributes, footprint: bool, p: &Precision) -> Colour {
+    pub fn sample(&self, reads: &mut MapReads<'_>) -> Colour {
         let texel = |id: TexelId| self.pyramid.levels[id.level as usize].texels[id.index as usize].map(i32::from);
-        let sample = self.map.mean(attributes, footprint, p, 8, texel, |sample| sample);
+        let sample = mean(reads.of(&self.map), 8, texel, |sample| sample);
         sample.map(|channel| channel << self.pyramid.exponent)
     }
 }
@@ -235,8 +252,7 @@ impl BumpMap {
     /// Mean offset and roughness of the footprint, as the ports of the reflection datapath take them.
     pub(super) fn sample(
         &self,
-        attributes: &FragmentAttributes,
-        footprint: bool,
+        reads: &mut MapReads<'_>,
         kind: RoughnessKind,
         p: &Precision,
     ) -> ([I4F28; 2], [I4F28; 3]) {
@@ -245,7 +261,7 @@ impl BumpMap {
             let m = moments::of_probe(&[b1, b2].map(Fx::from_raw), &[k11, k12, k22].map(Fx::<i32, 29>::from_raw));
             [b1, b2, m[0].raw(), m[1].raw(), m[2].raw()]
         };
-        let [b1, b2, m11, m12, m22] = self.map.mean(attributes, footprint, p, 0, texel, probe);
+        let [b1, b2, m11, m12, m22] = mean(reads.of(&self.map), 0, texel, probe);
         let b: [Fx<i32, 30>; 2] = [Fx::from_raw(b1), Fx::from_raw(b2)];
         let port = |word: i32, shift: i32| {
             let word = i64::from(word);

@@ -3,7 +3,7 @@
 use fixed::types::{I2F30, U0F32};
 use roughxel_core::ports::{BlockPair, TextureIn, texture_scale};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::frame::ColourMap;
+use roughxel_emulator::frame::{ColourMap, MapReads};
 use roughxel_emulator::picture::Picture;
 use roughxel_emulator::raster::FragmentAttributes;
 
@@ -28,7 +28,7 @@ pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile
     let psnr = reference.psnr(|pixel| {
         let attributes = attributes(pixel);
         probes += TextureIn { uv: attributes.uv, duv: attributes.duv }.footprint(&scale, profile).probes.count.raw();
-        f64::from(map.sample(&attributes, true, profile)[0]) / f64::from(1 << 24)
+        f64::from(map.sample(&mut MapReads::new(&attributes, true, profile))[0]) / f64::from(1 << 24)
     });
     GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }
 }
