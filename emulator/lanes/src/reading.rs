@@ -16,7 +16,7 @@ use super::target::InstructionSet;
 use super::{Avx2, Avx512};
 
 /// Peaks that are worth a group of lanes, at least: see the bench.
-const FEW: usize = 4;
+const FEW: usize = 8;
 
 /// A way to compute the reflection datapath of many fragments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

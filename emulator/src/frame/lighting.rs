@@ -20,7 +20,7 @@ use crate::raster::{PointFromTriangle, Triangle};
 use crate::scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
 use super::printed;
-use super::texture::{MapReads, RepeatedMap, Taps, TexelId, mean};
+use super::texture::{MapReads, RepeatedMap, Taps, mean};
 use super::{Colour, colour_word, multiply};
 
 /// What shines in an object, and the lights that make it.
@@ -57,12 +57,7 @@ enum Lobes {
 /// The peaks of every texel of a pyramid.
 pub(super) struct PeakMap {
     map: RepeatedMap,
-    levels: Vec<StoredLevel>,
-}
-
-/// One level as it is stored.
-struct StoredLevel {
-    /// Where each texel's peaks end.
+    /// Where the peaks of each texel end, of all levels, the finest first.
     ends: Vec<u32>,
     peaks: Vec<WeightedPeak<i32>>,
     /// As many as peaks, or none.
@@ -77,45 +72,45 @@ impl PeakMap {
         let horizon = |sides: [pyramid::Horizon; 4]| {
             stored_horizon(sides.map(|side| side.mean), sides.map(|side| side.deviation)).wires()
         };
-        let level = |level: &pyramid::PeakLevel| {
-            let texels = (0..level.height).flat_map(|y| (0..level.width).map(move |x| level.texel(x, y).len() as u32));
-            let ends = texels.scan(0, |end, peaks| {
-                *end += peaks;
-                Some(*end)
-            });
-            StoredLevel {
-                ends: ends.collect(),
-                peaks: level.peaks().iter().map(stored).collect(),
-                horizons: level.peaks().iter().filter_map(|peak| peak.horizon).map(horizon).collect(),
-            }
-        };
+        let texels = kept.iter().flat_map(|level| {
+            (0..level.height).flat_map(move |y| (0..level.width).map(move |x| level.texel(x, y).len() as u32))
+        });
+        let ends = texels.scan(0, |end, peaks| {
+            *end += peaks;
+            Some(*end)
+        });
+        let peaks = || kept.iter().flat_map(|level| level.peaks());
         let map = RepeatedMap::new(kept.iter().map(|level| (level.width, level.height)));
-        Self { map, levels: kept.iter().map(level).collect() }
+        Self {
+            map,
+            ends: ends.collect(),
+            peaks: peaks().map(stored).collect(),
+            horizons: peaks().filter_map(|peak| peak.horizon).map(horizon).collect(),
+        }
     }
 
     /// Bytes of the stored peaks, and of their horizons.
     fn bytes(&self, horizons: bool) -> [u64; 2] {
-        let peaks: u64 = self.levels.iter().map(|level| level.peaks.len() as u64).sum();
+        let peaks = self.peaks.len() as u64;
         let horizons = if horizons { peaks } else { 0 };
         [peaks * size_of::<StoredPeak>() as u64, horizons * size_of::<StoredHorizon>() as u64]
     }
 
     fn has_horizons(&self) -> bool {
-        self.levels.iter().any(|level| !level.horizons.is_empty())
+        !self.horizons.is_empty()
     }
 
     /// Peaks of a texel, and their horizons if there are any.
-    fn texel(&self, id: TexelId) -> (&[WeightedPeak<i32>], &[Horizon<i32>]) {
-        let level = &self.levels[id.level as usize];
-        let index = id.index as usize;
-        let start = index.checked_sub(1).map_or(0, |before| level.ends[before]);
-        let range = start as usize..level.ends[index] as usize;
-        (&level.peaks[range.clone()], level.horizons.get(range).unwrap_or_default())
+    fn texel(&self, texel: u32) -> (&[WeightedPeak<i32>], &[Horizon<i32>]) {
+        let index = texel as usize;
+        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let range = start as usize..self.ends[index] as usize;
+        (&self.peaks[range.clone()], self.horizons.get(range).unwrap_or_default())
     }
 }
 
-/// No map has this level.
-const NO_TEXEL: TexelId = TexelId { level: u32::MAX, index: 0 };
+/// No map has this texel.
+const NO_TEXEL: u32 = u32::MAX;
 
 /// Peaks that a fragment reads; its memory is kept for the next one.
 #[derive(Default)]
@@ -149,7 +144,7 @@ impl PeaksRead {
                         self.peaks.extend_from_slice(peaks);
                         self.horizons.extend_from_slice(horizons);
                         self.ends.push(self.peaks.len());
-                        TexelId { level: 0, index: self.ends.len() as u32 - 1 }
+                        self.ends.len() as u32 - 1
                     }
                 });
                 *before = [std::mem::replace(&mut patch.texels, new), new];
@@ -298,7 +293,7 @@ impl Lighting {
                         }
                     }
                     read.light(&lit.direction, reading, p);
-                    let [returned] = mean(taps, 0, |place| [read.sums[place.index as usize]], |sample| sample);
+                    let [returned] = mean(taps, 0, |place| [read.sums[place as usize]], |sample| sample);
                     add(light, returned);
                 }
             }

@@ -38,8 +38,9 @@ impl<'a> MapReads<'a> {
 
     /// The probes in a map.
     fn of(&mut self, map: &RepeatedMap) -> &Taps {
-        if self.size != Some(map.sizes[0]) {
-            self.size = Some(map.sizes[0]);
+        let size = map.levels[0].size;
+        if self.size != Some(size) {
+            self.size = Some(size);
             let (attributes, p) = (self.attributes, self.p);
             let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
             let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
@@ -69,48 +70,52 @@ impl<'a> MapReads<'a> {
 pub(super) struct RepeatedMap {
     scale: (TextureScale<i32>, MapScale<i32>),
     /// At least one.
-    sizes: Vec<[i32; 2]>,
+    levels: Vec<RepeatedLevel>,
+}
+
+/// One level of a repeated map.
+#[derive(Clone, Copy, Debug)]
+struct RepeatedLevel {
+    size: [i32; 2],
+    /// Texels of the levels before.
+    start: u32,
 }
 
 impl RepeatedMap {
     pub(super) fn new(sizes: impl Iterator<Item = (u32, u32)>) -> Self {
-        let sizes: Vec<[i32; 2]> = sizes.map(|(width, height)| [width as i32, height as i32]).collect();
-        let base = sizes.first().copied().unwrap_or([1, 1]);
-        Self { scale: texture_scale(base.map(|edge| edge as u16)), sizes }
+        let levels = sizes.scan(0, |next, (width, height)| {
+            let start = *next;
+            *next += width * height;
+            Some(RepeatedLevel { size: [width as i32, height as i32], start })
+        });
+        let levels: Vec<RepeatedLevel> = levels.collect();
+        Self { scale: texture_scale(levels[0].size.map(|edge| edge as u16)), levels }
     }
 
     fn tap(&self, place: &TexturePosition<i32>, lod: Fx<i32, 16>, p: &Precision) -> Tap {
         let pair = levels(lod);
         let fine = pair.level.raw() as usize;
-        let coarse = (fine + 1).min(self.sizes.len() - 1);
+        let coarse = (fine + 1).min(self.levels.len() - 1);
         let patch = |level: usize| {
-            let size = self.sizes[level];
+            let RepeatedLevel { size, start } = self.levels[level];
             let address: Address<i32> = repeat_address(place, size.map(Fx::from_raw), p);
             let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as u32;
             let [x, y] = address.index.map(Fx::raw);
             let (x0, x1) = (wrap(x, size[0]), wrap(x + 1, size[0]));
             let (y0, y1) = (wrap(y, size[1]), wrap(y + 1, size[1]));
-            let width = size[0] as u32;
-            let texels = [y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1];
-            Patch { texels: texels.map(|index| TexelId { level: level as u32, index }), weight: address.weight }
+            let [y0, y1] = [y0, y1].map(|y| start + y * size[0] as u32);
+            Patch { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight: address.weight }
         };
         let coarse = (pair.weight.raw() != 0).then(|| patch(coarse));
         Tap { fine: patch(fine), coarse, level_weight: pair.weight }
     }
 }
 
-/// A texel of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct TexelId {
-    pub(super) level: u32,
-    /// In rows.
-    pub(super) index: u32,
-}
-
 /// Four neighbours on one level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
-    pub(super) texels: [TexelId; 4],
+    /// Indices among the texels of all levels, the finest first.
+    pub(super) texels: [u32; 4],
     weight: [Fx<i32, WEIGHT>; 2],
 }
 
@@ -130,13 +135,9 @@ impl Tap {
     }
 
     /// A sample has `extra` fraction bits more than a texel.
-    fn sample<const CHANNELS: usize>(
-        &self,
-        extra: u32,
-        texel: &impl Fn(TexelId) -> [i32; CHANNELS],
-    ) -> [i32; CHANNELS] {
+    fn sample<const CHANNELS: usize>(&self, extra: u32, texel: &impl Fn(u32) -> [i32; CHANNELS]) -> [i32; CHANNELS] {
         let (fine, coarse) = (&self.fine, self.coarse.as_ref().unwrap_or(&self.fine));
-        let (a, b) = (fine.texels.map(texel), coarse.texels.map(texel));
+        let [a, b] = [fine, coarse].map(|patch| patch.texels.map(texel));
         core::array::from_fn(|channel| {
             let (a, b) = (a.map(|texel| texel[channel]), b.map(|texel| texel[channel]));
             trilinear((&a, &fine.weight), (&b, &coarse.weight), self.level_weight, extra)
@@ -153,7 +154,7 @@ pub(super) type Taps = ProbeList<Tap>;
 pub(super) fn mean<const CHANNELS: usize>(
     taps: &Taps,
     extra: u32,
-    texel: impl Fn(TexelId) -> [i32; CHANNELS],
+    texel: impl Fn(u32) -> [i32; CHANNELS],
     probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
 ) -> [i32; CHANNELS] {
     let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
@@ -170,7 +171,10 @@ pub(super) fn mean<const CHANNELS: usize>(
 #[derive(Clone, Debug)]
 pub struct ColourMap {
     map: RepeatedMap,
-    pyramid: ColourPyramid,
+    /// Of all levels, the finest first.
+    texels: Vec<[u16; 3]>,
+    /// log₂ of the unit of the channels.
+    exponent: i32,
 }
 
 impl ColourMap {
@@ -182,28 +186,28 @@ impl ColourMap {
             pyramid.levels.truncate(1);
         }
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
-        Self { map, pyramid }
+        Self { map, texels: pyramid.levels.into_iter().flat_map(|level| level.texels).collect(), exponent }
     }
 
     /// Bytes of the stored texels.
     pub(super) fn bytes(&self) -> u64 {
-        self.pyramid.levels.iter().map(|level| size_of_val(level.texels.as_slice()) as u64).sum()
+        size_of_val(self.texels.as_slice()) as u64
     }
 
     /// The mean colour of the footprint.
     pub fn sample(&self, reads: &mut MapReads<'_>) -> Colour {
-        let texel = |id: TexelId| self.pyramid.levels[id.level as usize].texels[id.index as usize].map(i32::from);
+        let texel = |index: u32| self.texels[index as usize].map(i32::from);
         let sample = mean(reads.of(&self.map), 8, texel, |sample| sample);
-        sample.map(|channel| channel << self.pyramid.exponent)
+        sample.map(|channel| channel << self.exponent)
     }
 }
 
 /// A bump map with roughness.
 pub(super) struct BumpMap {
     map: RepeatedMap,
-    /// Five channels per texel: b₁, b₂ (30 fraction bits) and the elements of K (29), in units of the scale. What
+    /// Of all levels, the finest first. Five channels per texel: b₁, b₂ (30 fraction bits) and the elements of K (29), in units of the scale. What
     /// the hardware works out for each fetched texel depends on that texel only, so it is kept.
-    levels: Vec<Vec<[i32; 5]>>,
+    texels: Vec<[i32; 5]>,
     /// log₂ of the unit of the channels.
     exponent: i32,
     /// Of offsets and roughness as the format stores them.
@@ -221,10 +225,10 @@ impl BumpMap {
         let scaled = |word: i32| -> Fx<i32, 30> {
             Fx::from_raw(if exponent > 2 { word >> (exponent - 2) } else { word << (2 - exponent) })
         };
-        let levels = pyramid
+        let texels = pyramid
             .levels
             .iter()
-            .map(|level| {
+            .flat_map(|level| {
                 let texel = |index: usize| {
                     let (x, y) = (index as u32 % level.width, index as u32 / level.width);
                     let decoded = level.texel(x, y).decode(&format);
@@ -232,7 +236,7 @@ impl BumpMap {
                     let k = if isotropic { moments::of_isotropic_texel(d[0]) } else { moments::of_texel(&d) };
                     [offset[0].raw(), offset[1].raw(), k[0].raw(), k[1].raw(), k[2].raw()]
                 };
-                (0..level.offsets.len()).map(texel).collect()
+                (0..level.offsets.len()).map(texel).collect::<Vec<_>>()
             })
             .collect();
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
@@ -241,7 +245,7 @@ impl BumpMap {
             let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
-        Self { map, levels, exponent, bytes }
+        Self { map, texels, exponent, bytes }
     }
 
     /// Bytes of the stored offsets and of the stored roughness.
@@ -256,7 +260,7 @@ impl BumpMap {
         kind: RoughnessKind,
         p: &Precision,
     ) -> ([I4F28; 2], [I4F28; 3]) {
-        let texel = |id: TexelId| self.levels[id.level as usize][id.index as usize];
+        let texel = |index: u32| self.texels[index as usize];
         let probe = |[b1, b2, k11, k12, k22]: [i32; 5]| {
             let m = moments::of_probe(&[b1, b2].map(Fx::from_raw), &[k11, k12, k22].map(Fx::<i32, 29>::from_raw));
             [b1, b2, m[0].raw(), m[1].raw(), m[2].raw()]
