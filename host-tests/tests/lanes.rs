@@ -6,14 +6,19 @@ use std::path::Path;
 use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{ReflectionIn, environment_scale};
 use roughxel_core::precision::Precision;
+use roughxel_core::signals::{LocalDirection, Peak};
 use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
-use roughxel_emulator::lanes::{Batch, Footprint, InstructionSet, LANES, Lanes, Reading, Target, WideLanes};
+use roughxel_emulator::lanes::{
+    Batch, Footprint, InstructionSet, LANES, Lanes, Reading, Target, WeightedPeak, WideLanes,
+};
+use roughxel_emulator::maps::peaks::ScenePeaks;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
@@ -333,18 +338,57 @@ fn batches_of_any_length_come_back_in_order() {
     }
 }
 
+/// Scenes with a highlight, with given peaks, with those of maps, with horizons.
+const LIT_SCENES: [&str; 4] = ["highlight", "velvet", "spheres-sphere", "horizon-plane"];
+
+#[test]
+fn peaks_in_lanes_are_those_of_the_scalar_reading() {
+    for (name, p) in profiles() {
+        (0..2000_u64).into_par_iter().for_each(|index| {
+            let mut bits = AnyBits(SplitMix64::for_element(name, index));
+            let zero = Fx::from_raw(0);
+            let half = LocalDirection { unit: [Fx::from_raw(0); 3], none: false };
+            let peak = Peak { normal: [Fx::from_raw(0); 3], amplitude: zero, exponent: zero };
+            let blank = WeightedPeak { peak, weight: Fx::from_raw(0) };
+            let peaks: Vec<WeightedPeak<i32>> = (0..index % 50).map(|_| stored(&blank.rewire(&mut bits))).collect();
+            let half = LocalDirection { none: bits.0.below(8) == 0, ..half.rewire(&mut bits) };
+            let half = LocalDirection { unit: half.unit.map(|x| Fx::from_raw(x.raw() >> 1)), ..half };
+            let lights = |reading: Reading| {
+                let mut lights = Vec::new();
+                reading.peaks(&half, &peaks, &p, &mut lights);
+                lights.iter().map(|light| light.raw()).collect::<Vec<i32>>()
+            };
+            let scalar = lights(Reading::Scalar);
+            assert_eq!(scalar.len(), peaks.len());
+            for set in instruction_sets() {
+                assert_eq!(lights(Reading::Lanes(set)), scalar, "{name}, {set}, {half:?}, {peaks:?}");
+            }
+        });
+    }
+}
+
+/// The peak with any bits cut to what a map stores.
+fn stored(any: &WeightedPeak<i32>) -> WeightedPeak<i32> {
+    let code = |x: Fx<i32, 0>| Fx::from_raw(x.raw() & 0xffff);
+    let normal = any.peak.normal.map(|x| Fx::from_raw(i32::from(x.raw() as i16)));
+    let peak = Peak { normal, amplitude: code(any.peak.amplitude), exponent: code(any.peak.exponent) };
+    WeightedPeak { peak, weight: Fx::from_raw(any.weight.raw().rem_euclid(0x1_0001)) }
+}
+
 #[test]
 fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
     let readings: Vec<_> = instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]).collect();
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
     let golden = std::fs::read_to_string(golden).unwrap();
-    for name in bars::SCENES {
+    for name in bars::SCENES.into_iter().chain(LIT_SCENES) {
         let scene = Scene::builtin(name).unwrap().unwrap().with_size(64, 48).unwrap();
+        let peaks = ScenePeaks::new(&scene, true, None, |_| ()).unwrap();
         for mode in [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }] {
             let prefix = format!("{name} standard {mode} ");
             let expected = golden.lines().find_map(|line| line.strip_prefix(&prefix)).expect("a golden frame");
             for &reading in &readings {
-                let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).unwrap().with_reading(reading);
+                let prepared = Prepared::with_peaks(&scene, mode, &Precision::STANDARD, &peaks).unwrap();
+                let prepared = prepared.with_reading(reading);
                 for threads in [1, 2, 7] {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                     let digest = pool.install(|| prepared.render(|| ())).unwrap().digest();

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use roughxel_core::precision::{PROFILE_NAMES, Precision};
 use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::maps::peaks::ScenePeaks;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::{Scene, builtin_names};
 
@@ -16,20 +17,24 @@ const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mo
 
 /// One line per built-in scene, profile and mode: their names and the SHA-256 of the frame's words.
 ///
-/// Errors: a sentence naming the scene that cannot be drawn.
+/// Scenes with the same map share its fitted peaks, and all modes of a scene. Errors: a sentence naming the scene that
+/// cannot be drawn.
 pub fn golden_frames() -> Result<String, String> {
     let mut text = format!("# SHA-256 of {}x{} frames; written by `picture-bars --bless`.\n", SIZE[0], SIZE[1]);
+    let cache = tempfile::tempdir().map_err(|error| error.to_string())?;
     for name in builtin_names() {
         let failed = |error: &dyn std::fmt::Display| format!("scene {name}: {error}");
         let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
         let scene = scene.with_size(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
+        let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), |_| ()).map_err(|error| failed(&error))?;
         let variants: Vec<(&str, Mode)> =
             PROFILE_NAMES.iter().flat_map(|&profile| MODES.map(|mode| (profile, mode))).collect();
         let lines: Result<Vec<String>, String> = variants
             .into_par_iter()
             .map(|(profile, mode)| {
                 let precision = Precision::by_name(profile).ok_or_else(|| failed(&"unknown profile"))?;
-                let frame = Prepared::new(&scene, mode, &precision).and_then(|prepared| prepared.render(|| ()));
+                let prepared = Prepared::with_peaks(&scene, mode, &precision, &peaks);
+                let frame = prepared.and_then(|prepared| prepared.render(|| ()));
                 let digest = frame.map_err(|error| failed(&error))?.digest();
                 Ok(format!("{name} {profile} {mode} {digest}\n"))
             })
