@@ -8,7 +8,7 @@ use fearless_simd::{SimdInto, i32x8, i64x4};
 
 use roughxel_core::each::{each, places};
 
-use super::vectors::vectors;
+use super::vectors::{Table, vectors};
 
 type Word = __m256i;
 type Wide = [__m256i; 2];
@@ -80,6 +80,12 @@ vectors! {
     fn lt(t, a: Word, b: Word) -> Flag { _mm256_cmpgt_epi32(b, a) }
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm256_blendv_epi8(b, a, f) }
     fn leading_zeros(t, a: Word) -> Word { zeros(t, a) }
+
+    // Through memory, one store: taken out of the vector one by one, places and values compete for the same port.
+    fn lookup(t, places: Word, table: Table) -> Word {
+        let places = std::hint::black_box(word_lanes(t, places));
+        words(t, each!(place in places => table.get(place as usize).copied().unwrap_or(0)))
+    }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_add_epi64(a[0], b[0]), _mm256_add_epi64(a[1], b[1])] }
     fn sub_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_sub_epi64(a[0], b[0]), _mm256_sub_epi64(a[1], b[1])] }

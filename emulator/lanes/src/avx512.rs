@@ -8,7 +8,7 @@ use fearless_simd::{SimdInto, i32x16, i64x8};
 
 use roughxel_core::each::{each, places};
 
-use super::vectors::vectors;
+use super::vectors::{Table, vectors};
 
 type Word = __m512i;
 type Wide = [__m512i; 2];
@@ -85,6 +85,22 @@ vectors! {
     fn lt(t, a: Word, b: Word) -> Flag { of_all(t, _mm512_cmplt_epi32_mask(a, b)) }
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm512_mask_blend_epi32(f.all, b, a) }
     fn leading_zeros(t, a: Word) -> Word { _mm512_lzcnt_epi32(a) }
+    // Every 32 entries are one permutation of two vectors, kept where the place lies among them.
+    fn lookup(t, places: Word, table: Table) -> Word {
+        let (parts, rest) = table.as_chunks::<32>();
+        let part_of = _mm512_srli_epi32::<5>(places);
+        let mut values = _mm512_setzero_si512();
+        for (index, part) in parts.iter().enumerate() {
+            let [low, high] = each!(half in [0, 1] => words(t, part.as_chunks().0[half]));
+            let here = _mm512_cmpeq_epi32_mask(part_of, _mm512_set1_epi32(index as i32));
+            values = _mm512_mask_mov_epi32(values, here, _mm512_permutex2var_epi32(low, places, high));
+        }
+        for (index, entry) in rest.iter().enumerate() {
+            let here = _mm512_cmpeq_epi32_mask(places, _mm512_set1_epi32((32 * parts.len() + index) as i32));
+            values = _mm512_mask_mov_epi32(values, here, _mm512_set1_epi32(*entry));
+        }
+        values
+    }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_add_epi64(a[0], b[0]), _mm512_add_epi64(a[1], b[1])] }
     fn sub_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_sub_epi64(a[0], b[0]), _mm512_sub_epi64(a[1], b[1])] }

@@ -220,13 +220,7 @@ impl<T: Target> Word for Lanes<T> {
     #[inline(always)]
     fn lookup(self, table: &'static [i32]) -> Self {
         // A stage never asks outside the table; 0 keeps the function total, as in the scalar reading.
-        // Through memory, one store: taken out of the vector one by one, places and values compete for the same port.
-        let places = std::hint::black_box(self.lanes());
-        let mut values = [0; LANES];
-        for i in 0..LANES {
-            values[i] = table.get(places[i] as usize).copied().unwrap_or(0);
-        }
-        Self(self.1.words(values), self.1)
+        Self(self.1.lookup(self.0, table), self.1)
     }
     #[inline(always)]
     fn block<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {

@@ -4,6 +4,9 @@ use std::fmt::Debug;
 
 use super::LANES;
 
+/// A table of the datapath; what is not in it reads as 0.
+pub(crate) type Table = &'static [i32];
+
 macro_rules! vectors_trait {
     ($($name:ident($($a:ident: $ty:ident),*) -> $out:ident;)*) => {
         /// The operations of [`Wire`](roughxel_core::word::Wire) and [`Word`](roughxel_core::word::Word); those of wide wires
@@ -61,6 +64,7 @@ vectors_trait! {
     lt(a: Words, b: Words) -> Flags;
     select(f: Flags, a: Words, b: Words) -> Words;
     leading_zeros(a: Words) -> Words;
+    lookup(places: Words, table: Table) -> Words;
     add_wide(a: Wides, b: Wides) -> Wides;
     sub_wide(a: Wides, b: Wides) -> Wides;
     and_wide(a: Wides, b: Wides) -> Wides;
@@ -200,7 +204,9 @@ macro_rules! vectors {
     (@vectors Wide) => { Self::Wides };
     (@vectors Flag) => { Self::Flags };
     (@vectors u32) => { u32 };
+    (@vectors Table) => { Table };
     (@vector u32, $a:ident, $v:ident) => { $a };
+    (@vector Table, $a:ident, $v:ident) => { $a };
     (@vector $other:ident, $a:ident, $v:ident) => { $a[$v] };
 }
 #[cfg(target_arch = "x86_64")]
