@@ -6,14 +6,14 @@
 
 use std::time::Instant;
 
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::Precision;
 
 use crate::frame::Prepared;
 use crate::maps::peaks::ScenePeaks;
 use crate::net::census::{Census, Cost};
 use crate::net::design::Design;
-use crate::net::graph::Block;
+use crate::net::graph::Net;
 use crate::net::interval::Ranges;
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::RasterError;
@@ -39,51 +39,80 @@ pub struct Hardware {
     pub carry_bits: i64,
     /// Bits of tables.
     pub rom_bits: i64,
+    /// Of each of the blocks.
+    parts: Vec<[i64; 4]>,
 }
 
 impl Hardware {
     /// Of a design under a plan.
     fn of(design: &str, plan: &ReflectionPlan, p: &Precision) -> Self {
-        let Some(design) = Design::by_name(design) else { return Self::default() };
-        let net = design.record(plan, p);
-        let total = Census::new(&net, &Ranges::new(&net)).total;
-        let Cost { adders, constant_adders, comparators, selects, shifters, leading_zeros, logic, lookups, .. } =
-            &total;
-        let units = [adders, constant_adders, comparators, selects, shifters, leading_zeros, logic];
-        let by_constant: u32 = total.constant_multipliers.values().sum();
-        let counted: u32 = units.iter().map(|units| units.count).sum::<u32>() + lookups + by_constant;
-        Self {
-            blocks: net.blocks.iter().map(Block::instance).collect(),
-            operations: i64::from(counted + total.multiplier_count()),
-            multipliers: total.multiplier_count().into(),
-            carry_bits: total.carry_bits() as i64,
-            rom_bits: total.rom_bits() as i64,
+        let Some((net, census)) = census(design, plan, p) else { return Self::default() };
+        let mut sum = Self::default();
+        for (block, cost) in net.blocks.iter().zip(&census.blocks) {
+            sum.add(block.instance(), counts(cost));
         }
+        sum
     }
 
-    /// Of several designs side by side.
+    fn add(&mut self, block: String, part: [i64; 4]) {
+        let [operations, multipliers, carry_bits, rom_bits] = part;
+        self.blocks.push(block);
+        self.parts.push(part);
+        self.operations += operations;
+        self.multipliers += multipliers;
+        self.carry_bits += carry_bits;
+        self.rom_bits += rom_bits;
+    }
+
+    /// Both, a block that both have once.
+    fn joined(mut self, other: Self) -> Self {
+        for (block, part) in other.blocks.into_iter().zip(other.parts) {
+            if !self.blocks.contains(&block) {
+                self.add(block, part);
+            }
+        }
+        self
+    }
+
+    /// Of several designs side by side, each as one block.
     fn of_all(designs: &[&str], p: &Precision) -> Self {
         designs.iter().fold(Self::default(), |mut sum, design| {
-            let one = Self::of(design, &ANY, p);
-            sum.blocks.push((*design).into());
-            sum.operations += one.operations;
-            sum.multipliers += one.multipliers;
-            sum.carry_bits += one.carry_bits;
-            sum.rom_bits += one.rom_bits;
+            if let Some((_, census)) = census(design, &ANY, p) {
+                sum.add((*design).into(), counts(&census.total));
+            }
             sum
         })
     }
 
     /// What this has more than `other`.
     fn more_than(&self, other: &Self) -> Self {
+        let is_own = |(block, _): &(&String, &[i64; 4])| !other.blocks.contains(block);
+        let (blocks, parts) = self.blocks.iter().zip(&self.parts).filter(is_own).map(|(b, p)| (b.clone(), *p)).unzip();
         Self {
-            blocks: self.blocks.iter().filter(|block| !other.blocks.contains(block)).cloned().collect(),
+            blocks,
+            parts,
             operations: self.operations - other.operations,
             multipliers: self.multipliers - other.multipliers,
             carry_bits: self.carry_bits - other.carry_bits,
             rom_bits: self.rom_bits - other.rom_bits,
         }
     }
+}
+
+fn census(design: &str, plan: &ReflectionPlan, p: &Precision) -> Option<(Net, Census)> {
+    let net = Design::by_name(design)?.record(plan, p);
+    let census = Census::new(&net, &Ranges::new(&net));
+    Some((net, census))
+}
+
+/// Operations, multipliers, carry bits and bits of tables.
+fn counts(cost: &Cost) -> [i64; 4] {
+    let Cost { adders, constant_adders, comparators, selects, shifters, leading_zeros, logic, lookups, .. } = cost;
+    let units = [adders, constant_adders, comparators, selects, shifters, leading_zeros, logic];
+    let by_constant: u32 = cost.constant_multipliers.values().sum();
+    let counted: u32 = units.iter().map(|units| units.count).sum::<u32>() + lookups + by_constant;
+    let multipliers = cost.multiplier_count();
+    [i64::from(counted + multipliers), multipliers.into(), cost.carry_bits() as i64, cost.rom_bits() as i64]
 }
 
 /// One effect of one object.
@@ -112,9 +141,15 @@ pub struct ObjectReport {
     pub effects: Vec<EffectReport>,
 }
 
-/// Hardware of an object's reflection; none where nothing is reflected.
+/// Hardware of an object's fragment and of each of its lights. Blocks that reflection and highlight share, those of the
+/// surface, are counted once; the frame that peaks stand on is counted where another effect has it.
 fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
-    plan.reflection.map_or_else(Hardware::default, |plan| Hardware::of("reflection", &plan, p))
+    let reflection = plan.reflection.map(|plan| Hardware::of("reflection", &plan, p));
+    let highlight = plan.highlight.map(|SurfacePlan { bump, frame, roughness, .. }| {
+        Hardware::of("highlight", &ReflectionPlan { bump, frame, roughness, ..ANY }, p)
+    });
+    let peaks = plan.peaks.map(|_| Hardware::of("local", &ANY, p));
+    [reflection, highlight, peaks].into_iter().flatten().fold(Hardware::default(), Hardware::joined)
 }
 
 /// Explains the plan of every object, without measuring.
@@ -132,7 +167,9 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &["moment_sample"]].concat(), p),
                     Effect::Roughness => Hardware::of_all(&["moments", "roughness_decode"], p),
                     Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
-                    _ => nothing.clone(),
+                    Effect::Peaks => Hardware::of_all(&["peak"], p),
+                    Effect::Horizon => Hardware::of_all(&["horizon"], p),
+                    Effect::Footprint | Effect::Curvature | Effect::Highlight => nothing.clone(),
                 };
                 EffectReport {
                     decision: decision.clone(),
@@ -176,4 +213,20 @@ pub fn measure(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_operation_of_a_datapath_is_in_a_block() {
+        for design in ["reflection", "highlight", "local"] {
+            let p = Precision::STANDARD;
+            let (_, census) = census(design, &ANY, &p).expect("the design exists");
+            let Hardware { operations, multipliers, carry_bits, .. } = Hardware::of(design, &ANY, &p);
+            let [all, of_wires, carries, _] = counts(&census.total);
+            assert_eq!([operations, multipliers, carry_bits], [all, of_wires, carries], "{design}");
+        }
+    }
 }
