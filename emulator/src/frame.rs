@@ -270,11 +270,12 @@ impl<'a> Prepared<'a> {
         let environment = self.environment.as_ref().filter(|_| object.plan.reflection.is_some());
         let [peaks, horizons] =
             object.lighting.as_ref().map_or([0; 2], Lighting::bytes).map(|bytes| (bytes > 0).then_some(bytes));
+        let is_rough = object.plan.roughness() != RoughnessKind::None;
         let [offsets, roughness] = [0, 1].map(|part| object.bump_map.as_ref().map(|map| map.bytes()[part]));
         [
             (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
             (Effect::Bump, offsets),
-            (Effect::Roughness, roughness.filter(|&bytes| bytes > 0)),
+            (Effect::Roughness, roughness.filter(|&bytes| bytes > 0 && is_rough)),
             (Effect::Environment, environment.map(EnvironmentMap::bytes)),
             (Effect::Peaks, peaks),
             (Effect::Horizon, horizons),

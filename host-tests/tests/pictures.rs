@@ -99,24 +99,6 @@ fn two_shapes(material: &str) -> Scene {
 }
 
 #[test]
-fn a_flat_bump_map_changes_no_bit() {
-    let flat = "height_map = { generate = \"waves\", size = 32, scale = 0 }";
-    for frame in ["main-direction", "natural", "natural-normalised"] {
-        let bare = two_shapes(&format!("{{ reflectance = 0.8, frame = \"{frame}\" }}"));
-        let bumpy = two_shapes(&format!("{{ reflectance = 0.8, frame = \"{frame}\", {flat} }}"));
-        for profile in PROFILE_NAMES {
-            let precision = Precision::by_name(profile).unwrap();
-            for mode in MODES {
-                let prepared = Prepared::new(&bumpy, mode, &precision).unwrap();
-                assert!(prepared.plans().all(|plan| plan.bump_map), "the datapath perturbs");
-                let same = prepared.render(|| ()).unwrap() == draw(&bare, mode, &precision);
-                assert!(same, "{frame}, {profile}, {mode}");
-            }
-        }
-    }
-}
-
-#[test]
 fn a_white_colour_map_is_one_code_from_no_map() {
     let bare = two_shapes("{ colour = [0.5, 0.25, 1] }");
     let white = "colour_map = { generate = \"checker\", size = 16, squares = 2, light = [1, 1, 1], dark = [1, 1, 1] }";

@@ -1,0 +1,503 @@
+//! What a plan promises of every effect: a neutral map changes no bit, a block planned away is never entered, and a map
+//! planned away takes no memory. What each effect costs is measured by `benches/effects.rs`.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
+use roughxel_core::ports::{environment_scale, texture_scale};
+use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::signals::{PortBlock, TexturePosition};
+use roughxel_emulator::frame::{Frame, Prepared};
+use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
+use roughxel_emulator::scene::{RoughnessField, Scene};
+use roughxel_emulator::study::cases::highlight::random_light;
+use roughxel_emulator::study::cases::peaks::{random_horizon_case, random_peak_case};
+use roughxel_emulator::study::cases::random_fragment;
+use roughxel_host_tests::checked::{Checked, reread, traced};
+use roughxel_host_tests::space::profiles;
+
+const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
+
+const FRAMES: [&str; 3] = ["main-direction", "natural", "natural-normalised"];
+
+/// A height map without heights.
+const FLAT: &str = "height_map = { generate = \"waves\", size = 32, scale = 0 }";
+
+const LIGHT: &str = "[[light]]\ndirection = [-0.4, 0.9, 0.5]\n";
+
+fn read(text: &str) -> Scene {
+    Scene::from_toml("plan", text, Path::new("")).unwrap()
+}
+
+/// A plane and a ball with `material` each, in front of what they reflect.
+fn two_shapes(material: &str) -> Scene {
+    read(&format!(
+        "[camera]\neye = [0, 1.5, 5]\ntarget = [0, 0.4, 0]\nfov_y = 35\nwidth = 96\nheight = 72\n\
+         [environment]\ngenerate = \"checker\"\nface_edge = 64\n{LIGHT}\
+         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {{ {material} }}\n\
+         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {{ {material} }}\n"
+    ))
+}
+
+/// A plane parallel to the picture, so near that a texel of a map or of what it reflects is many pixels wide.
+fn facing(material: &str) -> Scene {
+    read(&format!(
+        "[camera]\neye = [0, 4, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nfov_y = 30\nwidth = 96\nheight = 72\n\
+         [background]\ncolour = [0, 0, 0]\n[environment]\ngenerate = \"zebra\"\nface_edge = 16\n{LIGHT}\
+         [[object]]\nshape = \"plane\"\nsize = [8, 8]\nsegments = [8, 8]\nmaterial = {{ {material} }}\n"
+    ))
+}
+
+/// Columns of [`facing`] on which nothing is seen of what lies right of its middle by a twentieth of a picture.
+const LEFT: Range<usize> = 0..48;
+const ALL: Range<usize> = 0..96;
+
+/// Two frames that have to be the same bits.
+struct Neutral {
+    /// A scene with the effect in a form that changes nothing.
+    with: Scene,
+    /// The scene without it.
+    without: Scene,
+    /// The plan of the first, where a scene alone cannot ask for the effect.
+    plan_with: fn(ObjectPlan) -> ObjectPlan,
+    /// The plan of the second.
+    plan_without: fn(ObjectPlan) -> ObjectPlan,
+    /// Columns to compare.
+    columns: Range<usize>,
+}
+
+impl Neutral {
+    /// Two scenes with their own plans.
+    fn scenes(shapes: fn(&str) -> Scene, common: &str, neutral: &str) -> Self {
+        let with = shapes(&format!("{common}, {neutral}"));
+        Self { with, without: shapes(common), plan_with: |plan| plan, plan_without: |plan| plan, columns: ALL }
+    }
+
+    /// One scene under its own plan and under another.
+    fn plans(scene: Scene, plan_without: fn(ObjectPlan) -> ObjectPlan, columns: Range<usize>) -> Self {
+        Self { with: scene.clone(), without: scene, plan_with: |plan| plan, plan_without, columns }
+    }
+}
+
+/// Every neutral form of an effect.
+fn neutral_forms(effect: Effect) -> Vec<Neutral> {
+    match effect {
+        // 1 is stored as 65535/65536; half is exact, and so is half of twice the colour.
+        Effect::ColourTexture => vec![Neutral {
+            without: two_shapes("colour = [0.25, 0.125, 0.5]"),
+            ..Neutral::scenes(
+                two_shapes,
+                "colour = [0.5, 0.25, 1]",
+                "colour_map = { generate = \"checker\", size = 16, light = [0.5, 0.5, 0.5], dark = [0.5, 0.5, 0.5] }",
+            )
+        }],
+        Effect::Bump => FRAMES
+            .iter()
+            .flat_map(|frame| {
+                ["reflectance = 0.8", "highlight = { exponent = 20 }"]
+                    .map(|shine| Neutral::scenes(two_shapes, &format!("{shine}, frame = \"{frame}\""), FLAT))
+            })
+            .collect(),
+        // A map that is rough right of the middle only; what is seen left of it waits in the same batches.
+        Effect::Roughness => ["reflectance = 0.8", "highlight = { exponent = 20 }"]
+            .map(|shine| {
+                let mut scene = facing(shine);
+                let factor = |index: usize| if index % 64 < 34 { [0.0; 3] } else { [0.3, 0.1, 0.2] };
+                let factors = (0..64 * 64).map(factor).collect();
+                scene.objects[0].material.roughness = Some(Arc::new(RoughnessField { width: 64, height: 64, factors }));
+                Neutral::plans(scene, |plan| plan.without(Effect::Roughness), LEFT)
+            })
+            .into(),
+        // Less than half a unit of the reflectance's last place.
+        Effect::Environment => vec![Neutral::scenes(two_shapes, "colour = [0.5, 0.25, 1]", "reflectance = 1e-6")],
+        // One probe at the finest level, at the very place of the sample.
+        Effect::Footprint => {
+            let map = "colour_map = { generate = \"checker\", size = 8, squares = 2 }";
+            let bumps = "height_map = { generate = \"waves\", size = 8, highest = 2, scale = 0 }";
+            ["colour = [1, 1, 1]", "reflectance = 0.5", "highlight = { exponent = 20 }"]
+                .map(|shine| facing(&format!("{shine}, {map}, {bumps}")))
+                .map(|scene| Neutral::plans(scene, |plan| plan.without(Effect::Footprint), ALL))
+                .into()
+        }
+        // Triangles right of the middle are curved, those on the left wait in the same batches.
+        Effect::Curvature => {
+            let mut scene = facing("reflectance = 0.8");
+            for vertex in scene.objects[0].mesh.vertices.iter_mut().filter(|vertex| vertex.position.x > 0.5) {
+                vertex.normal = (DVec3::Y + 0.2 * vertex.position.x * DVec3::X).normalize();
+            }
+            vec![Neutral::plans(scene, |plan| plan.without(Effect::Curvature), LEFT)]
+        }
+        Effect::Highlight => ["colour = [0.5, 0.25, 1]", "reflectance = 0.8"]
+            .map(|common| Neutral::scenes(two_shapes, common, "highlight = { exponent = 20, colour = [0, 0, 0] }"))
+            .into(),
+        Effect::Peaks => {
+            let none = "peaks = { given = [{ amplitude = 0, normal = [0.6, 0, 0.8], exponent = 10 }] }";
+            let black = format!("{FLAT}, peaks = {{ exponent = 20, colour = [0, 0, 0] }}");
+            [none, &black].map(|peaks| Neutral::scenes(two_shapes, "colour = [0.5, 0.25, 1]", peaks)).into()
+        }
+        Effect::Horizon => {
+            let peaks = |shadowing| two_shapes(&format!("{FLAT}, peaks = {{ exponent = 5, shadowing = {shadowing} }}"));
+            vec![Neutral {
+                with: peaks(true),
+                without: peaks(false),
+                plan_with: |plan| plan,
+                plan_without: |plan| plan,
+                columns: ALL,
+            }]
+        }
+    }
+}
+
+/// Whether an effect needs samples with footprints.
+fn needs_footprint(effect: Effect) -> bool {
+    match effect {
+        Effect::Roughness | Effect::Footprint | Effect::Curvature => true,
+        Effect::ColourTexture
+        | Effect::Bump
+        | Effect::Environment
+        | Effect::Highlight
+        | Effect::Peaks
+        | Effect::Horizon => false,
+    }
+}
+
+/// A scene with other plans than its own.
+fn planned<'a>(scene: &'a Scene, mode: Mode, p: &Precision, change: impl Fn(ObjectPlan) -> ObjectPlan) -> Prepared<'a> {
+    let prepared = Prepared::new(scene, mode, p).unwrap();
+    let plans: Vec<ObjectPlan> = prepared.plans().map(|plan| change(*plan)).collect();
+    plans.into_iter().enumerate().fold(prepared, |prepared, (index, plan)| prepared.with_plan(index, plan))
+}
+
+fn draw(prepared: &Prepared<'_>) -> Frame {
+    prepared.render(|| ()).unwrap()
+}
+
+/// Pixels that differ in some columns of two frames, and how far at most.
+fn different(a: &Frame, b: &Frame, columns: &Range<usize>) -> (usize, i32) {
+    let pairs = a.pixels.iter().zip(&b.pixels).enumerate();
+    let seen = pairs.filter(|(index, _)| columns.contains(&(index % a.width as usize)));
+    let differences = seen.map(|(_, (a, b))| (0..3).map(|i| (a[i] - b[i]).abs()).max().unwrap());
+    differences.filter(|difference| *difference != 0).fold((0, 0), |(count, most), one| (count + 1, most.max(one)))
+}
+
+#[test]
+fn a_neutral_map_changes_no_bit() {
+    let mut found = Vec::new();
+    for effect in Effect::ALL {
+        for (form, neutral) in neutral_forms(effect).iter().enumerate() {
+            for profile in PROFILE_NAMES {
+                let p = Precision::by_name(profile).unwrap();
+                for mode in MODES {
+                    let with = planned(&neutral.with, mode, &p, neutral.plan_with);
+                    let without = planned(&neutral.without, mode, &p, neutral.plan_without);
+                    let known = effect != Effect::Roughness || p.roughness != RoughnessKind::None;
+                    let on = known && (mode.filters() || !needs_footprint(effect));
+                    assert!(with.plans().all(|plan| plan.has(effect) == on), "{effect:?} {form}, {profile}, {mode}");
+                    let off = without.plans().all(|plan| !plan.has(effect));
+                    assert!(off, "{effect:?} {form}, {profile}, {mode}");
+                    let (count, most) = different(&draw(&with), &draw(&without), &neutral.columns);
+                    if count > 0 {
+                        found.push(format!(
+                            "{} {form}, {profile}, {mode}: {count} pixels, 2^{:.1} of 2^24",
+                            effect.name(),
+                            f64::from(most).log2()
+                        ));
+                    }
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+/// Bumps that are magnified lose no detail, but the second moments are rounded where the squares of the means are not: K is
+/// 0 up to 2^−28, so D up to 2^−14, and a pixel at the threshold of another probe takes it.
+#[test]
+fn magnified_bumps_are_smooth_up_to_the_rounding_of_a_moment() {
+    let bumps = "height_map = { generate = \"waves\", size = 16, highest = 4, rms_slope = 0.1 }";
+    for shine in ["reflectance = 0.8", "colour = [0, 0, 0], highlight = { exponent = 20 }"] {
+        let scene = facing(&format!("{shine}, {bumps}"));
+        for (name, p) in profiles() {
+            for mode in [Mode::Isotropic, Mode::Footprint] {
+                let rough = planned(&scene, mode, &p, |plan| plan);
+                assert!(rough.plans().all(|plan| plan.has(Effect::Roughness)));
+                let smooth = planned(&scene, mode, &p, |plan| plan.without(Effect::Roughness));
+                let (rough, smooth) = (draw(&rough), draw(&smooth));
+                let psnr = rough.psnr(&smooth);
+                println!("{shine}, {name}, {mode}: {psnr:.1} dB, {:?}", different(&rough, &smooth, &ALL));
+                assert!(psnr >= 75.0, "{shine}, {name}, {mode}: {psnr:.1} dB");
+            }
+        }
+    }
+}
+
+/// A frame that an effect changes shows that a comparison of columns is one: right of the middle, half maps are not neutral.
+#[test]
+fn half_neutral_forms_are_seen_where_they_are_not() {
+    for effect in [Effect::Roughness, Effect::Curvature] {
+        let half = neutral_forms(effect).into_iter().filter(|neutral| neutral.columns == LEFT);
+        for neutral in half {
+            let frame = |change| draw(&planned(&neutral.with, Mode::Footprint, &Precision::STANDARD, change));
+            let (count, _) = different(&frame(neutral.plan_with), &frame(neutral.plan_without), &(60..96));
+            assert!(count > 100, "{}: {count}", effect.name());
+        }
+    }
+}
+
+/// Every block.
+fn full(frame: FrameSystem) -> ObjectPlan {
+    let reflection = ReflectionPlan { frame, ..ReflectionPlan::FULL };
+    ObjectPlan {
+        colour_map: true,
+        bump_map: true,
+        texture_footprint: true,
+        reflection: Some(reflection),
+        highlight: Some(reflection.surface()),
+        peaks: Some(SurfacePlan { bump: false, frame, roughness: RoughnessKind::None, local: true }),
+        horizon: true,
+    }
+}
+
+/// How often each block of each part was entered.
+type Entered = BTreeMap<(&'static str, &'static str), usize>;
+
+fn enter(entered: &mut Entered, part: &'static str, work: impl FnOnce()) {
+    for (block, _) in traced(work).1 {
+        *entered.entry((part, block)).or_default() += 1;
+    }
+}
+
+/// The probes of a repeated map of `edge` texels, as the renderer takes them.
+fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, edge: u16, p: &Precision) {
+    if !plan.texture_footprint {
+        return;
+    }
+    let (texture, map) = texture_scale([edge; 2]);
+    let (texture, map) = (reread(&texture), reread(&map));
+    let duv = input.dview.map(|d| PortBlock { mantissa: [d.mantissa[0], d.mantissa[1]], exponent: d.exponent });
+    let probes = datapath::texture_footprint(&duv, &texture, &map, p).probes;
+    let centre = reread::<Checked, _>(&TexturePosition::<i32> { uv: [Fx::from_raw(1 << 30); 2] });
+    for index in 0..probes.count.raw().value() {
+        datapath::texture_probe(&centre, &probes, Fx::lit(i64::from(index)), &texture, p);
+    }
+}
+
+/// One random fragment, with a light, through the blocks of a plan, part by part as the renderer calls them.
+fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
+    let fragment = random_fragment("plan", index, p);
+    let input = reread::<Checked, _>(&fragment.wires(environment_scale(fragment.edge_texels, p)));
+    let lit = random_light("plan", index, p);
+    let (light, shininess) = (reread(&lit.light.wires()), reread(&lit.shininess.wires()));
+    if plan.colour_map {
+        enter(entered, "colour map", || fetch(&input, plan, 64, p));
+    }
+    if plan.bump_map {
+        enter(entered, "bump map", || fetch(&input, plan, 128, p));
+    }
+    if let Some(plan) = &plan.reflection {
+        enter(entered, "reflection", || {
+            datapath::reflection(&input, plan, p);
+        });
+    }
+    if let Some(plan) = &plan.highlight {
+        enter(entered, "highlight", || {
+            let surface = datapath::surface(&input.surface(), plan, p);
+            datapath::highlight(&surface, &datapath::gloss(&surface, &shininess, plan, p), &light, p);
+        });
+    }
+    if let Some(surface) = &plan.peaks {
+        let peaks = random_peak_case("plan", index, p).peaks;
+        let stored = random_horizon_case("plan", index, p).horizon;
+        let mut made = None;
+        enter(entered, "peaks", || {
+            let surface = datapath::surface(&input.surface(), surface, p);
+            made = Some((surface, datapath::peak_light(&surface, &light, p)));
+        });
+        let (surface, lit) = made.unwrap();
+        let mut weights: Vec<_> = peaks.iter().map(|(_, weight)| Fx::lit(i64::from(*weight))).collect();
+        if plan.horizon {
+            enter(entered, "horizon", || {
+                let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
+                let [light, eye] = [&lit.light, &eye].map(|local| datapath::horizon_slopes(local, p));
+                weights.fill_with(|| datapath::horizon(&light, &eye, &reread(&stored.wires()), p));
+            });
+        }
+        enter(entered, "peaks", || {
+            for ((peak, _), weight) in peaks.iter().zip(weights) {
+                datapath::peak(&lit.direction, &reread(&peak.wires()), weight, p);
+            }
+        });
+    }
+}
+
+/// Whether a block of a part exists for an effect only.
+fn is_of(effect: Effect, part: &str, block: &str) -> bool {
+    let tangents_of_roughness = ["enter.roughness", "roughness", "columns.roughness", "highlight.spread"];
+    match effect {
+        Effect::ColourTexture => part == "colour map",
+        // Without bumps there is no roughness, and without both no frame; that of the peaks is their own.
+        Effect::Bump => {
+            let perturbed = ["enter.tangent", "frame", "enter.offset", "perturb"].contains(&block);
+            part == "bump map"
+                || ["reflection", "highlight"].contains(&part) && (perturbed || tangents_of_roughness.contains(&block))
+        }
+        Effect::Roughness => tangents_of_roughness.contains(&block),
+        Effect::Environment => part == "reflection",
+        Effect::Footprint => {
+            let footprint = ["enter.dview", "enter.dnormal", "columns.pixel", "ellipse", "axes", "probes"];
+            ["colour map", "bump map"].contains(&part)
+                || part == "reflection" && footprint.contains(&block)
+                || tangents_of_roughness.contains(&block)
+        }
+        Effect::Curvature => block == "enter.dnormal",
+        Effect::Highlight => part == "highlight",
+        // What stands on them goes with them.
+        Effect::Peaks => ["peaks", "horizon"].contains(&part),
+        Effect::Horizon => part == "horizon",
+    }
+}
+
+#[test]
+fn blocks_planned_away_are_entered_zero_times() {
+    for (name, p) in profiles() {
+        for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
+            let count = |plan: &ObjectPlan| {
+                let mut entered = Entered::new();
+                (0..48).for_each(|index| shade(index, plan, &p, &mut entered));
+                entered
+            };
+            let full = full(frame);
+            let with = count(&full);
+            for effect in Effect::ALL {
+                let without = count(&full.without(effect));
+                let (of_it, others): (Entered, Entered) = with
+                    .iter()
+                    .map(|(key, count)| (*key, *count))
+                    .partition(|((part, block), _)| is_of(effect, part, block));
+                assert!(
+                    of_it.values().sum::<usize>() > 0,
+                    "{name}, {frame:?}: nothing is entered for {}",
+                    effect.name()
+                );
+                // Equal maps: what is of the effect is not entered, every other block as often as before.
+                assert_eq!(without, others, "{name}, {frame:?}, without {}", effect.name());
+            }
+            let nothing = Effect::ALL.into_iter().fold(full, ObjectPlan::without);
+            assert_eq!(count(&nothing), Entered::new());
+        }
+    }
+}
+
+/// Every map there is: a highlight has none.
+fn every_map() -> Scene {
+    let bumps = "height_map = { generate = \"waves\", size = 16, highest = 6, rms_slope = 0.2 }";
+    two_shapes(&format!(
+        "reflectance = 0.5, {bumps}, peaks = {{ exponent = 20, shadowing = true }}, \
+         colour_map = {{ generate = \"checker\", size = 32, squares = 2 }}"
+    ))
+}
+
+fn bytes(prepared: &Prepared<'_>) -> BTreeMap<&'static str, u64> {
+    prepared.map_bytes(0).into_iter().map(|(effect, bytes)| (effect.name(), bytes)).collect()
+}
+
+/// The scene without the keys of an effect, and what is left of a profile where the effect has none.
+fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precision) {
+    let (mut scene, mut p) = (scene.clone(), *p);
+    for material in scene.objects.iter_mut().map(|object| &mut object.material) {
+        match effect {
+            Effect::ColourTexture => material.colour_map = None,
+            Effect::Bump => (material.bump, material.roughness, material.peaks) = (None, None, None),
+            // Detail that is lost has no key; a profile may leave it out.
+            Effect::Roughness => p.roughness = RoughnessKind::None,
+            Effect::Environment => material.reflectance = [0.0; 3],
+            // The mode and the mesh decide.
+            Effect::Footprint | Effect::Curvature => {}
+            Effect::Highlight => material.highlight = None,
+            Effect::Peaks => material.peaks = None,
+            Effect::Horizon => {
+                if let Some(peaks) = &mut material.peaks {
+                    peaks.shadowing = false;
+                }
+            }
+        }
+    }
+    (scene, p)
+}
+
+#[test]
+fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
+    let shiny = "colour = [0.3, 0.2, 0.1], height_map = { generate = \"waves\", size = 64, rms_slope = 0.2 }, \
+                 highlight = { exponent = 40 }";
+    for scene in [every_map(), two_shapes(shiny)] {
+        for mode in MODES {
+            let p = Precision::STANDARD;
+            let prepared = Prepared::new(&scene, mode, &p).unwrap();
+            let plan = *prepared.plans().next().unwrap();
+            let has_peaks = plan.has(Effect::Peaks);
+            let has_key = |effect| effect != Effect::Footprint && effect != Effect::Curvature;
+            for effect in Effect::ALL.into_iter().filter(|effect| plan.has(*effect) && has_key(*effect)) {
+                let away = planned(&scene, mode, &p, |plan| match effect {
+                    // Peaks of a map need its bumps.
+                    Effect::Bump => plan.without(Effect::Bump).without(Effect::Peaks),
+                    _ => plan.without(effect),
+                });
+                let (bare, p) = without_keys(&scene, effect, &p);
+                let bare = Prepared::new(&bare, mode, &p).unwrap();
+                assert!(draw(&away) == draw(&bare), "{}, {mode}, peaks: {has_peaks}", effect.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn maps_of_an_effect_planned_away_take_no_memory() {
+    let scene = every_map();
+    let p = Precision::STANDARD;
+    let with = bytes(&Prepared::new(&scene, Mode::Footprint, &p).unwrap());
+    for effect in Effect::ALL {
+        // What goes with an effect, itself first.
+        let gone: &[Effect] = match effect {
+            Effect::Bump => &[Effect::Bump, Effect::Roughness],
+            Effect::Peaks => &[Effect::Peaks, Effect::Horizon],
+            Effect::ColourTexture | Effect::Roughness | Effect::Environment | Effect::Horizon => &[effect],
+            Effect::Footprint | Effect::Curvature | Effect::Highlight => continue,
+        };
+        assert!(gone.iter().all(|gone| with[gone.name()] > 0), "{}: {with:?}", effect.name());
+        let mut left = with.clone();
+        left.retain(|name, _| gone.iter().all(|gone| gone.name() != *name));
+        let prepared = Prepared::new(&scene, Mode::Footprint, &p).unwrap();
+        let plan = prepared.plans().next().unwrap().without(effect);
+        // Nothing else reflects or shines that would need them.
+        if effect == Effect::Environment {
+            left.retain(|name, _| *name != Effect::Bump.name() && *name != Effect::Roughness.name());
+        }
+        assert_eq!(bytes(&prepared.with_plan(0, plan)), left, "another plan without {}", effect.name());
+        // Peaks of a map are made of its bumps.
+        if effect == Effect::Bump {
+            left.retain(|name, _| *name != Effect::Peaks.name() && *name != Effect::Horizon.name());
+        }
+        let (scene, p) = without_keys(&scene, effect, &p);
+        let prepared = Prepared::new(&scene, Mode::Footprint, &p).unwrap();
+        assert_eq!(bytes(&prepared), left, "no key of {}", effect.name());
+    }
+}
+
+#[test]
+fn maps_without_footprints_are_their_finest_level_alone() {
+    let scene = every_map();
+    let [whole, finest] = [Mode::Footprint, Mode::Unfiltered]
+        .map(|mode| bytes(&Prepared::new(&scene, mode, &Precision::STANDARD).unwrap()));
+    // 32 by 32 texels of three words of 16 bits, 16 by 16 of two; six faces of 64 by 64.
+    assert_eq!((finest["colour texture"], finest["bump"]), (32 * 32 * 6, 16 * 16 * 4));
+    assert!(!finest.contains_key("roughness"));
+    for name in ["colour texture", "bump", "environment", "peaks", "horizon"] {
+        assert!(finest[name] < whole[name], "{name}: {finest:?} {whole:?}");
+    }
+}
