@@ -253,6 +253,7 @@ impl ObjectPlan {
             Effect::Roughness => {
                 self.change_reflection(|plan| plan.roughness = RoughnessKind::None);
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
+                self.bump_map &= self.has(Effect::Bump);
             }
             Effect::Environment => {
                 self.reflection = None;
@@ -264,6 +265,7 @@ impl ObjectPlan {
                     (plan.footprint, plan.curvature, plan.roughness) = (false, false, RoughnessKind::None);
                 });
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
+                self.bump_map &= self.has(Effect::Bump);
             }
             Effect::Curvature => self.change_reflection(|plan| plan.curvature = false),
             Effect::Highlight => {

@@ -65,8 +65,8 @@ pub(super) struct PeakMap {
 }
 
 impl PeakMap {
-    /// As it is stored, or only its base where nothing is filtered.
-    pub(super) fn new(pyramid: &PeakPyramid, filters: bool) -> Self {
+    /// As it is stored, or only its base where nothing is filtered; its horizons where peaks have shadows.
+    pub(super) fn new(pyramid: &PeakPyramid, filters: bool, shadowing: bool) -> Self {
         let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
         let stored = |peak: &pyramid::Peak| whole(stored_peak(peak.normal, peak.amplitude, peak.exponent).wires());
         let horizon = |sides: [pyramid::Horizon; 4]| {
@@ -85,7 +85,7 @@ impl PeakMap {
             map,
             ends: ends.collect(),
             peaks: peaks().map(stored).collect(),
-            horizons: peaks().filter_map(|peak| peak.horizon).map(horizon).collect(),
+            horizons: peaks().filter_map(|peak| peak.horizon.filter(|_| shadowing)).map(horizon).collect(),
         }
     }
 
@@ -208,10 +208,15 @@ impl Lighting {
     }
 
     /// The same with the blocks of another plan.
-    pub(super) fn with_plan(self, plan: &ObjectPlan) -> Option<Self> {
+    pub(super) fn with_plan(mut self, plan: &ObjectPlan) -> Option<Self> {
         let surface =
             if matches!(self.lobes, Lobes::Highlight(_) | Lobes::Printed(_)) { plan.highlight } else { plan.peaks };
-        surface.map(|surface| Self { plan: surface, shadowing: self.shadowing && plan.horizon, ..self })
+        self.plan = surface?;
+        self.shadowing &= plan.horizon;
+        if let (false, Lobes::Map(map)) = (self.shadowing, &mut self.lobes) {
+            map.horizons = Vec::new();
+        }
+        Some(self)
     }
 
     /// Bytes of the stored peaks, and of their horizons.
