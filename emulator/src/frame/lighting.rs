@@ -79,7 +79,7 @@ impl PeakMap {
             *end += peaks;
             Some(*end)
         });
-        let peaks = || kept.iter().flat_map(|level| level.peaks());
+        let peaks = || kept.iter().flat_map(pyramid::PeakLevel::peaks);
         let map = RepeatedMap::new(kept.iter().map(|level| (level.width, level.height)));
         Self {
             map,
