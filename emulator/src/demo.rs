@@ -82,20 +82,20 @@ pub fn demo_scene(
     profile: &Precision,
     directory: &Path,
     cache: Option<&Path>,
-    step: impl Fn(&str),
+    step: &dyn Fn(&str),
 ) -> Result<DemoScene, DrawError> {
     step(&format!("{name}: maps"));
     let mut scene = Scene::open(name)?;
     if let Some([width, height]) = size {
         scene = scene.with_size(width, height)?;
     }
-    let peaks = ScenePeaks::new(&scene, true, cache, |_| ())
+    let peaks = ScenePeaks::new(&scene, true, cache, &|_| ())
         .map_err(|source| DrawError::Peaks { scene: scene.name.clone(), source })?;
     let failed = |source| DrawError::Raster { scene: scene.name.clone(), source };
     let draw = |prepared: &Prepared<'_>, mode: Mode| -> Result<(Frame, Duration), DrawError> {
         step(&format!("{name}: {mode}"));
         let start = Instant::now();
-        let frame = prepared.render(|| ()).map_err(failed)?;
+        let frame = prepared.render(&|| ()).map_err(failed)?;
         Ok((frame, start.elapsed()))
     };
     let prepare = |mode: Mode| Prepared::with_peaks(&scene, mode, profile, &peaks).map_err(failed);

@@ -188,7 +188,7 @@ impl fmt::Debug for Prepared<'_> {
 impl<'a> Prepared<'a> {
     /// Builds the maps a scene needs in a mode with a profile; what the plan leaves out is not built.
     pub fn new(scene: &'a Scene, mode: Mode, profile: &Precision) -> Result<Self, RasterError> {
-        let peaks = ScenePeaks::new(scene, mode.filters(), None, |_| ())?;
+        let peaks = ScenePeaks::new(scene, mode.filters(), None, &|_| ())?;
         Self::with_peaks(scene, mode, profile, &peaks)
     }
 
@@ -287,7 +287,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Draws the frame. `progress` is called once for each of [`Self::work`] pieces, from any thread.
-    pub fn render(&self, progress: impl Fn() + Sync) -> Result<Frame, RasterError> {
+    pub fn render(&self, progress: &(dyn Fn() + Sync)) -> Result<Frame, RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
         let shaded: Vec<(TileRect, Vec<Colour>)> = tiles(width, height)

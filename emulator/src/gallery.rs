@@ -170,7 +170,7 @@ pub fn draw_scene(
     entry: &'static Entry,
     settings: &Settings,
     directory: &Path,
-    progress: impl Fn(&str, u64) + Sync,
+    progress: &(dyn Fn(&str, u64) + Sync),
 ) -> Result<DrawnScene, GalleryError> {
     progress(entry.name, 0);
     let [width, height] = settings.size;
@@ -184,8 +184,9 @@ pub fn draw_scene(
     let peaks = peaks(&scene, settings)?;
     progress(&truth_name, 0);
     let tile_count = tiles(width, height).count() as u64;
-    let (truth, truth_time) =
-        reference::reference(&scene, entry.name, &peaks, settings, directory, || progress(&truth_name, truth_samples))?;
+    let (truth, truth_time) = reference::reference(&scene, entry.name, &peaks, settings, directory, &|| {
+        progress(&truth_name, truth_samples);
+    })?;
     if truth_time.is_none() {
         progress(&truth_name, truth_samples * tile_count);
     }
@@ -211,7 +212,7 @@ pub fn draw_scene(
             plan = plan_text(&changed, &prepared);
         }
         let samples = u64::from(column.mode.samples_edge().pow(2));
-        let (frame, time) = timed(&changed, &prepared, || progress(&name, samples))?;
+        let (frame, time) = timed(&changed, &prepared, &|| progress(&name, samples))?;
         let picture = frame.picture();
         let stem = column.stem();
         let drawn = DrawnColumn {
@@ -238,7 +239,7 @@ pub fn draw_scene(
 
 /// The peaks of a scene's maps, for all modes.
 fn peaks(scene: &Scene, settings: &Settings) -> Result<ScenePeaks, DrawError> {
-    ScenePeaks::new(scene, true, settings.cache.as_deref(), |_| ())
+    ScenePeaks::new(scene, true, settings.cache.as_deref(), &|_| ())
         .map_err(|source| DrawError::Peaks { scene: scene.name.clone(), source })
 }
 
@@ -254,12 +255,12 @@ fn prepare<'a>(
 }
 
 /// Draws once.
-fn render(scene: &Scene, prepared: &Prepared<'_>, progress: impl Fn() + Sync) -> Result<Frame, DrawError> {
+fn render(scene: &Scene, prepared: &Prepared<'_>, progress: &(dyn Fn() + Sync)) -> Result<Frame, DrawError> {
     prepared.render(progress).map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
 }
 
 /// Draws, and measures how long it takes; only the first drawing shows in the progress.
-fn timed(scene: &Scene, prepared: &Prepared<'_>, progress: impl Fn() + Sync) -> Result<(Frame, Duration), DrawError> {
+fn timed(scene: &Scene, prepared: &Prepared<'_>, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Duration), DrawError> {
     let begin = Instant::now();
     let frame = render(scene, prepared, progress)?;
     let mut fastest = begin.elapsed();
@@ -268,7 +269,7 @@ fn timed(scene: &Scene, prepared: &Prepared<'_>, progress: impl Fn() + Sync) -> 
             break;
         }
         let start = Instant::now();
-        render(scene, prepared, || ())?;
+        render(scene, prepared, &|| ())?;
         fastest = fastest.min(start.elapsed());
     }
     Ok((frame, fastest))

@@ -133,7 +133,7 @@ fn progress_ends_where_it_was_said_to_end() {
         let count = |_: &str, steps: u64| {
             done.fetch_add(steps, Ordering::Relaxed);
         };
-        let drawn = draw_scene(entry, &settings, directory.path(), count).unwrap();
+        let drawn = draw_scene(entry, &settings, directory.path(), &count).unwrap();
         assert_eq!(drawn.reference.time.is_none(), is_kept);
         assert_eq!(done.into_inner(), work(entry, &settings));
     }

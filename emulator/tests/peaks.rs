@@ -117,7 +117,7 @@ fn a_map_of_one_texel_or_one_column_is_drawn_and_has_a_level_horizon() {
             let path = scene(home, LIGHT, &format!("{material}\nframe = \"{frame}\""));
             assert_eq!(drawn(home, &path, &["--no-cache"]).0["peaks"]["built"], 1);
             let material = Scene::from_file(&path).unwrap().objects.remove(0).material;
-            let peaks = PeakPyramid::of_material(&material, true, None, |_| ()).unwrap().unwrap();
+            let peaks = PeakPyramid::of_material(&material, true, None, &|_| ()).unwrap().unwrap();
             let mut steep = [false; 2];
             for peak in peaks.pyramid.levels.iter().flat_map(PeakLevel::peaks) {
                 let sides = peak.horizon.unwrap();

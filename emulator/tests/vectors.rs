@@ -57,7 +57,7 @@ impl Set {
     }
 
     fn verify(&self) -> Result<Verification, VectorError> {
-        verify(&self.json(), |_| {})
+        verify(&self.json(), &|_| {})
     }
 
     fn only_mismatch(&self) -> Mismatch {
@@ -115,7 +115,7 @@ fn every_set_verifies_under_every_profile() {
             let info = SetInfo { plan: set.plan, ..info(set.name, profile) };
             let manifest = export(&info, &set.fragments, directory.path()).unwrap();
             assert_eq!(manifest.count, set.fragments.len() as u64);
-            let result = verify(&directory.path().join(format!("{}_{profile}.json", set.name)), |_| {}).unwrap();
+            let result = verify(&directory.path().join(format!("{}_{profile}.json", set.name)), &|_| {}).unwrap();
             assert!(result.passed(), "{} {profile}: {:?}", set.name, result.mismatches);
         }
     }

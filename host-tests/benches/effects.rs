@@ -58,7 +58,7 @@ fn without_keys(scene: &Scene, effect: Effect) -> Option<(Scene, Precision)> {
 
 /// Peaks of a scene's maps.
 fn fit(scene: &Scene) -> ScenePeaks {
-    ScenePeaks::new(scene, true, None, |_| ()).expect("built-in scenes have peaks")
+    ScenePeaks::new(scene, true, None, &|_| ()).expect("built-in scenes have peaks")
 }
 
 /// Reports to put shares in; hardware is what `roughxel plan` says.
@@ -83,7 +83,7 @@ fn reports(scene: &Scene, prepared: &Prepared<'_>) -> Vec<ObjectReport> {
 /// Seconds of one frame.
 fn seconds(prepared: &Prepared<'_>) -> f64 {
     let start = Instant::now();
-    prepared.render(|| ()).expect("built-in scenes are drawn");
+    prepared.render(&|| ()).expect("built-in scenes are drawn");
     start.elapsed().as_secs_f64()
 }
 
@@ -95,7 +95,7 @@ fn median(mut figures: Vec<f64>) -> f64 {
 
 /// t(planned away)/t(no keys): ratio of the medians.
 fn cost_of_being_off(planned_away: &Prepared<'_>, no_keys: &Prepared<'_>) -> f64 {
-    let frame = |prepared: &Prepared<'_>| prepared.render(|| ()).expect("built-in scenes are drawn");
+    let frame = |prepared: &Prepared<'_>| prepared.render(&|| ()).expect("built-in scenes are drawn");
     assert!(frame(planned_away) == frame(no_keys), "an effect that is off leaves no trace");
     let (mut away, mut none) = (Vec::new(), Vec::new());
     let start = Instant::now();
@@ -134,7 +134,7 @@ fn main() -> ExitCode {
         let peaks = fit(&scene);
         let prepare = || Prepared::with_peaks(&scene, mode, &PROFILE, &peaks).expect("built-in scenes are drawn");
         let mut reports = reports(&scene, &prepare());
-        measure(&scene, mode, &PROFILE, &peaks, SHARE_ROUNDS, &mut reports, || ()).expect("built-in scenes are drawn");
+        measure(&scene, mode, &PROFILE, &peaks, SHARE_ROUNDS, &mut reports, &|| ()).expect("built-in scenes are drawn");
         for report in &reports {
             for effect in &report.effects {
                 let share = effect.share.map_or_else(|| "off".into(), |share| format!("{:.1} %", 100.0 * share));

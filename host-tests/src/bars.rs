@@ -91,8 +91,8 @@ pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
 
 /// PSNR in dB of a frame in a mode against the same filter in float64.
 pub fn psnr_against_float(scene: &Scene, mode: Mode, profile: &Precision) -> Result<f64, RasterError> {
-    let frame = Prepared::new(scene, mode, profile)?.render(|| ())?;
-    Ok(RealPicture::from(&frame).psnr(&float_frame::render(scene, mode, profile, || ())?))
+    let frame = Prepared::new(scene, mode, profile)?.render(&|| ())?;
+    Ok(RealPicture::from(&frame).psnr(&float_frame::render(scene, mode, profile, &|| ())?))
 }
 
 /// PSNR in dB of the four ways to draw a scene, against its truth.
@@ -126,11 +126,11 @@ pub fn scene_figures(
     scene: &Scene,
     profile: &Precision,
     edge: u32,
-    progress: impl Fn() + Sync,
+    progress: &(dyn Fn() + Sync),
 ) -> Result<SceneFigures, RasterError> {
     let truth = float_frame::render(scene, Mode::Supersampled { edge }, profile, progress)?;
     let psnr = |mode| -> Result<f64, RasterError> {
-        Ok(RealPicture::from(&Prepared::new(scene, mode, profile)?.render(|| ())?).psnr(&truth))
+        Ok(RealPicture::from(&Prepared::new(scene, mode, profile)?.render(&|| ())?).psnr(&truth))
     };
     Ok(SceneFigures {
         unfiltered: psnr(Mode::Unfiltered)?,

@@ -60,7 +60,7 @@ pub fn render(
     scene: &Scene,
     mode: Mode,
     profile: &Precision,
-    progress: impl Fn() + Sync,
+    progress: &(dyn Fn() + Sync),
 ) -> Result<RealPicture, RasterError> {
     let projection = Projection::new(&scene.camera)?;
     let triangles = TriangleList::new(&projection, &scene.objects)?;

@@ -9,7 +9,7 @@ const FRAGMENTS: u64 = 1_000_000;
 
 fn holds_every_bar(profile: &str) {
     let p = Precision::by_name(profile).expect("a listed profile exists");
-    let accuracy: Accuracy = measure(&p, FRAGMENTS, |_| ());
+    let accuracy: Accuracy = measure(&p, FRAGMENTS, &|_| ());
     assert!(accuracy.fragments > FRAGMENTS, "random fragments and hard cases");
     assert_eq!(accuracy.wrong_faces, 0, "{profile}: faces away from ties");
     assert_eq!(accuracy.wrong_counts, 0, "{profile}: probe counts away from their boundaries");

@@ -382,7 +382,7 @@ fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
     let golden = std::fs::read_to_string(golden).unwrap();
     for name in bars::SCENES.into_iter().chain(LIT_SCENES) {
         let scene = Scene::builtin(name).unwrap().unwrap().with_size(64, 48).unwrap();
-        let peaks = ScenePeaks::new(&scene, true, None, |_| ()).unwrap();
+        let peaks = ScenePeaks::new(&scene, true, None, &|_| ()).unwrap();
         for mode in [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }] {
             let prefix = format!("{name} standard {mode} ");
             let expected = golden.lines().find_map(|line| line.strip_prefix(&prefix)).expect("a golden frame");
@@ -391,7 +391,7 @@ fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
                 let prepared = prepared.with_reading(reading);
                 for threads in [1, 2, 7] {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                    let digest = pool.install(|| prepared.render(|| ())).unwrap().digest();
+                    let digest = pool.install(|| prepared.render(&|| ())).unwrap().digest();
                     assert_eq!(digest, expected, "{name}, {mode}, {reading}, {threads} threads");
                 }
             }

@@ -21,7 +21,7 @@ fn scene(name: &str, width: u32, height: u32) -> Scene {
 }
 
 fn draw(scene: &Scene, mode: Mode, profile: &Precision) -> Frame {
-    Prepared::new(scene, mode, profile).unwrap().render(|| ()).unwrap()
+    Prepared::new(scene, mode, profile).unwrap().render(&|| ()).unwrap()
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn every_mode_is_its_float64_picture() {
 #[test]
 fn filtering_is_10_db_better_than_none_and_better_than_16_samples() {
     for name in bars::FILTERED_SCENES {
-        let figures = bars::scene_figures(&scene(name, 160, 120), &Precision::STANDARD, 16, || ()).unwrap();
+        let figures = bars::scene_figures(&scene(name, 160, 120), &Precision::STANDARD, 16, &|| ()).unwrap();
         assert!(figures.holds(), "{name}: {figures:?}");
     }
 }

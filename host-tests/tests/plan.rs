@@ -175,7 +175,7 @@ fn planned<'a>(scene: &'a Scene, mode: Mode, p: &Precision, change: impl Fn(Obje
 }
 
 fn draw(prepared: &Prepared<'_>) -> Frame {
-    prepared.render(|| ()).unwrap()
+    prepared.render(&|| ()).unwrap()
 }
 
 /// Pixels that differ in some columns of two frames, and how far at most.

@@ -32,7 +32,7 @@ impl CacheArgs {
     /// The peaks of a scene, with a bar where that takes long; a cache that cannot be written is a warning.
     pub(super) fn peaks(&self, scene: &Scene, filters: bool) -> Result<ScenePeaks, Failure> {
         let bar = late_progress(ScenePeaks::steps(scene, filters), &format!("{}: peaks", scene.name));
-        let peaks = ScenePeaks::new(scene, filters, self.directory().as_deref(), |done| bar.inc(done));
+        let peaks = ScenePeaks::new(scene, filters, self.directory().as_deref(), &|done| bar.inc(done));
         bar.finish();
         let peaks = peaks?;
         if let Some(reason) = &peaks.not_kept {

@@ -55,7 +55,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let cache = args.cache.directory();
     let vectors = args.output.join("vectors");
     for name in DEMO_SCENES {
-        let scene = demo_scene(name, args.size, precision, &args.output, cache.as_deref(), step)?;
+        let scene = demo_scene(name, args.size, precision, &args.output, cache.as_deref(), &step)?;
         if let Some(reason) = &scene.not_kept {
             bar.suspend(|| args.cache.warn(reason));
         }
@@ -74,7 +74,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
         sets.push(export(&info, &set.fragments, &vectors)?);
     }
     bar.set_message("accuracy");
-    let accuracy = measure(precision, ACCURACY_FRAGMENTS, |_| {});
+    let accuracy = measure(precision, ACCURACY_FRAGMENTS, &|_| {});
     bar.finish_and_clear();
 
     let mut out = io::stdout().lock();

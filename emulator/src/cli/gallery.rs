@@ -87,7 +87,7 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
         }
         bar.inc(done);
     };
-    let scenes = entries.into_iter().map(|entry| draw_scene(entry, &settings, directory, step));
+    let scenes = entries.into_iter().map(|entry| draw_scene(entry, &settings, directory, &step));
     let scenes = scenes.collect::<Result<Vec<DrawnScene>, _>>()?;
     let page = write_page(&scenes, &settings, profile, directory)?;
     bar.finish_and_clear();

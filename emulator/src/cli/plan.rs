@@ -68,7 +68,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     if args.measure {
         let effects = reports.iter().flat_map(|report| &report.effects).filter(|effect| effect.decision.on).count();
         let bar = progress(effects as u64 * u64::from(args.rounds), &scene.name);
-        measure(&scene, args.mode, profile, &peaks, args.rounds as usize, &mut reports, || bar.inc(1))?;
+        measure(&scene, args.mode, profile, &peaks, args.rounds as usize, &mut reports, &|| bar.inc(1))?;
         bar.finish_and_clear();
     }
     let mut out = io::stdout().lock();

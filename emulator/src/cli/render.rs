@@ -68,7 +68,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let preparation = start.elapsed().as_secs_f64();
     let bar = progress(prepared.work(), &scene.name);
     let start = Instant::now();
-    let frame = prepared.render(|| bar.inc(1))?;
+    let frame = prepared.render(&|| bar.inc(1))?;
     let drawing = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
     let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&scene.name)).into());

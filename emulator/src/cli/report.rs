@@ -47,7 +47,7 @@ pub(super) fn run(command: &ReportCommand) -> Result<(), Failure> {
     let mut measured = Vec::new();
     for profile in &args.profile.0 {
         let bar = progress(args.fragments, &profile.name);
-        measured.push((profile, measure(&profile.precision, args.fragments, |done| bar.inc(done))));
+        measured.push((profile, measure(&profile.precision, args.fragments, &|done| bar.inc(done))));
         bar.finish_and_clear();
     }
     let mut out = io::stdout().lock();

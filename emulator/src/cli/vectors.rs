@@ -148,7 +148,7 @@ fn export_cases(set: &CaseSet, profile: &ProfileArg, most: u64, directory: &Path
         complain(&format!("note: {} has {} vectors, the first {count} are written", set.name, set.fragments.len()));
     }
     let bar = progress(count, set.name);
-    let manifest = export_with(&info, count, |i| set.fragments[i as usize], directory, |done| bar.set_position(done));
+    let manifest = export_with(&info, count, |i| set.fragments[i as usize], directory, &|done| bar.set_position(done));
     bar.finish_and_clear();
     manifest
 }
@@ -165,7 +165,7 @@ fn export_random(count: u64, seed: u64, profile: &ProfileArg, directory: &Path) 
     };
     let bar = progress(count, RANDOM);
     let fragment = |index| random_fragment(&seed_name, index, &profile.precision);
-    let manifest = export_with(&info, count, fragment, directory, |done| bar.set_position(done));
+    let manifest = export_with(&info, count, fragment, directory, &|done| bar.set_position(done));
     bar.finish_and_clear();
     manifest
 }
@@ -223,7 +223,7 @@ fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
 fn verify_one(manifest: &Path) -> Result<Verification, VectorError> {
     let count = Manifest::read(manifest)?.count;
     let bar = progress(count, &manifest.display().to_string());
-    let result = verify(manifest, |done| bar.set_position(done));
+    let result = verify(manifest, &|done| bar.set_position(done));
     bar.finish_and_clear();
     result
 }

@@ -34,7 +34,7 @@ pub(super) fn reference(
     peaks: &ScenePeaks,
     settings: &Settings,
     directory: &Path,
-    progress: impl Fn() + Sync,
+    progress: &(dyn Fn() + Sync),
 ) -> Result<(Frame, Option<Duration>), GalleryError> {
     let directory = directory.join(DIRECTORY);
     let key = key(scene, name, peaks, settings)?;
@@ -53,7 +53,7 @@ pub(super) fn reference(
 
 /// 64 hexadecimal digits.
 fn key(scene: &Scene, name: &str, peaks: &ScenePeaks, settings: &Settings) -> Result<String, GalleryError> {
-    let once = render(scene, &prepare(scene, Mode::Unfiltered, &PROFILE, peaks)?, || ())?.digest();
+    let once = render(scene, &prepare(scene, Mode::Unfiltered, &PROFILE, peaks)?, &|| ())?.digest();
     let [width, height] = settings.size.map(|edge| edge.to_string());
     let edge = settings.reference_edge.to_string();
     let mut hash = Sha256::new();

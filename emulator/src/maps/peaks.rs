@@ -311,7 +311,7 @@ impl PeakPyramid {
     /// Builds all levels; `progress` is called [`PeakSource::steps`] times, from any thread.
     ///
     /// Errors: sizes, normals, heights and options out of range, before anything is built.
-    pub fn build(source: &PeakSource, options: &BuildOptions, progress: impl Fn() + Sync) -> Result<Self, PeakError> {
+    pub fn build(source: &PeakSource, options: &BuildOptions, progress: &(dyn Fn() + Sync)) -> Result<Self, PeakError> {
         let base = Base::new(source, options)?;
         let mut levels = vec![base.level()];
         let mut fits = FitCounts::default();
@@ -348,7 +348,7 @@ impl PeakPyramid {
         material: &Material,
         filters: bool,
         cache: Option<&Path>,
-        progress: impl Fn(u64) + Sync,
+        progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Option<Cached>, PeakError> {
         let Some((source, options)) = PeakSource::of_material(material).zip(BuildOptions::of_material(material)) else {
             return Ok(None);
@@ -356,8 +356,8 @@ impl PeakPyramid {
         let new = |pyramid| Cached { pyramid, read: false, not_kept: None };
         let cached = match cache {
             _ if !filters => new(Self::base(&source, &options)?),
-            Some(directory) => Self::cached(directory, &source, &options, || progress(1))?,
-            None => new(Self::build(&source, &options, || progress(1))?),
+            Some(directory) => Self::cached(directory, &source, &options, &|| progress(1))?,
+            None => new(Self::build(&source, &options, &|| progress(1))?),
         };
         if cached.read {
             progress(source.steps());
@@ -563,7 +563,7 @@ mod tests {
     }
 
     fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
-        PeakPyramid::build(source, options, || ()).expect("the source is good")
+        PeakPyramid::build(source, options, &|| ()).expect("the source is good")
     }
 
     #[test]
@@ -651,7 +651,7 @@ mod tests {
             let step = || {
                 steps.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             };
-            PeakPyramid::build(source, &OPTIONS, step).expect("the source is good");
+            PeakPyramid::build(source, &OPTIONS, &step).expect("the source is good");
             assert_eq!(steps.into_inner(), source.steps());
             source.steps()
         };
@@ -711,7 +711,7 @@ mod tests {
     #[test]
     fn bad_sources_and_options_are_named() {
         let error = |source: &PeakSource, options: &BuildOptions| {
-            let error = PeakPyramid::build(source, options, || ()).expect_err("it is bad");
+            let error = PeakPyramid::build(source, options, &|| ()).expect_err("it is bad");
             assert_eq!(multiple_surface(source, options), Err(error.clone()));
             error
         };

@@ -264,7 +264,7 @@ fn compare(fragment: &ReflectionIn, got: &ReflectionOut, plan: &ReflectionPlan, 
 /// Measures `fragments` random fragments and every hard-case set of the profile `p`.
 ///
 /// `progress` is called with the number of fragments done since the last call, from any thread.
-pub fn measure(p: &Precision, fragments: u64, progress: impl Fn(u64) + Sync) -> Accuracy {
+pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -> Accuracy {
     const CHUNK: u64 = 4096;
     let plan = ReflectionPlan::FULL;
     let random = (0..fragments.div_ceil(CHUNK))

@@ -192,7 +192,7 @@ pub fn measure(
     peaks: &ScenePeaks,
     rounds: usize,
     reports: &mut [ObjectReport],
-    progress: impl Fn(),
+    progress: &dyn Fn(),
 ) -> Result<(), RasterError> {
     let with = Prepared::with_peaks(scene, mode, profile, peaks)?;
     for (index, report) in reports.iter_mut().enumerate() {
@@ -204,7 +204,7 @@ pub fn measure(
                 progress();
                 let [with, without] = [&with, &without].map(|prepared| {
                     let start = Instant::now();
-                    prepared.render(|| ()).map(|_| start.elapsed().as_secs_f64())
+                    prepared.render(&|| ()).map(|_| start.elapsed().as_secs_f64())
                 });
                 shares.push(1.0 - without? / with?);
             }

@@ -50,7 +50,7 @@ impl SetInfo<'_> {
 ///
 /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
 pub fn export(info: &SetInfo<'_>, fragments: &[ReflectionIn], directory: &Path) -> Result<Manifest, VectorError> {
-    export_with(info, fragments.len() as u64, |index| fragments[index as usize], directory, |_| {})
+    export_with(info, fragments.len() as u64, |index| fragments[index as usize], directory, &|_| {})
 }
 
 /// Exports the fragments `fragment(0) … fragment(count − 1)`, a batch in memory at a time; `progress` is told how
@@ -60,7 +60,7 @@ pub fn export_with(
     count: u64,
     fragment: impl Fn(u64) -> ReflectionIn + Sync,
     directory: &Path,
-    progress: impl Fn(u64),
+    progress: &dyn Fn(u64),
 ) -> Result<Manifest, VectorError> {
     let good = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
     for name in [info.name, info.profile] {

@@ -105,7 +105,7 @@ pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
 /// Recomputes and compares the set of `manifest_path`; `progress` is told how many vectors are done.
 ///
 /// Errors: see [`VectorError`]. Differences are no errors, they are the result.
-pub fn verify(manifest_path: &Path, progress: impl Fn(u64)) -> Result<Verification, VectorError> {
+pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = Layout::new(&manifest.profile.knobs);
     let entry = &manifest.files[0];

@@ -26,7 +26,7 @@ pub fn golden_frames() -> Result<String, String> {
         let failed = |error: &dyn std::fmt::Display| format!("scene {name}: {error}");
         let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
         let scene = scene.with_size(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
-        let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), |_| ()).map_err(|error| failed(&error))?;
+        let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), &|_| ()).map_err(|error| failed(&error))?;
         let variants: Vec<(&str, Mode)> =
             PROFILE_NAMES.iter().flat_map(|&profile| MODES.map(|mode| (profile, mode))).collect();
         let lines: Result<Vec<String>, String> = variants
@@ -34,7 +34,7 @@ pub fn golden_frames() -> Result<String, String> {
             .map(|(profile, mode)| {
                 let precision = Precision::by_name(profile).ok_or_else(|| failed(&"unknown profile"))?;
                 let prepared = Prepared::with_peaks(&scene, mode, &precision, &peaks);
-                let frame = prepared.and_then(|prepared| prepared.render(|| ()));
+                let frame = prepared.and_then(|prepared| prepared.render(&|| ()));
                 let digest = frame.map_err(|error| failed(&error))?.digest();
                 Ok(format!("{name} {profile} {mode} {digest}\n"))
             })

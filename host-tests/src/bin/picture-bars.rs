@@ -149,7 +149,7 @@ fn scene(report: &mut Report, name: &str, [width, height]: [u32; 2], edge: u32) 
     let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
     let scene = scene.with_size(width, height).map_err(|error| failed(&error))?;
     let progress = bar(&format!("{name}: {} samples a pixel", edge * edge), float_frame::work(&scene));
-    let figures = bars::scene_figures(&scene, &Precision::STANDARD, edge, || progress.inc(1));
+    let figures = bars::scene_figures(&scene, &Precision::STANDARD, edge, &|| progress.inc(1));
     progress.finish_and_clear();
     let figures = figures.map_err(|error| failed(&error))?;
     report.add(&format!("{name}: unfiltered"), figures.unfiltered, "dB", &Bar::None);

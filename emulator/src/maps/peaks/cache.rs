@@ -47,7 +47,7 @@ impl PeakPyramid {
         directory: &Path,
         source: &PeakSource,
         options: &BuildOptions,
-        progress: impl Fn() + Sync,
+        progress: &(dyn Fn() + Sync),
     ) -> Result<Cached, PeakError> {
         source.check()?;
         options.check()?;
@@ -213,7 +213,7 @@ mod tests {
     /// The pyramid, whether it was read, and how often progress was reported.
     fn cached(directory: &Path, source: &PeakSource, options: &BuildOptions) -> (PeakPyramid, bool, usize) {
         let steps = AtomicUsize::new(0);
-        let cached = PeakPyramid::cached(directory, source, options, || {
+        let cached = PeakPyramid::cached(directory, source, options, &|| {
             steps.fetch_add(1, Ordering::Relaxed);
         });
         let cached = cached.expect("the source is good");
@@ -304,7 +304,7 @@ mod tests {
         let file = directory.path().join("file");
         fs::write(&file, "").expect("the file can be written");
         for place in [&file, &file.join("below")] {
-            let cached = PeakPyramid::cached(place, &hills(2, 2), &OPTIONS, || ()).expect("the source is good");
+            let cached = PeakPyramid::cached(place, &hills(2, 2), &OPTIONS, &|| ()).expect("the source is good");
             assert!(!cached.read && cached.not_kept.is_some());
         }
     }

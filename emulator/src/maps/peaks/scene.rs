@@ -40,7 +40,7 @@ impl ScenePeaks {
         scene: &Scene,
         filters: bool,
         cache: Option<&Path>,
-        progress: impl Fn(u64) + Sync,
+        progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Self, ObjectPeakError> {
         let mut peaks = Self::default();
         for (index, object) in scene.objects.iter().enumerate() {
@@ -112,7 +112,7 @@ mod tests {
         let count = |done| {
             steps.fetch_add(done, Ordering::Relaxed);
         };
-        let peaks = ScenePeaks::new(scene, filters, cache, count).expect("the scene is good");
+        let peaks = ScenePeaks::new(scene, filters, cache, &count).expect("the scene is good");
         assert_eq!(steps.into_inner(), ScenePeaks::steps(scene, filters));
         assert!(peaks.not_kept.is_none());
         peaks
