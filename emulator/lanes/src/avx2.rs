@@ -45,25 +45,6 @@ vectors! {
         fn splat_wide(t, value: i64) -> Wide { [_mm256_set1_epi64x(value); 2] }
     }
 
-    fn transpose(t, rows: [Word; 8]) -> [Word; 8] {
-        // Words, then pairs of words are interleaved in each half of a vector; the halves come together last.
-        let (mut words, mut pairs, mut columns) = (rows, rows, rows);
-        for i in [0, 2, 4, 6] {
-            words[i] = _mm256_unpacklo_epi32(rows[i], rows[i + 1]);
-            words[i + 1] = _mm256_unpackhi_epi32(rows[i], rows[i + 1]);
-        }
-        for i in [0, 1, 4, 5] {
-            let pair = i / 4 * 4 + i % 4 * 2;
-            pairs[pair] = _mm256_unpacklo_epi64(words[i], words[i + 2]);
-            pairs[pair + 1] = _mm256_unpackhi_epi64(words[i], words[i + 2]);
-        }
-        for i in 0..4 {
-            columns[i] = _mm256_permute2x128_si256::<0x20>(pairs[i], pairs[i + 4]);
-            columns[i + 4] = _mm256_permute2x128_si256::<0x31>(pairs[i], pairs[i + 4]);
-        }
-        columns
-    }
-
     fn not(t, a: Flag) -> Flag { _mm256_xor_si256(a, _mm256_set1_epi32(-1)) }
     fn both(t, a: Flag, b: Flag) -> Flag { _mm256_and_si256(a, b) }
     fn either(t, a: Flag, b: Flag) -> Flag { _mm256_or_si256(a, b) }

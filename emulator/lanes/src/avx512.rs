@@ -54,21 +54,6 @@ vectors! {
         fn splat_wide(t, value: i64) -> Wide { [_mm512_set1_epi64(value); 2] }
     }
 
-    fn transpose(t, rows: [Word; 16]) -> [Word; 16] {
-        let low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-        let high = _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-        let mut columns = rows;
-        // Each round interleaves the two halves of the rows.
-        for _ in 0..4 {
-            let halves = columns;
-            for i in 0..8 {
-                columns[2 * i] = _mm512_permutex2var_epi32(halves[i], low, halves[i + 8]);
-                columns[2 * i + 1] = _mm512_permutex2var_epi32(halves[i], high, halves[i + 8]);
-            }
-        }
-        columns
-    }
-
     fn not(t, a: Flag) -> Flag { Flag { all: !a.all, even: !a.even, odd: !a.odd } }
     fn both(t, a: Flag, b: Flag) -> Flag { Flag { all: a.all & b.all, even: a.even & b.even, odd: a.odd & b.odd } }
     fn either(t, a: Flag, b: Flag) -> Flag { Flag { all: a.all | b.all, even: a.even | b.even, odd: a.odd | b.odd } }

@@ -2,7 +2,6 @@
 
 use roughxel_core::bundle::{Bundle, Rewire, bundle};
 use roughxel_core::datapath::{self, Reflection, ReflectionInput};
-use roughxel_core::each::each;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
@@ -32,8 +31,8 @@ impl<W: Word> Footprint<W> {
     }
 }
 
-/// Squares of [`LANES`] words of [`LANES`] fragments that hold the 39 words of a [`ReflectionInput`].
-const SQUARES: usize = 3;
+/// Words of a [`ReflectionInput`].
+const WORDS: usize = 39;
 
 /// Words of a [`Reflection`], at most.
 const ROWS: usize = 128;
@@ -41,8 +40,8 @@ const ROWS: usize = 128;
 /// A word of [`LANES`] fragments.
 type Row = [i32; LANES];
 
-/// Inputs of [`LANES`] fragments: of each, the words in the order of a walk, [`LANES`] in every square.
-type Group = [[Row; LANES]; SQUARES];
+/// Inputs of [`LANES`] fragments, their words in the order of a walk.
+type Group = [Row; WORDS];
 
 /// Inputs of any number of fragments; the last group is filled up with fragments of zeros.
 #[derive(Clone, Debug, Default)]
@@ -87,7 +86,7 @@ impl Batch {
     pub fn push(&mut self, input: &ReflectionInput<i32>) {
         let lane = self.len % LANES;
         if lane == 0 {
-            self.groups.push([[[0; LANES]; LANES]; SQUARES]);
+            self.groups.push([[0; LANES]; WORDS]);
         }
         if let Some(group) = self.groups.last_mut() {
             input.rewire::<i32, _>(&mut Store { group, lane, next: 0 });
@@ -143,7 +142,7 @@ impl Batch {
             let form = T::run(
                 #[inline(always)]
                 || {
-                    let input = blank.rewire(&mut Load::<T>::new(group));
+                    let input = blank.rewire(&mut Load { group, proof: T::proof(), next: 0 });
                     pick(datapath::reflection(&input, plan, p)).rewire(&mut Unload { rows: &mut rows, next: 0 })
                 },
             );
@@ -164,7 +163,7 @@ struct Store<'a> {
 impl Store<'_> {
     #[inline(always)]
     fn store(&mut self, word: i32) {
-        self.group[self.next / LANES][self.lane][self.next % LANES] = word;
+        self.group[self.next][self.lane] = word;
         self.next += 1;
     }
 }
@@ -189,27 +188,21 @@ impl Rewire<i32, i32> for Store<'_> {
 }
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
-struct Load<T: Target> {
-    columns: [[T::Words; LANES]; SQUARES],
+struct Load<'a, T> {
+    group: &'a Group,
     proof: T,
     next: usize,
 }
 
-impl<T: Target> Load<T> {
-    #[inline(always)]
-    fn new(group: &Group) -> Self {
-        let proof = T::proof();
-        Self { columns: each!(square in [&group[0], &group[1], &group[2]] => proof.columns(square)), proof, next: 0 }
-    }
+impl<T: Target> Load<'_, T> {
     #[inline(always)]
     fn load(&mut self) -> Lanes<T> {
         self.next += 1;
-        let place = self.next - 1;
-        Lanes(self.columns[place / LANES][place % LANES], self.proof)
+        Lanes(self.proof.words(self.group[self.next - 1]), self.proof)
     }
 }
 
-impl<T: Target> Rewire<i32, Lanes<T>> for Load<T> {
+impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_, T> {
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
         self.load()

@@ -23,8 +23,6 @@ macro_rules! vectors_trait {
             fn detect() -> Self;
             /// The proof, in a thread that has found it before. Panics in any other.
             fn proof() -> Self;
-            /// Words `j` of the rows, row `i` in lane `i`, for every `j`.
-            fn columns(self, rows: &[[i32; LANES]; LANES]) -> [Self::Words; LANES];
             $(
                 #[doc = concat!("`", stringify!($name), "` of every lane.")]
                 fn $name(self, $($a: vectors_trait!(@type $ty)),*) -> vectors_trait!(@type $out);
@@ -94,13 +92,11 @@ macro_rules! vectors {
         to { $(fn $to:ident($t0:ident, $a0:ident: $lanes0:ty) -> $out0:ident $body0:block)* }
         from { $(fn $from:ident($t1:ident, $a1:ident: $ty1:ident) -> $lanes1:ty $body1:block)* }
         all { $(fn $all:ident($t2:ident, $a2:ident: $ty2:ident) -> $out2:ident $body2:block)* }
-        fn transpose($t3:ident, $rows:ident: $square:ty) -> $columns:ty $body3:block
         $(fn $name:ident($t:ident $(, $a:ident: $ty:ident)*) -> $out:ident $body:block)*
     ) => {
         $(fearless_simd::kernel! { #[inline(always)] fn $to($t0: $target, $a0: $lanes0) -> $out0 { $body0 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $from($t1: $target, $a1: $ty1) -> $lanes1 { $body1 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
-        fearless_simd::kernel! { #[inline(always)] fn transpose($t3: $target, $rows: $square) -> $columns { $body3 } }
         $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
 
         const VECTORS: usize = crate::LANES / $width;
@@ -155,20 +151,6 @@ macro_rules! vectors {
                 // Not `detect`: around a call that may return every vector would have to go to memory.
                 let Some(proof) = PROOF.get() else { crate::vectors::outside() };
                 Self(proof)
-            }
-            #[inline(always)]
-            fn columns(self, rows: &[[i32; crate::LANES]; crate::LANES]) -> [Self::Words; crate::LANES] {
-                let mut columns = [[splat(self.0, 0); VECTORS]; crate::LANES];
-                for v in 0..VECTORS {
-                    for across in 0..VECTORS {
-                        let square = each!(i in places() => words(self.0, rows[v * $width + i].as_chunks().0[across]));
-                        let square = transpose(self.0, square);
-                        for j in 0..$width {
-                            columns[across * $width + j][v] = square[j];
-                        }
-                    }
-                }
-                columns
             }
             $(
                 #[inline(always)]
