@@ -1,4 +1,4 @@
-//! Which reading computes the reflection datapath: the bits are the same, the time is not.
+//! Which reading computes the reflection datapath and peaks: the bits are the same, the time is not.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,10 +15,11 @@ use super::target::InstructionSet;
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512};
 
-/// Peaks that are worth a group of lanes, at least: see the bench.
+/// Peaks that are worth a group of lanes, at least: one by one the four of an unfiltered fragment take less (frames of
+/// `denim-plane`: 0.69 s for 0.75 s), the dozens of a filtered one more (1.78 s for 1.57 s).
 const FEW: usize = 8;
 
-/// A way to compute the reflection datapath of many fragments.
+/// A way to compute the reflection datapath of many fragments, or the light of many peaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
     /// One fragment after the other.

@@ -27,8 +27,6 @@ use super::{Colour, colour_word, multiply};
 pub(super) struct Lighting {
     /// Blocks of the surface.
     plan: SurfacePlan,
-    /// Peaks have horizons.
-    shadowing: bool,
     lights: Vec<PreparedLight>,
     lobes: Lobes,
 }
@@ -90,14 +88,9 @@ impl PeakMap {
     }
 
     /// Bytes of the stored peaks, and of their horizons.
-    fn bytes(&self, horizons: bool) -> [u64; 2] {
-        let peaks = self.peaks.len() as u64;
-        let horizons = if horizons { peaks } else { 0 };
+    fn bytes(&self) -> [u64; 2] {
+        let (peaks, horizons) = (self.peaks.len() as u64, self.horizons.len() as u64);
         [peaks * size_of::<StoredPeak>() as u64, horizons * size_of::<StoredHorizon>() as u64]
-    }
-
-    fn has_horizons(&self) -> bool {
-        !self.horizons.is_empty()
     }
 
     /// Peaks of a texel, and their horizons if there are any.
@@ -184,7 +177,7 @@ impl Lighting {
             HighlightForm::Printed => Lobes::Printed(highlight.exponent),
             HighlightForm::Corrected | HighlightForm::Plain => Lobes::Highlight(shininess(highlight.exponent).wires()),
         };
-        Self { plan, shadowing: false, lights: prepared(lights, highlight.colour, p), lobes }
+        Self { plan, lights: prepared(lights, highlight.colour, p), lobes }
     }
 
     /// The peaks of a material, with the pyramid of its bump map where they come from one.
@@ -203,8 +196,7 @@ impl Lighting {
             (PeakSource::Bump { .. }, Some(map)) => Lobes::Map(map),
             (PeakSource::Bump { .. }, None) => Lobes::Given(Vec::new()),
         };
-        let shadowing = matches!(&lobes, Lobes::Map(map) if map.has_horizons());
-        Self { plan, shadowing, lights: prepared(lights, given.colour, p), lobes }
+        Self { plan, lights: prepared(lights, given.colour, p), lobes }
     }
 
     /// The same with the blocks of another plan.
@@ -212,8 +204,7 @@ impl Lighting {
         let surface =
             if matches!(self.lobes, Lobes::Highlight(_) | Lobes::Printed(_)) { plan.highlight } else { plan.peaks };
         self.plan = surface?;
-        self.shadowing &= plan.horizon;
-        if let (false, Lobes::Map(map)) = (self.shadowing, &mut self.lobes) {
+        if let (false, Lobes::Map(map)) = (plan.horizon, &mut self.lobes) {
             map.horizons = Vec::new();
         }
         Some(self)
@@ -224,7 +215,7 @@ impl Lighting {
         match &self.lobes {
             Lobes::Highlight(_) | Lobes::Printed(_) => [0; 2],
             Lobes::Given(peaks) => [size_of::<StoredPeak>() as u64 * peaks.len() as u64, 0],
-            Lobes::Map(map) => map.bytes(self.shadowing),
+            Lobes::Map(map) => map.bytes(),
         }
     }
 
@@ -282,7 +273,7 @@ impl Lighting {
             Lobes::Map(map) => {
                 let taps = reads.take(&map.map);
                 read.read(map, taps);
-                let eye = self.shadowing.then(|| {
+                let eye = (!map.horizons.is_empty()).then(|| {
                     let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
                     datapath::horizon_slopes(&eye, p)
                 });

@@ -1,4 +1,4 @@
-//! Fetches from repeated maps: colour, and bumps with their second moments.
+//! Fetches from repeated maps: the probes of a fragment, colour, and bumps with their second moments.
 
 use fixed::types::I4F28;
 use roughxel_core::block::Block;
