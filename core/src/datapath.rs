@@ -18,11 +18,12 @@ use crate::block::{Block, Mantissa};
 use crate::bundle::{Bundle, Rewire, Step, bundle};
 use crate::each::each;
 use crate::fx::Fx;
-use crate::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
+use crate::plan::{FrameSystem, PeakPlan, ReflectionPlan, SurfacePlan};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::{
-    Axes, AxisSlope, CubePoint, Ellipse, FacePosition, Frame, Horizon, LIGHT, LOD, LocalDirection, MapScale, OFFSET,
-    POSITION, Peak, PeakSum, PortBlock, Probes, Reflected, SHARE, Shininess, ShininessPort, Spread, TexturePosition,
+    Axes, AxisSlope, CubePoint, Ellipse, FacePosition, Frame, Horizon, LIGHT, LOD, LightSide, LocalDirection, MapScale,
+    OFFSET, POSITION, Peak, PeakSum, PortBlock, Probes, Reflected, SHARE, SLOPE, Shininess, ShininessPort, Spread,
+    TexturePosition,
 };
 use crate::stage::columns::Mirror;
 use crate::stage::texture::TextureScale;
@@ -348,6 +349,38 @@ pub fn leave<W: Word>(stages: &Reflection<W>) -> ReflectionOutput<W> {
     )
 }
 
+/// Ports of the reflection datapath as vectors have them: the edge of the environment's faces in place of its scale.
+#[derive(Clone, Copy, Debug)]
+pub struct FragmentInput<W: Word> {
+    /// n.
+    pub normal: PortBlock<W, 3>,
+    /// v.
+    pub view: PortBlock<W, 3>,
+    /// h, or p_u and p_v.
+    pub tangents: [PortBlock<W, 3>; 2],
+    /// b₁, b₂.
+    pub offset: [Fx<W, OFFSET>; 2],
+    /// d₁, d₂, d₃, or I₁.
+    pub roughness: [Fx<W, OFFSET>; 3],
+    /// ∂v/∂x, ∂v/∂y.
+    pub dview: [PortBlock<W, 3>; 2],
+    /// ∂n/∂x, ∂n/∂y.
+    pub dnormal: [PortBlock<W, 3>; 2],
+    /// Edge of a face, texels; any 16-bit number.
+    pub edge_texels: Fx<W, 0>,
+}
+
+bundle!(FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels });
+
+/// The reflection datapath from ports to ports.
+#[inline(always)]
+pub fn fragment<W: Word>(input: &FragmentInput<W>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<W> {
+    let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels } = *input;
+    let map = block!("map_scale", probes::face_scale(edge_texels, p));
+    let input = ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map };
+    leave(&reflection(&input, plan, p))
+}
+
 /// A probe: where it reads and how much it counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Probe<P, W> {
@@ -452,15 +485,17 @@ pub fn local_direction<W: Word>(
 /// What a light is to the peaks of a fragment.
 #[derive(Clone, Copy, Debug)]
 pub struct PeakLight<W: Word> {
+    /// The half vector.
+    pub half: Block<W, 3>,
     /// The half vector in the frame of the surface.
     pub direction: LocalDirection<W>,
     /// The light in the frame of the surface, at any length: for [`horizon_slopes`].
     pub light: Block<W, 3>,
-    /// n·l ≤ 0: no peak is lit.
-    pub below: W::Flag,
+    /// Whether it lights any.
+    pub side: LightSide<W>,
 }
 
-bundle!(PeakLight { direction, light; flag below });
+bundle!(PeakLight { half, direction, light, side });
 
 /// The half vector of a light for the peaks of a fragment. `light` points from the surface to the light.
 #[inline(always)]
@@ -468,8 +503,10 @@ pub fn peak_light<W: Word>(surface: &Surface<W>, light: &PortBlock<W, 3>, p: &Pr
     let Surface { normal, view, frame, .. } = surface;
     let light = block!("enter.light", enter::enter(light, p));
     let half = block!("half", half::half(&light, view, p));
-    let light = local_components(&light, frame, normal, p);
-    PeakLight { direction: local_direction(&half, frame, normal, p), light, below: !Fx::zero().lt(light.m[2]) }
+    let direction = local_direction(&half, frame, normal, p);
+    let local = local_components(&light, frame, normal, p);
+    let side = block!("local.side", local::side(&light, &local));
+    PeakLight { half, direction, light: local, side }
 }
 
 /// The light of one stored peak. `weight` is its share of the fragment, times its visibility where there is a horizon.
@@ -591,9 +628,154 @@ pub fn highlight<W: Word>(
     Highlight { half, f: lobe.f, status }
 }
 
+/// Every stage's outcome of the highlight datapath for one fragment with one light.
+#[derive(Clone, Copy, Debug)]
+pub struct LitSurface<W: Word> {
+    /// The surface.
+    pub surface: Surface<W>,
+    /// Its material.
+    pub gloss: Gloss<W>,
+    /// The light on it.
+    pub highlight: Highlight<W>,
+}
+
 /// The highlight datapath of one fragment with one light: surface, material, light.
 #[inline(always)]
-pub fn lit_surface<W: Word>(input: &HighlightInput<W>, plan: &SurfacePlan, p: &Precision) -> Highlight<W> {
+pub fn lit_surface<W: Word>(input: &HighlightInput<W>, plan: &SurfacePlan, p: &Precision) -> LitSurface<W> {
     let surface = surface(&input.surface, plan, p);
-    highlight(&surface, &gloss(&surface, &input.shininess, plan, p), &input.light, p)
+    let gloss = gloss(&surface, &input.shininess, plan, p);
+    LitSurface { surface, gloss, highlight: highlight(&surface, &gloss, &input.light, p) }
+}
+
+/// What leaves the highlight datapath, as [`crate::ports::HighlightOut`] describes it, in the order of the pipeline.
+#[derive(Clone, Copy, Debug)]
+pub struct HighlightOutput<W: Word> {
+    /// E₁ and E₂, scaled by |n|.
+    pub frame: [PortBlock<W, 3>; 2],
+    /// n_mod.
+    pub normal_mod: PortBlock<W, 3>,
+    /// d₁E₁ and d₂E₁ + d₃E₂, scaled by |n|.
+    pub tangents: [PortBlock<W, 3>; 2],
+    /// The same relative to |n_mod| and to the base deviation.
+    pub spread: [PortBlock<W, 3>; 2],
+    /// 1/√D.
+    pub amplitude: PortBlock<W, 1>,
+    /// h.
+    pub half: PortBlock<W, 3>,
+    /// f.
+    pub f: Fx<W, LIGHT>,
+    /// Sticky bits.
+    pub status: Status<W>,
+}
+
+bundle!(HighlightOutput { frame, normal_mod, tangents, spread, amplitude, half, f, status });
+
+/// The outcomes of the highlight's stages in the form of ports; without roughness its spread stands at zero.
+#[inline(always)]
+pub fn leave_highlight<W: Word>(stages: &LitSurface<W>) -> HighlightOutput<W> {
+    let LitSurface { surface: Surface { normal, frame, normal_mod, roughness, .. }, gloss, highlight } = stages;
+    let (spread, amplitude) = match &gloss.spread {
+        None => ([Block::zero(); 2], Block::zero()),
+        Some(spread) => (spread.tangents, spread.amplitude),
+    };
+    block!(
+        "leave.highlight",
+        HighlightOutput {
+            frame: each!(e in [frame.e1, frame.e2] => leave::leave(&e.scaled(normal.e))),
+            normal_mod: leave::leave(normal_mod),
+            tangents: each!(c in *roughness => leave::leave(&c.scaled(normal.e))),
+            spread: each!(q in spread => leave::leave(&q)),
+            amplitude: leave::leave(&amplitude),
+            half: leave::leave(&highlight.half),
+            f: highlight.f,
+            status: highlight.status,
+        }
+    )
+}
+
+/// Inputs of one light on one peak on wires; [`crate::ports::PeakIn`] describes each.
+#[derive(Clone, Copy, Debug)]
+pub struct LitPeakInput<W: Word> {
+    /// The surface; a peak brings its own normal and roughness.
+    pub surface: SurfaceInput<W>,
+    /// l.
+    pub light: PortBlock<W, 3>,
+    /// The peak.
+    pub peak: Peak<W>,
+    /// Its horizon.
+    pub horizon: Horizon<W>,
+    /// Its share of the fragment.
+    pub weight: Fx<W, SHARE>,
+}
+
+bundle!(LitPeakInput { surface, light, peak, horizon, weight });
+
+/// What leaves the datapath of one light on one peak, as [`crate::ports::PeakOut`] describes it.
+#[derive(Clone, Copy, Debug)]
+pub struct LitPeakOutput<W: Word> {
+    /// E₁ and E₂, scaled by |n|.
+    pub frame: [PortBlock<W, 3>; 2],
+    /// h.
+    pub half: PortBlock<W, 3>,
+    /// h in the frame of the surface, at unit length.
+    pub direction: [Mantissa<W>; 3],
+    /// l in the frame of the surface.
+    pub light: PortBlock<W, 3>,
+    /// v in the frame of the surface.
+    pub eye: PortBlock<W, 3>,
+    /// Slopes of l and of v over both axes.
+    pub slopes: [[Fx<W, SLOPE>; 2]; 2],
+    /// The share of the facets that light and eye clear.
+    pub visibility: Fx<W, SHARE>,
+    /// The light that the peak returns.
+    pub peak: Fx<W, LIGHT>,
+    /// Sticky bits.
+    pub status: Status<W>,
+}
+
+bundle!(LitPeakOutput { frame, half, direction, light, eye, slopes, visibility, peak, status });
+
+/// One light on one peak of a fragment: frame, half vector, horizon, peak; every stage's outcome in the form of ports.
+///
+/// A fragment with several peaks has what comes before [`horizon`] once for all of them.
+#[inline(always)]
+pub fn lit_peak<W: Word>(input: &LitPeakInput<W>, plan: &PeakPlan, p: &Precision) -> LitPeakOutput<W> {
+    let surface = surface(&input.surface, &plan.surface(), p);
+    let lit = peak_light(&surface, &input.light, p);
+    let (eye, slopes, visibility) = if plan.horizon {
+        let eye = local_components(&surface.view, &surface.frame, &surface.normal, p);
+        let [of_light, of_eye] = each!(local in [lit.light, eye] => horizon_slopes(&local, p));
+        let slopes = each!(axes in [of_light, of_eye] => each!(axis in axes => axis.slope));
+        (eye, slopes, horizon(&of_light, &of_eye, &input.horizon, p))
+    } else {
+        (Block::zero(), [[Fx::zero(); 2]; 2], Fx::lit(1 << SHARE))
+    };
+    let weight = block!("peaks.weight", {
+        let share = horizon::product(peaks::share(input.weight), visibility);
+        Fx::select(lit.side.below, Fx::zero(), share)
+    });
+    let sum = peak_sum(&peaks::none(), peak(&lit.direction, &input.peak, weight, p));
+    let status = block!("peaks.status", {
+        peaks::status(&lit.direction, &sum)
+            .raise(StatusBit::NormalZero, surface.normal.is_zero())
+            .raise(StatusBit::ViewZero, surface.view.is_zero())
+            .raise(StatusBit::FramePole, surface.frame.pole)
+            .raise(StatusBit::LightZero, lit.side.none)
+            .raise(StatusBit::HalfZero, lit.half.is_zero())
+            .raise(StatusBit::LightBelowSurface, lit.side.below)
+    });
+    block!(
+        "leave.peak",
+        LitPeakOutput {
+            frame: each!(e in [surface.frame.e1, surface.frame.e2] => leave::leave(&e.scaled(surface.normal.e))),
+            half: leave::leave(&lit.half),
+            direction: lit.direction.unit,
+            light: leave::leave(&lit.light),
+            eye: leave::leave(&eye),
+            slopes,
+            visibility,
+            peak: sum.light,
+            status,
+        }
+    )
 }

@@ -72,3 +72,127 @@ impl ReflectionPlan {
         self.surface().needs_frame()
     }
 }
+
+/// Blocks of one light on one peak.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PeakPlan {
+    /// Which frame the peak stands in.
+    pub frame: FrameSystem,
+    /// Facets hide each other from light and eye.
+    pub horizon: bool,
+}
+
+impl PeakPlan {
+    /// The surface that a peak stands on: it brings its own normal.
+    pub const fn surface(&self) -> SurfacePlan {
+        SurfacePlan { bump: false, frame: self.frame, roughness: RoughnessKind::None, local: true }
+    }
+}
+
+/// A datapath with ports of its own: what vectors are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Datapath {
+    /// From a surface to the probes on the environment it reflects.
+    Reflection,
+    /// One light on a surface with a lobe around its normal.
+    Highlight,
+    /// One light on one of the peaks of a surface.
+    Peak,
+}
+
+impl Datapath {
+    /// Every one.
+    pub const ALL: [Self; 3] = [Self::Reflection, Self::Highlight, Self::Peak];
+
+    /// Its name in manifests and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Reflection => "reflection",
+            Self::Highlight => "highlight",
+            Self::Peak => "peak",
+        }
+    }
+}
+
+/// Blocks that are on, of every datapath: each looks at those it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effects {
+    /// Frame and perturb: reflection and highlight.
+    pub bump: bool,
+    /// Which frame, where one exists.
+    pub frame: FrameSystem,
+    /// Roughness of reflection and highlight.
+    pub roughness: RoughnessKind,
+    /// The dn terms of a reflection.
+    pub curvature: bool,
+    /// The footprint of a reflection.
+    pub footprint: bool,
+    /// Horizons of peaks.
+    pub horizon: bool,
+}
+
+impl Effects {
+    /// Every block.
+    pub const ALL: Self = Self {
+        bump: true,
+        frame: FrameSystem::MainDirection,
+        roughness: RoughnessKind::Anisotropic,
+        curvature: true,
+        footprint: true,
+        horizon: true,
+    };
+
+    /// What a datapath cannot do without.
+    pub const NONE: Self = Self {
+        bump: false,
+        frame: FrameSystem::MainDirection,
+        roughness: RoughnessKind::None,
+        curvature: false,
+        footprint: false,
+        horizon: false,
+    };
+
+    /// Those that a datapath has; the others are off.
+    pub fn of(&self, datapath: Datapath) -> Self {
+        match datapath {
+            Datapath::Reflection => self.reflection().into(),
+            Datapath::Highlight => self.highlight().into(),
+            Datapath::Peak => self.peak().into(),
+        }
+    }
+
+    /// Those of the reflection datapath.
+    pub const fn reflection(&self) -> ReflectionPlan {
+        let Self { bump, frame, roughness, curvature, footprint, .. } = *self;
+        ReflectionPlan { bump, frame, roughness, curvature, footprint }
+    }
+
+    /// Those of a highlight: its roughness needs no footprint.
+    pub const fn highlight(&self) -> SurfacePlan {
+        SurfacePlan { bump: self.bump, frame: self.frame, roughness: self.roughness, local: false }
+    }
+
+    /// Those of a peak.
+    pub const fn peak(&self) -> PeakPlan {
+        PeakPlan { frame: self.frame, horizon: self.horizon }
+    }
+}
+
+impl From<ReflectionPlan> for Effects {
+    fn from(plan: ReflectionPlan) -> Self {
+        let ReflectionPlan { bump, frame, roughness, curvature, footprint } = plan;
+        Self { bump, frame, roughness, curvature, footprint, horizon: false }
+    }
+}
+
+impl From<SurfacePlan> for Effects {
+    fn from(plan: SurfacePlan) -> Self {
+        Self { bump: plan.bump, frame: plan.frame, roughness: plan.roughness, ..Self::NONE }
+    }
+}
+
+impl From<PeakPlan> for Effects {
+    fn from(plan: PeakPlan) -> Self {
+        Self { frame: plan.frame, horizon: plan.horizon, ..Self::NONE }
+    }
+}

@@ -5,13 +5,14 @@
 //! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
 //! bits are rounded away on entry.
 
-use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16, U0F32};
+use fixed::types::{I1F15, I2F30, I4F12, I4F28, I6F26, I8F24, I16F16, U0F32};
 
 use crate::datapath::{
-    self, HighlightInput, Reflection, ReflectionInput, ReflectionOutput, SurfaceInput, TextureFootprint,
+    self, FragmentInput, HighlightInput, HighlightOutput, LitPeakInput, LitPeakOutput, Reflection, ReflectionInput,
+    ReflectionOutput, SurfaceInput, TextureFootprint,
 };
 use crate::fx::Fx;
-use crate::plan::{ReflectionPlan, SurfacePlan};
+use crate::plan::{PeakPlan, ReflectionPlan, SurfacePlan};
 use crate::precision::Precision;
 use crate::scalar::Scalar;
 use crate::signals::{Horizon, MapScale, Peak, PortBlock, ShininessPort};
@@ -152,9 +153,15 @@ impl BlockVector {
 }
 
 impl ReflectionIn {
-    /// The ports as scalar wires.
+    /// The ports as scalar wires, with the scale of a map.
     pub fn wires(&self, map: MapScale<Scalar>) -> ReflectionInput<Scalar> {
-        ReflectionInput {
+        let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, .. } = self.fragment();
+        ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map }
+    }
+
+    /// The ports as scalar wires, with the edge of the environment in place of its scale.
+    pub fn fragment(&self) -> FragmentInput<Scalar> {
+        FragmentInput {
             normal: self.normal.wires(),
             view: self.view.wires(),
             tangents: self.tangents.map(|t| t.wires()),
@@ -162,14 +169,13 @@ impl ReflectionIn {
             roughness: self.roughness.map(|d| Fx::from_raw(d.to_bits())),
             dview: self.dview.map(|d| d.wires()),
             dnormal: self.dnormal.map(|d| d.wires()),
-            map,
+            edge_texels: Fx::from_raw(i32::from(self.edge_texels)),
         }
     }
 
     /// Runs the scalar datapath.
     pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
-        let map = environment_scale(self.edge_texels, p);
-        ReflectionOut::from(&datapath::reflection(&self.wires(map), plan, p))
+        ReflectionOut::from(&datapath::fragment(&self.fragment(), plan, p))
     }
 }
 
@@ -268,6 +274,12 @@ impl StoredHorizon {
     pub const OPEN: Self = Self { low: [I4F12::MIN; 4], inverse_width: [0; 4] };
 }
 
+impl Default for StoredHorizon {
+    fn default() -> Self {
+        Self::OPEN
+    }
+}
+
 impl StoredPeak {
     /// The port as scalar wires.
     pub fn wires(&self) -> Peak<Scalar> {
@@ -326,9 +338,22 @@ pub struct HighlightIn {
     pub shininess: Shininess,
 }
 
-/// Outputs of the highlight of one light on one fragment.
+/// Outputs of every stage of the highlight of one light on one fragment. What belongs to roughness is zero where the plan has
+/// none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HighlightOut {
+    /// E₁ and E₂, scaled by |n|.
+    pub frame: [BlockVector; 2],
+    /// n_mod.
+    pub normal_mod: BlockVector,
+    /// d₁E₁ and d₂E₁ + d₃E₂, scaled by |n|.
+    pub tangents: [BlockVector; 2],
+    /// √m/|n_mod| times `tangents`: relative to |n_mod| and to the base deviation 1/√m.
+    pub spread: [BlockVector; 2],
+    /// 1/√D ≤ 1, D = det(I + mK).
+    pub amplitude: BlockNumber,
+    /// h = l/|l| + v/|v|.
+    pub half: BlockVector,
     /// The share of the light that the highlight returns, [0, 1]. It is 0 where the light is on the horizon of n or below
     /// it, where n_mod faces away from the half vector, and where any of n, v, l or h is zero.
     pub f: I8F24,
@@ -354,7 +379,105 @@ impl HighlightIn {
 
     /// Runs the scalar datapath.
     pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
-        let stages = datapath::lit_surface(&self.wires(), plan, p);
-        HighlightOut { f: I8F24::from_bits(stages.f.raw()), status: stages.status.word().raw() as u32 }
+        HighlightOut::from(&datapath::leave_highlight(&datapath::lit_surface(&self.wires(), plan, p)))
+    }
+}
+
+impl From<&HighlightOutput<Scalar>> for HighlightOut {
+    fn from(output: &HighlightOutput<Scalar>) -> Self {
+        Self {
+            frame: output.frame.each_ref().map(BlockVector::from),
+            normal_mod: BlockVector::from(&output.normal_mod),
+            tangents: output.tangents.each_ref().map(BlockVector::from),
+            spread: output.spread.each_ref().map(BlockVector::from),
+            amplitude: BlockNumber::from(&output.amplitude),
+            half: BlockVector::from(&output.half),
+            f: I8F24::from_bits(output.f.raw()),
+            status: output.status.word().raw() as u32,
+        }
+    }
+}
+
+/// Inputs of one light on one peak of a fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PeakIn {
+    /// Surface normal n, any length.
+    pub normal: BlockVector,
+    /// Vector v from the surface to the eye, any length.
+    pub view: BlockVector,
+    /// Frame vectors, as for [`ReflectionIn`].
+    pub tangents: [BlockVector; 2],
+    /// Vector l from the surface to the light, any length.
+    pub light: BlockVector,
+    /// The peak.
+    pub peak: StoredPeak,
+    /// Its horizon.
+    pub horizon: StoredHorizon,
+    /// Its share of the fragment, saturated to [0, 1].
+    pub weight: I16F16,
+}
+
+/// Outputs of every stage of one light on one peak. What belongs to the horizon is zero, and the visibility 1, where the
+/// plan has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PeakOut {
+    /// E₁ and E₂, scaled by |n|.
+    pub frame: [BlockVector; 2],
+    /// h = l/|l| + v/|v|.
+    pub half: BlockVector,
+    /// h along E₁, E₂ and n, at unit length; zero where h or the frame is.
+    pub direction: [I2F30; 3],
+    /// l along E₁, E₂ and n, at any length.
+    pub light: BlockVector,
+    /// v along E₁, E₂ and n, at any length.
+    pub eye: BlockVector,
+    /// Slopes z/|x| and z/|y| of l, then of v, cut to ±8.
+    pub slopes: [[I6F26; 2]; 2],
+    /// The share of the peak's facets that light and eye clear, [0, 1].
+    pub visibility: I16F16,
+    /// The light that the peak returns, [0, 64); 0 where the light is on the horizon of n or below it, and where any of n,
+    /// v, l, h or the frame is zero.
+    pub peak: I8F24,
+    /// Sticky bits, see [`crate::status::LIGHT_STATUS_BITS`]; those of n, v and the frame as for the reflection.
+    pub status: u32,
+}
+
+impl PeakIn {
+    /// The ports as scalar wires.
+    pub fn wires(&self) -> LitPeakInput<Scalar> {
+        LitPeakInput {
+            surface: SurfaceInput {
+                normal: self.normal.wires(),
+                view: self.view.wires(),
+                tangents: self.tangents.map(|t| t.wires()),
+                offset: [Fx::zero(); 2],
+                roughness: [Fx::zero(); 3],
+            },
+            light: self.light.wires(),
+            peak: self.peak.wires(),
+            horizon: self.horizon.wires(),
+            weight: Fx::from_raw(self.weight.to_bits()),
+        }
+    }
+
+    /// Runs the scalar datapath.
+    pub fn shine(&self, plan: &PeakPlan, p: &Precision) -> PeakOut {
+        PeakOut::from(&datapath::lit_peak(&self.wires(), plan, p))
+    }
+}
+
+impl From<&LitPeakOutput<Scalar>> for PeakOut {
+    fn from(output: &LitPeakOutput<Scalar>) -> Self {
+        Self {
+            frame: output.frame.each_ref().map(BlockVector::from),
+            half: BlockVector::from(&output.half),
+            direction: port_mantissa(output.direction),
+            light: BlockVector::from(&output.light),
+            eye: BlockVector::from(&output.eye),
+            slopes: output.slopes.map(|axes| axes.map(|slope| I6F26::from_bits(slope.raw()))),
+            visibility: I16F16::from_bits(output.visibility.raw()),
+            peak: I8F24::from_bits(output.peak.raw()),
+            status: output.status.word().raw() as u32,
+        }
     }
 }

@@ -225,6 +225,17 @@ pub struct LocalDirection<W: Word> {
 
 bundle!(LocalDirection { unit; flag none });
 
+/// On which side of a surface a light stands.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSide<W: Word> {
+    /// n·l ≤ 0: it lights nothing.
+    pub below: W::Flag,
+    /// l = 0.
+    pub none: W::Flag,
+}
+
+bundle!(LightSide { ; flag below, none });
+
 /// A peak as it is stored; [`crate::ports::StoredPeak`] describes each number.
 #[derive(Clone, Copy, Debug)]
 pub struct Peak<W: Word> {

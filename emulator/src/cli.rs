@@ -19,6 +19,7 @@ mod verilog;
 
 use std::error::Error;
 use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -225,4 +226,11 @@ fn use_threads(threads: Option<usize>) -> Result<(), Failure> {
         Some(threads) => Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?),
         None => Ok(()),
     }
+}
+
+/// A name as part of a file name: lower-case letters, digits and underscores, at most 40.
+fn file_stem(name: &str) -> String {
+    let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+    let good = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    name.chars().map(good).take(40).collect()
 }

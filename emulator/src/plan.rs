@@ -3,7 +3,7 @@
 //! An effect is switched on by what the scene contains, never by a global default. One value drives the frame, the
 //! vector sets and the reports; [`ObjectPlan::decisions`] says of each effect why it is there or not.
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem, PeakPlan, ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use crate::maps::bump::BumpPyramid;
@@ -151,6 +151,15 @@ impl ObjectPlan {
             (RoughnessKind::None, Some(plan)) => plan.roughness,
             (kind, _) => kind,
         }
+    }
+
+    /// The datapaths the object calls for and the blocks of each: what its vectors and its hardware are made for.
+    pub fn datapaths(&self) -> impl Iterator<Item = (Datapath, Effects)> {
+        let reflection = self.reflection.map(|plan| (Datapath::Reflection, plan.into()));
+        let highlight = self.highlight.map(|plan| (Datapath::Highlight, plan.into()));
+        let peak = |plan: SurfacePlan| PeakPlan { frame: plan.frame, horizon: self.horizon };
+        let peaks = self.peaks.map(|plan| (Datapath::Peak, peak(plan).into()));
+        [reflection, highlight, peaks].into_iter().flatten()
     }
 
     /// The frame system, where any block needs p_u and p_v.

@@ -4,9 +4,11 @@
 //! field and bit of a difference. A word ends in a check value that locates a single flipped bit in any field, inputs
 //! included, where recomputation alone would show only its consequences.
 
+mod datapath;
 mod export;
 mod layout;
 mod manifest;
+mod sets;
 mod verify;
 mod word;
 
@@ -15,9 +17,11 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+pub use datapath::Inputs;
 pub use export::{SetInfo, export, export_with};
 pub use layout::{Direction, Field, Layout, STAGES};
 pub use manifest::{FORMAT_VERSION, Manifest, SCHEMA};
+pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
 pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
 
 /// Most vectors of one set.

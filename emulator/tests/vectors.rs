@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use fixed::types::{I2F30, I4F28};
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::{BlockVector, ReflectionIn};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
+use roughxel_emulator::study::cases::random_fragment;
 use roughxel_emulator::vectors::{
-    Cause, Direction, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, verify,
+    Cause, Direction, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, export_with, hard_sets,
+    random_set, verify,
 };
 
 fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
@@ -18,7 +19,8 @@ fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
         name,
         description: "test",
         seed: None,
-        plan: ReflectionPlan::FULL,
+        datapath: Datapath::Reflection,
+        effects: Effects::ALL,
         precision: Precision::by_name(profile).unwrap(),
         profile,
     }
@@ -32,9 +34,14 @@ struct Set {
 
 impl Set {
     fn random(count: u64) -> Self {
+        Self::of(Datapath::Reflection, count)
+    }
+
+    fn of(datapath: Datapath, count: u64) -> Self {
         let directory = tempfile::tempdir().unwrap();
-        let fragments: Vec<_> = (0..count).map(|i| random_fragment("test", i, &Precision::STANDARD)).collect();
-        let manifest = export(&info("random", "standard"), &fragments, directory.path()).unwrap();
+        let info = SetInfo { datapath, ..info("random", "standard") };
+        let input = |index| random_set(datapath, "test", index, &Precision::STANDARD);
+        let manifest = export_with(&info, count, &input, directory.path(), &|_| {}).unwrap();
         Self { directory, manifest }
     }
 
@@ -111,10 +118,12 @@ fn every_set_verifies_under_every_profile() {
     let directory = tempfile::tempdir().unwrap();
     for profile in ["paper", "compact", "standard", "precise"] {
         let p = Precision::by_name(profile).unwrap();
-        for set in hard_case_sets(&p) {
-            let info = SetInfo { plan: set.plan, ..info(set.name, profile) };
-            let manifest = export(&info, &set.fragments, directory.path()).unwrap();
-            assert_eq!(manifest.count, set.fragments.len() as u64);
+        for set in hard_sets(&p) {
+            let datapath = set.cases.datapath();
+            let info = SetInfo { datapath, effects: set.effects, ..info(set.name, profile) };
+            let (count, input) = (set.cases.count(), |index| set.cases.inputs(index));
+            let manifest = export_with(&info, count, &input, directory.path(), &|_| {}).unwrap();
+            assert_eq!(manifest.count, count);
             let result = verify(&directory.path().join(format!("{}_{profile}.json", set.name)), &|_| {}).unwrap();
             assert!(result.passed(), "{} {profile}: {:?}", set.name, result.mismatches);
         }
@@ -123,18 +132,19 @@ fn every_set_verifies_under_every_profile() {
 
 #[test]
 fn a_flipped_bit_in_any_field_is_reported_with_set_index_stage_and_field() {
-    let set = Set::random(3);
-    let words = set.words();
-    for field in &set.manifest.fields {
-        // Every bit of the field's digits, those above its width included.
-        for bit in 0..field.width.next_multiple_of(4) {
-            let mut flipped = words.clone();
-            flipped[1].flip((field.lsb + bit) as usize);
-            set.write_words(&flipped);
-            let mismatch = set.only_mismatch();
-            assert_eq!((mismatch.set.as_str(), mismatch.index, mismatch.line), ("random", 1, 3));
-            assert_eq!((&mismatch.stage, &mismatch.field, mismatch.bit), (&field.stage, &field.name, bit));
-            assert_eq!(mismatch.cause, Cause::FlippedBit);
+    for set in Datapath::ALL.map(|datapath| Set::of(datapath, 3)) {
+        let words = set.words();
+        for field in &set.manifest.fields {
+            // Every bit of the field's digits, those above its width included.
+            for bit in 0..field.width.next_multiple_of(4) {
+                let mut flipped = words.clone();
+                flipped[1].flip((field.lsb + bit) as usize);
+                set.write_words(&flipped);
+                let mismatch = set.only_mismatch();
+                assert_eq!((mismatch.set.as_str(), mismatch.index, mismatch.line), ("random", 1, 3));
+                assert_eq!((&mismatch.stage, &mismatch.field, mismatch.bit), (&field.stage, &field.name, bit));
+                assert_eq!(mismatch.cause, Cause::FlippedBit);
+            }
         }
     }
 }
@@ -231,7 +241,11 @@ fn broken_manifests_are_refused_with_the_reason() {
         (good[..good.len() / 2].to_string(), "no vector manifest"),
         ("{}".into(), "missing field `schema`"),
         (good.replacen("roughxel-vectors", "other", 1), "schema `other` is unknown"),
-        (good.replacen("\"format_version\": 1", "\"format_version\": 2", 1), "format version 2 is unknown"),
+        (good.replacen("\"format_version\": 2", "\"format_version\": 1", 1), "format version 1 is unknown"),
+        (good.replacen("\"reflection\"", "\"refraction\"", 1), "unknown variant `refraction`"),
+        (good.replacen("\"datapath\": \"reflection\"", "\"datapath\": \"highlight\"", 1), "does not have are on"),
+        (good.replacen("\"horizon\": false", "\"horizon\": true", 1), "does not have are on"),
+        (good.replacen("\"curvature\": true", "\"curvature\": false", 1), "`dnormal_dx_x`"),
         (good.replacen("\"name\": \"standard\"", "\"name\": \"best\"", 1), "profile `best` is unknown"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 21", 1), "other knobs"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 99", 1), "fraction_bits is out of its range"),
@@ -258,8 +272,12 @@ fn resizing_a_set_changes_no_vector_that_stays() {
 
 #[test]
 fn fields_tile_the_word_and_have_unique_names() {
-    for profile in ["paper", "compact", "standard", "precise"] {
-        let layout = Layout::new(&Precision::by_name(profile).unwrap());
+    let profiles = ["paper", "compact", "standard", "precise"].map(|name| Precision::by_name(name).unwrap());
+    let layouts = profiles.iter().flat_map(|p| {
+        let effects = [Effects::ALL, Effects::NONE].into_iter();
+        effects.flat_map(move |effects| Datapath::ALL.map(|datapath| Layout::new(datapath, &effects, p)))
+    });
+    for layout in layouts {
         let mut end = layout.word_bits();
         for field in layout.fields() {
             end -= 4 * field.digits();
@@ -293,7 +311,10 @@ fn fragments_with_bits_the_profile_drops_are_refused_and_leave_nothing() {
 fn sets_without_vectors_or_with_names_that_are_paths_are_refused() {
     let directory = tempfile::tempdir().unwrap();
     let fragments = [ReflectionIn::default()];
-    assert!(matches!(export(&info("empty", "standard"), &[], directory.path()), Err(VectorError::Size { .. })));
+    assert!(matches!(
+        export::<ReflectionIn>(&info("empty", "standard"), &[], directory.path()),
+        Err(VectorError::Size { .. })
+    ));
     for name in ["", "../up", "a/b", "A", "a b"] {
         let result = export(&info(name, "standard"), &fragments, directory.path());
         assert!(matches!(result, Err(VectorError::Name(_))), "{name}");
@@ -363,13 +384,13 @@ fn the_program_ends_with_3_on_a_mismatch_and_1_on_a_broken_file() {
     let path = set.directory.path().to_str().unwrap();
     assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
     let mut words = set.words();
-    let field = set.manifest.fields.iter().find(|field| field.name == "tangent_1_z").unwrap();
+    let field = set.manifest.fields.iter().find(|field| field.name == "tangent_0_z").unwrap();
     words[1].flip(field.lsb as usize + 5);
     set.write_words(&words);
     let output = roughxel(&["vectors", "verify", path]);
     let report = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(3));
-    assert!(report.contains("random #1 (line 3): stage input, field tangent_1_z, bit 5"), "{report}");
+    assert!(report.contains("random #1 (line 3): stage input, field tangent_0_z, bit 5"), "{report}");
 
     fs::write(set.hex(), "// nothing\n").unwrap();
     assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(1));

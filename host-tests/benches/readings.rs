@@ -21,7 +21,7 @@ use criterion::{Criterion, Throughput};
 use fearless_simd::Level;
 use roughxel_core::datapath::{Reflection, reflection};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{Effects, ReflectionPlan};
 use roughxel_core::ports::{ReflectionIn, environment_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::scalar::Scalar;
@@ -164,7 +164,7 @@ impl Model {
         let options = Options {
             profile: "standard".into(),
             precision: PROFILE,
-            plan: ReflectionPlan::FULL,
+            effects: Effects::ALL,
             depth: None,
             stage: None,
             prefix: String::new(),
@@ -173,15 +173,15 @@ impl Model {
         let directory = tempfile::tempdir().expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         let mut model = Self { directory, verilog, program: PathBuf::new() };
-        let net = design.record(&ReflectionPlan::FULL, &PROFILE);
+        let net = design.record(&Effects::ALL, &PROFILE);
         for set in sets {
             let mut random = SplitMix64::for_element(set.name, 0);
             let mut ports = |fragment| {
-                let ports = port_values(Self::DESIGN, &net, fragment, &ReflectionPlan::FULL, &PROFILE, &mut random);
+                let ports = port_values(Self::DESIGN, &net, fragment, &Effects::ALL, &PROFILE, &mut random);
                 ports.into_iter().next().expect("a fragment is a vector")
             };
             let inputs: Vec<_> = set.fragments.iter().map(&mut ports).collect();
-            let wires = |ports: &Vec<i64>| outcome::<Scalar>(Self::DESIGN, ports, &ReflectionPlan::FULL, &PROFILE).0;
+            let wires = |ports: &Vec<i64>| outcome::<Scalar>(Self::DESIGN, ports, &Effects::ALL, &PROFILE).0;
             let integers = |ports| wires(ports).into_iter().map(|(_, integer)| integer).collect();
             let outputs: Vec<Vec<i64>> = inputs.iter().map(integers).collect();
             let top = model.verilog.top.as_ref().expect("the datapath has a top");

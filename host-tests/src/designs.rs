@@ -4,10 +4,10 @@
 //! calls them.
 
 use roughxel_core::block::Block;
-use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{HighlightIn, ReflectionIn, StoredHorizon, StoredPeak, texture_scale};
+use roughxel_core::plan::Effects;
+use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn, StoredHorizon, StoredPeak, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{
     CubePoint, Ellipse, FacePosition, FaceSelect, Frame, LocalDirection, PortBlock, Probes, TexturePosition,
@@ -15,9 +15,9 @@ use roughxel_core::signals::{
 use roughxel_core::stage::filter::ROUGHNESS_LOD_BIAS;
 use roughxel_core::stage::{axes, blend, filter, moments, peaks, probes};
 use roughxel_emulator::net::design::{
-    BlendInput, CornerInput, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, HorizonInput,
-    LevelsInput, LocalInput, MomentsInput, MomentsOutput, PeakInput, PeakOutput, ProbeSumInput, RepeatAddressInput,
-    SampleInput, TextureInput, TextureProbeInput, highlight_surface,
+    BlendInput, CornerInput, DecodeInput, Edge, EnvironmentProbeInput, FaceAddressInput, HorizonInput, LevelsInput,
+    LocalInput, MomentsInput, MomentsOutput, PeakInput, PeakOutput, ProbeSumInput, RepeatAddressInput, SampleInput,
+    TextureInput, TextureProbeInput,
 };
 
 use crate::checked::{Integers, Visible, filled};
@@ -26,7 +26,7 @@ use crate::checked::{Integers, Visible, filled};
 ///
 /// `ports` are the integers of the design's ports in the order of their bundle. Panics where there are fewer, or where the
 /// design is unknown here.
-pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> Integers {
+pub fn outcome<W: Visible>(name: &str, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
     fn fx<const FRAC: u32>() -> Fx<i32, FRAC> {
         Fx::zero()
     }
@@ -82,15 +82,12 @@ pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: 
             })
         }
         "fragment" => {
-            let input = filled::<W, _>(&FragmentInput::new(&ReflectionIn::default()), ports);
-            let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels } = input;
-            let map = W::block("map_scale", || probes::face_scale(edge_texels, p));
-            let input = ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map };
-            Integers::of(&datapath::leave(&datapath::reflection(&input, plan, p)))
+            let input = filled::<W, _>(&ReflectionIn::default().fragment(), ports);
+            Integers::of(&datapath::fragment(&input, &effects.reflection(), p))
         }
         "reflection" => {
             let input = filled::<W, _>(&ReflectionIn::default().wires(map), ports);
-            Integers::of(&datapath::reflection(&input, plan, p))
+            Integers::of(&datapath::reflection(&input, &effects.reflection(), p))
         }
         "environment_probe" => {
             let select = FaceSelect { is_z: false, is_y: false, negative: false };
@@ -125,7 +122,11 @@ pub fn outcome<W: Visible>(name: &str, ports: &[i64], plan: &ReflectionPlan, p: 
         }
         "highlight" => {
             let input = filled::<W, _>(&HighlightIn::default().wires(), ports);
-            Integers::of(&datapath::lit_surface(&input, &highlight_surface(plan), p))
+            Integers::of(&datapath::leave_highlight(&datapath::lit_surface(&input, &effects.highlight(), p)))
+        }
+        "lit_peak" => {
+            let input = filled::<W, _>(&PeakIn::default().wires(), ports);
+            Integers::of(&datapath::lit_peak(&input, &effects.peak(), p))
         }
         "blend" => {
             let form = BlendInput { surface: fx(), reflection: fx(), reflectance: fx() };

@@ -2,7 +2,7 @@
 
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::datapath;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::word::{Wire, Word};
 #[cfg(target_arch = "x86_64")]
@@ -54,10 +54,9 @@ pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
         let ports: Vec<Vec<i64>> = group.iter().map(DesignInput::ports).collect();
         let name = group[0].design();
         assert!(group.iter().all(|input| input.design() == name), "inputs of one design");
-        let scalar: Vec<Integers> =
-            ports.iter().map(|ports| outcome::<i32>(name, ports, &ReflectionPlan::FULL, p)).collect();
+        let scalar: Vec<Integers> = ports.iter().map(|ports| outcome::<i32>(name, ports, &Effects::ALL, p)).collect();
         for (ports, expected) in ports.iter().zip(&scalar) {
-            let checked = outcome::<Checked>(name, ports, &ReflectionPlan::FULL, p);
+            let checked = outcome::<Checked>(name, ports, &Effects::ALL, p);
             assert_eq!(*expected, checked, "{name} of {ports:?}: {:?}", first_difference(expected, &checked));
         }
         for set in InstructionSet::available() {

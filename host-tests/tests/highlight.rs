@@ -138,7 +138,7 @@ fn a_half_vector_errs_by_its_last_places_until_l_and_v_are_opposite() {
         let mut worst = 0.0_f64;
         for fragment in sets.chain(random) {
             let want = want(&fragment, &FULL).half;
-            let got = datapath::lit_surface(&fragment.wires(), &FULL, &p).half;
+            let got = datapath::lit_surface(&fragment.wires(), &FULL, &p).highlight.half;
             let got = got.m.map(|m| f64::from(m.raw()));
             if norm(&want) < 1e-12 {
                 continue;
@@ -390,8 +390,9 @@ fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
             };
             let plan = &plans[random.below(plans.len() as u64) as usize];
             let input = fragment.wires();
-            let scalar = datapath::lit_surface(&input, plan, &p);
-            let (checked, _) = counted(|| datapath::lit_surface(&reread::<Checked, _>(&input), plan, &p));
+            let scalar = datapath::leave_highlight(&datapath::lit_surface(&input, plan, &p));
+            let (checked, _) =
+                counted(|| datapath::leave_highlight(&datapath::lit_surface(&reread::<Checked, _>(&input), plan, &p)));
             let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
             assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
             assert!((0..=1 << 24).contains(&scalar.f.raw()), "f of {fragment:?}");

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::Effects;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
 use roughxel_emulator::net::census::{Census, Cost};
 use roughxel_emulator::net::delay::{arrival_in_block, critical_path, levels};
@@ -19,29 +19,29 @@ use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::{Range, Ranges};
 use roughxel_emulator::net::observe::Observed;
-use roughxel_host_tests::space::{plans, profiles};
+use roughxel_host_tests::space::{effects, profiles};
 
 fn design(name: &str) -> &'static Design {
     Design::by_name(name).expect("a listed design exists")
 }
 
-/// The plans under which a design is a different one.
-fn plans_of(design: &Design) -> Vec<ReflectionPlan> {
-    if matches!(design.name, "fragment" | "reflection" | "highlight") { plans() } else { vec![ReflectionPlan::FULL] }
+/// The effects under which a design is a different one.
+fn effects_of(design: &Design) -> Vec<Effects> {
+    effects(design.datapath())
 }
 
-fn holds(design: &Design, plan: &ReflectionPlan, p: &Precision) {
-    let net = design.record(plan, p);
+fn holds(design: &Design, effects: &Effects, p: &Precision) {
+    let net = design.record(effects, p);
     let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
-    assert!(violations.is_empty(), "{} {plan:?} {p:?}:\n{}", design.name, violations.join("\n"));
+    assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name, violations.join("\n"));
 }
 
 #[test]
 fn no_wire_of_any_design_can_leave_its_word() {
     for (_, p) in profiles() {
         for design in DESIGNS {
-            for plan in plans_of(design) {
-                holds(design, &plan, &p);
+            for effects in effects_of(design) {
+                holds(design, &effects, &p);
             }
         }
     }
@@ -76,14 +76,13 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
             }
         }
     }
-    let plans = plans();
     for (index, p) in precisions.iter().enumerate() {
         let p = p.checked().expect("the knobs are inside their limits");
         for design in DESIGNS {
-            let plan = if plans_of(design).len() > 1 { plans[index % plans.len()] } else { ReflectionPlan::FULL };
-            holds(design, &plan, &p);
+            let all = effects_of(design);
+            holds(design, &all[index % all.len()], &p);
         }
-        holds(design("reflection"), &ReflectionPlan::FULL, &p);
+        holds(design("reflection"), &Effects::ALL, &p);
     }
 }
 
@@ -129,9 +128,8 @@ fn sent(net: &Net) -> Vec<Range> {
 fn ports_allow_what_the_design_before_them_can_send() {
     for (profile, p) in profiles() {
         for [above, from, below, to] in CONNECTIONS {
-            let plans = if above == "reflection" { plans() } else { vec![ReflectionPlan::FULL] };
-            for plan in plans {
-                let (above, below) = (design(above).record(&plan, &p), design(below).record(&plan, &p));
+            for effects in effects_of(design(above)) {
+                let (above, below) = (design(above).record(&effects, &p), design(below).record(&Effects::ALL, &p));
                 let outputs = above.outputs.iter().zip(sent(&above));
                 let mut connected = 0;
                 for (output, range) in outputs.filter(|(output, _)| output.name.starts_with(from)) {
@@ -142,7 +140,7 @@ fn ports_allow_what_the_design_before_them_can_send() {
                     let port = port.unwrap_or_else(|| panic!("{name} is a port"));
                     let allowed = Range { low: port.low, high: port.high, zeros: 0 };
                     let inside = allowed.contains(range.low) && allowed.contains(range.high);
-                    assert!(inside, "{profile} {plan:?}: {} is {range}, {name} takes {allowed}", output.name);
+                    assert!(inside, "{profile} {effects:?}: {} is {range}, {name} takes {allowed}", output.name);
                     assert_eq!(port.fraction_bits, output.fraction_bits, "{name}");
                     connected += 1;
                 }
@@ -156,8 +154,8 @@ fn ports_allow_what_the_design_before_them_can_send() {
 fn every_operation_names_its_source_line_and_is_in_a_block() {
     for (_, p) in profiles() {
         for design in DESIGNS {
-            for plan in plans_of(design) {
-                let net = design.record(&plan, &p);
+            for effects in effects_of(design) {
+                let net = design.record(&effects, &p);
                 for (id, node) in net.iter() {
                     if !matches!(node.op, Op::Lit(_) | Op::Port(_)) {
                         let origin = net.origin(id);
@@ -189,8 +187,8 @@ fn every_claim_names_a_lemma_that_is_a_test() {
     let mut named = BTreeSet::new();
     for (_, p) in profiles() {
         for design in DESIGNS {
-            for plan in plans_of(design) {
-                named.extend(lemmas(&design.record(&plan, &p)));
+            for effects in effects_of(design) {
+                named.extend(lemmas(&design.record(&effects, &p)));
             }
         }
     }
@@ -208,14 +206,14 @@ fn every_claim_names_a_lemma_that_is_a_test() {
 #[test]
 fn compact_fits_multipliers_of_18_by_18() {
     for (profile, p) in profiles() {
-        for name in ["reflection", "fragment", "texture", "highlight", "peak", "horizon"] {
-            for plan in plans_of(design(name)) {
-                let net = design(name).record(&plan, &p);
+        for name in ["reflection", "fragment", "texture", "highlight", "lit_peak", "peak", "horizon"] {
+            for effects in effects_of(design(name)) {
+                let net = design(name).record(&effects, &p);
                 let census = Census::new(&net, &Ranges::new(&net));
                 let operand = p.fraction_bits + 2;
                 // A rise of the logarithm's table has 18 bits, whatever the profile.
                 let [wide, narrow] = census.total.widest_multiplier();
-                assert!(wide <= operand.max(18) && narrow <= operand, "{profile} {plan:?}: {wide} x {narrow}");
+                assert!(wide <= operand.max(18) && narrow <= operand, "{profile} {effects:?}: {wide} x {narrow}");
                 assert!(census.total.constant_multipliers.keys().all(|[bits, _]| *bits <= operand));
             }
         }
@@ -226,7 +224,7 @@ fn compact_fits_multipliers_of_18_by_18() {
 fn a_census_adds_up_and_its_critical_paths_take_the_levels_it_says() {
     for (_, p) in profiles() {
         for design in DESIGNS {
-            let net = design.record(&ReflectionPlan::FULL, &p);
+            let net = design.record(&Effects::ALL, &p);
             let ranges = Ranges::new(&net);
             let census = Census::new(&net, &ranges);
             let sum = |figure: fn(&Cost) -> u64| {

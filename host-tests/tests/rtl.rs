@@ -4,48 +4,50 @@
 //! ranges of the ports; expected values are those of the scalar stages. The committed vectors are read from their files, outputs
 //! included. A tool that is missing is named aloud, and fails the test where ROUGHXEL_REQUIRE_TOOLS is set.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
 use roughxel_emulator::net::bench::Bench;
 use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::net::verilog::{Interface, Options, Verilog, VerilogError};
+use roughxel_emulator::net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::study::stimulus::{port_values, within};
-use roughxel_emulator::vectors::{Manifest, manifests_in};
+use roughxel_emulator::vectors::{Direction, Field, Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
 use roughxel_host_tests::space::profiles;
 use tempfile::TempDir;
 
-const FULL: ReflectionPlan = ReflectionPlan::FULL;
+const FULL: Effects = Effects::ALL;
 
-/// Plans that differ in what exists.
-fn plans() -> [(&'static str, ReflectionPlan); 5] {
-    let mirror =
-        ReflectionPlan { bump: false, roughness: RoughnessKind::None, curvature: false, footprint: false, ..FULL };
+/// Effects that differ in what exists.
+fn variants() -> [(&'static str, Effects); 5] {
     [
         ("full", FULL),
-        ("mirror", mirror),
-        ("smooth", ReflectionPlan { roughness: RoughnessKind::None, ..FULL }),
-        ("natural", ReflectionPlan { frame: FrameSystem::Natural, roughness: RoughnessKind::Isotropic, ..FULL }),
-        ("normalised", ReflectionPlan { frame: FrameSystem::NaturalNormalised, ..FULL }),
+        ("mirror", Effects::NONE),
+        ("smooth", Effects { roughness: RoughnessKind::None, ..FULL }),
+        (
+            "natural",
+            Effects { frame: FrameSystem::Natural, roughness: RoughnessKind::Isotropic, horizon: false, ..FULL },
+        ),
+        ("normalised", Effects { frame: FrameSystem::NaturalNormalised, ..FULL }),
     ]
 }
 
-fn options(profile: &str, plan: ReflectionPlan, depth: Option<u32>) -> Options {
+fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
     Options {
         profile: profile.into(),
         precision: Precision::by_name(profile).expect("a profile"),
-        plan,
+        effects,
         depth,
         stage: None,
         prefix: String::new(),
@@ -58,9 +60,10 @@ fn design(name: &str) -> &'static Design {
 
 /// Ports of a design: at least `count` vectors, from random fragments, every hard case of the plan, and integers anywhere
 /// in the declared ranges.
-fn inputs(name: &str, net: &Net, count: usize, plan: &ReflectionPlan, p: &Precision) -> Vec<Vec<i64>> {
+fn inputs(name: &str, net: &Net, count: usize, effects: &Effects, p: &Precision) -> Vec<Vec<i64>> {
     let whole = matches!(name, "fragment" | "reflection");
-    let cases = hard_case_sets(p).into_iter().filter(|set| set.plan == *plan || *plan != FULL);
+    let plan = effects.reflection();
+    let cases = hard_case_sets(p).into_iter().filter(|set| set.plan == plan || plan != FULL.reflection());
     // Only designs that take a whole fragment see each hard case.
     let hard = cases.flat_map(|set| set.fragments).step_by(if whole { 1 } else { 10 });
     let random = (0..count as u64 * 3 / 4).map(|index| random_fragment("rtl", index, p));
@@ -68,7 +71,7 @@ fn inputs(name: &str, net: &Net, count: usize, plan: &ReflectionPlan, p: &Precis
     for (index, fragment) in (0..).zip(hard.chain(random)) {
         if whole || vectors.len() < count {
             let mut random = SplitMix64::for_element(name, index);
-            vectors.extend(port_values(name, net, &fragment, plan, p, &mut random));
+            vectors.extend(port_values(name, net, &fragment, effects, p, &mut random));
         }
     }
     // Ports of a probe belong together.
@@ -169,8 +172,8 @@ fn keep_runtime(objects: &Path) {
 }
 
 /// Integers of the outputs, by the scalar reading.
-fn expected(name: &str, ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> Vec<i64> {
-    outcome::<i32>(name, ports, plan, p).0.into_iter().map(|(_, value)| value).collect()
+fn expected(name: &str, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
+    outcome::<i32>(name, ports, effects, p).0.into_iter().map(|(_, value)| value).collect()
 }
 
 /// A design with vectors and what the scalar reading makes of them.
@@ -182,10 +185,10 @@ struct Case {
 
 impl Case {
     fn new(name: &str, count: usize, options: &Options) -> Self {
-        let (design, plan, p) = (design(name), &options.plan, &options.precision);
-        let net = design.record(plan, p);
-        let inputs = inputs(name, &net, count, plan, p);
-        let outputs = inputs.iter().map(|ports| expected(name, ports, plan, p)).collect();
+        let (design, effects, p) = (design(name), &options.effects, &options.precision);
+        let net = design.record(effects, p);
+        let inputs = inputs(name, &net, count, effects, p);
+        let outputs = inputs.iter().map(|ports| expected(name, ports, effects, p)).collect();
         Self { written: Written::new(design, options), inputs, outputs }
     }
 
@@ -214,10 +217,12 @@ fn every_design_lints_clean() {
         for design in DESIGNS {
             Written::new(design, &options(profile, FULL, None)).lint();
         }
-        for (_, plan) in plans() {
-            Written::new(design("reflection"), &options(profile, plan, None)).lint();
+        for (_, effects) in variants() {
+            for datapath in Datapath::ALL {
+                Written::new(Design::of(datapath), &options(profile, effects, None)).lint();
+            }
         }
-        for name in ["reflection", "environment_probe"] {
+        for name in ["reflection", "highlight", "lit_peak", "environment_probe"] {
             Written::new(design(name), &options(profile, FULL, Some(24))).lint();
         }
     }
@@ -272,52 +277,61 @@ fn words_of(manifest: &Path) -> (Manifest, Vec<Vec<i64>>) {
     (manifest_of, words)
 }
 
-/// Vectors of a committed set as ports and outputs of the design `fragment`, whose wires carry whole port words.
-fn fragment_vectors(net: &Net, manifest: &Manifest, words: &[Vec<i64>]) -> (Vec<Vec<i64>>, Vec<Vec<i64>>) {
-    let fields = &manifest.fields;
-    let place = |name: &str| fields.iter().position(|field| field.name == name).expect("a field of every word");
-    // The design hands out face, s and t where they are made; a word has them among its outputs.
-    let (columns, face, probes, check) = (place("column_dx_s"), place("face"), place("probes"), place("check"));
-    let inputs: Vec<usize> = (0..net.ports.len()).collect();
-    let outputs: Vec<usize> =
-        (net.ports.len()..columns).chain(face..probes).chain(columns..face).chain(probes..check).collect();
-    assert_eq!(outputs.len(), net.outputs.len());
-    let gather = |fields_of: &[usize], binary_points: &[u32], word: &[i64]| -> Vec<i64> {
-        let values = fields_of.iter().zip(binary_points);
-        // A field drops the low bits its profile does not keep.
-        values.map(|(&field, point)| word[field] << (point - fields[field].fraction_bits)).collect()
+/// Vectors of a committed set as ports and outputs of its datapath's design, whose wires carry whole port words. The hardware
+/// made for the effects of the set has a port for each of its fields, and no other.
+fn set_vectors(net: &Net, top: &Interface, manifest: &Manifest, words: &[Vec<i64>]) -> (Vec<Vec<i64>>, Vec<Vec<i64>>) {
+    let is_input = |field: &&Field| field.direction == Direction::In;
+    let is_output = |field: &&Field| matches!(field.direction, Direction::Tap | Direction::Out);
+    let fields_of = |wanted: &dyn Fn(&&Field) -> bool| -> BTreeSet<&str> {
+        manifest.fields.iter().filter(wanted).map(|field| field.port.as_str()).collect()
     };
-    let points_in: Vec<u32> = net.ports.iter().map(|port| port.fraction_bits).collect();
-    let points_out: Vec<u32> = net.outputs.iter().map(|output| output.fraction_bits).collect();
-    words.iter().map(|word| (gather(&inputs, &points_in, word), gather(&outputs, &points_out, word))).unzip()
+    let ports_of =
+        |ports: &'_ [PortDescription]| -> BTreeSet<String> { ports.iter().map(|port| port.name.clone()).collect() };
+    assert!(fields_of(&is_input).iter().copied().eq(ports_of(&top.inputs).iter()), "{}", manifest.set);
+    assert!(fields_of(&is_output).iter().copied().eq(ports_of(&top.outputs).iter()), "{}", manifest.set);
+
+    // A field drops the low bits its profile does not keep; what has no field is unread, or constant.
+    let whole = |name: &str, is_wanted: &dyn Fn(&&Field) -> bool, point: u32, word: &[i64]| {
+        let mut fields = manifest.fields.iter().zip(word).filter(|(field, _)| is_wanted(field));
+        let found = fields.find(|(field, _)| field.port == name);
+        found.map_or(0, |(field, value)| value << (point - field.fraction_bits))
+    };
+    let vectors = words.iter().map(|word| {
+        let inputs = net.ports.iter().map(|port| whole(&port.name, &is_input, port.fraction_bits, word));
+        let outputs = net.outputs.iter().map(|output| whole(&output.name, &is_output, output.fraction_bits, word));
+        (inputs.collect(), outputs.collect())
+    });
+    vectors.unzip()
 }
 
 #[test]
 fn the_committed_vectors_run_in_both_simulators() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke");
-    let mut cases: Vec<(Options, Case)> = Vec::new();
+    let mut cases: Vec<(&'static Design, Options, Case)> = Vec::new();
     let mut read = 0;
     for path in manifests_in(&directory).expect("the committed sets") {
         let (manifest, words) = words_of(&path);
         let options = options(&manifest.profile.name, manifest.effects, None);
-        let net = design("fragment").record(&options.plan, &options.precision);
-        let (inputs, outputs) = fragment_vectors(&net, &manifest, &words);
+        let design = Design::of(manifest.datapath);
+        let net = design.record(&options.effects, &options.precision);
         read += words.len();
-        let same = |known: &&mut (Options, Case)| known.0.plan == options.plan && known.0.profile == options.profile;
-        match cases.iter_mut().find(same) {
-            Some((_, case)) => {
-                case.inputs.extend(inputs);
-                case.outputs.extend(outputs);
-            }
-            None => {
-                let written = Written::new(design("fragment"), &options);
-                cases.push((options, Case { written, inputs, outputs }));
-            }
+        let same = |known: &&mut (&'static Design, Options, Case)| {
+            let (of, with, _) = known;
+            of.name == design.name && with.effects == options.effects && with.profile == options.profile
+        };
+        if cases.iter_mut().find(same).is_none() {
+            let written = Written::new(design, &options);
+            cases.push((design, options.clone(), Case { written, inputs: Vec::new(), outputs: Vec::new() }));
+        }
+        if let Some((.., case)) = cases.iter_mut().find(same) {
+            let (inputs, outputs) = set_vectors(&net, case.top(), &manifest, &words);
+            case.inputs.extend(inputs);
+            case.outputs.extend(outputs);
         }
     }
     assert!(read >= 3000, "{read} vectors");
-    for (options, case) in cases {
-        println!("{} {:?}: {} vectors", options.profile, options.plan, case.inputs.len());
+    for (design, options, case) in cases {
+        println!("{} {} {:?}: {} vectors", design.name, options.profile, options.effects, case.inputs.len());
         if have("iverilog") {
             case.written.icarus(&case.bench());
         }
@@ -335,11 +349,15 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
     for design in DESIGNS.iter().filter(|design| design.name != "reflection") {
         Case::new(design.name, 20_000, &options("standard", FULL, None)).verilate(&["stalls"]);
     }
-    for ((name, plan), profile) in plans().into_iter().skip(1).zip(PROFILE_NAMES) {
+    for ((name, effects), profile) in variants().into_iter().skip(1).zip(PROFILE_NAMES) {
         println!("{profile} {name}");
-        Case::new("reflection", 10_000, &options(profile, plan, None)).verilate(&["stalls"]);
+        for datapath in Datapath::ALL {
+            Case::new(Design::of(datapath).name, 10_000, &options(profile, effects, None)).verilate(&["stalls"]);
+        }
     }
-    Case::new("reflection", 10_000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
+    for datapath in Datapath::ALL {
+        Case::new(Design::of(datapath).name, 10_000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
+    }
 }
 
 #[test]
@@ -358,7 +376,6 @@ fn a_stepper_walks_the_probes_of_every_footprint() {
             let outcome = expected(name, &ports, &FULL, &p);
             if ports[index] == 0 {
                 footprints.push(ports.clone());
-                footprints.last_mut().expect("one was pushed").remove(index);
             }
             let last = i64::from(ports[index] + 1 == ports[count]);
             steps.push([outcome.as_slice(), &[ports[lod], last]].concat());
@@ -426,15 +443,16 @@ fn yosys_takes_every_top() {
 #[test]
 fn compact_and_paper_multiply_18_by_18_bits() {
     for (profile, p) in [("paper", Precision::PAPER), ("compact", Precision::COMPACT)] {
-        for (plan_name, plan) in plans() {
-            let net = design("reflection").record(&plan, &p);
+        let of_datapath =
+            |datapath| variants().map(|(name, effects)| (name, Design::of(datapath).record(&effects, &p)));
+        for (variant, net) in Datapath::ALL.into_iter().flat_map(of_datapath) {
             let ranges = Ranges::new(&net);
             for (id, node) in net.iter() {
                 let Op::Mul(a, b) = node.op else { continue };
                 // An unsigned operand needs a sign in a signed multiplier.
                 let bits = |id| ranges.of(id).width() + u32::from(!ranges.of(id).signed());
                 let widest = bits(a).max(bits(b));
-                assert!(widest <= 18, "{profile} {plan_name}: {widest} bits at {}", net.origin(id));
+                assert!(widest <= 18, "{profile} {variant}: {widest} bits at {}", net.origin(id));
             }
         }
     }

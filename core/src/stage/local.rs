@@ -9,7 +9,7 @@ use crate::each::each;
 use crate::elementary::inverse_root;
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
-use crate::signals::{Frame, LocalDirection};
+use crate::signals::{Frame, LightSide, LocalDirection};
 use crate::word::Word;
 
 /// d·E₁, d·E₂ and d·n, of any length. Range: any blocks; the frame is in units of the mantissas of n.
@@ -41,4 +41,10 @@ pub fn unit<W: Word>(local: &Block<W, 3>, p: &Precision) -> LocalDirection<W> {
         unit.round_to(p.fraction_bits).saturate(-one, one)
     });
     LocalDirection { unit, none: local.is_zero() }
+}
+
+/// On which side of the surface a light stands. `local` is what [`components`] makes of it.
+#[inline(always)]
+pub fn side<W: Word>(light: &Block<W, 3>, local: &Block<W, 3>) -> LightSide<W> {
+    LightSide { below: !Fx::zero().lt(local.m[2]), none: light.is_zero() }
 }

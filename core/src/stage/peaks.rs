@@ -40,6 +40,12 @@ pub fn peak<W: Word>(h: &LocalDirection<W>, peak: &Peak<W>, weight: Fx<W, SHARE>
     Fx::select(h.none, Fx::zero(), light)
 }
 
+/// The share of the fragment that a peak has, saturated to [0, 1].
+#[inline(always)]
+pub fn share<W: Word>(weight: Fx<W, SHARE>) -> Fx<W, SHARE> {
+    weight.saturate(Fx::zero(), Fx::lit(1 << SHARE))
+}
+
 /// No peak yet.
 #[inline(always)]
 pub fn none<W: Word>() -> PeakSum<W> {

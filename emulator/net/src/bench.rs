@@ -31,15 +31,13 @@ pub enum BenchError {
         /// The integer.
         value: i64,
     },
-    /// Another number of integers than ports.
-    #[error("vector {vector} has {found} integers for {expected} ports")]
-    Count {
+    /// Fewer integers than the design has ports.
+    #[error("vector {vector} has no integer for {port}")]
+    Missing {
         /// Index of the vector.
         vector: usize,
-        /// Integers given.
-        found: usize,
-        /// Ports.
-        expected: usize,
+        /// Name of the port.
+        port: String,
     },
 }
 
@@ -59,11 +57,10 @@ fn places(ports: &[PortDescription]) -> impl Iterator<Item = (&PortDescription, 
 
 /// Integers as one packed word, 32 bits an element, least significant first.
 fn pack(ports: &[PortDescription], vector: usize, values: &[i64]) -> Result<Vec<u32>, BenchError> {
-    if values.len() != ports.len() {
-        return Err(BenchError::Count { vector, found: values.len(), expected: ports.len() });
-    }
     let mut word = vec![0; total_bits(ports).div_ceil(32) as usize];
-    for ((port, lsb), &value) in places(ports).zip(values) {
+    for (port, lsb) in places(ports) {
+        let missing = BenchError::Missing { vector, port: port.port.clone() };
+        let value = *values.get(port.place).ok_or(missing)?;
         let fits = port.format.pack(value);
         let bits = fits.ok_or_else(|| BenchError::DoesNotFit { vector, port: port.port.clone(), value })?;
         for bit in (0..port.width).filter(|bit| bits >> bit & 1 == 1) {
@@ -78,9 +75,10 @@ fn pack_all(ports: &[PortDescription], vectors: &[Vec<i64>]) -> Result<Vec<Vec<u
 }
 
 impl<'a> Bench<'a> {
-    /// Packs integers of the ports, one vector an input, and of the outputs, one vector an outcome.
+    /// Packs integers of all ports of the design, one vector an input, and of all its outputs, one vector an outcome: those
+    /// that the module has.
     ///
-    /// Errors: a vector has another number of integers than there are ports, or an integer leaves its port.
+    /// Errors: a vector has too few integers, or an integer leaves its port.
     pub fn new(interface: &'a Interface, inputs: &[Vec<i64>], outputs: &[Vec<i64>]) -> Result<Self, BenchError> {
         let (inputs, outputs) = (pack_all(&interface.inputs, inputs)?, pack_all(&interface.outputs, outputs)?);
         Ok(Self { interface, inputs, outputs })

@@ -1,15 +1,14 @@
 //! Designs: what can be recorded, each with the declared range of every port.
 //!
 //! `reflection` and `texture` are the datapaths from ports to probes; `environment_probe` and `texture_probe` one step
-//! of the probe stepper; `highlight` one light on a surface; the rest the arithmetic between addresses, texels and pixel. Ranges of ports are stated as two
+//! of the probe stepper; `highlight` and `lit_peak` one light on a surface and on one of its peaks; the rest the arithmetic between addresses, texels and pixel. Ranges of ports are stated as two
 //! scalar bundles, the lowest and the highest values.
 
 use roughxel_core::block::{Block, Mantissa};
 use roughxel_core::bundle;
-use roughxel_core::datapath::{self, HighlightInput, ReflectionInput};
+use roughxel_core::datapath::{self, FragmentInput, HighlightInput, LitPeakInput, ReflectionInput};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
-use roughxel_core::ports::ReflectionIn;
+use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{
     CubePoint, Ellipse, FacePosition, FaceSelect, Frame, Horizon, LIGHT, LOD, LocalDirection, MapScale, OFFSET,
@@ -34,13 +33,32 @@ pub struct Design {
     pub name: &'static str,
     /// One sentence.
     pub description: &'static str,
-    record: fn(&ReflectionPlan, &Precision) -> Net,
+    record: fn(&Effects, &Precision) -> Net,
 }
 
 impl Design {
-    /// Records it. The plan matters to `fragment`, `reflection` and `highlight` only.
-    pub fn record(&self, plan: &ReflectionPlan, p: &Precision) -> Net {
-        (self.record)(plan, p)
+    /// Records it with those of the effects that it has.
+    pub fn record(&self, effects: &Effects, p: &Precision) -> Net {
+        (self.record)(effects, p)
+    }
+
+    /// The datapath it is the whole of; effects matter to such a design only.
+    pub fn datapath(&self) -> Option<Datapath> {
+        match self.name {
+            "fragment" | "reflection" => Some(Datapath::Reflection),
+            "highlight" => Some(Datapath::Highlight),
+            "lit_peak" => Some(Datapath::Peak),
+            _ => None,
+        }
+    }
+
+    /// The design whose ports are those of a datapath's vectors.
+    pub const fn of(datapath: Datapath) -> &'static Self {
+        match datapath {
+            Datapath::Reflection => &FRAGMENT,
+            Datapath::Highlight => &HIGHLIGHT,
+            Datapath::Peak => &LIT_PEAK,
+        }
     }
 
     /// The design of that name.
@@ -48,6 +66,24 @@ impl Design {
         DESIGNS.iter().find(|design| design.name == name)
     }
 }
+
+const FRAGMENT: Design = Design {
+    name: "fragment",
+    description: "all of the reflection datapath with the ports of a vector word: edge of the map in, port formats out",
+    record: fragment,
+};
+
+const HIGHLIGHT: Design = Design {
+    name: "highlight",
+    description: "one light on a surface: frame, perturb, roughness, half vector, modified Blinn-Phong",
+    record: highlight,
+};
+
+const LIT_PEAK: Design = Design {
+    name: "lit_peak",
+    description: "one light on one peak of a surface: frame, half vector, horizon, peak",
+    record: lit_peak,
+};
 
 /// Every design, in the order in which a fragment meets them.
 pub const DESIGNS: &[Design] = &[
@@ -77,11 +113,7 @@ pub const DESIGNS: &[Design] = &[
         description: "mean moments to roughness d1, d2, d3 or I1",
         record: roughness_decode,
     },
-    Design {
-        name: "fragment",
-        description: "all of the reflection datapath with the ports of a vector word: edge of the map in, port formats out",
-        record: fragment,
-    },
+    FRAGMENT,
     Design {
         name: "reflection",
         description: "the reflection datapath: frame, perturb, reflect, cube face, columns, ellipse, axes, probes",
@@ -115,11 +147,8 @@ pub const DESIGNS: &[Design] = &[
     },
     Design { name: "probe_sum", description: "one more sample of a weighted sum over probes", record: probe_sum },
     Design { name: "probe_mean", description: "the mean of the weighted sum", record: probe_mean },
-    Design {
-        name: "highlight",
-        description: "one light on a surface: frame, perturb, roughness, half vector, modified Blinn-Phong",
-        record: highlight,
-    },
+    HIGHLIGHT,
+    LIT_PEAK,
     Design { name: "blend", description: "surface and reflection by reflectance", record: blend_channel },
     Design { name: "local", description: "a direction in the frame of a surface, at unit length", record: local },
     Design { name: "peak", description: "one more peak of a distribution of normals", record: peak },
@@ -170,55 +199,19 @@ fn reflection_ports(end: usize) -> ReflectionInput<i32> {
     }
 }
 
-fn reflection(plan: &ReflectionPlan, p: &Precision) -> Net {
-    record(&reflection_ports(0), &reflection_ports(1), |input| datapath::reflection(input, plan, p))
+fn reflection(effects: &Effects, p: &Precision) -> Net {
+    let plan = effects.reflection();
+    record(&reflection_ports(0), &reflection_ports(1), |input| datapath::reflection(input, &plan, p))
 }
 
-/// Ports of `fragment`: those of `reflection` with the edge of the environment's faces in place of its scale.
-#[derive(Clone, Copy, Debug)]
-pub struct FragmentInput<W: Word> {
-    /// n.
-    pub normal: PortBlock<W, 3>,
-    /// v.
-    pub view: PortBlock<W, 3>,
-    /// h, or p_u and p_v.
-    pub tangents: [PortBlock<W, 3>; 2],
-    /// b₁, b₂.
-    pub offset: [Fx<W, OFFSET>; 2],
-    /// d₁, d₂, d₃, or I₁.
-    pub roughness: [Fx<W, OFFSET>; 3],
-    /// ∂v/∂x, ∂v/∂y.
-    pub dview: [PortBlock<W, 3>; 2],
-    /// ∂n/∂x, ∂n/∂y.
-    pub dnormal: [PortBlock<W, 3>; 2],
-    /// Edge of a face, texels; any 16-bit number.
-    pub edge_texels: Fx<W, 0>,
-}
-
-bundle!(FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels });
-
-impl FragmentInput<i32> {
-    /// The ports of a fragment.
-    pub fn new(fragment: &ReflectionIn) -> Self {
-        let ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map: _ } =
-            fragment.wires(scale(0));
-        Self { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels: fx(fragment.edge_texels.into()) }
-    }
-}
-
-fn fragment(plan: &ReflectionPlan, p: &Precision) -> Net {
+fn fragment(effects: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| {
         let ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map: _ } =
             reflection_ports(end);
         let edge_texels = fx([0, u16::MAX.into()][end]);
         FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels }
     };
-    record(&ports(0), &ports(1), |input| {
-        let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, edge_texels } = *input;
-        let map = NetWord::block("map_scale", || face_scale(edge_texels, p));
-        let input = ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map };
-        datapath::leave(&datapath::reflection(&input, plan, p))
-    })
+    record(&ports(0), &ports(1), |input| datapath::fragment(input, &effects.reflection(), p))
 }
 
 /// Ports of `texture`.
@@ -234,7 +227,7 @@ pub struct TextureInput<W: Word> {
 
 bundle!(TextureInput { duv, texture, map });
 
-fn texture(_: &ReflectionPlan, p: &Precision) -> Net {
+fn texture(_: &Effects, p: &Precision) -> Net {
     let ports = |end| TextureInput { duv: [port(end); 2], texture: texture_size(end), map: scale(end) };
     record(&ports(0), &ports(1), |input| datapath::texture_footprint(&input.duv, &input.texture, &input.map, p))
 }
@@ -248,7 +241,7 @@ pub struct Edge<W: Word> {
 
 bundle!(Edge { edge_texels });
 
-fn map_scale(_: &ReflectionPlan, p: &Precision) -> Net {
+fn map_scale(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| Edge { edge_texels: fx([1, 16384][end]) };
     record(&ports(0), &ports(1), |input| NetWord::block("map_scale", || face_scale(input.edge_texels, p)))
 }
@@ -279,7 +272,7 @@ fn probes(end: usize) -> Probes<i32> {
     }
 }
 
-fn environment_probe(_: &ReflectionPlan, p: &Precision) -> Net {
+fn environment_probe(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| {
         let (one, flag): (Mantissa<i32>, bool) = (fx([-1 << 30, 1 << 30][end]), end == 1);
         EnvironmentProbeInput {
@@ -315,7 +308,7 @@ fn texture_place(end: usize) -> TexturePosition<i32> {
     TexturePosition { uv: [Fx::lit([0, u32::MAX.into()][end]); 2] }
 }
 
-fn texture_probe(_: &ReflectionPlan, p: &Precision) -> Net {
+fn texture_probe(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| TextureProbeInput {
         centre: texture_place(end),
         probes: probes(end),
@@ -338,7 +331,7 @@ pub struct RepeatAddressInput<W: Word> {
 
 bundle!(RepeatAddressInput { place, size });
 
-fn repeat_address(_: &ReflectionPlan, p: &Precision) -> Net {
+fn repeat_address(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| RepeatAddressInput { place: texture_place(end), size: [fx([1, 16384][end]); 2] };
     record(&ports(0), &ports(1), |input| {
         NetWord::block("filter.repeat_address", || filter::repeat_address(&input.place, input.size, p))
@@ -356,7 +349,7 @@ pub struct FaceAddressInput<W: Word> {
 
 bundle!(FaceAddressInput { place, edge });
 
-fn face_address(_: &ReflectionPlan, p: &Precision) -> Net {
+fn face_address(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| FaceAddressInput {
         place: FacePosition { face: fx([0, 5][end]), st: [fx([-1 << POSITION, 1 << POSITION][end]); 2] },
         edge: fx([1, 16384][end]),
@@ -377,7 +370,7 @@ pub struct LevelsInput<W: Word> {
 
 bundle!(LevelsInput { lod; flag rough });
 
-fn levels(_: &ReflectionPlan, p: &Precision) -> Net {
+fn levels(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| LevelsInput { lod: fx([0, 14 << LOD][end]), rough: end == 1 };
     record(&ports(0), &ports(1), |input| {
         NetWord::block("filter.levels", || {
@@ -396,7 +389,7 @@ pub struct CornerInput<W: Word> {
 
 bundle!(CornerInput { texels });
 
-fn corner(_: &ReflectionPlan, _: &Precision) -> Net {
+fn corner(_: &Effects, _: &Precision) -> Net {
     let ports = |end: usize| CornerInput { texels: [fx([0, 65535][end]); 3] };
     record(&ports(0), &ports(1), |input| {
         NetWord::block("filter.corner", || -> Fx<NetWord, 0> {
@@ -433,11 +426,11 @@ fn sample(texel: [i64; 2], extra: u32) -> Net {
     })
 }
 
-fn colour_sample(_: &ReflectionPlan, _: &Precision) -> Net {
+fn colour_sample(_: &Effects, _: &Precision) -> Net {
     sample([0, 65535], 8)
 }
 
-fn moment_sample(_: &ReflectionPlan, _: &Precision) -> Net {
+fn moment_sample(_: &Effects, _: &Precision) -> Net {
     sample(WORD, 0)
 }
 
@@ -459,14 +452,14 @@ fn sum_port(end: usize) -> filter::ProbeSum<i32> {
     filter::ProbeSum::of([i64::from(i32::MIN) << 16, i64::from(i32::MAX) << 16][end])
 }
 
-fn probe_sum(_: &ReflectionPlan, _: &Precision) -> Net {
+fn probe_sum(_: &Effects, _: &Precision) -> Net {
     let ports = |end: usize| ProbeSumInput { sample: fx(WORD[end]), weight: fx([0, 1 << 16][end]), sum: sum_port(end) };
     record(&ports(0), &ports(1), |input| {
         NetWord::block("filter.sum", || input.sum.add(input.sample.raw(), input.weight))
     })
 }
 
-fn probe_mean(_: &ReflectionPlan, _: &Precision) -> Net {
+fn probe_mean(_: &Effects, _: &Precision) -> Net {
     record(&sum_port(0), &sum_port(1), |sum| {
         NetWord::block("filter.mean", || -> Fx<NetWord, 0> { Fx::from_raw(sum.mean()) })
     })
@@ -496,7 +489,7 @@ pub struct MomentsOutput<W: Word> {
 
 bundle!(MomentsOutput { texel, probe });
 
-fn probe_moments(_: &ReflectionPlan, p: &Precision) -> Net {
+fn probe_moments(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| MomentsInput {
         roughness: [fx([-1 << 30, 1 << 30][end]); 3],
         offset: [fx([-1 << 30, 1 << 30][end]); 2],
@@ -522,7 +515,7 @@ pub struct DecodeInput<W: Word> {
 
 bundle!(DecodeInput { offset, moments });
 
-fn roughness_decode(_: &ReflectionPlan, p: &Precision) -> Net {
+fn roughness_decode(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| DecodeInput {
         offset: [fx([-1 << 30, 1 << 30][end]); 2],
         moments: [fx([-3 << MOMENT, 3 << MOMENT][end]); 3],
@@ -540,18 +533,26 @@ fn roughness_decode(_: &ReflectionPlan, p: &Precision) -> Net {
     })
 }
 
-/// The surface of `highlight`: its roughness does not need a footprint.
-pub fn highlight_surface(plan: &ReflectionPlan) -> SurfacePlan {
-    SurfacePlan { bump: plan.bump, frame: plan.frame, roughness: plan.roughness, local: false }
-}
-
-fn highlight(plan: &ReflectionPlan, p: &Precision) -> Net {
+fn highlight(effects: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| HighlightInput {
         surface: reflection_ports(end).surface(),
         light: port(end),
         shininess: ShininessPort { exponent: fx(WORD[end]), root: fx(WORD[end]) },
     };
-    record(&ports(0), &ports(1), |input| datapath::lit_surface(input, &highlight_surface(plan), p))
+    record(&ports(0), &ports(1), |input| {
+        datapath::leave_highlight(&datapath::lit_surface(input, &effects.highlight(), p))
+    })
+}
+
+fn lit_peak(effects: &Effects, p: &Precision) -> Net {
+    let ports = |end: usize| LitPeakInput {
+        surface: reflection_ports(end).surface(),
+        light: port(end),
+        peak: stored_peak(end),
+        horizon: stored_horizon(end),
+        weight: fx(WORD[end]),
+    };
+    record(&ports(0), &ports(1), |input| datapath::lit_peak(input, &effects.peak(), p))
 }
 
 /// Ports of `blend`.
@@ -567,7 +568,7 @@ pub struct BlendInput<W: Word> {
 
 bundle!(BlendInput { surface, reflection, reflectance });
 
-fn blend_channel(_: &ReflectionPlan, _: &Precision) -> Net {
+fn blend_channel(_: &Effects, _: &Precision) -> Net {
     let ports = |end: usize| BlendInput {
         surface: fx([0, (64 << COLOUR) - 1][end]),
         reflection: fx([0, (64 << COLOUR) - 1][end]),
@@ -596,13 +597,25 @@ pub struct LocalInput<W: Word> {
 
 bundle!(LocalInput { direction, frame, normal });
 
-fn local(_: &ReflectionPlan, p: &Precision) -> Net {
+fn local(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| LocalInput {
         direction: block(end),
         frame: Frame { e1: block(end), e2: block(end), pole: end == 1 },
         normal: block(end),
     };
     record(&ports(0), &ports(1), |input| datapath::local_direction(&input.direction, &input.frame, &input.normal, p))
+}
+
+/// Any bits of a stored peak.
+fn stored_peak(end: usize) -> Peak<i32> {
+    let code = fx([0, u16::MAX.into()][end]);
+    Peak { normal: [fx([i16::MIN.into(), i16::MAX.into()][end]); 3], amplitude: code, exponent: code }
+}
+
+/// Any bits of a stored horizon.
+fn stored_horizon(end: usize) -> Horizon<i32> {
+    let (low, inverse_width) = (fx([i16::MIN.into(), i16::MAX.into()][end]), fx([0, u16::MAX.into()][end]));
+    Horizon { low: [low; 4], inverse_width: [inverse_width; 4] }
 }
 
 /// Ports of `peak`.
@@ -631,14 +644,10 @@ pub struct PeakOutput<W: Word> {
 
 bundle!(PeakOutput { sum, status });
 
-fn peak(_: &ReflectionPlan, p: &Precision) -> Net {
+fn peak(_: &Effects, p: &Precision) -> Net {
     let ports = |end: usize| PeakInput {
         h: LocalDirection { unit: [fx([-1 << 30, 1 << 30][end]); 3], none: end == 1 },
-        peak: Peak {
-            normal: [fx([i16::MIN.into(), i16::MAX.into()][end]); 3],
-            amplitude: fx([0, u16::MAX.into()][end]),
-            exponent: fx([0, u16::MAX.into()][end]),
-        },
+        peak: stored_peak(end),
         weight: fx([0, 1 << SHARE][end]),
         sum: PeakSum { light: fx([0, (64 << LIGHT) - 1][end]), saturated: end == 1 },
     };
@@ -661,15 +670,8 @@ pub struct HorizonInput<W: Word> {
 
 bundle!(HorizonInput { light, eye, horizon });
 
-fn horizon(_: &ReflectionPlan, p: &Precision) -> Net {
-    let ports = |end: usize| HorizonInput {
-        light: block(end),
-        eye: block(end),
-        horizon: Horizon {
-            low: [fx([i16::MIN.into(), i16::MAX.into()][end]); 4],
-            inverse_width: [fx([0, u16::MAX.into()][end]); 4],
-        },
-    };
+fn horizon(_: &Effects, p: &Precision) -> Net {
+    let ports = |end: usize| HorizonInput { light: block(end), eye: block(end), horizon: stored_horizon(end) };
     record(&ports(0), &ports(1), |input| {
         let [light, eye] = [&input.light, &input.eye].map(|direction| datapath::horizon_slopes(direction, p));
         datapath::horizon(&light, &eye, &input.horizon, p)

@@ -297,6 +297,24 @@ impl Net {
         }
     }
 
+    /// For each port whether an operation or an output reads it: effects that are off leave ports unread.
+    pub fn ports_read(&self) -> Vec<bool> {
+        let mut read = vec![false; self.nodes.len()];
+        let operands = self.nodes.iter().flat_map(|node| node.op.operands());
+        for node in operands.chain(self.outputs.iter().map(|output| output.node)) {
+            read[node as usize] = true;
+        }
+        self.ports.iter().map(|port| read[port.node as usize]).collect()
+    }
+
+    /// The integer of an output that is the same whatever the ports hold, as far as folding shows.
+    pub fn constant(&self, output: &Tap) -> Option<i64> {
+        match self.node(output.node).op {
+            Op::Lit(value) => Some(value),
+            _ => None,
+        }
+    }
+
     /// Drops every node that no output needs, and taps of dropped nodes. Ports stay.
     pub fn without_dead_wires(self) -> Self {
         let mut alive = vec![false; self.nodes.len()];

@@ -317,6 +317,33 @@ pub fn integers<B: Bundle<i32>>(bundle: &B) -> Vec<i64> {
     values.0
 }
 
+/// Puts given integers on the wires of a scalar bundle.
+struct Given<'a>(std::slice::Iter<'a, i64>);
+
+impl Given<'_> {
+    fn next(&mut self, instead: i64) -> i64 {
+        self.0.next().copied().unwrap_or(instead)
+    }
+}
+
+impl Rewire<i32, i32> for Given<'_> {
+    fn word(&mut self, wire: i32, _: u32) -> i32 {
+        self.next(wire.into()) as i32
+    }
+    fn wide(&mut self, wire: i64, _: u32) -> i64 {
+        self.next(wire)
+    }
+    fn flag(&mut self, wire: bool) -> bool {
+        self.next(wire.into()) != 0
+    }
+}
+
+/// A scalar bundle of the same form with other integers on its wires: the inverse of [`integers`]. Wires beyond the integers
+/// keep what they hold; an integer is cut to the bits of its wire.
+pub fn filled<B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<i32> {
+    form.rewire(&mut Given(integers.iter()))
+}
+
 /// Makes a port of every wire of a bundle that holds the lowest declared values.
 struct Ports<'a> {
     path: Vec<Step>,

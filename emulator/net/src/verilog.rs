@@ -19,7 +19,7 @@ mod value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Write as _};
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -40,8 +40,8 @@ pub struct Options {
     pub profile: String,
     /// Its knobs.
     pub precision: Precision,
-    /// Blocks that are on.
-    pub plan: ReflectionPlan,
+    /// Blocks that are on; those that the design does not have do not count.
+    pub effects: Effects,
     /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers
     /// between blocks only.
     pub depth: Option<u32>,
@@ -110,10 +110,13 @@ pub struct PortDescription {
     /// The same as a format.
     #[serde(skip)]
     pub format: Format,
+    /// Place among the ports or the outputs of the design, whose integers a bench takes.
+    #[serde(skip)]
+    pub place: usize,
 }
 
 impl PortDescription {
-    fn new(name: &str, port: &str, format: Format, [low, high]: [i64; 2]) -> Self {
+    fn new(name: &str, port: &str, format: Format, [low, high]: [i64; 2], place: usize) -> Self {
         Self {
             name: name.to_owned(),
             port: port.to_owned(),
@@ -124,6 +127,7 @@ impl PortDescription {
             low,
             high,
             format,
+            place,
         }
     }
 }
@@ -136,9 +140,9 @@ pub struct Interface {
     pub module: String,
     /// Cycles from an accepted input to its output.
     pub latency: u32,
-    /// Inputs in the order of their bundle.
+    /// Inputs in the order of their bundle; what no block reads has no port.
     pub inputs: Vec<PortDescription>,
-    /// Outputs in the order of the pipeline.
+    /// Outputs in the order of the pipeline; a constant has no port.
     pub outputs: Vec<PortDescription>,
 }
 
@@ -165,14 +169,15 @@ impl Verilog {
     ///
     /// Errors: everything [`VerilogError`] lists.
     pub fn new(design: &Design, options: &Options) -> Result<Self, VerilogError> {
-        let net = design.record(&options.plan, &options.precision);
+        let net = design.record(&options.effects, &options.precision);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {
             return Err(VerilogError::Unproven(ranges.violations));
         }
         let groups = share::groups(&net);
         let ranges = share::joined(&net, &ranges, &groups);
-        let (effects, frame) = (effects(&options.plan), frame(&options.plan));
+        let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.of(datapath));
+        let (effects, frame) = (names(&own), frame(&own));
         let origin = format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name, options.profile);
         let context =
             Context { net: &net, ranges: &ranges, depth: options.depth, prefix: &options.prefix, origin: &origin };
@@ -217,10 +222,10 @@ impl Verilog {
         if stage.is_none() {
             let name = top_name(design);
             let top = pipeline::top(context, &name, design.description, &groups, &modules)?;
-            verilog.files.insert(format!("{name}.v"), top.text);
             verilog.register_bits = top.register_bits;
+            let stepper = stepper::stepper(&top, &origin)?;
+            verilog.files.insert(format!("{name}.v"), top.text);
             instances = top.instances;
-            let stepper = stepper::stepper(&top.interface, &origin)?;
             if top.uses_delay || stepper.is_some() {
                 verilog.files.insert(format!("{}.v", rom::DELAY), rom::delay());
             }
@@ -335,22 +340,23 @@ impl FileEntry {
     }
 }
 
-/// The blocks of a plan, as `--effects` names them.
-fn effects(plan: &ReflectionPlan) -> String {
-    let roughness = match plan.roughness {
+/// Effects as `--effects` names them, of those that a design has.
+fn names(effects: &Effects) -> String {
+    let roughness = match effects.roughness {
         RoughnessKind::None => None,
         RoughnessKind::Isotropic => Some("roughness-iso"),
         RoughnessKind::Anisotropic => Some("roughness"),
     };
     let on = |on: bool, name| on.then_some(name);
-    let effects = [on(plan.bump, "bump"), roughness, on(plan.curvature, "curvature"), on(plan.footprint, "footprint")];
-    let effects: Vec<&str> = effects.into_iter().flatten().collect();
-    if effects.is_empty() { "none".to_owned() } else { effects.join(",") }
+    let Effects { bump, curvature, footprint, horizon, .. } = *effects;
+    let rest = [on(curvature, "curvature"), on(footprint, "footprint"), on(horizon, "horizon")];
+    let names: Vec<&str> = [on(bump, "bump"), roughness].into_iter().chain(rest).flatten().collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(",") }
 }
 
-/// The frame of a plan, as `--frame` names it.
-const fn frame(plan: &ReflectionPlan) -> &'static str {
-    match plan.frame {
+/// The frame system as `--frame` names it.
+const fn frame(effects: &Effects) -> &'static str {
+    match effects.frame {
         FrameSystem::MainDirection => "main",
         FrameSystem::Natural => "natural",
         FrameSystem::NaturalNormalised => "natural-normalised",

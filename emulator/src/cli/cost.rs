@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use clap::Args;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::Effects;
 use roughxel_emulator::net::census::{Census, Cost, Units};
 use roughxel_emulator::net::delay::{arrival, arrival_in_block, critical_path, levels};
 use roughxel_emulator::net::design::Design;
@@ -40,7 +40,7 @@ pub(super) struct CostArgs {
     #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|all")]
     profile: Profiles,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
-    effects: ReflectionPlan,
+    effects: Effects,
     #[arg(long, default_value = "reflection", value_parser = parse_design, value_name = "NAME", help = design_help())]
     design: &'static Design,
     /// List the critical path of a stage, of one run of it, or of the whole design by its name: levels, operation, bits

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
+use roughxel_core::plan::Datapath;
 use roughxel_emulator::demo::{DEMO_MODES, DEMO_SCENES, DemoScene, demo_scene};
 use roughxel_emulator::study::accuracy::measure;
-use roughxel_emulator::study::cases::{CaseSet, hard_case_sets};
-use roughxel_emulator::vectors::{SetInfo, export};
+use roughxel_emulator::vectors::{SetInfo, VectorSet, export, export_with, hard_sets};
 use serde_json::json;
 
 use super::cache::CacheArgs;
@@ -62,16 +62,17 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
         if !scene.captured.is_empty() {
             let set = format!("frame_{name}");
             let description = format!("fragments of a frame: {name}");
-            let (plan, precision) = (scene.plan, *precision);
-            let info = SetInfo { name: &set, description: &description, seed: None, plan, precision, profile };
+            let (datapath, effects) = (Datapath::Reflection, scene.plan.into());
+            let (name, description, precision) = (&set, &description, *precision);
+            let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
             sets.push(export(&info, &scene.captured, &vectors)?);
         }
         scenes.push(scene);
     }
-    for set in hard_case_sets(precision) {
-        let CaseSet { name, description, plan, .. } = set;
-        let info = SetInfo { name, description, seed: None, plan, precision: *precision, profile };
-        sets.push(export(&info, &set.fragments, &vectors)?);
+    for VectorSet { name, description, effects, cases } in hard_sets(precision) {
+        let (datapath, precision) = (cases.datapath(), *precision);
+        let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
+        sets.push(export_with(&info, cases.count(), &|index| cases.inputs(index), &vectors, &|_| {})?);
     }
     bar.set_message("accuracy");
     let accuracy = measure(precision, ACCURACY_FRAGMENTS, &|_| {});

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::Effects;
 use roughxel_emulator::eval::{EvalOptions, evaluate};
 use roughxel_emulator::output::OutputFile;
 
@@ -45,7 +45,7 @@ pub(super) struct EvalArgs {
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     profile: ProfileArg,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
-    effects: ReflectionPlan,
+    effects: Effects,
     /// Integers of the ports: mantissas (I2F30) with a column NAME_e for the exponent of each block; b, d and step
     /// are I4F28, lod is I16F16.
     #[arg(long)]
@@ -59,7 +59,12 @@ pub(super) struct EvalArgs {
 }
 
 pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
-    let options = EvalOptions { precision: args.profile.precision, plan: args.effects, raw: args.raw, json: args.json };
+    let options = EvalOptions {
+        precision: args.profile.precision,
+        plan: args.effects.reflection(),
+        raw: args.raw,
+        json: args.json,
+    };
     let (input, name): (Box<dyn Read>, String) = match &args.file {
         Some(path) if path != Path::new("-") => (open(path).map_err(Failure::Error)?, path.display().to_string()),
         _ => (Box::new(io::stdin().lock()), "stdin".into()),

@@ -19,8 +19,8 @@ Say which effects each object of a scene has, why, and what they cost.
   why          the key of the scene, or the property of its maps, that decides
   blocks       what the effect adds to the datapath of a fragment; what an effect needs of others belongs to both
   operations   additions, comparisons, selects, shifts by a count, products and table reads that the effect adds
-               to a fragment (highlight and peaks: for each light), and after the + to each of its fetches (environment: per
-               probe; maps: per channel and probe; peaks and horizons: per peak and light)
+               to a fragment (highlight: for each light; peaks and horizons: for each peak and light), and after the + to
+               each of its fetches (environment: per probe; maps: per channel and probe)
   x            of them, multipliers of two wires
   maps         memory of its maps with all their levels
   share        of the time of a frame: 1 - t(without)/t(with), the median of some rounds; with --measure

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 use miette::miette;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::Effects;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
 use roughxel_emulator::frame::Prepared;
@@ -52,7 +52,7 @@ pub(super) struct RangesArgs {
     #[arg(long, default_value = "standard", value_parser = parse_profiles, value_name = "NAME|all")]
     profile: Profiles,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
-    effects: ReflectionPlan,
+    effects: Effects,
     #[arg(long, default_value = "reflection", value_parser = parse_designs, value_name = "NAME|all", help = design_help())]
     design: Designs,
     /// Scene of the frame: a file (TOML), or the name of a built-in one.
@@ -155,14 +155,14 @@ fn observe(
     design: &Design,
     net: &Net,
     fragments: &[ReflectionIn],
-    plan: &ReflectionPlan,
+    effects: &Effects,
     p: &Precision,
     name: &str,
 ) -> Observed {
     let mut seen = Observed::new(net);
     for (index, fragment) in (0..).zip(fragments) {
         let mut random = SplitMix64::for_element(name, index);
-        for ports in port_values(design.name, net, fragment, plan, p, &mut random) {
+        for ports in port_values(design.name, net, fragment, effects, p, &mut random) {
             seen.evaluate(net, &ports);
         }
     }

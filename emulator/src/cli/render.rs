@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use miette::miette;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{Datapath, ReflectionPlan};
 use roughxel_core::ports::ReflectionIn;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::lanes::Reading;
@@ -18,7 +18,7 @@ use serde_json::json;
 
 use super::cache::CacheArgs;
 use super::console::progress;
-use super::{Failure, ProfileArg, open_scene, parse_profile, parse_size, use_threads};
+use super::{Failure, ProfileArg, file_stem, open_scene, parse_profile, parse_size, use_threads};
 
 /// Most fragments of a frame that become vectors.
 const CAPTURED_FRAGMENTS: usize = 4096;
@@ -126,15 +126,10 @@ fn capture(
     let mut written = Vec::new();
     for (index, (plan, fragments)) in sets.iter().enumerate() {
         let name = format!("frame_{}_{index}", file_stem(&scene.name));
-        let info = SetInfo { name: &name, description: &description, seed: None, plan: *plan, precision, profile };
+        let (name, description, effects) = (&name, &description, (*plan).into());
+        let datapath = Datapath::Reflection;
+        let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
         written.push(export(&info, fragments, directory)?);
     }
     Ok(written)
-}
-
-/// A scene's name as part of a file name: lower-case letters, digits and underscores, at most 40.
-fn file_stem(name: &str) -> String {
-    let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
-    let good = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-    name.chars().map(good).take(40).collect()
 }

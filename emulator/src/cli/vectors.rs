@@ -5,21 +5,20 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::study::cases::{CaseSet, hard_case_sets, random_fragment};
 use roughxel_emulator::vectors::{
-    Cause, MAX_VECTORS, Manifest, Mismatch, SetInfo, VectorError, Verification, export_with, manifests_in, verify,
+    Cause, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
+    export_with, hard_sets, manifests_in, random_set, verify,
 };
 use serde_json::json;
 
 use super::console::{complain, new_table, progress};
-use super::{CONVENTIONS, Failure, ProfileArg, on_one_line, parse_profile};
+use super::{CONVENTIONS, Failure, ProfileArg, effects, on_one_line, parse_profile};
 
-const RANDOM: &str = "random";
-const RANDOM_DESCRIPTION: &str = "seeded random fragments: plausible ones, and bit patterns at corner exponents";
-/// Vectors of a smoke set: at most, and of the random one.
-const SMOKE_MOST: u64 = 1000;
+/// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
+const SMOKE_REFLECTIONS: u64 = 1000;
+const SMOKE_LIGHTS: u64 = 200;
 const SMOKE_RANDOM: u64 = 256;
 
 #[derive(Subcommand)]
@@ -45,15 +44,25 @@ pub(super) struct ExportArgs {
     /// Profile.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     profile: ProfileArg,
-    /// Vectors of the random set.
+    /// Blocks that are on instead of those that each set is made for. The fields of a set are those of its blocks.
+    #[arg(long, value_parser = effects::parse, value_name = "LIST", long_help = effects::HELP)]
+    effects: Option<Effects>,
+    /// How the tangent frame is found, instead of the way each set is made for.
+    #[arg(long, value_parser = effects::parse_frame, value_name = "main|natural|natural-normalised")]
+    frame: Option<FrameSystem>,
+    /// Sets of the datapaths that the objects of a scene call for, with their blocks, in DIR/OBJECT/DATAPATH: scene file
+    /// (TOML), or the name of a built-in scene.
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["effects", "frame"])]
+    scene: Option<String>,
+    /// Vectors of each random set.
     #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_VECTORS))]
     count: u64,
-    /// Another random set than the published one, which is seed 0.
+    /// Other random sets than the published ones, which are seed 0.
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// The smoke sets kept in the repository: every hard case and 256 random vectors under `standard`, 256 random
-    /// vectors under `compact`.
-    #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed"])]
+    /// The smoke sets kept in the repository: hard cases and 256 random vectors of each datapath under `standard`, 256
+    /// random vectors of each under `compact`.
+    #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
     /// Summary as JSON.
     #[arg(long)]
@@ -85,41 +94,145 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
     }
 }
 
+/// What is exported of the listed sets, and how.
+struct Export<'a> {
+    profile: &'a ProfileArg,
+    /// Blocks instead of those of each set.
+    effects: Option<Effects>,
+    frame: Option<FrameSystem>,
+    directory: &'a Path,
+}
+
+impl Export<'_> {
+    /// The blocks of a set.
+    fn effects(&self, of_set: Effects) -> Effects {
+        let frame = self.frame.unwrap_or(of_set.frame);
+        Effects { frame, ..self.effects.unwrap_or(of_set) }
+    }
+
+    /// `most` vectors of a set of hard cases, evenly spread.
+    fn cases(&self, set: &VectorSet, most: u64) -> Result<Manifest, VectorError> {
+        let all = set.cases.count();
+        let count = most.min(all);
+        if count < all {
+            complain(&format!("note: {} has {all} vectors, {count} of them are written", set.name));
+        }
+        let info = self.info(set.name, set.description, None, set.cases.datapath(), set.effects);
+        self.write(&info, count, &|index| set.cases.inputs(index * all / count))
+    }
+
+    /// A random set.
+    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Manifest, VectorError> {
+        let (name, _, description) = RANDOM_SETS[datapath as usize];
+        let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
+        let info = self.info(name, description, Some(&seed), datapath, Effects::ALL);
+        self.write(&info, count, &|index| random_set(datapath, &seed, index, &self.profile.precision))
+    }
+
+    fn info<'b>(
+        &'b self,
+        name: &'b str,
+        description: &'b str,
+        seed: Option<&'b str>,
+        datapath: Datapath,
+        effects: Effects,
+    ) -> SetInfo<'b> {
+        let ProfileArg { name: profile, precision } = self.profile;
+        let effects = self.effects(effects);
+        SetInfo { name, description, seed, datapath, effects, precision: *precision, profile }
+    }
+
+    fn write(
+        &self,
+        info: &SetInfo<'_>,
+        count: u64,
+        input: &(dyn Fn(u64) -> Inputs + Sync),
+    ) -> Result<Manifest, VectorError> {
+        let bar = progress(count, info.name);
+        let manifest = export_with(info, count, input, self.directory, &|done| bar.set_position(done));
+        bar.finish_and_clear();
+        manifest
+    }
+}
+
 fn export(args: &ExportArgs) -> Result<(), Failure> {
     let mut written = Vec::new();
+    let ExportArgs { profile, effects, frame, output, .. } = args;
+    let export = Export { profile, effects: *effects, frame: *frame, directory: output };
     if args.smoke {
-        for set in hard_case_sets(&Precision::STANDARD) {
-            written.push(export_cases(&set, &parse_smoke("standard")?, SMOKE_MOST, &args.output)?);
+        smoke(output, &mut written)?;
+    } else if let Some(scene) = &args.scene {
+        for object in effects::planned_objects(scene, &profile.precision)? {
+            for (datapath, effects) in object.plan.datapaths() {
+                let directory = output.join(&object.directory).join(datapath.name());
+                let export =
+                    Export { effects: Some(effects), frame: Some(effects.frame), directory: &directory, ..export };
+                chosen(args, &export, |of| of == datapath, &mut written)?;
+            }
         }
-        for profile in ["standard", "compact"] {
-            written.push(export_random(SMOKE_RANDOM, 0, &parse_smoke(profile)?, &args.output)?);
+        if written.is_empty() {
+            complain("no object of the scene reflects or shines, so there are no vectors");
         }
     } else {
-        let cases = hard_case_sets(&args.profile.precision);
-        let known = |name: &str| name == RANDOM || cases.iter().any(|set| set.name == name);
-        if let Some(unknown) = args.sets.iter().find(|name| !known(name)) {
-            let names: Vec<_> = cases.iter().map(|set| set.name).chain([RANDOM]).collect();
-            return Err(Failure::Usage(format!("set `{unknown}` is unknown; there are {}", names.join(", "))));
-        }
-        let wanted = |name: &str| args.sets.is_empty() || args.sets.iter().any(|set| set == name);
-        for set in cases.iter().filter(|set| wanted(set.name)) {
-            written.push(export_cases(set, &args.profile, MAX_VECTORS, &args.output)?);
-        }
-        if wanted(RANDOM) {
-            written.push(export_random(args.count, args.seed, &args.profile, &args.output)?);
-        }
+        chosen(args, &export, |_| true, &mut written)?;
     }
     let mut out = io::stdout().lock();
     if args.json {
-        let sets: Vec<_> = written.iter().map(summary).collect();
-        writeln!(out, "{:#}", json!({ "directory": args.output.display().to_string(), "sets": sets }))?;
+        let sets: Vec<_> = written.iter().map(|(_, manifest)| summary(manifest)).collect();
+        writeln!(out, "{:#}", json!({ "directory": output.display().to_string(), "sets": sets }))?;
     } else {
-        let mut table = new_table(["set", "profile", "vectors", "bits a word", "file"]);
-        for manifest in &written {
-            let Manifest { set, profile, count, word_bits, files, .. } = manifest;
-            table.add_row([set, &profile.name, &count.to_string(), &word_bits.to_string(), &files[0].name]);
+        let mut table = new_table(["set", "datapath", "profile", "vectors", "bits a word", "file"]);
+        for (directory, manifest) in &written {
+            let Manifest { set, datapath, profile, count, word_bits, files, .. } = manifest;
+            let file = directory.strip_prefix(output).unwrap_or(directory).join(&files[0].name);
+            let [count, bits, file] = [count.to_string(), word_bits.to_string(), file.display().to_string()];
+            table.add_row([set.as_str(), datapath.name(), &profile.name, &count, &bits, &file]);
         }
         writeln!(out, "{table}")?;
+    }
+    Ok(())
+}
+
+/// Sets that were written, with their directories.
+type Written = Vec<(PathBuf, Manifest)>;
+
+/// The sets of the command line, of the wanted datapaths.
+fn chosen(
+    args: &ExportArgs,
+    export: &Export<'_>,
+    of: impl Fn(Datapath) -> bool,
+    written: &mut Written,
+) -> Result<(), Failure> {
+    let cases = hard_sets(&export.profile.precision);
+    let names = || cases.iter().map(|set| set.name).chain(RANDOM_SETS.map(|(name, ..)| name));
+    if let Some(unknown) = args.sets.iter().find(|wanted| !names().any(|name| name == wanted.as_str())) {
+        let names: Vec<_> = names().collect();
+        return Err(Failure::Usage(format!("set `{unknown}` is unknown; there are {}", names.join(", "))));
+    }
+    let wanted = |name: &str| args.sets.is_empty() || args.sets.iter().any(|set| set == name);
+    let mut add = |manifest| written.push((export.directory.to_path_buf(), manifest));
+    for set in cases.iter().filter(|set| wanted(set.name) && of(set.cases.datapath())) {
+        add(export.cases(set, MAX_VECTORS)?);
+    }
+    for (_, datapath, _) in RANDOM_SETS.iter().filter(|(name, datapath, _)| wanted(name) && of(*datapath)) {
+        add(export.random(*datapath, args.count, args.seed)?);
+    }
+    Ok(())
+}
+
+/// The sets kept in the repository.
+fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
+    let mut add = |manifest| written.push((directory.to_path_buf(), manifest));
+    for name in ["standard", "compact"] {
+        let profile = &parse_profile(name).map_err(Failure::Usage)?;
+        let export = Export { profile, effects: None, frame: None, directory };
+        for set in hard_sets(&profile.precision).iter().filter(|_| name == "standard") {
+            let is_reflection = set.cases.datapath() == Datapath::Reflection;
+            add(export.cases(set, if is_reflection { SMOKE_REFLECTIONS } else { SMOKE_LIGHTS })?);
+        }
+        for datapath in Datapath::ALL {
+            add(export.random(datapath, SMOKE_RANDOM, 0)?);
+        }
     }
     Ok(())
 }
@@ -127,47 +240,6 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
 fn summary(manifest: &Manifest) -> serde_json::Value {
     let Manifest { set, profile, count, word_bits, files, .. } = manifest;
     json!({ "set": set, "profile": profile.name, "count": count, "word_bits": word_bits, "files": files })
-}
-
-fn parse_smoke(profile: &str) -> Result<ProfileArg, Failure> {
-    parse_profile(profile).map_err(Failure::Usage)
-}
-
-/// The first `most` vectors of a set of hard cases.
-fn export_cases(set: &CaseSet, profile: &ProfileArg, most: u64, directory: &Path) -> Result<Manifest, VectorError> {
-    let info = SetInfo {
-        name: set.name,
-        description: set.description,
-        seed: None,
-        plan: set.plan,
-        precision: profile.precision,
-        profile: &profile.name,
-    };
-    let count = most.min(set.fragments.len() as u64);
-    if count < set.fragments.len() as u64 {
-        complain(&format!("note: {} has {} vectors, the first {count} are written", set.name, set.fragments.len()));
-    }
-    let bar = progress(count, set.name);
-    let manifest = export_with(&info, count, |i| set.fragments[i as usize], directory, &|done| bar.set_position(done));
-    bar.finish_and_clear();
-    manifest
-}
-
-fn export_random(count: u64, seed: u64, profile: &ProfileArg, directory: &Path) -> Result<Manifest, VectorError> {
-    let seed_name = if seed == 0 { RANDOM.to_string() } else { format!("{RANDOM}+{seed}") };
-    let info = SetInfo {
-        name: RANDOM,
-        description: RANDOM_DESCRIPTION,
-        seed: Some(&seed_name),
-        plan: ReflectionPlan::FULL,
-        precision: profile.precision,
-        profile: &profile.name,
-    };
-    let bar = progress(count, RANDOM);
-    let fragment = |index| random_fragment(&seed_name, index, &profile.precision);
-    let manifest = export_with(&info, count, fragment, directory, &|done| bar.set_position(done));
-    bar.finish_and_clear();
-    manifest
 }
 
 fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
@@ -272,19 +344,21 @@ fn sentence(mismatch: &Mismatch) -> String {
 }
 
 fn list(args: &ListArgs) -> Result<(), Failure> {
-    let cases = hard_case_sets(&Precision::STANDARD);
-    let rows = cases.iter().map(|set| (set.name, set.fragments.len().to_string(), set.description));
-    let rows = rows.chain([(RANDOM, "--count".to_string(), RANDOM_DESCRIPTION)]);
+    let cases = hard_sets(&Precision::STANDARD);
+    let rows = cases.iter().map(|set| (set.name, set.cases.datapath(), set.cases.count().to_string(), set.description));
+    let random = RANDOM_SETS.map(|(name, datapath, description)| (name, datapath, "--count".to_owned(), description));
+    let rows = rows.chain(random);
     let mut out = io::stdout().lock();
     if args.json {
-        let sets = rows.map(|(set, count, description)| {
-            json!({ "set": set, "count": count.parse::<u64>().ok(), "description": description })
+        let sets = rows.map(|(set, datapath, count, description)| {
+            let count = count.parse::<u64>().ok();
+            json!({ "set": set, "datapath": datapath.name(), "count": count, "description": description })
         });
         writeln!(out, "{:#}", json!(sets.collect::<Vec<_>>()))?;
     } else {
-        let mut table = new_table(["set", "vectors", "what"]);
-        for (set, count, description) in rows {
-            table.add_row([set, &count, description]);
+        let mut table = new_table(["set", "datapath", "vectors", "what"]);
+        for (set, datapath, count, description) in rows {
+            table.add_row([set, datapath.name(), &count, description]);
         }
         writeln!(out, "{table}")?;
     }

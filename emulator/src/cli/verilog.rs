@@ -1,15 +1,18 @@
 //! `roughxel verilog`.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_emulator::net::design::Design;
 use roughxel_emulator::net::verilog::{Options, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
+use roughxel_emulator::study::plan::fetches;
 use serde_json::json;
 
+use super::console::{complain, progress};
+use super::effects::PlannedObject;
 use super::ranges::{design_help, parse_design, unproven};
 use super::{Failure, ProfileArg, effects, parse_profile};
 
@@ -24,10 +27,14 @@ pub(super) struct VerilogArgs {
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     profile: ProfileArg,
     #[arg(long, default_value = "all", value_parser = effects::parse, help = effects::HELP, value_name = "LIST")]
-    effects: ReflectionPlan,
+    effects: Effects,
     /// How the tangent frame is found.
-    #[arg(long, default_value = "main", value_parser = parse_frame, value_name = "main|natural|natural-normalised")]
+    #[arg(long, default_value = "main", value_parser = effects::parse_frame, value_name = "main|natural|natural-normalised")]
     frame: FrameSystem,
+    /// The datapaths and fetches that the objects of a scene call for, each design in DIR/OBJECT/DESIGN: scene file
+    /// (TOML), or the name of a built-in scene.
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["design", "effects", "frame", "stage"])]
+    scene: Option<String>,
     /// Only the modules of this stage (`columns`) or block (`columns_pixel`), and what they use.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
@@ -43,15 +50,6 @@ pub(super) struct VerilogArgs {
     json: bool,
 }
 
-fn parse_frame(name: &str) -> Result<FrameSystem, String> {
-    match name {
-        "main" => Ok(FrameSystem::MainDirection),
-        "natural" => Ok(FrameSystem::Natural),
-        "natural-normalised" => Ok(FrameSystem::NaturalNormalised),
-        _ => Err("frames are main, natural, natural-normalised".into()),
-    }
-}
-
 /// Text a Verilog name can start with.
 fn parse_prefix(text: &str) -> Result<String, String> {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
@@ -61,37 +59,83 @@ fn parse_prefix(text: &str) -> Result<String, String> {
 }
 
 pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
+    let mut written = Vec::new();
+    match &args.scene {
+        None => {
+            let effects = Effects { frame: args.frame, ..args.effects };
+            written.push(write(args, args.design, effects, &args.output)?);
+        }
+        Some(scene) => {
+            let objects = effects::planned_objects(scene, &args.profile.precision)?;
+            let of_object = |object: &PlannedObject| {
+                let datapaths = object.plan.datapaths().map(|(datapath, effects)| (Design::of(datapath), effects));
+                let fetches = fetches(&object.plan).into_iter().map(|design| (design, Effects::NONE));
+                datapaths.chain(fetches).collect::<Vec<_>>()
+            };
+            let designs: Vec<_> = objects.iter().map(of_object).collect();
+            let bar = progress(designs.iter().map(Vec::len).sum::<usize>() as u64, scene);
+            for (object, designs) in objects.iter().zip(designs) {
+                for (design, effects) in designs {
+                    let directory = args.output.join(&object.directory).join(design.name);
+                    written.push(write(args, design, effects, &directory)?);
+                    bar.inc(1);
+                }
+            }
+            bar.finish_and_clear();
+            if written.is_empty() {
+                complain("no object of the scene needs a datapath or a map");
+            }
+        }
+    }
+    let mut out = io::stdout().lock();
+    if args.json {
+        let summaries: Vec<_> = written.iter().map(|(directory, verilog)| summary(directory, verilog)).collect();
+        match (&args.scene, summaries.as_slice()) {
+            (None, [one]) => writeln!(out, "{one:#}")?,
+            _ => writeln!(out, "{:#}", json!(summaries))?,
+        }
+        return Ok(());
+    }
+    for (directory, verilog) in &written {
+        let (directory, files) = (directory.display(), verilog.files.len());
+        match &verilog.top {
+            Some(top) => writeln!(
+                out,
+                "{directory}: {files} files, top {}, latency {} cycles, {} register bits",
+                top.module, top.latency, verilog.register_bits
+            )?,
+            None => writeln!(out, "{directory}: {files} files")?,
+        }
+    }
+    Ok(())
+}
+
+/// Writes a design into a directory.
+fn write(
+    args: &VerilogArgs,
+    design: &Design,
+    effects: Effects,
+    directory: &Path,
+) -> Result<(PathBuf, Verilog), Failure> {
     let options = Options {
         profile: args.profile.name.clone(),
         precision: args.profile.precision,
-        plan: ReflectionPlan { frame: args.frame, ..args.effects },
+        effects,
         depth: args.depth,
         stage: args.stage.clone(),
         prefix: args.prefix.clone(),
     };
-    let verilog = match Verilog::new(args.design, &options) {
+    let verilog = match Verilog::new(design, &options) {
         Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
         Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),
         other => other?,
     };
-    write_files(&args.output, verilog.in_order())?;
+    write_files(directory, verilog.in_order())?;
+    Ok((directory.to_path_buf(), verilog))
+}
 
-    let mut out = io::stdout().lock();
-    let (directory, files) = (args.output.display(), verilog.files.len());
-    if args.json {
-        let names: Vec<_> = verilog.files.keys().collect();
-        let (top, stepper) = (&verilog.top, &verilog.stepper);
-        let summary = json!({ "directory": directory.to_string(), "files": names, "top": top, "stepper": stepper });
-        writeln!(out, "{summary:#}")?;
-        return Ok(());
-    }
-    match &verilog.top {
-        Some(top) => writeln!(
-            out,
-            "{directory}: {files} files, top {}, latency {} cycles, {} register bits",
-            top.module, top.latency, verilog.register_bits
-        )?,
-        None => writeln!(out, "{directory}: {files} files")?,
-    }
-    Ok(())
+fn summary(directory: &Path, verilog: &Verilog) -> serde_json::Value {
+    let names: Vec<_> = verilog.files.keys().collect();
+    let (top, stepper) = (&verilog.top, &verilog.stepper);
+    json!({ "directory": directory.display().to_string(), "files": names, "top": top, "stepper": stepper })
 }

@@ -263,7 +263,7 @@ impl Lighting {
             Lobes::Given(peaks) => {
                 for (light, direction) in self.lights.iter().zip(directions) {
                     let lit = datapath::peak_light(&surface, &direction.wires(), p);
-                    if !lit.below {
+                    if !lit.side.below {
                         read.lights.clear();
                         reading.peaks(&lit.direction, peaks, p, &mut read.lights);
                         add(light, self::sum(&read.lights));
@@ -279,7 +279,7 @@ impl Lighting {
                 });
                 for (light, direction) in self.lights.iter().zip(directions) {
                     let lit = datapath::peak_light(&surface, &direction.wires(), p);
-                    if lit.below {
+                    if lit.side.below {
                         continue;
                     }
                     if let Some(eye) = &eye {

@@ -4,6 +4,7 @@
 //! datapath sees.
 
 pub mod highlight;
+pub mod lit_peak;
 pub mod peaks;
 
 use fixed::types::{I2F30, I4F28};

@@ -6,8 +6,8 @@
 
 use std::time::Instant;
 
-use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
-use roughxel_core::precision::Precision;
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::precision::{Precision, RoughnessKind};
 
 use crate::frame::Prepared;
 use crate::maps::peaks::ScenePeaks;
@@ -23,9 +23,6 @@ use crate::scene::Scene;
 const TEXTURE_FETCH: [&str; 5] = ["texture", "texture_probe", "levels", "repeat_address", "probe_sum"];
 /// And one of the environment.
 const ENVIRONMENT_FETCH: [&str; 5] = ["environment_probe", "levels", "face_address", "colour_sample", "blend"];
-/// Whatever the plan, a design of a fetch is the same.
-const ANY: ReflectionPlan = ReflectionPlan::FULL;
-
 /// Hardware of something.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Hardware {
@@ -44,11 +41,12 @@ pub struct Hardware {
 }
 
 impl Hardware {
-    /// Of a design under a plan.
-    fn of(design: &str, plan: &ReflectionPlan, p: &Precision) -> Self {
-        let Some((net, census)) = census(design, plan, p) else { return Self::default() };
+    /// Of a datapath with some effects, without the formats of its ports.
+    fn of(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
+        let (net, census) = census(Design::of(datapath), effects, p);
         let mut sum = Self::default();
-        for (block, cost) in net.blocks.iter().zip(&census.blocks) {
+        let blocks = net.blocks.iter().zip(&census.blocks);
+        for (block, cost) in blocks.filter(|(block, _)| !["map_scale", "leave"].contains(&block.stage())) {
             sum.add(block.instance(), counts(cost));
         }
         sum
@@ -76,10 +74,10 @@ impl Hardware {
 
     /// Of several designs side by side, each as one block.
     fn of_all(designs: &[&str], p: &Precision) -> Self {
-        designs.iter().fold(Self::default(), |mut sum, design| {
-            if let Some((_, census)) = census(design, &ANY, p) {
-                sum.add((*design).into(), counts(&census.total));
-            }
+        let known = designs.iter().filter_map(|name| Design::by_name(name));
+        known.fold(Self::default(), |mut sum, design| {
+            let (_, census) = census(design, &Effects::ALL, p);
+            sum.add(design.name.into(), counts(&census.total));
             sum
         })
     }
@@ -99,10 +97,10 @@ impl Hardware {
     }
 }
 
-fn census(design: &str, plan: &ReflectionPlan, p: &Precision) -> Option<(Net, Census)> {
-    let net = Design::by_name(design)?.record(plan, p);
+fn census(design: &Design, effects: &Effects, p: &Precision) -> (Net, Census) {
+    let net = design.record(effects, p);
     let census = Census::new(&net, &Ranges::new(&net));
-    Some((net, census))
+    (net, census)
 }
 
 /// Operations, multipliers, carry bits and bits of tables.
@@ -141,15 +139,30 @@ pub struct ObjectReport {
     pub effects: Vec<EffectReport>,
 }
 
-/// Hardware of an object's fragment and of each of its lights. Blocks that reflection and highlight share, those of the
-/// surface, are counted once; the frame that peaks stand on is counted where another effect has it.
+/// Hardware of an object's fragment and of each of its lights. Blocks that its datapaths share, those of the surface, are
+/// counted once.
 fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
-    let reflection = plan.reflection.map(|plan| Hardware::of("reflection", &plan, p));
-    let highlight = plan.highlight.map(|SurfacePlan { bump, frame, roughness, .. }| {
-        Hardware::of("highlight", &ReflectionPlan { bump, frame, roughness, ..ANY }, p)
-    });
-    let peaks = plan.peaks.map(|_| Hardware::of("local", &ANY, p));
-    [reflection, highlight, peaks].into_iter().flatten().fold(Hardware::default(), Hardware::joined)
+    let each = plan.datapaths().map(|(datapath, effects)| Hardware::of(datapath, &effects, p));
+    each.fold(Hardware::default(), Hardware::joined)
+}
+
+/// The designs that the fetches of an object go through, each once.
+pub fn fetches(plan: &ObjectPlan) -> Vec<&'static Design> {
+    let footprint: &[&str] = if plan.texture_footprint { &["texture", "texture_probe"] } else { &[] };
+    let sums: &[&str] = if plan.texture_footprint { &["probe_sum", "probe_mean"] } else { &[] };
+    let parts: [(bool, &[&str]); 7] = [
+        (plan.colour_map || plan.bump_map || plan.peaks.is_some(), footprint),
+        (plan.colour_map || plan.bump_map || plan.peaks.is_some(), &["levels", "repeat_address"]),
+        (plan.bump_map, &["moment_sample"]),
+        (plan.roughness() != RoughnessKind::None, &["moments", "roughness_decode"]),
+        (plan.reflection.is_some(), &["environment_probe", "levels", "face_address", "corner", "blend"]),
+        (plan.colour_map || plan.reflection.is_some(), &["colour_sample"]),
+        (plan.colour_map || plan.bump_map || plan.reflection.is_some() || plan.peaks.is_some(), sums),
+    ];
+    let mut names: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).flat_map(|(_, names)| names).copied().collect();
+    names.sort_unstable();
+    names.dedup();
+    names.into_iter().filter_map(Design::by_name).collect()
 }
 
 /// Explains the plan of every object, without measuring.
@@ -167,9 +180,8 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &["moment_sample"]].concat(), p),
                     Effect::Roughness => Hardware::of_all(&["moments", "roughness_decode"], p),
                     Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
-                    Effect::Peaks => Hardware::of_all(&["peak"], p),
-                    Effect::Horizon => Hardware::of_all(&["horizon"], p),
-                    Effect::Footprint | Effect::Curvature | Effect::Highlight => nothing.clone(),
+                    Effect::Footprint | Effect::Curvature => nothing.clone(),
+                    Effect::Highlight | Effect::Peaks | Effect::Horizon => nothing.clone(),
                 };
                 EffectReport {
                     decision: decision.clone(),
@@ -221,12 +233,12 @@ mod tests {
 
     #[test]
     fn every_operation_of_a_datapath_is_in_a_block() {
-        for design in ["reflection", "highlight", "local"] {
-            let p = Precision::STANDARD;
-            let (_, census) = census(design, &ANY, &p).expect("the design exists");
-            let Hardware { operations, multipliers, carry_bits, .. } = Hardware::of(design, &ANY, &p);
+        for datapath in Datapath::ALL {
+            let (net, census) = census(Design::of(datapath), &Effects::ALL, &Precision::STANDARD);
+            let blocks = net.blocks.iter().zip(&census.blocks).map(|(_, cost)| counts(cost));
+            let sum = blocks.fold([0; 4], |sum, part| [0, 1, 2, 3].map(|i| sum[i] + part[i]));
             let [all, of_wires, carries, _] = counts(&census.total);
-            assert_eq!([operations, multipliers, carry_bits], [all, of_wires, carries], "{design}");
+            assert_eq!(sum[..3], [all, of_wires, carries], "{datapath:?}");
         }
     }
 }

@@ -4,9 +4,9 @@
 //! fragment decides is random and favours the ends of its range.
 
 use glam::DVec3;
-use roughxel_core::datapath::{self, HighlightInput};
+use roughxel_core::datapath::{self, HighlightInput, LitPeakInput};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::Effects;
 use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{self, stored_horizon, stored_peak};
@@ -14,7 +14,7 @@ use roughxel_core::signals::{LIGHT, PeakSum, PortBlock, SHARE, TexturePosition};
 use roughxel_core::stage::enter::enter;
 
 use crate::net::design::{
-    Edge, EnvironmentProbeInput, FaceAddressInput, FragmentInput, HorizonInput, LevelsInput, LocalInput, PeakInput,
+    Edge, EnvironmentProbeInput, FaceAddressInput, HorizonInput, LevelsInput, LocalInput, PeakInput,
     RepeatAddressInput, TextureInput, TextureProbeInput,
 };
 use crate::net::graph::Net;
@@ -30,10 +30,11 @@ pub fn port_values(
     design: &str,
     net: &Net,
     fragment: &ReflectionIn,
-    plan: &ReflectionPlan,
+    effects: &Effects,
     p: &Precision,
     random: &mut SplitMix64,
 ) -> Vec<Vec<i64>> {
+    let plan = &effects.reflection();
     let map = environment_scale(fragment.edge_texels, p);
     let wires = fragment.wires(map);
     // A texture of any shape, with the fragment's first derivatives as those of its coordinates.
@@ -43,12 +44,21 @@ pub fn port_values(
     }));
     let duv = wires.dview.map(|d| PortBlock { mantissa: [d.mantissa[0], d.mantissa[1]], exponent: d.exponent });
     match design {
-        "fragment" => vec![integers(&FragmentInput::new(fragment))],
+        "fragment" => vec![integers(&fragment.fragment())],
         "reflection" => vec![integers(&wires)],
         // A light has any direction: that of the first derivative is as good as another.
         "highlight" => {
             let m = setup::shininess(random.uniform(0.0, 13.0).exp2()).wires();
             vec![integers(&HighlightInput { surface: wires.surface(), light: wires.dview[0], shininess: m })]
+        }
+        "lit_peak" => {
+            let mut any = |low, high| random.uniform(low, high);
+            let normal = DVec3::new(any(-1.0, 1.0), any(-1.0, 1.0), any(0.0, 1.0));
+            let peak = stored_peak(normal, any(-10.0, 6.0).exp2(), any(0.0, 13.0).exp2()).wires();
+            let mut four = |low, high| [(); 4].map(|()| any(low, high));
+            let horizon = stored_horizon(four(-1.0, 2.0), four(-0.2, 0.6)).wires();
+            let weight = Fx::lit(random.below(1 << (SHARE + 1)) as i64);
+            vec![integers(&LitPeakInput { surface: wires.surface(), light: wires.dview[0], peak, horizon, weight })]
         }
         "map_scale" => vec![integers(&Edge { edge_texels: Fx::lit(fragment.edge_texels.clamp(1, 16384).into()) })],
         "texture" => vec![integers(&TextureInput { duv, texture, map: texture_map })],

@@ -1,15 +1,15 @@
-//! Export: fragments through the datapath into `NAME.hex`, then `NAME.json`.
+//! Export: inputs through their datapath into `NAME.hex`, then `NAME.json`.
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::ReflectionIn;
+use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use sha2::{Digest, Sha256};
 
+use super::datapath::{Inputs, outcome};
 use super::layout::Layout;
 use super::manifest::{FORMAT_VERSION, FileEntry, Manifest, Profile, SCHEMA, Seed};
 use super::word::{check_value, write_word};
@@ -31,8 +31,10 @@ pub struct SetInfo<'a> {
     pub description: &'a str,
     /// The text hashed with each index where the set is random; `None` for listed or captured fragments.
     pub seed: Option<&'a str>,
-    /// Blocks the fragments go through.
-    pub plan: ReflectionPlan,
+    /// The datapath.
+    pub datapath: Datapath,
+    /// Blocks of it that are on.
+    pub effects: Effects,
     /// Knobs.
     pub precision: Precision,
     /// Name of the profile, `custom` where the knobs are no named profile's.
@@ -46,19 +48,22 @@ impl SetInfo<'_> {
     }
 }
 
-/// Exports `fragments` as a set into `directory`, which is made if it is not there.
+/// Exports a set into `directory`, which is made if it is not there. The inputs are those of the datapath that `info` names.
 ///
 /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
-pub fn export(info: &SetInfo<'_>, fragments: &[ReflectionIn], directory: &Path) -> Result<Manifest, VectorError> {
-    export_with(info, fragments.len() as u64, |index| fragments[index as usize], directory, &|_| {})
+pub fn export<I>(info: &SetInfo<'_>, inputs: &[I], directory: &Path) -> Result<Manifest, VectorError>
+where
+    I: Sync,
+    for<'a> &'a I: Into<Inputs>,
+{
+    export_with(info, inputs.len() as u64, &|index| (&inputs[index as usize]).into(), directory, &|_| {})
 }
 
-/// Exports the fragments `fragment(0) … fragment(count − 1)`, a batch in memory at a time; `progress` is told how
-/// many are done.
+/// Exports the vectors of `input(0) … input(count − 1)`, a batch in memory at a time; `progress` is told how many are done.
 pub fn export_with(
     info: &SetInfo<'_>,
     count: u64,
-    fragment: impl Fn(u64) -> ReflectionIn + Sync,
+    input: &(dyn Fn(u64) -> Inputs + Sync),
     directory: &Path,
     progress: &dyn Fn(u64),
 ) -> Result<Manifest, VectorError> {
@@ -79,7 +84,8 @@ pub fn export_with(
     };
     fs::create_dir_all(directory).map_err(error(directory))?;
 
-    let layout = Layout::new(&info.precision);
+    let effects = info.effects.of(info.datapath);
+    let layout = Layout::new(info.datapath, &effects, &info.precision);
     let mut hex = Hashed::new(OutputFile::create(&hex_path).map_err(error(&hex_path))?);
     let title = format!(
         "// roughxel vectors: set {}, profile {}, {count} words of {} bits, fields in {stem}.json\n",
@@ -92,7 +98,7 @@ pub fn export_with(
         let lines: Vec<_> = (start..count.min(start + BATCH))
             .into_par_iter()
             .map(|index| {
-                vector_line(&layout, info, &fragment(index)).map_err(|field| VectorError::Inexact {
+                vector_line(&layout, info, &input(index)).map_err(|field| VectorError::Inexact {
                     set: info.name.into(),
                     index,
                     field: layout.fields()[field].name.clone(),
@@ -114,7 +120,8 @@ pub fn export_with(
         set: info.name.into(),
         description: info.description.into(),
         profile: Profile { name: info.profile.into(), knobs: info.precision },
-        effects: info.plan,
+        datapath: info.datapath,
+        effects,
         seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
         count,
         word_bits: layout.word_bits(),
@@ -131,9 +138,9 @@ pub fn export_with(
 }
 
 /// The line of one vector, or the field that cannot hold its port.
-fn vector_line(layout: &Layout, info: &SetInfo<'_>, input: &ReflectionIn) -> Result<Vec<u8>, usize> {
-    let output = input.reflect(&info.plan, &info.precision);
-    let mut bits = layout.encode(input, &output)?;
+fn vector_line(layout: &Layout, info: &SetInfo<'_>, Inputs(inputs): &Inputs) -> Result<Vec<u8>, usize> {
+    let outputs = outcome(info.datapath, inputs, &info.effects, &info.precision);
+    let mut bits = layout.encode(inputs, &outputs)?;
     bits.push(check_value(layout.fields(), &bits));
     let mut line = Vec::with_capacity(layout.line_length() + 1);
     write_word(&mut line, layout.fields(), &bits);

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{
     AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
 };
@@ -16,7 +16,7 @@ use super::{MAX_VECTORS, VectorError};
 /// Value of `schema`.
 pub const SCHEMA: &str = "roughxel-vectors";
 /// Value of `format_version`.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 /// Largest manifest that is read.
 const MAX_MANIFEST_BYTES: u64 = 1 << 20;
 
@@ -36,16 +36,19 @@ pub struct Manifest {
     pub description: String,
     /// Profile.
     pub profile: Profile,
-    /// Blocks the fragments went through.
-    #[serde(with = "PlanDef")]
-    pub effects: ReflectionPlan,
+    /// The datapath.
+    #[serde(with = "DatapathDef")]
+    pub datapath: Datapath,
+    /// Blocks of it that were on; those of other datapaths are off.
+    #[serde(with = "EffectsDef")]
+    pub effects: Effects,
     /// Where the fragments come from.
     pub seed: Option<Seed>,
     /// Vectors.
     pub count: u64,
     /// Bits of a word.
     pub word_bits: u32,
-    /// The files of the set; format 1 has one, the words.
+    /// The files of the set; format 2 has one, the words.
     pub files: Vec<FileEntry>,
     /// The fields of a word, most significant first.
     pub fields: Vec<Field>,
@@ -136,32 +139,40 @@ impl Manifest {
         if file.name.is_empty() || file.name.starts_with('.') || file.name.contains(['/', '\\']) {
             return Err(format!("file name `{}` is no plain name beside the manifest", file.name));
         }
-        self.check_fields(&Layout::new(knobs))
+        if self.effects != self.effects.of(self.datapath) {
+            return Err(format!("effects that the datapath `{}` does not have are on", self.datapath.name()));
+        }
+        self.check_fields(&self.layout())
+    }
+
+    /// The layout of its words.
+    pub(super) fn layout(&self) -> Layout {
+        Layout::new(self.datapath, &self.effects, &self.profile.knobs)
     }
 
     fn check_fields(&self, layout: &Layout) -> Result<(), String> {
         // Texts may be reworded without a new format; everything that says where and what a bit is may not.
-        let essence =
-            |f: &Field| (f.direction, f.stage.clone(), f.lsb, f.width, f.signed, f.fraction_bits, f.tolerance);
+        let essence = |f: &Field| {
+            (f.direction, f.stage.clone(), f.port.clone(), [f.lsb, f.width], f.signed, f.fraction_bits, f.tolerance)
+        };
+        // Names before places: a field too many moves all before it.
         for (index, ours) in layout.fields().iter().enumerate() {
             let Some(theirs) = self.fields.get(index) else {
                 return Err(format!("field `{}` is missing", ours.name));
             };
             if theirs.name != ours.name {
                 return Err(format!(
-                    "field {index} is `{}`, but format {FORMAT_VERSION} has `{}` there",
+                    "field {index} is `{}`, but format {FORMAT_VERSION} has `{}` there for these effects",
                     theirs.name, ours.name
-                ));
-            }
-            if essence(theirs) != essence(ours) {
-                return Err(format!(
-                    "field `{}` is laid out in another way than format {FORMAT_VERSION} does",
-                    ours.name
                 ));
             }
         }
         if let Some(extra) = self.fields.get(layout.fields().len()) {
             return Err(format!("field `{}` is unknown in format {FORMAT_VERSION}", extra.name));
+        }
+        let mut pairs = self.fields.iter().zip(layout.fields());
+        if let Some((_, ours)) = pairs.find(|(theirs, ours)| essence(theirs) != essence(ours)) {
+            return Err(format!("field `{}` is laid out in another way than format {FORMAT_VERSION} does", ours.name));
         }
         if self.word_bits != layout.word_bits() {
             return Err(format!("word_bits is {}, but the fields take {}", self.word_bits, layout.word_bits()));
@@ -178,8 +189,16 @@ struct Version {
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(remote = "ReflectionPlan", deny_unknown_fields)]
-struct PlanDef {
+#[serde(remote = "Datapath", rename_all = "snake_case")]
+enum DatapathDef {
+    Reflection,
+    Highlight,
+    Peak,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Effects", deny_unknown_fields)]
+struct EffectsDef {
     bump: bool,
     #[serde(with = "FrameSystemDef")]
     frame: FrameSystem,
@@ -187,6 +206,7 @@ struct PlanDef {
     roughness: RoughnessKind,
     curvature: bool,
     footprint: bool,
+    horizon: bool,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -9,6 +9,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::VectorError;
+use super::datapath::outcome;
 use super::export::hex_digest;
 use super::layout::{Field, Layout};
 use super::manifest::Manifest;
@@ -107,7 +108,7 @@ pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
 /// Errors: see [`VectorError`]. Differences are no errors, they are the result.
 pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
-    let layout = Layout::new(&manifest.profile.knobs);
+    let layout = manifest.layout();
     let entry = &manifest.files[0];
     let path = manifest_path.with_file_name(&entry.name);
     let error = |source| VectorError::Io { action: "read", path: path.clone(), source };
@@ -215,10 +216,11 @@ impl Checker<'_> {
 
     /// The word that belongs to the inputs of `found`, and the field its value does not fit, if any.
     fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
-        let input = self.layout.decode(found);
-        let output = input.reflect(&self.manifest.effects, &self.manifest.profile.knobs);
+        let inputs = self.layout.decode(found);
+        let Manifest { datapath, effects, profile, .. } = self.manifest;
+        let outputs = outcome(*datapath, &inputs, effects, &profile.knobs);
         let mut unfit = None;
-        let mut bits = self.layout.encode(&input, &output).unwrap_or_else(|field| {
+        let mut bits = self.layout.encode(&inputs, &outputs).unwrap_or_else(|field| {
             unfit = Some(field);
             found[..found.len() - 1].to_vec()
         });

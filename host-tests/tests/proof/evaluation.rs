@@ -2,10 +2,10 @@
 
 use fixed::types::{I2F30, I4F28};
 use rayon::prelude::*;
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::net::design::DESIGNS;
+use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Tap};
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::observe::Observed;
@@ -16,7 +16,7 @@ use roughxel_emulator::study::stimulus::port_values;
 use roughxel_host_tests::checked::{Checked, Integers, Trace, traced};
 use roughxel_host_tests::designs::outcome;
 
-use super::{design, plans, profiles};
+use super::{design, effects, profiles};
 
 /// The integer of a tap as the checked reading has it; `None` where its function does not go through the block.
 fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
@@ -27,12 +27,12 @@ fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
 }
 
 /// Compares outputs with the scalar reading and taps with the checked one. Says how many taps were compared.
-fn compare(name: &str, net: &Net, wires: &[i64], ports: &[i64], plan: &ReflectionPlan, p: &Precision) -> usize {
-    let scalar = outcome::<i32>(name, ports, plan, p);
+fn compare(name: &str, net: &Net, wires: &[i64], ports: &[i64], effects: &Effects, p: &Precision) -> usize {
+    let scalar = outcome::<i32>(name, ports, effects, p);
     let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
     let outputs = Integers(outputs.collect());
     assert_eq!(outputs, scalar, "{name} of {ports:?}");
-    let (checked, trace) = traced(|| outcome::<Checked>(name, ports, plan, p));
+    let (checked, trace) = traced(|| outcome::<Checked>(name, ports, effects, p));
     assert_eq!(checked, scalar);
     let taps = net.taps.iter().filter_map(|tap| Some((tap, in_trace(net, &trace, tap)?)));
     let differing = |(tap, value): (_, i64)| {
@@ -43,8 +43,8 @@ fn compare(name: &str, net: &Net, wires: &[i64], ports: &[i64], plan: &Reflectio
 }
 
 /// Evaluates a design for every fragment and holds it against the other readings and the proof.
-fn check(name: &str, plan: &ReflectionPlan, p: &Precision, fragments: &[ReflectionIn]) {
-    let net = design(name).record(plan, p);
+fn check(name: &str, effects: &Effects, p: &Precision, fragments: &[ReflectionIn]) {
+    let net = design(name).record(effects, p);
     let ranges = Ranges::new(&net);
     assert!(ranges.violations.is_empty());
     let halves: Vec<_> = fragments.chunks(fragments.len().div_ceil(2).max(1)).collect();
@@ -52,10 +52,19 @@ fn check(name: &str, plan: &ReflectionPlan, p: &Precision, fragments: &[Reflecti
         let mut seen = Observed::new(&net);
         for (index, fragment) in (0..).zip(fragments) {
             let mut random = SplitMix64::for_element(name, index);
-            for ports in port_values(name, &net, fragment, plan, p, &mut random) {
+            for ports in port_values(name, &net, fragment, effects, p, &mut random) {
                 let wires = seen.evaluate(&net, &ports).to_vec();
-                let compared = compare(name, &net, &wires, &ports, plan, p);
-                if matches!(name, "fragment" | "reflection" | "texture" | "texture_probe" | "environment_probe") {
+                let compared = compare(name, &net, &wires, &ports, effects, p);
+                if matches!(
+                    name,
+                    "fragment"
+                        | "reflection"
+                        | "highlight"
+                        | "lit_peak"
+                        | "texture"
+                        | "texture_probe"
+                        | "environment_probe"
+                ) {
                     assert_eq!(compared, net.taps.len(), "every named wire has a counterpart");
                 }
             }
@@ -70,8 +79,8 @@ fn check(name: &str, plan: &ReflectionPlan, p: &Precision, fragments: &[Reflecti
 fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
-            check("reflection", &set.plan, &p, &set.fragments);
-            check("environment_probe", &set.plan, &p, &set.fragments);
+            check("reflection", &set.plan.into(), &p, &set.fragments);
+            check("environment_probe", &set.plan.into(), &p, &set.fragments);
         }
     }
 }
@@ -81,10 +90,12 @@ fn a_net_gives_the_bits_of_the_scalar_reading_on_random_fragments() {
     for (_, p) in profiles() {
         let fragments: Vec<_> = (0..10_000).map(|index| random_fragment("net", index, &p)).collect();
         for design in DESIGNS {
-            check(design.name, &ReflectionPlan::FULL, &p, &fragments);
+            check(design.name, &Effects::ALL, &p, &fragments);
         }
-        for (index, plan) in plans().iter().enumerate() {
-            check("fragment", plan, &p, &fragments[100 * index..100 * (index + 1)]);
+        for datapath in Datapath::ALL {
+            for (index, effects) in effects(Some(datapath)).iter().enumerate() {
+                check(Design::of(datapath).name, effects, &p, &fragments[100 * index..100 * (index + 1)]);
+            }
         }
     }
 }
@@ -138,11 +149,11 @@ fn any_bits(random: &mut SplitMix64) -> ReflectionIn {
 fn a_net_gives_the_bits_of_the_scalar_reading_for_any_bits_at_its_ports() {
     for (profile, p) in profiles() {
         for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
-            let plan = ReflectionPlan { frame, ..ReflectionPlan::FULL };
+            let effects = Effects { frame, ..Effects::ALL };
             let mut random = SplitMix64::for_element(profile, frame as u64);
             let fragments: Vec<_> = (0..4000).map(|_| any_bits(&mut random)).collect();
-            for name in ["fragment", "environment_probe", "texture", "texture_probe"] {
-                check(name, &plan, &p, &fragments);
+            for name in ["fragment", "highlight", "lit_peak", "environment_probe", "texture", "texture_probe"] {
+                check(name, &effects, &p, &fragments);
             }
         }
     }
@@ -153,7 +164,7 @@ fn integers_of_a_bundle_are_the_ports_of_its_net() {
     let p = Precision::STANDARD;
     let fragment = random_fragment("ports", 0, &p);
     let wires = fragment.wires(environment_scale(fragment.edge_texels, &p));
-    let net = design("reflection").record(&ReflectionPlan::FULL, &p);
+    let net = design("reflection").record(&Effects::ALL, &p);
     let names: Vec<_> = net.ports.iter().map(|port| port.name.clone()).collect();
     let expected = Integers::of(&wires);
     assert_eq!(names, expected.0.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());

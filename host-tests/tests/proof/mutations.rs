@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_emulator::net::census::Census;
 use roughxel_emulator::net::graph::{Kind, Net, NodeId, Op};
 use roughxel_emulator::net::interval::Ranges;
@@ -157,7 +157,7 @@ fn subjects() -> Vec<(&'static str, &'static str, Net)> {
         for name in BROKEN {
             let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
             for frame in frames.into_iter().take(if name == "reflection" { 3 } else { 1 }) {
-                nets.push((profile, name, design(name).record(&ReflectionPlan { frame, ..ReflectionPlan::FULL }, &p)));
+                nets.push((profile, name, design(name).record(&Effects { frame, ..Effects::ALL }, &p)));
             }
         }
     }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use super::context::{Context, Names};
 use super::format::{Format, vector};
-use super::module::{Module, port_list, sink};
+use super::module::{Module, port_list};
 use super::rom::DELAY;
 use super::share::Group;
 use super::value::constant_bits;
@@ -29,6 +29,8 @@ pub(super) struct Placed {
 pub(super) struct Top {
     pub(super) text: String,
     pub(super) interface: Interface,
+    /// Inputs of the design that no block reads.
+    pub(super) unread: Vec<PortDescription>,
     pub(super) instances: Vec<Placed>,
     pub(super) register_bits: u32,
     pub(super) uses_delay: bool,
@@ -83,14 +85,14 @@ pub(super) fn top(
     };
     let mut inputs = Vec::new();
     let mut signals = Signals { context, ranks: HashMap::new(), names: HashMap::new(), later: BTreeMap::new() };
-    for port in &net.ports {
+    for (place, port) in net.ports.iter().enumerate() {
         let format = port_format(port.node);
         let name = if port.name.is_empty() { "value" } else { &port.name };
         let base = identifier(name);
         let verilog = names.take(&format!("in_{base}_{format}"));
         signals.names.insert(port.node, names.take(&format!("{base}_{format}")));
         signals.ranks.insert(port.node, 0);
-        inputs.push(PortDescription::new(name, &verilog, format, [port.low, port.high]));
+        inputs.push(PortDescription::new(name, &verilog, format, [port.low, port.high], place));
     }
 
     // Blocks in the order in which they ran; every input comes from an earlier one.
@@ -130,14 +132,20 @@ pub(super) fn top(
         }
     }
     let mut outputs = Vec::new();
-    for output in &net.outputs {
+    for (place, output) in net.outputs.iter().enumerate() {
+        if net.constant(output).is_some() {
+            continue;
+        }
         let kind = net.node(output.node).kind;
         let format = Format::new(context.ranges.of(output.node), output.fraction_bits, kind == Kind::Flag);
         let name = if output.name.is_empty() { "result" } else { &output.name };
         let verilog = names.take(&format!("out_{}_{format}", identifier(name)));
         let range = context.ranges.of(output.node);
-        outputs.push(PortDescription::new(name, &verilog, format, [range.low, range.high]));
+        outputs.push(PortDescription::new(name, &verilog, format, [range.low, range.high], place));
     }
+
+    let is_read = net.ports_read();
+    let (inputs, unread): (Vec<_>, Vec<_>) = inputs.into_iter().partition(|port| is_read[port.place]);
 
     let latency = last + 1;
     let mut text = top_header(context, name, description, latency, &instances);
@@ -161,21 +169,13 @@ pub(super) fn top(
 
     let mut register_bits = latency;
     // Rank 0.
-    let used: Vec<_> = net.ports.iter().zip(&inputs).filter(|(port, _)| read_outside.contains(&port.node)).collect();
-    let unused: Vec<_> = net.ports.iter().zip(&inputs).filter(|(port, _)| !read_outside.contains(&port.node)).collect();
     text += "\n  // ---- inputs: rank 0 ----\n";
-    for (port, description) in &used {
-        let format = description.format;
-        register_bits += format.width();
-        text += &format!("  reg {}{};\n", vector(format.width(), format.signed()), signals.at(port.node, 0));
+    let rank_0 = |port: &PortDescription| signals.at(net.ports[port.place].node, 0);
+    for port in &inputs {
+        register_bits += port.width;
+        writeln!(text, "  reg {}{};", vector(port.width, port.signed), rank_0(port))?;
     }
-    let moves = used.iter().map(|(port, description)| (signals.at(port.node, 0), description.port.clone()));
-    text += &registers(moves);
-    if !unused.is_empty() {
-        let names: Vec<_> = unused.iter().map(|(_, description)| description.port.clone()).collect();
-        text += "\n  // Inputs nobody reads: those of blocks that are off, exponents that drop out.\n";
-        text += &sink("unused_inputs", &names);
-    }
+    text += &registers(inputs.iter().map(|port| (rank_0(port), port.port.clone())));
     let mut uses_delay = delays(&mut text, &signals, net.ports.iter().map(|port| port.node), "inputs")?;
 
     for (&(block, group, run), placed) in runs.iter().zip(&instances) {
@@ -215,13 +215,13 @@ pub(super) fn top(
         uses_delay |= delays(&mut text, &signals, outcomes.into_iter(), &net.blocks[block as usize].instance())?;
     }
     writeln!(text, "\n  // ---- outputs: rank {last} ----")?;
-    for (output, description) in net.outputs.iter().zip(&outputs) {
-        let format = description.format;
+    for port in &outputs {
+        let (output, format) = (&net.outputs[port.place], port.format);
         let value = match signals.constant(output.node) {
             Some(value) => constant_bits(value, format.zeros, format.zeros + format.width()).code,
             None => signals.at(output.node, last),
         };
-        writeln!(text, "  assign {} = {value};", description.port)?;
+        writeln!(text, "  assign {} = {value};", port.port)?;
     }
     text += END;
     for (id, ranks) in &signals.later {
@@ -229,7 +229,7 @@ pub(super) fn top(
         register_bits += context.format(*id).width() * (most - signals.ranks.get(id).copied().unwrap_or(most));
     }
     let interface = Interface { module: name.to_owned(), latency, inputs, outputs };
-    Ok(Top { text, interface, instances, register_bits, uses_delay })
+    Ok(Top { text, interface, unread, instances, register_bits, uses_delay })
 }
 
 /// Every block has operations of its own; what the composer did outside any has no module.

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use super::format::{Format, vector};
 use super::module::port_list;
-use super::pipeline::handshake_ports;
+use super::pipeline::{Top, handshake_ports};
 use super::rom::DELAY;
 use super::value::literal;
 use super::{END, Interface, PortDescription, VerilogError, header};
@@ -20,16 +20,24 @@ const COUNT: &str = "probes.count";
 const LOD: &str = "probes.lod";
 
 /// The stepper around a step; `None` where the design is none.
-pub(super) fn stepper(step: &Interface, origin: &str) -> Result<Option<(Interface, String)>, VerilogError> {
-    let input = |name: &str| step.inputs.iter().find(|port| port.name == name);
-    let (Some(index), Some(count), Some(lod)) = (input(INDEX), input(COUNT), input(LOD)) else { return Ok(None) };
+pub(super) fn stepper(top: &Top, origin: &str) -> Result<Option<(Interface, String)>, VerilogError> {
+    let step = &top.interface;
+    let named = |ports: &[PortDescription], name: &str| ports.iter().find(|port| port.name == name).cloned();
+    let input = |name| named(&step.inputs, name);
+    // The step has no use for the level of detail, but what reads its probes has.
+    let (Some(index), Some(count), Some(lod)) = (input(INDEX), input(COUNT), named(&top.unread, LOD)) else {
+        return Ok(None);
+    };
 
     let module = format!("{}_stepper", step.module);
-    let inputs: Vec<_> = step.inputs.iter().filter(|port| port.name != INDEX).cloned().collect();
+    let mut inputs: Vec<_> = step.inputs.iter().filter(|port| port.name != INDEX).cloned().collect();
+    inputs.push(lod.clone());
     let mut outputs = step.outputs.clone();
-    outputs.push(PortDescription::new("lod", &format!("out_lod_{}", lod.format), lod.format, [lod.low, lod.high]));
+    let end = outputs.len();
+    let lod_name = format!("out_lod_{}", lod.format);
+    outputs.push(PortDescription::new("lod", &lod_name, lod.format, [lod.low, lod.high], end));
     let flag = Format::new(Range { low: 0, high: 1, zeros: 0 }, 0, true);
-    outputs.push(PortDescription::new("last", "out_last_flag", flag, [0, 1]));
+    outputs.push(PortDescription::new("last", "out_last_flag", flag, [0, 1], end + 1));
 
     let about = [
         format!("State machine around {}: one footprint in, its probes 0 to N - 1 out, one a cycle.", step.module),
@@ -67,7 +75,7 @@ pub(super) fn stepper(step: &Interface, origin: &str) -> Result<Option<(Interfac
     for port in &inputs {
         writeln!(text, "  reg {}{};", vector(port.width, port.signed), held(port))?;
     }
-    let held_count = held(count);
+    let held_count = held(&count);
     write!(
         text,
         "
@@ -127,7 +135,7 @@ pub(super) fn stepper(step: &Interface, origin: &str) -> Result<Option<(Interfac
 {END}",
         lod.width + 1,
         step.latency,
-        held(lod),
+        held(&lod),
         lod.format
     )?;
     let interface = Interface { module, latency: step.latency + 1, inputs, outputs };

@@ -1,0 +1,104 @@
+//! The sets there are: every hard case of each datapath, and seeded random ones.
+
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn};
+use roughxel_core::precision::Precision;
+
+use super::datapath::Inputs;
+use crate::study::cases::highlight::{highlight_sets, random_light};
+use crate::study::cases::lit_peak::{lit_peak_sets, random_lit_peak};
+use crate::study::cases::{hard_case_sets, random_fragment};
+
+/// The random set of each datapath: its name, and what it holds.
+pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
+    ("random", Datapath::Reflection, "seeded random fragments: plausible ones, and bit patterns at corner exponents"),
+    ("random_highlight", Datapath::Highlight, "seeded random lights on rough surfaces, and bit patterns"),
+    ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
+];
+
+/// Inputs of a listed set.
+#[derive(Clone, Debug)]
+pub enum Cases {
+    /// Fragments that reflect.
+    Reflection(Vec<ReflectionIn>),
+    /// Lights on surfaces.
+    Highlight(Vec<HighlightIn>),
+    /// Lights on peaks.
+    Peak(Vec<PeakIn>),
+}
+
+impl Cases {
+    /// Their datapath.
+    pub const fn datapath(&self) -> Datapath {
+        match self {
+            Self::Reflection(_) => Datapath::Reflection,
+            Self::Highlight(_) => Datapath::Highlight,
+            Self::Peak(_) => Datapath::Peak,
+        }
+    }
+
+    /// How many.
+    pub fn count(&self) -> u64 {
+        let count = match self {
+            Self::Reflection(cases) => cases.len(),
+            Self::Highlight(cases) => cases.len(),
+            Self::Peak(cases) => cases.len(),
+        };
+        count as u64
+    }
+
+    /// The ports of one; `index` is below the count.
+    pub fn inputs(&self, index: u64) -> Inputs {
+        let index = index as usize;
+        match self {
+            Self::Reflection(cases) => (&cases[index]).into(),
+            Self::Highlight(cases) => (&cases[index]).into(),
+            Self::Peak(cases) => (&cases[index]).into(),
+        }
+    }
+}
+
+/// A named set of hard cases and the blocks they go through.
+#[derive(Clone, Debug)]
+pub struct VectorSet {
+    /// Short name, also that of its files.
+    pub name: &'static str,
+    /// What the set holds.
+    pub description: &'static str,
+    /// Blocks that are on.
+    pub effects: Effects,
+    /// Its inputs.
+    pub cases: Cases,
+}
+
+/// Every set of hard cases, datapath by datapath.
+pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
+    let reflections = hard_case_sets(p).into_iter().map(|set| VectorSet {
+        name: set.name,
+        description: set.description,
+        effects: set.plan.into(),
+        cases: Cases::Reflection(set.fragments),
+    });
+    let highlights = highlight_sets(p).into_iter().map(|set| VectorSet {
+        name: set.name,
+        description: set.description,
+        effects: set.plan.into(),
+        cases: Cases::Highlight(set.fragments),
+    });
+    let peaks = lit_peak_sets(p).into_iter().map(|set| VectorSet {
+        name: set.name,
+        description: set.description,
+        effects: set.plan.into(),
+        cases: Cases::Peak(set.peaks),
+    });
+    reflections.chain(highlights).chain(peaks).collect()
+}
+
+/// Input `index` of a datapath's random set with that seed.
+pub fn random_set(datapath: Datapath, seed: &str, index: u64, p: &Precision) -> Inputs {
+    match datapath {
+        Datapath::Reflection => (&random_fragment(seed, index, p)).into(),
+        Datapath::Highlight => (&random_light(seed, index, p)).into(),
+        Datapath::Peak => (&random_lit_peak(seed, index, p)).into(),
+    }
+}
