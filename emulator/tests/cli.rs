@@ -1,5 +1,6 @@
 //! Exit codes and help of the program.
 
+use std::collections::BTreeSet;
 use std::process::{Command, Output, Stdio};
 
 fn roughxel(arguments: &[&str]) -> Output {
@@ -12,7 +13,7 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 26] = [
+    let cases: [&[&str]; 30] = [
         &[],
         &["frobnicate"],
         &["eval", "--profile", "best"],
@@ -39,6 +40,10 @@ fn usage_errors_end_with_2() {
         &["verilog"],
         &["verilog", "-o", "unused", "--stage", "no_such_stage"],
         &["verilog", "-o", "unused", "--prefix", "9"],
+        &["verilog", "-o", "unused", "--scene", "lake", "--effects", "bump"],
+        &["verilog", "-o", "unused", "--effects", "bumps"],
+        &["vectors", "export", "-o", "unused", "--scene", "lake", "--effects", "bump"],
+        &["vectors", "export", "-o", "unused", "--frame", "tilted"],
     ];
     for arguments in cases {
         let output = roughxel(arguments);
@@ -56,7 +61,7 @@ fn failures_end_with_1_and_name_the_file() {
     let scene = directory.path().join("scene.toml");
     std::fs::write(&scene, "name = 3\n").unwrap();
     let picture = directory.path().join("no/where.png");
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&["render", "no-such.toml"], "no-such.toml"),
         (&["plan", "no-such.toml"], "no-such.toml"),
         (&["render", scene.to_str().unwrap()], "scene.toml:1:"),
@@ -64,6 +69,8 @@ fn failures_end_with_1_and_name_the_file() {
         (&["eval", "no-such.csv"], "no-such.csv"),
         (&["eval", directory.path().to_str().unwrap()], "cannot read"),
         (&["vectors", "verify", "no-such-directory"], "no-such-directory"),
+        (&["vectors", "export", "-o", "unused", "--scene", "no-such.toml"], "no-such.toml"),
+        (&["verilog", "-o", "unused", "--scene", "no-such.toml"], "no-such.toml"),
         (&["vectors", "export", "random", "-o", inside_file.to_str().unwrap()], "cannot write"),
         (&["verilog", "-o", inside_file.to_str().unwrap()], inside_file.to_str().unwrap()),
     ];
@@ -205,7 +212,7 @@ fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
     };
     let (files, again) = (written(&first, &[]), written(&second, &[]));
     assert!(files == again);
-    let manifest: serde_json::Value = serde_json::from_slice(&files["roughxel_reflection.json"]).unwrap();
+    let manifest: serde_json::Value = serde_json::from_slice(&files["roughxel_fragment.json"]).unwrap();
     let listed = manifest["files"].as_array().unwrap();
     assert_eq!(listed.len() + 1, files.len());
     for file in listed {
@@ -213,7 +220,7 @@ fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
         let hex = hash.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
         assert_eq!(file["sha256"], hex, "{file}");
     }
-    assert!(files.contains_key("roughxel_reflection.v"));
+    assert!(files.contains_key("roughxel_fragment.v"));
 
     let stage = written(&alone, &["--stage", "columns", "--prefix", "mine_"]);
     // Leading zeros of a width are the same module in every design.
@@ -271,4 +278,47 @@ fn a_captured_frame_is_a_set_that_verifies() {
     assert!(std::fs::metadata(&picture).unwrap().len() > 0);
     let report = roughxel(&["vectors", "verify", &sets]);
     assert_eq!(report.status.code(), Some(0), "{}", String::from_utf8_lossy(&report.stdout));
+}
+
+/// The paths of input and output ports, by the manifest of a generated top.
+fn ports_of(top: &std::path::Path) -> BTreeSet<String> {
+    let manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(top).unwrap()).unwrap();
+    let of = |side: &str| manifest["top"][side].as_array().unwrap().clone();
+    of("inputs").iter().chain(&of("outputs")).map(|port| port["name"].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn vectors_and_verilog_of_a_scene_have_what_its_plan_has_and_no_more() {
+    let directory = tempfile::tempdir().unwrap();
+    let [vectors, hardware] = ["vectors", "hardware"].map(|name| directory.path().join(name));
+    for (scene, object, datapath, design, present, absent) in [
+        ("lake", "water", "reflection", "fragment", "roughness[0]", "surface"),
+        ("globe", "north", "reflection", "fragment", "dnormal[0].mantissa[0]", "surface"),
+        ("highlight", "bumps", "highlight", "highlight", "surface.roughness[0]", "dview"),
+        ("highlight", "smooth", "highlight", "highlight", "shininess.exponent", "spread"),
+        ("velvet", "velvet", "peak", "lit_peak", "peak.amplitude", "horizon"),
+        ("horizon-plane", "plane", "peak", "lit_peak", "horizon.low[0]", "surface.offset"),
+    ] {
+        let [vectors, hardware] = [&vectors, &hardware].map(|of| of.join(object));
+        let to = |of: &std::path::Path| of.to_str().unwrap().to_owned();
+        for arguments in [
+            &["vectors", "export", "--scene", scene, "--count", "3", "-o", &to(&vectors)][..],
+            &["verilog", "--scene", scene, "-o", &to(&hardware)],
+        ] {
+            let output = roughxel(arguments);
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        }
+        let sets = vectors.join(object).join(datapath);
+        assert_eq!(roughxel(&["vectors", "verify", &to(&sets)]).status.code(), Some(0), "{scene}");
+        let ports = ports_of(&hardware.join(object).join(design).join(format!("roughxel_{design}.json")));
+        let manifests = std::fs::read_dir(&sets).unwrap().map(|file| file.unwrap().path());
+        for path in manifests.filter(|path| path.extension().is_some_and(|of| of == "json")) {
+            let manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+            let fields = manifest["fields"].as_array().unwrap().iter().map(|field| field["port"].as_str().unwrap());
+            let fields: BTreeSet<String> = fields.filter(|port| !port.is_empty()).map(str::to_owned).collect();
+            assert_eq!(fields, ports, "{}", path.display());
+        }
+        assert!(ports.contains(present), "{scene}: {present} in {ports:?}");
+        assert!(!ports.iter().any(|port| port.starts_with(absent)), "{scene}: {absent} in {ports:?}");
+    }
 }

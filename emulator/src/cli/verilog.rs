@@ -21,7 +21,7 @@ pub(super) struct VerilogArgs {
     /// Directory; made if it is not there.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    #[arg(long, default_value = "reflection", value_parser = parse_design, value_name = "NAME", help = design_help())]
+    #[arg(long, default_value = "fragment", value_parser = parse_design, value_name = "NAME", help = design_help())]
     design: &'static Design,
     /// Profile.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]

@@ -194,7 +194,7 @@ impl Module {
                 unused.extend(unread(&body.wire(id, stage), body.reads_from(id, stage)));
             }
             if stage < body.last_stage {
-                self.registers(&mut wires, body, &first.nodes, stage)?;
+                unused.extend(self.registers(&mut wires, body, &first.nodes, stage)?);
             }
         }
         let assigned: Vec<&ModulePort> =
@@ -350,8 +350,14 @@ impl Module {
         Ok(())
     }
 
-    /// Registers from a stage to the next: everything made so far that is still read.
-    fn registers(&mut self, text: &mut String, body: &Body, nodes: &[NodeId], stage: u32) -> Result<(), VerilogError> {
+    /// Registers from a stage to the next: everything made so far that is still read. Says which of their bits nobody reads.
+    fn registers(
+        &mut self,
+        text: &mut String,
+        body: &Body,
+        nodes: &[NodeId],
+        stage: u32,
+    ) -> Result<Vec<String>, VerilogError> {
         let inputs = body.names.keys().filter(|id| !nodes.contains(id));
         let mut inputs: Vec<NodeId> = inputs.copied().collect();
         inputs.sort_unstable();
@@ -363,14 +369,16 @@ impl Module {
             .collect();
         writeln!(text)?;
         let mut moves = String::new();
+        let mut unused = Vec::new();
         for id in carried {
             let (from, to) = (body.wire(id, stage), body.wire(id, stage + 1));
             writeln!(text, "  reg {}{};", vector(to.width(), to.signed), to.name)?;
             writeln!(moves, "      {} <= {};", to.name, from.slice(to.low, to.high))?;
             self.register_bits += to.width();
+            unused.extend(unread(&to, body.reads_from(id, stage + 1)));
         }
         writeln!(text, "  always @(posedge clk)\n    if (enable) begin\n{moves}    end")?;
-        Ok(())
+        Ok(unused)
     }
 }
 
