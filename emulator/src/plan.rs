@@ -115,8 +115,8 @@ impl ObjectPlan {
         // A bump or roughness map moves only what is reflected or shines.
         let bump_map = (reflects || material.highlight.is_some()) && bump.is_some();
         let bumps = bump_map && material.bump.is_some();
-        let lost_detail = bump.is_some_and(|bump| !bump.is_smooth());
-        let roughness = if mode.filters() && lost_detail { p.roughness } else { RoughnessKind::None };
+        let is_rough = bump.is_some_and(|bump| !bump.is_smooth());
+        let kept = |shows: bool| if shows && is_rough { p.roughness } else { RoughnessKind::None };
         Self {
             colour_map: material.colour_map.is_some(),
             bump_map,
@@ -124,14 +124,15 @@ impl ObjectPlan {
             reflection: reflects.then_some(ReflectionPlan {
                 bump: bumps,
                 frame: frame_system(material.frame),
-                roughness,
+                // Without a footprint one sample of the environment stands for all that is reflected.
+                roughness: kept(mode.filters()),
                 curvature: mode.filters() && curved_triangles(object) > 0,
                 footprint: mode.filters(),
             }),
             highlight: material.highlight.as_ref().map(|highlight| SurfacePlan {
                 bump: bumps,
                 frame: frame_system(material.frame),
-                roughness: if highlight.form == HighlightForm::Plain { RoughnessKind::None } else { roughness },
+                roughness: kept(highlight.form != HighlightForm::Plain),
                 local: false,
             }),
             peaks: material.peaks.as_ref().map(|_| SurfacePlan {
@@ -250,7 +251,7 @@ impl ObjectPlan {
         }
     }
 
-    /// The plan without an effect, and without what needs it; roughness goes with the bumps.
+    /// The plan without an effect, and without what needs it; roughness goes with the bumps and with the footprints.
     pub fn without(mut self, effect: Effect) -> Self {
         match effect {
             Effect::ColourTexture => self.colour_map = false,
@@ -323,7 +324,7 @@ impl ObjectPlan {
             Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
             Effect::Footprint => no_footprint(),
             Effect::Roughness if !self.bump_map => "no bumps and no `roughness_map`".into(),
-            Effect::Roughness if !mode.filters() => no_footprint(),
+            Effect::Roughness if !mode.filters() && !self.has(effect) => no_footprint(),
             Effect::Roughness if p.roughness == RoughnessKind::None => "the profile has none".into(),
             Effect::Roughness => match bump.map(BumpPyramid::is_smooth) {
                 Some(false) if material.roughness.is_some() => "`roughness_map`".into(),

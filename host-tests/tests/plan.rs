@@ -70,18 +70,23 @@ struct Neutral {
     plan_without: fn(ObjectPlan) -> ObjectPlan,
     /// Columns to compare.
     columns: Range<usize>,
+    /// Whether the effect needs samples with footprints.
+    needs_footprint: bool,
 }
 
 impl Neutral {
     /// Two scenes with their own plans.
     fn scenes(shapes: fn(&str) -> Scene, common: &str, neutral: &str) -> Self {
         let with = shapes(&format!("{common}, {neutral}"));
-        Self { with, without: shapes(common), plan_with: |plan| plan, plan_without: |plan| plan, columns: ALL }
+        let same: fn(ObjectPlan) -> ObjectPlan = |plan| plan;
+        let without = shapes(common);
+        Self { with, without, plan_with: same, plan_without: same, columns: ALL, needs_footprint: false }
     }
 
-    /// One scene under its own plan and under another.
+    /// One scene under its own plan, where samples have footprints, and under another.
     fn plans(scene: Scene, plan_without: fn(ObjectPlan) -> ObjectPlan, columns: Range<usize>) -> Self {
-        Self { with: scene.clone(), without: scene, plan_with: |plan| plan, plan_without, columns }
+        let with = scene.clone();
+        Self { with, without: scene, plan_with: |plan| plan, plan_without, columns, needs_footprint: true }
     }
 }
 
@@ -104,14 +109,15 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
                     .map(|shine| Neutral::scenes(two_shapes, &format!("{shine}, frame = \"{frame}\""), FLAT))
             })
             .collect(),
-        // A map that is rough right of the middle only; what is seen left of it waits in the same batches.
-        Effect::Roughness => ["reflectance = 0.8", "highlight = { exponent = 20 }"]
-            .map(|shine| {
+        // A map that is rough right of the middle only; what is seen left of it waits in the same batches. A highlight
+        // shows it in every mode.
+        Effect::Roughness => [("reflectance = 0.8", true), ("highlight = { exponent = 20 }", false)]
+            .map(|(shine, needs_footprint)| {
                 let mut scene = facing(shine);
                 let factor = |index: usize| if index % 64 < 34 { [0.0; 3] } else { [0.3, 0.1, 0.2] };
                 let factors = (0..64 * 64).map(factor).collect();
                 scene.objects[0].material.roughness = Some(Arc::new(RoughnessField { width: 64, height: 64, factors }));
-                Neutral::plans(scene, |plan| plan.without(Effect::Roughness), LEFT)
+                Neutral { needs_footprint, ..Neutral::plans(scene, |plan| plan.without(Effect::Roughness), LEFT) }
             })
             .into(),
         // Less than half a unit of the reflectance's last place.
@@ -149,21 +155,9 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
                 plan_with: |plan| plan,
                 plan_without: |plan| plan,
                 columns: ALL,
+                needs_footprint: false,
             }]
         }
-    }
-}
-
-/// Whether an effect needs samples with footprints.
-fn needs_footprint(effect: Effect) -> bool {
-    match effect {
-        Effect::Roughness | Effect::Footprint | Effect::Curvature => true,
-        Effect::ColourTexture
-        | Effect::Bump
-        | Effect::Environment
-        | Effect::Highlight
-        | Effect::Peaks
-        | Effect::Horizon => false,
     }
 }
 
@@ -197,7 +191,7 @@ fn a_neutral_map_changes_no_bit() {
                     let with = planned(&neutral.with, mode, &p, neutral.plan_with);
                     let without = planned(&neutral.without, mode, &p, neutral.plan_without);
                     let known = effect != Effect::Roughness || p.roughness != RoughnessKind::None;
-                    let on = known && (mode.filters() || !needs_footprint(effect));
+                    let on = known && (mode.filters() || !neutral.needs_footprint);
                     assert!(with.plans().all(|plan| plan.has(effect) == on), "{effect:?} {form}, {profile}, {mode}");
                     let off = without.plans().all(|plan| !plan.has(effect));
                     assert!(off, "{effect:?} {form}, {profile}, {mode}");
@@ -243,9 +237,34 @@ fn half_neutral_forms_are_seen_where_they_are_not() {
     for effect in [Effect::Roughness, Effect::Curvature] {
         let half = neutral_forms(effect).into_iter().filter(|neutral| neutral.columns == LEFT);
         for neutral in half {
-            let frame = |change| draw(&planned(&neutral.with, Mode::Footprint, &Precision::STANDARD, change));
-            let (count, _) = different(&frame(neutral.plan_with), &frame(neutral.plan_without), &(60..96));
-            assert!(count > 100, "{}: {count}", effect.name());
+            for mode in MODES.into_iter().filter(|mode| *mode == Mode::Footprint || !neutral.needs_footprint) {
+                let frame = |change| draw(&planned(&neutral.with, mode, &Precision::STANDARD, change));
+                let (count, _) = different(&frame(neutral.plan_with), &frame(neutral.plan_without), &(60..96));
+                assert!(count > 100, "{}, {mode}: {count}", effect.name());
+            }
+        }
+    }
+}
+
+/// A highlight has no footprint: what a map says of its roughness is the same for a sample and for a pixel. What is reflected
+/// needs one.
+#[test]
+fn a_roughness_map_is_part_of_the_surface_of_a_highlight_in_every_mode() {
+    let map = "roughness_map = { generate = \"uniform\", along = 0.1, across = 0.3 }";
+    for (name, p) in profiles() {
+        let scene = facing(&format!("colour = [0, 0, 0], highlight = {{ exponent = 40 }}, {map}"));
+        let [unfiltered, footprint] = [Mode::Unfiltered, Mode::Footprint].map(|mode| {
+            let rough = draw(&planned(&scene, mode, &p, |plan| plan));
+            let smooth = draw(&planned(&scene, mode, &p, |plan| plan.without(Effect::Roughness)));
+            let (count, _) = different(&rough, &smooth, &ALL);
+            assert!(count > 1000, "{name}, {mode}: {count}");
+            rough
+        });
+        assert!(unfiltered == footprint, "{name}: {:?}", different(&unfiltered, &footprint, &ALL));
+        let mirror = facing(&format!("reflectance = 0.8, {map}"));
+        for mode in MODES {
+            let prepared = Prepared::new(&mirror, mode, &p).unwrap();
+            assert!(prepared.plans().all(|plan| plan.has(Effect::Roughness) == mode.filters()), "{name}, {mode}");
         }
     }
 }
@@ -435,7 +454,8 @@ fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precisi
 fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
     let shiny = "colour = [0.3, 0.2, 0.1], height_map = { generate = \"waves\", size = 64, rms_slope = 0.2 }, \
                  highlight = { exponent = 40 }";
-    for scene in [every_map(), two_shapes(shiny)] {
+    let rough = format!("{shiny}, roughness_map = {{ generate = \"uniform\" }}");
+    for scene in [every_map(), two_shapes(shiny), two_shapes(&rough)] {
         for mode in MODES {
             let p = Precision::STANDARD;
             let prepared = Prepared::new(&scene, mode, &p).unwrap();

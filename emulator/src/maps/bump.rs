@@ -105,11 +105,15 @@ pub struct BumpPyramid {
 }
 
 impl BumpPyramid {
-    /// The pyramid a material calls for with a profile; without filters its base alone, with no roughness.
+    /// The pyramid a material calls for with a profile; without filters its base alone, rough only where a highlight
+    /// shows a roughness map.
     ///
-    /// `None` without a bump map and, where nothing is filtered or no roughness kept, without a roughness map.
+    /// `None` without a bump map and without a roughness map that is kept.
     pub fn of_material(material: &Material, filters: bool, p: &Precision) -> Option<Self> {
-        let kind = if filters { p.roughness } else { RoughnessKind::None };
+        // Without filters no detail is lost, but a roughness map is part of the surface, and a highlight needs no
+        // footprint to show it.
+        let shows_map = material.highlight.is_some() && material.roughness.is_some();
+        let kind = if filters || shows_map { p.roughness } else { RoughnessKind::None };
         let roughness = material.roughness.as_deref().filter(|_| kind != RoughnessKind::None);
         let flat;
         let field = match (material.bump.as_deref(), roughness) {
