@@ -319,6 +319,25 @@ fn equal_texels_give_back_their_own_covariance() {
 }
 
 #[test]
+fn a_probe_gives_back_its_covariance_to_the_bit_whatever_its_offset() {
+    for (name, p) in profiles() {
+        (0..100_000_u64).into_par_iter().for_each(|index| {
+            let mut random = SplitMix64::for_element(name, index);
+            let mut word = || random.next_u64() as i64 % ((1 << 30) + 1);
+            let [b1, b2, k11, k12, k22] = [0; 5].map(|_| word() as i32);
+            // K of bumps that are not lost is 0.
+            for [k11, k12, k22] in [[k11.abs(), k12, k22.abs()], [0; 3]] {
+                let probe = [b1, b2, k11, k12, k22];
+                let alone = covariance(&moments_of([0, 0, k11, k12, k22]), &p);
+                for moments in [moments_of(probe), averaged([probe; 2])] {
+                    assert_eq!(covariance(&moments, &p), alone, "{name}: {probe:?}");
+                }
+            }
+        });
+    }
+}
+
+#[test]
 fn decomposition_follows_the_reference() {
     for (name, p) in profiles() {
         let worst = (0..100_000_u64)
@@ -379,9 +398,9 @@ fn degenerate_covariances_decompose_as_documented() {
         // a = 0.
         let [d1, d2, d3] = of([0.0; 2], [0.0, 0.0, 0.5]);
         assert!((d1, d2) == (0.0, 0.0) && (d3 - 0.5).abs() < 0.001);
-        // Offsets alone, at the ends of their range, leave no roughness but the rounding of their squares.
+        // Offsets alone, at the ends of their range, leave no roughness.
         for b in [[1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [0.3, -0.7]] {
-            assert!(of(b, [0.0; 3]).iter().all(|d| d.abs() < (-14_f64).exp2()), "{b:?}");
+            assert_eq!(of(b, [0.0; 3]), [0.0; 3], "{b:?}");
         }
         assert_eq!(of_isotropic_texel::<i32>(unit(0.25)), of_texel(&[0.25, 0.0, 0.25].map(unit)));
     }

@@ -210,10 +210,8 @@ fn a_neutral_map_changes_no_bit() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// Bumps that are magnified lose no detail, but the second moments are rounded where the squares of the means are not: K is
-/// 0 up to 2^−28, so D up to 2^−14, and a pixel at the threshold of another probe takes it.
 #[test]
-fn magnified_bumps_are_smooth_up_to_the_rounding_of_a_moment() {
+fn magnified_bumps_are_smooth_to_the_bit() {
     let bumps = "height_map = { generate = \"waves\", size = 16, highest = 4, rms_slope = 0.1 }";
     for shine in ["reflectance = 0.8", "colour = [0, 0, 0], highlight = { exponent = 20 }"] {
         let scene = facing(&format!("{shine}, {bumps}"));

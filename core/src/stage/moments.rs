@@ -6,6 +6,7 @@
 //! probe; counting its corners as a distribution would triple the ramp's variance and blur a magnified map
 //! (measured on resolved bumps: 3.7 dB). The result becomes D again, K = D Dᵀ: d₃ = √c, d₂ = b/√c,
 //! d₁ = √(a − b²/c); c = 0 gives d₂ = 0, d₁ = √a (erratum 13). Numbers are in units of the map's scale: |b|, |d| ≤ 1.
+//! A square is rounded alike on both ways, so that equal probes give back their K to the bit, none where nothing is lost.
 //! Error: K 2^−28 absolute, D the root of it.
 
 use crate::block::{Block, Mantissa, normalise, places_below};
@@ -37,18 +38,23 @@ pub fn of_isotropic_texel<W: Word>(i1: Mantissa<W>) -> [Fx<W, MOMENT>; 3] {
 /// Second moments K + b bᵀ of one probe, the channels that are averaged over probes beside b. |·| ≤ 3.
 #[inline(always)]
 pub fn of_probe<W: Word>(b: &[Mantissa<W>; 2], k: &[Fx<W, MOMENT>; 3]) -> [Fx<W, MOMENT>; 3] {
-    let square = |x: usize, y: usize| -> Fx<W, MOMENT> { b[x].mul::<30, 60>(b[y]).round_to(MOMENT) };
-    [k[0] + square(0, 0), k[1] + square(0, 1), k[2] + square(1, 1)]
+    let squares = squares(b);
+    [0, 1, 2].map(|i| k[i] + squares[i])
+}
+
+/// b bᵀ as second moments.
+#[inline(always)]
+fn squares<W: Word>(b: &[Mantissa<W>; 2]) -> [Fx<W, MOMENT>; 3] {
+    [(0, 0), (0, 1), (1, 1)].map(|(x, y)| b[x].mul::<30, 60>(b[y]).round_to(MOMENT))
 }
 
 /// Covariance around the mean: a, b, c of K as a block, a and c not negative.
 #[inline(always)]
 pub fn covariance<W: Word>(moments: &Moments<W>, p: &Precision) -> Block<W, 3> {
-    let ([b1, b2], [m11, m12, m22]) = *moments;
-    let around = |moment: Fx<W, MOMENT>, x: Mantissa<W>, y: Mantissa<W>| -> Wide<W, 60> { moment.widen() - x.mul(y) };
-    let positive = |x: Wide<W, 60>| x.max(Fx::zero());
-    let (a, b, c) = (positive(around(m11, b1, b1)), around(m12, b1, b2), positive(around(m22, b2, b2)));
-    normalise([a, b, c], Fx::zero(), p.fraction_bits)
+    let (b, moments) = moments;
+    let squares = squares(b);
+    let [a, b, c] = [0, 1, 2].map(|i| -> Wide<W, 60> { moments[i].widen() - squares[i].widen() });
+    normalise([a.max(Fx::zero()), b, c.max(Fx::zero())], Fx::zero(), p.fraction_bits)
 }
 
 /// D with K = D Dᵀ, I4F28 in units of the map's scale. `K` from [`covariance`]; a negative determinant (rounding of

@@ -200,6 +200,7 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: &str) -> Option
             let fits = at("core/src/elementary.rs", "let fraction: Mantissa<W> = within")
                 || at("core/src/elementary.rs", "let value: Fx<W, 24> = (knot")
                 || at("core/src/stage/blend.rs", ".round_to(COLOUR)")
+                || at("core/src/stage/moments.rs", "(b[y]).round_to(MOMENT)")
                 || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
                 || at("core/src/stage/probes.rs", "raised.saturate(Fx::zero(), last).keep(p.lod_bits)")
                 || design == "colour_sample";
