@@ -1,0 +1,178 @@
+//! One light on one peak, from ports to ports: every stage's outcome against the reference fed with the outcomes before it,
+//! documented results of degenerate inputs, and the same bits as the parts that a frame is made of.
+
+use fixed::types::I16F16;
+use rayon::prelude::*;
+use roughxel_core::datapath;
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::{FrameSystem, PeakPlan};
+use roughxel_core::ports::{BlockVector, PeakIn, PeakOut};
+use roughxel_core::precision::Precision;
+use roughxel_core::setup::{real_peak, real_vector};
+use roughxel_core::status::StatusBit;
+use roughxel_emulator::study::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
+use roughxel_host_tests::bars::{LIT_PEAK_BARS, shading_bars};
+use roughxel_host_tests::reference::horizon::{Side, ramp};
+use roughxel_host_tests::reference::linear::{dot, norm};
+use roughxel_host_tests::reference::{frame, highlight, peaks};
+use roughxel_host_tests::space::profiles;
+
+/// Cases of a random set.
+const CASES: u64 = 100_000;
+
+fn of_any_length(v: &BlockVector) -> [f64; 3] {
+    real_vector(&BlockVector { exponent: 0, ..*v }).to_array()
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    peaks::unit(v).unwrap_or_default()
+}
+
+fn raised(out: &PeakOut, bit: StatusBit) -> bool {
+    out.status & bit as u32 != 0
+}
+
+/// Whether `found` holds a bar and comes near it: a bar that nothing meets is a bar that nobody measured.
+fn holds(name: &str, what: &str, found: f64, bar: f64) {
+    println!("{name:8} {what:10} 2^{:.2}, bar 2^{bar:.1}", found.log2());
+    assert!(found.log2() <= bar && found.log2() > bar - 0.5, "{name} {what}: 2^{:.3}, bar 2^{bar}", found.log2());
+}
+
+/// |l̂ + v̂|, which says how far h is from cancelling; `None` where a port or the frame has no direction.
+fn conditioned(case: &PeakIn, out: &PeakOut) -> Option<f64> {
+    let bits = [StatusBit::NormalZero, StatusBit::ViewZero, StatusBit::LightZero, StatusBit::HalfZero];
+    let defined = bits.iter().chain(&[StatusBit::FramePole, StatusBit::LocalZero]).all(|&bit| !raised(out, bit));
+    defined.then(|| norm(&highlight::half(of_any_length(&case.light), of_any_length(&case.view))))
+}
+
+/// The length of the error of the local half vector, times how far l and v are from opposite, and times the sine between n and h,
+/// beside which a frame has no direction.
+fn direction_error(case: &PeakIn, out: &PeakOut) -> Option<f64> {
+    let half_length = conditioned(case, out)?;
+    let normal = of_any_length(&case.normal);
+    let tangents = case.tangents.map(|tangent| of_any_length(&tangent));
+    let frame = frame::frame(frame::FrameSystem::MainDirection, normal, tangents);
+    let half = highlight::half(of_any_length(&case.light), of_any_length(&case.view));
+    let want = peaks::local_direction(half, [frame.e1, frame.e2], normal)?;
+    let got = out.direction.map(|m| m.to_num::<f64>());
+    let cosine = dot(&unit(normal), &unit(tangents[0]));
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let error = norm(&[0, 1, 2].map(|i| got[i] - want[i]));
+    Some(error * (half_length / 2.0).min(1.0) * sine)
+}
+
+#[test]
+fn a_local_half_vector_holds_its_bar_from_the_ports_on() {
+    for ((name, p), [bar, _]) in profiles().into_iter().zip(LIT_PEAK_BARS) {
+        let error = |index| {
+            let case = random_lit_peak("lit direction", index, &p);
+            direction_error(&case, &case.shine(&FULL, &p)).unwrap_or(0.0)
+        };
+        let worst = (0..CASES).into_par_iter().map(error).reduce(|| 0.0, f64::max);
+        holds(name, "direction", worst, bar);
+    }
+}
+
+/// The share of facets that both slopes of a direction clear, by the reference.
+fn clears(case: &PeakIn, local: &BlockVector, slopes: [f64; 2]) -> f64 {
+    let side = |index: usize| {
+        let (low, code) = (case.horizon.low[index].to_num::<f64>(), case.horizon.wires().inverse_width[index].raw());
+        let inverse = f64::from(if code < 4096 { code } else { 4096 + code % 4096 })
+            * f64::from((code >> 12).max(1) - 1).exp2()
+            / 16384.0;
+        let half_width = if code == 0 { 0.0 } else { 0.5 / inverse };
+        Side { mean: low + half_width, sigma: half_width / 3.0_f64.sqrt() }
+    };
+    let axis = |axis: usize| match local.mantissa[axis].to_bits().signum() {
+        0 => 1.0,
+        sign => ramp(slopes[axis], side(2 * axis + usize::from(sign > 0))),
+    };
+    axis(0) * axis(1)
+}
+
+#[test]
+fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them() {
+    for ((name, p), [_, bar]) in profiles().into_iter().zip(LIT_PEAK_BARS) {
+        let errors = |index| {
+            let case = random_lit_peak("lit light", index, &p);
+            let out = case.shine(&FULL, &p);
+            let [light, eye] = out.slopes.map(|axes| axes.map(|slope| slope.to_num::<f64>()));
+            let want = clears(&case, &out.light, light) * clears(&case, &out.eye, eye);
+            let visibility = out.visibility.to_num::<f64>();
+            let lit = if raised(&out, StatusBit::LightBelowSurface) { 0.0 } else { 1.0 };
+            let share = case.weight.to_num::<f64>().clamp(0.0, 1.0) * visibility * lit;
+            let (normal, a, n) = real_peak(&case.peak);
+            let direction = out.direction.map(|m| m.to_num::<f64>());
+            // Random bits are no unit vectors, and their exponents have no bar.
+            let plausible = (normal.length() - 1.0).abs() < 2.0_f64.powi(-14) && n <= 8192.0;
+            let peak = a * share * peaks::peak(direction, normal.to_array(), 1.0, n);
+            // The weight is rounded to 16 fraction bits, the light to 24.
+            let free = a * 2.0_f64.powi(-17) + 2.0_f64.powi(-24);
+            let error = ((out.peak.to_num::<f64>() - peak).abs() - free).max(0.0) / a.max(2.0_f64.powi(-21));
+            let slack = if direction == [0.0; 3] { 0.0 } else { 1.0 };
+            [(visibility - want).abs(), if plausible { error * slack } else { 0.0 }]
+        };
+        let worst = (0..CASES).into_par_iter().map(errors).reduce(|| [0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        holds(name, "visibility", worst[0], shading_bars(name).expect("a profile has bars").visibility.log2());
+        holds(name, "light", worst[1], bar);
+    }
+}
+
+#[test]
+fn what_has_no_light_gives_none_and_a_bit_says_why() {
+    for (_, p) in profiles() {
+        let sets = lit_peak_sets(&p);
+        let cases = sets.iter().flat_map(|set| set.peaks.iter().map(|case| (case, set.plan)));
+        let mut seen = 0;
+        for (case, plan) in cases {
+            let out = case.shine(&plan, &p);
+            let is_zero = |v: &BlockVector| v.mantissa.iter().all(|m| m.to_bits() == 0);
+            for (zero, bit) in [
+                (is_zero(&case.normal), StatusBit::NormalZero),
+                (is_zero(&case.view), StatusBit::ViewZero),
+                (is_zero(&case.light), StatusBit::LightZero),
+                (is_zero(&out.half), StatusBit::HalfZero),
+                (is_zero(&out.light) || out.light.mantissa[2].to_bits() <= 0, StatusBit::LightBelowSurface),
+                (out.direction.iter().all(|m| m.to_bits() == 0), StatusBit::LocalZero),
+            ] {
+                assert_eq!(raised(&out, bit), zero, "{bit:?}: {case:?} gives {out:?}");
+                if zero {
+                    assert_eq!(out.peak.to_bits(), 0, "{bit:?}: {case:?}");
+                    seen |= bit as u32;
+                }
+            }
+            let [visibility, peak] = [out.visibility.to_bits(), out.peak.to_bits()];
+            assert!((0..=1 << 16).contains(&visibility) && (0..64 << 24).contains(&peak), "{case:?}");
+        }
+        let all = [0, 1, 8, 9, 10, 12].iter().fold(0, |all, bit| all | 1 << bit);
+        assert_eq!(seen, all, "every reason is among the hard cases");
+    }
+}
+
+/// The light of a case from the parts that a frame calls: what is below is not looked at, a weight is a visibility.
+fn from_parts(case: &PeakIn, plan: &PeakPlan, p: &Precision) -> i32 {
+    let input = case.wires();
+    let surface = datapath::surface(&input.surface, &plan.surface(), p);
+    let lit = datapath::peak_light(&surface, &input.light, p);
+    if lit.side.below {
+        return 0;
+    }
+    let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
+    let slopes = [lit.light, eye].map(|local| datapath::horizon_slopes(&local, p));
+    let visibility =
+        if plan.horizon { datapath::horizon(&slopes[0], &slopes[1], &input.horizon, p) } else { Fx::lit(1 << 16) };
+    datapath::peak(&lit.direction, &input.peak, visibility, p).raw()
+}
+
+#[test]
+fn a_whole_peak_has_the_bits_of_its_parts() {
+    for (_, p) in profiles() {
+        for index in 0..2000 {
+            let frame = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+            let plan = PeakPlan { frame: frame[index as usize % 3], horizon: index % 2 == 0 };
+            let case = PeakIn { weight: I16F16::ONE, ..random_lit_peak("parts", index, &p) };
+            let whole = case.shine(&plan, &p).peak.to_bits();
+            assert_eq!(whole, from_parts(&case, &plan, &p).min((64 << 24) - 1), "{case:?}");
+        }
+    }
+}
