@@ -2,9 +2,9 @@
 //!
 //! Hardware is the difference between the census of the object's datapath with the effect and without; what an
 //! effect needs of others (a frame, a footprint) belongs to both. The share of time is 1 − t(without)/t(with) of
-//! whole frames, the median of rounds that take both in turn. Nothing but the plan differs between them.
+//! whole frames, the median of rounds that take both in turn ([`time_ratio`]). Nothing but the plan differs between them.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -196,6 +196,38 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
     objects.map(report).collect()
 }
 
+/// Least time that each side of a round of [`measure`] takes: what else a machine does takes turns of milliseconds.
+const ROUND_TIME: Duration = Duration::from_millis(50);
+
+/// t(a)/t(b) of a frame: the median over pairs of frames, one after the other, as many as the faster side needs to take `time`,
+/// and one at least. What slows a machine for longer than two frames slows both; the fastest frames of each varied twice
+/// as much from round to round.
+pub fn time_ratio(a: &Prepared<'_>, b: &Prepared<'_>, time: Duration) -> Result<f64, RasterError> {
+    let frame = |prepared: &Prepared<'_>| {
+        let start = Instant::now();
+        prepared.render(&|| ()).map(|_| start.elapsed())
+    };
+    let (mut ratios, mut taken) = (Vec::new(), Duration::ZERO);
+    while ratios.is_empty() || taken < time {
+        // Neither is always the first.
+        let (a, b) = if ratios.len() % 2 == 0 {
+            (frame(a)?, frame(b)?)
+        } else {
+            let b = frame(b)?;
+            (frame(a)?, b)
+        };
+        ratios.push(a.as_secs_f64() / b.as_secs_f64());
+        taken += a.min(b);
+    }
+    Ok(median(ratios))
+}
+
+/// The middle figure, the upper of two.
+fn median(mut figures: Vec<f64>) -> f64 {
+    figures.sort_by(f64::total_cmp);
+    figures[figures.len() / 2]
+}
+
 /// Measures the share of every effect that is on. `progress` is called before each of the rounds of each effect.
 pub fn measure(
     scene: &Scene,
@@ -214,14 +246,9 @@ pub fn measure(
             let mut shares = Vec::new();
             for _ in 0..rounds.max(1) {
                 progress();
-                let [with, without] = [&with, &without].map(|prepared| {
-                    let start = Instant::now();
-                    prepared.render(&|| ()).map(|_| start.elapsed().as_secs_f64())
-                });
-                shares.push(1.0 - without? / with?);
+                shares.push(1.0 - time_ratio(&without, &with, ROUND_TIME)?);
             }
-            shares.sort_by(f64::total_cmp);
-            effect.share = Some(shares[shares.len() / 2]);
+            effect.share = Some(median(shares));
         }
     }
     Ok(())
