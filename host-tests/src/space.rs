@@ -1,7 +1,10 @@
-//! The space in which a test claims something: every named profile, every plan.
+//! The space in which a test claims something: every named profile, every plan, any bits at the ports.
 
+use fixed::types::I2F30;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem, PeakPlan, ReflectionPlan, SurfacePlan};
+use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_emulator::random::SplitMix64;
 
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
@@ -43,4 +46,29 @@ pub fn effects(datapath: Option<Datapath>) -> Vec<Effects> {
             FRAMES.iter().flat_map(|&frame| switch.map(|horizon| PeakPlan { frame, horizon }.into())).collect()
         }
     }
+}
+
+/// Any word, often at an end or beside a power of two.
+pub fn any_word(random: &mut SplitMix64) -> i32 {
+    let power = 1_i64 << random.below(32);
+    let word = match random.below(6) {
+        0 => [0, i32::MIN.into(), i32::MAX.into()][random.below(3) as usize],
+        1 => power,
+        2 => -power,
+        3 => power - 1,
+        _ => random.next_u64() as i32 as i64 >> random.below(31),
+    };
+    word.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+}
+
+/// Vectors of any bits, half of the time two of them alike.
+pub fn any_vectors<const COUNT: usize>(random: &mut SplitMix64) -> [BlockVector; COUNT] {
+    let mut vectors = [(); COUNT].map(|()| BlockVector {
+        mantissa: [0; 3].map(|_| I2F30::from_bits(any_word(random))),
+        exponent: [i16::MIN, i16::MAX, 0, random.next_u64() as i16 >> random.below(16)][random.below(4) as usize],
+    });
+    if random.below(2) == 0 {
+        vectors[random.below(COUNT as u64) as usize] = vectors[random.below(COUNT as u64) as usize];
+    }
+    vectors
 }

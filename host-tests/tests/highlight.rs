@@ -1,11 +1,11 @@
 //! Highlights: accuracy against the float64 reference, hard cases, energy, the one-pixel bars, and the readings.
 
-use fixed::types::{I2F30, I4F28, I8F24, I16F16};
+use fixed::types::{I4F28, I8F24, I16F16};
 use rayon::prelude::*;
 use roughxel_core::datapath;
 use roughxel_core::plan::{FrameSystem, SurfacePlan};
 use roughxel_core::ports::{BlockVector, HighlightIn, HighlightOut, Shininess};
-use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, real_offset, real_vector, shininess};
 use roughxel_core::status::StatusBit;
 use roughxel_emulator::random::SplitMix64;
@@ -19,10 +19,7 @@ use roughxel_host_tests::reference::highlight::{Highlight, Scene, highlight, lob
 use roughxel_host_tests::reference::linear::{Vector2, Vector3, cross, dot, norm};
 use roughxel_host_tests::reference::perturb::perturb;
 use roughxel_host_tests::reference::roughness::{decompose, isotropic_tangents, tangents};
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
-}
+use roughxel_host_tests::space::{any_vectors, any_word, profiles};
 
 fn raised(out: &HighlightOut, bit: StatusBit) -> bool {
     out.status & bit as u32 != 0
@@ -344,31 +341,13 @@ fn one_pixel_highlights_hold_their_bars() {
     }
 }
 
-/// Any bits at any port, those at the ends often.
-fn any_bits(random: &mut SplitMix64) -> HighlightIn {
-    let word = |random: &mut SplitMix64| -> i32 {
-        let power = 1_i64 << random.below(32);
-        let word = match random.below(8) {
-            0 => [0, i32::MIN.into(), i32::MAX.into()][random.below(3) as usize],
-            1 => power,
-            2 => -power,
-            3 => power - 1,
-            _ => random.next_u64() as i32 as i64 >> random.below(31),
-        };
-        word.clamp(i32::MIN.into(), i32::MAX.into()) as i32
-    };
-    let mut vectors = [(); 5].map(|()| BlockVector {
-        mantissa: [0; 3].map(|_| I2F30::from_bits(word(random))),
-        exponent: [i16::MIN, i16::MAX, 0, random.next_u64() as i16 >> random.below(16)][random.below(4) as usize],
-    });
-    if random.below(2) == 0 {
-        vectors[random.below(5) as usize] = vectors[random.below(5) as usize];
-    }
-    let [normal, view, t0, t1, light] = vectors;
-    let mut offset = || I4F28::from_bits(word(random));
-    let (b, d) = ([offset(), offset()], [offset(), offset(), offset()]);
-    let shininess = Shininess { exponent: I16F16::from_bits(word(random)), root: I8F24::from_bits(word(random)) };
-    HighlightIn { normal, view, tangents: [t0, t1], offset: b, roughness: d, light, shininess }
+/// Any bits at any port.
+fn any_highlight(random: &mut SplitMix64) -> HighlightIn {
+    let [normal, view, t0, t1, light] = any_vectors(random);
+    let [b1, b2, d1, d2, d3] = [0; 5].map(|_| I4F28::from_bits(any_word(random)));
+    let shininess =
+        Shininess { exponent: I16F16::from_bits(any_word(random)), root: I8F24::from_bits(any_word(random)) };
+    HighlightIn { normal, view, tangents: [t0, t1], offset: [b1, b2], roughness: [d1, d2, d3], light, shininess }
 }
 
 #[test]
@@ -386,7 +365,7 @@ fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
             let fragment = match index % 3 {
                 0 => hard[index as usize / 3 % hard.len()],
                 1 => random_light(name, index, &p),
-                _ => any_bits(&mut random),
+                _ => any_highlight(&mut random),
             };
             let plan = &plans[random.below(plans.len() as u64) as usize];
             let input = fragment.wires();

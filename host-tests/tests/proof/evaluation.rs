@@ -1,9 +1,9 @@
 //! The evaluator of a net gives the scalar reading's bits on every named wire, and every wire stays in its proven range.
 
-use fixed::types::{I2F30, I4F28};
+use fixed::types::I4F28;
 use rayon::prelude::*;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
-use roughxel_core::ports::{BlockVector, ReflectionIn, environment_scale};
+use roughxel_core::ports::{ReflectionIn, environment_scale};
 use roughxel_core::precision::Precision;
 use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Tap};
@@ -15,6 +15,7 @@ use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::study::stimulus::port_values;
 use roughxel_host_tests::checked::{Checked, Integers, Trace, traced};
 use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::space::{any_vectors, any_word};
 
 use super::{design, effects, profiles};
 
@@ -100,39 +101,10 @@ fn a_net_gives_the_bits_of_the_scalar_reading_on_random_fragments() {
     }
 }
 
-/// A number from 0 to `end`, often one of the ends.
-fn corner(random: &mut SplitMix64, end: u64) -> u64 {
-    match random.below(4) {
-        0 => 0,
-        1 => end,
-        _ => random.below(end + 1),
-    }
-}
-
-/// A fragment of any bits, those at the ends of the ports first.
-fn any_bits(random: &mut SplitMix64) -> ReflectionIn {
-    let word = |random: &mut SplitMix64| -> i32 {
-        let power = 1_i64 << random.below(32);
-        let word = match random.below(6) {
-            0 => [0, i32::MIN.into(), i32::MAX.into()][random.below(3) as usize],
-            1 => power,
-            2 => -power,
-            3 => power - 1,
-            _ => random.next_u64() as i32 as i64 >> random.below(31),
-        };
-        word.clamp(i32::MIN.into(), i32::MAX.into()) as i32
-    };
-    let vector = |random: &mut SplitMix64| BlockVector {
-        mantissa: [0; 3].map(|_| I2F30::from_bits(word(random))),
-        exponent: (corner(random, u16::MAX.into()) as i32 - 32768) as i16 >> random.below(16),
-    };
-    let mut vectors = [(); 8].map(|()| vector(random));
-    if random.below(2) == 0 {
-        vectors[random.below(8) as usize] = vectors[random.below(8) as usize];
-    }
-    let [normal, view, t0, t1, vx, vy, nx, ny] = vectors;
-    let offsets: [I4F28; 5] = [0; 5].map(|_| I4F28::from_bits(word(random)));
-    let [b1, b2, d1, d2, d3] = offsets;
+/// Any bits at any port.
+fn any_fragment(random: &mut SplitMix64) -> ReflectionIn {
+    let [normal, view, t0, t1, vx, vy, nx, ny] = any_vectors(random);
+    let [b1, b2, d1, d2, d3] = [0; 5].map(|_| I4F28::from_bits(any_word(random)));
     ReflectionIn {
         normal,
         view,
@@ -141,7 +113,7 @@ fn any_bits(random: &mut SplitMix64) -> ReflectionIn {
         roughness: [d1, d2, d3],
         dview: [vx, vy],
         dnormal: [nx, ny],
-        edge_texels: corner(random, u16::MAX.into()) as u16 >> random.below(16),
+        edge_texels: [0, u16::MAX, random.next_u64() as u16][random.below(3) as usize] >> random.below(16),
     }
 }
 
@@ -151,7 +123,7 @@ fn a_net_gives_the_bits_of_the_scalar_reading_for_any_bits_at_its_ports() {
         for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
             let effects = Effects { frame, ..Effects::ALL };
             let mut random = SplitMix64::for_element(profile, frame as u64);
-            let fragments: Vec<_> = (0..4000).map(|_| any_bits(&mut random)).collect();
+            let fragments: Vec<_> = (0..4000).map(|_| any_fragment(&mut random)).collect();
             for name in ["fragment", "highlight", "lit_peak", "environment_probe", "texture", "texture_probe"] {
                 check(name, &effects, &p, &fragments);
             }
