@@ -108,6 +108,8 @@ pub struct DrawnScene {
     pub side_by_side: PathBuf,
     /// Every effect of each object in the filtered picture, and why it is on or off.
     pub plan: String,
+    /// Why fitted peaks were not kept for the next time, if so.
+    pub not_kept: Option<String>,
 }
 
 /// A column that has been drawn.
@@ -182,6 +184,7 @@ pub fn draw_scene(
     let truth_name = format!("{}: {truth_samples} samples", entry.name);
     progress(&format!("{}: maps", entry.name), 0);
     let peaks = peaks(&scene, settings)?;
+    let not_kept = peaks.not_kept.as_ref().map(ToString::to_string);
     progress(&truth_name, 0);
     let tile_count = tiles(width, height).count() as u64;
     let (truth, truth_time) = reference::reference(&scene, entry.name, &peaks, settings, directory, &|| {
@@ -234,7 +237,7 @@ pub fn draw_scene(
     pictures.push(truth_picture);
     let side_by_side = own.join("side-by-side.png");
     write_png_srgb(&side_by_side, &beside(&pictures.iter().collect::<Vec<&Picture>>()))?;
-    Ok(DrawnScene { entry, columns, reference, side_by_side, plan })
+    Ok(DrawnScene { entry, columns, reference, side_by_side, plan, not_kept })
 }
 
 /// The peaks of a scene's maps, for all modes.

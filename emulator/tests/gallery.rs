@@ -140,6 +140,20 @@ fn progress_ends_where_it_was_said_to_end() {
 }
 
 #[test]
+fn a_cache_that_cannot_be_written_is_one_warning() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("file");
+    fs::write(&file, "").unwrap();
+    let scenes = ["--scene", "cylinders-plane", "--scene", "horizon-plane", "--cache", file.to_str().unwrap()];
+    let output = gallery(&directory.path().join("out"), &[&scenes[..], &["--size", "8x8", "--samples", "1"]].concat());
+    let warnings = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{warnings}");
+    let start = format!("warning: peaks are not kept in {}: ", file.display());
+    assert_eq!(warnings.matches(&start).count(), 1, "{warnings}");
+    assert_eq!(fs::read(&file).unwrap(), b"");
+}
+
+#[test]
 fn what_the_gallery_cannot_do_ends_with_2_or_1() {
     let directory = tempfile::tempdir().unwrap();
     let unused = directory.path().join("unused");

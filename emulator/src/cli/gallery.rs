@@ -89,6 +89,10 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     };
     let scenes = entries.into_iter().map(|entry| draw_scene(entry, &settings, directory, &step));
     let scenes = scenes.collect::<Result<Vec<DrawnScene>, _>>()?;
+    // Once, however many scenes have peaks.
+    if let Some(reason) = scenes.iter().find_map(|scene| scene.not_kept.as_ref()) {
+        bar.suspend(|| args.cache.warn(reason));
+    }
     let page = write_page(&scenes, &settings, profile, directory)?;
     bar.finish_and_clear();
 
