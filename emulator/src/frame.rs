@@ -222,14 +222,14 @@ impl<'a> Prepared<'a> {
                 PreparedObject {
                     plan,
                     lighting: lighting(material, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
-                    decisions: plan.decisions(object, bump.as_ref(), mode, &precision),
+                    decisions: plan.decisions(object, mode, &precision),
                     colour: colour_word(material.colour),
                     reflectance: material
                         .reflectance
                         .map(|r| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32)),
                     main_direction: block_vector(material.main_direction, &precision),
                     colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
-                    bump_map: bump.filter(|_| plan.bump_map).map(BumpMap::new),
+                    bump_map: bump.filter(|_| plan.bump_map()).map(BumpMap::new),
                 }
             })
             .collect();
@@ -259,7 +259,7 @@ impl<'a> Prepared<'a> {
         if let Some(object) = self.objects.get_mut(object) {
             object.plan = plan;
             object.colour_map.take_if(|_| !plan.colour_map);
-            object.bump_map.take_if(|_| !plan.bump_map);
+            object.bump_map.take_if(|_| !plan.bump_map());
             object.lighting = object.lighting.take().and_then(|lighting| lighting.with_plan(&plan));
         }
         self

@@ -93,8 +93,6 @@ impl std::str::FromStr for Mode {
 pub struct ObjectPlan {
     /// A colour map is sampled.
     pub colour_map: bool,
-    /// A bump map, or a roughness map, is sampled.
-    pub bump_map: bool,
     /// Colour and bump maps have a footprint.
     pub texture_footprint: bool,
     /// The reflection datapath; `None` where nothing is reflected.
@@ -112,14 +110,12 @@ impl ObjectPlan {
     pub fn new(object: &Object, bump: Option<&BumpPyramid>, has_environment: bool, mode: Mode, p: &Precision) -> Self {
         let material = &object.material;
         let reflects = has_environment && material.reflectance.iter().any(|&r| r > 0.0);
-        // A bump or roughness map moves only what is reflected or shines.
-        let bump_map = (reflects || material.highlight.is_some()) && bump.is_some();
-        let bumps = bump_map && material.bump.is_some();
+        // Bumps move only what is reflected or shines.
+        let bumps = (reflects || material.highlight.is_some()) && material.bump.is_some();
         let is_rough = bump.is_some_and(|bump| !bump.is_smooth());
         let kept = |shows: bool| if shows && is_rough { p.roughness } else { RoughnessKind::None };
         Self {
             colour_map: material.colour_map.is_some(),
-            bump_map,
             texture_footprint: mode.filters(),
             reflection: reflects.then_some(ReflectionPlan {
                 bump: bumps,
@@ -161,6 +157,11 @@ impl ObjectPlan {
         let peak = |plan: SurfacePlan| PeakPlan { frame: plan.frame, horizon: self.horizon };
         let peaks = self.peaks.map(|plan| (Datapath::Peak, peak(plan).into()));
         [reflection, highlight, peaks].into_iter().flatten()
+    }
+
+    /// Whether a bump map, or a roughness map, is sampled.
+    pub fn bump_map(&self) -> bool {
+        self.has(Effect::Bump) || self.has(Effect::Roughness)
     }
 
     /// The frame system, where any block needs p_u and p_v.
@@ -256,32 +257,23 @@ impl ObjectPlan {
         match effect {
             Effect::ColourTexture => self.colour_map = false,
             Effect::Bump => {
-                self.bump_map = false;
                 self.change_reflection(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
                 self.change_highlight(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
             }
             Effect::Roughness => {
                 self.change_reflection(|plan| plan.roughness = RoughnessKind::None);
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
-                self.bump_map &= self.has(Effect::Bump);
             }
-            Effect::Environment => {
-                self.reflection = None;
-                self.bump_map &= self.highlight.is_some();
-            }
+            Effect::Environment => self.reflection = None,
             Effect::Footprint => {
                 self.texture_footprint = false;
                 self.change_reflection(|plan| {
                     (plan.footprint, plan.curvature, plan.roughness) = (false, false, RoughnessKind::None);
                 });
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
-                self.bump_map &= self.has(Effect::Bump);
             }
             Effect::Curvature => self.change_reflection(|plan| plan.curvature = false),
-            Effect::Highlight => {
-                self.highlight = None;
-                self.bump_map &= self.reflection.is_some();
-            }
+            Effect::Highlight => self.highlight = None,
             Effect::Peaks => (self.peaks, self.horizon) = (None, false),
             Effect::Horizon => self.horizon = false,
         }
@@ -301,16 +293,17 @@ impl ObjectPlan {
     }
 
     /// Every effect with the reason that this plan, made of these, has it or not.
-    pub fn decisions(&self, object: &Object, bump: Option<&BumpPyramid>, mode: Mode, p: &Precision) -> Vec<Decision> {
+    pub fn decisions(&self, object: &Object, mode: Mode, p: &Precision) -> Vec<Decision> {
         Effect::ALL
-            .map(|effect| Decision { effect, on: self.has(effect), why: self.why(effect, object, bump, mode, p) })
+            .map(|effect| Decision { effect, on: self.has(effect), why: self.why(effect, object, mode, p) })
             .into()
     }
 
-    fn why(&self, effect: Effect, object: &Object, bump: Option<&BumpPyramid>, mode: Mode, p: &Precision) -> String {
+    fn why(&self, effect: Effect, object: &Object, mode: Mode, p: &Precision) -> String {
         let material = &object.material;
         let no_footprint = || format!("samples of mode {mode} are points");
         let reflects = self.reflection.is_some();
+        let plain = material.highlight.as_ref().is_some_and(|highlight| highlight.form == HighlightForm::Plain);
         match effect {
             Effect::ColourTexture if self.colour_map => "`colour_map`".into(),
             Effect::ColourTexture => "no `colour_map`".into(),
@@ -323,12 +316,15 @@ impl ObjectPlan {
             Effect::Bump => "nothing is reflected or shines that a bump could move".into(),
             Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
             Effect::Footprint => no_footprint(),
-            Effect::Roughness if !self.bump_map => "no bumps and no `roughness_map`".into(),
-            Effect::Roughness if !mode.filters() && !self.has(effect) => no_footprint(),
-            Effect::Roughness if p.roughness == RoughnessKind::None => "the profile has none".into(),
-            Effect::Roughness => match bump.map(BumpPyramid::is_smooth) {
-                Some(false) if material.roughness.is_some() => "`roughness_map`".into(),
-                Some(false) => "levels of the bump map have lost detail".into(),
+            Effect::Roughness => match material.roughness.as_ref().map(|map| map.is_smooth()) {
+                Some(false) if self.has(effect) => "`roughness_map`".into(),
+                _ if self.has(effect) => "levels of the bump map have lost detail".into(),
+                Some(true) if material.bump.is_none() => "`roughness_map` is all zero".into(),
+                None if material.bump.is_none() => "no bumps and no `roughness_map`".into(),
+                _ if !reflects && !self.has(Effect::Highlight) => "nothing is reflected or shines".into(),
+                _ if !reflects && plain => "`form` of the `highlight` is plain".into(),
+                _ if !mode.filters() => no_footprint(),
+                _ if p.roughness == RoughnessKind::None => "the profile has none".into(),
                 _ => "no level of the bump map has lost detail".into(),
             },
             Effect::Curvature if !reflects => "nothing is reflected".into(),

@@ -26,6 +26,11 @@ pub(super) enum RoughnessChannels {
 }
 
 impl RoughnessField {
+    /// Whether no texel is rough.
+    pub fn is_smooth(&self) -> bool {
+        self.factors.iter().all(|factor| *factor == [0.0; 3])
+    }
+
     /// One texel for the whole surface.
     pub(super) fn uniform(factor: [f64; 3]) -> Self {
         Self { width: 1, height: 1, factors: vec![factor.map(|d| d as f32)] }

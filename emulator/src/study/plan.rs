@@ -7,7 +7,7 @@
 use std::time::{Duration, Instant};
 
 use roughxel_core::plan::{Datapath, Effects};
-use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::precision::Precision;
 
 use crate::frame::Prepared;
 use crate::maps::peaks::ScenePeaks;
@@ -148,16 +148,18 @@ fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
 
 /// The designs that the fetches of an object go through, each once.
 pub fn fetches(plan: &ObjectPlan) -> Vec<&'static Design> {
-    let footprint: &[&str] = if plan.texture_footprint { &["texture", "texture_probe"] } else { &[] };
-    let sums: &[&str] = if plan.texture_footprint { &["probe_sum", "probe_mean"] } else { &[] };
+    let has = |effect| plan.has(effect);
+    let (colour, reflection) = (has(Effect::ColourTexture), has(Effect::Environment));
+    let repeated = colour || plan.bump_map() || has(Effect::Peaks);
+    let footprint = plan.texture_footprint;
     let parts: [(bool, &[&str]); 7] = [
-        (plan.colour_map || plan.bump_map || plan.peaks.is_some(), footprint),
-        (plan.colour_map || plan.bump_map || plan.peaks.is_some(), &["levels", "repeat_address"]),
-        (plan.bump_map, &["moment_sample"]),
-        (plan.roughness() != RoughnessKind::None, &["moments", "roughness_decode"]),
-        (plan.reflection.is_some(), &["environment_probe", "levels", "face_address", "corner", "blend"]),
-        (plan.colour_map || plan.reflection.is_some(), &["colour_sample"]),
-        (plan.colour_map || plan.bump_map || plan.reflection.is_some() || plan.peaks.is_some(), sums),
+        (repeated && footprint, &["texture", "texture_probe"]),
+        (repeated, &["levels", "repeat_address"]),
+        (plan.bump_map(), &["moment_sample"]),
+        (has(Effect::Roughness), &["moments", "roughness_decode"]),
+        (reflection, &["environment_probe", "levels", "face_address", "corner", "blend"]),
+        (colour || reflection, &["colour_sample"]),
+        ((repeated || reflection) && footprint, &["probe_sum", "probe_mean"]),
     ];
     let mut names: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).flat_map(|(_, names)| names).copied().collect();
     names.sort_unstable();

@@ -67,7 +67,7 @@ impl<'a> Shader<'a> {
                 object,
                 plan,
                 colour: material.colour_map.as_ref().map(|map| maps::colour(map, filters)),
-                bump: pyramid.filter(|_| plan.bump_map).map(|pyramid| maps::bump(&pyramid)),
+                bump: pyramid.filter(|_| plan.bump_map()).map(|pyramid| maps::bump(&pyramid)),
             }
         });
         let kind = match p.probe_weights {
