@@ -250,7 +250,8 @@ pub struct StoredPeak {
     /// N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
     /// Another length: 1 − |N − H|²/2 stands for the cosine.
     pub normal: [I1F15; 3],
-    /// Amplitude a, a code in units of 2^−21: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below.
+    /// Amplitude a, a code in units of 2^−21: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. A larger
+    /// one is saturated: facets of amplitude 15 beyond 76°, for they count 1/n_z times.
     pub amplitude: u16,
     /// Exponent n, a code in units of 2^−13: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most.
     /// The other codes, 0 to 16 382, count as they read.

@@ -135,7 +135,10 @@ fn word_of_16(x: f64, bits: i32) -> i16 {
     scaled.clamp(i16::MIN.into(), i16::MAX.into()) as i16
 }
 
-/// A peak as a port: N brought to unit length, the amplitude saturated below 64, the exponent to 1…8192.
+/// The least amplitude that a stored peak does not hold.
+pub const AMPLITUDE_LIMIT: f64 = 64.0;
+
+/// A peak as a port: N brought to unit length, the amplitude saturated below [`AMPLITUDE_LIMIT`], the exponent to 1…8192.
 ///
 /// A vector that has no direction (zero, infinite, not a number) and a negative amplitude give a peak without light;
 /// callers refuse those earlier.

@@ -187,6 +187,21 @@ fn a_cache_that_cannot_be_written_is_a_warning() {
 }
 
 #[test]
+fn peaks_too_bright_for_their_storage_are_one_warning() {
+    let directory = tempfile::tempdir().unwrap();
+    let home = directory.path();
+    let bumps = |slope: f64, amplitude: f64| {
+        let map = format!("height_map = {{ generate = \"bumps\", size = 8, cells = 2, rms_slope = {slope} }}");
+        let path = scene(home, LIGHT, &format!("{map}\npeaks = {{ amplitude = {amplitude} }}"));
+        drawn(home, &path, &["--no-cache"]).1
+    };
+    assert_eq!((bumps(0.2, 15.0), bumps(3.0, 1.0)), (String::new(), String::new()));
+    let warnings = bumps(3.0, 15.0);
+    assert!(warnings.contains("peaks have an amplitude of 64 or more and were cut"), "{warnings}");
+    assert_eq!(warnings.lines().count(), 1);
+}
+
+#[test]
 fn the_users_cache_is_taken_where_none_is_given_and_none_where_none_is_wanted() {
     let directory = tempfile::tempdir().unwrap();
     let home = directory.path();

@@ -5,6 +5,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::Args;
+use roughxel_core::setup::AMPLITUDE_LIMIT;
 use roughxel_emulator::maps::peaks::ScenePeaks;
 use roughxel_emulator::scene::Scene;
 
@@ -29,7 +30,8 @@ impl CacheArgs {
         (!self.no_cache).then(own).flatten()
     }
 
-    /// The peaks of a scene, with a bar where that takes long; a cache that cannot be written is a warning.
+    /// The peaks of a scene, with a bar where that takes long; a cache that cannot be written is a warning, and so are
+    /// peaks that are too bright.
     pub(super) fn peaks(&self, scene: &Scene, filters: bool) -> Result<ScenePeaks, Failure> {
         let bar = late_progress(ScenePeaks::steps(scene, filters), &format!("{}: peaks", scene.name));
         let peaks = ScenePeaks::new(scene, filters, self.directory().as_deref(), &|done| bar.inc(done));
@@ -37,6 +39,12 @@ impl CacheArgs {
         let peaks = peaks?;
         if let Some(reason) = &peaks.not_kept {
             self.warn(reason);
+        }
+        if peaks.cut > 0 {
+            let (name, count) = (&scene.name, peaks.cut);
+            complain(&format!(
+                "warning: {name}: {count} peaks have an amplitude of {AMPLITUDE_LIMIT} or more and were cut"
+            ));
         }
         Ok(peaks)
     }

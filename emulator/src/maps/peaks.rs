@@ -16,6 +16,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use roughxel_core::setup::AMPLITUDE_LIMIT;
 use thiserror::Error;
 
 use self::spread::{Facet, HEMISPHERE, Spread, power, sharpened, spread_exponent};
@@ -337,6 +338,12 @@ impl PeakPyramid {
     /// Level 0 alone, which nothing is fitted for. Errors: as [`PeakPyramid::build`].
     pub fn base(source: &PeakSource, options: &BuildOptions) -> Result<Self, PeakError> {
         Ok(Self { levels: vec![Base::new(source, options)?.level()], fits: FitCounts::default() })
+    }
+
+    /// Peaks that storage cuts: of an amplitude of [`AMPLITUDE_LIMIT`] or more.
+    pub fn cut(&self) -> usize {
+        let peaks = self.levels.iter().flat_map(PeakLevel::peaks);
+        peaks.filter(|peak| peak.amplitude >= AMPLITUDE_LIMIT).count()
     }
 
     /// The pyramid that a material calls for, without filters its base alone; `None` where no peaks come from a map.

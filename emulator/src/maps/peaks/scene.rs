@@ -29,6 +29,8 @@ pub struct ScenePeaks {
     pub built: usize,
     /// Why some were not kept for the next time, if so; the pyramids are good all the same.
     pub not_kept: Option<io::Error>,
+    /// Peaks that storage cuts: [`PeakPyramid::cut`].
+    pub cut: usize,
 }
 
 impl ScenePeaks {
@@ -53,6 +55,7 @@ impl ScenePeaks {
             peaks.pyramids.push(cached.map(|cached| {
                 peaks.read += usize::from(cached.read);
                 peaks.built += usize::from(!cached.read);
+                peaks.cut += cached.pyramid.cut();
                 peaks.not_kept = peaks.not_kept.take().or(cached.not_kept);
                 Arc::new(cached.pyramid)
             }));
@@ -150,6 +153,18 @@ mod tests {
         let second = built(&scene, true, Some(directory.path()));
         assert_eq!((second.built, second.read), (0, 2));
         assert!((0..3).all(|index| second.pyramid(index) == first.pyramid(index)));
+    }
+
+    #[test]
+    fn facets_too_steep_for_their_amplitude_are_counted() {
+        let peaks = |slope: f64, amplitude: f64| {
+            let map = format!("height_map = {{ generate = \"bumps\", size = 8, cells = 2, rms_slope = {slope} }}");
+            let scene = scene(&[&format!("{map}\npeaks = {{ amplitude = {amplitude} }}")]);
+            (built(&scene, false, None).cut, built(&scene, true, None).cut)
+        };
+        assert_eq!((peaks(4.0, 1.0), peaks(0.2, 15.0)), ((0, 0), (0, 0)));
+        let (base, all) = peaks(4.0, 15.0);
+        assert!(base > 0 && all >= base, "{base} of level 0, {all} of all");
     }
 
     #[test]
