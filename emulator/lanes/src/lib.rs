@@ -1,7 +1,8 @@
 //! The lanes reading: the datapath for [`LANES`] fragments at once, the bits of the scalar reading.
 //!
 //! Explicit vectors, the even and the odd lanes of a wide wire apart: a product is one instruction and rounding packs
-//! nothing. Speed of the whole datapath in times of the scalar reading in the same run, on one core with AVX-512:
+//! nothing. The candidates when that was chosen, the whole datapath in times of the scalar reading in one run of each, on one
+//! core with AVX-512:
 //!
 //! | candidate                                             | 128 bits | AVX2 | AVX-512 |
 //! |-------------------------------------------------------|----------|------|---------|
@@ -10,8 +11,9 @@
 //! | `fearless_simd`, 8 and 16 lanes, way in not counted   |          | 2.4  | 4.4     |
 //! | `fearless_simd`, 16 lanes, even and odd apart: this   |          | 2.9  | 5.5     |
 //!
-//! `cargo bench -p roughxel-host-tests --bench readings` measures what is kept, as a renderer calls it. With 128 bits the
-//! scalar reading is the fastest, and [`Reading::best`] takes it. Vectors begin where a stage begins ([`Word::block`]).
+//! The table ranks them: datapath and build have changed since. The figures of what is kept are those of
+//! `cargo bench -p roughxel-host-tests --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
+//! reading is the fastest, and [`Reading::best`] takes it. Vectors begin where a stage begins ([`Word::block`]).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
