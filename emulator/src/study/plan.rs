@@ -202,12 +202,16 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
 const ROUND_TIME: Duration = Duration::from_millis(50);
 
 /// t(a)/t(b) of a frame: the median over pairs of frames, one after the other, as many as the faster side needs to take `time`,
-/// and one at least. What slows a machine for longer than two frames slows both; the fastest frames of each varied twice
-/// as much from round to round.
-pub fn time_ratio(a: &Prepared<'_>, b: &Prepared<'_>, time: Duration) -> Result<f64, RasterError> {
+/// and one at least. `clock` says how much time has passed since some moment.
+pub fn time_ratio(
+    a: &Prepared<'_>,
+    b: &Prepared<'_>,
+    time: Duration,
+    clock: &dyn Fn() -> Duration,
+) -> Result<f64, RasterError> {
     let frame = |prepared: &Prepared<'_>| {
-        let start = Instant::now();
-        prepared.render(&|| ()).map(|_| start.elapsed())
+        let start = clock();
+        prepared.render(&|| ()).map(|_| clock().saturating_sub(start))
     };
     let (mut ratios, mut taken) = (Vec::new(), Duration::ZERO);
     while ratios.is_empty() || taken < time {
@@ -240,6 +244,7 @@ pub fn measure(
     reports: &mut [ObjectReport],
     progress: &dyn Fn(),
 ) -> Result<(), RasterError> {
+    let begin = Instant::now();
     let with = Prepared::with_peaks(scene, mode, profile, peaks)?;
     for (index, report) in reports.iter_mut().enumerate() {
         for effect in report.effects.iter_mut().filter(|effect| effect.decision.on) {
@@ -248,7 +253,7 @@ pub fn measure(
             let mut shares = Vec::new();
             for _ in 0..rounds.max(1) {
                 progress();
-                shares.push(1.0 - time_ratio(&without, &with, ROUND_TIME)?);
+                shares.push(1.0 - time_ratio(&without, &with, ROUND_TIME, &|| begin.elapsed())?);
             }
             effect.share = Some(median(shares));
         }
