@@ -14,7 +14,7 @@
 //!  l, v ──► half ──► highlight ◄── spread ◄── perturb, roughness
 //! ```
 
-use crate::block::{Block, Mantissa};
+use crate::block::{Block, MANTISSA, Mantissa};
 use crate::bundle::{Bundle, Rewire, Step, bundle};
 use crate::each::each;
 use crate::fx::Fx;
@@ -670,12 +670,12 @@ pub struct HighlightOutput<W: Word> {
 
 bundle!(HighlightOutput { frame, normal_mod, tangents, spread, amplitude, half, f, status });
 
-/// The outcomes of the highlight's stages in the form of ports; without roughness its spread stands at zero.
+/// The outcomes of the highlight's stages in the form of ports; without roughness its spread stands at zero, its amplitude at 1.
 #[inline(always)]
 pub fn leave_highlight<W: Word>(stages: &LitSurface<W>) -> HighlightOutput<W> {
     let LitSurface { surface: Surface { normal, frame, normal_mod, roughness, .. }, gloss, highlight } = stages;
     let (spread, amplitude) = match &gloss.spread {
-        None => ([Block::zero(); 2], Block::zero()),
+        None => ([Block::zero(); 2], Block { m: [Fx::lit(1 << (MANTISSA - 1))], e: Fx::lit(1) }),
         Some(spread) => (spread.tangents, spread.amplitude),
     };
     block!(

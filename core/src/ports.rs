@@ -339,8 +339,8 @@ pub struct HighlightIn {
     pub shininess: Shininess,
 }
 
-/// Outputs of every stage of the highlight of one light on one fragment. What belongs to roughness is zero where the plan has
-/// none.
+/// Outputs of every stage of the highlight of one light on one fragment. What belongs to roughness is zero, and the amplitude 1,
+/// where the plan has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HighlightOut {
     /// E₁ and E₂, scaled by |n|.
