@@ -219,10 +219,7 @@ pub fn reflection_of<W: Word>(
             block!("columns.pixel", columns::column(&mirror, &dv, &dn, p))
         });
         let (rough, ellipse) = match plan.roughness {
-            RoughnessKind::None => {
-                let ellipse = block!("ellipse", ellipse::ellipse(ellipse::pixel_columns(&pixel, p), p));
-                ([Block::zero(); 2], ellipse)
-            }
+            RoughnessKind::None => ([Block::zero(); 2], pixel_ellipse(&pixel, p)),
             _ => {
                 let rough = roughness.map(|dn| {
                     block!("columns.roughness", columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
@@ -234,8 +231,7 @@ pub fn reflection_of<W: Word>(
                 (rough, ellipse)
             }
         };
-        let axes = block!("axes", axes::axes(&ellipse, p));
-        let probes = block!("probes", probes::probes(&axes, &input.map, p));
+        let (axes, probes) = assemble(&ellipse, &input.map, p);
         ([pixel[0], pixel[1], rough[0], rough[1]], ellipse, axes, probes)
     } else {
         no_footprint(!Fx::<W, 0>::zero().is_zero())
@@ -253,6 +249,19 @@ pub fn reflection_of<W: Word>(
             .raise(StatusBit::ProbesCapped, probes.capped)
     });
     Reflection { normal, view, frame, normal_mod, reflected, point, columns, ellipse, axes, probes, status }
+}
+
+/// The ellipse of a pixel's two columns.
+#[inline(always)]
+fn pixel_ellipse<W: Word>(pixel: &[Block<W, 2>; 2], p: &Precision) -> Ellipse<W> {
+    block!("ellipse", ellipse::ellipse(ellipse::pixel_columns(pixel, p), p))
+}
+
+/// The probes that cover an ellipse on a map.
+#[inline(always)]
+fn assemble<W: Word>(ellipse: &Ellipse<W>, map: &MapScale<W>, p: &Precision) -> (Axes<W>, Probes<W>) {
+    let axes = block!("axes", axes::axes(ellipse, p));
+    (axes, block!("probes", probes::probes(&axes, map, p)))
 }
 
 /// What stands for the footprint where the plan has none: a point.
@@ -449,13 +458,12 @@ pub fn texture_footprint<W: Word>(
     map: &MapScale<W>,
     p: &Precision,
 ) -> TextureFootprint<W> {
-    let columns = derivatives.map(|duv| {
+    let columns = each!(duv in *derivatives => {
         let duv = block!("enter.duv", enter::enter(&duv, p));
         block!("texture", texture::texture_column(&duv, texture, p))
     });
-    let ellipse = block!("ellipse", ellipse::ellipse(ellipse::pixel_columns(&columns, p), p));
-    let axes = block!("axes", axes::axes(&ellipse, p));
-    let probes = block!("probes", probes::probes(&axes, map, p));
+    let ellipse = pixel_ellipse(&columns, p);
+    let (axes, probes) = assemble(&ellipse, map, p);
     TextureFootprint { columns, ellipse, axes, probes }
 }
 

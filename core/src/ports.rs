@@ -152,6 +152,14 @@ impl BlockVector {
     }
 }
 
+impl BlockPair {
+    /// The port as scalar wires.
+    #[inline]
+    pub fn wires(&self) -> PortBlock<Scalar, 2> {
+        wires(self.mantissa, self.exponent)
+    }
+}
+
 impl ReflectionIn {
     /// The ports as scalar wires, with the scale of a map.
     pub fn wires(&self, map: MapScale<Scalar>) -> ReflectionInput<Scalar> {
@@ -186,7 +194,7 @@ impl TextureIn {
         scale: &(TextureScale<Scalar>, MapScale<Scalar>),
         p: &Precision,
     ) -> TextureFootprint<Scalar> {
-        let derivatives = self.duv.map(|pair| wires(pair.mantissa, pair.exponent));
+        let derivatives = self.duv.map(|pair| pair.wires());
         datapath::texture_footprint(&derivatives, &scale.0, &scale.1, p)
     }
 }
