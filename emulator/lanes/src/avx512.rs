@@ -70,18 +70,28 @@ vectors! {
     fn lt(t, a: Word, b: Word) -> Flag { of_all(t, _mm512_cmplt_epi32_mask(a, b)) }
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm512_mask_blend_epi32(f.all, b, a) }
     fn leading_zeros(t, a: Word) -> Word { _mm512_lzcnt_epi32(a) }
-    // Every 32 entries are one permutation of two vectors, kept where the place lies among them.
+    // Every 32 entries are one permutation of two vectors; among the eight of 256 entries three bits of the place choose.
     fn lookup(t, places: Word, table: Table) -> Word {
-        let (parts, rest) = table.as_chunks::<32>();
-        let part_of = _mm512_srli_epi32::<5>(places);
+        let (pages, rest) = table.as_chunks::<256>();
+        let (parts, entries) = rest.as_chunks::<32>();
+        let [bit_5, bit_6, bit_7] = each!(bit in [5, 6, 7] => _mm512_test_epi32_mask(places, _mm512_set1_epi32(1 << bit)));
         let mut values = _mm512_setzero_si512();
-        for (index, part) in parts.iter().enumerate() {
-            let [low, high] = each!(half in [0, 1] => words(t, part.as_chunks().0[half]));
-            let here = _mm512_cmpeq_epi32_mask(part_of, _mm512_set1_epi32(index as i32));
-            values = _mm512_mask_mov_epi32(values, here, _mm512_permutex2var_epi32(low, places, high));
+        let (page_of, part_of) = (_mm512_srli_epi32::<8>(places), _mm512_srli_epi32::<5>(places));
+        for (index, page) in pages.iter().enumerate() {
+            let parts = page.as_chunks().0;
+            let eight = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => of_part(t, places, &parts[i]));
+            let four = each!(i in [0, 2, 4, 6] => _mm512_mask_blend_epi32(bit_5, eight[i], eight[i + 1]));
+            let two = each!(i in [0, 2] => _mm512_mask_blend_epi32(bit_6, four[i], four[i + 1]));
+            let here = _mm512_cmpeq_epi32_mask(page_of, _mm512_set1_epi32(index as i32));
+            values = _mm512_mask_mov_epi32(values, here, _mm512_mask_blend_epi32(bit_7, two[0], two[1]));
         }
-        for (index, entry) in rest.iter().enumerate() {
-            let here = _mm512_cmpeq_epi32_mask(places, _mm512_set1_epi32((32 * parts.len() + index) as i32));
+        for (index, part) in parts.iter().enumerate() {
+            let here = _mm512_cmpeq_epi32_mask(part_of, _mm512_set1_epi32((8 * pages.len() + index) as i32));
+            values = _mm512_mask_mov_epi32(values, here, of_part(t, places, part));
+        }
+        for (index, entry) in entries.iter().enumerate() {
+            let place = table.len() - entries.len() + index;
+            let here = _mm512_cmpeq_epi32_mask(places, _mm512_set1_epi32(place as i32));
             values = _mm512_mask_mov_epi32(values, here, _mm512_set1_epi32(*entry));
         }
         values
@@ -143,6 +153,15 @@ fearless_simd::kernel! {
     fn of_all(t: Avx512, all: __mmask16) -> Flag {
         let lanes = _mm512_movm_epi32(all);
         Flag { all, even: _mm512_test_epi64_mask(lanes, _mm512_set1_epi64(1)), odd: _mm512_movepi64_mask(lanes) }
+    }
+}
+
+fearless_simd::kernel! {
+    /// The entries at the places modulo 32.
+    #[inline(always)]
+    fn of_part(t: Avx512, places: Word, part: &[i32; 32]) -> Word {
+        let [low, high] = each!(half in [0, 1] => words(t, part.as_chunks().0[half]));
+        _mm512_permutex2var_epi32(low, places, high)
     }
 }
 
