@@ -1,8 +1,9 @@
 //! Whole frames through the integer datapath: visibility, fetches and the blocks of each object's plan.
 //!
-//! Deferred: a tile's visible triangles first, then each pixel once. Tiles are independent, so the bits of a frame
-//! do not depend on the number of threads. Memory between address and texel lives here; everything between texel
-//! and pixel is a stage of `roughxel-core`.
+//! Deferred: a tile's visible triangles first, then each pixel once. Fragments of an object wait until a batch of them
+//! gets its footprints, and what reflects waits again for the reflection datapath, so that lanes are full. Tiles are
+//! independent, so the bits of a frame do not depend on the number of threads. Memory between address and texel lives
+//! here; everything between texel and pixel is a stage of `roughxel-core`.
 
 mod environment;
 mod lighting;
@@ -34,9 +35,9 @@ use crate::raster::{
 };
 use crate::scene::{Background, Light, Material, Scene};
 pub use environment::EnvironmentMap;
-use lighting::{Lighting, LitFragment, PeakMap, PeaksRead, Points};
-use texture::BumpMap;
-pub use texture::{ColourMap, MapReads};
+use lighting::{Lighting, PeakMap, PeaksRead, Points};
+use texture::{BumpMap, RepeatedMap};
+pub use texture::{ColourMap, Footprints, MapReads, Taps};
 
 /// Linear colour with 24 fraction bits per channel, I8F24.
 pub type Colour = [i32; 3];
@@ -65,8 +66,36 @@ struct PreparedObject {
     lighting: Option<Lighting>,
 }
 
+/// Fragments that wait to be shaded, at most: their attributes stay in a first-level cache.
+const SHADED: usize = 64;
+
+/// Fragments of one object that wait to be shaded.
+struct Fragments {
+    attributes: Vec<FragmentAttributes>,
+    /// The pixel of each in its tile.
+    pixels: Vec<usize>,
+    /// From each to every light.
+    directions: Vec<BlockVector>,
+    footprints: Footprints,
+}
+
+impl Fragments {
+    /// None of an object.
+    fn of(object: &PreparedObject) -> Self {
+        let footprints = Footprints::new(object.maps().filter(|_| object.plan.texture_footprint));
+        Self { attributes: Vec::new(), pixels: Vec::new(), directions: Vec::new(), footprints }
+    }
+}
+
+/// What shading a fragment reads; its memory is kept for the next one.
+#[derive(Default)]
+struct Reads {
+    taps: Taps,
+    peaks: PeaksRead,
+}
+
 /// Fragments that wait for the reflection datapath, at most: their inputs stay in a second-level cache.
-const BATCH: usize = 256;
+const REFLECTED: usize = 256;
 
 /// Fragments of one plan that wait for the reflection datapath.
 struct Waiting {
@@ -94,6 +123,15 @@ impl Waiting {
             footprint: mode.filters(),
         };
         Self { plan, reflectance: [Fx::lit(1 << REFLECTANCE); 3], inputs: Vec::new(), pixels: Vec::new() }
+    }
+}
+
+impl PreparedObject {
+    /// The maps that a fragment reads.
+    fn maps(&self) -> impl Iterator<Item = &RepeatedMap> {
+        let colour = self.colour_map.as_ref().map(ColourMap::map);
+        let bump = self.bump_map.as_ref().map(BumpMap::map);
+        [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
     }
 }
 
@@ -330,9 +368,10 @@ impl<'a> Prepared<'a> {
                 *sum += channel;
             }
         };
+        let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
         let mut rays = Waiting::rays(self.mode);
-        let mut peaks = PeaksRead::default();
+        let mut reads = Reads::default();
         for &offset in &offsets {
             triangles.rasterise_tile(tile, offset, &mut buffer);
             let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
@@ -347,8 +386,8 @@ impl<'a> Prepared<'a> {
                     continue;
                 };
                 let object = triangles.object_index(index);
+                let prepared = &self.objects[object];
                 if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                    let prepared = &self.objects[object];
                     let triangle = triangles.triangle(index, prepared.plan.needs_tangents());
                     let set_up = triangle.map(|triangle| {
                         let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
@@ -357,21 +396,19 @@ impl<'a> Prepared<'a> {
                     current = Some((index, set_up));
                 }
                 let Some((_, Some((triangle, points)))) = &current else { continue };
-                let attributes = triangle.fragment(x, y);
-                let prepared = &self.objects[object];
-                let mut reads = MapReads::new(&attributes, prepared.plan.texture_footprint, &self.precision);
-                let surface = surface(prepared, &mut reads);
-                let needs_ports = prepared.plan.reflection.is_some() || prepared.lighting.is_some();
-                let ports = needs_ports.then(|| self.ports(prepared, &attributes, &mut reads));
-                if let (Some(lighting), Some(ports)) = (&prepared.lighting, &ports) {
-                    let fragment = LitFragment { ports, triangle, points, position: [x, y] };
-                    add(pixel, lighting.shine(&fragment, &mut reads, &mut peaks, self.reading, &self.precision));
+                let Fragments { attributes, pixels, directions, .. } = &mut fragments[object];
+                attributes.push(triangle.fragment(x, y));
+                pixels.push(pixel);
+                if let Some(lighting) = &prepared.lighting {
+                    lighting.directions(triangle, points, [x, y], directions);
                 }
-                match ports.filter(|_| prepared.plan.reflection.is_some()) {
-                    None => add(pixel, surface.map(i64::from)),
-                    Some(input) => self.reflect(&mut waiting[object], (pixel, surface), &input, &mut add),
+                if attributes.len() == SHADED {
+                    self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut add);
                 }
             }
+        }
+        for ((object, fragments), waiting) in self.objects.iter().zip(&mut fragments).zip(&mut waiting) {
+            self.shade(object, fragments, waiting, &mut reads, &mut add);
         }
         waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut add));
         let samples = offsets.len() as i64;
@@ -380,7 +417,40 @@ impl<'a> Prepared<'a> {
         sums.into_iter().map(|sum| sum.map(mean)).collect()
     }
 
-    /// Lets a fragment wait; with [`BATCH`] of them, all are reflected. `add` gives each pixel its colour.
+    /// The waiting fragments of an object: footprints, fetches, lights; what reflects waits again. `add` gives each pixel
+    /// its colour.
+    fn shade(
+        &self,
+        object: &PreparedObject,
+        fragments: &mut Fragments,
+        waiting: &mut Waiting,
+        reads: &mut Reads,
+        mut add: impl FnMut(usize, [i64; 3]),
+    ) {
+        let Fragments { attributes, pixels, directions, footprints } = fragments;
+        footprints.set(attributes.iter(), self.reading, &self.precision);
+        for (index, (attributes, pixel)) in attributes.iter().zip(pixels.iter().copied()).enumerate() {
+            let mut maps = MapReads::new(attributes, (footprints, index), &mut reads.taps, &self.precision);
+            let surface = surface(object, &mut maps);
+            let needs_ports = object.plan.reflection.is_some() || object.lighting.is_some();
+            let ports = needs_ports.then(|| self.ports(object, attributes, &mut maps));
+            if let (Some(lighting), Some(ports)) = (&object.lighting, &ports) {
+                let directions = &directions[index * lighting.lights()..][..lighting.lights()];
+                let light =
+                    lighting.shine(ports, directions, &mut maps, &mut reads.peaks, self.reading, &self.precision);
+                add(pixel, light);
+            }
+            match ports.filter(|_| object.plan.reflection.is_some()) {
+                None => add(pixel, surface.map(i64::from)),
+                Some(input) => self.reflect(waiting, (pixel, surface), &input, &mut add),
+            }
+        }
+        attributes.clear();
+        pixels.clear();
+        directions.clear();
+    }
+
+    /// Lets a fragment wait; with [`REFLECTED`] of them, all are reflected. `add` gives each pixel its colour.
     fn reflect(
         &self,
         waiting: &mut Waiting,
@@ -390,7 +460,7 @@ impl<'a> Prepared<'a> {
     ) {
         waiting.inputs.push(input.wires(self.environment_scale));
         waiting.pixels.push((pixel, surface));
-        if waiting.inputs.len() == BATCH {
+        if waiting.inputs.len() == REFLECTED {
             self.fetch(waiting, add);
         }
     }
@@ -484,8 +554,11 @@ impl<'a> Prepared<'a> {
             let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
             let plan = prepared.plan.reflection?;
             let attributes = triangle.fragment(x, y);
-            let mut reads = MapReads::new(&attributes, prepared.plan.texture_footprint, &self.precision);
-            let input = self.ports(prepared, &attributes, &mut reads);
+            let mut footprints = Fragments::of(prepared).footprints;
+            footprints.set([&attributes].into_iter(), self.reading, &self.precision);
+            let mut taps = Taps::default();
+            let mut maps = MapReads::new(&attributes, (&footprints, 0), &mut taps, &self.precision);
+            let input = self.ports(prepared, &attributes, &mut maps);
             Some((quantised(&input, &self.precision), plan))
         });
         Ok(chosen.collect())

@@ -8,15 +8,15 @@ use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::datapath::{self, ReflectionInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{ReflectionIn, environment_scale};
+use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
 use roughxel_core::precision::Precision;
-use roughxel_core::signals::{LocalDirection, Peak};
+use roughxel_core::signals::{LocalDirection, Peak, PortBlock, Probes, SHARE};
 use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    Batch, Footprint, InstructionSet, LANES, Lanes, Reading, Target, WeightedPeak, WideLanes,
+    Batch, Footprint, InstructionSet, LANES, Lanes, PackedPeak, PeakList, Reading, Target, WideLanes,
 };
 use roughxel_emulator::maps::peaks::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -112,11 +112,21 @@ shared_operations!(operations_of_wide_wires, WideLanes, i64);
 
 /// The operations of words alone.
 fn operations_of_words<T: Target>(random: &mut SplitMix64) {
-    static TABLE: [i32; 5] = [3, -1, i32::MAX, i32::MIN, 7];
+    static TABLE: [i32; 1100] = {
+        let mut table = [0; 1100];
+        let mut place = 0;
+        while place < table.len() {
+            table[place] = (place as i32 + 1).wrapping_mul(-0x61c8_8647);
+            place += 1;
+        }
+        table
+    };
+    // No whole vector of entries; whole ones; a page of 256 and more.
+    let table = &TABLE[..[5, 32, 77, 192, 256, 257, 768, 1024, 1100][random.below(9) as usize]];
     let mut lane = || core::array::from_fn(|_| corner(random) as i32);
     let [a, b]: [[i32; LANES]; 2] = [lane(), lane()];
     let wide: [i64; LANES] = core::array::from_fn(|_| corner(random));
-    let places: [i32; LANES] = core::array::from_fn(|_| random.below(8) as i32 - 1);
+    let places: [i32; LANES] = core::array::from_fn(|_| random.below(table.len() as u64 + 40) as i32 - 1);
     let [x, y, place] = [a, b, places].map(Lanes::<T>::of);
     let w = WideLanes::<T>::of(wide);
     let run = |name: &str, got: [i64; LANES], scalar: &dyn Fn(usize) -> i64| {
@@ -155,9 +165,9 @@ fn operations_of_words<T: Target>(random: &mut SplitMix64) {
         "lookup",
         of_words(T::run(
             #[inline(always)]
-            || place.lookup(&TABLE),
+            || place.lookup(table),
         )),
-        &|i| places[i].lookup(&TABLE).into(),
+        &|i| places[i].lookup(table).into(),
     );
     for drop in 1..64 {
         for up in (0..32).take_while(|up| drop + up < 64) {
@@ -342,37 +352,77 @@ fn batches_of_any_length_come_back_in_order() {
 const LIT_SCENES: [&str; 4] = ["highlight", "velvet", "spheres-sphere", "horizon-plane"];
 
 #[test]
-fn peaks_in_lanes_are_those_of_the_scalar_reading() {
+fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
     for (name, p) in profiles() {
         (0..2000_u64).into_par_iter().for_each(|index| {
             let mut bits = AnyBits(SplitMix64::for_element(name, index));
-            let zero = Fx::from_raw(0);
-            let half = LocalDirection { unit: [Fx::from_raw(0); 3], none: false };
-            let peak = Peak { normal: [Fx::from_raw(0); 3], amplitude: zero, exponent: zero };
-            let blank = WeightedPeak { peak, weight: Fx::from_raw(0) };
-            let peaks: Vec<WeightedPeak<i32>> = (0..index % 50).map(|_| stored(&blank.rewire(&mut bits))).collect();
-            let half = LocalDirection { none: bits.0.below(8) == 0, ..half.rewire(&mut bits) };
-            let half = LocalDirection { unit: half.unit.map(|x| Fx::from_raw(x.raw() >> 1)), ..half };
-            let lights = |reading: Reading| {
-                let mut lights = Vec::new();
-                reading.peaks(&half, &peaks, &p, &mut lights);
-                lights.iter().map(|light| light.raw()).collect::<Vec<i32>>()
+            let size = [bits.0.below(15), bits.0.below(15)].map(|log2| 1 + bits.0.below(1 << log2) as u16);
+            let scale = texture_scale(size);
+            // Mantissas as ports carry them; of half the fragments exponents as well, any bits else.
+            let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
+            let mut derivative = || {
+                let any: PortBlock<i32, 2> = blank.rewire(&mut bits);
+                let exponent = if index % 2 == 0 { any.exponent.raw() >> 16 } else { bits.0.below(24) as i32 - 16 };
+                PortBlock { exponent: Fx::from_raw(exponent), ..any }
             };
-            let scalar = lights(Reading::Scalar);
-            assert_eq!(scalar.len(), peaks.len());
-            for set in instruction_sets() {
-                assert_eq!(lights(Reading::Lanes(set)), scalar, "{name}, {set}, {half:?}, {peaks:?}");
+            let derivatives: Vec<_> = (0..index % 50).map(|_| [derivative(), derivative()]).collect();
+            let scalar = derivatives.iter().map(|duv| datapath::texture_footprint(duv, &scale.0, &scale.1, &p).probes);
+            let scalar: Vec<Probes<i32>> = scalar.collect();
+            for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
+                let mut probes = Vec::new();
+                reading.texture_footprints(&derivatives, &scale, &p, &mut probes);
+                assert_eq!(probes.len(), scalar.len());
+                for ((expected, got), duv) in scalar.iter().zip(&probes).zip(&derivatives) {
+                    let context = |difference| format!("{name}, {reading}, {size:?}, {duv:?}: {difference}");
+                    same_wires(expected, got).map_err(context).unwrap();
+                }
             }
         });
     }
 }
 
-/// The peak with any bits cut to what a map stores.
-fn stored(any: &WeightedPeak<i32>) -> WeightedPeak<i32> {
+#[test]
+fn peaks_in_lanes_are_those_of_the_scalar_reading() {
+    for (name, p) in profiles() {
+        (0..2000_u64).into_par_iter().for_each(|index| {
+            let mut bits = AnyBits(SplitMix64::for_element(name, index));
+            let half = LocalDirection { unit: [Fx::from_raw(0); 3], none: false };
+            let map: Vec<Peak<i32>> = (0..20).map(|_| stored_peak(&mut bits)).collect();
+            let indices: Vec<u32> = (0..index % 50).map(|_| bits.0.below(20) as u32).collect();
+            let weight = |_| Fx::from_raw((corner(&mut bits.0) as i32).rem_euclid(0x1_0001));
+            let mut weights: Vec<Fx<i32, SHARE>> = indices.iter().map(weight).collect();
+            let half = LocalDirection { none: bits.0.below(8) == 0, ..half.rewire(&mut bits) };
+            let half = LocalDirection { unit: half.unit.map(|x| Fx::from_raw(x.raw() >> 1)), ..half };
+
+            let mut list = PeakList::default();
+            list.gather(&map.iter().map(PackedPeak::from).collect::<Vec<_>>(), &indices);
+            if index % 3 == 0 {
+                weights.fill(Fx::from_raw(1 << SHARE));
+            } else {
+                list.weigh(weights.iter().copied());
+            }
+            let expected = indices.iter().zip(&weights).map(|(&index, &weight)| {
+                let light = datapath::peak(&half, &map[index as usize], weight, &p);
+                light.raw()
+            });
+            let expected: Vec<i32> = expected.collect();
+            for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
+                let mut lights = Vec::new();
+                reading.peaks(&half, &list, &p, &mut lights);
+                let lights: Vec<i32> = lights.iter().map(|light| light.raw()).collect();
+                assert_eq!(lights, expected, "{name}, {reading}, {half:?}, {map:?}, {indices:?}");
+            }
+        });
+    }
+}
+
+/// A peak of any bits that a map stores.
+fn stored_peak(bits: &mut AnyBits) -> Peak<i32> {
+    let zero = Fx::from_raw(0);
+    let any: Peak<i32> = Peak { normal: [Fx::from_raw(0); 3], amplitude: zero, exponent: zero }.rewire(bits);
     let code = |x: Fx<i32, 0>| Fx::from_raw(x.raw() & 0xffff);
-    let normal = any.peak.normal.map(|x| Fx::from_raw(i32::from(x.raw() as i16)));
-    let peak = Peak { normal, amplitude: code(any.peak.amplitude), exponent: code(any.peak.exponent) };
-    WeightedPeak { peak, weight: Fx::from_raw(any.weight.raw().rem_euclid(0x1_0001)) }
+    let normal = any.normal.map(|x| Fx::from_raw(i32::from(x.raw() as i16)));
+    Peak { normal, amplitude: code(any.amplitude), exponent: code(any.exponent) }
 }
 
 #[test]

@@ -1,4 +1,6 @@
 //! Batches: fragments side by side in lanes, through the whole reflection datapath, and one by one again.
+//!
+//! The walks that bring wires into lanes and out of them serve every kind of batch.
 
 use roughxel_core::bundle::{Bundle, Rewire, bundle};
 use roughxel_core::datapath::{self, Reflection, ReflectionInput};
@@ -38,7 +40,7 @@ const WORDS: usize = 39;
 const ROWS: usize = 128;
 
 /// A word of [`LANES`] fragments.
-type Row = [i32; LANES];
+pub(super) type Row = [i32; LANES];
 
 /// Inputs of [`LANES`] fragments, their words in the order of a walk.
 type Group = [Row; WORDS];
@@ -154,13 +156,13 @@ impl Batch {
 }
 
 /// Puts the words of a walk into a lane of a group; a wide wire is two of them, a flag is 0 or 1.
-struct Store<'a> {
-    group: &'a mut Group,
-    lane: usize,
-    next: usize,
+pub(super) struct Store<'a, const WORDS: usize> {
+    pub(super) group: &'a mut [Row; WORDS],
+    pub(super) lane: usize,
+    pub(super) next: usize,
 }
 
-impl Store<'_> {
+impl<const WORDS: usize> Store<'_, WORDS> {
     #[inline(always)]
     fn store(&mut self, word: i32) {
         self.group[self.next][self.lane] = word;
@@ -168,7 +170,7 @@ impl Store<'_> {
     }
 }
 
-impl Rewire<i32, i32> for Store<'_> {
+impl<const WORDS: usize> Rewire<i32, i32> for Store<'_, WORDS> {
     #[inline(always)]
     fn word(&mut self, wire: i32, _: u32) -> i32 {
         self.store(wire);
@@ -188,13 +190,13 @@ impl Rewire<i32, i32> for Store<'_> {
 }
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
-struct Load<'a, T> {
-    group: &'a Group,
-    proof: T,
-    next: usize,
+pub(super) struct Load<'a, T, const WORDS: usize> {
+    pub(super) group: &'a [Row; WORDS],
+    pub(super) proof: T,
+    pub(super) next: usize,
 }
 
-impl<T: Target> Load<'_, T> {
+impl<T: Target, const WORDS: usize> Load<'_, T, WORDS> {
     #[inline(always)]
     fn load(&mut self) -> Lanes<T> {
         self.next += 1;
@@ -202,7 +204,7 @@ impl<T: Target> Load<'_, T> {
     }
 }
 
-impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_, T> {
+impl<T: Target, const WORDS: usize> Rewire<i32, Lanes<T>> for Load<'_, T, WORDS> {
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
         self.load()
@@ -219,13 +221,31 @@ impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_, T> {
     }
 }
 
-/// Puts the wires of a walk into rows of words; a wide wire is two of them, a flag is 0 or 1.
-struct Unload<'a> {
-    rows: &'a mut [Row; ROWS],
-    next: usize,
+/// The same wire in every lane.
+pub(super) struct Spread<T>(pub(super) T);
+
+impl<T: Target> Rewire<i32, Lanes<T>> for Spread<T> {
+    #[inline(always)]
+    fn word(&mut self, wire: i32, _: u32) -> Lanes<T> {
+        Lanes(self.0.words([wire; LANES]), self.0)
+    }
+    #[inline(always)]
+    fn wide(&mut self, wire: i64, _: u32) -> WideLanes<T> {
+        WideLanes(self.0.wides([wire; LANES]), self.0)
+    }
+    #[inline(always)]
+    fn flag(&mut self, wire: bool) -> FlagLanes<T> {
+        Lanes::lit(0).lt(Lanes(self.0.words([i32::from(wire); LANES]), self.0))
+    }
 }
 
-impl Unload<'_> {
+/// Puts the wires of a walk into rows of words; a wide wire is two of them, a flag is 0 or 1.
+pub(super) struct Unload<'a, const ROWS: usize> {
+    pub(super) rows: &'a mut [Row; ROWS],
+    pub(super) next: usize,
+}
+
+impl<const ROWS: usize> Unload<'_, ROWS> {
     #[inline(always)]
     fn store<T: Target>(&mut self, word: Lanes<T>) {
         self.rows[self.next] = word.lanes();
@@ -233,7 +253,7 @@ impl Unload<'_> {
     }
 }
 
-impl<T: Target> Rewire<Lanes<T>, i32> for Unload<'_> {
+impl<T: Target, const ROWS: usize> Rewire<Lanes<T>, i32> for Unload<'_, ROWS> {
     #[inline(always)]
     fn word(&mut self, wire: Lanes<T>, _: u32) -> i32 {
         self.store(wire);
@@ -253,13 +273,13 @@ impl<T: Target> Rewire<Lanes<T>, i32> for Unload<'_> {
 }
 
 /// Takes the words of one lane in the order of a walk.
-struct Lane<'a> {
-    rows: &'a [Row; ROWS],
-    lane: usize,
-    next: usize,
+pub(super) struct Lane<'a, const ROWS: usize> {
+    pub(super) rows: &'a [Row; ROWS],
+    pub(super) lane: usize,
+    pub(super) next: usize,
 }
 
-impl Lane<'_> {
+impl<const ROWS: usize> Lane<'_, ROWS> {
     #[inline(always)]
     fn load(&mut self) -> i32 {
         self.next += 1;
@@ -267,7 +287,7 @@ impl Lane<'_> {
     }
 }
 
-impl Rewire<i32, i32> for Lane<'_> {
+impl<const ROWS: usize> Rewire<i32, i32> for Lane<'_, ROWS> {
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> i32 {
         self.load()

@@ -23,6 +23,7 @@ mod batch;
 mod peaks;
 mod reading;
 mod target;
+mod texture;
 mod vectors;
 
 use std::ops::{BitAnd, BitOr, Not};
@@ -35,7 +36,7 @@ pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
 pub use batch::{Batch, Footprint};
-pub use peaks::WeightedPeak;
+pub use peaks::{PackedPeak, PeakList};
 pub use reading::Reading;
 pub use target::{InstructionSet, Target};
 

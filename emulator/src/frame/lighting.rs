@@ -5,22 +5,23 @@
 
 use fixed::types::I4F28;
 use roughxel_core::datapath::{self, SurfaceInput};
+use roughxel_core::each::{each, places};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::SurfacePlan;
 use roughxel_core::ports::{BlockVector, ReflectionIn, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak};
-use roughxel_core::signals::{Horizon, LIGHT, LocalDirection, Peak, SHARE, ShininessPort};
+use roughxel_core::signals::{Horizon, LIGHT, LocalDirection, PeakSum, ShininessPort};
 use roughxel_core::stage::peaks;
 
-use crate::lanes::{Reading, WeightedPeak};
-use crate::maps::peaks::{self as pyramid, PeakPyramid};
+use crate::lanes::{PackedPeak, PeakList, Reading};
+use crate::maps::peaks::{self as pyramid, MAX_PEAKS, PeakPyramid};
 use crate::plan::ObjectPlan;
 use crate::raster::{PointFromTriangle, Triangle};
 use crate::scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
 use super::printed;
-use super::texture::{MapReads, RepeatedMap, Taps, mean};
+use super::texture::{MapReads, RepeatedMap, Taps};
 use super::{Colour, colour_word, multiply};
 
 /// What shines in an object, and the lights that make it.
@@ -47,7 +48,7 @@ enum Lobes {
     /// The same, by the formula as printed.
     Printed(f64),
     /// The same peaks everywhere.
-    Given(Vec<WeightedPeak<i32>>),
+    Given(PeakList),
     /// Peaks of a map.
     Map(PeakMap),
 }
@@ -55,9 +56,9 @@ enum Lobes {
 /// The peaks of every texel of a pyramid.
 pub(super) struct PeakMap {
     map: RepeatedMap,
-    /// Where the peaks of each texel end, of all levels, the finest first.
-    ends: Vec<u32>,
-    peaks: Vec<WeightedPeak<i32>>,
+    /// Where the peaks of each texel begin, of all levels, the finest first; and where the last end.
+    begins: Vec<u32>,
+    peaks: Vec<PackedPeak>,
     /// As many as peaks, or none.
     horizons: Vec<Horizon<i32>>,
 }
@@ -66,7 +67,7 @@ impl PeakMap {
     /// As it is stored, or only its base where nothing is filtered; its horizons where peaks have shadows.
     pub(super) fn new(pyramid: &PeakPyramid, filters: bool, shadowing: bool) -> Self {
         let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
-        let stored = |peak: &pyramid::Peak| whole(stored_peak(peak.normal, peak.amplitude, peak.exponent).wires());
+        let stored = |peak: &pyramid::Peak| packed(stored_peak(peak.normal, peak.amplitude, peak.exponent));
         let horizon = |sides: [pyramid::Horizon; 4]| {
             stored_horizon(sides.map(|side| side.mean), sides.map(|side| side.deviation)).wires()
         };
@@ -81,7 +82,7 @@ impl PeakMap {
         let map = RepeatedMap::new(kept.iter().map(|level| (level.width, level.height)));
         Self {
             map,
-            ends: ends.collect(),
+            begins: std::iter::once(0).chain(ends).collect(),
             peaks: peaks().map(stored).collect(),
             horizons: peaks().filter_map(|peak| peak.horizon.filter(|_| shadowing)).map(horizon).collect(),
         }
@@ -92,79 +93,83 @@ impl PeakMap {
         let (peaks, horizons) = (self.peaks.len() as u64, self.horizons.len() as u64);
         [peaks * size_of::<StoredPeak>() as u64, horizons * size_of::<StoredHorizon>() as u64]
     }
-
-    /// Peaks of a texel, and their horizons if there are any.
-    fn texel(&self, texel: u32) -> (&[WeightedPeak<i32>], &[Horizon<i32>]) {
-        let index = texel as usize;
-        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
-        let range = start as usize..self.ends[index] as usize;
-        (&self.peaks[range.clone()], self.horizons.get(range).unwrap_or_default())
-    }
 }
 
 /// No map has this texel.
 const NO_TEXEL: u32 = u32::MAX;
 
+/// No fragment reads this many texels.
+const NO_PLACE: u32 = u32::MAX;
+
+/// Indices that are written at once, no fewer than a texel has peaks: a fixed length is never mispredicted.
+const RUN: usize = MAX_PEAKS.next_power_of_two();
+
 /// Peaks that a fragment reads; its memory is kept for the next one.
 #[derive(Default)]
 pub(super) struct PeaksRead {
-    /// Where the peaks of each texel end.
-    ends: Vec<usize>,
-    peaks: Vec<WeightedPeak<i32>>,
+    /// Indices in the map, and room for a run behind them.
+    indices: Vec<u32>,
+    /// The place of the texel of each in [`Self::sums`], and the same room.
+    owners: Vec<u32>,
+    peaks: PeakList,
     /// As many as peaks, or none.
     horizons: Vec<Horizon<i32>>,
     lights: Vec<Fx<i32, LIGHT>>,
-    sums: Vec<i32>,
+    /// The light of each texel.
+    sums: Vec<[i32; 1]>,
 }
 
 impl PeaksRead {
     /// Reads the texels of the probes, once what a probe shares with the one before; the texels of `taps` then name their
     /// places in [`Self::sums`].
     fn read(&mut self, map: &PeakMap, taps: &mut Taps) {
-        self.ends.clear();
-        self.peaks.clear();
-        self.horizons.clear();
-        // Of each level, four texels and their places.
-        let mut before = [[[NO_TEXEL; 4]; 2]; 2];
-        for tap in taps {
-            let (fine, coarse) = tap.place.levels();
-            for (patch, before) in [Some(fine), coarse].into_iter().flatten().zip(&mut before) {
-                let [read, places] = *before;
-                let new = patch.texels.map(|texel| match read.iter().position(|read| *read == texel) {
-                    Some(shared) => places[shared],
-                    None => {
-                        let (peaks, horizons) = map.texel(texel);
-                        self.peaks.extend_from_slice(peaks);
-                        self.horizons.extend_from_slice(horizons);
-                        self.ends.push(self.peaks.len());
-                        self.ends.len() as u32 - 1
-                    }
+        let most = 4 * RUN * taps.levels().iter().map(Vec::len).sum::<usize>();
+        if self.indices.len() < most {
+            self.indices.resize(most, 0);
+            self.owners.resize(most, 0);
+        }
+        let (begins, indices, owners) = (&map.begins[..], &mut self.indices[..], &mut self.owners[..]);
+        let (mut peaks, mut texels) = (0, 0);
+        for patches in taps.levels() {
+            let mut before = [(NO_TEXEL, NO_PLACE); 4];
+            for patch in patches {
+                let now = each!(texel in patch.texels => {
+                    let same = |place, &(read, at): &(u32, u32)| if read == texel { at } else { place };
+                    let shared = before.iter().fold(NO_PLACE, same);
+                    let is_new = shared == NO_PLACE;
+                    let [begin, end] = each!(i in [0, 1] => begins[texel as usize + i]);
+                    // Written in any case and kept if new: whether a texel is shared cannot be predicted.
+                    indices[peaks..peaks + RUN].copy_from_slice(&each!(i in places::<RUN>() => begin + i as u32));
+                    owners[peaks..peaks + RUN].copy_from_slice(&[texels; RUN]);
+                    let place = if is_new { texels } else { shared };
+                    peaks += if is_new { end - begin } else { 0 } as usize;
+                    texels += u32::from(is_new);
+                    (texel, place)
                 });
-                *before = [std::mem::replace(&mut patch.texels, new), new];
+                patch.texels = each!((_, place) in now => place);
+                before = now;
             }
         }
+        let indices = &self.indices[..peaks];
+        self.peaks.gather(&map.peaks, indices);
+        self.horizons.clear();
+        if !map.horizons.is_empty() {
+            self.horizons.extend(indices.iter().map(|&index| map.horizons[index as usize]));
+        }
+        self.sums.resize(texels as usize, [0]);
     }
 
     /// Sums the peaks of each texel, lit by one light.
     fn light(&mut self, half: &LocalDirection<i32>, reading: Reading, p: &Precision) {
         self.lights.clear();
         reading.peaks(half, &self.peaks, p, &mut self.lights);
-        self.sums.clear();
-        let mut start = 0;
-        for &end in &self.ends {
-            self.sums.push(sum(&self.lights[start..end]));
-            start = end;
+        let sums = &mut self.sums[..];
+        sums.fill([0]);
+        for (&owner, &light) in self.owners.iter().zip(&self.lights) {
+            let [sum] = &mut sums[owner as usize];
+            *sum = datapath::peak_sum(&PeakSum { light: Fx::from_raw(*sum), saturated: false }, light).light.raw();
         }
     }
-}
-
-/// A fragment that is lit, and its triangle.
-pub(super) struct LitFragment<'a> {
-    pub(super) ports: &'a ReflectionIn,
-    pub(super) triangle: &'a Triangle<'a>,
-    pub(super) points: &'a Points,
-    /// Sub-pixels.
-    pub(super) position: [i32; 2],
 }
 
 /// Directions to the lights that stand in the scene, set up for a triangle.
@@ -190,11 +195,13 @@ impl Lighting {
     ) -> Self {
         let lobes = match (&given.source, map) {
             (PeakSource::Given(given), _) => {
-                let stored = given.iter().map(|peak| stored_peak(peak.normal, peak.amplitude, peak.exponent).wires());
-                Lobes::Given(stored.map(whole).collect())
+                let stored = given.iter().map(|peak| stored_peak(peak.normal, peak.amplitude, peak.exponent));
+                let mut peaks = PeakList::default();
+                peaks.gather(&stored.map(packed).collect::<Vec<_>>(), &(0..given.len() as u32).collect::<Vec<_>>());
+                Lobes::Given(peaks)
             }
             (PeakSource::Bump { .. }, Some(map)) => Lobes::Map(map),
-            (PeakSource::Bump { .. }, None) => Lobes::Given(Vec::new()),
+            (PeakSource::Bump { .. }, None) => Lobes::Given(PeakList::default()),
         };
         Self { plan, lights: prepared(lights, given.colour, p), lobes }
     }
@@ -228,20 +235,46 @@ impl Lighting {
         self.lights.iter().map(point).collect()
     }
 
-    /// The colour that all lights make at a sample; channels may go beyond a word where lights are many.
+    /// Adds the direction to each light at a sample, position in sub-pixels, to `directions`.
+    pub(super) fn directions(
+        &self,
+        triangle: &Triangle<'_>,
+        points: &Points,
+        [x, y]: [i32; 2],
+        directions: &mut Vec<BlockVector>,
+    ) {
+        directions.extend(
+            self.lights.iter().zip(points).map(|(light, point)| {
+                point.as_ref().map_or(light.direction, |point| triangle.direction_to(point, x, y))
+            }),
+        );
+    }
+
+    /// Number of lights.
+    pub(super) fn lights(&self) -> usize {
+        self.lights.len()
+    }
+
+    /// The map of the peaks, if they come from one.
+    pub(super) fn map(&self) -> Option<&RepeatedMap> {
+        match &self.lobes {
+            Lobes::Map(map) => Some(&map.map),
+            _ => None,
+        }
+    }
+
+    /// The colour that all lights make at a sample, with the direction to each; channels may go beyond a word where lights
+    /// are many.
     pub(super) fn shine(
         &self,
-        at: &LitFragment<'_>,
+        ports: &ReflectionIn,
+        directions: &[BlockVector],
         reads: &mut MapReads<'_>,
         read: &mut PeaksRead,
         reading: Reading,
         p: &Precision,
     ) -> [i64; 3] {
-        let surface = datapath::surface(&surface_wires(at.ports), &self.plan, p);
-        let directions = self.lights.iter().zip(at.points).map(|(light, point)| {
-            let [x, y] = at.position;
-            point.as_ref().map_or(light.direction, |point| at.triangle.direction_to(point, x, y))
-        });
+        let surface = datapath::surface(&surface_wires(ports), &self.plan, p);
         let mut sum = [0; 3];
         let mut add = |light: &PreparedLight, returned: i32| {
             for (sum, channel) in sum.iter_mut().zip(light.colour) {
@@ -257,7 +290,7 @@ impl Lighting {
             }
             Lobes::Printed(exponent) => {
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    add(light, printed::light(&surface, at.ports, &direction, *exponent).raw());
+                    add(light, printed::light(&surface, ports, direction, *exponent).raw());
                 }
             }
             Lobes::Given(peaks) => {
@@ -284,12 +317,11 @@ impl Lighting {
                     }
                     if let Some(eye) = &eye {
                         let slopes = datapath::horizon_slopes(&lit.light, p);
-                        for (peak, horizon) in read.peaks.iter_mut().zip(&read.horizons) {
-                            peak.weight = datapath::horizon(&slopes, eye, horizon, p);
-                        }
+                        let visible = |horizon| datapath::horizon(&slopes, eye, horizon, p);
+                        read.peaks.weigh(read.horizons.iter().map(visible));
                     }
                     read.light(&lit.direction, reading, p);
-                    let [returned] = mean(taps, 0, |place| [read.sums[place as usize]], |sample| sample);
+                    let [returned] = taps.mean(0, &read.sums, |sample| sample);
                     add(light, returned);
                 }
             }
@@ -298,9 +330,8 @@ impl Lighting {
     }
 }
 
-/// A peak of which nothing is hidden.
-fn whole(peak: Peak<i32>) -> WeightedPeak<i32> {
-    WeightedPeak { peak, weight: Fx::lit(1 << SHARE) }
+fn packed(peak: StoredPeak) -> PackedPeak {
+    PackedPeak::from(&peak.wires())
 }
 
 /// The light that peaks return together.

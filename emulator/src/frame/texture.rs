@@ -2,16 +2,17 @@
 
 use fixed::types::I4F28;
 use roughxel_core::block::Block;
-use roughxel_core::datapath::Probe;
+use roughxel_core::datapath::{Probe, texture_probe};
+use roughxel_core::each::{each, places};
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::{TextureIn, texture_scale};
+use roughxel_core::ports::texture_scale;
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::probe_list::{ProbeList, texture_probes};
 use roughxel_core::signals::{Ellipse, MapScale, Probes, TexturePosition};
-use roughxel_core::stage::filter::{Address, LOD_WEIGHT, ProbeSum, WEIGHT, levels, repeat_address, trilinear};
+use roughxel_core::stage::filter::{Address, ProbeSum, WEIGHT, levels, repeat_address, trilinear};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{axes, moments};
 
+use crate::lanes::Reading;
 use crate::maps::bump::BumpPyramid;
 use crate::maps::mip::{ColourPyramid, smallest_exponent};
 use crate::picture::Picture;
@@ -19,49 +20,94 @@ use crate::raster::FragmentAttributes;
 
 use super::{Colour, MAX_MAP_EXPONENT};
 
-/// What a fragment reads of repeated maps: maps of one size share its footprint.
+/// The footprints of a batch of fragments in maps of one size.
+#[derive(Clone, Debug)]
+struct SizedFootprints {
+    size: [i32; 2],
+    scale: (TextureScale<i32>, MapScale<i32>),
+    probes: Vec<Probes<i32>>,
+}
+
+/// The footprints of a batch of fragments in the maps that they read; none where nothing is filtered.
+#[derive(Clone, Debug, Default)]
+pub struct Footprints(Vec<SizedFootprints>);
+
+impl Footprints {
+    /// Of no fragments yet, for these maps.
+    pub(super) fn new<'a>(maps: impl Iterator<Item = &'a RepeatedMap>) -> Self {
+        let mut sizes: Vec<SizedFootprints> = Vec::new();
+        for map in maps {
+            let size = map.levels[0].size;
+            if sizes.iter().all(|sized| sized.size != size) {
+                sizes.push(SizedFootprints { size, scale: map.scale, probes: Vec::new() });
+            }
+        }
+        Self(sizes)
+    }
+
+    /// The footprints of these fragments in place of all others.
+    pub fn set<'a>(
+        &mut self,
+        fragments: impl Iterator<Item = &'a FragmentAttributes>,
+        reading: Reading,
+        p: &Precision,
+    ) {
+        if self.0.is_empty() {
+            return;
+        }
+        let derivatives: Vec<_> = fragments.map(|fragment| fragment.duv.map(|duv| duv.wires())).collect();
+        for SizedFootprints { scale, probes, .. } in &mut self.0 {
+            probes.clear();
+            reading.texture_footprints(&derivatives, scale, p, probes);
+        }
+    }
+
+    /// The footprint of a fragment of the batch in a map; none where nothing is filtered.
+    fn of(&self, fragment: usize, map: &RepeatedMap) -> Option<&Probes<i32>> {
+        self.0.iter().find(|sized| sized.size == map.levels[0].size)?.probes.get(fragment)
+    }
+}
+
+/// What a fragment reads of repeated maps: maps of one size share its taps.
 #[derive(Debug)]
 pub struct MapReads<'a> {
-    attributes: &'a FragmentAttributes,
-    footprint: bool,
+    centre: TexturePosition<i32>,
+    footprints: &'a Footprints,
+    /// The fragment in the batch.
+    fragment: usize,
     p: &'a Precision,
-    /// Size of the maps that the probes are for.
+    /// Size of the maps that the taps are for.
     size: Option<[i32; 2]>,
-    taps: Taps,
+    taps: &'a mut Taps,
 }
 
 impl<'a> MapReads<'a> {
     /// N trilinear probes along the major axis of the fragment's footprint, or one at the finest level.
-    pub fn new(attributes: &'a FragmentAttributes, footprint: bool, p: &'a Precision) -> Self {
-        Self { attributes, footprint, p, size: None, taps: Taps::new() }
+    pub fn new(
+        attributes: &FragmentAttributes,
+        (footprints, fragment): (&'a Footprints, usize),
+        taps: &'a mut Taps,
+        p: &'a Precision,
+    ) -> Self {
+        let centre = TexturePosition { uv: attributes.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
+        Self { centre, footprints, fragment, p, size: None, taps }
     }
 
-    /// The probes in a map.
+    /// The taps in a map.
     fn of(&mut self, map: &RepeatedMap) -> &Taps {
         let size = map.levels[0].size;
         if self.size != Some(size) {
             self.size = Some(size);
-            let (attributes, p) = (self.attributes, self.p);
-            let input = TextureIn { uv: attributes.uv, duv: attributes.duv };
-            let centre = TexturePosition { uv: input.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
-            self.taps.clear();
-            if self.footprint {
-                let probes: Probes<i32> = input.footprint(&map.scale, p).probes;
-                for Probe { place, weight } in texture_probes(&centre, &probes, &map.scale.0, p) {
-                    self.taps.extend([Probe { place: map.tap(&place, probes.lod, p), weight }]);
-                }
-            } else {
-                self.taps.extend([Probe { place: map.tap(&centre, Fx::zero(), p), weight: Fx::lit(1 << 16) }]);
-            }
+            self.taps.set(map, &self.centre, self.footprints.of(self.fragment, map), self.p);
         }
-        &self.taps
+        self.taps
     }
 
-    /// The probes in a map, to be changed: no other map will share them.
+    /// The taps in a map, to be changed: no other map will share them.
     pub(super) fn take(&mut self, map: &RepeatedMap) -> &mut Taps {
         self.of(map);
         self.size = None;
-        &mut self.taps
+        self.taps
     }
 }
 
@@ -91,23 +137,17 @@ impl RepeatedMap {
         let levels: Vec<RepeatedLevel> = levels.collect();
         Self { scale: texture_scale(levels[0].size.map(|edge| edge as u16)), levels }
     }
+}
 
-    fn tap(&self, place: &TexturePosition<i32>, lod: Fx<i32, 16>, p: &Precision) -> Tap {
-        let pair = levels(lod);
-        let fine = pair.level.raw() as usize;
-        let coarse = (fine + 1).min(self.levels.len() - 1);
-        let patch = |level: usize| {
-            let RepeatedLevel { size, start } = self.levels[level];
-            let address: Address<i32> = repeat_address(place, size.map(Fx::from_raw), p);
-            let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as u32;
-            let [x, y] = address.index.map(Fx::raw);
-            let (x0, x1) = (wrap(x, size[0]), wrap(x + 1, size[0]));
-            let (y0, y1) = (wrap(y, size[1]), wrap(y + 1, size[1]));
-            let [y0, y1] = [y0, y1].map(|y| start + y * size[0] as u32);
-            Patch { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight: address.weight }
-        };
-        let coarse = (pair.weight.raw() != 0).then(|| patch(coarse));
-        Tap { fine: patch(fine), coarse, level_weight: pair.weight }
+impl RepeatedLevel {
+    /// What a bilinear sample reads.
+    fn patch(&self, place: &TexturePosition<i32>, p: &Precision) -> Patch {
+        let [width, height] = self.size;
+        let Address { index: [x, y], weight } = repeat_address(place, self.size.map(Fx::from_raw), p);
+        let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as u32;
+        let [x0, x1] = [x.raw(), x.raw() + 1].map(|x| wrap(x, width));
+        let [y0, y1] = [y.raw(), y.raw() + 1].map(|y| self.start + wrap(y, height) * width as u32);
+        Patch { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight }
     }
 }
 
@@ -119,52 +159,92 @@ pub(super) struct Patch {
     weight: [Fx<i32, WEIGHT>; 2],
 }
 
-/// What one probe reads of two levels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tap {
-    fine: Patch,
-    /// `None` where its weight is 0.
-    coarse: Option<Patch>,
-    level_weight: Fx<i32, LOD_WEIGHT>,
+/// What a fragment reads of a map: its memory is kept for the next one.
+#[derive(Clone, Debug, Default)]
+pub struct Taps {
+    /// Of the probes; they sum to 1.
+    weights: Vec<Fx<i32, 16>>,
+    /// What each probe reads of the finer level, and of the coarser one unless its weight is 0.
+    levels: [Vec<Patch>; 2],
+    /// Weight of the coarser level.
+    level_weight: i32,
 }
 
-impl Tap {
-    /// What it reads of the finer level and of the coarser one.
-    pub(super) fn levels(&mut self) -> (&mut Patch, Option<&mut Patch>) {
-        (&mut self.fine, self.coarse.as_mut())
-    }
-
-    /// A sample has `extra` fraction bits more than a texel.
-    fn sample<const CHANNELS: usize>(&self, extra: u32, texel: &impl Fn(u32) -> [i32; CHANNELS]) -> [i32; CHANNELS] {
-        let (fine, coarse) = (&self.fine, self.coarse.as_ref().unwrap_or(&self.fine));
-        let [a, b] = [fine, coarse].map(|patch| patch.texels.map(texel));
-        core::array::from_fn(|channel| {
-            let (a, b) = (a.map(|texel| texel[channel]), b.map(|texel| texel[channel]));
-            trilinear((&a, &fine.weight), (&b, &coarse.weight), self.level_weight, extra)
-        })
-    }
-}
-
-/// What a fragment reads, with the weight of each probe.
-pub(super) type Taps = ProbeList<Tap>;
-
-/// Averages `CHANNELS` channels over the probes.
-///
-/// A sample has `extra` fraction bits more than a texel; `probe` turns the sample of one probe into what is averaged.
-pub(super) fn mean<const CHANNELS: usize>(
-    taps: &Taps,
-    extra: u32,
-    texel: impl Fn(u32) -> [i32; CHANNELS],
-    probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
-) -> [i32; CHANNELS] {
-    let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
-    for tap in taps {
-        let sample = probe(tap.place.sample(extra, &texel));
-        for (sum, channel) in sums.iter_mut().zip(sample) {
-            *sum = sum.add(channel, tap.weight);
+impl Taps {
+    /// The probes of a footprint, or one at the finest level.
+    fn set(&mut self, map: &RepeatedMap, centre: &TexturePosition<i32>, probes: Option<&Probes<i32>>, p: &Precision) {
+        let [fine, coarse] = &mut self.levels;
+        fine.clear();
+        coarse.clear();
+        self.weights.clear();
+        self.level_weight = 0;
+        let Some(probes) = probes else {
+            self.weights.push(Fx::lit(1 << 16));
+            fine.push(map.levels[0].patch(centre, p));
+            return;
+        };
+        let pair = levels(probes.lod);
+        let level = pair.level.raw() as usize;
+        let [finer, coarser] = [level, (level + 1).min(map.levels.len() - 1)].map(|level| &map.levels[level]);
+        self.level_weight = pair.weight.raw();
+        // One by one: a list of the probes first takes 2 % of a frame of `denim-plane`.
+        for index in (0..probes.count.raw()).map(Fx::from_raw) {
+            let Probe { place, weight } = texture_probe(centre, probes, index, &map.scale.0, p);
+            self.weights.push(weight);
+            fine.push(finer.patch(&place, p));
+            if self.level_weight != 0 {
+                coarse.push(coarser.patch(&place, p));
+            }
         }
     }
-    sums.map(ProbeSum::mean)
+
+    /// The patches of each level, probe by probe.
+    pub(super) fn levels(&mut self) -> &mut [Vec<Patch>; 2] {
+        &mut self.levels
+    }
+
+    /// Averages `CHANNELS` channels of texels over the probes.
+    ///
+    /// A sample has `extra` fraction bits more than a texel; `probe` turns the sample of one probe into what is averaged.
+    pub(super) fn mean<T: Copy + Into<i32>, const CHANNELS: usize>(
+        &self,
+        extra: u32,
+        texels: &[[T; CHANNELS]],
+        probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
+    ) -> [i32; CHANNELS] {
+        let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
+        let mut add = |weight: Fx<i32, 16>, sample| {
+            for (sum, channel) in sums.iter_mut().zip(probe(sample)) {
+                *sum = sum.add(channel, weight);
+            }
+        };
+        let [fine, coarse] = &self.levels;
+        let probes = self.weights.iter().zip(fine);
+        if coarse.is_empty() {
+            // Both levels are one: what they share is computed once.
+            probes.for_each(|(&weight, fine)| add(weight, self.sample(fine, fine, extra, texels)));
+        } else {
+            let probes = probes.zip(coarse);
+            probes.for_each(|((&weight, fine), coarse)| add(weight, self.sample(fine, coarse, extra, texels)));
+        }
+        sums.map(ProbeSum::mean)
+    }
+
+    #[inline(always)]
+    fn sample<T: Copy + Into<i32>, const CHANNELS: usize>(
+        &self,
+        fine: &Patch,
+        coarse: &Patch,
+        extra: u32,
+        texels: &[[T; CHANNELS]],
+    ) -> [i32; CHANNELS] {
+        let [a, b] = each!(patch in [fine, coarse] => each!(texel in patch.texels => &texels[texel as usize]));
+        let level_weight = Fx::from_raw(self.level_weight);
+        each!(channel in places() => {
+            let [a, b] = each!(corners in [a, b] => each!(texel in corners => texel[channel].into()));
+            trilinear((&a, &fine.weight), (&b, &coarse.weight), level_weight, extra)
+        })
+    }
 }
 
 /// A colour map.
@@ -189,6 +269,15 @@ impl ColourMap {
         Self { map, texels: pyramid.levels.into_iter().flat_map(|level| level.texels).collect(), exponent }
     }
 
+    /// The footprints that its samples need.
+    pub fn footprints(&self) -> Footprints {
+        Footprints::new([&self.map].into_iter())
+    }
+
+    pub(super) fn map(&self) -> &RepeatedMap {
+        &self.map
+    }
+
     /// Bytes of the stored texels.
     pub(super) fn bytes(&self) -> u64 {
         size_of_val(self.texels.as_slice()) as u64
@@ -196,8 +285,7 @@ impl ColourMap {
 
     /// The mean colour of the footprint.
     pub fn sample(&self, reads: &mut MapReads<'_>) -> Colour {
-        let texel = |index: u32| self.texels[index as usize].map(i32::from);
-        let sample = mean(reads.of(&self.map), 8, texel, |sample| sample);
+        let sample = reads.of(&self.map).mean(8, &self.texels, |sample| sample);
         sample.map(|channel| channel << self.exponent)
     }
 }
@@ -248,6 +336,10 @@ impl BumpMap {
         Self { map, texels, exponent, bytes }
     }
 
+    pub(super) fn map(&self) -> &RepeatedMap {
+        &self.map
+    }
+
     /// Bytes of the stored offsets and of the stored roughness.
     pub(super) fn bytes(&self) -> [u64; 2] {
         self.bytes
@@ -260,12 +352,11 @@ impl BumpMap {
         kind: RoughnessKind,
         p: &Precision,
     ) -> ([I4F28; 2], [I4F28; 3]) {
-        let texel = |index: u32| self.texels[index as usize];
         let probe = |[b1, b2, k11, k12, k22]: [i32; 5]| {
             let m = moments::of_probe(&[b1, b2].map(Fx::from_raw), &[k11, k12, k22].map(Fx::<i32, 29>::from_raw));
             [b1, b2, m[0].raw(), m[1].raw(), m[2].raw()]
         };
-        let [b1, b2, m11, m12, m22] = mean(reads.of(&self.map), 0, texel, probe);
+        let [b1, b2, m11, m12, m22] = reads.of(&self.map).mean(0, &self.texels, probe);
         let b: [Fx<i32, 30>; 2] = [Fx::from_raw(b1), Fx::from_raw(b2)];
         let port = |word: i32, shift: i32| {
             let word = i64::from(word);

@@ -3,7 +3,8 @@
 use fixed::types::{I2F30, U0F32};
 use roughxel_core::ports::{BlockPair, TextureIn, texture_scale};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::frame::{ColourMap, MapReads};
+use roughxel_emulator::frame::{ColourMap, MapReads, Taps};
+use roughxel_emulator::lanes::Reading;
 use roughxel_emulator::picture::Picture;
 use roughxel_emulator::raster::FragmentAttributes;
 
@@ -24,11 +25,13 @@ pub struct GroundFigures {
 pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile: &Precision) -> GroundFigures {
     let map = ColourMap::new(&picture(texture), true);
     let scale = texture_scale([TEXTURE_EDGE as u16; 2]);
-    let mut probes = 0;
+    let (mut probes, mut footprints, mut taps) = (0, map.footprints(), Taps::default());
     let psnr = reference.psnr(|pixel| {
         let attributes = attributes(pixel);
         probes += TextureIn { uv: attributes.uv, duv: attributes.duv }.footprint(&scale, profile).probes.count.raw();
-        f64::from(map.sample(&mut MapReads::new(&attributes, true, profile))[0]) / f64::from(1 << 24)
+        footprints.set([&attributes].into_iter(), Reading::Scalar, profile);
+        let mut reads = MapReads::new(&attributes, (&footprints, 0), &mut taps, profile);
+        f64::from(map.sample(&mut reads)[0]) / f64::from(1 << 24)
     });
     GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }
 }
