@@ -141,6 +141,26 @@ pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
     face_scale(Fx::from_raw(i32::from(edge)), p)
 }
 
+/// The reflection datapath in the scalar reading, compiled here once for all who call it, as those below are.
+pub fn reflection(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> Reflection<Scalar> {
+    datapath::reflection(input, plan, p)
+}
+
+/// The reflection datapath from ports to ports.
+pub fn fragment(input: &FragmentInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
+    datapath::fragment(input, plan, p)
+}
+
+/// The highlight datapath from ports to ports.
+pub fn highlight(input: &HighlightInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> HighlightOutput<Scalar> {
+    datapath::leave_highlight(&datapath::lit_surface(input, plan, p))
+}
+
+/// One light on one peak from ports to ports.
+pub fn lit_peak(input: &LitPeakInput<Scalar>, plan: &PeakPlan, p: &Precision) -> LitPeakOutput<Scalar> {
+    datapath::lit_peak(input, plan, p)
+}
+
 fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<Scalar, N> {
     PortBlock { mantissa: mantissa.map(|m| Fx::from_raw(m.to_bits())), exponent: Fx::from_raw(i32::from(exponent)) }
 }
@@ -183,7 +203,7 @@ impl ReflectionIn {
 
     /// Runs the scalar datapath.
     pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
-        ReflectionOut::from(&datapath::fragment(&self.fragment(), plan, p))
+        ReflectionOut::from(&fragment(&self.fragment(), plan, p))
     }
 }
 
@@ -388,7 +408,7 @@ impl HighlightIn {
 
     /// Runs the scalar datapath.
     pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
-        HighlightOut::from(&datapath::leave_highlight(&datapath::lit_surface(&self.wires(), plan, p)))
+        HighlightOut::from(&highlight(&self.wires(), plan, p))
     }
 }
 
@@ -471,7 +491,7 @@ impl PeakIn {
 
     /// Runs the scalar datapath.
     pub fn shine(&self, plan: &PeakPlan, p: &Precision) -> PeakOut {
-        PeakOut::from(&datapath::lit_peak(&self.wires(), plan, p))
+        PeakOut::from(&lit_peak(&self.wires(), plan, p))
     }
 }
 

@@ -135,6 +135,17 @@ impl PreparedObject {
     }
 }
 
+/// The colours of a tile's pixels, summed over their samples.
+struct Sums(Vec<[i64; 3]>);
+
+impl Sums {
+    fn add(&mut self, pixel: usize, colour: [i64; 3]) {
+        for (sum, channel) in self.0[pixel].iter_mut().zip(colour) {
+            *sum += channel;
+        }
+    }
+}
+
 /// What a ray that hits nothing sees.
 enum Ray {
     /// A colour.
@@ -362,12 +373,7 @@ impl<'a> Prepared<'a> {
     fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> Vec<Colour> {
         let offsets = self.sample_offsets();
         let mut buffer = TileBuffer::new();
-        let mut sums = vec![[0_i64; 3]; tile.width as usize * tile.height as usize];
-        let mut add = |pixel: usize, colour: [i64; 3]| {
-            for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
-                *sum += channel;
-            }
-        };
+        let mut sums = Sums(vec![[0; 3]; tile.width as usize * tile.height as usize]);
         let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
         let mut rays = Waiting::rays(self.mode);
@@ -380,8 +386,8 @@ impl<'a> Prepared<'a> {
                 let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
                 let Some(index) = visible else {
                     match self.background(x, y) {
-                        Ray::Colour(colour) => add(pixel, colour.map(i64::from)),
-                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [0; 3]), &input, &mut add),
+                        Ray::Colour(colour) => sums.add(pixel, colour.map(i64::from)),
+                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [0; 3]), &input, &mut sums),
                     }
                     continue;
                 };
@@ -403,29 +409,28 @@ impl<'a> Prepared<'a> {
                     lighting.directions(triangle, points, [x, y], directions);
                 }
                 if attributes.len() == SHADED {
-                    self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut add);
+                    self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut sums);
                 }
             }
         }
         for ((object, fragments), waiting) in self.objects.iter().zip(&mut fragments).zip(&mut waiting) {
-            self.shade(object, fragments, waiting, &mut reads, &mut add);
+            self.shade(object, fragments, waiting, &mut reads, &mut sums);
         }
-        waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut add));
+        waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut sums));
         let samples = offsets.len() as i64;
         // Many bright lights go beyond the range of a map.
         let mean = |channel: i64| ((channel + samples / 2) / samples).min(BRIGHTEST) as i32;
-        sums.into_iter().map(|sum| sum.map(mean)).collect()
+        sums.0.into_iter().map(|sum| sum.map(mean)).collect()
     }
 
-    /// The waiting fragments of an object: footprints, fetches, lights; what reflects waits again. `add` gives each pixel
-    /// its colour.
+    /// The waiting fragments of an object: footprints, fetches, lights; what reflects waits again.
     fn shade(
         &self,
         object: &PreparedObject,
         fragments: &mut Fragments,
         waiting: &mut Waiting,
         reads: &mut Reads,
-        mut add: impl FnMut(usize, [i64; 3]),
+        sums: &mut Sums,
     ) {
         let Fragments { attributes, pixels, directions, footprints } = fragments;
         footprints.set(attributes.iter(), self.reading, &self.precision);
@@ -438,11 +443,11 @@ impl<'a> Prepared<'a> {
                 let directions = &directions[index * lighting.lights()..][..lighting.lights()];
                 let light =
                     lighting.shine(ports, directions, &mut maps, &mut reads.peaks, self.reading, &self.precision);
-                add(pixel, light);
+                sums.add(pixel, light);
             }
             match ports.filter(|_| object.plan.reflection.is_some()) {
-                None => add(pixel, surface.map(i64::from)),
-                Some(input) => self.reflect(waiting, (pixel, surface), &input, &mut add),
+                None => sums.add(pixel, surface.map(i64::from)),
+                Some(input) => self.reflect(waiting, (pixel, surface), &input, sums),
             }
         }
         attributes.clear();
@@ -450,23 +455,17 @@ impl<'a> Prepared<'a> {
         directions.clear();
     }
 
-    /// Lets a fragment wait; with [`REFLECTED`] of them, all are reflected. `add` gives each pixel its colour.
-    fn reflect(
-        &self,
-        waiting: &mut Waiting,
-        (pixel, surface): (usize, Colour),
-        input: &ReflectionIn,
-        add: impl FnMut(usize, [i64; 3]),
-    ) {
+    /// Lets a fragment wait; with [`REFLECTED`] of them, all are reflected.
+    fn reflect(&self, waiting: &mut Waiting, (pixel, surface): (usize, Colour), input: &ReflectionIn, sums: &mut Sums) {
         waiting.inputs.push(input.wires(self.environment_scale));
         waiting.pixels.push((pixel, surface));
         if waiting.inputs.len() == REFLECTED {
-            self.fetch(waiting, add);
+            self.fetch(waiting, sums);
         }
     }
 
     /// The waiting fragments through the reflection datapath, the environment and the blend.
-    fn fetch(&self, waiting: &mut Waiting, mut add: impl FnMut(usize, [i64; 3])) {
+    fn fetch(&self, waiting: &mut Waiting, sums: &mut Sums) {
         let Waiting { plan, reflectance, inputs, pixels } = waiting;
         let rough = plan.roughness != RoughnessKind::None;
         let footprints = self.reading.footprints(inputs, &plan_of_batch(plan, inputs), &self.precision);
@@ -476,7 +475,7 @@ impl<'a> Prepared<'a> {
                 .as_ref()
                 .map_or([0; 3], |map| map.sample(&footprint.point, &footprint.probes, rough, &self.precision));
             let channel = |i: usize| blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), reflectance[i]).raw();
-            add(pixel, core::array::from_fn(|i| i64::from(channel(i))));
+            sums.add(pixel, core::array::from_fn(|i| i64::from(channel(i))));
         }
         inputs.clear();
     }

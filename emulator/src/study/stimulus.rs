@@ -7,7 +7,7 @@ use glam::DVec3;
 use roughxel_core::datapath::{self, HighlightInput, LitPeakInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::Effects;
-use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
+use roughxel_core::ports::{self, ReflectionIn, environment_scale, texture_scale};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{self, stored_horizon, stored_peak};
 use roughxel_core::signals::{LIGHT, PeakSum, PortBlock, SHARE, TexturePosition};
@@ -76,7 +76,7 @@ pub fn port_values(
             indices.map(|index| integers(&RepeatAddressInput { place: place(index), size })).collect()
         }
         "environment_probe" | "face_address" | "levels" => {
-            let stages = datapath::reflection(&wires, plan, p);
+            let stages = ports::reflection(&wires, plan, p);
             let (point, probes) = (stages.point, stages.probes);
             if design == "levels" {
                 return vec![integers(&LevelsInput { lod: probes.lod, rough: plan.roughness != RoughnessKind::None })];
@@ -92,7 +92,7 @@ pub fn port_values(
         }
         // Light and eye have any direction: the view and its derivatives are as good as others.
         "local" | "peak" | "horizon" => {
-            let stages = datapath::reflection(&wires, plan, p);
+            let stages = ports::reflection(&wires, plan, p);
             let (frame, normal) = (stages.frame, stages.normal);
             let directions = [stages.view, enter(&wires.dview[0], p), enter(&wires.dview[1], p)];
             if design == "local" {

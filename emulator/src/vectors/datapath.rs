@@ -1,8 +1,7 @@
 //! The datapaths that vectors are of, as functions from integers of ports to integers of outputs, in the scalar reading.
 
-use roughxel_core::datapath;
 use roughxel_core::plan::{Datapath, Effects};
-use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn};
+use roughxel_core::ports::{self, HighlightIn, PeakIn, ReflectionIn};
 use roughxel_core::precision::Precision;
 
 use crate::net::record::{filled, integers};
@@ -34,15 +33,15 @@ pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: 
     match datapath {
         Datapath::Reflection => {
             let input = filled(&ReflectionIn::default().fragment(), inputs);
-            integers(&datapath::fragment(&input, &effects.reflection(), p))
+            integers(&ports::fragment(&input, &effects.reflection(), p))
         }
         Datapath::Highlight => {
             let input = filled(&HighlightIn::default().wires(), inputs);
-            integers(&datapath::leave_highlight(&datapath::lit_surface(&input, &effects.highlight(), p)))
+            integers(&ports::highlight(&input, &effects.highlight(), p))
         }
         Datapath::Peak => {
             let input = filled(&PeakIn::default().wires(), inputs);
-            integers(&datapath::lit_peak(&input, &effects.peak(), p))
+            integers(&ports::lit_peak(&input, &effects.peak(), p))
         }
     }
 }
