@@ -118,6 +118,8 @@ impl Area {
 /// A module to be synthesised: its name, its ports and every source it needs.
 #[derive(Clone, Debug)]
 struct Module {
+    /// Design it is part of.
+    design: String,
     name: String,
     /// Whether it has a clock.
     clocked: bool,
@@ -295,6 +297,7 @@ fn modules(
         list.filter_map(|port| Some((port["port"].as_str()?.to_owned(), port["width"].as_u64()?))).collect()
     };
     let module = |name: &str, clocked: bool, entry: &Value| Module {
+        design: design.to_owned(),
         name: name.to_owned(),
         clocked,
         inputs: ports(&entry["inputs"]),
@@ -494,7 +497,8 @@ fn report(
          are not placed here (`--place`). \
          ECP5: LFE5U-85F, speed grade 6. `roughxel_fragment` is the whole pipelined top of a mirror without bumps or footprint \
          (`--effects none`), without and with `--depth 24`. The full plan needs more multipliers than the largest ECP5 has \
-         (`roughxel cost`).\n",
+         (`roughxel cost`). A module that several designs share to the letter stands with the first of them; the same block in other \
+         surroundings may need other bits.\n",
         versions.join("; "),
         arguments.seeds,
         arguments.place
@@ -502,8 +506,8 @@ fn report(
     for profile in &arguments.profiles {
         let _ = write!(
             text,
-            "\n## {profile}\n\n| module | iCE40 LUTs | carries | MAC16 | clock, MHz | ECP5 LUTs | CCU2C | MULT18 | clock, MHz |\n\
-             |---|---|---|---|---|---|---|---|---|\n"
+            "\n## {profile}\n\n| design | module | iCE40 LUTs | carries | MAC16 | clock, MHz | ECP5 LUTs | CCU2C | MULT18 | clock, MHz |\n\
+             |---|---|---|---|---|---|---|---|---|---|\n"
         );
         let mut seen = Vec::new();
         for (_, module) in jobs.iter().filter(|(of, _)| of == profile) {
@@ -518,7 +522,8 @@ fn report(
             let Outcome { ice40, ecp5, ice40_clock, ecp5_clock } = outcome;
             let _ = writeln!(
                 text,
-                "| `{}`{note} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {} | `{}`{note} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                module.design,
                 module.name,
                 ice40.luts,
                 ice40.carries,
