@@ -745,7 +745,7 @@ bundle!(LitPeakOutput { frame, half, direction, light, eye, slopes, visibility, 
 
 /// One light on one peak of a fragment: frame, half vector, horizon, peak; every stage's outcome in the form of ports.
 ///
-/// A fragment with several peaks has what comes before [`horizon`] once for all of them.
+/// A fragment with several peaks has what comes before [`horizon`](horizon()) once for all of them.
 #[inline(always)]
 pub fn lit_peak<W: Word>(input: &LitPeakInput<W>, plan: &PeakPlan, p: &Precision) -> LitPeakOutput<W> {
     let surface = surface(&input.surface, &plan.surface(), p);
