@@ -758,10 +758,8 @@ pub fn lit_peak<W: Word>(input: &LitPeakInput<W>, plan: &PeakPlan, p: &Precision
     } else {
         (Block::zero(), [[Fx::zero(); 2]; 2], Fx::lit(1 << SHARE))
     };
-    let weight = block!("peaks.weight", {
-        let share = horizon::product(peaks::share(input.weight), visibility);
-        Fx::select(lit.side.below, Fx::zero(), share)
-    });
+    let weight =
+        block!("peaks.weight", { peaks::lit(&lit.side, horizon::product(peaks::share(input.weight), visibility)) });
     let sum = peak_sum(&peaks::none(), peak(&lit.direction, &input.peak, weight, p));
     let status = block!("peaks.status", {
         peaks::status(&lit.direction, &sum)

@@ -11,7 +11,7 @@ use crate::each::each;
 use crate::elementary::{VERSINE, cosine_power, short_number};
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
-use crate::signals::{LIGHT, LocalDirection, Peak, PeakSum, SHARE, STORED_NORMAL};
+use crate::signals::{LIGHT, LightSide, LocalDirection, Peak, PeakSum, SHARE, STORED_NORMAL};
 use crate::status::{Status, StatusBit};
 use crate::word::Word;
 
@@ -44,6 +44,12 @@ pub fn peak<W: Word>(h: &LocalDirection<W>, peak: &Peak<W>, weight: Fx<W, SHARE>
 #[inline(always)]
 pub fn share<W: Word>(weight: Fx<W, SHARE>) -> Fx<W, SHARE> {
     weight.saturate(Fx::zero(), Fx::lit(1 << SHARE))
+}
+
+/// What counts of a peak: nothing where the light is below the surface.
+#[inline(always)]
+pub fn lit<W: Word>(side: &LightSide<W>, weight: Fx<W, SHARE>) -> Fx<W, SHARE> {
+    Fx::select(side.below, Fx::zero(), weight)
 }
 
 /// No peak yet.

@@ -1,8 +1,8 @@
 //! Designs: what can be recorded, each with the declared range of every port.
 //!
 //! `reflection` and `texture` are the datapaths from ports to probes; `environment_probe` and `texture_probe` one step
-//! of the probe stepper; `highlight` and `lit_peak` one light on a surface and on one of its peaks; the rest the arithmetic between addresses, texels and pixel. Ranges of ports are stated as two
-//! scalar bundles, the lowest and the highest values.
+//! of the probe stepper; `highlight` and `lit_peak` one light on a surface and on one of its peaks; the rest the arithmetic
+//! between addresses, texels and pixel. Ranges of ports are stated as two scalar bundles, the lowest and the highest values.
 
 use roughxel_core::block::{Block, Mantissa};
 use roughxel_core::bundle;

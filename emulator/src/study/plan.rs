@@ -182,8 +182,10 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &["moment_sample"]].concat(), p),
                     Effect::Roughness => Hardware::of_all(&["moments", "roughness_decode"], p),
                     Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
-                    Effect::Footprint | Effect::Curvature => nothing.clone(),
-                    Effect::Highlight | Effect::Peaks | Effect::Horizon => nothing.clone(),
+                    // These fetch nothing of their own.
+                    Effect::Footprint | Effect::Curvature | Effect::Highlight | Effect::Peaks | Effect::Horizon => {
+                        nothing.clone()
+                    }
                 };
                 EffectReport {
                     decision: decision.clone(),
