@@ -1,6 +1,6 @@
 //! Tests of roughxel on the host: errata, accuracy, properties, hard cases, conformance of readings, pictures.
 //!
-//! The float64 reference is a package of its own (`host-tests/reference`) that depends on nothing of roughxel, so
+//! The float64 reference is a package of its own (`emulator/reference`) that depends on nothing of roughxel, so
 //! that the program can report errors against it, too.
 
 pub mod bars;
