@@ -9,7 +9,7 @@ use roughxel_core::precision::Precision;
 use thiserror::Error;
 
 use crate::frame::{Frame, Prepared};
-use crate::maps::peaks::{ObjectPeakError, ScenePeaks};
+use crate::maps::peak_pyramid::{ObjectPeakError, ScenePeaks};
 use crate::picture::{PictureError, beside, write_png_srgb};
 use crate::plan::Mode;
 use crate::raster::RasterError;

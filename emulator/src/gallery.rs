@@ -20,7 +20,7 @@ use thiserror::Error;
 
 use crate::demo::DrawError;
 use crate::frame::{Frame, Prepared};
-use crate::maps::peaks::ScenePeaks;
+use crate::maps::peak_pyramid::ScenePeaks;
 use crate::picture::{Picture, PictureError, beside, difference, ssim, write_png_srgb};
 use crate::plan::{Decision, Mode, ObjectPlan};
 use crate::raster::tiles;

@@ -1,7 +1,4 @@
-//! Studies of the datapath: the named hard cases, its accuracy against the float64 reference, what each effect costs; what goes into the ports of
-//! a design.
+//! Studies of the datapath: its accuracy against the float64 reference, what each effect costs.
 
 pub mod accuracy;
-pub mod cases;
 pub mod plan;
-pub mod stimulus;

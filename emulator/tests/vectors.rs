@@ -8,7 +8,7 @@ use fixed::types::{I2F30, I4F28};
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::{BlockVector, ReflectionIn};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::study::cases::random_fragment;
+use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::vectors::{
     Cause, Direction, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, export_with, hard_sets,
     random_set, verify,

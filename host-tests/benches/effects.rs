@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_emulator::frame::{Frame, Prepared};
-use roughxel_emulator::maps::peaks::ScenePeaks;
+use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::{Decision, Effect, Mode};
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::plan::{EffectReport, Hardware, ObjectReport, measure, time_ratio};

@@ -6,8 +6,8 @@ use roughxel_core::ports::{BlockVector, ReflectionIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 use roughxel_core::status::StatusBit;
+use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::study::accuracy::{CANCELLATION, reference_inputs, reference_options};
-use roughxel_emulator::study::cases::random_fragment;
 use roughxel_host_tests::float_datapath::{Environment, FootprintBlock, Fragment, FragmentBlock, WIDTH};
 use roughxel_host_tests::reference;
 

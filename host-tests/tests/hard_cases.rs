@@ -7,8 +7,8 @@ use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut};
 use roughxel_core::precision::{PROFILE_NAMES, Precision, ProbeRule};
 use roughxel_core::setup::{real_number, real_offset, real_pair, real_vector};
 use roughxel_core::status::StatusBit;
+use roughxel_emulator::cases::{CaseSet, hard_case_sets};
 use roughxel_emulator::study::accuracy::{Figure, reference_inputs, reference_options};
-use roughxel_emulator::study::cases::{CaseSet, hard_case_sets};
 use roughxel_host_tests::reference::linear::{add_scaled, axis_angle, norm, scaled};
 use roughxel_host_tests::reference::{self, Outputs, cube, frame};
 

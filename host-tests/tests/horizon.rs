@@ -10,9 +10,9 @@ use roughxel_core::setup::{block_vector, real_horizon, real_vector, stored_horiz
 use roughxel_core::signals::AxisSlope;
 use roughxel_core::stage::enter::enter;
 use roughxel_core::stage::horizon::{product, visibility};
+use roughxel_emulator::cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case};
 use roughxel_emulator::net::design::HorizonInput;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::study::cases::peaks::{HorizonCase, horizon_hard_sets, random_horizon_case};
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};

@@ -12,17 +12,17 @@ use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::{LocalDirection, Peak, PortBlock, Probes, SHARE};
 use roughxel_core::word::{Wire, Word};
+use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
     Batch, Footprint, InstructionSet, LANES, Lanes, PackedPeak, PeakList, Reading, Target, WideLanes,
 };
-use roughxel_emulator::maps::peaks::ScenePeaks;
+use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
-use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::{plans, profiles};

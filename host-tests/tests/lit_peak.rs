@@ -10,7 +10,7 @@ use roughxel_core::ports::{BlockVector, PeakIn, PeakOut};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{real_peak, real_vector};
 use roughxel_core::status::StatusBit;
-use roughxel_emulator::study::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
+use roughxel_emulator::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
 use roughxel_host_tests::bars::{LIT_PEAK_BARS, shading_bars};
 use roughxel_host_tests::reference::horizon::{Side, ramp};
 use roughxel_host_tests::reference::linear::{dot, norm};

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 use roughxel_emulator::maps::horizon::horizon_slopes;
-use roughxel_emulator::maps::peaks::{
+use roughxel_emulator::maps::peak_pyramid::{
     BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface,
 };
 use roughxel_host_tests::reference::random::SplitMix64;

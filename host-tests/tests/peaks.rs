@@ -14,9 +14,11 @@ use roughxel_core::setup::{real_peak, real_vector, stored_peak};
 use roughxel_core::signals::{LIGHT, LocalDirection, PeakSum};
 use roughxel_core::stage::{filter, peaks};
 use roughxel_core::status::StatusBit;
+use roughxel_emulator::cases::peak_and_horizon::{
+    HardSet, LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case,
+};
 use roughxel_emulator::net::design::PeakInput;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::study::cases::peaks::{HardSet, LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case};
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;

@@ -13,12 +13,12 @@ use roughxel_core::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{environment_scale, texture_scale};
 use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
 use roughxel_core::signals::{PortBlock, TexturePosition};
+use roughxel_emulator::cases::highlight::random_light;
+use roughxel_emulator::cases::peak_and_horizon::{random_horizon_case, random_peak_case};
+use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::frame::{Frame, Prepared};
 use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
 use roughxel_emulator::scene::{RoughnessField, Scene};
-use roughxel_emulator::study::cases::highlight::random_light;
-use roughxel_emulator::study::cases::peaks::{random_horizon_case, random_peak_case};
-use roughxel_emulator::study::cases::random_fragment;
 use roughxel_host_tests::checked::{Checked, reread, traced};
 use roughxel_host_tests::space::profiles;
 

@@ -17,8 +17,8 @@ use roughxel_core::ports::{BlockPair, BlockVector, ReflectionIn, TextureIn, envi
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_core::signals::{PortBlock, Probes, TexturePosition};
 use roughxel_core::stage::{blend, filter, moments, probes};
+use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
 use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, counted, first_difference, reread};
 use roughxel_host_tests::space::{plans, profiles};
 

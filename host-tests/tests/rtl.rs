@@ -12,6 +12,8 @@ use std::sync::OnceLock;
 
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_emulator::cases::stimulus::{port_values, within};
+use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::net::bench::Bench;
 use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
@@ -19,8 +21,6 @@ use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::study::stimulus::{port_values, within};
 use roughxel_emulator::vectors::{Direction, Field, Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use roughxel_core::setup::AMPLITUDE_LIMIT;
-use roughxel_emulator::maps::peaks::ScenePeaks;
+use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::scene::Scene;
 
 use super::Failure;

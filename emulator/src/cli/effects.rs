@@ -3,7 +3,7 @@
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::maps::peaks::ScenePeaks;
+use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::{Mode, ObjectPlan};
 
 use super::{Failure, open_scene};

@@ -7,6 +7,8 @@ use miette::miette;
 use roughxel_core::plan::Effects;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
+use roughxel_emulator::cases::stimulus::port_values;
+use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Kind, Net, Tap};
@@ -14,8 +16,6 @@ use roughxel_emulator::net::interval::{Range, Ranges, Violation};
 use roughxel_emulator::net::observe::Observed;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::study::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::study::stimulus::port_values;
 use serde_json::{Value, json};
 
 use super::console::{complain, new_table, progress};

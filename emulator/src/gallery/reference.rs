@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 
 use super::{GalleryError, Settings, prepare, render};
 use crate::frame::Frame;
-use crate::maps::peaks::ScenePeaks;
+use crate::maps::peak_pyramid::ScenePeaks;
 use crate::output::OutputFile;
 use crate::plan::Mode;
 use crate::scene::{Scene, builtin_text};

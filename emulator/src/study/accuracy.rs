@@ -14,7 +14,7 @@ use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
 
-use super::cases::{hard_case_sets, random_fragment};
+use crate::cases::{hard_case_sets, random_fragment};
 
 /// Relative difference of the two largest components of r below which the face is a matter of rounding.
 pub const TIE_MARGIN: f64 = 1.0 / 4096.0;

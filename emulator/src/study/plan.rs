@@ -10,7 +10,7 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
 use crate::frame::Prepared;
-use crate::maps::peaks::ScenePeaks;
+use crate::maps::peak_pyramid::ScenePeaks;
 use crate::net::census::{Census, Cost};
 use crate::net::design::Design;
 use crate::net::graph::Net;

@@ -5,9 +5,9 @@ use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn};
 use roughxel_core::precision::Precision;
 
 use super::datapath::Inputs;
-use crate::study::cases::highlight::{highlight_sets, random_light};
-use crate::study::cases::lit_peak::{lit_peak_sets, random_lit_peak};
-use crate::study::cases::{hard_case_sets, random_fragment};
+use crate::cases::highlight::{highlight_sets, random_light};
+use crate::cases::lit_peak::{lit_peak_sets, random_lit_peak};
+use crate::cases::{hard_case_sets, random_fragment};
 
 /// The random set of each datapath: its name, and what it holds.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use roughxel_core::precision::{PROFILE_NAMES, Precision};
 use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::maps::peaks::ScenePeaks;
+use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::{Scene, builtin_names};
 

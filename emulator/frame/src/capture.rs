@@ -1,0 +1,78 @@
+//! Fragments of a frame as ports of the reflection datapath.
+
+use fixed::types::I4F28;
+use glam::DVec3;
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::precision::Precision;
+use roughxel_core::setup::block_vector;
+
+use super::batch::Fragments;
+use super::prepare::Prepared;
+use super::texture::{MapReads, Taps};
+use crate::raster::{PIXEL_CENTRE_SUBPX, RasterError, SUBPIXELS, TileBuffer, TriangleList, tiles};
+
+impl Prepared<'_> {
+    /// Inputs of the reflection datapath for at most `most` reflecting fragments, evenly spread over the frame, with
+    /// their plan: what `render --capture` and the demo export as vectors. Ports are quantised to the profile.
+    pub fn capture(&self, most: usize) -> Result<Vec<(ReflectionIn, ReflectionPlan)>, RasterError> {
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
+        let mut buffer = TileBuffer::new();
+        let mut fragments = Vec::new();
+        for tile in tiles(self.projection.width(), self.projection.height()) {
+            triangles.rasterise_tile(tile, PIXEL_CENTRE_SUBPX, &mut buffer);
+            for y in tile.y..tile.y + tile.height {
+                for x in tile.x..tile.x + tile.width {
+                    let Some(index) = buffer.triangle_at(x, y) else { continue };
+                    if self.objects[triangles.object_index(index)].plan.reflection.is_some() {
+                        fragments.push((x, y, index));
+                    }
+                }
+            }
+        }
+        // Rows first, so that the choice does not depend on the tiles.
+        fragments.sort_unstable_by_key(|&(x, y, _)| (y, x));
+        let count = most.min(fragments.len());
+        let chosen = (0..count).filter_map(|i| {
+            let &(x, y, index) = fragments.get(i * fragments.len() / count.max(1))?;
+            let object = triangles.object_index(index);
+            let prepared = &self.objects[object];
+            let triangle = triangles.triangle(index, prepared.plan.needs_tangents())?;
+            let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
+            let plan = prepared.plan.reflection?;
+            let attributes = triangle.fragment(x, y);
+            let mut footprints = Fragments::of(prepared).footprints;
+            footprints.set([&attributes].into_iter(), self.reading, &self.precision);
+            let mut taps = Taps::default();
+            let mut maps = MapReads::new(&attributes, (&footprints, 0), &mut taps, &self.precision);
+            let input = self.ports(prepared, &attributes, &mut maps);
+            Some((quantised(&input, &self.precision), plan))
+        });
+        Ok(chosen.collect())
+    }
+}
+
+/// The fragment with every port rounded to what the profile keeps.
+fn quantised(input: &ReflectionIn, p: &Precision) -> ReflectionIn {
+    let vector = |v: BlockVector| {
+        let mantissa = DVec3::from_array(v.mantissa.map(|m| f64::from(m.to_bits())));
+        let rounded = block_vector(mantissa, p);
+        // The integers of the mantissa are 2^30 times its value.
+        BlockVector {
+            exponent: if rounded == BlockVector::default() { 0 } else { rounded.exponent + v.exponent - 30 },
+            ..rounded
+        }
+    };
+    let number = |x: I4F28| I4F28::from_bits(Fx::<i32, 28>::from_raw(x.to_bits()).keep(p.offset_bits()).raw());
+    ReflectionIn {
+        normal: vector(input.normal),
+        view: vector(input.view),
+        tangents: input.tangents.map(vector),
+        offset: input.offset.map(number),
+        roughness: input.roughness.map(number),
+        dview: input.dview.map(vector),
+        dnormal: input.dnormal.map(vector),
+        edge_texels: input.edge_texels,
+    }
+}

@@ -1,0 +1,49 @@
+//! A finished frame: as a picture, against another, as a digest.
+
+use roughxel_scene::picture::Picture;
+use sha2::{Digest, Sha256};
+
+use super::Colour;
+
+/// A finished frame, rows top to bottom.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear colours, I8F24.
+    pub pixels: Vec<Colour>,
+}
+
+impl Frame {
+    /// The frame in linear light.
+    pub fn picture(&self) -> Picture {
+        let pixels =
+            self.pixels.iter().map(|pixel| pixel.map(|channel| (f64::from(channel) / f64::from(1 << 24)) as f32));
+        Picture { width: self.width, height: self.height, pixels: pixels.collect() }
+    }
+
+    /// Peak signal to noise ratio against a frame of the same size, dB: linear light, range 1, all channels, colours
+    /// cut to [0, 1] as a display cuts them. Equal frames give infinity, frames of different size NaN.
+    pub fn psnr(&self, truth: &Self) -> f64 {
+        if (self.width, self.height) != (truth.width, truth.height) {
+            return f64::NAN;
+        }
+        let display = |channel: i32| f64::from(channel.clamp(0, 1 << 24)) / f64::from(1 << 24);
+        let channels = self.pixels.iter().flatten().zip(truth.pixels.iter().flatten());
+        let sum: f64 = channels.map(|(&a, &b)| (display(a) - display(b)).powi(2)).sum();
+        -10.0 * (sum / (3 * self.pixels.len()) as f64).log10()
+    }
+
+    /// SHA-256 over size and pixels (big-endian words): equal exactly where every bit of the frame is.
+    pub fn digest(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(self.width.to_be_bytes());
+        hash.update(self.height.to_be_bytes());
+        for channel in self.pixels.iter().flatten() {
+            hash.update(channel.to_be_bytes());
+        }
+        hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+    }
+}

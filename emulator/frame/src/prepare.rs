@@ -1,0 +1,182 @@
+//! What is there before a frame is drawn: the maps and constants of a scene's objects, for one profile and mode.
+
+use std::fmt;
+
+use rayon::prelude::*;
+use roughxel_core::fx::Fx;
+use roughxel_core::ports::{BlockVector, environment_scale};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::setup::block_vector;
+use roughxel_core::signals::MapScale;
+use roughxel_lanes::Reading;
+use roughxel_maps::bump::BumpPyramid;
+use roughxel_maps::peak_pyramid::{PeakPyramid, ScenePeaks};
+use roughxel_scene::{Background, Light, Material, Scene};
+
+use super::environment::EnvironmentMap;
+use super::lighting::{Lighting, PeakMap};
+use super::texture::{BumpMap, ColourMap, RepeatedMap};
+use super::{Colour, colour_word};
+use crate::plan::{Decision, Effect, Mode, ObjectPlan};
+use crate::raster::{Projection, RasterError};
+
+/// A scene with its maps built for one profile and mode; borrows the scene's geometry.
+pub struct Prepared<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) projection: Projection,
+    pub(super) mode: Mode,
+    pub(super) precision: Precision,
+    pub(super) reading: Reading,
+    pub(super) environment: Option<EnvironmentMap>,
+    pub(super) environment_scale: MapScale<i32>,
+    pub(super) objects: Vec<PreparedObject>,
+}
+
+/// Maps and constants of one object.
+pub(super) struct PreparedObject {
+    pub(super) plan: ObjectPlan,
+    pub(super) decisions: Vec<Decision>,
+    pub(super) colour: Colour,
+    pub(super) reflectance: [Fx<i32, 16>; 3],
+    pub(super) main_direction: BlockVector,
+    pub(super) colour_map: Option<ColourMap>,
+    pub(super) bump_map: Option<BumpMap>,
+    pub(super) lighting: Option<Lighting>,
+}
+
+impl PreparedObject {
+    /// The maps that a fragment reads.
+    pub(super) fn maps(&self) -> impl Iterator<Item = &RepeatedMap> {
+        let colour = self.colour_map.as_ref().map(ColourMap::map);
+        let bump = self.bump_map.as_ref().map(BumpMap::map);
+        [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
+    }
+}
+
+/// What shines in an object, with its peaks if they come from a map.
+fn lighting(
+    material: &Material,
+    plan: &ObjectPlan,
+    lights: &[Light],
+    pyramid: Option<&PeakPyramid>,
+    mode: Mode,
+    p: &Precision,
+) -> Option<Lighting> {
+    let shadowing = plan.horizon;
+    match (&material.highlight, plan.highlight, &material.peaks, plan.peaks) {
+        (Some(highlight), Some(plan), ..) => Some(Lighting::highlight(highlight, lights, plan, p)),
+        (.., Some(peaks), Some(plan)) => {
+            let map = pyramid.map(|pyramid| PeakMap::new(pyramid, mode.filters(), shadowing));
+            Some(Lighting::peaks(peaks, map, lights, plan, p))
+        }
+        _ => None,
+    }
+}
+
+impl fmt::Debug for Prepared<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Prepared").field("scene", &self.scene.name).field("mode", &self.mode).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Prepared<'a> {
+    /// Builds the maps a scene needs in a mode with a profile; what the plan leaves out is not built.
+    pub fn new(scene: &'a Scene, mode: Mode, profile: &Precision) -> Result<Self, RasterError> {
+        let peaks = ScenePeaks::new(scene, mode.filters(), None, &|_| ())?;
+        Self::with_peaks(scene, mode, profile, &peaks)
+    }
+
+    /// The same with the peaks of the scene's maps already built, with filters or, for a mode without them, of either kind.
+    pub fn with_peaks(
+        scene: &'a Scene,
+        mode: Mode,
+        profile: &Precision,
+        peaks: &ScenePeaks,
+    ) -> Result<Self, RasterError> {
+        let precision = mode.precision(profile);
+        let projection = Projection::new(&scene.camera)?;
+        let any_reflection = scene.objects.iter().any(|o| o.material.reflectance.iter().any(|&r| r > 0.0));
+        let needs_environment = any_reflection || matches!(scene.background, Background::Environment);
+        let environment = scene
+            .environment
+            .as_ref()
+            .filter(|_| needs_environment)
+            .map(|source| EnvironmentMap::new(&source.faces, mode.filters()));
+        let edge = environment.as_ref().map_or(1, EnvironmentMap::edge);
+        let objects = scene
+            .objects
+            .par_iter()
+            .enumerate()
+            .map(|(index, object)| {
+                let material = &object.material;
+                let shows_bumps = environment.is_some() || material.highlight.is_some();
+                let bump =
+                    shows_bumps.then(|| BumpPyramid::of_material(material, mode.filters(), &precision)).flatten();
+                let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
+                PreparedObject {
+                    plan,
+                    lighting: lighting(material, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
+                    decisions: plan.decisions(object, mode, &precision),
+                    colour: colour_word(material.colour),
+                    reflectance: material
+                        .reflectance
+                        .map(|r| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32)),
+                    main_direction: block_vector(material.main_direction, &precision),
+                    colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
+                    bump_map: bump.filter(|_| plan.bump_map()).map(BumpMap::new),
+                }
+            })
+            .collect();
+        let environment_scale = environment_scale(edge as u16, &precision);
+        let reading = Reading::best();
+        Ok(Self { scene, projection, mode, precision, reading, environment, environment_scale, objects })
+    }
+
+    /// The same with another reading of the reflection datapath than [`Reading::best`]; no bit of a frame depends on it.
+    pub fn with_reading(self, reading: Reading) -> Self {
+        Self { reading, ..self }
+    }
+
+    /// The plan of each object, in the order of the scene.
+    pub fn plans(&self) -> impl Iterator<Item = &ObjectPlan> {
+        self.objects.iter().map(|object| &object.plan)
+    }
+
+    /// Every effect of each object with the reason for it, in the order of the scene.
+    pub fn decisions(&self) -> impl Iterator<Item = &[Decision]> {
+        self.objects.iter().map(|object| object.decisions.as_slice())
+    }
+
+    /// The same with another plan for one object, to see what an effect changes and what it costs. Blocks without a map
+    /// get neutral inputs.
+    pub fn with_plan(mut self, object: usize, plan: ObjectPlan) -> Self {
+        if let Some(object) = self.objects.get_mut(object) {
+            object.plan = plan;
+            object.colour_map.take_if(|_| !plan.colour_map);
+            object.bump_map.take_if(|_| !plan.bump_map());
+            object.lighting = object.lighting.take().and_then(|lighting| lighting.with_plan(&plan));
+        }
+        self
+    }
+
+    /// The maps of an object and the environment it reflects, by effect, in bytes of their storage.
+    pub fn map_bytes(&self, object: usize) -> Vec<(Effect, u64)> {
+        let Some(object) = self.objects.get(object) else { return Vec::new() };
+        let environment = self.environment.as_ref().filter(|_| object.plan.reflection.is_some());
+        let [peaks, horizons] =
+            object.lighting.as_ref().map_or([0; 2], Lighting::bytes).map(|bytes| (bytes > 0).then_some(bytes));
+        let is_rough = object.plan.roughness() != RoughnessKind::None;
+        let [offsets, roughness] = [0, 1].map(|part| object.bump_map.as_ref().map(|map| map.bytes()[part]));
+        [
+            (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
+            (Effect::Bump, offsets),
+            (Effect::Roughness, roughness.filter(|&bytes| bytes > 0 && is_rough)),
+            (Effect::Environment, environment.map(EnvironmentMap::bytes)),
+            (Effect::Peaks, peaks),
+            (Effect::Horizon, horizons),
+        ]
+        .into_iter()
+        .filter_map(|(effect, bytes)| Some((effect, bytes?)))
+        .collect()
+    }
+}

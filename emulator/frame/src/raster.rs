@@ -1,0 +1,115 @@
+//! From triangles to fragments: camera, clipping, setup and the integer rasteriser.
+//!
+//! The host turns every triangle into fixed-point plane equations with exactly rounded float64 operations only
+//! (+, −, ×, ÷, √; the field of view goes through `libm`), and everything per sample is integer: the same
+//! bits on every machine and for every order of tiles. Drawing is deferred: [`TriangleList::rasterise_tile`] finds the
+//! visible triangle of each sample, [`Triangle::fragment`] its attributes, as ports of the datapath.
+//!
+//! Screen: x right, y down, in pixels or in sub-pixels of 1/256 px; the centre of pixel (i, j) is the sub-pixel
+//! position (256 i + 128, 256 j + 128). Edges follow the top-left rule. Back faces are drawn, because mirrors may be open
+//! surfaces, and the normal is taken as the mesh gives it. Nearer than [`Projection::near`] nothing is drawn.
+//! v and the unnormalised n are linear in screen space, as W97 allows (section "The calculation of the three
+//! contributions"), so their derivatives are constant over a triangle; the sign of ∂v is that of erratum 11.
+
+mod attributes;
+mod camera;
+mod clip;
+mod edges;
+mod fixed_block;
+mod setup;
+#[cfg(test)]
+mod tests;
+
+use thiserror::Error;
+
+pub use attributes::{FragmentAttributes, PointFromTriangle, Triangle};
+pub use camera::Projection;
+pub use edges::TileBuffer;
+pub use setup::TriangleList;
+
+/// Bits of the sub-pixel grid: one pixel is 2^8 steps.
+pub const SUBPIXEL_BITS: u32 = 8;
+/// Sub-pixel steps in one pixel.
+pub const SUBPIXELS: i32 = 1 << SUBPIXEL_BITS;
+/// Sample offset of the pixel centre, in sub-pixels.
+pub const PIXEL_CENTRE_SUBPX: [i32; 2] = [SUBPIXELS / 2; 2];
+/// Edge of the tiles of [`tiles`] in pixels.
+pub const TILE_EDGE_PX: u32 = 64;
+/// Largest edge of a frame in pixels.
+pub const MAX_EDGE_PX: u32 = 16_384;
+/// Most triangles of a frame: six pieces of each can still be numbered in 32 bits.
+pub const MAX_TRIANGLES: u32 = 1 << 29;
+
+/// Why a frame cannot be set up.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RasterError {
+    /// The frame has no pixels or is too large.
+    #[error("camera: a frame of {width}×{height} pixels; give a width and a height of 1 to {MAX_EDGE_PX}")]
+    FrameSize {
+        /// Width asked for, pixels.
+        width: u32,
+        /// Height asked for, pixels.
+        height: u32,
+    },
+    /// The angle of view is not an angle a picture plane can show.
+    #[error("camera: an angle of view of {fov_y_degrees}°; give more than 0 and less than 180")]
+    FieldOfView {
+        /// Angle asked for, degrees.
+        fov_y_degrees: f64,
+    },
+    /// Eye, target and up do not span a view.
+    #[error(
+        "camera: {problem}; eye and target must be finite and distinct, and up must not lie along the line of sight"
+    )]
+    Orientation {
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// More triangles than can be numbered.
+    #[error("{count} triangles in the scene; at most {MAX_TRIANGLES} can be drawn")]
+    TooManyTriangles {
+        /// Triangles found.
+        count: u64,
+    },
+    /// The bump map of an object has no peaks.
+    #[error(transparent)]
+    Peaks(#[from] roughxel_maps::peak_pyramid::ObjectPeakError),
+    /// A triangle names a vertex its mesh does not have.
+    #[error("object {object:?}: triangle {triangle} names vertex {vertex}, but the mesh has {vertices}")]
+    VertexIndex {
+        /// Name of the object.
+        object: String,
+        /// Index of the triangle in its mesh.
+        triangle: usize,
+        /// Vertex index found there.
+        vertex: u32,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+}
+
+/// A rectangle of pixels of the frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TileRect {
+    /// Left column, pixels.
+    pub x: u32,
+    /// Top row, pixels.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// The tiles of a frame of `width` × `height` pixels, left to right and top to bottom; the last ones may be smaller.
+pub fn tiles(width: u32, height: u32) -> impl Iterator<Item = TileRect> {
+    let starts = |edge: u32| (0..edge).step_by(TILE_EDGE_PX as usize);
+    starts(height).flat_map(move |y| {
+        starts(width).map(move |x| TileRect {
+            x,
+            y,
+            width: TILE_EDGE_PX.min(width - x),
+            height: TILE_EDGE_PX.min(height - y),
+        })
+    })
+}

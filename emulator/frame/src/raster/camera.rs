@@ -1,0 +1,133 @@
+//! The pinhole camera: frame constants, homogeneous screen coordinates, and the view vector of any sample.
+//!
+//! The ray through the screen point (x, y) in pixels is x′·right + y′·down + z₀·forward with x′ = x − width/2,
+//! y′ = y − height/2, z₀ the focal length in pixels. v = −ray points from the surface to the eye (W97 eq. 7), so
+//! ∂v/∂x = −right and ∂v/∂y = −down per pixel: the minus that W97 lacks after eq. 7 (erratum 11).
+
+use glam::{DVec2, DVec3};
+use roughxel_core::ports::BlockVector;
+
+use super::fixed_block::{LinearForm, block_from_reals, block_vector, scaled_forms};
+use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
+use roughxel_scene::Camera;
+
+/// Camera of one frame, ready for the rasteriser.
+#[derive(Clone, Debug)]
+pub struct Projection {
+    width: u32,
+    height: u32,
+    near: f64,
+    focal_px: f64,
+    eye: DVec3,
+    right: DVec3,
+    down: DVec3,
+    forward: DVec3,
+    view: [LinearForm; 3],
+    view_exponent: i32,
+    dview: [BlockVector; 2],
+}
+
+impl Projection {
+    /// Distance of the near plane as a share of the distance from eye to target.
+    pub const NEAR_SHARE: f64 = 1.0 / 4096.0;
+
+    /// Frame constants of a camera.
+    ///
+    /// Errors: a frame of no or too many pixels, an angle of view outside (0°, 180°), numbers that are not finite, eye and
+    /// target in one place, up along the line of sight.
+    pub fn new(camera: &Camera) -> Result<Self, RasterError> {
+        let (width, height) = (camera.width, camera.height);
+        if !(1..=MAX_EDGE_PX).contains(&width) || !(1..=MAX_EDGE_PX).contains(&height) {
+            return Err(RasterError::FrameSize { width, height });
+        }
+        let fov_y_degrees = camera.fov_y_degrees;
+        let half_angle = DVec2::from_angle(fov_y_degrees * (core::f64::consts::PI / 360.0));
+        let focal_px = 0.5 * f64::from(height) * half_angle.x / half_angle.y;
+        // The upper bound keeps z₀ within the range where one pixel still changes the mantissas of v.
+        if !(fov_y_degrees > 0.0 && fov_y_degrees < 180.0 && focal_px > 0.0 && focal_px < 1e9) {
+            return Err(RasterError::FieldOfView { fov_y_degrees });
+        }
+        let (forward, distance) = unit(camera.target - camera.eye)
+            .ok_or(RasterError::Orientation { problem: "eye and target are the same point or not finite" })?;
+        let along_sight = RasterError::Orientation { problem: "up is zero, not finite or along the line of sight" };
+        let (up_hint, _) = unit(camera.up).ok_or(along_sight.clone())?;
+        let (right, sine) = unit(forward.cross(up_hint)).ok_or(along_sight.clone())?;
+        if sine < 1e-9 {
+            return Err(along_sight);
+        }
+        let down = forward.cross(right);
+
+        // v(x, y) in pixels over sub-pixel positions.
+        let corner = 0.5 * (f64::from(width) * right + f64::from(height) * down) - focal_px * forward;
+        let per_subpixel = 1.0 / f64::from(SUBPIXELS);
+        let planes = [0, 1, 2].map(|i| [corner[i], -right[i] * per_subpixel, -down[i] * per_subpixel]);
+        let extent = [width, height].map(|edge| f64::from(edge) * f64::from(SUBPIXELS));
+        let (view, view_exponent) =
+            scaled_forms(planes, extent).ok_or(RasterError::Orientation { problem: "the view is not finite" })?;
+        Ok(Self {
+            width,
+            height,
+            near: distance * Self::NEAR_SHARE,
+            focal_px,
+            eye: camera.eye,
+            right,
+            down,
+            forward,
+            view,
+            view_exponent,
+            dview: [-right, -down].map(|v| block_from_reals(v.to_array())),
+        })
+    }
+
+    /// Width of the frame in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height of the frame in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Distance of the near plane from the eye along the line of sight, in world units: 1/4096 of the distance from
+    /// eye to target.
+    pub fn near(&self) -> f64 {
+        self.near
+    }
+
+    /// View vector v = −ray of a sample, in pixels of the picture plane, so |v| ≥ z₀; world space.
+    ///
+    /// Position in sub-pixels of 1/256 px, taken to the nearest one inside the frame. The direction of the line of sight,
+    /// as the background needs it, is −v. Rounding: to nearest, after an error below 2⁻⁵⁸ of the largest |v|.
+    pub fn ray_view(&self, x_subpx: i32, y_subpx: i32) -> BlockVector {
+        let x = x_subpx.clamp(0, self.width as i32 * SUBPIXELS);
+        let y = y_subpx.clamp(0, self.height as i32 * SUBPIXELS);
+        block_vector(self.view.map(|form| i128::from(form.at(x, y))), self.view_exponent)
+    }
+
+    /// ∂v/∂x and ∂v/∂y per pixel (y down), in the units of [`Projection::ray_view`]: two orthogonal unit vectors.
+    pub fn dview(&self) -> [BlockVector; 2] {
+        self.dview
+    }
+
+    /// Homogeneous screen coordinates (x·w, y·w, w) of a world position: x and y in pixels, w the distance along
+    /// the line of sight in world units, negative behind the eye.
+    pub(super) fn homogeneous(&self, position: DVec3) -> DVec3 {
+        let offset = position - self.eye;
+        let w = offset.dot(self.forward);
+        DVec3::new(
+            self.focal_px * offset.dot(self.right) + 0.5 * f64::from(self.width) * w,
+            self.focal_px * offset.dot(self.down) + 0.5 * f64::from(self.height) * w,
+            w,
+        )
+    }
+}
+
+/// Unit vector and length; `None` for a vector of no length or one that is not finite.
+pub(super) fn unit(vector: DVec3) -> Option<(DVec3, f64)> {
+    // Scaled by the largest component first: neither tiny nor huge vectors leave the range of float64.
+    let largest = vector.abs().max_element();
+    let scaled = vector / largest;
+    let length = scaled.length();
+    (largest > 0.0 && vector.is_finite() && length.is_finite()).then(|| (scaled / length, length * largest))
+}

@@ -1,0 +1,682 @@
+//! The rasteriser against ray–plane intersection in float64, and its hard cases.
+
+use glam::{DVec2, DVec3};
+use roughxel_core::ports::{BlockPair, BlockVector};
+
+use super::*;
+use roughxel_scene::random::SplitMix64;
+use roughxel_scene::{Camera, FrameSystem, Material, Mesh, Object, Vertex};
+
+/// Seeded random numbers and vectors.
+struct Random(SplitMix64);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self(SplitMix64::new(seed))
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0.next_u64()
+    }
+
+    /// Uniform in [low, high).
+    fn real(&mut self, low: f64, high: f64) -> f64 {
+        self.0.uniform(low, high)
+    }
+
+    fn vector(&mut self, reach: f64) -> DVec3 {
+        DVec3::new(self.real(-reach, reach), self.real(-reach, reach), self.real(-reach, reach))
+    }
+}
+
+fn camera(width: u32, height: u32) -> Camera {
+    Camera {
+        eye: DVec3::new(0.3, 0.2, 5.0),
+        target: DVec3::new(0.1, -0.1, 0.0),
+        up: DVec3::Y,
+        fov_y_degrees: 40.0,
+        width,
+        height,
+    }
+}
+
+/// Looks along −z from the origin; at w = height/2 a world unit is a pixel.
+fn plain_camera(width: u32, height: u32) -> Camera {
+    Camera { eye: DVec3::ZERO, target: DVec3::new(0.0, 0.0, -1.0), up: DVec3::Y, fov_y_degrees: 90.0, width, height }
+}
+
+fn vertex(position: DVec3, normal: DVec3, uv: DVec2) -> Vertex {
+    Vertex { position, normal, uv, tangents: [DVec3::new(0.5, uv.x, 1.0), DVec3::new(uv.y, -2.0, 0.25)] }
+}
+
+fn object(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Object {
+    Object {
+        name: "test".into(),
+        mesh: Mesh { vertices, triangles },
+        material: Material {
+            colour: [1.0; 3],
+            colour_map: None,
+            bump: None,
+            roughness: None,
+            frame: FrameSystem::MainDirection,
+            main_direction: DVec3::Y,
+            reflectance: [0.0; 3],
+            highlight: None,
+            peaks: None,
+        },
+    }
+}
+
+fn one_triangle(corners: [Vertex; 3]) -> Vec<Object> {
+    vec![object(corners.to_vec(), vec![[0, 1, 2]])]
+}
+
+fn vector_value(v: BlockVector) -> DVec3 {
+    let [x, y, z] = v.mantissa.map(|m| f64::from(m.to_bits()));
+    DVec3::new(x, y, z) * 2f64.powi(i32::from(v.exponent) - 30)
+}
+
+fn pair_value(v: BlockPair) -> DVec2 {
+    let [x, y] = v.mantissa.map(|m| f64::from(m.to_bits()));
+    DVec2::new(x, y) * 2f64.powi(i32::from(v.exponent) - 30)
+}
+
+/// Ray of a screen position in pixels, of unit extent along the line of sight times z₀.
+fn ray(camera: &Camera, x: f64, y: f64) -> DVec3 {
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let up = right.cross(forward);
+    let focal = f64::from(camera.height) / 2.0 / (camera.fov_y_degrees.to_radians() / 2.0).tan();
+    (x - f64::from(camera.width) / 2.0) * right - (y - f64::from(camera.height) / 2.0) * up + focal * forward
+}
+
+/// Barycentric coordinates and w where the ray of (x, y) meets the plane of a triangle.
+fn intersect(camera: &Camera, corners: &[Vertex; 3], x: f64, y: f64) -> ([f64; 3], f64) {
+    let [a, b, c] = corners.map(|v| v.position - camera.eye);
+    let direction = ray(camera, x, y);
+    let (ab, ac) = (b - a, c - a);
+    let determinant = ab.dot(direction.cross(ac));
+    let beta = -a.dot(direction.cross(ac)) / determinant;
+    let gamma = direction.dot((-a).cross(ab)) / determinant;
+    let hit = a + beta * ab + gamma * ac;
+    let w = hit.dot((camera.target - camera.eye).normalize());
+    ([1.0 - beta - gamma, beta, gamma], w)
+}
+
+fn blend<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(share: [f64; 3], values: [T; 3]) -> T {
+    values[0] * share[0] + values[1] * share[1] + values[2] * share[2]
+}
+
+fn uv_at(camera: &Camera, corners: &[Vertex; 3], x: f64, y: f64) -> DVec2 {
+    blend(intersect(camera, corners, x, y).0, corners.map(|v| v.uv))
+}
+
+/// Central difference with one step of Richardson's extrapolation: error of order h⁴.
+fn derivative(f: impl Fn(f64) -> DVec2, h: f64) -> DVec2 {
+    let central = |h: f64| (f(h) - f(-h)) / (2.0 * h);
+    (central(h / 2.0) * 4.0 - central(h)) / 3.0
+}
+
+/// Distance of two coordinates modulo 1.
+fn wrapped_distance(a: f64, b: f64) -> f64 {
+    let d = (a - b).rem_euclid(1.0);
+    d.min(1.0 - d)
+}
+
+/// Every covered sample of the whole frame, as (x, y, triangle).
+fn visible(list: &TriangleList<'_>, projection: &Projection, offset: [i32; 2]) -> Vec<(i32, i32, u32)> {
+    let mut buffer = TileBuffer::new();
+    let mut samples = Vec::new();
+    for tile in tiles(projection.width(), projection.height()) {
+        list.rasterise_tile(tile, offset, &mut buffer);
+        for y in tile.y..tile.y + tile.height {
+            for x in tile.x..tile.x + tile.width {
+                if let Some(triangle) = buffer.triangle_at(x, y) {
+                    samples.push((x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1], triangle));
+                }
+            }
+        }
+    }
+    samples
+}
+
+fn pixels(subpixels: i32) -> f64 {
+    f64::from(subpixels) / f64::from(SUBPIXELS)
+}
+
+/// Checks every attribute of every visible sample of one triangle; returns how many samples there were.
+fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
+    let projection = Projection::new(camera).expect("a camera");
+    let objects = one_triangle(corners);
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let samples = visible(&list, &projection, [77, 201]);
+    let Some(triangle) = list.triangle(0, true) else {
+        assert!(samples.is_empty());
+        return 0;
+    };
+    // One scale of n for the whole triangle: from the first sample that has one.
+    let mut scale = None;
+    let longest_tangent = corners.iter().flat_map(|v| v.tangents).map(DVec3::length).fold(0.0, f64::max);
+    for &(xs, ys, _) in &samples {
+        let (x, y) = (pixels(xs), pixels(ys));
+        let fragment = triangle.fragment(xs, ys);
+        let (share, w) = intersect(camera, &corners, x, y);
+
+        let normal = blend(share, corners.map(|v| v.normal.normalize())) / w;
+        let n = vector_value(fragment.normal);
+        let s = *scale.get_or_insert(n.dot(normal) / normal.length_squared());
+        let reach = corners.map(|v| v.normal.normalize().length()).iter().sum::<f64>() / 3.0 / w;
+        // Rounding of three words of 2^-31, and of the sample that gave the scale; measured 2^-29.1.
+        assert!((n / s - normal).length() <= reach * 2f64.powi(-28), "n at {x}, {y}: {} {normal}", n / s);
+
+        let v = vector_value(fragment.view);
+        let expected = -ray(camera, x, y);
+        // Rounding of three words of 2^-31 relative to at least half of |v|.
+        assert!((v - expected).length() <= expected.length() * 2f64.powi(-29), "v at {x}, {y}");
+
+        let uv = uv_at(camera, &corners, x, y);
+        for (port, reference) in fragment.uv.iter().zip(uv.to_array()) {
+            let error = wrapped_distance(port.to_num::<f64>(), reference);
+            // The port's rounding is 2^-33 and float64 adds nothing visible; 1/256 texel of a 1024² map would be 2^-18.
+            assert!(error <= 2f64.powi(-32), "uv at {x}, {y}: {port} {reference} off by {error:e}");
+        }
+
+        let steepest = [
+            derivative(|h| uv_at(camera, &corners, x + h, y), 1.0 / 1024.0),
+            derivative(|h| uv_at(camera, &corners, x, y + h), 1.0 / 1024.0),
+        ];
+        let reach = steepest[0].length().max(steepest[1].length());
+        for (port, expected) in fragment.duv.iter().zip(steepest) {
+            let error = (pair_value(*port) - expected).length();
+            // Measured 2^-24 where the difference quotient of the reference is worst; the bar of the design is 2^-16.
+            assert!(error <= reach * 2f64.powi(-22), "duv at {x}, {y}: {:?} {expected}", pair_value(*port));
+        }
+
+        for (axis, tangent) in fragment.tangents.iter().enumerate() {
+            let expected = blend(share, corners.map(|v| v.tangents[axis]));
+            let error = (vector_value(*tangent) - expected).length();
+            // Rounding as for n; measured 2^-30.1.
+            assert!(error <= longest_tangent * 2f64.powi(-28), "tangent at {x}, {y}");
+        }
+    }
+    samples.len()
+}
+
+#[test]
+fn attributes_agree_with_ray_plane_intersection() {
+    let mut random = Random::new(1);
+    let camera = camera(96, 64);
+    let mut samples = 0;
+    for _ in 0..300 {
+        let corners = [0; 3].map(|_| {
+            let uv = DVec2::new(random.real(-3.0, 3.0), random.real(-3.0, 3.0));
+            vertex(random.vector(1.5), random.vector(1.0) * 7.0, uv)
+        });
+        let [a, b, c] = corners.map(|v| v.position);
+        // Edge-on triangles have their own test: here the reference itself must be well conditioned.
+        let facing = (b - a).cross(c - a).dot(a - camera.eye).abs();
+        if facing > 0.3 {
+            samples += check_against_rays(&camera, corners);
+        }
+    }
+    assert!(samples > 20_000, "{samples}");
+}
+
+/// Ground at y = −1 under a level camera, from behind the eye to w = `far`.
+fn ground(far: f64, repeats: f64) -> [Vertex; 3] {
+    [
+        vertex(DVec3::new(-3.0 * far, -1.0, 2.0), DVec3::Y, DVec2::new(0.0, 0.0)),
+        vertex(DVec3::new(3.0 * far, -1.0, 2.0), DVec3::Y, DVec2::new(repeats, 0.0)),
+        vertex(DVec3::new(0.0, -1.0, -far), DVec3::Y, DVec2::new(0.5 * repeats, repeats)),
+    ]
+}
+
+#[test]
+fn ground_plane_to_the_horizon_keeps_a_256th_of_a_texel() {
+    // 64 repeats of a 1024² map, w from about 1 to 1000.
+    let samples = check_against_rays(&plain_camera(640, 360), ground(1000.0, 64.0));
+    assert!(samples > 100_000, "{samples}");
+}
+
+#[test]
+fn ground_plane_with_turning_normals_keeps_28_bits() {
+    let mut corners = ground(300.0, 8.0);
+    corners[0].normal = DVec3::new(-0.5, 1.0, 0.2);
+    corners[2].normal = DVec3::new(0.0, 1.0, -3.0);
+    assert!(check_against_rays(&plain_camera(320, 200), corners) > 20_000);
+}
+
+#[test]
+fn normal_derivative_is_the_difference_of_normals() {
+    let camera = camera(128, 128);
+    let projection = Projection::new(&camera).expect("a camera");
+    let objects = one_triangle([
+        vertex(DVec3::new(-2.0, -1.5, 0.5), DVec3::new(-1.0, 0.0, 0.2), DVec2::ZERO),
+        vertex(DVec3::new(2.0, -1.5, -1.0), DVec3::new(1.0, 0.1, 0.3), DVec2::X),
+        vertex(DVec3::new(0.0, 1.8, 0.0), DVec3::new(0.2, 1.0, 0.1), DVec2::Y),
+    ]);
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let triangle = list.triangle(0, false).expect("visible");
+    let at = |x: i32, y: i32| triangle.fragment(x * SUBPIXELS, y * SUBPIXELS);
+    for y in (50..90).step_by(7) {
+        for x in (50..80).step_by(5) {
+            let here = at(x, y);
+            let n = vector_value(here.normal);
+            for (axis, (right, below)) in [(1, 0), (0, 1)].into_iter().enumerate() {
+                let difference = vector_value(at(x + right, y + below).normal) - n;
+                let error = (difference - vector_value(here.dnormal[axis])).length();
+                // Three ports are rounded: two normals and the derivative.
+                assert!(error <= 3.0 * n.length().max(0.1) * 2f64.powi(-30), "{error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn view_derivatives_carry_the_minus_of_erratum_11() {
+    let projection = Projection::new(&plain_camera(640, 480)).expect("a camera");
+    let v = |x: i32, y: i32| vector_value(projection.ray_view(x, y));
+    // Seen along −z with y up: one pixel to the right turns the ray toward +x, so v toward −x; down: v toward +y.
+    let [dx, dy] = projection.dview().map(vector_value);
+    assert_eq!((dx, dy), (DVec3::NEG_X, DVec3::Y));
+    let centre = v(320 * SUBPIXELS, 240 * SUBPIXELS);
+    assert_eq!(v(321 * SUBPIXELS, 240 * SUBPIXELS) - centre, dx);
+    assert_eq!(v(320 * SUBPIXELS, 241 * SUBPIXELS) - centre, dy);
+    // tan 45° from libm is exact to one unit in the last place of float64, far below the port's 2^-30.
+    assert_eq!(centre, DVec3::new(0.0, 0.0, 240.0));
+}
+
+#[test]
+fn directions_to_a_point_start_where_the_ray_meets_the_triangle() {
+    let camera = plain_camera(128, 96);
+    let projection = Projection::new(&camera).expect("a camera");
+    let corners = [DVec3::new(-3.0, -1.0, -2.0), DVec3::new(4.0, -1.5, -9.0), DVec3::new(0.5, 2.5, -4.0)];
+    let objects = one_triangle(corners.map(|corner| vertex(corner, DVec3::Z, DVec2::ZERO)));
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let triangle = list.triangle(0, false).expect("visible");
+    let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    let (mut seen, mut worst) = (0, 0.0_f64);
+    for light in [DVec3::new(1.0, 3.0, 2.0), DVec3::new(0.0, 0.0, -3.0), DVec3::new(-500.0, 40.0, 1000.0)] {
+        let point = triangle.point(light);
+        for (x, y, _) in visible(&list, &projection, PIXEL_CENTRE_SUBPX) {
+            let ray = -vector_value(triangle.fragment(x, y).view);
+            let hit = camera.eye + ray * (plane.dot(corners[0] - camera.eye) / plane.dot(ray));
+            let (truth, found) =
+                ((light - hit).normalize(), vector_value(triangle.direction_to(&point, x, y)).normalize());
+            worst = worst.max((truth - found).length());
+            seen += 1;
+        }
+    }
+    assert!(seen > 1000, "{seen}");
+    // Two ports are rounded to 2^-30 of their largest component: the ray and the direction.
+    assert!(worst < 2f64.powi(-26), "{worst:e}");
+}
+
+#[test]
+fn texture_coordinates_far_from_zero_lose_nothing() {
+    let camera = camera(64, 48);
+    let corners = [DVec2::new(0.0, 0.0), DVec2::new(1.0, 0.0), DVec2::new(0.0, 1.0)]
+        .map(|uv| vertex(DVec3::new(uv.x * 2.0 - 1.0, uv.y * 2.0 - 1.0, 0.0), DVec3::Z, uv * 0.75));
+    let shifted = corners.map(|mut v| {
+        v.uv += DVec2::new(4096.0, -1024.0);
+        v
+    });
+    let projection = Projection::new(&camera).expect("a camera");
+    let (near_zero, far) = (one_triangle(corners), one_triangle(shifted));
+    let near_zero = TriangleList::new(&projection, &near_zero).expect("a list");
+    let far = TriangleList::new(&projection, &far).expect("a list");
+    let (a, b) = (near_zero.triangle(0, false).expect("seen"), far.triangle(0, false).expect("seen"));
+    for (x, y, _) in visible(&near_zero, &projection, PIXEL_CENTRE_SUBPX) {
+        assert_eq!(a.fragment(x, y).uv, b.fragment(x, y).uv);
+        assert_eq!(a.fragment(x, y).duv, b.fragment(x, y).duv);
+    }
+}
+
+#[test]
+fn normals_pass_through_zero_between_opposite_corners() {
+    let camera = plain_camera(129, 129);
+    let projection = Projection::new(&camera).expect("a camera");
+    // Parallel to the picture plane, so 1/w is constant and n vanishes on the middle column.
+    let corner = |x: f64, y: f64, normal: DVec3| vertex(DVec3::new(x, y, -1.0), normal, DVec2::ZERO);
+    let objects = vec![object(
+        vec![
+            corner(-0.5, -0.5, DVec3::NEG_X),
+            corner(0.5, -0.5, DVec3::X),
+            corner(0.5, 0.5, DVec3::X),
+            corner(-0.5, 0.5, DVec3::NEG_X),
+        ],
+        vec![[0, 1, 2], [0, 2, 3]],
+    )];
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let middle = 64 * SUBPIXELS + SUBPIXELS / 2;
+    for (x, y, number) in visible(&list, &projection, PIXEL_CENTRE_SUBPX) {
+        let triangle = list.triangle(number, false).expect("visible");
+        let fragment = triangle.fragment(x, y);
+        let (n, dn) = (vector_value(fragment.normal), vector_value(fragment.dnormal[0]));
+        // n grows by dn per pixel away from the middle, to the last bits on the way through zero.
+        let distance = pixels(x - middle);
+        // dn is rounded at 2^-31 and taken up to 32 pixels away.
+        assert!((n - dn * distance).length() <= dn.length() * 2f64.powi(-22), "{n} {dn} {distance}");
+        assert!(dn.x > 0.0);
+    }
+}
+
+#[test]
+fn clipping_changes_no_attribute() {
+    // One affine map of u and v on a small triangle and on one that leaves the guard band and goes behind the eye.
+    let uv_of = |p: DVec3| DVec2::new(0.25 * p.x, 0.125 * p.z);
+    let build = |corners: [DVec3; 3]| one_triangle(corners.map(|p| vertex(p, DVec3::new(0.1, 1.0, -0.2), uv_of(p))));
+    let inside = build([DVec3::new(-2.0, -1.0, -3.0), DVec3::new(2.0, -1.0, -3.0), DVec3::new(0.0, -1.0, -6.0)]);
+    let beyond =
+        build([DVec3::new(-900.0, -1.0, 300.0), DVec3::new(900.0, -1.0, 300.0), DVec3::new(0.0, -1.0, -500.0)]);
+    let projection = Projection::new(&plain_camera(200, 200)).expect("a camera");
+    let inside = TriangleList::new(&projection, &inside).expect("a list");
+    let beyond = TriangleList::new(&projection, &beyond).expect("a list");
+    let (a, b) = (inside.triangle(0, false).expect("seen"), beyond.triangle(0, false).expect("seen"));
+    let samples = visible(&inside, &projection, PIXEL_CENTRE_SUBPX);
+    assert!(samples.len() > 300);
+    for (x, y, _) in samples {
+        let (small, large) = (a.fragment(x, y), b.fragment(x, y));
+        assert_eq!(small.view, large.view);
+        let [n, m] = [small, large].map(|f| vector_value(f.normal).normalize());
+        // Rounding of two ports of 2^-31 per component.
+        assert!((n - m).length() <= 2f64.powi(-28), "{n} {m}");
+        for i in 0..2 {
+            let (u_small, u_large) = (small.uv[i].to_num::<f64>(), large.uv[i].to_num::<f64>());
+            // Both are rounded at 2^-33; the large triangle spans 450 repeats of 52-bit codes.
+            assert!(wrapped_distance(u_small, u_large) <= 2f64.powi(-30));
+            let error = (pair_value(small.duv[i]) - pair_value(large.duv[i])).length();
+            // Rounding as for n.
+            assert!(error <= pair_value(small.duv[i]).length() * 2f64.powi(-28));
+        }
+    }
+}
+
+#[test]
+fn depth_agrees_with_distance_and_the_nearer_triangle_wins() {
+    let camera = camera(160, 120);
+    let projection = Projection::new(&camera).expect("a camera");
+    let mut random = Random::new(5);
+    let corners: Vec<Vertex> = (0..90).map(|_| vertex(random.vector(1.5), DVec3::Z, DVec2::ZERO)).collect();
+    let triangles: Vec<[u32; 3]> = (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let objects = vec![object(corners.clone(), triangles.clone())];
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let mut buffer = TileBuffer::new();
+    let whole = TileRect { x: 0, y: 0, width: 160, height: 120 };
+    list.rasterise_tile(whole, PIXEL_CENTRE_SUBPX, &mut buffer);
+    let mut covered = 0;
+    for y in 0..120 {
+        for x in 0..160 {
+            let mut nearest = f64::INFINITY;
+            let mut near_an_edge = false;
+            for t in &triangles {
+                let t = t.map(|i| corners[i as usize]);
+                let (share, w) = intersect(&camera, &t, f64::from(x) + 0.5, f64::from(y) + 0.5);
+                // Half a sub-pixel in barycentric terms is below 0.05 for all but slivers of this set.
+                near_an_edge |= share.iter().fold(1.0_f64, |m, s| m.min(*s)).abs() < 0.05;
+                if share.iter().all(|&s| s >= 0.0) {
+                    nearest = nearest.min(w);
+                }
+            }
+            if near_an_edge {
+                continue;
+            }
+            let depth = buffer.depth_at(x, y);
+            assert_eq!(depth.is_some(), nearest.is_finite(), "{x} {y}");
+            if let Some(depth) = depth {
+                covered += 1;
+                let expected = projection.near() / nearest * 2f64.powi(56);
+                // Coefficients are rounded to one step per sub-pixel: 160·256 steps at most, of 2^44 here.
+                assert!((depth as f64 - expected).abs() <= 2f64.powi(17), "{depth} {expected}");
+            }
+        }
+    }
+    assert!(covered > 500, "{covered}");
+}
+
+#[test]
+fn among_equal_depths_the_lower_triangle_wins_in_any_order_of_tiles() {
+    let projection = Projection::new(&camera(130, 70)).expect("a camera");
+    let quad = |offset: u32| [[offset, offset + 1, offset + 2], [offset, offset + 2, offset + 3]];
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)]
+        .map(|(x, y)| vertex(DVec3::new(x, y, 0.0), DVec3::Z, DVec2::ZERO));
+    let vertices: Vec<Vertex> = corners.iter().chain(&corners).copied().collect();
+    let objects = vec![object(vertices, [quad(4), quad(0)].concat())];
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let samples = visible(&list, &projection, PIXEL_CENTRE_SUBPX);
+    assert_eq!(samples.len(), 130 * 70);
+    assert!(samples.iter().all(|&(_, _, triangle)| triangle < 2));
+    // One large rectangle instead of tiles: the same samples.
+    let mut buffer = TileBuffer::new();
+    list.rasterise_tile(TileRect { x: 0, y: 0, width: 999, height: 999 }, PIXEL_CENTRE_SUBPX, &mut buffer);
+    assert_eq!(buffer.triangles().count(), 130 * 70);
+    for (x, y, triangle) in samples {
+        let pixel = |s: i32| (s >> SUBPIXEL_BITS) as u32;
+        assert_eq!(buffer.triangle_at(pixel(x), pixel(y)), Some(triangle));
+    }
+}
+
+/// How often each sample of a frame is covered by the triangles drawn one at a time.
+fn coverage(projection: &Projection, vertices: &[Vertex], triangles: &[[u32; 3]], offset: [i32; 2]) -> Vec<u32> {
+    let mut count = vec![0; (projection.width() * projection.height()) as usize];
+    for &triangle in triangles {
+        let objects = vec![object(vertices.to_vec(), vec![triangle])];
+        let list = TriangleList::new(projection, &objects).expect("a list");
+        for (x, y, _) in visible(&list, projection, offset) {
+            count[((y >> SUBPIXEL_BITS) as u32 * projection.width() + (x >> SUBPIXEL_BITS) as u32) as usize] += 1;
+        }
+    }
+    count
+}
+
+#[test]
+fn fans_and_strips_cover_every_sample_exactly_once() {
+    let mut random = Random::new(11);
+    let projection = Projection::new(&plain_camera(48, 48)).expect("a camera");
+    // At z = −24 a world unit is a pixel. Half of the corners lie exactly on pixel centres or sub-pixels.
+    let mut corner = |x: f64, y: f64| {
+        let (x, y) = match random.next() % 4 {
+            0 => (x.floor() + 0.5, y.floor() + 0.5),
+            1 => ((x * 256.0).round() / 256.0, (y * 256.0).round() / 256.0),
+            _ => (x, y),
+        };
+        let depth = random.real(0.5, 3.0);
+        vertex(DVec3::new(x, y, -24.0) * depth, DVec3::Z, DVec2::ZERO)
+    };
+    let mut choice = Random::new(12);
+    for _ in 0..40 {
+        // Fan: a ring far outside the frame around a point inside it.
+        let centre = (choice.real(-20.0, 20.0), choice.real(-20.0, 20.0));
+        let spokes = 3 + choice.next() % 9;
+        let mut fan = vec![corner(centre.0, centre.1)];
+        for i in 0..spokes {
+            let angle = std::f64::consts::TAU * (i as f64 + choice.real(0.0, 0.4)) / spokes as f64;
+            fan.push(corner(400.0 * angle.cos(), 400.0 * angle.sin()));
+        }
+        let spokes = spokes as u32;
+        let triangles: Vec<[u32; 3]> = (0..spokes).map(|i| [0, 1 + i, 1 + (i + 1) % spokes]).collect();
+        for offset in [PIXEL_CENTRE_SUBPX, [0, 0], [255, 13]] {
+            let count = coverage(&projection, &fan, &triangles, offset);
+            assert!(count.iter().all(|&n| n == 1), "fan {count:?}");
+        }
+        // Strip: rows of jittered corners, wider than the frame.
+        let columns = 7;
+        let mut strip = Vec::new();
+        for row in 0..columns {
+            for column in 0..columns {
+                let border = |i: u32| i == 0 || i == columns - 1;
+                let at = |i: u32, jitter: f64| (f64::from(i) - 3.0) * 10.0 + if border(i) { 0.0 } else { jitter };
+                strip.push(corner(at(column, choice.real(-3.0, 3.0)), at(row, choice.real(-3.0, 3.0))));
+            }
+        }
+        let mut triangles = Vec::new();
+        for row in 0..columns - 1 {
+            for column in 0..columns - 1 {
+                let a = row * columns + column;
+                triangles.push([a, a + 1, a + columns]);
+                triangles.push([a + columns + 1, a + columns, a + 1]);
+            }
+        }
+        let count = coverage(&projection, &strip, &triangles, PIXEL_CENTRE_SUBPX);
+        assert!(count.iter().all(|&n| n == 1), "strip {count:?}");
+    }
+}
+
+#[test]
+fn a_clipped_room_around_the_eye_has_no_holes() {
+    let mut random = Random::new(21);
+    for _ in 0..60 {
+        // A distorted cube around the eye: always some triangles cross the near plane or the guard band.
+        let scale = 10f64.powf(random.real(-2.5, 4.0));
+        let vertices: Vec<Vertex> = (0..8)
+            .map(|i| {
+                let sign = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                let corner = DVec3::new(sign(0), sign(1), sign(2)) + random.vector(0.3);
+                vertex(corner * scale, DVec3::Z, DVec2::ZERO)
+            })
+            .collect();
+        let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+        let triangles: Vec<[u32; 3]> = faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect();
+        let camera = Camera { target: random.vector(1.0), ..plain_camera(64, 40) };
+        let projection = Projection::new(&camera).expect("a camera");
+        let objects = vec![object(vertices, triangles)];
+        let list = TriangleList::new(&projection, &objects).expect("a list");
+        let samples = visible(&list, &projection, PIXEL_CENTRE_SUBPX);
+        assert_eq!(samples.len(), 64 * 40);
+        for (x, y, number) in samples {
+            // No setup may fail.
+            assert!(list.triangle(number, true).is_some());
+            let fragment = list.triangle(number, true).map(|t| t.fragment(x, y));
+            assert!(fragment.is_some_and(|f| f.normal != BlockVector::default()));
+        }
+    }
+}
+
+#[test]
+fn triangles_without_area_or_behind_the_eye_are_left_out() {
+    let projection = Projection::new(&camera(64, 64)).expect("a camera");
+    let at = |x: f64, y: f64, z: f64| vertex(DVec3::new(x, y, z), DVec3::Z, DVec2::ZERO);
+    for corners in [
+        [at(0.0, 0.0, 0.0), at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0)],
+        [at(-1.0, -1.0, 0.0), at(0.0, 0.0, 0.0), at(1.0, 1.0, 0.0)],
+        [at(-1.0, -1.0, 9.0), at(1.0, -1.0, 9.0), at(0.0, 1.0, 9.0)],
+        [at(f64::NAN, 0.0, 0.0), at(1.0, 0.0, 0.0), at(0.0, 1.0, 0.0)],
+        [at(1e300, 0.0, 0.0), at(1.0, 1e300, 0.0), at(0.0, 1.0, -1e300)],
+        [at(90.0, 0.0, 0.0), at(91.0, 0.0, 0.0), at(90.0, 1.0, 0.0)],
+    ] {
+        let objects = one_triangle(corners);
+        let list = TriangleList::new(&projection, &objects).expect("a list");
+        let samples = visible(&list, &projection, PIXEL_CENTRE_SUBPX);
+        if let Some(triangle) = list.triangle(0, true) {
+            // Only the one with huge coordinates may reach the frame; its attributes still exist.
+            assert!(corners.iter().any(|v| v.position.x > 1e200));
+            triangle.fragment(0, 0);
+        } else {
+            assert!(samples.is_empty(), "{corners:?}");
+        }
+    }
+}
+
+#[test]
+fn slivers_seen_edge_on_stay_within_their_corners() {
+    let camera = camera(200, 150);
+    let projection = Projection::new(&camera).expect("a camera");
+    let mut random = Random::new(31);
+    let mut samples = 0;
+    for i in 0..4000 {
+        // All but coplanar with the eye, from 1e-2 down to 1e-14 of a world unit.
+        let (a, b) = (random.vector(1.2), random.vector(1.2));
+        let lift = 10f64.powi(-2 - i % 13);
+        let c = camera.eye + (a * 0.4 + b * 0.6 - camera.eye) * random.real(0.6, 1.1) + random.vector(lift);
+        let uv = [DVec2::new(0.1, 0.2), DVec2::new(0.3, 0.2), DVec2::new(0.2, 0.4)];
+        let corners = [0, 1, 2].map(|k| vertex([a, b, c][k], DVec3::new(0.3, 0.1 * k as f64, 1.0), uv[k]));
+        let objects = one_triangle(corners);
+        let list = TriangleList::new(&projection, &objects).expect("a list");
+        let mut buffer = TileBuffer::new();
+        list.rasterise_tile(TileRect { x: 0, y: 0, width: 200, height: 150 }, [9, 140], &mut buffer);
+        let range = corners
+            .map(|v| projection.near() / (v.position - camera.eye).dot((camera.target - camera.eye).normalize()));
+        let low = range.iter().fold(f64::INFINITY, |m, v| m.min(*v));
+        let high = range.iter().fold(0.0_f64, |m, v| m.max(*v));
+        for (x, y, number) in visible(&list, &projection, [9, 140]) {
+            samples += 1;
+            let depth = buffer.depth_at((x >> 8) as u32, (y >> 8) as u32).expect("covered") as f64 / 2f64.powi(56);
+            // One step of depth, and float64's rounding of w.
+            assert!(depth >= low * (1.0 - 1e-12) && depth <= high * (1.0 + 1e-12), "{depth} {low} {high}");
+            let fragment = list.triangle(number, true).expect("visible").fragment(x, y);
+            // An eighth of the corners' range is what a sample half a sub-pixel outside may leave it by.
+            let [u, v] = fragment.uv.map(|c| c.to_num::<f64>());
+            assert!((0.1 - 0.05..=0.3 + 0.05).contains(&u) && (0.2 - 0.05..=0.4 + 0.05).contains(&v), "{u} {v} {lift}");
+            let n = vector_value(fragment.normal).normalize();
+            assert!(n.z > 0.9, "{n}");
+        }
+    }
+    assert!(samples > 2000, "{samples}");
+}
+
+#[test]
+fn frames_of_one_pixel_and_of_4096_pixels_work() {
+    let mut corners = ground(50.0, 4.0);
+    for (width, height) in [(1, 1), (4096, 8), (8, 4096)] {
+        let camera = Camera { target: DVec3::new(0.0, -0.6, -1.0), ..plain_camera(width, height) };
+        corners[0].normal = DVec3::new(0.1, 1.0, 0.0);
+        let samples = check_against_rays(&camera, corners);
+        assert!(samples as u32 >= (width * height).div_ceil(8), "{samples}");
+    }
+}
+
+#[test]
+fn back_faces_are_drawn_with_the_same_attributes() {
+    let projection = Projection::new(&camera(64, 64)).expect("a camera");
+    let mut random = Random::new(41);
+    let corners =
+        [0; 3].map(|_| vertex(random.vector(1.5), random.vector(1.0), DVec2::new(random.real(0.0, 1.0), 0.5)));
+    let (front, back) = (one_triangle(corners), vec![object(corners.to_vec(), vec![[2, 1, 0]])]);
+    let front = TriangleList::new(&projection, &front).expect("a list");
+    let back = TriangleList::new(&projection, &back).expect("a list");
+    let samples = visible(&front, &projection, PIXEL_CENTRE_SUBPX);
+    assert!(!samples.is_empty());
+    assert_eq!(samples, visible(&back, &projection, PIXEL_CENTRE_SUBPX));
+    for (x, y, _) in samples {
+        let (a, b) = (
+            front.triangle(0, false).expect("seen").fragment(x, y),
+            back.triangle(0, false).expect("seen").fragment(x, y),
+        );
+        let (n, m) = (vector_value(a.normal), vector_value(b.normal));
+        // Only the order of float64 operations differs.
+        assert!((n - m).length() <= n.length() * 2f64.powi(-28), "{n} {m}");
+    }
+}
+
+#[test]
+fn triangles_are_numbered_through_the_objects() {
+    let projection = Projection::new(&camera(8, 8)).expect("a camera");
+    let corner = vertex(DVec3::ZERO, DVec3::Z, DVec2::ZERO);
+    let with = |count: usize| object(vec![corner], vec![[0; 3]; count]);
+    let objects = vec![with(2), with(0), with(3)];
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    assert_eq!(list.len(), 5);
+    assert_eq!((0..5).map(|t| list.object_index(t)).collect::<Vec<_>>(), [0, 0, 2, 2, 2]);
+}
+
+#[test]
+fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
+    let good = camera(64, 64);
+    assert!(Projection::new(&Camera { width: 0, ..good }).is_err());
+    assert!(Projection::new(&Camera { height: MAX_EDGE_PX + 1, ..good }).is_err());
+    for fov_y_degrees in [0.0, -5.0, 180.0, f64::NAN, 1e-12] {
+        assert!(matches!(Projection::new(&Camera { fov_y_degrees, ..good }), Err(RasterError::FieldOfView { .. })));
+    }
+    for orientation in [
+        Camera { target: good.eye, ..good },
+        Camera { up: good.target - good.eye, ..good },
+        Camera { up: DVec3::ZERO, ..good },
+        Camera { eye: DVec3::NAN, ..good },
+    ] {
+        assert!(matches!(Projection::new(&orientation), Err(RasterError::Orientation { .. })));
+    }
+    let projection = Projection::new(&good).expect("a camera");
+    let objects = vec![object(vec![], vec![[0, 1, 2]])];
+    let error = TriangleList::new(&projection, &objects).expect_err("no vertices");
+    assert_eq!(error.to_string(), "object \"test\": triangle 0 names vertex 0, but the mesh has 0");
+}

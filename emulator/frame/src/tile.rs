@@ -1,0 +1,132 @@
+//! The tiles of a frame: what is visible at each sample, and the mean of a pixel's samples.
+
+use rayon::prelude::*;
+use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_scene::Background;
+
+use super::batch::{Fragments, Reads, SHADED, Sums, Waiting};
+use super::frame::Frame;
+use super::lighting::Points;
+use super::prepare::Prepared;
+use super::{Colour, colour_word};
+use crate::raster::{RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles};
+
+/// The brightest channel of a frame.
+const BRIGHTEST: i64 = 63 << 24;
+
+/// What a ray that hits nothing sees.
+enum Ray {
+    /// A colour.
+    Colour(Colour),
+    /// The environment, as this mirror reflects it.
+    Reflection(ReflectionIn),
+}
+
+impl Prepared<'_> {
+    /// Draws the frame. `progress` is called once for each of [`Self::work`] pieces, from any thread.
+    pub fn render(&self, progress: &(dyn Fn() + Sync)) -> Result<Frame, RasterError> {
+        let (width, height) = (self.projection.width(), self.projection.height());
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
+        let shaded: Vec<(TileRect, Vec<Colour>)> = tiles(width, height)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|tile| {
+                let colours = self.shade_tile(&triangles, tile);
+                progress();
+                (tile, colours)
+            })
+            .collect();
+        let mut pixels = vec![[0; 3]; width as usize * height as usize];
+        for (tile, colours) in shaded {
+            for (row, line) in (0..).zip(colours.chunks(tile.width as usize)) {
+                let start = (tile.y + row) as usize * width as usize + tile.x as usize;
+                pixels[start..start + line.len()].copy_from_slice(line);
+            }
+        }
+        Ok(Frame { width, height, pixels })
+    }
+
+    /// Number of progress steps of [`Self::render`].
+    pub fn work(&self) -> u64 {
+        tiles(self.projection.width(), self.projection.height()).count() as u64
+    }
+
+    /// Sample positions in a pixel, sub-pixels from its corner: the centre, or a regular grid.
+    fn sample_offsets(&self) -> Vec<[i32; 2]> {
+        let edge = self.mode.samples_edge() as i32;
+        let place = |i: i32| (2 * i + 1) * SUBPIXELS / (2 * edge);
+        (0..edge * edge).map(|i| [place(i % edge), place(i / edge)]).collect()
+    }
+
+    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> Vec<Colour> {
+        let offsets = self.sample_offsets();
+        let mut buffer = TileBuffer::new();
+        let mut sums = Sums(vec![[0; 3]; tile.width as usize * tile.height as usize]);
+        let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
+        let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
+        let mut rays = Waiting::rays(self.mode);
+        let mut reads = Reads::default();
+        for &offset in &offsets {
+            triangles.rasterise_tile(tile, offset, &mut buffer);
+            let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
+            let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (tile.x + x, tile.y + y)));
+            for ((pixel, (x, y)), visible) in positions.enumerate().zip(buffer.triangles()) {
+                let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
+                let Some(index) = visible else {
+                    match self.background(x, y) {
+                        Ray::Colour(colour) => sums.add(pixel, colour.map(i64::from)),
+                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [0; 3]), &input, &mut sums),
+                    }
+                    continue;
+                };
+                let object = triangles.object_index(index);
+                let prepared = &self.objects[object];
+                if current.as_ref().is_none_or(|(held, _)| *held != index) {
+                    let triangle = triangles.triangle(index, prepared.plan.needs_tangents());
+                    let set_up = triangle.map(|triangle| {
+                        let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
+                        (triangle, points.unwrap_or_default())
+                    });
+                    current = Some((index, set_up));
+                }
+                let Some((_, Some((triangle, points)))) = &current else { continue };
+                let Fragments { attributes, pixels, directions, .. } = &mut fragments[object];
+                attributes.push(triangle.fragment(x, y));
+                pixels.push(pixel);
+                if let Some(lighting) = &prepared.lighting {
+                    lighting.directions(triangle, points, [x, y], directions);
+                }
+                if attributes.len() == SHADED {
+                    self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut sums);
+                }
+            }
+        }
+        for ((object, fragments), waiting) in self.objects.iter().zip(&mut fragments).zip(&mut waiting) {
+            self.shade(object, fragments, waiting, &mut reads, &mut sums);
+        }
+        waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut sums));
+        let samples = offsets.len() as i64;
+        // Many bright lights go beyond the range of a map.
+        let mean = |channel: i64| ((channel + samples / 2) / samples).min(BRIGHTEST) as i32;
+        sums.0.into_iter().map(|sum| sum.map(mean)).collect()
+    }
+
+    /// What the ray through a pixel sees that hits nothing.
+    fn background(&self, x: i32, y: i32) -> Ray {
+        match (&self.scene.background, &self.environment) {
+            (Background::Colour(colour), _) => Ray::Colour(colour_word(*colour)),
+            (Background::Ramp { top, bottom }, _) => {
+                let down = y as f32 / (self.projection.height() as i32 * SUBPIXELS) as f32;
+                Ray::Colour(colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down)))
+            }
+            (Background::Environment, None) => Ray::Colour([0; 3]),
+            (Background::Environment, Some(_)) => {
+                // A mirror facing the ray from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|², and a footprint as wide as the pixel's.
+                let view = self.projection.ray_view(x, y);
+                let ray = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
+                let dview = self.projection.dview();
+                Ray::Reflection(ReflectionIn { normal: ray, view: ray, dview, ..ReflectionIn::default() })
+            }
+        }
+    }
+}

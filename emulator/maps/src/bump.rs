@@ -1,0 +1,246 @@
+//! Bump pyramid: offsets (b₁, b₂) and the roughness that replaces the bumps a level has lost (S97 §7–8).
+//!
+//! The offsets of a level are the means over the covered area of level 0, a standard mip map. Roughness is the covariance
+//! over the same area ([`roughness`](crate::roughness)) plus the mean of the scene's own roughness map: variances add.
+//! Both come from the *quantised* texels of level 0, so a level and its roughness describe what the hardware would have
+//! fetched. Codes carry one power-of-two scale per map,
+//! chosen as small as the map allows; decoding to the datapath's I4F28 ports is a shift.
+
+#[cfg(test)]
+mod tests;
+
+use crate::levels::power_of_two;
+use crate::mip::{for_each_level, round_ratio};
+use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, moments};
+use rayon::prelude::*;
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_scene::{BumpField, FrameSystem, Material, RoughnessField};
+
+/// Fraction bits of the ports that offsets and roughness enter by (I4F28).
+pub const PORT_FRACTION_BITS: i32 = 28;
+
+/// How [`BumpPyramid::new`] stores a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpOptions {
+    /// The offsets are stored as −b: for the natural systems of S97 §7, whose s_u = n × p_v runs along −u.
+    pub negate: bool,
+    /// Kind and word length of the roughness.
+    pub roughness: RoughnessStorage,
+}
+
+/// Scales of the codes of one map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BumpFormat {
+    /// Offset = code · 2^(offset_exponent − 15), −13…3.
+    pub offset_exponent: i32,
+    /// Roughness component = code · 2^(roughness_exponent − bits), bits − 28…3.
+    pub roughness_exponent: i32,
+    /// Kind and word length of the roughness.
+    pub roughness: RoughnessStorage,
+}
+
+/// One level of a bump map, texels in rows, row 0 at v = 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BumpLevel {
+    /// Texels in a row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Codes of b₁, b₂, within ±32767.
+    pub offsets: Vec<[i16; 2]>,
+    /// Codes of d₁, d₂, d₃ (isotropic: I₁, 0, 0); **empty** where all are 0, so that smooth levels cost no memory.
+    pub roughness: Vec<[i32; 3]>,
+}
+
+impl BumpLevel {
+    /// The texel in column `x` and row `y`.
+    ///
+    /// # Panics
+    /// If the texel lies outside of the level.
+    pub fn texel(&self, x: u32, y: u32) -> BumpTexel {
+        let index = y as usize * self.width as usize + x as usize;
+        BumpTexel { offset: self.offsets[index], roughness: self.roughness.get(index).copied().unwrap_or_default() }
+    }
+}
+
+/// Codes of one texel of a bump map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BumpTexel {
+    /// b₁, b₂.
+    pub offset: [i16; 2],
+    /// d₁, d₂, d₃, or I₁, 0, 0.
+    pub roughness: [i32; 3],
+}
+
+impl BumpTexel {
+    /// The texel in units of 2⁻²⁸, as the ports take it: exact, one shift to the left per component.
+    ///
+    /// Range: offsets below 8 − 2⁻¹² in magnitude, roughness below 8; a word of 32 bits never overflows.
+    pub fn decode(&self, format: &BumpFormat) -> DecodedBump {
+        let offset_shift = PORT_FRACTION_BITS + format.offset_exponent - 15;
+        let roughness_shift = PORT_FRACTION_BITS + format.roughness_exponent - format.roughness.bits() as i32;
+        DecodedBump {
+            offset: self.offset.map(|code| i32::from(code) << offset_shift),
+            roughness: self.roughness.map(|code| code << roughness_shift),
+        }
+    }
+}
+
+/// A texel of a bump map in units of 2⁻²⁸ (raw I4F28).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DecodedBump {
+    /// b₁, b₂, relative to |n|.
+    pub offset: [i32; 2],
+    /// d₁, d₂, d₃ with K = (d₁, d₂; 0, d₃)(d₁, d₂; 0, d₃)ᵀ, or I₁, 0, 0; relative to |n|.
+    pub roughness: [i32; 3],
+}
+
+/// A bump map with its mip levels and the roughness of each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BumpPyramid {
+    /// Level 0 (full size) first, down to 1×1.
+    pub levels: Vec<BumpLevel>,
+    /// Scales of the codes.
+    pub format: BumpFormat,
+    /// Texels of level 0 with an offset of 8 or more in magnitude, or one that is no number: they are stored as the
+    /// nearest offset that fits, or 0. A caller may warn if this is not 0.
+    pub saturated: usize,
+}
+
+impl BumpPyramid {
+    /// The pyramid a material calls for with a profile; without filters its base alone, rough only where a highlight
+    /// shows a roughness map.
+    ///
+    /// `None` without a bump map and without a roughness map that is kept.
+    pub fn of_material(material: &Material, filters: bool, p: &Precision) -> Option<Self> {
+        // Without filters no detail is lost, but a roughness map is part of the surface, and a highlight needs no
+        // footprint to show it.
+        let shows_map = material.highlight.is_some() && material.roughness.is_some();
+        let kind = if filters || shows_map { p.roughness } else { RoughnessKind::None };
+        let roughness = material.roughness.as_deref().filter(|_| kind != RoughnessKind::None);
+        let flat;
+        let field = match (material.bump.as_deref(), roughness) {
+            (Some(bump), _) => bump,
+            (None, Some(roughness)) => {
+                let (width, height) = (roughness.width, roughness.height);
+                let offsets = vec![[0.0; 2]; roughness.factors.len()];
+                flat = BumpField { width, height, offsets, heights: None };
+                &flat
+            }
+            (None, None) => return None,
+        };
+        let options = BumpOptions {
+            negate: material.frame != FrameSystem::MainDirection,
+            roughness: RoughnessStorage::new(kind, p.roughness_bits),
+        };
+        let mut pyramid = Self::new(field, roughness, &options);
+        if !filters {
+            pyramid.levels.truncate(1);
+        }
+        Some(pyramid)
+    }
+
+    /// Quantises a field to 16-bit offsets and builds all levels with their roughness.
+    ///
+    /// Rounding: offsets to nearest, ties up before the sign is applied (so negated maps mirror each other), once
+    /// for level 0 and once from its exact sums for every other level; roughness as its storage says. Level 0 has
+    /// roughness only where `roughness` has.
+    ///
+    /// # Panics
+    /// If `field` has no texels, or not `width · height` of them; if `roughness` has neither one texel nor the size of
+    /// `field`.
+    pub fn new(field: &BumpField, roughness: Option<&RoughnessField>, options: &BumpOptions) -> Self {
+        let (width, height) = (field.width, field.height);
+        assert!(width > 0 && field.offsets.len() == width as usize * height as usize);
+        let offset_exponent = smallest_offset_exponent(&field.offsets);
+        let scale = power_of_two(15 - offset_exponent);
+        let offsets: Vec<[i16; 2]> =
+            field.offsets.par_iter().map(|offset| offset.map(|o| quantise_offset(o, scale, options.negate))).collect();
+        let saturated = field.offsets.iter().filter(|offset| offset.iter().any(|o| !fits(*o))).count();
+
+        let storage = options.roughness;
+        let lsb = power_of_two(offset_exponent - 15);
+        let added = roughness.map(|roughness| {
+            let fits = roughness.factors.len() == 1 || (roughness.width, roughness.height) == (width, height);
+            assert!(fits, "a roughness map has one texel or the size of the bump map");
+            AddedRoughness::new(roughness, lsb)
+        });
+        // In units of an offset.
+        let components = |level: usize, index: usize, lost: Covariance| {
+            let covariance = added.as_ref().map_or(lost, |added| lost.plus(added.texel(level, index)));
+            storage.components(covariance).map(|component| component * lsb)
+        };
+        let mut levels = vec![BumpLevel { width, height, offsets: Vec::new(), roughness: Vec::new() }];
+        let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
+        let base_texels = if added.is_some() { offsets.len() } else { 0 };
+        let mut lost: Vec<Vec<[f64; 3]>> =
+            vec![(0..base_texels).into_par_iter().map(|index| components(0, index, smooth)).collect()];
+        for_each_level(
+            width,
+            height,
+            |index| moments(offsets[index]),
+            |sums| {
+                let mean = |sum: i64| round_ratio(sum, sums.area) as i16;
+                let level = levels.len();
+                levels.push(BumpLevel {
+                    width: sums.width,
+                    height: sums.height,
+                    offsets: sums.sums.par_iter().map(|sums| [mean(sums[0]), mean(sums[1])]).collect(),
+                    roughness: Vec::new(),
+                });
+                let texels = sums.sums.par_iter().enumerate();
+                let covariance = |moments: &Moments| Covariance::of(*moments, sums.area);
+                lost.push(texels.map(|(index, moments)| components(level, index, covariance(moments))).collect());
+            },
+        );
+        levels[0].offsets = offsets;
+
+        let largest = lost.iter().flatten().flatten().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+        let roughness_exponent = storage.smallest_exponent(largest);
+        for (level, lost) in levels.iter_mut().zip(&lost) {
+            let codes: Vec<_> =
+                lost.par_iter().map(|components| storage.quantise(*components, roughness_exponent)).collect();
+            if codes.iter().any(|codes| *codes != [0; 3]) {
+                level.roughness = codes;
+            }
+        }
+        Self { levels, format: BumpFormat { offset_exponent, roughness_exponent, roughness: storage }, saturated }
+    }
+
+    /// Whether any texel of the level has roughness: bumps that it does not show, or base roughness.
+    ///
+    /// False beyond the last level.
+    pub fn lost_detail(&self, level: usize) -> bool {
+        self.levels.get(level).is_some_and(|level| !level.roughness.is_empty())
+    }
+
+    /// Whether no level has roughness: the roughness columns of the datapath are not called for.
+    pub fn is_smooth(&self) -> bool {
+        self.levels.iter().all(|level| level.roughness.is_empty())
+    }
+}
+
+/// Largest code of an offset; −32768 is not used, so that negation is total.
+const LARGEST_OFFSET_CODE: f64 = 32767.0;
+
+/// Whether an offset can be stored with the largest scale.
+fn fits(offset: f32) -> bool {
+    round_offset(offset.abs(), power_of_two(15 - 3)) <= LARGEST_OFFSET_CODE
+}
+
+/// To nearest, ties up; exact up to the floor, as 24 bits times a power of two plus one half fit a float64.
+fn round_offset(offset: f32, scale: f64) -> f64 {
+    (f64::from(offset) * scale + 0.5).floor()
+}
+
+fn quantise_offset(offset: f32, scale: f64, negate: bool) -> i16 {
+    let code = round_offset(offset, scale).clamp(-LARGEST_OFFSET_CODE, LARGEST_OFFSET_CODE) as i16;
+    if negate { -code } else { code }
+}
+
+/// Smallest exponent in −13…3 whose codes hold every offset that 3 holds; −13 has the step 2⁻²⁸ of the ports.
+fn smallest_offset_exponent(offsets: &[[f32; 2]]) -> i32 {
+    let largest =
+        offsets.iter().flatten().map(|offset| offset.abs()).filter(|offset| !offset.is_nan()).fold(0.0, f32::max);
+    (-13..3).find(|exponent| round_offset(largest, power_of_two(15 - exponent)) <= LARGEST_OFFSET_CODE).unwrap_or(3)
+}

@@ -1,0 +1,429 @@
+//! From maps to peaks: every texel of every level, by itself.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::fit;
+use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid};
+use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, MAX_SURFACE_WEIGHT, PeakError, PeakSource, unit};
+use super::spread::{Facet, HEMISPHERE, Spread, power, sharpened, spread_exponent};
+use crate::horizon::{HorizonSlopes, horizon_slopes};
+use crate::mip::{Cover, covers};
+
+impl PeakPyramid {
+    /// Builds all levels; `progress` is called [`PeakSource::steps`] times, from any thread.
+    ///
+    /// Errors: sizes, normals, heights and options out of range, before anything is built.
+    pub fn build(source: &PeakSource, options: &BuildOptions, progress: &(dyn Fn() + Sync)) -> Result<Self, PeakError> {
+        let base = Base::new(source, options)?;
+        let mut levels = vec![base.level()];
+        let mut fits = FitCounts::default();
+        for (to_width, to_height) in source.upper_levels() {
+            let (columns, rows) = (covers(source.width, to_width), covers(source.height, to_height));
+            let takes_time = source.takes_time((to_width, to_height));
+            let texels: Vec<(Vec<Peak>, Option<fit::Fit>)> = (0..columns.len() * rows.len())
+                .into_par_iter()
+                .map(|index| {
+                    let texel = base.texel(&columns[index % columns.len()], &rows[index / columns.len()]);
+                    if takes_time {
+                        progress();
+                    }
+                    texel
+                })
+                .collect();
+            fits = texels.iter().filter_map(|(_, fit)| fit.as_ref()).fold(fits, FitCounts::add);
+            levels.push(PeakLevel::new(to_width, to_height, texels.into_iter().map(|(peaks, _)| peaks)));
+        }
+        Ok(Self { levels, fits })
+    }
+
+    /// Level 0 alone, which nothing is fitted for. Errors: as [`PeakPyramid::build`].
+    pub fn base(source: &PeakSource, options: &BuildOptions) -> Result<Self, PeakError> {
+        Ok(Self { levels: vec![Base::new(source, options)?.level()], fits: FitCounts::default() })
+    }
+}
+
+/// The whole map as one multiple surface (F92 §4): the texel at the top of its pyramid, without the levels below.
+///
+/// Errors: as [`PeakPyramid::build`].
+pub fn multiple_surface(source: &PeakSource, options: &BuildOptions) -> Result<Vec<Peak>, PeakError> {
+    let base = Base::new(source, options)?;
+    let cover = |size| covers(size, 1).into_iter().next();
+    let texel = cover(source.width).zip(cover(source.height)).map(|(column, row)| base.texel(&column, &row));
+    Ok(texel.map_or_else(Vec::new, |(peaks, _)| peaks))
+}
+
+/// Level 0, checked.
+struct Base {
+    width: usize,
+    height: usize,
+    /// Unit vectors.
+    normals: Vec<DVec3>,
+    amplitudes: Vec<f64>,
+    /// Towards −x, +x, −y, +y; empty without heights.
+    slopes: Vec<HorizonSlopes>,
+    exponent: f64,
+}
+
+impl Base {
+    fn new(source: &PeakSource, options: &BuildOptions) -> Result<Self, PeakError> {
+        source.check()?;
+        options.check()?;
+        let turn = |normal: DVec3| {
+            if options.negate { DVec3::new(-normal.x, -normal.y, normal.z) } else { normal }
+        };
+        // −0 becomes 0: equal normals have equal bits.
+        let normals: Vec<DVec3> =
+            source.normals.iter().filter_map(|normal| unit(*normal)).map(|normal| turn(normal) + DVec3::ZERO).collect();
+        let weight = |normal: &DVec3| match options.weight {
+            _ if normal.z <= 0.0 => 0.0,
+            FacetWeight::Surface => (1.0 / normal.z).min(MAX_SURFACE_WEIGHT),
+            FacetWeight::Texel => 1.0,
+        };
+        let mut slopes = source
+            .heights
+            .as_ref()
+            .map_or_else(Vec::new, |heights| horizon_slopes(source.width, source.height, heights));
+        if options.negate {
+            slopes.iter_mut().for_each(|[left, right, down, up]| {
+                std::mem::swap(left, right);
+                std::mem::swap(down, up);
+            });
+        }
+        for slope in slopes.iter_mut().flat_map(|sides| &mut sides[2..]) {
+            *slope /= source.rows_apart;
+        }
+        Ok(Self {
+            width: source.width as usize,
+            height: source.height as usize,
+            amplitudes: normals.iter().map(|normal| options.amplitude * weight(normal)).collect(),
+            normals,
+            slopes,
+            exponent: options.exponent,
+        })
+    }
+
+    fn level(&self) -> PeakLevel {
+        let single = |index| self.peaks(&[self.facet(index, 1.0)]);
+        PeakLevel::new(self.width as u32, self.height as u32, (0..self.normals.len()).map(single))
+    }
+
+    /// One texel of level 0, by its share of the area it is gathered for.
+    fn facet(&self, index: usize, share: f64) -> Facet {
+        let amplitude = share * self.amplitudes[index];
+        let weighted = |slope: f64| [amplitude * slope, amplitude * slope * slope];
+        let slopes = self.slopes.get(index).map_or([[0.0; 2]; 4], |slopes| slopes.map(weighted));
+        Facet { normal: self.normals[index], amplitude, slopes }
+    }
+
+    /// Distinct normals below a texel, in the order of their coordinates' bits; none of amplitude 0.
+    fn facets(&self, column: &Cover, row: &Cover) -> Vec<Facet> {
+        let area = (column.total() * row.total()) as f64;
+        let mut facets: Vec<Facet> = (row.first..=row.last)
+            .flat_map(|y| (column.first..=column.last).map(move |x| (x, y)))
+            .map(|(x, y)| self.facet(y * self.width + x, (column.weight(x) * row.weight(y)) as f64 / area))
+            .filter(|facet| facet.amplitude > 0.0)
+            .collect();
+        // Stable: equal normals are summed in the order of rows.
+        facets.sort_by_key(|facet| facet.normal.to_array().map(f64::to_bits));
+        facets.dedup_by(|next, kept| {
+            let same = next.normal == kept.normal;
+            if same {
+                kept.amplitude += next.amplitude;
+                for (sum, slope) in kept.slopes.iter_mut().flatten().zip(next.slopes.iter().flatten()) {
+                    *sum += slope;
+                }
+            }
+            same
+        });
+        facets
+    }
+
+    /// Peaks of one texel above level 0, and the fit if it took one.
+    fn texel(&self, column: &Cover, row: &Cover) -> (Vec<Peak>, Option<fit::Fit>) {
+        let facets = self.facets(column, row);
+        if facets.len() <= MAX_PEAKS {
+            return (self.peaks(&facets), None);
+        }
+        let spread = Spread::new(&facets, self.exponent, !self.slopes.is_empty());
+        let fit = fit::fit(&spread.density, spread_exponent(self.exponent));
+        let peaks = fit
+            .peaks
+            .iter()
+            .map(|peak| {
+                let exponent = sharpened(peak.exponent, self.exponent).clamp(*EXPONENTS.start(), *EXPONENTS.end());
+                let share = |direction: &DVec3| power(peak.direction.dot(*direction), peak.exponent);
+                Peak {
+                    amplitude: peak.amplitude * (exponent + 1.0) / (peak.exponent + 1.0),
+                    normal: peak.direction,
+                    exponent,
+                    horizon: (!self.slopes.is_empty()).then(|| collect(&spread, share)),
+                }
+            })
+            .collect();
+        (peaks, Some(fit))
+    }
+
+    /// Facets as peaks of their own.
+    fn peaks(&self, facets: &[Facet]) -> Vec<Peak> {
+        let peak = |facet: &Facet| Peak {
+            amplitude: facet.amplitude,
+            normal: facet.normal,
+            exponent: self.exponent,
+            horizon: (!self.slopes.is_empty()).then(|| facet.slopes.map(|sums| distribution(facet.amplitude, sums))),
+        };
+        facets.iter().map(peak).collect()
+    }
+}
+
+/// Horizons that a peak sees: those of the samples, by their density and the peak's share in each.
+fn collect(spread: &Spread, share: impl Fn(&DVec3) -> f64) -> [Horizon; 4] {
+    let (mut density, mut slopes) = (0.0, [[0.0; 2]; 4]);
+    for (sample, direction) in HEMISPHERE.directions.iter().enumerate() {
+        let weight = HEMISPHERE.solid_angles[sample] * share(direction);
+        density += weight * spread.density[sample];
+        for (sum, slope) in slopes.iter_mut().flatten().zip(spread.slopes[sample].iter().flatten()) {
+            *sum += weight * slope;
+        }
+    }
+    slopes.map(|sums| distribution(density, sums))
+}
+
+/// Mean and deviation of slopes from their weighted sums; both 0 where the weight is.
+fn distribution(weight: f64, [sum, squares]: [f64; 2]) -> Horizon {
+    if weight <= 0.0 {
+        return Horizon::default();
+    }
+    let mean = sum / weight;
+    // Rounding leaves up to some ulps of the mean square where all slopes are the same.
+    let variance = squares / weight - mean * mean;
+    let noise = 1e-12 * mean * mean;
+    Horizon { mean, deviation: if variance > noise { variance.sqrt() } else { 0.0 } }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub(crate) const OPTIONS: BuildOptions =
+        BuildOptions { exponent: 40.0, amplitude: 1.0, weight: FacetWeight::Surface, negate: false };
+
+    /// Rounded hills of many slopes, with their heights.
+    pub(crate) fn hills(width: u32, height: u32) -> PeakSource {
+        let heights: Vec<f64> = (0..width * height)
+            .map(|index| {
+                let [x, y] = [index % width, index / width].map(f64::from);
+                1.3 * libm::sin(1.7 * x + 0.4 * y) + 0.8 * libm::cos(0.9 * y - 0.3 * x)
+            })
+            .collect();
+        let at = |x: u32, y: u32| heights[(y % height * width + x % width) as usize];
+        let normals = (0..width * height)
+            .map(|index| {
+                let (x, y) = (index % width, index / width);
+                let slope = [at(x + 1, y) - at(x + width - 1, y), at(x, y + 1) - at(x, y + height - 1)];
+                DVec3::new(-0.5 * slope[0], -0.5 * slope[1], 1.0)
+            })
+            .collect();
+        PeakSource { width, height, normals, heights: Some(heights), rows_apart: 1.0 }
+    }
+
+    fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
+        PeakPyramid::build(source, options, &|| ()).expect("the source is good")
+    }
+
+    #[test]
+    fn level_0_has_each_texels_own_normal_and_horizon() {
+        let source = hills(5, 3);
+        let pyramid = build(&source, &BuildOptions { amplitude: 0.5, ..OPTIONS });
+        let slopes = horizon_slopes(5, 3, source.heights.as_deref().expect("it has heights"));
+        for (index, (normal, slopes)) in source.normals.iter().zip(slopes).enumerate() {
+            let &[peak] = pyramid.levels[0].texel(index as u32 % 5, index as u32 / 5) else { panic!("one peak") };
+            let normal = normal.normalize();
+            assert!((peak.normal - normal).length() < 1e-15 && peak.exponent == 40.0);
+            assert!((peak.amplitude - 0.5 / normal.z).abs() < 1e-15);
+            for (horizon, slope) in peak.horizon.expect("it has heights").iter().zip(slopes) {
+                assert!((horizon.mean - slope).abs() <= 1e-15 * slope && horizon.deviation == 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn at_most_seven_normals_are_kept_as_they_are() {
+        // Seven directions in a map whose sizes do not divide.
+        let direction = |index: usize| DVec3::new(index as f64 * 0.1, 0.2, 1.0);
+        let normals: Vec<DVec3> = (0..15).map(|index| direction(index % 7) * f64::from(1 << (index % 4))).collect();
+        let source = PeakSource { width: 5, height: 3, normals, heights: Some(vec![0.0; 15]), rows_apart: 1.0 };
+        let pyramid = build(&source, &BuildOptions { weight: FacetWeight::Texel, ..OPTIONS });
+        assert_eq!(pyramid.fits, FitCounts::default());
+        let top = pyramid.levels[2].texel(0, 0);
+        assert_eq!(top.len(), 7);
+        for peak in top {
+            let index = (0..7).find(|index| (direction(*index).normalize() - peak.normal).length() < 1e-14);
+            let texels = if index == Some(0) { 3.0 } else { 2.0 };
+            assert!((peak.amplitude - texels / 15.0).abs() < 1e-15 && peak.exponent == 40.0, "{peak:?}");
+            assert_eq!(peak.horizon, Some([Horizon::default(); 4]));
+        }
+        // Half of the middle column belongs to each side.
+        let left: f64 = pyramid.levels[1].texel(0, 0).iter().map(|peak| peak.amplitude).sum();
+        assert_eq!((pyramid.levels[1].width, pyramid.levels[1].height), (2, 1));
+        assert!((left - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn horizons_of_shared_normals_have_their_mean_and_deviation() {
+        let heights = vec![0.0, 1.0, 0.0, 3.0];
+        let normals = vec![DVec3::Z; 4];
+        let source = PeakSource { width: 4, height: 1, normals, heights: Some(heights), rows_apart: 1.0 };
+        let pyramid = build(&source, &OPTIONS);
+        let &[peak] = pyramid.levels[2].texel(0, 0) else { panic!("one normal") };
+        let slopes = [3.0, 1.0, 1.0, 0.0];
+        let mean = slopes.iter().sum::<f64>() / 4.0;
+        let variance = slopes.iter().map(|slope| (slope - mean) * (slope - mean)).sum::<f64>() / 4.0;
+        let horizon = peak.horizon.expect("it has heights")[0];
+        assert!((horizon.mean - mean).abs() < 1e-14, "{horizon:?}");
+        assert!((horizon.deviation - variance.sqrt()).abs() < 1e-14, "{horizon:?}");
+    }
+
+    #[test]
+    fn a_negated_frame_turns_normals_and_horizons_by_half_a_turn() {
+        let source = hills(4, 4);
+        let (plain, turned) = (build(&source, &OPTIONS), build(&source, &BuildOptions { negate: true, ..OPTIONS }));
+        for (plain, turned) in plain.levels[0].peaks().iter().zip(turned.levels[0].peaks()) {
+            assert_eq!(turned.normal, plain.normal * DVec3::new(-1.0, -1.0, 1.0));
+            let [left, right, down, up] = plain.horizon.expect("it has heights");
+            assert_eq!(turned.horizon, Some([right, left, up, down]));
+        }
+    }
+
+    #[test]
+    fn rows_further_apart_have_a_lower_horizon() {
+        let source = hills(4, 5);
+        let (near, far) = (build(&source, &OPTIONS), build(&PeakSource { rows_apart: 4.0, ..source }, &OPTIONS));
+        for (near, far) in near.levels[0].peaks().iter().zip(far.levels[0].peaks()) {
+            let [left, right, down, up] = near.horizon.expect("it has heights").map(|side| side.mean);
+            let wanted = [left, right, down / 4.0, up / 4.0];
+            let got = far.horizon.expect("it has heights").map(|side| side.mean);
+            for (got, wanted) in got.into_iter().zip(wanted) {
+                assert!((got - wanted).abs() <= 1e-15 * wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn progress_is_told_of_texels_that_may_take_a_fit() {
+        let count = |source: &PeakSource| {
+            let steps = std::sync::atomic::AtomicU64::new(0);
+            let step = || {
+                steps.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            };
+            PeakPyramid::build(source, &OPTIONS, &step).expect("the source is good");
+            assert_eq!(steps.into_inner(), source.steps());
+            source.steps()
+        };
+        // Two by two texels each, then four by four and all of them.
+        assert_eq!(count(&hills(8, 8)), 4 + 1);
+        assert_eq!(count(&hills(13, 3)), 3 + 1);
+        assert_eq!(count(&hills(7, 1)), 0);
+    }
+
+    #[test]
+    fn the_base_is_level_0_of_the_pyramid() {
+        let source = hills(5, 4);
+        let base = PeakPyramid::base(&source, &OPTIONS).expect("the source is good");
+        assert_eq!(base.levels, build(&source, &OPTIONS).levels[..1]);
+    }
+
+    #[test]
+    fn texels_do_not_depend_on_the_number_of_threads() {
+        let source = hills(6, 5);
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+            pool.install(|| build(&source, &OPTIONS))
+        };
+        let alone = with(1);
+        assert!(alone.fits.fitted > 0);
+        assert_eq!(with(3), alone);
+    }
+
+    #[test]
+    fn a_multiple_surface_is_the_top_of_the_pyramid() {
+        let source = hills(3, 7);
+        let pyramid = build(&source, &OPTIONS);
+        let top = pyramid.levels.last().map(|level| level.texel(0, 0));
+        assert_eq!(multiple_surface(&source, &OPTIONS).ok().as_deref(), top);
+    }
+
+    #[test]
+    fn facets_that_face_inwards_have_no_amplitude() {
+        let normals = vec![DVec3::new(0.3, 0.0, -1.0), DVec3::X];
+        let source = PeakSource { width: 2, height: 1, normals, heights: None, rows_apart: 1.0 };
+        let pyramid = build(&source, &OPTIONS);
+        assert!(pyramid.levels[0].peaks().iter().all(|peak| peak.amplitude == 0.0));
+        assert!(pyramid.levels[1].texel(0, 0).is_empty());
+    }
+
+    #[test]
+    fn one_texel_is_one_level() {
+        let normals = vec![DVec3::new(0.0, 3.0, 4.0)];
+        let source = PeakSource { width: 1, height: 1, normals, heights: Some(vec![9.0]), rows_apart: 1.0 };
+        let pyramid = build(&source, &BuildOptions { weight: FacetWeight::Texel, ..OPTIONS });
+        assert_eq!((pyramid.levels.len(), source.steps()), (1, 0));
+        let &[peak] = pyramid.levels[0].texel(0, 0) else { panic!("one peak") };
+        assert!((peak.normal - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
+        assert_eq!(peak.horizon, Some([Horizon::default(); 4]));
+    }
+
+    #[test]
+    fn bad_sources_and_options_are_named() {
+        let error = |source: &PeakSource, options: &BuildOptions| {
+            let error = PeakPyramid::build(source, options, &|| ()).expect_err("it is bad");
+            assert_eq!(multiple_surface(source, options), Err(error.clone()));
+            error
+        };
+        let with = |change: fn(&mut PeakSource)| {
+            let mut source = hills(4, 4);
+            change(&mut source);
+            error(&source, &OPTIONS)
+        };
+        assert_eq!(with(|source| source.width = 0), PeakError::Size { width: 0, height: 4 });
+        let large = with(|source| (source.width, source.height) = (u32::MAX, u32::MAX));
+        assert!(matches!(large, PeakError::Size { .. }));
+        let count = |what, found| PeakError::Count { what, found, wanted: 16 };
+        assert_eq!(with(|source| source.normals.truncate(15)), count("normals", 15));
+        assert_eq!(with(|source| source.heights = Some(Vec::new())), count("heights", 0));
+        for bad in [DVec3::ZERO, DVec3::new(0.0, f64::NAN, 1.0), DVec3::new(f64::INFINITY, 0.0, 0.0)] {
+            let mut source = hills(4, 4);
+            source.normals[6] = bad;
+            assert_eq!(error(&source, &OPTIONS), PeakError::Normal { x: 2, y: 1 });
+        }
+        for bad in [f64::NAN, f64::INFINITY, -2e9] {
+            let mut source = hills(4, 4);
+            source.heights.as_mut().expect("it has heights")[9] = bad;
+            assert_eq!(error(&source, &OPTIONS), PeakError::Height { x: 1, y: 2 });
+        }
+        for rows_apart in [0.0, -1.0, f64::INFINITY] {
+            let source = PeakSource { rows_apart, ..hills(4, 4) };
+            assert_eq!(error(&source, &OPTIONS), PeakError::RowDistance(rows_apart));
+        }
+        for exponent in [0.0, 0.99, 8192.1, f64::INFINITY] {
+            assert_eq!(error(&hills(4, 4), &BuildOptions { exponent, ..OPTIONS }), PeakError::Exponent(exponent));
+        }
+        assert!(matches!(BuildOptions { exponent: f64::NAN, ..OPTIONS }.check(), Err(PeakError::Exponent(_))));
+        for amplitude in [-0.1, 1024.5] {
+            assert_eq!(error(&hills(4, 4), &BuildOptions { amplitude, ..OPTIONS }), PeakError::Amplitude(amplitude));
+        }
+    }
+
+    #[test]
+    fn exponents_at_both_ends_give_finite_peaks_in_range() {
+        for exponent in [1.0, 8192.0] {
+            for peak in
+                build(&hills(5, 4), &BuildOptions { exponent, ..OPTIONS }).levels.iter().flat_map(PeakLevel::peaks)
+            {
+                assert!(
+                    EXPONENTS.contains(&peak.exponent) && peak.amplitude.is_finite() && peak.normal.is_normalized()
+                );
+            }
+        }
+    }
+}

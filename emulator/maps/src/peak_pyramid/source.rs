@@ -1,0 +1,204 @@
+//! What a peak pyramid is built from: maps and options, checked.
+
+use std::ops::RangeInclusive;
+
+use glam::DVec3;
+use roughxel_scene::{
+    BumpField, FrameSystem, HeightField, MAX_PEAK_TEXELS, Material, PEAK_HEIGHTS, PeakSource as ScenePeakSource,
+};
+use thiserror::Error;
+
+use super::fit;
+use crate::levels::level_sizes;
+
+/// Most peaks of a texel.
+pub const MAX_PEAKS: usize = fit::MAX_PEAKS;
+/// Exponents of a facet or a peak.
+pub const EXPONENTS: RangeInclusive<f64> = 1.0..=8192.0;
+/// Largest amplitude of a facet.
+pub const MAX_AMPLITUDE: f64 = 1024.0;
+/// Largest weight 1/n_z of a facet: steeper ones (86.4°) are taken as this steep.
+pub const MAX_SURFACE_WEIGHT: f64 = 16.0;
+
+/// Why there is no peak pyramid.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PeakError {
+    /// No texels, or more than [`MAX_PEAK_TEXELS`].
+    #[error("a map of {width}x{height} texels has no peak pyramid: 1 to {MAX_PEAK_TEXELS} texels")]
+    Size {
+        /// Texels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// Normals or heights are not as many as texels.
+    #[error("{found} {what} for {wanted} texels")]
+    Count {
+        /// "normals" or "heights".
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        wanted: usize,
+    },
+    /// A normal has no direction: it is zero, infinite or no number.
+    #[error("the normal of texel ({x}, {y}) has no direction")]
+    Normal {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// A height is outside of [`PEAK_HEIGHTS`] or no number.
+    #[error("the height of texel ({x}, {y}) is no number within 10^9")]
+    Height {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// Rows of heights are no distance apart.
+    #[error("rows that are {0} columns apart have no slopes")]
+    RowDistance(f64),
+    /// The exponent is outside of [`EXPONENTS`] or no number.
+    #[error("an exponent of {0} is not within 1 to 8192")]
+    Exponent(f64),
+    /// The amplitude is outside of 0 to [`MAX_AMPLITUDE`] or no number.
+    #[error("an amplitude of {0} is not within 0 to {MAX_AMPLITUDE}")]
+    Amplitude(f64),
+}
+
+/// Maps that a pyramid is built from; row 0 at v = 0, repeat addressing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeakSource {
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Normals in the local frame, any length above 0, in rows. Those with z ≤ 0 are never seen: amplitude 0.
+    pub normals: Vec<DVec3>,
+    /// Heights in distances between columns, in rows, within [`PEAK_HEIGHTS`]; `None` for a surface without shadowing and masking.
+    pub heights: Option<Vec<f64>>,
+    /// Distance between rows over that between columns, above 0: 1 for square texels.
+    pub rows_apart: f64,
+}
+
+impl PeakSource {
+    /// Normals (o_u, o_v, 1) of a bump field, and the heights that it has kept.
+    pub fn from_field(field: &BumpField) -> Self {
+        let normal = |[u, v]: &[f32; 2]| DVec3::new(f64::from(*u), f64::from(*v), 1.0);
+        let heights = |kept: &HeightField| kept.heights.iter().copied().map(f64::from).collect();
+        Self {
+            width: field.width,
+            height: field.height,
+            normals: field.offsets.iter().map(normal).collect(),
+            heights: field.heights.as_ref().map(heights),
+            rows_apart: field.heights.as_ref().map_or(1.0, |kept| kept.rows_apart),
+        }
+    }
+
+    /// What a material's peaks are fitted to: the normals of its bump map, with shadowing its heights.
+    ///
+    /// A map has the slope 0, and a level horizon, along an axis of one texel. `None` where no peaks come from a map.
+    pub fn of_material(material: &Material) -> Option<Self> {
+        let (peaks, field) = material.peaks.as_ref().zip(material.bump.as_deref())?;
+        let ScenePeakSource::Bump { .. } = peaks.source else { return None };
+        let source = Self::from_field(field);
+        Some(if peaks.shadowing { source } else { Self { heights: None, ..source } })
+    }
+
+    /// How often [`PeakPyramid::build`](super::PeakPyramid::build) reports progress: once a texel of each level that takes more than seven of
+    /// level 0 together, for the others take no time.
+    pub fn steps(&self) -> u64 {
+        self.upper_levels().filter(|size| self.takes_time(*size)).map(texels).sum()
+    }
+
+    pub(super) fn upper_levels(&self) -> impl Iterator<Item = (u32, u32)> {
+        level_sizes(self.width, self.height).skip(1)
+    }
+
+    /// Whether a texel of a level of this size may need a fit.
+    pub(super) fn takes_time(&self, level: (u32, u32)) -> bool {
+        texels((self.width, self.height)) > MAX_PEAKS as u64 * texels(level)
+    }
+
+    pub(super) fn check(&self) -> Result<(), PeakError> {
+        let texels = texels((self.width, self.height));
+        if !(1..=MAX_PEAK_TEXELS).contains(&texels) {
+            return Err(PeakError::Size { width: self.width, height: self.height });
+        }
+        // NaN is within nothing.
+        if !(f64::MIN_POSITIVE..=f64::MAX).contains(&self.rows_apart) {
+            return Err(PeakError::RowDistance(self.rows_apart));
+        }
+        let wanted = texels as usize;
+        let count = |what, found| if found == wanted { Ok(()) } else { Err(PeakError::Count { what, found, wanted }) };
+        count("normals", self.normals.len())?;
+        let place = |index: usize| (index as u32 % self.width, index as u32 / self.width);
+        if let Some(index) = self.normals.iter().position(|normal| unit(*normal).is_none()) {
+            let (x, y) = place(index);
+            return Err(PeakError::Normal { x, y });
+        }
+        if let Some(heights) = &self.heights {
+            count("heights", heights.len())?;
+            if let Some(index) = heights.iter().position(|height| !PEAK_HEIGHTS.contains(&(*height as f32))) {
+                let (x, y) = place(index);
+                return Err(PeakError::Height { x, y });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How a facet counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FacetWeight {
+    /// By its area on the surface, 1/n_z times that of its texel, up to [`MAX_SURFACE_WEIGHT`] (F92 §3).
+    Surface,
+    /// By the area of its texel.
+    Texel,
+}
+
+/// What a facet of the map reflects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuildOptions {
+    /// Exponent n of a facet's cosⁿα, within [`EXPONENTS`].
+    pub exponent: f64,
+    /// Amplitude of a facet of weight 1, from 0 to [`MAX_AMPLITUDE`].
+    pub amplitude: f64,
+    /// How a facet counts.
+    pub weight: FacetWeight,
+    /// The frame runs along −u and −v (natural systems of S97 §7): normals and horizons are stored turned by 180°.
+    pub negate: bool,
+}
+
+impl BuildOptions {
+    /// What the facets of a material's bump map reflect; `None` where no peaks come from a map.
+    pub fn of_material(material: &Material) -> Option<Self> {
+        let ScenePeakSource::Bump { exponent, amplitude } = material.peaks.as_ref()?.source else { return None };
+        let negate = material.frame != FrameSystem::MainDirection;
+        Some(Self { exponent, amplitude, weight: FacetWeight::Surface, negate })
+    }
+
+    pub(super) fn check(&self) -> Result<(), PeakError> {
+        if !EXPONENTS.contains(&self.exponent) {
+            return Err(PeakError::Exponent(self.exponent));
+        }
+        if !(0.0..=MAX_AMPLITUDE).contains(&self.amplitude) {
+            return Err(PeakError::Amplitude(self.amplitude));
+        }
+        Ok(())
+    }
+}
+
+/// Texels of a level of this width and height.
+pub(super) fn texels((width, height): (u32, u32)) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// Unit vector of a normal of any length; `None` where it has no direction.
+pub(super) fn unit(normal: DVec3) -> Option<DVec3> {
+    // The largest coordinate becomes 1 first, so that no square over- or underflows.
+    let scaled = normal / normal.abs().max_element();
+    scaled.is_finite().then(|| scaled.normalize())
+}

@@ -1,0 +1,63 @@
+//! The built-in scenes: those of the papers, with maps the program generates.
+
+/// Name and text of each scene.
+const SCENES: [(&str, &str); 22] = [
+    ("lake", include_str!("../../scenes/lake.toml")),
+    ("zebra", include_str!("../../scenes/zebra.toml")),
+    ("puzzle", include_str!("../../scenes/puzzle.toml")),
+    ("globe", include_str!("../../scenes/globe.toml")),
+    ("cylinder-mirror", include_str!("../../scenes/cylinder-mirror.toml")),
+    ("parabola", include_str!("../../scenes/parabola.toml")),
+    ("corrugated", include_str!("../../scenes/corrugated.toml")),
+    ("brushed", include_str!("../../scenes/brushed.toml")),
+    ("highlight", include_str!("../../scenes/highlight.toml")),
+    ("cylinders-plane", include_str!("../../scenes/cylinders-plane.toml")),
+    ("spheres-plane", include_str!("../../scenes/spheres-plane.toml")),
+    ("spheres-sphere", include_str!("../../scenes/spheres-sphere.toml")),
+    ("denim-plane", include_str!("../../scenes/denim-plane.toml")),
+    ("denim-drapery", include_str!("../../scenes/denim-drapery.toml")),
+    ("three-normals", include_str!("../../scenes/three-normals.toml")),
+    ("anisotropic-sphere", include_str!("../../scenes/anisotropic-sphere.toml")),
+    ("velvet", include_str!("../../scenes/velvet.toml")),
+    ("silk", include_str!("../../scenes/silk.toml")),
+    ("horizon-plane", include_str!("../../scenes/horizon-plane.toml")),
+    ("horizon-sphere", include_str!("../../scenes/horizon-sphere.toml")),
+    ("mesh", include_str!("../../scenes/mesh.toml")),
+    ("shapes", include_str!("../../scenes/shapes.toml")),
+];
+
+/// Names of the built-in scenes.
+pub fn builtin_names() -> impl ExactSizeIterator<Item = &'static str> {
+    SCENES.iter().map(|(name, _)| *name)
+}
+
+/// The TOML of a built-in scene, to read or to copy; `None` for other names.
+pub fn builtin_text(name: &str) -> Option<&'static str> {
+    SCENES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn every_built_in_scene_is_read_without_a_warning() {
+        for name in builtin_names() {
+            let scene = Scene::builtin(name).unwrap().unwrap();
+            assert_eq!((scene.name.as_str(), scene.warnings.as_slice()), (name, [].as_slice()));
+            assert_eq!((scene.camera.width, scene.camera.height), (640, 480));
+            assert!(!scene.objects.is_empty());
+            for object in &scene.objects {
+                assert!(object.mesh.triangles.len() > 1);
+                let bump_is_rough = object
+                    .material
+                    .bump
+                    .as_ref()
+                    .is_none_or(|bump| bump.offsets.iter().any(|offset| *offset != [0.0; 2]));
+                assert!(bump_is_rough, "{name}: {}", object.name);
+            }
+        }
+        assert!(Scene::builtin("no such scene").is_none());
+    }
+}

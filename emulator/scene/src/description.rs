@@ -1,0 +1,165 @@
+//! The keys of a scene file: serde structs that deny unknown keys.
+
+use toml::Spanned;
+
+use crate::error::SceneError;
+use crate::lighting::HighlightForm;
+use crate::source::{ArgumentTable, OneOrThree, Source};
+
+/// The whole file.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneDescription {
+    pub(super) camera: CameraDescription,
+    pub(super) background: Option<Spanned<BackgroundDescription>>,
+    pub(super) environment: Option<Spanned<ArgumentTable>>,
+    #[serde(default)]
+    pub(super) light: Vec<Spanned<LightDescription>>,
+    #[serde(default)]
+    pub(super) object: Vec<Spanned<ObjectDescription>>,
+}
+
+/// `[camera]`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraDescription {
+    pub(super) eye: Spanned<[f64; 3]>,
+    pub(super) target: Spanned<[f64; 3]>,
+    pub(super) up: Option<Spanned<[f64; 3]>>,
+    pub(super) fov_y: Option<Spanned<f64>>,
+    pub(super) width: Option<Spanned<i64>>,
+    pub(super) height: Option<Spanned<i64>>,
+}
+
+/// `[background]`: exactly one of `colour`, `top` with `bottom`, `environment = true`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BackgroundDescription {
+    pub(super) colour: Option<Spanned<[f64; 3]>>,
+    pub(super) top: Option<Spanned<[f64; 3]>>,
+    pub(super) bottom: Option<Spanned<[f64; 3]>>,
+    pub(super) environment: Option<Spanned<bool>>,
+}
+
+/// One `[[object]]`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectDescription {
+    pub(super) name: Option<String>,
+    pub(super) shape: Spanned<ShapeName>,
+    pub(super) size: Option<Spanned<[f64; 2]>>,
+    pub(super) radius: Option<Spanned<f64>>,
+    pub(super) height: Option<Spanned<f64>>,
+    pub(super) arc_degrees: Option<Spanned<f64>>,
+    pub(super) focal_length: Option<Spanned<f64>>,
+    pub(super) depth: Option<Spanned<f64>>,
+    pub(super) folds: Option<Spanned<f64>>,
+    pub(super) segments: Option<Spanned<[i64; 2]>>,
+    pub(super) path: Option<Spanned<String>>,
+    pub(super) generate: Option<Spanned<String>>,
+    pub(super) translate: Option<Spanned<[f64; 3]>>,
+    pub(super) rotate_degrees: Option<Spanned<[f64; 3]>>,
+    pub(super) scale: Option<Spanned<OneOrThree>>,
+    pub(super) uv_repeat: Option<Spanned<[f64; 2]>>,
+    #[serde(default)]
+    pub(super) material: MaterialDescription,
+}
+
+/// `shape = "…"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ShapeName {
+    Plane,
+    Sphere,
+    Cylinder,
+    Paraboloid,
+    Drapery,
+    Mesh,
+}
+
+/// `[object.material]`.
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialDescription {
+    pub(super) colour: Option<Spanned<[f64; 3]>>,
+    pub(super) colour_map: Option<Spanned<ArgumentTable>>,
+    pub(super) height_map: Option<Spanned<ArgumentTable>>,
+    pub(super) normal_map: Option<Spanned<ArgumentTable>>,
+    pub(super) roughness_map: Option<Spanned<ArgumentTable>>,
+    pub(super) frame: Option<Spanned<FrameName>>,
+    pub(super) main_direction: Option<Spanned<[f64; 3]>>,
+    pub(super) reflectance: Option<Spanned<OneOrThree>>,
+    pub(super) highlight: Option<Spanned<HighlightDescription>>,
+    pub(super) peaks: Option<Spanned<PeaksDescription>>,
+}
+
+/// `frame = "…"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum FrameName {
+    MainDirection,
+    Natural,
+    NaturalNormalised,
+}
+
+/// One `[[light]]`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LightDescription {
+    pub(crate) direction: Option<Spanned<[f64; 3]>>,
+    pub(crate) position: Option<Spanned<[f64; 3]>>,
+    pub(crate) colour: Option<Spanned<[f64; 3]>>,
+}
+
+/// `highlight = { … }`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct HighlightDescription {
+    pub(crate) exponent: Option<Spanned<f64>>,
+    pub(crate) colour: Option<Spanned<[f64; 3]>>,
+    #[serde(default)]
+    pub(crate) form: HighlightForm,
+}
+
+/// `peaks = { … }`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PeaksDescription {
+    pub(crate) given: Option<Spanned<Vec<Spanned<GivenDescription>>>>,
+    pub(crate) exponent: Option<Spanned<f64>>,
+    pub(crate) amplitude: Option<Spanned<f64>>,
+    pub(crate) colour: Option<Spanned<[f64; 3]>>,
+    pub(crate) shadowing: Option<Spanned<bool>>,
+}
+
+impl PeaksDescription {
+    /// Whether the heights of the bump map are needed besides its offsets.
+    pub(crate) fn needs_heights(&self) -> bool {
+        self.given.is_none() && self.shadowing.as_ref().is_some_and(|wanted| *wanted.get_ref())
+    }
+}
+
+/// One element of `given`.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GivenDescription {
+    pub(crate) amplitude: Spanned<f64>,
+    pub(crate) normal: Spanned<[f64; 3]>,
+    pub(crate) exponent: Spanned<f64>,
+}
+
+impl Source {
+    /// Parses the text. Errors: [`SceneError::Syntax`].
+    pub(super) fn parse(&self) -> Result<SceneDescription, SceneError> {
+        toml::from_str(&self.text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            let message = error.message().replace('\n', "; ");
+            let help = if message.contains("expected a map") {
+                "write { path = \"FILE\" } or { generate = \"NAME\" }; every key is described in emulator/scenes/README.md"
+            } else {
+                "every key is described in emulator/scenes/README.md"
+            };
+            SceneError::Syntax(self.fault(span, message, help))
+        })
+    }
+}

@@ -1,0 +1,204 @@
+//! Generated colour maps, linear.
+
+use super::font::{GLYPH_COLUMNS, GLYPH_ROWS, glyph};
+use super::grid::{rectangle, square};
+use super::height::Earth;
+use super::maths::{hash, mix, smoothstep, unit};
+use super::relief::Denim;
+use crate::picture::Picture;
+
+/// Squares of two colours.
+#[derive(Clone, Debug)]
+pub(super) struct Checker {
+    /// Edge in texels.
+    pub(super) size: u32,
+    /// Squares along an edge; even, or the map has a seam.
+    pub(super) squares: u32,
+    pub(super) colours: [[f32; 3]; 2],
+}
+
+/// Draws [`Checker`].
+pub(super) fn checker(checker: &Checker) -> Picture {
+    let square_of = |index: u32| u64::from(index) * u64::from(checker.squares) / u64::from(checker.size);
+    let pixels =
+        square(checker.size, |column, row| checker.colours[((square_of(column) + square_of(row)) % 2) as usize]);
+    Picture { width: checker.size, height: checker.size, pixels }
+}
+
+/// Squares of uniformly random brightness.
+#[derive(Clone, Debug)]
+pub(super) struct Noise {
+    /// Edge in texels.
+    pub(super) size: u32,
+    pub(super) seed: u32,
+    pub(super) cell_texels: u32,
+    /// The brightest and the darkest colour.
+    pub(super) colours: [[f32; 3]; 2],
+}
+
+/// Draws [`Noise`].
+pub(super) fn noise(noise: &Noise) -> Picture {
+    let [light, dark] = noise.colours;
+    let pixels = square(noise.size, |column, row| {
+        let [x, y] = [column, row].map(|index| i64::from(index / noise.cell_texels));
+        mix(dark, light, unit(hash(noise.seed.into(), x, y, 2)))
+    });
+    Picture { width: noise.size, height: noise.size, pixels }
+}
+
+/// A page from a puzzle book (S97 Fig. 1): a maze, and writing stretched so far that it is read at a flat angle only.
+#[derive(Clone, Debug)]
+pub(super) struct Writing {
+    /// Edge in texels.
+    pub(super) size: u32,
+    /// Lines of letters the font has, from the top.
+    pub(super) lines: Vec<String>,
+    /// Left, bottom, right and top of the writing, 0 to 1; the letters fill it.
+    pub(super) frame: [f64; 4],
+    /// Cells of the maze along an edge; 0 for none.
+    pub(super) maze_cells: u32,
+    pub(super) paper: [f32; 3],
+    pub(super) ink: [f32; 3],
+    /// Colour of the maze.
+    pub(super) line: [f32; 3],
+}
+
+/// Samples along the edge of a texel.
+const SAMPLES: u32 = 4;
+
+/// Draws [`Writing`].
+pub(super) fn writing(page: &Writing) -> Picture {
+    let letters: Vec<Vec<char>> = page.lines.iter().map(|line| line.chars().collect()).collect();
+    let longest = letters.iter().map(Vec::len).max().unwrap_or(1).max(1);
+    let [left, bottom, right, top] = page.frame;
+    let is_ink = |u: f64, v: f64| {
+        // In glyph cells: one column and one row of space after each letter and line.
+        let across = (u - left) / (right - left) * (longest * (GLYPH_COLUMNS + 1)) as f64;
+        let down = (top - v) / (top - bottom) * (letters.len() * (GLYPH_ROWS + 1)) as f64;
+        if across < 0.0 || down < 0.0 {
+            return false;
+        }
+        let (column, row) = (across as usize, down as usize);
+        let letter = letters.get(row / (GLYPH_ROWS + 1)).and_then(|line| line.get(column / (GLYPH_COLUMNS + 1)));
+        let (column, row) = (column % (GLYPH_COLUMNS + 1), row % (GLYPH_ROWS + 1));
+        column < GLYPH_COLUMNS
+            && row < GLYPH_ROWS
+            && letter
+                .and_then(|&letter| glyph(letter))
+                .is_some_and(|rows| rows[row] >> (GLYPH_COLUMNS - 1 - column) & 1 == 1)
+    };
+    let margin = 0.02;
+    let is_maze = |u: f64, v: f64| {
+        let inside_writing = u > left - margin && u < right + margin && v > bottom - margin && v < top + margin;
+        let inside_page = u.min(v) > margin && u.max(v) < 1.0 - margin;
+        if page.maze_cells == 0 || inside_writing || !inside_page {
+            return false;
+        }
+        let [x, y] = [u, v].map(|coordinate| coordinate * f64::from(page.maze_cells));
+        let rising = hash(7, x.floor() as i64, y.floor() as i64, 3) & 1 == 1;
+        let (x, y) = (x - x.floor(), y - y.floor());
+        let distance = if rising { (x - y).abs() } else { (x + y - 1.0).abs() };
+        distance < 0.2
+    };
+    let pixels = square(page.size, |column, row| {
+        let (mut ink, mut line) = (0, 0);
+        for sample in 0..SAMPLES * SAMPLES {
+            let offset = [sample % SAMPLES, sample / SAMPLES].map(|step| (f64::from(step) + 0.5) / f64::from(SAMPLES));
+            let u = (f64::from(column) + offset[0]) / f64::from(page.size);
+            let v = 1.0 - (f64::from(row) + offset[1]) / f64::from(page.size);
+            if is_ink(u, v) {
+                ink += 1;
+            } else if is_maze(u, v) {
+                line += 1;
+            }
+        }
+        let share = |count: u32| f64::from(count) / f64::from(SAMPLES * SAMPLES);
+        mix(mix(page.paper, page.line, share(line)), page.ink, share(ink))
+    });
+    Picture { width: page.size, height: page.size, pixels }
+}
+
+/// Draws the map of an [`Earth`] with a line every `graticule_degrees` (0: none).
+pub(super) fn earth(earth: &Earth, graticule_degrees: f64) -> Picture {
+    const DEEP: [f32; 3] = [0.01, 0.04, 0.16];
+    const SHALLOW: [f32; 3] = [0.04, 0.2, 0.38];
+    const LOWLAND: [f32; 3] = [0.09, 0.24, 0.06];
+    const HIGHLAND: [f32; 3] = [0.36, 0.25, 0.12];
+    const ICE: [f32; 3] = [0.85, 0.88, 0.92];
+    const LINE: [f32; 3] = [0.75, 0.7, 0.5];
+    let (width, height) = (2 * earth.size, earth.size);
+    let texel_degrees = 180.0 / f64::from(height);
+    // Distance to the nearest multiple, in degrees.
+    let to_line = |degrees: f64| {
+        let steps = degrees / graticule_degrees;
+        (steps - (steps + 0.5).floor()).abs() * graticule_degrees
+    };
+    let pixels = rectangle(width, height, |column, row| {
+        let (column, row) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let at = earth.direction(column, row);
+        let height = earth.height_above_sea(at);
+        let ground = if height < 0.0 {
+            mix(SHALLOW, DEEP, smoothstep(0.0, 0.25, -height))
+        } else {
+            mix(LOWLAND, HIGHLAND, smoothstep(0.02, 0.22, height))
+        };
+        let colour = mix(ground, ICE, smoothstep(0.9, 0.95, at[1].abs() + 0.3 * height));
+        if graticule_degrees == 0.0 {
+            return colour;
+        }
+        let latitude = 90.0 - row * texel_degrees;
+        let longitude = column * texel_degrees - 180.0;
+        // A line is a quarter of a degree to each side of latitude, and as wide on the ground along longitude.
+        let ground_per_degree = (at[0] * at[0] + at[2] * at[2]).sqrt();
+        let cover = |distance: f64, half_width: f64| 1.0 - smoothstep(half_width, half_width + texel_degrees, distance);
+        let parallel = cover(to_line(latitude), 0.25);
+        // Towards a pole meridians would fill the circle: they end at 80 degrees.
+        let meridian = if latitude.abs() > 80.0 { 0.0 } else { cover(to_line(longitude), 0.25 / ground_per_degree) };
+        mix(colour, LINE, 0.7 * parallel.max(meridian))
+    });
+    Picture { width, height, pixels }
+}
+
+/// Draws the threads of a [`Denim`] in the colours of warp and weft, darker in the gaps.
+pub(super) fn denim(denim: &Denim, [warp, weft]: [[f32; 3]; 2]) -> Picture {
+    let pixels = square(denim.size, |column, row| {
+        let strand = denim.at(column, row);
+        let colour = if strand.is_warp { warp } else { weft };
+        // The crown of an upper thread is at 1.45 radii, the lowest seam between two at about 0.6.
+        mix([0.0; 3], colour, smoothstep(0.2, 1.4, strand.height))
+    });
+    Picture { width: denim.size, height: denim.size, pixels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn writing_fills_its_box_and_nothing_else() {
+        let page = Writing {
+            size: 64,
+            lines: vec!["HH".to_owned()],
+            frame: [0.5, 0.5, 1.0, 1.0],
+            maze_cells: 0,
+            paper: [1.0; 3],
+            ink: [0.0; 3],
+            line: [0.5; 3],
+        };
+        let picture = writing(&page);
+        let dark = |column: u32, row: u32| picture.pixels[(row * 64 + column) as usize][0] < 0.5;
+        assert!(dark(33, 1) && dark(33, 26), "the left stem of the first H reaches from the top to the last row");
+        assert!(!dark(39, 1) && dark(39, 13), "an H is open at the top and closed in the middle");
+        assert!((0..64).all(|column| (33..64).all(|row| !dark(column, row))));
+        assert!((0..31).all(|column| (0..64).all(|row| !dark(column, row))));
+    }
+
+    #[test]
+    fn checker_squares_are_whole_and_alternate() {
+        let colours = [[1.0; 3], [0.0; 3]];
+        let picture = checker(&Checker { size: 16, squares: 4, colours });
+        let row: Vec<f32> = picture.pixels[..16].iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(row, [1., 1., 1., 1., 0., 0., 0., 0., 1., 1., 1., 1., 0., 0., 0., 0.]);
+        assert_eq!(picture.pixels[4 * 16][0], 0.0);
+    }
+}

@@ -1,0 +1,65 @@
+//! Generated normal maps: tangent-space normals, (n + 1)/2 in red (+u), green (+v) and blue.
+
+use super::grid::square;
+use super::maths::{hash, normalised, unit};
+use crate::picture::Picture;
+
+/// Hammered metal: hollow dents that meet in sharp edges, which no height map's differences keep.
+#[derive(Clone, Debug)]
+pub(super) struct Hammered {
+    /// Edge in texels.
+    pub(super) size: u32,
+    pub(super) seed: u32,
+    /// Dents along an edge.
+    pub(super) dents: u32,
+    /// Slope of a dent half a cell away from its middle.
+    pub(super) slope: f64,
+}
+
+/// Draws [`Hammered`].
+pub(super) fn hammered(hammered: &Hammered) -> Picture {
+    let dents = i64::from(hammered.dents);
+    let seed = u64::from(hammered.seed);
+    let pixels = square(hammered.size, |column, row| {
+        let [x, y] = [column, hammered.size - 1 - row]
+            .map(|texel| (f64::from(texel) + 0.5) * f64::from(hammered.dents) / f64::from(hammered.size));
+        let cell = [x, y].map(|at| at.floor() as i64);
+        let mut nearest = [f64::INFINITY; 2];
+        for step in 0..9 {
+            let at = [cell[0] + step % 3 - 1, cell[1] + step / 3 - 1];
+            let [i, j] = at.map(|index| index.rem_euclid(dents));
+            // Within the middle two thirds of its cell.
+            let middle = |axis: i64| 1.0 / 6.0 + 2.0 / 3.0 * unit(hash(seed, i, j, 4 + axis));
+            let from_middle = [x - at[0] as f64 - middle(0), y - at[1] as f64 - middle(1)];
+            let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+            if square(from_middle) < square(nearest) {
+                nearest = from_middle;
+            }
+        }
+        // A bowl: its height grows with the square of the distance, its normal leans towards the middle.
+        let [lean_u, lean_v] = nearest.map(|distance| -2.0 * hammered.slope * distance);
+        normalised([lean_u, lean_v, 1.0]).map(|component| (0.5 + 0.5 * component) as f32)
+    });
+    Picture { width: hammered.size, height: hammered.size, pixels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dents_are_hollow_and_repeat() {
+        let map = hammered(&Hammered { size: 64, seed: 1, dents: 4, slope: 0.3 });
+        let lean = |column: u32, row: u32, channel: usize| map.pixels[(row * 64 + column) as usize][channel] - 0.5;
+        let mut edges = 0;
+        for row in 0..64 {
+            for column in 0..64 {
+                let step = lean((column + 1) % 64, row, 0) - lean(column, row, 0);
+                // Inside a dent the lean along u falls; only an edge between dents turns it back.
+                edges += usize::from(step > 0.0);
+            }
+        }
+        // Each of 64 rows meets about as many edges as there are dents along it, the seam included.
+        assert!((64 * 3..64 * 8).contains(&edges), "{edges}");
+    }
+}

@@ -1,0 +1,41 @@
+//! # roughxel-scene
+//!
+//! Scenes: camera, background, environment and objects, read from a TOML file or built in; the pictures they are made of
+//! and the files those come from and go to.
+//!
+//! `description` holds the file's keys, `source` where each stands, `load` goes from there to a [`Scene`]; `shapes` and
+//! `mesh` make triangles, `bump` makes offset vectors (S97 §7), `roughness` what is finer than those, `generate` makes the
+//! maps nobody has to download, `builtin` lists the scenes of the papers.
+//! Everything that comes from outside is bounded here, so that later stages see finite numbers and indices in range.
+
+mod builtin;
+mod bump;
+pub mod cube;
+mod description;
+mod error;
+mod generate;
+mod lighting;
+mod limits;
+mod load;
+mod mesh;
+pub mod output;
+mod panorama;
+pub mod picture;
+pub mod random;
+mod roughness;
+mod scene;
+mod shapes;
+mod source;
+
+pub use builtin::{builtin_names, builtin_text};
+pub use bump::{BumpField, FrameSystem, HeightField, HeightScale, OFFSET_LIMIT};
+pub use error::{Fault, SceneError};
+pub use lighting::{
+    EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
+    PEAK_HEIGHTS, PeakSource, Peaks,
+};
+pub use limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
+pub use mesh::MeshError;
+pub use panorama::faces_from_equirectangular;
+pub use roughness::RoughnessField;
+pub use scene::{Background, Camera, EnvironmentSource, Material, Mesh, Object, Scene, Vertex};

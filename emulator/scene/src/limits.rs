@@ -1,0 +1,21 @@
+//! Sizes that bound what is read and drawn.
+
+/// Largest edge of a frame in pixels.
+pub const MAX_FRAME_EDGE_PX: u32 = 16_384;
+/// Largest number of pixels of a frame.
+pub const MAX_FRAME_PIXELS: u64 = 1 << 26;
+/// Largest size of a scene file in bytes.
+pub const MAX_SCENE_BYTES: u64 = 1 << 20;
+
+/// Largest coordinate of a scene, world units.
+pub(crate) const MAX_COORDINATE: f64 = 1e6;
+/// Range of lengths, world units.
+pub(crate) const LENGTHS: std::ops::RangeInclusive<f64> = 1e-4..=1e6;
+/// Largest edge of an environment's face: six such faces stay below 2²⁶ pixels.
+pub(crate) const MAX_FACE_EDGE: u32 = 2048;
+
+/// Whether a frame of that size may be drawn.
+pub(crate) fn frame_size_is_allowed(width: u32, height: u32) -> bool {
+    let edge = 1..=MAX_FRAME_EDGE_PX;
+    edge.contains(&width) && edge.contains(&height) && u64::from(width) * u64::from(height) <= MAX_FRAME_PIXELS
+}

@@ -1,0 +1,374 @@
+//! From the keys of a scene file to a [`Scene`]: ranges, files, generated maps, defaults.
+
+mod lights;
+mod maps;
+mod material;
+mod object;
+
+use std::io::Read as _;
+use std::path::Path;
+
+use glam::DVec3;
+use toml::Spanned;
+
+use self::maps::Maps;
+use self::material::Surroundings;
+use crate::builtin::builtin_text;
+use crate::description::{BackgroundDescription, CameraDescription};
+use crate::error::SceneError;
+use crate::limits::{
+    LENGTHS, MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
+};
+use crate::scene::{Background, Camera, Scene};
+use crate::source::Source;
+
+/// Most objects of a scene.
+const MAX_OBJECTS: usize = 1000;
+
+impl Scene {
+    /// Reads a scene file; paths in it are relative to its folder.
+    ///
+    /// Errors: the file is missing, too large or not UTF-8, or one of those of [`Scene::from_toml`].
+    pub fn from_file(path: &Path) -> Result<Self, SceneError> {
+        from_file(path)
+    }
+
+    /// Reads a scene from TOML `text`; `label` names it in errors and becomes its name, `base_dir` is where its
+    /// relative paths start.
+    ///
+    /// Errors: with file, line and column, for an unknown or missing key, a wrong type, a value out of range, or a
+    /// picture or mesh that cannot be read.
+    pub fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Self, SceneError> {
+        from_toml(label, text, base_dir)
+    }
+
+    /// The built-in scene of that name ([`builtin_names`](crate::builtin_names)), with its maps generated; `None` for other names.
+    pub fn builtin(name: &str) -> Option<Result<Self, SceneError>> {
+        let text = builtin_text(name)?;
+        Some(Self::from_toml(name, text, Path::new("")))
+    }
+
+    /// The built-in scene of that name, or else the scene in that file.
+    ///
+    /// Errors: those of [`Scene::from_file`].
+    pub fn open(name: &str) -> Result<Self, SceneError> {
+        Self::builtin(name).unwrap_or_else(|| Self::from_file(Path::new(name)))
+    }
+}
+
+/// Reads a scene file.
+fn from_file(path: &Path) -> Result<Scene, SceneError> {
+    let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let bytes = file.metadata().map_err(unreadable)?.len();
+    if bytes > MAX_SCENE_BYTES {
+        return Err(SceneError::TooLarge { path: path.to_owned(), bytes });
+    }
+    // The limit again for what has no length of its own (a pipe).
+    let mut content = Vec::new();
+    file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut content).map_err(unreadable)?;
+    if content.len() as u64 > MAX_SCENE_BYTES {
+        return Err(SceneError::TooLarge { path: path.to_owned(), bytes: content.len() as u64 });
+    }
+    let text = String::from_utf8(content).map_err(|_| SceneError::NotText { path: path.to_owned() })?;
+    let base_dir = path.parent().unwrap_or(Path::new(""));
+    let mut scene = from_toml(&path.display().to_string(), &text, base_dir)?;
+    if let Some(stem) = path.file_stem() {
+        scene.name = stem.to_string_lossy().into_owned();
+    }
+    Ok(scene)
+}
+
+/// Reads a scene from its text.
+fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Scene, SceneError> {
+    let source = Source::new(label, text, base_dir);
+    let description = source.parse()?;
+    let mut maps = Maps::new(&source);
+    let camera = camera(&source, &description.camera)?;
+    let environment = description.environment.as_ref().map(|table| maps.environment(table)).transpose()?;
+    let background = background(&source, description.background.as_ref(), environment.is_some())?;
+    if let Some(extra) = description.object.get(MAX_OBJECTS) {
+        let help = format!("a scene has at most {MAX_OBJECTS}; join some in one mesh");
+        return Err(source.value_error(extra.span(), "too many objects", help));
+    }
+    let lights = lights::lights(&source, &description.light)?;
+    let there = Surroundings { environment: environment.is_some(), lights: !lights.is_empty() };
+    let mut objects = Vec::new();
+    for (index, object) in description.object.iter().enumerate() {
+        objects.push(object::object(&mut maps, index, object, there)?);
+    }
+    let warnings = maps.warnings;
+    Ok(Scene { name: label.to_owned(), camera, background, environment, lights, objects, warnings })
+}
+
+/// Where the scene is seen from.
+fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneError> {
+    let point = |key, value: &Spanned<[f64; 3]>| {
+        source.all_in_range(key, value, -MAX_COORDINATE..=MAX_COORDINATE).map(DVec3::from_array)
+    };
+    let eye = point("eye", &camera.eye)?;
+    let target = point("target", &camera.target)?;
+    let up = camera.up.as_ref().map_or(Ok(DVec3::Y), |up| point("up", up))?;
+    let sight = target - eye;
+    if sight.length() < *LENGTHS.start() {
+        let help = "move them apart: the camera looks from `eye` to `target`";
+        return Err(source.value_error(camera.target.span(), "`target` is where `eye` is", help));
+    }
+    // 1e-6 is the sine of the angle between them; below it the picture's right-hand direction is rounding.
+    if sight.cross(up).length() <= 1e-6 * sight.length() * up.length() {
+        let span = camera.up.as_ref().map_or(camera.target.span(), Spanned::span);
+        let help = "choose an `up` that is not zero and not parallel to the line from `eye` to `target`";
+        return Err(source.value_error(span, "`up` gives no direction in the picture", help));
+    }
+    let fov_y_degrees = match &camera.fov_y {
+        None => 40.0,
+        Some(fov) => source.in_range("fov_y", *fov.get_ref(), fov.span(), 0.1..=170.0)?,
+    };
+    let edge = |key, value: &Option<Spanned<i64>>, default| match value {
+        None => Ok(default),
+        Some(value) => source.whole_in_range(key, *value.get_ref(), value.span(), 1..=MAX_FRAME_EDGE_PX),
+    };
+    let width = edge("width", &camera.width, 640)?;
+    let height = edge("height", &camera.height, 480)?;
+    if !frame_size_is_allowed(width, height) {
+        let span = camera.height.as_ref().or(camera.width.as_ref()).map_or(0..0, Spanned::span);
+        let help = format!("width × height is at most {MAX_FRAME_PIXELS}");
+        return Err(source.value_error(span, format!("{width}×{height} pixels are too many"), help));
+    }
+    Ok(Camera { eye, target, up, fov_y_degrees, width, height })
+}
+
+/// What is seen where no object is.
+fn background(
+    source: &Source,
+    background: Option<&Spanned<BackgroundDescription>>,
+    has_environment: bool,
+) -> Result<Background, SceneError> {
+    let Some(background) = background else {
+        return Ok(if has_environment { Background::Environment } else { Background::Colour([0.0; 3]) });
+    };
+    let colour = |key, value: &Spanned<[f64; 3]>| {
+        source.all_in_range(key, value, 0.0..=1.0).map(|colour| colour.map(|channel| channel as f32))
+    };
+    match background.get_ref() {
+        BackgroundDescription { colour: Some(one), top: None, bottom: None, environment: None } => {
+            Ok(Background::Colour(colour("colour", one)?))
+        }
+        BackgroundDescription { colour: None, top: Some(top), bottom: Some(bottom), environment: None } => {
+            Ok(Background::Ramp { top: colour("top", top)?, bottom: colour("bottom", bottom)? })
+        }
+        BackgroundDescription { colour: None, top: None, bottom: None, environment: Some(shown) }
+            if *shown.get_ref() =>
+        {
+            if has_environment {
+                return Ok(Background::Environment);
+            }
+            let help = "add a table [environment], or choose a `colour`";
+            Err(source.value_error(shown.span(), "there is no environment to show", help))
+        }
+        _ => Err(source.value_error(
+            background.span(),
+            "the background is not clear",
+            "give exactly one of: `colour`; `top` and `bottom`; `environment = true`",
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bump::FrameSystem;
+    use std::sync::Arc;
+
+    const CAMERA: &str = "camera = { eye = [0, 1, 5], target = [0, 0, 0] }\n";
+    const STUDIO: &str = "environment = { generate = \"studio\", face_edge = 8 }\n";
+
+    fn read(rest: &str) -> Result<Scene, SceneError> {
+        Scene::from_toml("test.toml", &format!("{CAMERA}{rest}"), Path::new("no such folder"))
+    }
+
+    fn plane(material: &str) -> Result<Scene, SceneError> {
+        read(&format!("{STUDIO}[[object]]\nshape = \"plane\"\n[object.material]\n{material}\n"))
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_readme() {
+        let scene = plane("").unwrap();
+        let camera = scene.camera;
+        assert_eq!((camera.up, camera.fov_y_degrees, camera.width, camera.height), (DVec3::Y, 40.0, 640, 480));
+        assert_eq!(scene.background, Background::Environment);
+        let object = &scene.objects[0];
+        assert_eq!((object.name.as_str(), object.mesh.triangles.len()), ("object 1", 2));
+        let material = &object.material;
+        assert_eq!((material.colour, material.reflectance), ([1.0; 3], [0.0; 3]));
+        assert_eq!((material.frame, material.main_direction), (FrameSystem::MainDirection, DVec3::NEG_Z));
+        assert!(material.bump.is_none() && material.colour_map.is_none());
+        assert_eq!(read("").unwrap().background, Background::Colour([0.0; 3]));
+    }
+
+    #[test]
+    fn equal_maps_are_made_once_wherever_they_stand() {
+        let object = "[[object]]\nshape = \"plane\"\n[object.material]\n\
+                      colour_map = { generate = \"noise\", size = 16 }\nheight_map = { generate = \"bumps\", size = 16 }\n";
+        let scene = read(&object.repeat(2)).unwrap();
+        let [first, second] = [0, 1].map(|index| &scene.objects[index].material);
+        assert!(first.colour_map.is_some() && first.bump.is_some());
+        assert!(Arc::ptr_eq(first.colour_map.as_ref().unwrap(), second.colour_map.as_ref().unwrap()));
+        assert!(Arc::ptr_eq(first.bump.as_ref().unwrap(), second.bump.as_ref().unwrap()));
+    }
+
+    /// Message, line and column of the error of a whole scene text.
+    fn fault(text: &str) -> (String, usize, usize) {
+        match Scene::from_toml("test.toml", text, Path::new("no such folder")) {
+            Ok(_) => panic!("no error in {text}"),
+            Err(error) => {
+                let fault = error.fault().unwrap();
+                (error.to_string(), fault.line, fault.column)
+            }
+        }
+    }
+
+    #[test]
+    fn bad_scenes_name_line_column_and_remedy() {
+        let object = |line: &str| format!("{CAMERA}{STUDIO}[[object]]\nshape = \"plane\"\n{line}\n");
+        let material = |line: &str| object(&format!("[object.material]\n{line}"));
+        for (text, place, expected) in [
+            ("camera = {".to_owned(), (1, 11), ""),
+            ("x = 1\n".to_owned(), (1, 1), "unknown field `x`, expected one of `camera`"),
+            (format!("{CAMERA}\ncolor = 1\n"), (3, 1), "unknown field `color`"),
+            ("[camera]\neye = [0, 0, 0]\n".to_owned(), (1, 1), "missing field `target`"),
+            ("[camera]\neye = [0, 0]\ntarget = [0, 0, 1]\n".to_owned(), (2, 7), "invalid length 2"),
+            ("[camera]\neye = \"here\"\n".to_owned(), (2, 7), "invalid type: string"),
+            ("[camera]\neye = [nan, 0, 0]\ntarget = [0, 0, 1]\n".to_owned(), (2, 7), "`eye` is NaN"),
+            ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n".to_owned(), (3, 10), "move them apart"),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [0, 0, 0]\n".to_owned(), (3, 10), "not parallel"),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [1, 0, 0]\nfov_y = 180\n".to_owned(), (4, 9), "from 0.1 to 170"),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [1, 0, 0]\nwidth = 0\n".to_owned(), (4, 9), "from 1 to 16384"),
+            (
+                "[camera]\neye = [0, 1, 0]\ntarget = [1, 0, 0]\nwidth = 16384\nheight = 16384\n".to_owned(),
+                (5, 10),
+                "too many",
+            ),
+            (format!("{CAMERA}background = {{ top = [0, 0, 0] }}\n"), (2, 14), "exactly one of"),
+            (format!("{CAMERA}background = {{ environment = true }}\n"), (2, 30), "no environment to show"),
+            (format!("{CAMERA}environment = {{ generate = \"mars\" }}\n"), (2, 28), "moon, zebra"),
+            (
+                format!("{CAMERA}environment = {{ generate = \"moon\", stripes = 3 }}\n"),
+                (2, 36),
+                "known here: `generate`",
+            ),
+            (format!("{CAMERA}environment = {{ faces = [\"a\", \"b\"] }}\n"), (2, 25), "name six"),
+            (format!("{CAMERA}environment = {{ equirectangular = \"a.png\" }}\n"), (2, 35), "a.png"),
+            (object("radius = 2"), (5, 10), "this shape takes: size, segments"),
+            (object("arc_degrees = 90"), (5, 15), "this shape takes: size, segments"),
+            (object("size = [1, -1]"), (5, 8), "out of range"),
+            (format!("{CAMERA}[[object]]\nshape = \"cylinder\"\narc_degrees = 361\n"), (4, 15), "from 1 to 360"),
+            (format!("{CAMERA}[[object]]\nshape = \"drapery\"\nfolds = 0\n"), (4, 9), "from 0.25 to 64"),
+            (format!("{CAMERA}[[object]]\nshape = \"drapery\"\nradius = 1\n"), (4, 10), "size, depth, folds, segments"),
+            (object("segments = [0, 4]"), (5, 12), "from 1 to 1024"),
+            (object("scale = [1, 0, 1]"), (5, 9), "out of range"),
+            (object("scale = [1, 1]"), (5, 9), "three numbers"),
+            (object("scale = \"big\""), (5, 9), "a number or an array of three numbers"),
+            (object("rotate_degrees = [inf, 0, 0]"), (5, 18), "out of range"),
+            (object("scale = 10000\ntranslate = [1e6, 1e6, 1e6]\nsize = [1e6, 1]"), (4, 9), "too far out"),
+            (material("reflectance = 1.5"), (6, 15), "out of range"),
+            (material("frame = \"frenet\""), (6, 9), "unknown variant `frenet`, expected one of"),
+            (material("main_direction = [0, 0, 0]"), (6, 18), "no length"),
+            (material("colour_map = {}"), (6, 14), "exactly one of `path` and `generate`"),
+            (material("colour_map = { generate = \"noise\", sise = 3 }"), (6, 36), "unknown key `sise`"),
+            (material("colour_map = { generate = \"noise\", size = 3.5 }"), (6, 43), "a whole number"),
+            (material("colour_map = { generate = \"writing\", text = \"ä\" }"), (6, 45), "no letter `Ä`"),
+            (material("colour_map = { path = \"missing.png\" }"), (6, 23), "missing.png"),
+            (material("height_map = { generate = \"waves\", scale = 1, rms_slope = 1 }"), (6, 14), "keep one"),
+            (material("normal_map = { generate = \"waves\" }"), (6, 27), "no generated normal map `waves`"),
+            (material("roughness_map = {}"), (6, 17), "exactly one of `path` and `generate`"),
+            (material("roughness_map = { generate = \"uniform\", along = 5 }"), (6, 49), "from 0 to 4"),
+            (material("roughness_map = { generate = \"uniform\", deviation = 1 }"), (6, 41), "unknown key `deviation`"),
+            (material("roughness_map = { generate = \"waves\", channels = \"d\" }"), (6, 50), "`channels` is \"d\""),
+            (
+                material("frame = \"natural\"\nroughness_map = { generate = \"uniform\" }"),
+                (7, 17),
+                "takes no roughness map",
+            ),
+            (
+                material(
+                    "height_map = { generate = \"bumps\", size = 16 }\n\
+                     roughness_map = { generate = \"bumps\", size = 8 }",
+                ),
+                (7, 17),
+                "the roughness map has 8×8 texels and the bump map 16×16 (make both the same size)",
+            ),
+            (material("height_map = { generate = \"grooves\", periods_u = 0 }"), (6, 14), "no period"),
+            (material("frame = \"natural\"\nnormal_map = { path = \"n.png\" }"), (7, 14), "needs heights"),
+            (
+                material("height_map = { generate = \"waves\" }\nnormal_map = { path = \"n.png\" }"),
+                (7, 14),
+                "one bump map",
+            ),
+            (format!("{CAMERA}[[object]]\nshape = \"cube\"\n"), (3, 9), "unknown variant `cube`"),
+            (format!("{CAMERA}[[object]]\nshape = \"mesh\"\n"), (2, 1), "a mesh needs a file"),
+            (format!("{CAMERA}[[object]]\nshape = \"mesh\"\npath = \"no.obj\"\n"), (4, 8), "no.obj"),
+            (format!("{CAMERA}[[object]]\nshape = \"mesh\"\ngenerate = \"cow\"\n"), (4, 12), "no generated mesh `cow`"),
+            (
+                format!("{CAMERA}[[object]]\nshape = \"plane\"\nmaterial = {{ reflectance = 1 }}\n"),
+                (4, 28),
+                "no environment to reflect",
+            ),
+        ] {
+            let (message, line, column) = fault(&text);
+            assert!(message.contains(expected), "{text}\n{message}");
+            assert_eq!((line, column), place, "{text}\n{message}");
+            assert!(message.starts_with(&format!("test.toml:{line}:{column}: ")), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_scene_cut_anywhere_is_an_error_or_a_scene_but_never_a_panic() {
+        let text = builtin_text("shapes").unwrap();
+        for end in (0..text.len()).filter(|&end| text.is_char_boundary(end)).step_by(7) {
+            let _ = Source::new("cut", &text[..end], Path::new("")).parse();
+        }
+    }
+
+    #[test]
+    fn files_are_found_beside_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 1/1 2/2\n");
+        write("bad.obj", "v 0 0 nan\n");
+        write("square.toml", &format!("{CAMERA}[[object]]\nname = \"it\"\nshape = \"mesh\"\npath = \"square.obj\"\n"));
+        write("bad.toml", &format!("{CAMERA}[[object]]\nshape = \"mesh\"\npath = \"bad.obj\"\n"));
+        let scene = Scene::from_file(&folder.path().join("square.toml")).unwrap();
+        assert_eq!((scene.name.as_str(), scene.objects[0].mesh.triangles.len()), ("square", 1));
+        assert_eq!(scene.objects[0].material.frame, FrameSystem::NaturalNormalised);
+        assert_eq!(scene.warnings, ["it: 1 triangles without an area were dropped"]);
+        let error = Scene::from_file(&folder.path().join("bad.toml")).unwrap_err().to_string();
+        assert!(error.contains("bad.toml:4:8: ") && error.contains("bad.obj:1: coordinate `nan`"), "{error}");
+        std::fs::write(folder.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
+        let not_text = Scene::from_file(&folder.path().join("binary.toml"));
+        assert!(matches!(not_text, Err(SceneError::NotText { .. })));
+        let missing = Scene::from_file(&folder.path().join("missing.toml"));
+        assert!(matches!(missing, Err(SceneError::Unreadable { .. })));
+    }
+
+    #[test]
+    fn a_mesh_without_texture_coordinates_takes_no_map() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("bare.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n").unwrap();
+        let text = format!(
+            "{CAMERA}[[object]]\nshape = \"mesh\"\npath = \"bare.obj\"\n\
+             material = {{ height_map = {{ generate = \"bumps\" }} }}\n"
+        );
+        let error = Scene::from_toml("test.toml", &text, folder.path()).unwrap_err().to_string();
+        assert!(error.contains("no texture coordinates"), "{error}");
+    }
+
+    #[test]
+    fn frame_sizes_from_outside_are_checked() {
+        let scene = read("").unwrap();
+        assert_eq!(scene.clone().with_size(1280, 720).unwrap().camera.width, 1280);
+        for (width, height) in [(0, 10), (10, 0), (16_385, 1), (16_384, 16_384)] {
+            assert!(matches!(scene.clone().with_size(width, height), Err(SceneError::FrameSize { .. })));
+        }
+    }
+}

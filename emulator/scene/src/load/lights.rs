@@ -1,0 +1,225 @@
+//! The keys `[[light]]`, `highlight`, `peaks`.
+
+use glam::DVec3;
+use toml::Spanned;
+
+use crate::description::{GivenDescription, HighlightDescription, LightDescription, PeaksDescription};
+use crate::error::SceneError;
+use crate::lighting::{
+    EXPONENTS, GivenPeak, Highlight, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, PeakSource, Peaks,
+};
+use crate::source::Source;
+
+/// Amplitudes of peaks, the range of their storage.
+const AMPLITUDES: std::ops::RangeInclusive<f64> = 0.0..=15.0;
+/// Colours of lights may be brighter than white.
+const BRIGHTEST: f64 = 16.0;
+/// Coordinates of directions and positions.
+const COORDINATES: std::ops::RangeInclusive<f64> = -1e6..=1e6;
+
+/// A vector with a length, made unit.
+fn direction(source: &Source, key: &str, vector: &Spanned<[f64; 3]>) -> Result<DVec3, SceneError> {
+    let direction = DVec3::from_array(source.all_in_range(key, vector, COORDINATES)?);
+    // The square of a shorter one would lose digits.
+    if direction.length() < 1e-6 {
+        let help = "give a vector of any length but zero, for example [0, 0, 1]";
+        return Err(source.value_error(vector.span(), format!("`{key}` has no length"), help));
+    }
+    Ok(direction.normalize())
+}
+
+fn number(
+    source: &Source,
+    key: &str,
+    value: &Option<Spanned<f64>>,
+    default: f64,
+    range: std::ops::RangeInclusive<f64>,
+) -> Result<f64, SceneError> {
+    value.as_ref().map_or(Ok(default), |value| source.in_range(key, *value.get_ref(), value.span(), range))
+}
+
+fn colour(source: &Source, value: &Option<Spanned<[f64; 3]>>, brightest: f64) -> Result<[f32; 3], SceneError> {
+    let white = Ok([1.0; 3]);
+    let colour = value.as_ref().map_or(white, |value| source.all_in_range("colour", value, 0.0..=brightest))?;
+    Ok(colour.map(|channel| channel as f32))
+}
+
+/// The lights of a scene.
+pub(super) fn lights(source: &Source, lights: &[Spanned<LightDescription>]) -> Result<Vec<Light>, SceneError> {
+    if let Some(extra) = lights.get(MAX_LIGHTS) {
+        let help = format!("a scene has at most {MAX_LIGHTS}");
+        return Err(source.value_error(extra.span(), "too many lights", help));
+    }
+    let light = |light: &Spanned<LightDescription>| {
+        let LightDescription { direction: far, position, colour: brightness } = light.get_ref();
+        let place = match (far, position) {
+            (Some(vector), None) => LightPlace::Direction(direction(source, "direction", vector)?),
+            (None, Some(point)) => {
+                LightPlace::Point(DVec3::from_array(source.all_in_range("position", point, COORDINATES)?))
+            }
+            _ => {
+                let help = "give exactly one of `direction` (from the surface to the light) and `position`";
+                return Err(source.value_error(light.span(), "the light stands nowhere", help));
+            }
+        };
+        Ok(Light { place, colour: colour(source, brightness, BRIGHTEST)? })
+    };
+    lights.iter().map(light).collect()
+}
+
+/// What an object's maps are, for what needs one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Available {
+    pub(super) lights: bool,
+    pub(super) heights: bool,
+    pub(super) bumps: bool,
+}
+
+fn needs_lights(source: &Source, key: &str, span: std::ops::Range<usize>, there: Available) -> Result<(), SceneError> {
+    if there.lights {
+        return Ok(());
+    }
+    let help = "add [[light]] with a `direction` or a `position`";
+    Err(source.value_error(span, format!("there is no light for `{key}`"), help))
+}
+
+/// The highlight of a material.
+pub(super) fn highlight(
+    source: &Source,
+    description: &Spanned<HighlightDescription>,
+    there: Available,
+) -> Result<Highlight, SceneError> {
+    needs_lights(source, "highlight", description.span(), there)?;
+    let HighlightDescription { exponent, colour: tint, form } = description.get_ref();
+    let exponent = number(source, "exponent", exponent, 64.0, EXPONENTS)?;
+    Ok(Highlight { exponent, colour: colour(source, tint, 1.0)?, form: *form })
+}
+
+/// The peaks of a material.
+pub(super) fn peaks(
+    source: &Source,
+    description: &Spanned<PeaksDescription>,
+    there: Available,
+) -> Result<Peaks, SceneError> {
+    needs_lights(source, "peaks", description.span(), there)?;
+    let PeaksDescription { given, exponent, amplitude, colour: tint, shadowing } = description.get_ref();
+    let from = match given {
+        None if !there.bumps => {
+            let help = "add `height_map` or `normal_map` to the material, or give the peaks with `given = [..]`";
+            return Err(source.value_error(description.span(), "there are no bumps to make peaks of", help));
+        }
+        None => PeakSource::Bump {
+            exponent: number(source, "exponent", exponent, 40.0, EXPONENTS)?,
+            amplitude: number(source, "amplitude", amplitude, 1.0, AMPLITUDES)?,
+        },
+        Some(given) => {
+            let own = exponent.as_ref().map(Spanned::span).or(amplitude.as_ref().map(Spanned::span));
+            if let Some(span) = own {
+                let help = "give each peak its own, or leave `given` out";
+                return Err(source.value_error(span, "given peaks have their own amplitude and exponent", help));
+            }
+            if !(1..=MAX_GIVEN_PEAKS).contains(&given.get_ref().len()) {
+                let help = format!("give 1 to {MAX_GIVEN_PEAKS}");
+                return Err(source.value_error(given.span(), "the number of peaks is out of range", help));
+            }
+            let peak = |peak: &Spanned<GivenDescription>| {
+                let GivenDescription { amplitude, normal, exponent } = peak.get_ref();
+                Ok(GivenPeak {
+                    amplitude: source.in_range("amplitude", *amplitude.get_ref(), amplitude.span(), AMPLITUDES)?,
+                    normal: direction(source, "normal", normal)?,
+                    exponent: source.in_range("exponent", *exponent.get_ref(), exponent.span(), EXPONENTS)?,
+                })
+            };
+            PeakSource::Given(given.get_ref().iter().map(peak).collect::<Result<_, SceneError>>()?)
+        }
+    };
+    let shadowed = shadowing.as_ref().filter(|wanted| *wanted.get_ref());
+    if let Some(wanted) = shadowed
+        && (!there.heights || matches!(from, PeakSource::Given(_)))
+    {
+        let help = "use `height_map` and peaks without `given`: horizons are found from heights";
+        return Err(source.value_error(wanted.span(), "there are no heights to cast shadows", help));
+    }
+    Ok(Peaks { source: from, colour: colour(source, tint, 1.0)?, shadowing: shadowed.is_some() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lighting::HighlightForm;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    const HEAD: &str = "camera = { eye = [0, 1, 5], target = [0, 0, 0] }\n";
+    const SUN: &str = "[[light]]\ndirection = [0, 0, 2]\n";
+
+    fn read(rest: &str) -> Result<Scene, SceneError> {
+        Scene::from_toml("test.toml", &format!("{HEAD}{rest}"), Path::new("no such folder"))
+    }
+
+    fn material(lights: &str, keys: &str) -> Result<Scene, SceneError> {
+        read(&format!("{lights}[[object]]\nshape = \"plane\"\n[object.material]\n{keys}\n"))
+    }
+
+    fn message(scene: Result<Scene, SceneError>) -> String {
+        match scene {
+            Ok(_) => panic!("no error"),
+            Err(error) => {
+                assert!(error.fault().is_some(), "{error} has no place");
+                error.to_string()
+            }
+        }
+    }
+
+    #[test]
+    fn lights_are_directions_or_points_with_colours() {
+        let scene = read(&format!("{SUN}[[light]]\nposition = [1, 2, 3]\ncolour = [4, 0.5, 0]\n")).unwrap();
+        let sun = Light { place: LightPlace::Direction(DVec3::Z), colour: [1.0; 3] };
+        let lamp = Light { place: LightPlace::Point(DVec3::new(1.0, 2.0, 3.0)), colour: [4.0, 0.5, 0.0] };
+        assert_eq!(scene.lights, [sun, lamp]);
+        assert!(message(read("[[light]]\n")).contains("nowhere"));
+        assert!(message(read("[[light]]\ndirection = [0, 0, 0]\n")).contains("no length"));
+        assert!(message(read("[[light]]\nposition = [0, 0, 0]\ncolour = [17, 0, 0]\n")).contains("out of range"));
+        assert!(message(read(&SUN.repeat(MAX_LIGHTS + 1))).contains("too many"));
+    }
+
+    #[test]
+    fn highlights_and_peaks_have_their_defaults_and_ranges() {
+        let highlight = |keys| material(SUN, keys).map(|scene| scene.objects[0].material.highlight);
+        let found = highlight("highlight = {}").unwrap().unwrap();
+        assert_eq!((found.exponent, found.colour, found.form), (64.0, [1.0; 3], HighlightForm::Corrected));
+        assert_eq!(highlight("highlight = { form = \"printed\" }").unwrap().unwrap().form, HighlightForm::Printed);
+        assert_eq!(highlight("").unwrap(), None);
+        for keys in ["exponent = 0.5", "exponent = 9000", "colour = [2, 0, 0]"] {
+            assert!(message(material(SUN, &format!("highlight = {{ {keys} }}"))).contains("out of range"), "{keys}");
+        }
+
+        let peaks = "peaks = { given = [{ amplitude = 0.4, normal = [0.3, 0, 0.4], exponent = 100 }] }";
+        let found = material(SUN, peaks).unwrap().objects[0].material.peaks.clone().unwrap();
+        let given = GivenPeak { amplitude: 0.4, normal: DVec3::new(0.6, 0.0, 0.8), exponent: 100.0 };
+        assert_eq!(found.source, PeakSource::Given(vec![given]));
+        assert!(!found.shadowing);
+        let bumps = "height_map = { generate = \"bumps\", size = 16 }\npeaks = { shadowing = true }";
+        let found = material(SUN, bumps).unwrap().objects[0].material.peaks.clone().unwrap();
+        assert_eq!(found.source, PeakSource::Bump { exponent: 40.0, amplitude: 1.0 });
+        assert!(found.shadowing);
+    }
+
+    #[test]
+    fn what_cannot_shine_says_why() {
+        assert!(message(material("", "highlight = {}")).contains("no light for `highlight`"));
+        assert!(message(material("", "peaks = {}")).contains("no light for `peaks`"));
+        assert!(message(material(SUN, "peaks = {}")).contains("no bumps"));
+        assert!(message(material(SUN, "peaks = { given = [] }")).contains("number of peaks"));
+        let zero = "peaks = { given = [{ amplitude = 1, normal = [0, 0, 0], exponent = 5 }] }";
+        assert!(message(material(SUN, zero)).contains("no length"));
+        let exponent = "peaks = { given = [{ amplitude = 1, normal = [0, 0, 1], exponent = 0 }] }";
+        assert!(message(material(SUN, exponent)).contains("out of range"));
+        let both = "peaks = { exponent = 3, given = [{ amplitude = 1, normal = [0, 0, 1], exponent = 5 }] }";
+        assert!(message(material(SUN, both)).contains("their own"));
+        let shadow = "peaks = { shadowing = true, given = [{ amplitude = 1, normal = [0, 0, 1], exponent = 5 }] }";
+        assert!(message(material(SUN, shadow)).contains("no heights"));
+        let two = "highlight = {}\npeaks = { given = [{ amplitude = 1, normal = [0, 0, 1], exponent = 5 }] }";
+        assert!(message(material(SUN, two)).contains("one of"));
+    }
+}

@@ -1,0 +1,278 @@
+//! The maps of a scene: environments, colour, bump and roughness maps, from files or generated.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use toml::Spanned;
+
+use crate::bump::{BumpField, FrameSystem, HeightScale, OFFSET_LIMIT};
+use crate::description::MaterialDescription;
+use crate::error::SceneError;
+use crate::generate::{UNIFORM_ROUGHNESS, colour_map, environment, height_map, normal_map, uniform_roughness};
+use crate::lighting::PEAK_HEIGHTS;
+use crate::limits::MAX_FACE_EDGE;
+use crate::panorama::faces_from_equirectangular;
+use crate::picture::{Encoding, Picture, read_exr, read_png};
+use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
+use crate::scene::EnvironmentSource;
+use crate::source::{ArgumentTable, Arguments, Source};
+
+/// Reads the maps of one scene; those that are named more than once are made once.
+pub(super) struct Maps<'a> {
+    pub(super) source: &'a Source,
+    colour_maps: HashMap<String, Arc<Picture>>,
+    bumps: HashMap<String, Arc<BumpField>>,
+    roughness: HashMap<String, Arc<RoughnessField>>,
+    /// What was repaired, one sentence each.
+    pub(super) warnings: Vec<String>,
+}
+
+/// What a picture is read for: colours are decoded from sRGB, data are not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PictureUse {
+    Colour,
+    Height,
+    Normal,
+    Roughness,
+}
+impl<'a> Maps<'a> {
+    /// Nothing read so far.
+    pub(super) fn new(source: &'a Source) -> Self {
+        Self {
+            source,
+            colour_maps: HashMap::new(),
+            bumps: HashMap::new(),
+            roughness: HashMap::new(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl Maps<'_> {
+    /// The six faces of `[environment]`.
+    pub(super) fn environment(&self, table: &Spanned<ArgumentTable>) -> Result<EnvironmentSource, SceneError> {
+        let arguments = Arguments::new(self.source, table);
+        let generate = arguments.text("generate")?;
+        let equirectangular = arguments.text("equirectangular")?;
+        let paths = arguments.texts("faces")?;
+        let faces = match (generate, equirectangular, paths) {
+            (Some((name, span)), None, None) => environment(&arguments, name, span)?,
+            (None, Some((path, span)), None) => {
+                let face_edge = arguments.whole("face_edge", 512, 1..=MAX_FACE_EDGE)?;
+                let picture = self.read_picture(path, span, Encoding::Srgb)?;
+                faces_from_equirectangular(&picture, face_edge)
+            }
+            (None, None, Some((paths, span))) => self.six_faces(paths, span)?,
+            _ => {
+                return Err(arguments.error(
+                    "the environment is not clear",
+                    "give exactly one of: `faces` (six files), `equirectangular` (a file), `generate` (a name)",
+                ));
+            }
+        };
+        arguments.finish()?;
+        Ok(EnvironmentSource { faces })
+    }
+
+    fn six_faces(&self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+        let wrong_count = |_| {
+            let message = format!("`faces` names {} files", paths.len());
+            self.source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
+        };
+        let mut faces = Vec::new();
+        for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
+            let face = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+            let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
+            if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
+                let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);
+                let help = format!("all six must be squares of one size of at most {MAX_FACE_EDGE} pixels");
+                return Err(self.source.value_error(span, message, help));
+            }
+            faces.push(face);
+        }
+        <[Picture; 6]>::try_from(faces).map_err(|_| wrong_count(()))
+    }
+
+    /// Reads a PNG or, by its ending, an EXR file (always linear).
+    fn read_picture(&self, path: &str, span: Range<usize>, encoding: Encoding) -> Result<Picture, SceneError> {
+        let path = self.resolve(path);
+        let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
+        let picture = if is_exr { read_exr(&path) } else { read_png(&path, encoding) };
+        picture.map_err(|source| SceneError::Picture {
+            fault: self.source.fault(span, source.to_string(), "paths are relative to the scene file"),
+            source,
+        })
+    }
+
+    /// A path, relative to the scene file.
+    pub(super) fn resolve(&self, path: &str) -> PathBuf {
+        self.source.base_dir.join(path)
+    }
+
+    /// The picture of a table with `path` or `generate`; refuses keys that neither it nor the caller asked for.
+    fn picture(&self, arguments: &Arguments<'_>, usage: PictureUse) -> Result<Picture, SceneError> {
+        let path = arguments.text("path")?;
+        let generate = arguments.text("generate")?;
+        let picture = match (path, generate, usage) {
+            (Some((path, span)), None, PictureUse::Colour) => self.read_picture(path, span, Encoding::Srgb)?,
+            (Some((path, span)), None, _) => self.read_picture(path, span, Encoding::Linear)?,
+            (None, Some((name, span)), PictureUse::Colour) => colour_map(arguments, name, span)?,
+            (None, Some((name, span)), PictureUse::Normal) => normal_map(arguments, name, span)?,
+            // The grey of a height map is as good for a deviation as for a height.
+            (None, Some((name, span)), PictureUse::Height | PictureUse::Roughness) => {
+                height_map(arguments, name, span)?
+            }
+            _ => {
+                return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));
+            }
+        };
+        arguments.finish()?;
+        Ok(picture)
+    }
+
+    /// A colour map.
+    pub(super) fn colour_map(&mut self, table: &Spanned<ArgumentTable>) -> Result<Arc<Picture>, SceneError> {
+        let arguments = Arguments::new(self.source, table);
+        let key = arguments.fingerprint();
+        if let Some(known) = self.colour_maps.get(&key) {
+            return Ok(Arc::clone(known));
+        }
+        let picture = Arc::new(self.picture(&arguments, PictureUse::Colour)?);
+        self.colour_maps.insert(key, Arc::clone(&picture));
+        Ok(picture)
+    }
+
+    /// The bump map of a material.
+    pub(super) fn bump(
+        &mut self,
+        material: &MaterialDescription,
+        name: &str,
+        frame: FrameSystem,
+        with_heights: bool,
+    ) -> Result<Option<Arc<BumpField>>, SceneError> {
+        let table = match (&material.height_map, &material.normal_map) {
+            (None, None) => return Ok(None),
+            (Some(table), None) | (None, Some(table)) => table,
+            (Some(_), Some(normal_map)) => {
+                let help = "keep one of `height_map` and `normal_map`";
+                return Err(self.source.value_error(normal_map.span(), "an object has one bump map", help));
+            }
+        };
+        let is_height = material.height_map.is_some();
+        let arguments = Arguments::new(self.source, table);
+        let key = format!("{is_height} {with_heights} {frame:?} {}", arguments.fingerprint());
+        if let Some(known) = self.bumps.get(&key) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let (field, clamped) = if is_height {
+            let scale = height_scale(&arguments, frame)?;
+            let heights = self.picture(&arguments, PictureUse::Height)?;
+            if with_heights {
+                BumpField::with_heights(&heights, scale, frame)
+            } else {
+                BumpField::from_heights(&heights, scale, frame)
+            }
+        } else {
+            if frame == FrameSystem::Natural {
+                let help = "use `height_map`, or the frame \"natural-normalised\" or \"main-direction\"";
+                let message = "the frame \"natural\" needs heights: a normal map has no depth";
+                return Err(arguments.error(message, help));
+            }
+            BumpField::from_normals(&self.picture(&arguments, PictureUse::Normal)?)
+        };
+        if clamped > 0 {
+            self.warnings.push(format!(
+                "{name}: {clamped} texels of the bump map are steeper than {} and were clamped",
+                OFFSET_LIMIT
+            ));
+        }
+        // NaN is within nothing.
+        if let Some(kept) = &field.heights
+            && !kept.heights.iter().all(|height| PEAK_HEIGHTS.contains(height))
+        {
+            let help = "choose a smaller `scale`, or a map without such heights";
+            return Err(arguments.error("heights of more than 10^9 texels cast no shadows", help));
+        }
+        let field = Arc::new(field);
+        self.bumps.insert(key, Arc::clone(&field));
+        Ok(Some(field))
+    }
+
+    /// The roughness map of a material.
+    pub(super) fn roughness(
+        &mut self,
+        material: &MaterialDescription,
+        name: &str,
+        frame: FrameSystem,
+        bump: Option<&BumpField>,
+    ) -> Result<Option<Arc<RoughnessField>>, SceneError> {
+        let Some(table) = &material.roughness_map else {
+            return Ok(None);
+        };
+        let arguments = Arguments::new(self.source, table);
+        if frame == FrameSystem::Natural {
+            let help = "use the frame \"natural-normalised\" or \"main-direction\"";
+            return Err(arguments.error("the frame \"natural\" takes no roughness map: it has no unit there", help));
+        }
+        let key = arguments.fingerprint();
+        let field = match self.roughness.get(&key) {
+            Some(known) => Arc::clone(known),
+            None => {
+                let (field, clamped) = self.roughness_field(&arguments)?;
+                if clamped > 0 {
+                    self.warnings.push(format!(
+                        "{name}: {clamped} texels of the roughness map are outside 0 to {MAX_DEVIATION} and were clamped"
+                    ));
+                }
+                let field = Arc::new(field);
+                self.roughness.insert(key, Arc::clone(&field));
+                field
+            }
+        };
+        if let Some(bump) = bump
+            && field.factors.len() > 1
+            && (bump.width, bump.height) != (field.width, field.height)
+        {
+            let sizes = [(field.width, field.height), (bump.width, bump.height)].map(|(w, h)| format!("{w}×{h}"));
+            let message = format!("the roughness map has {} texels and the bump map {}", sizes[0], sizes[1]);
+            return Err(arguments.error(message, "make both the same size"));
+        }
+        Ok(Some(field))
+    }
+
+    /// The factors of a table, and how many were out of range.
+    fn roughness_field(&self, arguments: &Arguments<'_>) -> Result<(RoughnessField, usize), SceneError> {
+        if arguments.text("generate")?.is_some_and(|(name, _)| name == UNIFORM_ROUGHNESS) {
+            let factor = uniform_roughness(arguments)?;
+            arguments.finish()?;
+            return Ok((RoughnessField::uniform(factor), 0));
+        }
+        let deviation = arguments.number("deviation", 0.25, 0.0..=MAX_DEVIATION)?;
+        let channels = match arguments.text("channels")? {
+            None | Some(("isotropic", _)) => RoughnessChannels::Isotropic,
+            Some(("anisotropic", _)) => RoughnessChannels::Anisotropic,
+            Some((other, span)) => {
+                let message = format!("`channels` is \"{other}\"");
+                return Err(arguments.error_at(span, message, "choose \"isotropic\" or \"anisotropic\""));
+            }
+        };
+        Ok(RoughnessField::from_picture(&self.picture(arguments, PictureUse::Roughness)?, channels, deviation))
+    }
+}
+
+/// `scale` or `rms_slope` of a height map.
+fn height_scale(arguments: &Arguments<'_>, frame: FrameSystem) -> Result<HeightScale, SceneError> {
+    let scale = arguments.optional_number("scale", -1e3..=1e3)?;
+    let rms_slope = arguments.optional_number("rms_slope", 0.0..=4.0)?;
+    match (scale, rms_slope) {
+        (None, None) => Ok(HeightScale::Height(0.05)),
+        (Some(scale), None) => Ok(HeightScale::Height(scale)),
+        (None, Some(_)) if frame == FrameSystem::Natural => {
+            Err(arguments.error("`rms_slope` has no meaning in the frame \"natural\"", "give `scale` in world units"))
+        }
+        (None, Some(rms_slope)) => Ok(HeightScale::RmsSlope(rms_slope)),
+        (Some(_), Some(_)) => Err(arguments.error("the height is given twice", "keep one of `scale` and `rms_slope`")),
+    }
+}

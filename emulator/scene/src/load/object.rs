@@ -1,0 +1,159 @@
+//! Objects of a scene: shapes and meshes with their places.
+
+use std::ops::Range;
+use std::path::Path;
+
+use glam::DVec3;
+use toml::Spanned;
+
+use super::maps::Maps;
+use super::material::{Surroundings, material};
+use crate::description::{ObjectDescription, ShapeName};
+use crate::error::SceneError;
+use crate::generate::{mesh_names, mesh_text};
+use crate::limits::{LENGTHS, MAX_COORDINATE};
+use crate::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
+use crate::scene::{Mesh, Object, Vertex};
+use crate::shapes::{MAX_SEGMENTS, Placement, Shape};
+use crate::source::Source;
+
+/// One object, its maps read.
+pub(super) fn object(
+    maps: &mut Maps<'_>,
+    index: usize,
+    object: &Spanned<ObjectDescription>,
+    there: Surroundings,
+) -> Result<Object, SceneError> {
+    let span = object.span();
+    let object = object.get_ref();
+    let name = object.name.clone().unwrap_or_else(|| format!("object {}", index + 1));
+    let (mut mesh, has_uv, shape) = triangles(maps, object, &name, span)?;
+    let placement = placement(maps.source, object)?;
+    let uv_repeat = match &object.uv_repeat {
+        None => [1.0; 2],
+        Some(repeat) => maps.source.all_in_range("uv_repeat", repeat, 0.001..=4096.0)?,
+    };
+    placement.apply(&mut mesh, uv_repeat);
+    let beyond = |vertex: &Vertex| vertex.position.abs().max_element() > 2.0 * MAX_COORDINATE;
+    if mesh.vertices.iter().any(beyond) {
+        let help = "choose a smaller `scale`, or a smaller shape";
+        return Err(maps.source.value_error(object.shape.span(), "the object reaches too far out", help));
+    }
+    let material = material(maps, &object.material, &name, shape, has_uv, &placement, there)?;
+    Ok(Object { name, mesh, material })
+}
+
+/// Triangles in object space, whether they have texture coordinates, and the built-in shape.
+fn triangles(
+    maps: &mut Maps<'_>,
+    object: &ObjectDescription,
+    name: &str,
+    object_span: Range<usize>,
+) -> Result<(Mesh, bool, Option<Shape>), SceneError> {
+    let source = maps.source;
+    let shape_name = *object.shape.get_ref();
+    let measures = [
+        ("size", object.size.as_ref().map(Spanned::span)),
+        ("radius", object.radius.as_ref().map(Spanned::span)),
+        ("height", object.height.as_ref().map(Spanned::span)),
+        ("arc_degrees", object.arc_degrees.as_ref().map(Spanned::span)),
+        ("focal_length", object.focal_length.as_ref().map(Spanned::span)),
+        ("depth", object.depth.as_ref().map(Spanned::span)),
+        ("folds", object.folds.as_ref().map(Spanned::span)),
+        ("segments", object.segments.as_ref().map(Spanned::span)),
+        ("path", object.path.as_ref().map(Spanned::span)),
+        ("generate", object.generate.as_ref().map(Spanned::span)),
+    ];
+    let known: &[&str] = match shape_name {
+        ShapeName::Plane => &["size", "segments"],
+        ShapeName::Sphere => &["radius", "segments"],
+        ShapeName::Cylinder => &["radius", "height", "arc_degrees", "segments"],
+        ShapeName::Paraboloid => &["radius", "focal_length", "segments"],
+        ShapeName::Drapery => &["size", "depth", "folds", "segments"],
+        ShapeName::Mesh => &["path", "generate"],
+    };
+    for (key, span) in measures {
+        if let Some(span) = span
+            && !known.contains(&key)
+        {
+            let help = format!("this shape takes: {}", known.join(", "));
+            return Err(source.value_error(span, format!("`{key}` does not belong to this shape"), help));
+        }
+    }
+    let number = |key, value: &Option<Spanned<f64>>, default, range| match value {
+        None => Ok(default),
+        Some(value) => source.in_range(key, *value.get_ref(), value.span(), range),
+    };
+    let length = |key, value, default| number(key, value, default, LENGTHS);
+    let radius = length("radius", &object.radius, 1.0)?;
+    let size = object.size.as_ref().map_or(Ok([1.0; 2]), |size| source.all_in_range("size", size, LENGTHS))?;
+    let shape = match shape_name {
+        ShapeName::Plane => Shape::Plane { size },
+        ShapeName::Sphere => Shape::Sphere { radius },
+        ShapeName::Cylinder => Shape::Cylinder {
+            radius,
+            height: length("height", &object.height, 1.0)?,
+            arc_degrees: number("arc_degrees", &object.arc_degrees, 360.0, 1.0..=360.0)?,
+        },
+        ShapeName::Paraboloid => {
+            Shape::Paraboloid { radius, focal_length: length("focal_length", &object.focal_length, 1.0)? }
+        }
+        ShapeName::Drapery => Shape::Drapery {
+            size,
+            depth: length("depth", &object.depth, 0.1)?,
+            folds: number("folds", &object.folds, 5.0, 0.25..=64.0)?,
+        },
+        ShapeName::Mesh => {
+            let ObjMesh { mesh, has_uv, warnings } = obj(maps, object, object_span)?;
+            maps.warnings.extend(warnings.into_iter().map(|warning| format!("{name}: {warning}")));
+            return Ok((mesh, has_uv, None));
+        }
+    };
+    let segments = match &object.segments {
+        None => shape.default_segments(),
+        Some(segments) => {
+            let fewest = shape.fewest_segments();
+            let [u, v] = *segments.get_ref();
+            let whole =
+                |count, fewest| source.whole_in_range("segments", count, segments.span(), fewest..=MAX_SEGMENTS);
+            [whole(u, fewest[0])?, whole(v, fewest[1])?]
+        }
+    };
+    debug_assert!(2 * MAX_SEGMENTS as usize * MAX_SEGMENTS as usize <= MAX_TRIANGLES);
+    Ok((shape.mesh(segments), true, Some(shape)))
+}
+
+/// The triangles of a mesh, from a file or generated.
+fn obj(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -> Result<ObjMesh, SceneError> {
+    let source = maps.source;
+    let (read, span) = match (&object.path, &object.generate) {
+        (Some(path), None) => (read_obj(&maps.resolve(path.get_ref())), path.span()),
+        (None, Some(name)) => {
+            let text = mesh_text(name.get_ref()).ok_or_else(|| {
+                let message = format!("there is no generated mesh `{}`", name.get_ref());
+                source.value_error(name.span(), message, format!("the generated ones are: {}", mesh_names()))
+            })?;
+            (parse_obj(Path::new(name.get_ref()), &text), name.span())
+        }
+        _ => {
+            let help = "give exactly one of `path` (an OBJ file, relative to the scene file) and `generate`";
+            return Err(source.value_error(object_span, "a mesh needs a file", help));
+        }
+    };
+    read.map_err(|error| SceneError::Mesh {
+        fault: source.fault(span, error.to_string(), "paths are relative to the scene file"),
+        source: error,
+    })
+}
+
+/// Where an object stands.
+fn placement(source: &Source, object: &ObjectDescription) -> Result<Placement, SceneError> {
+    let triple = |key, value: &Option<Spanned<[f64; 3]>>, bound: f64| match value {
+        None => Ok([0.0; 3]),
+        Some(value) => source.all_in_range(key, value, -bound..=bound),
+    };
+    let translate = triple("translate", &object.translate, MAX_COORDINATE)?;
+    let rotate_degrees = triple("rotate_degrees", &object.rotate_degrees, 3600.0)?;
+    let scale = source.one_or_three("scale", &object.scale, 1.0, 1e-4..=1e4)?;
+    Ok(Placement::new(DVec3::from_array(translate), rotate_degrees, scale))
+}

@@ -1,0 +1,229 @@
+//! Six cube faces from an equirectangular picture.
+//!
+//! Resampling averages a grid of bilinear samples no further apart than one texel of the
+//! equirectangular picture (at most 64×64, which only texels around the poles reach), so it cannot alias. Its
+//! angles come from a fixed series and correctly rounded operations: the same faces on every machine.
+
+use rayon::prelude::*;
+
+use crate::cube::FACE_AXES;
+use crate::picture::Picture;
+
+/// Most samples a face texel takes along an axis.
+const MOST_SAMPLES: f64 = 64.0;
+
+/// Resamples an equirectangular panorama to six cube faces of `face_edge` (at least 1) pixels.
+///
+/// Directions: +y is up; the centre of the panorama looks along −z and u grows to the right, so that a quarter to the
+/// right of the centre is +x, a quarter to the left −x, and the left and right borders meet at +z. Rows run from +y (top)
+/// to −y. Linear light in and out; every face pixel is the mean over its area, weighted evenly in (s, t).
+///
+/// # Panics
+/// If `panorama` has no pixels, or not `width · height` of them.
+pub fn faces_from_equirectangular(panorama: &Picture, face_edge: u32) -> [Picture; 6] {
+    let edge = face_edge.max(1);
+    std::array::from_fn(|face| {
+        let mut picture = Picture::filled(edge, edge, [0.0; 3]);
+        picture.pixels.par_chunks_mut(edge as usize).enumerate().for_each(|(row, pixels)| {
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = resample(panorama, face, column, row, edge);
+            }
+        });
+        picture
+    })
+}
+
+/// Mean of the panorama over one texel of a face.
+fn resample(panorama: &Picture, face: usize, column: usize, row: usize, edge: u32) -> [f32; 3] {
+    let texel = 2.0 / f64::from(edge);
+    let coordinate = |index: usize, offset: f64| (index as f64 + offset) * texel - 1.0;
+    let [x, y, z] = direction(face, coordinate(column, 0.5), coordinate(row, 0.5));
+    // The span of the texel in texels of the panorama: texel / |d| radians along a meridian, texel / ρ along a circle
+    // of latitude, with ρ the distance from the axis at the texel's nearest point, but for the pole itself.
+    let from_axis = (x * x + z * z).sqrt();
+    let nearest = (from_axis - texel).max(0.5 * texel);
+    let columns = texel / nearest * f64::from(panorama.width) / std::f64::consts::TAU;
+    let length = (from_axis * from_axis + y * y).sqrt();
+    let rows = texel / length * f64::from(panorama.height) / std::f64::consts::PI;
+    let samples = columns.max(rows).ceil().clamp(2.0, MOST_SAMPLES);
+
+    let step = 1.0 / samples;
+    let count = samples as usize;
+    let mut sum = [0.0; 3];
+    for j in 0..count {
+        let t = coordinate(row, (j as f64 + 0.5) * step);
+        for i in 0..count {
+            let s = coordinate(column, (i as f64 + 0.5) * step);
+            let colour = bilinear(panorama, position(direction(face, s, t)));
+            for (sum, channel) in sum.iter_mut().zip(colour) {
+                *sum += channel;
+            }
+        }
+    }
+    sum.map(|sum| (sum * step * step) as f32)
+}
+
+/// The direction of (s, t) on the cube of half edge 1.
+fn direction(face: usize, s: f64, t: f64) -> [f64; 3] {
+    let mut vector = [0.0; 3];
+    for ((axis, sign), component) in FACE_AXES[face].into_iter().zip([s, t, 1.0]) {
+        vector[axis] = f64::from(sign) * component;
+    }
+    vector
+}
+
+/// Position of a direction in the panorama, both 0…1: 0 at the left border and at the top.
+fn position([x, y, z]: [f64; 3]) -> [f64; 2] {
+    let longitude = atan2(x, -z) / std::f64::consts::TAU;
+    let latitude = atan2(y, (x * x + z * z).sqrt()) / std::f64::consts::PI;
+    [0.5 + longitude, 0.5 - latitude]
+}
+
+/// Bilinear sample; columns wrap around, rows end at the poles.
+fn bilinear(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 3] {
+    let (width, height) = (panorama.width as usize, panorama.height as usize);
+    let x = u * f64::from(panorama.width) - 0.5;
+    let y = (v * f64::from(panorama.height) - 0.5).clamp(0.0, (height - 1) as f64);
+    let (left, top) = (x.floor(), y.floor());
+    let (right_weight, bottom_weight) = (x - left, y - top);
+    // x lies within −½…width − ½, so only the columns −1 and width are to be wrapped.
+    let first = if left < 0.0 { width - 1 } else { left as usize };
+    let columns = [first, if first + 1 == width { 0 } else { first + 1 }];
+    let rows = [top as usize, (top as usize + 1).min(height - 1)];
+    let pixel = |i: usize, j: usize| panorama.pixels[rows[j] * width + columns[i]].map(f64::from);
+    let (a, b, c, d) = (pixel(0, 0), pixel(1, 0), pixel(0, 1), pixel(1, 1));
+    std::array::from_fn(|channel| {
+        let upper = a[channel] + (b[channel] - a[channel]) * right_weight;
+        let lower = c[channel] + (d[channel] - c[channel]) * right_weight;
+        upper + (lower - upper) * bottom_weight
+    })
+}
+
+/// Angle of the point (x, y) in −π…π, 0 for the origin; error below 2⁻³⁶, the same bits on every machine.
+///
+/// The platform's atan2 may differ in the last bit, and one such bit can move a 16-bit texel. 2⁻³⁶ is 2⁻²⁴ texels of
+/// the widest panorama.
+fn atan2(y: f64, x: f64) -> f64 {
+    let (small, large) = (y.abs().min(x.abs()), y.abs().max(x.abs()));
+    if large == 0.0 {
+        return 0.0;
+    }
+    // arctan(a/b) = π/4 + arctan((a − b)/(a + b)) brings the upper half of the octant to the lower.
+    let first_octant = if small > TAN_PI_8 * large {
+        std::f64::consts::FRAC_PI_4 + atan_series((small - large) / (small + large))
+    } else {
+        atan_series(small / large)
+    };
+    let first_quadrant = if y.abs() > x.abs() { std::f64::consts::FRAC_PI_2 - first_octant } else { first_octant };
+    let upper_half = if x < 0.0 { std::f64::consts::PI - first_quadrant } else { first_quadrant };
+    if y < 0.0 { -upper_half } else { upper_half }
+}
+
+/// tan(π/8) = √2 − 1.
+const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
+
+/// Coefficients 1, −1/3, 1/5 … of the series of arctan, in powers of the square.
+const ATAN_COEFFICIENTS: [f64; 12] = [
+    1.0,
+    -1.0 / 3.0,
+    1.0 / 5.0,
+    -1.0 / 7.0,
+    1.0 / 9.0,
+    -1.0 / 11.0,
+    1.0 / 13.0,
+    -1.0 / 15.0,
+    1.0 / 17.0,
+    -1.0 / 19.0,
+    1.0 / 21.0,
+    -1.0 / 23.0,
+];
+
+/// arctan for |tan| up to tan(π/8): the first term left out, t²⁵/25, is below 2⁻³⁶.
+fn atan_series(tan: f64) -> f64 {
+    let square = tan * tan;
+    let sum = ATAN_COEFFICIENTS.iter().rev().fold(0.0, |sum, coefficient| sum * square + coefficient);
+    tan * sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_agree_with_the_platform_to_36_bits() {
+        for step in 0..=7200 {
+            let (y, x) = (f64::from(step) / 10.0 - 360.0).to_radians().sin_cos();
+            assert!((atan2(y, x) - y.atan2(x)).abs() <= power(-36), "{y} {x}");
+        }
+        assert_eq!(atan2(0.0, 0.0), 0.0);
+        assert_eq!(atan2(0.0, -1.0), std::f64::consts::PI);
+    }
+
+    fn power(exponent: i32) -> f64 {
+        2_f64.powi(exponent)
+    }
+
+    /// A panorama whose pixel is a function of its direction.
+    fn panorama(width: u32, height: u32, colour: impl Fn([f64; 3]) -> [f32; 3]) -> Picture {
+        let mut picture = Picture::filled(width, height, [0.0; 3]);
+        for (index, pixel) in picture.pixels.iter_mut().enumerate() {
+            let u = ((index as u32 % width) as f64 + 0.5) / f64::from(width);
+            let v = ((index as u32 / width) as f64 + 0.5) / f64::from(height);
+            let (longitude, latitude) = ((u - 0.5) * std::f64::consts::TAU, (0.5 - v) * std::f64::consts::PI);
+            *pixel = colour([latitude.cos() * longitude.sin(), latitude.sin(), -latitude.cos() * longitude.cos()]);
+        }
+        picture
+    }
+
+    #[test]
+    fn each_face_shows_its_axis_in_its_middle_and_its_table_at_its_sides() {
+        let map = panorama(256, 128, |d| d.map(|c| (0.5 + 0.5 * c) as f32));
+        let faces = faces_from_equirectangular(&map, 32);
+        for (face, picture) in faces.iter().enumerate() {
+            for (column, row) in [(16, 16), (0, 0), (31, 0), (0, 31), (31, 31), (5, 20)] {
+                let coordinate = |index: u32| (f64::from(index) + 0.5) / 16.0 - 1.0;
+                let d = direction(face, coordinate(column), coordinate(row));
+                let length = d.iter().map(|c| c * c).sum::<f64>().sqrt();
+                let pixel = picture.pixels[(row * 32 + column) as usize];
+                for (c, got) in d.iter().zip(pixel) {
+                    // The mean over a texel and bilinear interpolation both bend by about (2π/256)²/8.
+                    let expected = 0.5 + 0.5 * c / length;
+                    assert!((f64::from(got) - expected).abs() < 1e-3, "face {face}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn fine_stripes_are_averaged_and_do_not_alias() {
+        // One texel black, one white in the panorama, many of them in a face texel: grey, also around the poles.
+        for (width, height, vertical) in [(1024, 512, true), (1024, 512, false)] {
+            let mut map = Picture::filled(width, height, [0.0; 3]);
+            for (index, pixel) in map.pixels.iter_mut().enumerate() {
+                let stripe = index as u32 / if vertical { 1 } else { width };
+                *pixel = [(stripe % 2) as f32; 3];
+            }
+            for face in faces_from_equirectangular(&map, 16) {
+                for pixel in face.pixels {
+                    // Some 10 stripes cross a texel; the partial ones at its ends give up to 5 %.
+                    assert!((pixel[0] - 0.5).abs() < 0.05, "{}", pixel[0]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn constant_panoramas_give_constant_faces_at_any_size() {
+        for (width, height, edge) in [(1, 1, 1), (2, 1, 5), (64, 32, 3), (7, 300, 8)] {
+            let map = Picture::filled(width, height, [0.25, 3.0, 1e-3]);
+            for face in faces_from_equirectangular(&map, edge) {
+                for pixel in face.pixels {
+                    for (got, expected) in pixel.iter().zip([0.25, 3.0, 1e-3]) {
+                        // Up to 64² float64 sums, rounded to float32 once.
+                        assert!((got - expected).abs() <= expected * f32::EPSILON);
+                    }
+                }
+            }
+        }
+    }
+}

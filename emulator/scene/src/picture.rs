@@ -1,0 +1,179 @@
+//! Pictures in host memory, and the files they come from and go to.
+//!
+//! PNG: 1, 2, 4, 8 or 16 bits, grey, RGB or palette. EXR: RGB or one channel, half or float, of the first layer that has
+//! them. Alpha is ignored, not composited: data maps keep other things in it, and a texture has no background here.
+//! Ancillary colour data (gAMA, iCCP, chromaticities) is ignored too: the caller states the [`Encoding`]. Sizes are
+//! checked from the header, before memory is taken. sRGB uses the exact piecewise curve by correctly rounded
+//! operations only, so the pixels are the same bits on every machine. Files are written beside their name and renamed
+//! when complete.
+
+mod compare;
+mod exr_file;
+mod png_file;
+mod srgb;
+#[cfg(test)]
+mod tests;
+
+pub use compare::{DIFFERENCE_GAIN, difference, ssim};
+pub use exr_file::read_exr;
+pub use png_file::{read_png, write_png_srgb};
+pub use srgb::{linear_to_srgb8, srgb_to_linear};
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// Longest edge of a picture that is read, in pixels.
+pub const MAX_EDGE: u32 = 16384;
+
+/// Most pixels of a picture that is read.
+pub const MAX_PIXELS: u64 = 1 << 26;
+
+/// A picture in linear light, or the raw values of a data map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels in a row, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Red, green, blue; `width · height` of them, rows from top to bottom.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// A picture of one colour.
+    pub fn filled(width: u32, height: u32, colour: [f32; 3]) -> Self {
+        Self { width, height, pixels: vec![colour; width as usize * height as usize] }
+    }
+
+    /// The pixel in column `x` and row `y` from the top.
+    ///
+    /// # Panics
+    /// If the pixel lies outside of the picture.
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
+        self.pixels[y as usize * self.width as usize + x as usize]
+    }
+}
+
+/// What the numbers in a file mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Colours by the sRGB curve, decoded to linear light.
+    Srgb,
+    /// Linear colours or data (heights, normals), code / (2^bits − 1).
+    Linear,
+}
+
+/// Why a picture could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The file cannot be opened.
+    #[error("cannot open picture `{}`: {source}; check the path and its permissions", path.display())]
+    Open {
+        /// File.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is damaged, cut off or of another format.
+    #[error("`{}` is not a readable {format} file: {reason}; export it again as {format}", path.display())]
+    Damaged {
+        /// File.
+        path: PathBuf,
+        /// The format it was read as.
+        format: &'static str,
+        /// What the decoder met.
+        reason: String,
+    },
+    /// The picture is larger than the limits.
+    #[error(
+        "picture `{}` has {width}×{height} pixels; at most {MAX_EDGE} an edge and {MAX_PIXELS} in all are read: scale it down",
+        path.display()
+    )]
+    TooLarge {
+        /// File.
+        path: PathBuf,
+        /// Width from the header, in pixels.
+        width: u64,
+        /// Height from the header, in pixels.
+        height: u64,
+    },
+    /// A valid file of a kind that is not supported.
+    #[error("`{}` {reason}; export it as {remedy}", path.display())]
+    Unsupported {
+        /// File.
+        path: PathBuf,
+        /// What is not supported.
+        reason: String,
+        /// What would be.
+        remedy: &'static str,
+    },
+    /// A pixel that is no finite number.
+    #[error(
+        "`{}` has the value {value} at pixel ({x}, {y}), counted from the top left; clamp it to finite values",
+        path.display()
+    )]
+    NotFinite {
+        /// File.
+        path: PathBuf,
+        /// Column.
+        x: usize,
+        /// Row.
+        y: usize,
+        /// NaN or an infinity.
+        value: f32,
+    },
+    /// The file cannot be written.
+    #[error(
+        "cannot write picture `{}`: {source}; check that its directory exists and may be written",
+        path.display()
+    )]
+    Write {
+        /// File.
+        path: PathBuf,
+        /// What went wrong.
+        source: std::io::Error,
+    },
+}
+
+impl PictureError {
+    fn damaged(path: &Path, format: &'static str, reason: impl ToString) -> Self {
+        Self::Damaged { path: path.to_path_buf(), format, reason: reason.to_string() }
+    }
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, PictureError> {
+    File::open(path).map(BufReader::new).map_err(|source| PictureError::Open { path: path.to_path_buf(), source })
+}
+
+/// Checks a size from a header against the limits.
+fn check_size(path: &Path, width: u64, height: u64) -> Result<(u32, u32), PictureError> {
+    let edge = |size: u64| u32::try_from(size).ok().filter(|size| *size <= MAX_EDGE);
+    match (edge(width), edge(height)) {
+        (Some(w), Some(h)) if width * height <= MAX_PIXELS => Ok((w, h)),
+        _ => Err(PictureError::TooLarge { path: path.to_path_buf(), width, height }),
+    }
+}
+
+/// Pixels between two pictures of [`beside`].
+const GUTTER_PX: u32 = 8;
+
+/// The pictures in a row from left to right, tops aligned, on black, 8 pixels apart.
+///
+/// No picture gives one of 0×0 pixels, which cannot be written.
+pub fn beside(pictures: &[&Picture]) -> Picture {
+    let gutters = GUTTER_PX * pictures.len().saturating_sub(1) as u32;
+    let width = pictures.iter().map(|picture| picture.width).sum::<u32>() + gutters;
+    let height = pictures.iter().map(|picture| picture.height).max().unwrap_or(0);
+    let mut row = Picture::filled(width, height, [0.0; 3]);
+    let mut left = 0;
+    for picture in pictures {
+        let columns = picture.width as usize;
+        for (line, pixels) in row.pixels.chunks_exact_mut(width as usize).zip(picture.pixels.chunks_exact(columns)) {
+            line[left..left + columns].copy_from_slice(pixels);
+        }
+        left += columns + GUTTER_PX as usize;
+    }
+    row
+}

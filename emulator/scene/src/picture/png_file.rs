@@ -1,0 +1,103 @@
+//! PNG: 1, 2, 4, 8 or 16 bits are read, 8 written.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::{Encoding, Picture, PictureError, check_size, linear_to_srgb8, open, srgb_to_linear};
+use crate::output::OutputFile;
+
+/// Reads a PNG; grey becomes three equal channels, alpha is ignored.
+///
+/// Range of the pixels: 0…1; code / (2^bits − 1), by the sRGB curve if `encoding` says so, rounded to float32 once.
+/// Of an animation, the default image.
+///
+/// # Errors
+/// A file that cannot be opened, is no PNG, is cut off or damaged, or is larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
+pub fn read_png(path: &Path, encoding: Encoding) -> Result<Picture, PictureError> {
+    let damaged = |reason: png::DecodingError| PictureError::damaged(path, "PNG", reason);
+    let mut decoder = png::Decoder::new(open(path)?);
+    let header = decoder.read_header_info().map_err(damaged)?;
+    let (width, height) = check_size(path, header.width.into(), header.height.into())?;
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(damaged)?;
+    let size = reader.output_buffer_size().ok_or_else(|| damaged(png::DecodingError::LimitsExceeded))?;
+    let mut bytes = vec![0; size];
+    let frame = reader.next_frame(&mut bytes).map_err(damaged)?;
+    if (frame.width, frame.height) != (width, height) {
+        let reason = "its first frame is smaller than the picture";
+        return Err(PictureError::damaged(path, "PNG", reason));
+    }
+
+    let channels = frame.color_type.samples();
+    let pixels = if frame.bit_depth == png::BitDepth::Sixteen {
+        let table = decode_table(65535, encoding);
+        let samples = |pixel: &[u8], index: usize| {
+            table[usize::from(u16::from_be_bytes([pixel[2 * index], pixel[2 * index + 1]]))]
+        };
+        collect_pixels(&bytes, 2 * channels, channels, samples)
+    } else {
+        let table = decode_table(255, encoding);
+        collect_pixels(&bytes, channels, channels, |pixel, index| table[usize::from(pixel[index])])
+    };
+    Ok(Picture { width, height, pixels })
+}
+
+/// Pixels from packed samples: channels 0, 1, 2, or channel 0 three times where there are fewer than three.
+fn collect_pixels(
+    bytes: &[u8],
+    bytes_per_pixel: usize,
+    channels: usize,
+    sample: impl Fn(&[u8], usize) -> f32,
+) -> Vec<[f32; 3]> {
+    bytes
+        .chunks_exact(bytes_per_pixel)
+        .map(
+            |pixel| {
+                if channels >= 3 {
+                    [sample(pixel, 0), sample(pixel, 1), sample(pixel, 2)]
+                } else {
+                    [sample(pixel, 0); 3]
+                }
+            },
+        )
+        .collect()
+}
+
+/// Value of every code 0…`largest`.
+pub(super) fn decode_table(largest: u32, encoding: Encoding) -> Vec<f32> {
+    (0..=largest)
+        .map(|code| {
+            let value = f64::from(code) / f64::from(largest);
+            match encoding {
+                Encoding::Srgb => srgb_to_linear(value) as f32,
+                Encoding::Linear => value as f32,
+            }
+        })
+        .collect()
+}
+
+/// Writes an 8-bit sRGB PNG of linear light, each value by [`linear_to_srgb8`].
+///
+/// The file appears complete or not at all: it is written beside `path` and renamed.
+///
+/// # Errors
+/// A directory that is missing or read-only, a full disk, a picture without pixels or not `width · height` of them.
+pub fn write_png_srgb(path: &Path, picture: &Picture) -> Result<(), PictureError> {
+    let written = OutputFile::create(path).and_then(|mut file| {
+        encode_png(&mut file, picture)?;
+        file.commit()
+    });
+    written.map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
+}
+
+fn encode_png(writer: &mut dyn Write, picture: &Picture) -> std::io::Result<()> {
+    let mut encoder = png::Encoder::new(writer, picture.width, picture.height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    let bytes: Vec<u8> = picture.pixels.iter().flatten().map(|value| linear_to_srgb8(*value)).collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&bytes)?;
+    writer.finish()?;
+    Ok(())
+}
