@@ -2,12 +2,14 @@
 //!
 //! Data goes to stdout, progress and errors to stderr. Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 
+mod arguments;
 mod cache;
 mod console;
 mod cost;
 mod demo;
 mod effects;
 mod eval;
+mod failure;
 mod gallery;
 mod plan;
 mod ranges;
@@ -17,29 +19,15 @@ mod scenes;
 mod vectors;
 mod verilog;
 
-use std::error::Error;
-use std::io;
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use miette::{LabeledSpan, MietteDiagnostic, MietteHandlerOpts, NamedSource, Report};
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
-use roughxel_emulator::scene::{Scene, SceneError};
+use miette::MietteHandlerOpts;
 
-/// Shown at the end of every command's help.
-const CONVENTIONS: &str = "\
-Units and formats:
-  vectors      n, v, h, p_u, p_v may have any length; v points from the surface to the eye
-  derivatives  per pixel: d/dx one pixel to the right, d/dy one pixel DOWN
-  s, t         on a cube face, -1 to 1, s to the right, t down; faces 0-5: +x -x +y -y +z -z (Vulkan)
-  lambda, step in units of s, t (half faces); K in half faces squared; lod in levels
-  mantissas    I2F30 (two's complement, 30 fraction bits) times 2^exponent (16-bit integer)
-  offsets      b, d, step: I4F28, -8 to 8; lod: I16F16
-  profiles     paper, compact (both keep 16 fraction bits), standard (20), precise (26)
-
-Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
-Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
+use arguments::{
+    CONVENTIONS, ProfileArg, file_stem, open_scene, parse_profile, parse_size, parse_threads, use_threads,
+};
+use failure::{Failure, on_one_line};
 
 /// Antialiased bump and environment mapping in integer arithmetic: frames, golden vectors, single fragments.
 #[derive(Parser)]
@@ -83,53 +71,6 @@ enum Command {
     Plan(plan::PlanArgs),
     /// List the built-in scenes.
     Scenes(scenes::ScenesArgs),
-}
-
-/// Why a command ends without success.
-enum Failure {
-    /// Something went wrong: exit code 1.
-    Error(Report),
-    /// The arguments contradict each other or name what is not there: exit code 2.
-    Usage(String),
-    /// A comparison failed and has been described: exit code 3.
-    Mismatch(String),
-    /// Whoever read the output has had enough: no failure at all.
-    BrokenPipe,
-}
-
-/// A library error, with its chain of causes; a diagnostic with source text comes in by [`Failure::Error`].
-impl<E: Error + Send + Sync + 'static> From<E> for Failure {
-    fn from(error: E) -> Self {
-        let mut cause: Option<&(dyn Error + 'static)> = Some(&error);
-        while let Some(e) = cause {
-            if e.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe) {
-                return Self::BrokenPipe;
-            }
-            cause = e.source();
-        }
-        Self::Error(Report::from_err(error))
-    }
-}
-
-/// A scene's error, drawn with its line where it has one.
-fn scene_failure(error: SceneError) -> Failure {
-    let Some(fault) = error.fault() else { return error.into() };
-    let label = LabeledSpan::at(fault.span.clone(), fault.message.clone());
-    let place = format!("{}:{}:{}: {}", fault.file, fault.line, fault.column, fault.message);
-    let diagnostic = MietteDiagnostic::new(place).with_label(label).with_help(fault.help.clone());
-    Failure::Error(Report::new(diagnostic).with_source_code(NamedSource::new(&fault.file, fault.text.to_string())))
-}
-
-/// The built-in scene of that name or the scene in that file, at another size where one is given; its warnings are told.
-fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Failure> {
-    let scene = Scene::open(name).map_err(scene_failure)?;
-    for warning in &scene.warnings {
-        console::complain(&format!("warning: {warning}"));
-    }
-    Ok(match size {
-        Some([width, height]) => scene.with_size(width, height)?,
-        None => scene,
-    })
 }
 
 /// Parses the arguments and runs the command.
@@ -177,60 +118,4 @@ pub(crate) fn run() -> ExitCode {
             ExitCode::from(3)
         }
     }
-}
-
-/// Errors, each the cause of the one before; a cause that is already part of the text is not repeated.
-fn on_one_line<'a>(errors: impl Iterator<Item = &'a (dyn Error + 'static)>) -> String {
-    errors.map(ToString::to_string).fold(String::new(), |text, cause| {
-        if text.contains(&cause) {
-            text
-        } else if text.is_empty() {
-            cause
-        } else {
-            format!("{text}: {cause}")
-        }
-    })
-}
-
-/// A named profile, as a command-line argument.
-#[derive(Clone, Debug)]
-struct ProfileArg {
-    name: String,
-    precision: Precision,
-}
-
-fn parse_profile(name: &str) -> Result<ProfileArg, String> {
-    match Precision::by_name(name) {
-        Some(precision) => Ok(ProfileArg { name: name.into(), precision }),
-        None => Err(format!("profiles are {}", PROFILE_NAMES.join(", "))),
-    }
-}
-
-/// `WIDTHxHEIGHT` in pixels, each up to 16384 and 2^26 together.
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let number = |text: &str| text.parse::<u32>().ok().filter(|edge| (1..=16384).contains(edge));
-    let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some([number(width)?, number(height)?]));
-    size.filter(|[width, height]| width * height <= 1 << 26)
-        .ok_or_else(|| "a size is WIDTHxHEIGHT, each from 1 to 16384 and at most 2^26 pixels, such as 640x400".into())
-}
-
-/// A number of threads, 1 to 1024.
-fn parse_threads(text: &str) -> Result<usize, String> {
-    let threads = text.parse().ok().filter(|threads| (1..=1024).contains(threads));
-    threads.ok_or_else(|| "a number of threads is from 1 to 1024".into())
-}
-
-/// Sets the number of threads of the whole program; none leaves it to the machine.
-fn use_threads(threads: Option<usize>) -> Result<(), Failure> {
-    match threads {
-        Some(threads) => Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?),
-        None => Ok(()),
-    }
-}
-
-/// A name as part of a file name: lower-case letters, digits and underscores, at most 40.
-fn file_stem(name: &str) -> String {
-    let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
-    let good = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-    name.chars().map(good).take(40).collect()
 }

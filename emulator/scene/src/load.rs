@@ -54,6 +54,19 @@ impl Scene {
     pub fn open(name: &str) -> Result<Self, SceneError> {
         Self::builtin(name).unwrap_or_else(|| Self::from_file(Path::new(name)))
     }
+
+    /// The same scene at another frame size in pixels; the vertical angle of view stays.
+    ///
+    /// Errors: an edge outside 1 to [`MAX_FRAME_EDGE_PX`](crate::MAX_FRAME_EDGE_PX), or more than
+    /// [`MAX_FRAME_PIXELS`](crate::MAX_FRAME_PIXELS).
+    pub fn with_size(mut self, width: u32, height: u32) -> Result<Self, SceneError> {
+        if !frame_size_is_allowed(width, height) {
+            return Err(SceneError::FrameSize { width, height });
+        }
+        self.camera.width = width;
+        self.camera.height = height;
+        Ok(self)
+    }
 }
 
 /// Reads a scene file.

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use crate::bump::{BumpField, FrameSystem};
-use crate::error::SceneError;
 use crate::lighting::{Highlight, Light, Peaks};
-use crate::limits::frame_size_is_allowed;
 use crate::picture::Picture;
 use crate::roughness::RoughnessField;
 
@@ -128,19 +126,4 @@ pub struct Material {
     pub highlight: Option<Highlight>,
     /// Several normals at a point.
     pub peaks: Option<Peaks>,
-}
-
-impl Scene {
-    /// The same scene at another frame size in pixels; the vertical angle of view stays.
-    ///
-    /// Errors: an edge outside 1 to [`MAX_FRAME_EDGE_PX`](crate::MAX_FRAME_EDGE_PX), or more than
-    /// [`MAX_FRAME_PIXELS`](crate::MAX_FRAME_PIXELS).
-    pub fn with_size(mut self, width: u32, height: u32) -> Result<Self, SceneError> {
-        if !frame_size_is_allowed(width, height) {
-            return Err(SceneError::FrameSize { width, height });
-        }
-        self.camera.width = width;
-        self.camera.height = height;
-        Ok(self)
-    }
 }

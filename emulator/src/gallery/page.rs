@@ -9,8 +9,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use super::drawn::{DrawnScene, GalleryError, Settings};
 use super::table::{FILTERED, NO_TEXTURE, SAMPLES_16, UNFILTERED};
-use super::{DrawnScene, GalleryError, Settings};
 use crate::output::OutputFile;
 use crate::picture::{DIFFERENCE_GAIN, PictureError};
 

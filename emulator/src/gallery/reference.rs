@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 use roughxel_core::precision::Precision;
 use sha2::{Digest, Sha256};
 
-use super::{GalleryError, Settings, prepare, render};
+use super::drawn::{GalleryError, Settings};
+use super::prepared::{prepare, render};
 use crate::frame::Frame;
 use crate::maps::peak_pyramid::ScenePeaks;
 use crate::output::OutputFile;

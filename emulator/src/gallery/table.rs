@@ -4,7 +4,7 @@ use super::change::{
     Change, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing, no_texture, plain_highlight,
     printed_highlight, single_normal,
 };
-use super::{Column, Entry};
+use super::entry::{Column, Entry};
 use crate::plan::{Effect, Mode};
 
 /// One sample a pixel: what times are compared with.

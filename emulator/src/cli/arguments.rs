@@ -1,0 +1,78 @@
+//! Arguments that several commands take.
+
+use std::path::Path;
+
+use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_emulator::scene::Scene;
+
+use super::console;
+use super::failure::{Failure, scene_failure};
+
+/// Shown at the end of every command's help.
+pub(super) const CONVENTIONS: &str = "\
+Units and formats:
+  vectors      n, v, h, p_u, p_v may have any length; v points from the surface to the eye
+  derivatives  per pixel: d/dx one pixel to the right, d/dy one pixel DOWN
+  s, t         on a cube face, -1 to 1, s to the right, t down; faces 0-5: +x -x +y -y +z -z (Vulkan)
+  lambda, step in units of s, t (half faces); K in half faces squared; lod in levels
+  mantissas    I2F30 (two's complement, 30 fraction bits) times 2^exponent (16-bit integer)
+  offsets      b, d, step: I4F28, -8 to 8; lod: I16F16
+  profiles     paper, compact (both keep 16 fraction bits), standard (20), precise (26)
+
+Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
+Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
+
+/// The built-in scene of that name or the scene in that file, at another size where one is given; its warnings are told.
+pub(super) fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Failure> {
+    let scene = Scene::open(name).map_err(scene_failure)?;
+    for warning in &scene.warnings {
+        console::complain(&format!("warning: {warning}"));
+    }
+    Ok(match size {
+        Some([width, height]) => scene.with_size(width, height)?,
+        None => scene,
+    })
+}
+
+/// A named profile, as a command-line argument.
+#[derive(Clone, Debug)]
+pub(super) struct ProfileArg {
+    pub(super) name: String,
+    pub(super) precision: Precision,
+}
+
+pub(super) fn parse_profile(name: &str) -> Result<ProfileArg, String> {
+    match Precision::by_name(name) {
+        Some(precision) => Ok(ProfileArg { name: name.into(), precision }),
+        None => Err(format!("profiles are {}", PROFILE_NAMES.join(", "))),
+    }
+}
+
+/// `WIDTHxHEIGHT` in pixels, each up to 16384 and 2^26 together.
+pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let number = |text: &str| text.parse::<u32>().ok().filter(|edge| (1..=16384).contains(edge));
+    let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some([number(width)?, number(height)?]));
+    size.filter(|[width, height]| width * height <= 1 << 26)
+        .ok_or_else(|| "a size is WIDTHxHEIGHT, each from 1 to 16384 and at most 2^26 pixels, such as 640x400".into())
+}
+
+/// A number of threads, 1 to 1024.
+pub(super) fn parse_threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|threads| (1..=1024).contains(threads));
+    threads.ok_or_else(|| "a number of threads is from 1 to 1024".into())
+}
+
+/// Sets the number of threads of the whole program; none leaves it to the machine.
+pub(super) fn use_threads(threads: Option<usize>) -> Result<(), Failure> {
+    match threads {
+        Some(threads) => Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?),
+        None => Ok(()),
+    }
+}
+
+/// A name as part of a file name: lower-case letters, digits and underscores, at most 40.
+pub(super) fn file_stem(name: &str) -> String {
+    let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+    let good = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    name.chars().map(good).take(40).collect()
+}
