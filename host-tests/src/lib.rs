@@ -8,9 +8,11 @@ pub mod checked;
 pub mod designs;
 pub mod float_datapath;
 pub mod float_frame;
+pub mod imports;
 pub mod one_pixel;
 pub mod side_by_side;
 pub mod simulators;
 pub mod space;
+pub mod tokens;
 
 pub use roughxel_reference as reference;

@@ -8,72 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// One token: an identifier, a number, or a single character of punctuation.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Token {
-    text: String,
-    line: usize,
-}
-
-/// Splits Rust source into tokens without comments, strings and character literals.
-fn tokens(source: &str) -> Vec<Token> {
-    let characters: Vec<char> = source.chars().collect();
-    let at = |i: usize| characters.get(i).copied().unwrap_or('\0');
-    let word = |c: char| c.is_alphanumeric() || c == '_';
-    let (mut i, mut line, mut found) = (0, 1, Vec::new());
-    while i < characters.len() {
-        let start = i;
-        match at(i) {
-            '/' if at(i + 1) == '/' => {
-                while i < characters.len() && at(i) != '\n' {
-                    i += 1;
-                }
-            }
-            '/' if at(i + 1) == '*' => {
-                let mut depth = 0;
-                loop {
-                    match (at(i), at(i + 1)) {
-                        ('/', '*') => (depth, i) = (depth + 1, i + 2),
-                        ('*', '/') => (depth, i) = (depth - 1, i + 2),
-                        _ => i += 1,
-                    }
-                    if depth == 0 || i >= characters.len() {
-                        break;
-                    }
-                }
-            }
-            '"' => {
-                i += 1;
-                while i < characters.len() && at(i) != '"' {
-                    i += if at(i) == '\\' { 2 } else { 1 };
-                }
-                i += 1;
-            }
-            // 'a' and '\n' are literals, 'a without a closing quote is a lifetime.
-            '\'' if at(i + 1) == '\\' || at(i + 2) == '\'' => {
-                i += if at(i + 1) == '\\' { 3 } else { 2 };
-                while at(i) != '\'' {
-                    i += 1;
-                }
-                i += 1;
-            }
-            c if word(c) => {
-                while word(at(i)) || (at(i) == '.' && c.is_ascii_digit() && at(i + 1).is_ascii_digit()) {
-                    i += 1;
-                }
-                found.push(Token { text: characters[start..i].iter().collect(), line });
-            }
-            c => {
-                i += 1;
-                if !c.is_whitespace() {
-                    found.push(Token { text: c.to_string(), line });
-                }
-            }
-        }
-        line += characters[start..i.min(characters.len())].iter().filter(|c| **c == '\n').count();
-    }
-    found
-}
+use roughxel_host_tests::tokens::{Token, tokens};
 
 fn core_root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../core")
