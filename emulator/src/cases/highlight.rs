@@ -7,7 +7,7 @@ use roughxel_core::ports::{BlockVector, HighlightIn, ReflectionIn, Shininess};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, shininess};
 
-use super::{bit, direction, random_fragment};
+use super::fragment::{bit, direction, random_fragment};
 use crate::random::SplitMix64;
 
 /// A named set of lit fragments and the plan they run under.

@@ -7,8 +7,8 @@ use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
 
+use super::fragment::{bit, direction, random_fragment};
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
-use super::{bit, direction, random_fragment};
 use crate::random::SplitMix64;
 
 /// A named set of lit peaks and the plan they run under.

@@ -8,7 +8,7 @@ use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
 use roughxel_core::signals::Frame;
 use roughxel_core::stage::enter::enter;
 
-use super::{bit, direction};
+use super::fragment::{bit, direction};
 use crate::net::design::LocalInput;
 use crate::random::SplitMix64;
 

@@ -22,7 +22,7 @@ pub struct Peak {
     pub amplitude: f64,
     /// N, unit length, in the local frame.
     pub normal: DVec3,
-    /// n, within [`EXPONENTS`].
+    /// n, within [`EXPONENTS`](super::EXPONENTS).
     pub exponent: f64,
     /// Towards −x, +x, −y, +y; `None` where the source has no heights.
     pub horizon: Option<[Horizon; 4]>,
