@@ -3,7 +3,7 @@
 //! A [`Block`] is a few mantissas with one exponent, brought to max |mantissa| in [½, 1] by an exact shift and
 //! one rounding to the profile's `fraction_bits`. Zero has exponent [`ZERO_EXPONENT`], so that it never wins an
 //! alignment. These are compound steps: their ranges (|mantissa| ≤ 1, whatever came in) are claims an interval
-//! walk cannot find; `host-tests/tests/arithmetic.rs` holds the proofs.
+//! walk cannot find; `host-tests/tests/datapath/arithmetic.rs` holds the proofs.
 
 use crate::bundle::bundle;
 use crate::each::each;

@@ -2,7 +2,7 @@
 //!
 //! Reciprocal and inverse root: a seed from a table, then Newton steps whose residual is taken exactly. log₂ and
 //! exp₂: linear interpolation between 257 knots. Bounds, proven by exhausting the mantissa in
-//! `host-tests/tests/elementary.rs` (p = kept fraction bits, k = seed bits, n = Newton steps):
+//! `host-tests/tests/datapath/elementary.rs` (p = kept fraction bits, k = seed bits, n = Newton steps):
 //! 1/2x errs by at most 2^−(p+0.8) + 2^−(2^n·(k+0.7)), 1/2√x by 2^−p + ⅔·2^−(2^n·(k−0.76)), log₂ by 2^−18.4,
 //! exp₂ by 2^−p + 2^−20 and log₂(1 + x) by 2^−(p−0.9) + 2^−18.4 (relative).
 

@@ -5,9 +5,6 @@
 //! Photorealistic Rendering", F92 "Filtering Normal Maps and Creating Multiple Surfaces". Everything is measured on
 //! the float64 reference or on a few lines of local mathematics, never on the integer datapath.
 
-#[path = "errata/f92.rs"]
 mod f92;
-#[path = "errata/s97.rs"]
 mod s97;
-#[path = "errata/w97.rs"]
 mod w97;

@@ -1,10 +1,7 @@
 //! The proof that no wire can leave its word: that it holds, that it is sound, and that it would notice.
 
-#[path = "proof/evaluation.rs"]
 mod evaluation;
-#[path = "proof/mutations.rs"]
 mod mutations;
-#[path = "proof/rules.rs"]
 mod rules;
 
 use std::collections::BTreeSet;
@@ -183,7 +180,7 @@ fn lemmas(net: &Net) -> impl Iterator<Item = &'static str> {
 fn every_claim_names_a_lemma_that_is_a_test() {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = |path: &str| fs::read_to_string(package.join(path)).expect("sources are text");
-    let source = text("tests/lemmas.rs");
+    let source = text("tests/datapath/lemmas.rs");
     let mut named = BTreeSet::new();
     for (_, p) in profiles() {
         for design in DESIGNS {

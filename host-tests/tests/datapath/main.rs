@@ -1,0 +1,17 @@
+//! The datapath: its arithmetic and its stages against the float64 reference, what holds for any fragment, and that every
+//! reading gives the same bits.
+
+mod accuracy;
+mod arithmetic;
+mod elementary;
+mod filter;
+mod float_datapath;
+mod hard_cases;
+mod highlight;
+mod horizon;
+mod lanes;
+mod lemmas;
+mod lit_peak;
+mod peaks;
+mod properties;
+mod readings;

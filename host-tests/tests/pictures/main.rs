@@ -1,0 +1,5 @@
+//! Frames and what they are made of: pictures against their truth, golden frames, pyramids of peaks, plans.
+
+mod frames;
+mod peak_pyramid;
+mod plan;
