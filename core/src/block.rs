@@ -3,46 +3,62 @@
 //! A [`Block`] is a few mantissas with one exponent, brought to max |mantissa| in [½, 1] by an exact shift and
 //! one rounding to the profile's `fraction_bits`. Zero has exponent [`ZERO_EXPONENT`], so that it never wins an
 //! alignment. These are compound steps: their ranges (|mantissa| ≤ 1, whatever came in) are claims an interval
-//! walk cannot find; `host-tests/tests/datapath/arithmetic.rs` holds the proofs.
+//! walk cannot find; `host-tests` has the proofs (`arithmetic`).
 
 use crate::bundle::bundle;
 use crate::each::each;
-use crate::fx::{Fx, Wide};
-use crate::word::{Wire, Word};
+use crate::fx::{Fx, Int, Wide};
+use crate::word::{WideWire, Word};
 
-/// Fraction bits of a mantissa.
-pub const MANTISSA: u32 = 30;
+/// Bits of a mantissa before its binary point.
+pub const MANTISSA: u32 = 2;
+/// The same of a product of two of them.
+pub const PRODUCT: u32 = 2 * MANTISSA;
 
 /// A number in [−1, 1].
 pub type Mantissa<W> = Fx<W, MANTISSA>;
 
-/// A power of two, or a count.
-pub type Exponent<W> = Fx<W, 0>;
+/// The exact product of two mantissas, or a sum of a few.
+pub type Product<W> = Wide<W, PRODUCT>;
 
-/// Exponent of a block of zeros. Real exponents stay within ±2^18, sums of them within ±2^23.
-pub const ZERO_EXPONENT: i64 = -(1 << 20);
+/// The largest exponent of a vector that enters the datapath, either way: every float64 has a smaller one.
+pub const MAX_EXPONENT: i64 = 1 << 11;
 
-/// `N` mantissas with one exponent: component i is `m[i] · 2^e`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Block<W, const N: usize> {
-    /// Mantissas, the largest of them in [½, 1] by size, or all zero.
-    pub m: [Mantissa<W>; N],
-    /// Exponent.
-    pub e: Exponent<W>,
+/// Exponent of a block of zeros. Exponents of other blocks stay within ±2^14.1: those that enter within ±[`MAX_EXPONENT`], those of
+/// columns within twice, of a covariance four times, of its determinant eight times that, and a few hundred.
+pub const ZERO_EXPONENT: i64 = -(1 << 15);
+
+bundle! {
+    /// `N` mantissas with one exponent: component i is `m[i] · 2^e`.
+    pub struct Block<W, const N: usize> {
+        /// Mantissas, the largest of them in [½, 1] by size, or all zero.
+        #[range(-1..=1)]
+        m: [Mantissa<W>; N],
+        /// Exponent; of a block that was scaled a sum of several.
+        #[range(-131072..=131072)]
+        e: Int<W>,
+    }
 }
 
-bundle!(Block<N> { m, e });
+impl<W: Word<Count: PartialEq> + PartialEq, const N: usize> PartialEq for Block<W, N> {
+    fn eq(&self, other: &Self) -> bool {
+        (self.m, self.e) == (other.m, other.e)
+    }
+}
+
+/// A number with an exponent of its own.
+pub type Number<W> = Block<W, 1>;
 
 impl<W: Word, const N: usize> Block<W, N> {
     /// All zero.
     #[inline(always)]
     pub fn zero() -> Self {
-        Self { m: [Mantissa::zero(); N], e: Exponent::lit(ZERO_EXPONENT) }
+        Self { m: [Mantissa::zero(); N], e: Fx::int(ZERO_EXPONENT) }
     }
 
     /// The block times `2^e`.
     #[inline(always)]
-    pub fn scaled(self, e: Exponent<W>) -> Self {
+    pub fn scaled(self, e: Int<W>) -> Self {
         Self { m: self.m, e: self.e + e }
     }
 
@@ -65,14 +81,52 @@ impl<W: Word, const N: usize> Block<W, N> {
         }
         zero
     }
+
+    /// The block times a number, rounded once.
+    #[inline(always)]
+    pub fn times(&self, k: &Number<W>, keep: u32) -> Self {
+        normalise(each!(m in self.m => m.mul::<MANTISSA, PRODUCT>(k.m[0])), self.e + k.e, keep)
+    }
+
+    /// |a|² of its components, rounded once.
+    #[inline(always)]
+    pub fn square_length(&self, keep: u32) -> Number<W> {
+        number(dot(&self.m, &self.m), self.e + self.e, keep)
+    }
+
+    /// The mantissas at a larger exponent, rounded at `keep` fraction bits.
+    #[inline(always)]
+    pub fn mantissas_at(&self, e: Int<W>, keep: u32) -> [Mantissa<W>; N] {
+        let places = places_below(self.e, e, W::BITS - 1);
+        each!(m in self.m => m.round_shr_by(places, keep))
+    }
 }
 
-impl<W: Word> Block<W, 1> {
-    /// A single number on a wide wire as mantissa and exponent.
+impl<W: Word> Number<W> {
+    /// The number 1.
     #[inline(always)]
-    pub fn of<const FRAC: u32>(wide: Wide<W, FRAC>, e: Exponent<W>, keep: u32) -> Self {
-        normalise([wide], e, keep)
+    pub fn one() -> Self {
+        Self { m: [Fx::number(1, -1)], e: Fx::int(1) }
     }
+
+    /// The number with `OUT` bits before the point of a wide wire, floored to its last place. Range: its exponent is at most
+    /// `OUT − PRODUCT`; a larger one counts as that.
+    #[inline(always)]
+    pub fn at_point<const OUT: u32>(&self) -> Wide<W, OUT> {
+        self.m[0].widen::<PRODUCT>().at_exponent(self.e)
+    }
+}
+
+/// A block of words that control as one of mantissas. Range: its mantissas fit the word.
+#[inline(always)]
+pub fn of_control<W: Word, const N: usize>(block: Block<W::Count, N>) -> Block<W, N> {
+    Block { m: each!(m in block.m => Fx::of_control(m)), e: block.e }
+}
+
+/// A single number on a wide wire as mantissa and exponent.
+#[inline(always)]
+pub fn number<X: WideWire, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
+    normalise([wide], e, keep)
 }
 
 /// Brings `N` wide numbers `wide[i] · 2^e` to a block whose largest |mantissa| is in [½, 1]: an exact left shift by
@@ -80,32 +134,32 @@ impl<W: Word> Block<W, 1> {
 ///
 /// Range: any input. The largest mantissa may round up to 1; −1 occurs exactly, too.
 #[inline(always)]
-pub fn normalise<W: Word, const N: usize, const FRAC: u32>(
-    wide: [Wide<W, FRAC>; N],
-    e: Exponent<W>,
+pub fn normalise<X: WideWire, const N: usize, const INT: u32>(
+    wide: [Fx<X, INT>; N],
+    e: Fx<X::Count, 32>,
     keep: u32,
-) -> Block<W, N> {
+) -> Block<X::Word, N> {
     // One's complement magnitude: −2^k counts as the octave below, which is what lets −1 occur.
-    // 64 leading zeros are not enough for a block of zeros: −1 has them, too, but is negative.
-    let (mut magnitude, mut bits) = (W::Wide::lit(0), W::Wide::lit(0));
+    // As many leading zeros as there are bits are not enough for a block of zeros: −1 has them, too, but is negative.
+    let (mut magnitude, mut bits) = (X::lit(0), X::lit(0));
     for w in &wide {
-        magnitude = magnitude.or(w.raw().xor(w.raw().sar(63)));
+        magnitude = magnitude.or(w.raw().xor(w.raw().sar(X::BITS - 1)));
         bits = bits.or(w.raw());
     }
-    let zeros = Fx::<W, 0>::from_raw(magnitude.leading_zeros());
-    let all_zero = zeros.ge(Fx::lit(64)) & !bits.lt(W::Wide::lit(0));
-    let shift = zeros - Fx::lit(1);
+    let zeros = Fx::<X::Count, 32>::from_raw(magnitude.leading_zeros());
+    let all_zero = zeros.ge(Fx::int(X::BITS.into())) & !bits.lt(X::lit(0));
+    let shift = zeros - Fx::int(1);
     Block {
-        // |wide · 2^shift| is in [2^62, 2^63): read with 63 fraction bits it is in [½, 1].
-        m: each!(w in wide => Fx::<W::Wide, 63>::from_raw(w.raw().shl_by(shift.raw())).round_to::<MANTISSA>(keep)),
-        e: Fx::select(all_zero, Fx::lit(ZERO_EXPONENT), e + Fx::lit(64 - i64::from(FRAC)) - zeros),
+        // |wide · 2^shift| has its highest bit behind the sign: with one bit before the point it is in [½, 1].
+        m: each!(w in wide => Fx::<X, 1>::from_raw(w.raw().shl_by(shift.raw())).round_to::<MANTISSA>(keep)),
+        e: Fx::select(all_zero, Fx::int(ZERO_EXPONENT), e + Fx::int(INT.into()) - zeros),
     }
 }
 
-/// The larger of two exponents decides; a count of places to shift is cut to what a word can lose.
+/// The larger of two exponents decides; a count of places to shift is cut to what a wire can lose.
 #[inline(always)]
-pub fn places_below<W: Word>(e: Exponent<W>, top: Exponent<W>, most: i64) -> Fx<W, 0> {
-    (top - e).saturate(Fx::lit(0), Fx::lit(most))
+pub fn places_below<C: Word<Count = C>>(e: Fx<C, 32>, top: Fx<C, 32>, most: u32) -> Fx<C, 32> {
+    (top - e).saturate(Fx::int(0), Fx::int(most.into()))
 }
 
 /// Brings `COUNT` blocks to the largest of their exponents; smaller ones lose low bits by one rounding.
@@ -115,21 +169,17 @@ pub fn places_below<W: Word>(e: Exponent<W>, top: Exponent<W>, most: i64) -> Fx<
 pub fn align<W: Word, const N: usize, const COUNT: usize>(
     blocks: [Block<W, N>; COUNT],
     keep: u32,
-) -> ([[Mantissa<W>; N]; COUNT], Exponent<W>) {
+) -> ([[Mantissa<W>; N]; COUNT], Int<W>) {
     let mut top = blocks[0].e;
     for block in &blocks[1..] {
         top = top.max(block.e);
     }
-    let aligned = each!(block in blocks => {
-        let places = places_below(block.e, top, 31);
-        each!(m in block.m => m.round_shr_by(places, keep))
-    });
-    (aligned, top)
+    (each!(block in blocks => block.mantissas_at(top, keep)), top)
 }
 
 /// Exact dot product, |·| ≤ N.
 #[inline(always)]
-pub fn dot<W: Word, const N: usize>(a: &[Mantissa<W>; N], b: &[Mantissa<W>; N]) -> Wide<W, 60> {
+pub fn dot<W: Word, const N: usize>(a: &[Mantissa<W>; N], b: &[Mantissa<W>; N]) -> Product<W> {
     let mut sum = Fx::zero();
     for (&x, &y) in a.iter().zip(b) {
         sum = sum + x.mul(y);
@@ -139,6 +189,6 @@ pub fn dot<W: Word, const N: usize>(a: &[Mantissa<W>; N], b: &[Mantissa<W>; N]) 
 
 /// Exact cross product of mantissas, each component |·| ≤ 2.
 #[inline(always)]
-pub fn cross<W: Word>(a: &[Mantissa<W>; 3], b: &[Mantissa<W>; 3]) -> [Wide<W, 60>; 3] {
-    each!((i, j) in [(1, 2), (2, 0), (0, 1)] => a[i].mul::<MANTISSA, 60>(b[j]) - a[j].mul(b[i]))
+pub fn cross<W: Word>(a: &[Mantissa<W>; 3], b: &[Mantissa<W>; 3]) -> [Product<W>; 3] {
+    each!((i, j) in [(1, 2), (2, 0), (0, 1)] => a[i].mul::<MANTISSA, PRODUCT>(b[j]) - a[j].mul(b[i]))
 }

@@ -1,19 +1,75 @@
-//! Bundles: structures of wires that can be walked, so that a reading names, converts or compares every wire of one.
+//! Bundles: structures of wires, each declared once.
 //!
-//! A walk visits the wires of a bundle in the order of its fields and may put other wires, of another reading, in
-//! their place. Names are paths of fields and indices; nothing is allocated.
+//! [`bundle!`](crate::bundle!) declares a structure: of every field what it is, on which kind of wire, and, where it matters, unit,
+//! range, the stage that makes it and its type at a scalar port. All that anyone else needs to know of the structure is a *walk*
+//! over it: names of ports and columns, declared ranges, conversion between readings, the number of wires. A walk visits the
+//! wires in the order of the fields and may put other wires, of another reading, in their place; nothing is allocated.
 
 use crate::each::{each, places};
-use crate::fx::Fx;
-use crate::word::Word;
+use crate::fx::{Control, Fx, WideControl};
+use crate::word::{Wire, Word};
+
+/// What the declaration of a bundle says of a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub text: &'static str,
+    /// Unit; empty where the field has none of its own.
+    pub unit: &'static str,
+    /// The stage whose outcome it is; empty for what goes in and for bundles inside the datapath.
+    pub stage: &'static str,
+    /// It leaves the datapath, instead of being looked at on its way.
+    pub leaves: bool,
+    /// How many fraction bits a profile keeps of it.
+    pub keeps: Keeps,
+    /// A letter for each of its components, where numbers or x, y, z would not say it.
+    pub components: &'static str,
+}
+
+/// How many fraction bits a profile keeps of a wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeps {
+    /// Of a mantissa p; of a word with more bits before its point as many fewer. What controls is kept whole.
+    Fraction,
+    /// `lod_bits`.
+    Lod,
+}
 
 /// One step on the way to a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// A field of a structure.
-    Field(&'static str),
+    Field(&'static Field),
     /// A place in an array.
     Index(usize),
+}
+
+/// An end of a declared range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The lowest values.
+    Low,
+    /// The highest values.
+    High,
+}
+
+impl End {
+    /// One of the two.
+    #[inline(always)]
+    pub fn of<T>(self, low: T, high: T) -> T {
+        match self {
+            Self::Low => low,
+            Self::High => high,
+        }
+    }
+
+    /// The end of what a wire of so many bits holds.
+    #[inline(always)]
+    pub fn of_bits(self, bits: u32) -> i64 {
+        self.of(i64::MIN >> (64 - bits), i64::MAX >> (64 - bits))
+    }
 }
 
 /// A walk over the wires of a bundle that puts a wire of the reading `V` in the place of each of `W`.
@@ -26,10 +82,12 @@ pub trait Rewire<W: Word, V: Word> {
     /// Ends the last step.
     #[inline(always)]
     fn leave(&mut self) {}
-    /// A word.
+    /// A word that carries a mantissa.
     fn word(&mut self, wire: W, fraction_bits: u32) -> V;
-    /// A wide wire.
-    fn wide(&mut self, wire: W::Wide, fraction_bits: u32) -> V::Wide;
+    /// A word that controls.
+    fn control(&mut self, wire: W::Count, fraction_bits: u32) -> V::Count;
+    /// A wide wire of what controls.
+    fn wide(&mut self, wire: <W::Count as Word>::Wide, fraction_bits: u32) -> <V::Count as Word>::Wide;
     /// A flag.
     fn flag(&mut self, wire: W::Flag) -> V::Flag;
 
@@ -47,70 +105,303 @@ pub trait Rewire<W: Word, V: Word> {
 }
 
 /// A structure of wires.
-pub trait Bundle<W: Word> {
+pub trait Bundle<W: Word>: Copy {
     /// The same structure in another reading.
-    type In<V: Word>: Copy;
+    type In<V: Word>: Bundle<V>;
+    /// Words of 32 bits that its wires take: a wide wire is two.
+    const WORDS: usize;
     /// Walks all wires in the order of the fields.
     fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Self::In<V>;
+    /// The lowest or the highest values that its declaration allows on each wire.
+    fn limit<V: Word>(end: End) -> Self::In<V>;
 }
 
-impl<W: Word, const FRAC: u32> Bundle<W> for Fx<W, FRAC> {
-    type In<V: Word> = Fx<V, FRAC>;
+impl<W: Word, const INT: u32> Bundle<W> for Fx<W, INT> {
+    type In<V: Word> = Fx<V, INT>;
+    const WORDS: usize = 1;
     #[inline(always)]
-    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Fx<V, FRAC> {
-        Fx::from_raw(with.word(self.raw(), FRAC))
+    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Fx<V, INT> {
+        Fx::from_raw(with.word(self.raw(), Self::FRACTION))
+    }
+    fn limit<V: Word>(end: End) -> Fx<V, INT> {
+        Fx::lit(end.of_bits(V::BITS))
     }
 }
 
 impl<W: Word, B: Bundle<W>, const N: usize> Bundle<W> for [B; N] {
     type In<V: Word> = [B::In<V>; N];
+    const WORDS: usize = N * B::WORDS;
     #[inline(always)]
     fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> [B::In<V>; N] {
         each!(index in places() => with.part(Step::Index(index), &self[index]))
     }
+    fn limit<V: Word>(end: End) -> [B::In<V>; N] {
+        [B::limit(end); N]
+    }
 }
 
-/// Implements [`Bundle`] for a structure of bundles, `wide` wires and `flag`s: `bundle!(Name { a, b; wide c; flag d })`.
+/// One number that controls, as the outcome of a stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Value<W: Word, const INT: u32>(pub Control<W, INT>);
+
+impl<W: Word, const INT: u32> Bundle<W> for Value<W, INT> {
+    type In<V: Word> = Value<V, INT>;
+    const WORDS: usize = 1;
+    #[inline(always)]
+    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Value<V, INT> {
+        Value(control::<W, V, R, INT>(self.0, with))
+    }
+    fn limit<V: Word>(end: End) -> Value<V, INT> {
+        Value(Ranged::whole(end))
+    }
+}
+
+/// Declares a structure of wires and its [`Bundle`].
+///
+/// ```
+/// use roughxel_core::{bundle, fx::{Fx, Int, Wide}, word::{Wire, Word}};
+///
+/// bundle! {
+///     /// A direction that someone looks at.
+///     pub struct Look<W> {
+///         /// Components.
+///         #[unit = "length"]
+///         #[range(-1..=1)]
+///         direction: [Fx<W, 2>; 3],
+///         /// Who looks.
+///         #[range(0..16)]
+///         eye: Int<W>,
+///         /// Nobody does.
+///         closed: W::Flag,
+///     }
+/// }
+/// ```
+///
+/// A field is a word `Fx<W, INT>`, a number that controls `Control<W, INT>` or `Int<W>`, a wide one `WideControl<W, INT>`,
+/// `W::Flag`, a bundle, or an array of one of them. Attributes, in this order and none of them needed: `#[unit = "…"]`;
+/// `#[stage = "…"]`, the stage that makes it, or `#[out = "…"]`, the same of what leaves the datapath; `#[keeps(Lod)]`
+/// ([`Keeps`]); `#[components = "…"]`, a letter for each; `#[range(low..=high)]` or `#[range(low..high)]` of what the wires may hold, in units of 1; `#[port = T]`, the type at
+/// a scalar port. With `#[ports(Name)]` (or `#[ports(Name: Default)]`) behind the text of the structure that structure of scalar
+/// ports is declared, too.
 #[macro_export]
 macro_rules! bundle {
-    ($name:ident $(<$size:ident>)? { $($field:ident),* $(; wide $($wide:ident),+)? $(; flag $($flag:ident),+)? }) => {
+    (
+        $(#[doc = $doc:literal])*
+        $(#[ports($ports:ident $(: $default:ident)?)])?
+        pub struct $name:ident<W $(, const $size:ident: usize)?> { $($fields:tt)* }
+    ) => {
+        $crate::bundle!(@field { [$($doc)*] [$($ports $($default)?)?] $name [$($size)?] } [] $($fields)*);
+    };
+
+    // Takes the next field's attributes apart.
+    (@field $head:tt [$($done:tt)*]
+        $(#[doc = $text:literal])*
+        $(#[unit = $unit:literal])?
+        $(#[stage = $stage:literal])?
+        $(#[out = $out:literal])?
+        $(#[keeps($keeps:ident)])?
+        $(#[components = $components:literal])?
+        $(#[range($($range:tt)*)])?
+        $(#[port = $port:ty])?
+        $field:ident: $($rest:tt)*
+    ) => {
+        $crate::bundle!(@type $head [$($done)*]
+            { [$($text)*] [$($unit)?] [$($stage)?] [$($out)?] [$($keeps)?] [$($components)?] [$($($range)*)?] [$($port)?] $field } $($rest)*);
+    };
+
+    // Tells kinds of wires apart.
+    (@type $head:tt [$($done:tt)*] $field:tt W::Flag, $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field flag [] (W::Flag) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt Int<W>, $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field control [32 ()] ($crate::fx::Int<W>) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt [Int<W>; $n:tt], $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field control [32 ($n)] ([$crate::fx::Int<W>; $n]) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt [[Int<W>; $n:tt]; $m:tt], $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field control [32 ($m $n)] ([[$crate::fx::Int<W>; $n]; $m]) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt Control<W, $int:tt>, $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field control [$int ()] ($crate::fx::Control<W, $int>) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt [Control<W, $int:tt>; $n:tt], $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field control [$int ($n)] ([$crate::fx::Control<W, $int>; $n]) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt [[Control<W, $int:tt>; $n:tt]; $m:tt], $($rest:tt)*) => {
+        $crate::bundle!(@field $head
+            [$($done)* { $field control [$int ($m $n)] ([[$crate::fx::Control<W, $int>; $n]; $m]) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt WideControl<W, $int:tt>, $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field wide [$int ()] ($crate::fx::WideControl<W, $int>) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt [WideControl<W, $int:tt>; $n:tt], $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field wide [$int ($n)] ([$crate::fx::WideControl<W, $int>; $n]) }] $($rest)*);
+    };
+    (@type $head:tt [$($done:tt)*] $field:tt $ty:ty, $($rest:tt)*) => {
+        $crate::bundle!(@field $head [$($done)* { $field bundle [$ty] ($ty) }] $($rest)*);
+    };
+
+    // All fields are known.
+    (@field { [$($doc:literal)*] $ports:tt $name:ident [$($size:ident)?] } [$({
+        { [$($text:literal)*] [$($unit:literal)?] [$($stage:literal)?] [$($out:literal)?] [$($keeps:ident)?] [$($components:literal)?] $range:tt
+            [$($port:ty)?] $field:ident }
+        $kind:ident $form:tt ($($ty:tt)*)
+    })*]) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name<W: $crate::word::Word $(, const $size: usize)?> {
+            $($(#[doc = $text])* pub $field: $($ty)*,)*
+        }
+
         impl<W: $crate::word::Word $(, const $size: usize)?> $crate::bundle::Bundle<W> for $name<W $(, $size)?> {
             type In<V: $crate::word::Word> = $name<V $(, $size)?>;
+            const WORDS: usize = 0 $(+ $crate::bundle!(@words $kind $form))*;
             #[inline(always)]
             fn rewire<V: $crate::word::Word, R: $crate::bundle::Rewire<W, V>>(&self, with: &mut R) -> Self::In<V> {
                 $name {
-                    $($field: with.part($crate::bundle::Step::Field(stringify!($field)), &self.$field),)*
-                    $($($wide: {
-                        with.enter($crate::bundle::Step::Field(stringify!($wide)));
-                        let mut index = 0;
-                        let wires = $crate::each!(wire in self.$wide => {
-                            with.enter($crate::bundle::Step::Index(index));
-                            let other = $crate::bundle::wide_wire(wire, with);
-                            with.leave();
-                            index += 1;
-                            other
-                        });
+                    $($field: {
+                        const FIELD: $crate::bundle::Field = $crate::bundle::Field {
+                            name: stringify!($field),
+                            text: concat!($($text),*),
+                            unit: concat!($($unit)?),
+                            stage: concat!($($stage)? $($out)?),
+                            leaves: $crate::bundle!(@leaves $($out)?),
+                            keeps: $crate::bundle!(@keeps $($keeps)?),
+                            components: concat!($($components)?),
+                        };
+                        with.enter($crate::bundle::Step::Field(&FIELD));
+                        let other = $crate::bundle!(@walk $kind $form self.$field, with);
                         with.leave();
-                        wires
-                    },)+)?
-                    $($($flag: {
-                        with.enter($crate::bundle::Step::Field(stringify!($flag)));
-                        let flag = with.flag(self.$flag);
-                        with.leave();
-                        flag
-                    },)+)?
+                        other
+                    },)*
                 }
+            }
+            fn limit<V: $crate::word::Word>(end: $crate::bundle::End) -> Self::In<V> {
+                $name { $($field: $crate::bundle!(@limit $kind $form $range end),)* }
+            }
+        }
+
+        $crate::bundle! { @ports $ports $name [$($doc)*] $({ [$($text)*] $field [$($port)?] })* }
+    };
+
+    (@leaves) => { false };
+    (@leaves $out:literal) => { true };
+    (@keeps) => { $crate::bundle::Keeps::Fraction };
+    (@keeps $keeps:ident) => { $crate::bundle::Keeps::$keeps };
+
+    (@words bundle [$ty:ty]) => { <$ty as $crate::bundle::Bundle<W>>::WORDS };
+    (@words wide [$int:tt ($($n:tt)*)]) => { 2 $(* $n)* };
+    (@words control [$int:tt ($($n:tt)*)]) => { 1 $(* $n)* };
+    (@words flag []) => { 1 };
+
+    (@walk bundle $form:tt $wire:expr, $with:ident) => { $crate::bundle::Bundle::<W>::rewire::<V, R>(&$wire, $with) };
+    (@walk flag $form:tt $wire:expr, $with:ident) => { $with.flag($wire) };
+    (@walk $kind:ident [$int:tt ()] $wire:expr, $with:ident) => { $crate::bundle::$kind::<W, V, R, $int>($wire, $with) };
+    (@walk $kind:ident [$int:tt ($n:tt $($m:tt)?)] $wire:expr, $with:ident) => {{
+        let wires = $wire;
+        $crate::each!(index in $crate::each::places() => {
+            $with.enter($crate::bundle::Step::Index(index));
+            let other = $crate::bundle!(@walk $kind [$int ($($m)?)] wires[index], $with);
+            $with.leave();
+            other
+        })
+    }};
+
+    (@limit bundle [$ty:ty] [] $end:ident) => { <$ty as $crate::bundle::Bundle<W>>::limit::<V>($end) };
+    (@limit flag $form:tt [] $end:ident) => { $crate::bundle::flag_limit::<V>($end) };
+    (@limit $kind:ident $form:tt [] $end:ident) => { $crate::bundle::Ranged::whole($end) };
+    (@limit $kind:ident $form:tt [$low:literal..=$high:literal] $end:ident) => {
+        $crate::bundle::Ranged::within($end, $low, $high)
+    };
+    (@limit $kind:ident $form:tt [$low:literal..$high:literal] $end:ident) => {
+        $crate::bundle::Ranged::below($end, $low, $high)
+    };
+
+    (@ports [] $($rest:tt)*) => {};
+    (@ports [$ports:ident $($default:ident)?] $name:ident [$($doc:literal)*] $({ [$($text:literal)*] $field:ident [$port:ty] })*) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq $(, $default)?)]
+        pub struct $ports {
+            $($(#[doc = $text])* pub $field: $port,)*
+        }
+
+        impl $crate::ports::Port for $ports {
+            type Wires = $name<$crate::scalar::Scalar>;
+            #[inline]
+            fn wires(&self) -> Self::Wires {
+                $name { $($field: $crate::ports::Port::wires(&self.$field),)* }
+            }
+            #[inline]
+            fn of(wires: &Self::Wires) -> Self {
+                Self { $($field: $crate::ports::Port::of(&wires.$field),)* }
             }
         }
     };
 }
 pub use crate::bundle;
 
-/// One wide wire of a walk; [`bundle!`](crate::bundle!) uses it.
+/// One number of a walk that controls; [`bundle!`](crate::bundle!) uses it.
 #[inline(always)]
-pub fn wide_wire<W: Word, V: Word, R: Rewire<W, V>, const FRAC: u32>(
-    wire: Fx<W::Wide, FRAC>,
+pub fn control<W: Word, V: Word, R: Rewire<W, V>, const INT: u32>(
+    wire: Fx<W::Count, INT>,
     with: &mut R,
-) -> Fx<V::Wide, FRAC> {
-    Fx::from_raw(with.wide(wire.raw(), FRAC))
+) -> Fx<V::Count, INT> {
+    Fx::from_raw(with.control(wire.raw(), Fx::<W::Count, INT>::FRACTION))
+}
+
+/// One wide number of a walk; [`bundle!`](crate::bundle!) uses it.
+#[inline(always)]
+pub fn wide<W: Word, V: Word, R: Rewire<W, V>, const INT: u32>(
+    wire: WideControl<W, INT>,
+    with: &mut R,
+) -> WideControl<V, INT> {
+    Fx::from_raw(with.wide(wire.raw(), WideControl::<W, INT>::FRACTION))
+}
+
+/// Numbers, one or an array of them, at an end of a range; [`bundle!`](crate::bundle!) uses it.
+pub trait Ranged: Copy {
+    /// Of what the wire holds.
+    fn whole(end: End) -> Self;
+    /// Of `low ..= high`, in units of 1.
+    fn within(end: End, low: i64, high: i64) -> Self;
+    /// Of `low .. high`, in units of 1.
+    fn below(end: End, low: i64, high: i64) -> Self;
+}
+
+impl<X: Wire, const INT: u32> Ranged for Fx<X, INT> {
+    fn whole(end: End) -> Self {
+        Self::lit(end.of_bits(X::BITS))
+    }
+    fn within(end: End, low: i64, high: i64) -> Self {
+        Self::int(end.of(low, high))
+    }
+    fn below(end: End, low: i64, high: i64) -> Self {
+        end.of(Self::int(low), Self::below(high))
+    }
+}
+
+impl<T: Ranged, const N: usize> Ranged for [T; N] {
+    fn whole(end: End) -> Self {
+        [T::whole(end); N]
+    }
+    fn within(end: End, low: i64, high: i64) -> Self {
+        [T::within(end, low, high); N]
+    }
+    fn below(end: End, low: i64, high: i64) -> Self {
+        [T::below(end, low, high); N]
+    }
+}
+
+/// The lowest or the highest flag; [`bundle!`](crate::bundle!) uses it.
+pub fn flag_limit<V: Word>(end: End) -> V::Flag {
+    let never = V::lit(0).lt(V::lit(0));
+    end.of(never, !never)
+}
+
+/// A flag that is never set.
+#[inline(always)]
+#[track_caller]
+pub fn never<W: Wire>() -> W::Flag {
+    W::lit(0).lt(W::lit(0))
 }

@@ -1,38 +1,74 @@
-//! `Fx<W, FRAC>`: a wire with its binary point in the type. The value is `raw / 2^FRAC`.
+//! `Fx<X, INT>`: a wire with its binary point in the type, counted from the top. The value is `raw · 2^(INT − BITS)`: `INT` bits
+//! stand before the binary point, the sign among them, and what the wire has left behind it.
 //!
-//! Adding two different binary points does not compile; a product's binary point is stated by the caller and
+//! So a stage says the same of words of any width: a mantissa has 2 bits before the point, a product of two of them 4, whatever
+//! there is behind. Adding two different binary points does not compile; a product's binary point is stated by the caller and
 //! checked at compile time. A wire is made where an operation is called, so a reading that records wires knows the
-//! line of the stage (`track_caller`). The only lossy conversions are [`Fx::round_to`] and those named `saturate` or `floor`.
+//! line of the stage (`track_caller`). The only lossy conversions are [`Fx::round_to`], [`Fx::keep`] and those named `saturate`,
+//! `floor` or `index`.
 
-use core::ops::{Add, Neg, RangeInclusive, Sub};
+use core::ops::{Add, Neg, Sub};
 
-use crate::word::{Wire, Word};
+use crate::word::{WideWire, Wire, Word};
 
-/// A wire `W` with `FRAC` fraction bits.
+/// A wire `X` with `INT` bits before the binary point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fx<W, const FRAC: u32>(W);
+pub struct Fx<X, const INT: u32>(X);
 
 /// The wide companion of a word, with its binary point.
-pub type Wide<W, const FRAC: u32> = Fx<<W as Word>::Wide, FRAC>;
+pub type Wide<W, const INT: u32> = Fx<<W as Word>::Wide, INT>;
 
-impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
-    /// Reads a raw wire as a number with `FRAC` fraction bits.
+/// A word that controls, 32 bits in every reading, with its binary point.
+pub type Control<W, const INT: u32> = Fx<<W as Wire>::Count, INT>;
+
+/// The wide companion of what controls, 64 bits in every reading.
+pub type WideControl<W, const INT: u32> = Wide<<W as Wire>::Count, INT>;
+
+/// An integer that controls: an exponent, a count, an index.
+pub type Int<W> = Control<W, 32>;
+
+impl<X: Wire, const INT: u32> Fx<X, INT> {
+    /// Bits behind the binary point.
+    pub const FRACTION: u32 = X::BITS - INT;
+
+    /// Reads a raw wire as a number with `INT` bits before its binary point.
     #[inline(always)]
-    pub fn from_raw(raw: W) -> Self {
+    pub fn from_raw(raw: X) -> Self {
         Self(raw)
     }
 
     /// The wire itself.
     #[inline(always)]
-    pub fn raw(self) -> W {
+    pub fn raw(self) -> X {
         self.0
     }
 
-    /// The constant `raw / 2^FRAC`.
+    /// The constant of that many last places.
     #[inline(always)]
     #[track_caller]
     pub fn lit(raw: i64) -> Self {
-        Self(W::lit(raw))
+        Self(X::lit(raw))
+    }
+
+    /// The constant `number · 2^e`; its last place is on the wire.
+    #[inline(always)]
+    #[track_caller]
+    pub fn number(number: i64, e: i32) -> Self {
+        Self::lit(number << (Self::FRACTION as i32 + e))
+    }
+
+    /// The constant of that integer.
+    #[inline(always)]
+    #[track_caller]
+    pub fn int(number: i64) -> Self {
+        Self::number(number, 0)
+    }
+
+    /// The largest number below an integer.
+    #[inline(always)]
+    #[track_caller]
+    pub fn below(number: i64) -> Self {
+        Self::lit((number << Self::FRACTION) - 1)
     }
 
     /// Zero.
@@ -57,38 +93,38 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
         Self(self.0.sar(k))
     }
 
-    /// The same wire read with another binary point: the value changes by `2^(FRAC − OUT)`.
+    /// The same wire read with another binary point: the value changes by `2^(OUT − INT)`.
     #[inline(always)]
-    pub fn reread<const OUT: u32>(self) -> Fx<W, OUT> {
+    pub fn reread<const OUT: u32>(self) -> Fx<X, OUT> {
         Fx(self.0)
     }
 
     /// `self < other`.
     #[inline(always)]
     #[track_caller]
-    pub fn lt(self, other: Self) -> W::Flag {
+    pub fn lt(self, other: Self) -> X::Flag {
         self.0.lt(other.0)
     }
 
     /// `self ≥ other`.
     #[inline(always)]
     #[track_caller]
-    pub fn ge(self, other: Self) -> W::Flag {
+    pub fn ge(self, other: Self) -> X::Flag {
         !self.0.lt(other.0)
     }
 
     /// `self = 0`.
     #[inline(always)]
     #[track_caller]
-    pub fn is_zero(self) -> W::Flag {
-        !self.0.lt(W::lit(0)) & self.0.lt(W::lit(1))
+    pub fn is_zero(self) -> X::Flag {
+        !self.0.lt(X::lit(0)) & self.0.lt(X::lit(1))
     }
 
     /// `if flag { a } else { b }`.
     #[inline(always)]
     #[track_caller]
-    pub fn select(flag: W::Flag, a: Self, b: Self) -> Self {
-        Self(W::select(flag, a.0, b.0))
+    pub fn select(flag: X::Flag, a: Self, b: Self) -> Self {
+        Self(X::select(flag, a.0, b.0))
     }
 
     /// The smaller of the two.
@@ -115,7 +151,7 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
     /// `−self` where the flag is set.
     #[inline(always)]
     #[track_caller]
-    pub fn negate_if(self, flag: W::Flag) -> Self {
+    pub fn negate_if(self, flag: X::Flag) -> Self {
         Self::select(flag, -self, self)
     }
 
@@ -126,78 +162,141 @@ impl<W: Wire, const FRAC: u32> Fx<W, FRAC> {
         self.negate_if(self.lt(Self::zero()))
     }
 
-    /// `self`, with the fact that its integer is in `range`, by the lemma of that name.
+    /// `self`, with the fact that it is in `low·2^e ..= high·2^e`, by the lemma of that name.
     #[inline(always)]
     #[track_caller]
-    pub fn claim(self, range: RangeInclusive<i64>, lemma: &'static str) -> Self {
-        Self(self.0.claim(*range.start(), *range.end(), lemma))
+    pub fn claim(self, low: i64, high: i64, e: i32, lemma: &'static str) -> Self {
+        let places = Self::FRACTION as i32 + e;
+        Self(self.0.claim(low << places, high << places, lemma))
+    }
+
+    /// `self`, with the fact that it is in [0, 2^e), by the lemma of that name.
+    #[inline(always)]
+    #[track_caller]
+    pub fn claim_below(self, e: i32, lemma: &'static str) -> Self {
+        Self(self.0.claim(0, (1 << (Self::FRACTION as i32 + e)) - 1, lemma))
     }
 
     /// `⌊self / 2^k⌋` with the count on a wire.
     #[inline(always)]
     #[track_caller]
-    pub fn floor_shr_by(self, k: Fx<W::Count, 0>) -> Self {
-        Self(self.0.sar_by(k.0))
+    pub fn floor_shr_by(self, k: Fx<X::Count, 32>) -> Self {
+        Self(self.0.sar_by(k.raw()))
     }
 }
 
-impl<W: Word, const FRAC: u32> Fx<W, FRAC> {
-    /// Exact product; `OUT = FRAC + OTHER`.
+impl<W: Word, const INT: u32> Fx<W, INT> {
+    /// Exact product; `OUT = INT + OTHER`.
     #[inline(always)]
     #[track_caller]
     #[expect(clippy::should_implement_trait, reason = "an operator cannot state the binary point of the product")]
     pub fn mul<const OTHER: u32, const OUT: u32>(self, other: Fx<W, OTHER>) -> Wide<W, OUT> {
-        const { assert!(FRAC + OTHER == OUT, "binary point of a product") }
+        const { assert!(INT + OTHER == OUT, "binary point of a product") }
         Fx(self.0.mul(other.0))
     }
 
-    /// The same value on a wide wire with `OUT ≥ FRAC` fraction bits, exact.
+    /// The same value on the wide wire with `OUT ≥ INT` bits before the point, exact.
     #[inline(always)]
     #[track_caller]
     pub fn widen<const OUT: u32>(self) -> Wide<W, OUT> {
-        const { assert!(OUT >= FRAC, "widening keeps every bit") }
-        Fx(self.0.widen().shl(OUT - FRAC))
+        const { assert!(OUT >= INT && OUT - INT <= W::BITS, "widening keeps every bit") }
+        Fx(self.0.widen().shl(W::BITS - (OUT - INT)))
     }
 
-    /// The value rounded to nearest (ties up) at `keep` fraction bits; `keep ≤ FRAC`.
+    /// The value rounded to nearest (ties up) at `keep` fraction bits.
     #[inline(always)]
     #[track_caller]
     pub fn keep(self, keep: u32) -> Self {
-        if keep >= FRAC {
+        if keep >= Self::FRACTION {
             return self;
         }
-        let drop = FRAC - keep;
+        let drop = Self::FRACTION - keep;
         Self(self.0.sar(drop - 1).add(W::lit(1)).sar(1).shl(drop))
     }
 
     /// `self / 2^k`, rounded to nearest (ties up) at `keep` fraction bits, for a value already kept to `keep`
-    /// bits and a count on a wire, `0 ≤ k ≤ 31`. `keep < FRAC` leaves the bit that doubling needs.
+    /// bits and a count on a wire, below the width of the word. `keep < FRACTION` leaves the bit that doubling needs.
     #[inline(always)]
     #[track_caller]
-    pub fn round_shr_by(self, k: Fx<W, 0>, keep: u32) -> Self {
-        let unit = FRAC.saturating_sub(keep);
+    pub fn round_shr_by(self, k: Fx<W::Count, 32>, keep: u32) -> Self {
+        let unit = Self::FRACTION.saturating_sub(keep);
         let doubled = self.0.sar(unit).shl(1);
-        Self(doubled.sar_by(k.0).add(W::lit(1)).sar(1).shl(unit))
+        Self(doubled.sar_by(k.raw()).add(W::lit(1)).sar(1).shl(unit))
     }
-}
 
-impl<X: Wire, const FRAC: u32> Fx<X, FRAC>
-where
-    X::Count: Word<Wide = X>,
-{
-    /// Narrowing of a wide wire, the one place where a value is rounded: to nearest, ties towards +∞, at `keep`
-    /// fraction bits, as a word with `OUT` fraction bits. Range: the result fits 32 bits. `keep` is capped at
-    /// `OUT`, which is below `FRAC`.
+    /// The constant of a word of 32 bits with the same binary point.
     #[inline(always)]
     #[track_caller]
-    pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
-        const { assert!(OUT < FRAC, "rounding drops at least one bit") }
-        let keep = if keep < OUT { keep } else { OUT };
-        Fx(X::Count::round(self.0, FRAC - OUT, OUT - keep))
+    pub fn entry(value: i32) -> Self {
+        Self::lit(i64::from(value) >> (32 - W::BITS))
+    }
+
+    /// Entry of a table of words of 32 bits with the same binary point.
+    #[inline(always)]
+    #[track_caller]
+    pub fn lookup(index: Fx<W::Count, 32>, table: &'static [i32]) -> Self {
+        Self(W::lookup(index.raw(), table))
+    }
+
+    /// `⌊self · 2^places⌋`: a place in a table of 2^`places` entries for each unit.
+    #[inline(always)]
+    #[track_caller]
+    pub fn index(self, places: u32) -> Fx<W::Count, 32> {
+        Fx(self.0.sar(Self::FRACTION - places).to_count())
+    }
+
+    /// `index / 2^places`, exact: the inverse of [`Self::index`].
+    #[inline(always)]
+    #[track_caller]
+    pub fn of_index(index: Fx<W::Count, 32>, places: u32) -> Self {
+        Self(W::of_count(index.raw()).shl(Self::FRACTION - places))
+    }
+
+    /// The same value as a number that controls, floored to its last place.
+    #[inline(always)]
+    #[track_caller]
+    pub fn to_control<const OUT: u32>(self) -> Fx<W::Count, OUT> {
+        let (from, to) = (Self::FRACTION, 32 - OUT);
+        let count = self.0.to_count();
+        Fx(if to >= from { count.shl(to - from) } else { count.sar(from - to) })
+    }
+
+    /// A number that controls as a word, floored to its last place. Range: it fits.
+    #[inline(always)]
+    #[track_caller]
+    pub fn of_control<const FROM: u32>(control: Fx<W::Count, FROM>) -> Self {
+        let (from, to) = (32 - FROM, Self::FRACTION);
+        if to >= from {
+            Self(W::of_count(control.raw()).shl(to - from))
+        } else {
+            Self(W::of_count(control.raw().sar(from - to)))
+        }
     }
 }
 
-impl<W: Wire, const FRAC: u32> Add for Fx<W, FRAC> {
+impl<X: WideWire, const INT: u32> Fx<X, INT> {
+    /// Narrowing of a wide wire, the one place where a value is rounded: to nearest, ties towards +∞, at `keep`
+    /// fraction bits, as a word with `OUT` bits before its binary point. Range: the result fits the word. `keep` is capped at
+    /// what the word has, which is less than the wide wire has.
+    #[inline(always)]
+    #[track_caller]
+    pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Word, OUT> {
+        let fraction = Fx::<X::Word, OUT>::FRACTION;
+        const { assert!(Self::FRACTION > Fx::<X::Word, OUT>::FRACTION, "rounding drops at least one bit") }
+        let keep = if keep < fraction { keep } else { fraction };
+        Fx(X::Word::round(self.0, Self::FRACTION - fraction, fraction - keep))
+    }
+
+    /// `self · 2^e` with `OUT` bits before the point, floored to the last place. Range: `e ≤ OUT − INT`; more counts as that.
+    #[inline(always)]
+    #[track_caller]
+    pub fn at_exponent<const OUT: u32>(self, e: Fx<X::Count, 32>) -> Fx<X, OUT> {
+        let places = (Fx::int(i64::from(OUT - INT)) - e).saturate(Fx::int(0), Fx::int(i64::from(X::BITS - 2)));
+        self.reread().floor_shr_by(places)
+    }
+}
+
+impl<X: Wire, const INT: u32> Add for Fx<X, INT> {
     type Output = Self;
     #[inline(always)]
     #[track_caller]
@@ -206,7 +305,7 @@ impl<W: Wire, const FRAC: u32> Add for Fx<W, FRAC> {
     }
 }
 
-impl<W: Wire, const FRAC: u32> Sub for Fx<W, FRAC> {
+impl<X: Wire, const INT: u32> Sub for Fx<X, INT> {
     type Output = Self;
     #[inline(always)]
     #[track_caller]
@@ -215,11 +314,11 @@ impl<W: Wire, const FRAC: u32> Sub for Fx<W, FRAC> {
     }
 }
 
-impl<W: Wire, const FRAC: u32> Neg for Fx<W, FRAC> {
+impl<X: Wire, const INT: u32> Neg for Fx<X, INT> {
     type Output = Self;
     #[inline(always)]
     #[track_caller]
     fn neg(self) -> Self {
-        Self(W::lit(0).sub(self.0))
+        Self(X::lit(0).sub(self.0))
     }
 }

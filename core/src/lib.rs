@@ -6,21 +6,24 @@
 //! Read it from the outside in:
 //!
 //! 1. [`ports`]: what enters and leaves, in `fixed` types, with every bit pattern's meaning.
-//! 2. [`datapath`]: the stages in order, and which of them a [`plan`] leaves out.
-//! 3. [`stage`]: one file per hardware block; [`signals`] are the bundles between them.
+//! 2. [`datapath`]: the stages in order, and which of them a [`plan`] leaves out; every [`mod@design`] is one function of it.
+//! 3. [`mod@stage`]: one file per hardware block; [`signals`] are the bundles between them.
 //! 4. [`block`] and [`elementary`]: the compound steps, each with its claimed range and error bound.
 //! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 17 operations that
-//!    several readings implement; [`scalar`] is the meaning. [`mod@bundle`] walks the wires of a structure.
+//!    several readings implement; [`scalar`] is the meaning. [`mod@bundle`] declares structures of wires and walks them;
+//!    [`staged`] says where a stage begins and ends, [`mod@each`] loops over arrays of wires.
 //!
-//! [`probe_list`] is the footprint unrolled for a soft core. [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky
-//! bits of degenerate inputs.
+//! [`soft_core`] runs the datapaths from ports to ports in the scalar reading; [`probe_list`] is a footprint unrolled for it.
+//! [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky bits of degenerate
+//! inputs. With the feature `setup`, `setup` makes ports of floating-point numbers.
 //!
 //! ```
 //! use fixed::types::I2F30;
-//! use roughxel_core::{plan::ReflectionPlan, ports::{BlockVector, ReflectionIn}, precision::Precision};
+//! use roughxel_core::{plan::ReflectionPlan, ports::{BlockVector, ReflectionIn, SurfaceIn}, precision::Precision};
 //!
 //! let up = BlockVector { mantissa: [I2F30::ZERO, I2F30::ZERO, I2F30::from_bits(1 << 29)], exponent: 1 };
-//! let fragment = ReflectionIn { normal: up, view: up, edge_texels: 256, ..Default::default() };
+//! let surface = SurfaceIn { normal: up, view: up, ..Default::default() };
+//! let fragment = ReflectionIn { surface, edge_texels: 256, ..Default::default() };
 //! let out = fragment.reflect(&ReflectionPlan::FULL, &Precision::STANDARD);
 //! assert_eq!(out.face, 4); // straight back, towards +z
 //! ```
@@ -30,6 +33,7 @@
 pub mod block;
 pub mod bundle;
 pub mod datapath;
+pub mod design;
 pub mod each;
 pub mod elementary;
 pub mod fx;
@@ -42,6 +46,8 @@ pub mod scalar;
 #[cfg(feature = "setup")]
 pub mod setup;
 pub mod signals;
+pub mod soft_core;
+pub mod staged;
 pub mod stage;
 pub mod status;
 pub mod word;

@@ -1,301 +1,376 @@
-//! Ports of the datapath: everything that enters or leaves it, in `fixed` types.
+//! Ports of the datapath: everything that enters or leaves it, each declared once.
 //!
-//! This is the only file of the datapath that names `fixed`. Every bit pattern of every input port has one
+//! A declaration gives the bundle of wires ([`SurfaceInput`]), the same in `fixed` types for a soft core or a host ([`SurfaceIn`]),
+//! the paths of the hardware's ports, the columns of the vectors with their rows in FORMAT.md, and the ranges that the proof starts
+//! from. This is the only file of the datapath that names `fixed`. Every bit pattern of every input port has one
 //! documented result. A direction or a derivative is a [`BlockVector`]: three mantissas and one exponent, so that
 //! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
 //! bits are rounded away on entry.
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I6F26, I8F24, I16F16, U0F32};
 
-use crate::datapath::{
-    self, FragmentInput, HighlightInput, HighlightOutput, LitPeakInput, LitPeakOutput, Reflection, ReflectionInput,
-    ReflectionOutput, SurfaceInput, TextureFootprint,
-};
+use crate::block::{MANTISSA, Mantissa};
+use crate::bundle::bundle;
 use crate::fx::Fx;
-use crate::plan::{PeakPlan, ReflectionPlan, SurfacePlan};
-use crate::precision::Precision;
 use crate::scalar::Scalar;
-use crate::signals::{Horizon, MapScale, Peak, PortBlock, ShininessPort};
-use crate::stage::probes::face_scale;
-use crate::stage::texture::TextureScale;
 
-/// Three components with one shared exponent; component `i` is `mantissa[i] · 2^exponent`.
-///
-/// Units: those of the quantity. Range: any. Outputs have their largest component in [½, 1] by size; all-zero
-/// outputs have exponent 0, and an exponent beyond 16 bits is saturated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BlockVector {
-    /// Components, I2F30.
-    pub mantissa: [I2F30; 3],
-    /// Power of two of the block.
-    pub exponent: i16,
+/// Bits before the point of an offset or a roughness: I4F28, ±8.
+pub const OFFSET: u32 = 4;
+/// Bits before the point of a probe's place or step: I4F28, map units.
+pub const POSITION: u32 = 4;
+/// Bits before the point of a level of detail: I16F16.
+pub const LOD: u32 = 16;
+/// Bits before the point of linear light: I8F24.
+pub const LIGHT: u32 = 8;
+/// Bits before the point of a slope, ±8: I6F26.
+pub const SLOPE: u32 = 6;
+/// Bits before the point of a weight or a visibility in [0, 1]: I16F16.
+pub const SHARE: u32 = 16;
+/// Bits before the point of a reflectance in [0, 1]: I16F16.
+pub const REFLECTANCE: u32 = 16;
+/// Bits before the point of a component of a stored normal, I1F15 on a word of 32 bits.
+pub const STORED_NORMAL: u32 = 17;
+/// Bits before the point of a stored slope, I4F12 on a word of 32 bits.
+pub const STORED_SLOPE: u32 = 20;
+
+/// A scalar port: the `fixed` types of a structure of wires.
+pub trait Port: Copy {
+    /// The wires.
+    type Wires: Copy;
+    /// The port on wires.
+    fn wires(&self) -> Self::Wires;
+    /// The wires as a port.
+    fn of(wires: &Self::Wires) -> Self;
 }
 
-/// Two components with one shared exponent, the planar companion of [`BlockVector`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BlockPair {
-    /// Components, I2F30.
-    pub mantissa: [I2F30; 2],
-    /// Power of two of the block.
-    pub exponent: i16,
-}
-
-/// One number with an exponent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BlockNumber {
-    /// Mantissa, I2F30.
-    pub mantissa: I2F30,
-    /// Power of two.
-    pub exponent: i16,
-}
-
-/// Inputs of the reflection datapath for one fragment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReflectionIn {
-    /// Surface normal n, any length.
-    pub normal: BlockVector,
-    /// Vector v from the surface to the eye, any length.
-    pub view: BlockVector,
-    /// Frame vectors: the main direction h in slot 0 (system 3), or p_u and p_v (systems 1 and 2).
-    pub tangents: [BlockVector; 2],
-    /// Bump offsets b₁, b₂, relative to |n|; `fraction_bits` − 2 fraction bits are kept.
-    pub offset: [I4F28; 2],
-    /// Roughness d₁, d₂, d₃ (K = D Dᵀ, D = [[d₁, d₂], [0, d₃]]), relative to |n|; isotropic I₁ in slot 0.
-    pub roughness: [I4F28; 3],
-    /// ∂v/∂x and ∂v/∂y, per pixel.
-    pub dview: [BlockVector; 2],
-    /// ∂n/∂x and ∂n/∂y, per pixel, in the units of `normal`.
-    pub dnormal: [BlockVector; 2],
-    /// Edge of a face of the environment at level 0, in texels, 1…16384 (0 reads as 1, more as 16384).
-    pub edge_texels: u16,
-}
-
-/// Outputs of every stage of the reflection datapath for one fragment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReflectionOut {
-    /// E₁ and E₂, scaled by |n|.
-    pub frame: [BlockVector; 2],
-    /// n_mod.
-    pub normal_mod: BlockVector,
-    /// r = 2 n_mod⟨v·n_mod⟩ − v|n_mod|².
-    pub reflected: BlockVector,
-    /// Face 0…5: +x, −x, +y, −y, +z, −z.
-    pub face: u8,
-    /// s and t in [−1, 1].
-    pub st: [I2F30; 2],
-    /// d(s, t) for ∂x, ∂y, d₁E₁, d₂E₁ + d₃E₂.
-    pub columns: [BlockPair; 4],
-    /// a, b, c of the covariance K on the face plane.
-    pub covariance: BlockVector,
-    /// det K.
-    pub determinant: BlockNumber,
-    /// λ₁, standard deviation along the major axis.
-    pub major: BlockNumber,
-    /// λ₂.
-    pub minor: BlockNumber,
-    /// Unit direction of λ₁ in (s, t).
-    pub direction: [I2F30; 2],
-    /// Number of probes, 1…16.
-    pub probes: u8,
-    /// Step from one probe to the next, in s and t.
-    pub step: [I4F28; 2],
-    /// Level of detail, 0 … log₂ of the edge.
-    pub lod: I16F16,
-    /// Sticky bits, see [`crate::status::StatusBit`].
-    pub status: u32,
-}
-
-/// Inputs of the texture footprint for one fragment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TextureIn {
-    /// Texture coordinates in repeats of the map, modulo 1 (repeat addressing).
-    pub uv: [U0F32; 2],
-    /// ∂(u, v)/∂x and ∂(u, v)/∂y, repeats per pixel.
-    pub duv: [BlockPair; 2],
-}
-
-/// Constants of a map of `size` texels for [`TextureFootprint`]; edges are read as 1…16384.
-///
-/// Set-up, once per map: the only division of the crate outside tests and tables, and not on the datapath.
-pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>) {
-    let [width, height] = size.map(|edge| i32::from(edge.clamp(1, 16384)));
-    let longer = width.max(height) as u32;
-    // ⌈log₂ longer⌉ − 1, and ⌊log₂ longer⌋ below, without a panic path.
-    let log2_unit = (u32::BITS - longer.saturating_sub(1).leading_zeros()).saturating_sub(1) as i32;
-    let last_level = longer.checked_ilog2().unwrap_or(0) as i32;
-    let repeats = |edge: i32| {
-        let edge = core::num::NonZeroU32::new(edge as u32).unwrap_or(core::num::NonZeroU32::MIN);
-        Fx::from_raw(((1_u32 << (16 + log2_unit)) / edge) as i32)
+macro_rules! fixed_ports {
+    ($($fixed:ty: $int:expr;)*) => {
+        $(impl Port for $fixed {
+            type Wires = Fx<Scalar, { $int }>;
+            #[inline]
+            fn wires(&self) -> Self::Wires {
+                Fx::from_raw(self.to_bits().into())
+            }
+            #[inline]
+            fn of(wires: &Self::Wires) -> Self {
+                Self::from_bits(wires.raw() as _)
+            }
+        })*
     };
-    let texture = TextureScale {
-        size: [Fx::from_raw(width), Fx::from_raw(height)],
-        log2_unit: Fx::from_raw(log2_unit),
-        repeats_per_unit: [repeats(width), repeats(height)],
+}
+
+fixed_ports! {
+    I2F30: MANTISSA;
+    I4F28: OFFSET;
+    I6F26: SLOPE;
+    I8F24: LIGHT;
+    I16F16: SHARE;
+    I1F15: STORED_NORMAL;
+    I4F12: STORED_SLOPE;
+}
+
+macro_rules! integer_ports {
+    ($($integer:ty),*) => {
+        $(impl Port for $integer {
+            type Wires = Fx<Scalar, 32>;
+            #[inline]
+            fn wires(&self) -> Self::Wires {
+                Fx::from_raw(*self as i32)
+            }
+            #[inline]
+            fn of(wires: &Self::Wires) -> Self {
+                wires.raw() as Self
+            }
+        })*
     };
-    let map = MapScale { log2_texels: Fx::from_raw(log2_unit << 16), last_level: Fx::from_raw(last_level) };
-    (texture, map)
 }
 
-/// The scale of an environment whose faces have `edge` texels, read as 1…16384.
-pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
-    face_scale(Fx::from_raw(i32::from(edge)), p)
-}
+integer_ports!(u8, u16, u32, i16);
 
-/// The reflection datapath in the scalar reading, compiled here once for all who call it, as those below are.
-pub fn reflection(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> Reflection<Scalar> {
-    datapath::reflection(input, plan, p)
-}
-
-/// The reflection datapath from ports to ports.
-pub fn fragment(input: &FragmentInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
-    datapath::fragment(input, plan, p)
-}
-
-/// The highlight datapath from ports to ports.
-pub fn highlight(input: &HighlightInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> HighlightOutput<Scalar> {
-    datapath::leave_highlight(&datapath::lit_surface(input, plan, p))
-}
-
-/// One light on one peak from ports to ports.
-pub fn lit_peak(input: &LitPeakInput<Scalar>, plan: &PeakPlan, p: &Precision) -> LitPeakOutput<Scalar> {
-    datapath::lit_peak(input, plan, p)
-}
-
-fn wires<const N: usize>(mantissa: [I2F30; N], exponent: i16) -> PortBlock<Scalar, N> {
-    PortBlock { mantissa: mantissa.map(|m| Fx::from_raw(m.to_bits())), exponent: Fx::from_raw(i32::from(exponent)) }
-}
-
-impl BlockVector {
-    /// The port as scalar wires.
-    pub fn wires(&self) -> PortBlock<Scalar, 3> {
-        wires(self.mantissa, self.exponent)
-    }
-}
-
-impl BlockPair {
-    /// The port as scalar wires.
+impl Port for U0F32 {
+    type Wires = Fx<i64, 32>;
     #[inline]
-    pub fn wires(&self) -> PortBlock<Scalar, 2> {
-        wires(self.mantissa, self.exponent)
+    fn wires(&self) -> Self::Wires {
+        Fx::from_raw(self.to_bits().into())
+    }
+    #[inline]
+    fn of(wires: &Self::Wires) -> Self {
+        Self::from_bits(wires.raw() as u32)
     }
 }
 
-impl ReflectionIn {
-    /// The ports as scalar wires, with the scale of a map.
-    pub fn wires(&self, map: MapScale<Scalar>) -> ReflectionInput<Scalar> {
-        let FragmentInput { normal, view, tangents, offset, roughness, dview, dnormal, .. } = self.fragment();
-        ReflectionInput { normal, view, tangents, offset, roughness, dview, dnormal, map }
+impl<P: Port, const N: usize> Port for [P; N] {
+    type Wires = [P::Wires; N];
+    #[inline]
+    fn wires(&self) -> Self::Wires {
+        self.map(|port| port.wires())
     }
-
-    /// The ports as scalar wires, with the edge of the environment in place of its scale.
-    pub fn fragment(&self) -> FragmentInput<Scalar> {
-        FragmentInput {
-            normal: self.normal.wires(),
-            view: self.view.wires(),
-            tangents: self.tangents.map(|t| t.wires()),
-            offset: self.offset.map(|b| Fx::from_raw(b.to_bits())),
-            roughness: self.roughness.map(|d| Fx::from_raw(d.to_bits())),
-            dview: self.dview.map(|d| d.wires()),
-            dnormal: self.dnormal.map(|d| d.wires()),
-            edge_texels: Fx::from_raw(i32::from(self.edge_texels)),
-        }
-    }
-
-    /// Runs the scalar datapath.
-    pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
-        ReflectionOut::from(&fragment(&self.fragment(), plan, p))
+    #[inline]
+    fn of(wires: &Self::Wires) -> Self {
+        wires.map(|wires| P::of(&wires))
     }
 }
 
-impl TextureIn {
-    /// Runs the scalar texture footprint.
-    pub fn footprint(
-        &self,
-        scale: &(TextureScale<Scalar>, MapScale<Scalar>),
-        p: &Precision,
-    ) -> TextureFootprint<Scalar> {
-        let derivatives = self.duv.map(|pair| pair.wires());
-        datapath::texture_footprint(&derivatives, &scale.0, &scale.1, p)
+bundle! {
+    /// A vector as it comes through a port: any alignment, any exponent. Component i is `mantissa[i] · 2^exponent`.
+    ///
+    /// What leaves has its largest component in [½, 1] by size; all-zero
+    /// outputs have exponent 0, and an exponent beyond 16 bits is saturated.
+    pub struct PortBlock<W, const N: usize> {
+        /// mantissa
+        mantissa: [Mantissa<W>; N],
+        /// exponent of two
+        #[range(-32768..=32767)]
+        exponent: Int<W>,
     }
 }
 
-fn port_mantissa<const N: usize>(m: [Fx<Scalar, 30>; N]) -> [I2F30; N] {
-    m.map(|m| I2F30::from_bits(m.raw()))
-}
-
-impl From<&PortBlock<Scalar, 3>> for BlockVector {
-    fn from(port: &PortBlock<Scalar, 3>) -> Self {
-        Self { mantissa: port_mantissa(port.mantissa), exponent: port.exponent.raw() as i16 }
-    }
-}
-
-impl From<&PortBlock<Scalar, 2>> for BlockPair {
-    fn from(port: &PortBlock<Scalar, 2>) -> Self {
-        Self { mantissa: port_mantissa(port.mantissa), exponent: port.exponent.raw() as i16 }
-    }
-}
-
-impl From<&PortBlock<Scalar, 1>> for BlockNumber {
-    fn from(port: &PortBlock<Scalar, 1>) -> Self {
-        Self { mantissa: I2F30::from_bits(port.mantissa[0].raw()), exponent: port.exponent.raw() as i16 }
-    }
-}
-
-impl From<&ReflectionOutput<Scalar>> for ReflectionOut {
-    fn from(output: &ReflectionOutput<Scalar>) -> Self {
-        Self {
-            frame: output.frame.each_ref().map(BlockVector::from),
-            normal_mod: BlockVector::from(&output.normal_mod),
-            reflected: BlockVector::from(&output.reflected),
-            face: output.face.raw() as u8,
-            st: port_mantissa(output.st),
-            columns: output.columns.each_ref().map(BlockPair::from),
-            covariance: BlockVector::from(&output.covariance),
-            determinant: BlockNumber::from(&output.determinant),
-            major: BlockNumber::from(&output.major),
-            minor: BlockNumber::from(&output.minor),
-            direction: port_mantissa(output.direction),
-            probes: output.probes.raw() as u8,
-            step: output.step.map(|step| I4F28::from_bits(step.raw())),
-            lod: I16F16::from_bits(output.lod.raw()),
-            status: output.status.word().raw() as u32,
-        }
-    }
-}
-
-impl From<&Reflection<Scalar>> for ReflectionOut {
-    fn from(stages: &Reflection<Scalar>) -> Self {
-        Self::from(&datapath::leave(stages))
-    }
-}
-
-/// One peak of a distribution of normals as maps store it: a·max(0, N·H)ⁿ, in 10 bytes.
+/// Components with one shared exponent; component `i` is `mantissa[i] · 2^exponent`.
 ///
-/// A code of 16 bits holds an exponent c in its upper 4 bits and a fraction f in its lower 12: f units where c = 0, else
-/// (4096 + f)·2^(c − 1) units. It is monotone, and a number of at least 4096 units is within 2^−13 of what was stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StoredPeak {
-    /// N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
-    /// Another length: 1 − |N − H|²/2 stands for the cosine.
-    pub normal: [I1F15; 3],
-    /// Amplitude a, a code in units of 2^−21: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. A larger
-    /// one is saturated: facets of amplitude 15 beyond 76°, for they count 1/n_z times.
-    pub amplitude: u16,
-    /// Exponent n, a code in units of 2^−13: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most.
-    /// The other codes, 0 to 16 382, count as they read.
-    pub exponent: u16,
-}
-
-/// The horizon of a peak as maps store it, towards −x, +x, −y, +y of the local frame, in 16 bytes.
-///
-/// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width.
+/// Units: those of the quantity. Range: any; what enters with an exponent beyond ±2^11 is read as with that one. Outputs have their
+/// largest component in [½, 1] by size; all-zero outputs have exponent 0, and an exponent beyond 16 bits is saturated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StoredHorizon {
-    /// Slope at which the ramp begins, μ − √3σ, or of the step; within 2^−13, cut to ±8.
-    pub low: [I4F12; 4],
-    /// 1/(2√3σ), a code as in [`StoredPeak`] in units of 2^−14: within 2^−13 from ¼ on (widths up to 4), 2^−15 below.
-    /// 0 is a step: visible at `low` and above.
-    pub inverse_width: [u16; 4],
+pub struct BlockPort<const N: usize> {
+    /// Components, I2F30.
+    pub mantissa: [I2F30; N],
+    /// Power of two of the block.
+    pub exponent: i16,
+}
+
+/// Three components with one shared exponent.
+pub type BlockVector = BlockPort<3>;
+/// Two components with one shared exponent, the planar companion of [`BlockVector`].
+pub type BlockPair = BlockPort<2>;
+/// One number with an exponent.
+pub type BlockNumber = BlockPort<1>;
+
+impl<const N: usize> Default for BlockPort<N> {
+    fn default() -> Self {
+        Self { mantissa: [I2F30::ZERO; N], exponent: 0 }
+    }
+}
+
+impl<const N: usize> Port for BlockPort<N> {
+    type Wires = PortBlock<Scalar, N>;
+    #[inline]
+    fn wires(&self) -> Self::Wires {
+        PortBlock { mantissa: self.mantissa.wires(), exponent: self.exponent.wires() }
+    }
+    #[inline]
+    fn of(wires: &Self::Wires) -> Self {
+        Self { mantissa: Port::of(&wires.mantissa), exponent: Port::of(&wires.exponent) }
+    }
+}
+
+bundle! {
+    /// What the surface of a fragment is made of, the same for its reflection and its lights.
+    #[ports(SurfaceIn: Default)]
+    pub struct SurfaceInput<W> {
+        /// surface normal n, any length
+        #[unit = "length"]
+        #[port = BlockVector]
+        normal: PortBlock<W, 3>,
+        /// vector v from the surface to the eye, any length
+        #[unit = "length"]
+        #[port = BlockVector]
+        view: PortBlock<W, 3>,
+        /// frame vectors: the main direction h in slot 0 (system 3), or p_u and p_v (systems 1 and 2)
+        #[unit = "length"]
+        #[port = [BlockVector; 2]]
+        frame_vectors: [PortBlock<W, 3>; 2],
+        /// bump offsets b₁, b₂, relative to |n|; `fraction_bits` − 2 fraction bits are kept
+        #[unit = "|n|"]
+        #[components = "12"]
+        #[port = [I4F28; 2]]
+        offset: [Fx<W, OFFSET>; 2],
+        /// roughness d₁, d₂, d₃ (K = D Dᵀ, D = [[d₁, d₂], [0, d₃]]), relative to |n|; isotropic: I₁ in the first, alone
+        #[unit = "|n|"]
+        #[components = "123"]
+        #[port = [I4F28; 3]]
+        roughness: [Fx<W, OFFSET>; 3],
+    }
+}
+
+bundle! {
+    /// Inputs of the reflection datapath for one fragment.
+    #[ports(ReflectionIn: Default)]
+    pub struct ReflectionInput<W> {
+        /// the surface
+        #[port = SurfaceIn]
+        surface: SurfaceInput<W>,
+        /// ∂v/∂x (one pixel to the right) and ∂v/∂y (one pixel down)
+        #[unit = "length per pixel"]
+        #[port = [BlockVector; 2]]
+        dview: [PortBlock<W, 3>; 2],
+        /// ∂n/∂x and ∂n/∂y, in the units of n
+        #[unit = "length per pixel"]
+        #[port = [BlockVector; 2]]
+        dnormal: [PortBlock<W, 3>; 2],
+        /// edge of a face of the environment at level 0; 0 reads as 1, more than 16384 as 16384
+        #[unit = "texels"]
+        #[range(0..=65535)]
+        #[port = u16]
+        edge_texels: Int<W>,
+    }
+}
+
+bundle! {
+    /// What every stage of the reflection datapath makes of one fragment, in the order of the pipeline.
+    #[ports(ReflectionOut: Default)]
+    pub struct ReflectionOutput<W> {
+        /// tangents E₁ and E₂, scaled by |n|
+        #[unit = "length"]
+        #[stage = "frame"]
+        #[port = [BlockVector; 2]]
+        frame: [PortBlock<W, 3>; 2],
+        /// perturbed normal n_mod
+        #[unit = "length"]
+        #[stage = "perturb"]
+        #[port = BlockVector]
+        normal_mod: PortBlock<W, 3>,
+        /// reflected vector r = 2 n_mod⟨v·n_mod⟩ − v|n_mod|²
+        #[unit = "length³"]
+        #[stage = "reflect"]
+        #[port = BlockVector]
+        reflected: PortBlock<W, 3>,
+        /// d(s, t) for ∂x, ∂y and the roughness tangents d₁E₁, d₂E₁ + d₃E₂ (isotropic: I₁E₁, I₁E₂)
+        #[unit = "half faces per pixel; half faces"]
+        #[stage = "columns"]
+        #[port = [BlockPair; 4]]
+        columns: [PortBlock<W, 2>; 4],
+        /// a, b, c of the covariance K = [[a, b], [b, c]] on the plane of the face
+        #[unit = "half faces²"]
+        #[stage = "ellipse"]
+        #[components = "abc"]
+        #[port = BlockVector]
+        covariance: PortBlock<W, 3>,
+        /// det K
+        #[unit = "half faces⁴"]
+        #[stage = "ellipse"]
+        #[port = BlockNumber]
+        determinant: PortBlock<W, 1>,
+        /// λ₁, standard deviation along the major axis
+        #[unit = "half faces"]
+        #[stage = "axes"]
+        #[port = BlockNumber]
+        major: PortBlock<W, 1>,
+        /// λ₂, standard deviation along the minor axis
+        #[unit = "half faces"]
+        #[stage = "axes"]
+        #[port = BlockNumber]
+        minor: PortBlock<W, 1>,
+        /// unit direction of λ₁ in (s, t)
+        #[unit = "1"]
+        #[stage = "axes"]
+        #[components = "st"]
+        #[range(-1..=1)]
+        #[port = [I2F30; 2]]
+        direction: [Mantissa<W>; 2],
+        /// face 0 to 5: +x, −x, +y, −y, +z, −z
+        #[unit = "1"]
+        #[out = "cube_face"]
+        #[range(0..=5)]
+        #[port = u8]
+        face: Int<W>,
+        /// s (to the right) and t (down) on the face, −1 to 1
+        #[unit = "half faces"]
+        #[out = "cube_face"]
+        #[components = "st"]
+        #[range(-1..=1)]
+        #[port = [I2F30; 2]]
+        st: [Mantissa<W>; 2],
+        /// number of probes, 1 to 16
+        #[unit = "1"]
+        #[out = "probes"]
+        #[range(1..=16)]
+        #[port = u8]
+        probes: Int<W>,
+        /// step from one probe to the next, in s and t
+        #[unit = "half faces"]
+        #[out = "probes"]
+        #[components = "st"]
+        #[range(-7..=7)]
+        #[port = [I4F28; 2]]
+        step: [Control<W, POSITION>; 2],
+        /// level of detail, 0 to log₂ of the edge
+        #[unit = "levels"]
+        #[out = "probes"]
+        #[keeps(Lod)]
+        #[range(0..=14)]
+        #[port = I16F16]
+        lod: Control<W, LOD>,
+        /// sticky bits
+        #[unit = "bits"]
+        #[out = "status"]
+        #[range(0..256)]
+        #[port = u32]
+        status: Int<W>,
+    }
+}
+
+bundle! {
+    /// Inputs of the texture footprint for one fragment.
+    #[ports(TextureIn: Default)]
+    pub struct TextureInput<W> {
+        /// texture coordinates in repeats of the map, modulo 1 (repeat addressing)
+        #[unit = "repeats"]
+        #[range(0..1)]
+        #[port = [U0F32; 2]]
+        uv: [WideControl<W, 32>; 2],
+        /// ∂(u, v)/∂x and ∂(u, v)/∂y
+        #[unit = "repeats per pixel"]
+        #[port = [BlockPair; 2]]
+        duv: [PortBlock<W, 2>; 2],
+    }
+}
+
+bundle! {
+    /// One peak of a distribution of normals as maps store it: a·max(0, N·H)ⁿ, in 10 bytes.
+    ///
+    /// A code of 16 bits holds an exponent c in its upper 4 bits and a fraction f in its lower 12: f units where c = 0, else
+    /// (4096 + f)·2^(c − 1) units. It is monotone, and a number of at least 4096 units is within 2^−13 of what was stored.
+    #[ports(StoredPeak: Default)]
+    pub struct Peak<W> {
+        /// stored peak: N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
+        /// Of another length: 1 − |N − H|²/2 stands for the cosine
+        #[unit = "1"]
+        #[components = "xyz"]
+        #[range(-1..1)]
+        #[port = [I1F15; 3]]
+        normal: [Control<W, STORED_NORMAL>; 3],
+        /// stored peak: amplitude a, a code: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. A larger one was
+        /// saturated: facets of amplitude 15 beyond 76°, for they count 1/n_z times
+        #[unit = "2^−21"]
+        #[range(0..=65535)]
+        #[port = u16]
+        amplitude: Int<W>,
+        /// stored peak: exponent n, a code: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most. The other codes,
+        /// 0 to 16 382, count as they read
+        #[unit = "2^−13"]
+        #[range(0..=65535)]
+        #[port = u16]
+        exponent: Int<W>,
+    }
+}
+
+bundle! {
+    /// The horizon of a peak as maps store it, towards −x, +x, −y, +y of the local frame, in 16 bytes.
+    ///
+    /// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width.
+    #[ports(StoredHorizon)]
+    pub struct Horizon<W> {
+        /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, μ − √3σ, or of the step; within 2^−13, cut to ±8
+        #[unit = "1"]
+        #[range(-8..8)]
+        #[port = [I4F12; 4]]
+        low: [Control<W, STORED_SLOPE>; 4],
+        /// stored horizon of each side: 1/(2√3σ), a code as of a peak: within 2^−13 from ¼ on (widths up to 4), 2^−15 below; 0 is
+        /// a step, visible at `low` and above
+        #[unit = "2^−14"]
+        #[range(0..=65535)]
+        #[port = [u16; 4]]
+        inverse_width: [Int<W>; 4],
+    }
 }
 
 impl StoredHorizon {
@@ -309,204 +384,172 @@ impl Default for StoredHorizon {
     }
 }
 
-impl StoredPeak {
-    /// The port as scalar wires.
-    pub fn wires(&self) -> Peak<Scalar> {
-        Peak {
-            normal: self.normal.map(|n| Fx::from_raw(n.to_bits().into())),
-            amplitude: Fx::from_raw(self.amplitude.into()),
-            exponent: Fx::from_raw(self.exponent.into()),
-        }
+bundle! {
+    /// The exponent m of a highlight: cos^m on a smooth surface. `setup::shininess` makes one.
+    ///
+    /// The datapath takes both numbers as they are: a √m that is not the root of m changes the base roughness alone.
+    #[ports(Shininess: Default)]
+    pub struct ShininessPort<W> {
+        /// exponent m, saturated to 1…8192
+        #[unit = "1"]
+        #[port = I16F16]
+        exponent: Control<W, 16>,
+        /// √m, saturated to 1…91
+        #[unit = "1"]
+        #[port = I8F24]
+        root: Control<W, 8>,
     }
 }
 
-impl StoredHorizon {
-    /// The port as scalar wires.
-    pub fn wires(&self) -> Horizon<Scalar> {
-        Horizon {
-            low: self.low.map(|low| Fx::from_raw(low.to_bits().into())),
-            inverse_width: self.inverse_width.map(|code| Fx::from_raw(code.into())),
-        }
+bundle! {
+    /// Inputs of the highlight of one light on one fragment.
+    #[ports(HighlightIn: Default)]
+    pub struct HighlightInput<W> {
+        /// the surface
+        #[port = SurfaceIn]
+        surface: SurfaceInput<W>,
+        /// vector l from the surface to the light, any length
+        #[unit = "length"]
+        #[port = BlockVector]
+        light: PortBlock<W, 3>,
+        /// exponent m
+        #[port = Shininess]
+        shininess: ShininessPort<W>,
     }
 }
 
-/// The exponent m of a highlight: cos^m on a smooth surface. `setup::shininess` makes one.
-///
-/// The datapath takes both numbers as they are: a √m that is not the root of m changes the base roughness alone.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shininess {
-    /// m, saturated to 1…8192.
-    pub exponent: I16F16,
-    /// √m, saturated to 1…91.
-    pub root: I8F24,
-}
-
-impl Shininess {
-    /// The ports as scalar wires.
-    pub fn wires(&self) -> ShininessPort<Scalar> {
-        ShininessPort { exponent: Fx::from_raw(self.exponent.to_bits()), root: Fx::from_raw(self.root.to_bits()) }
+bundle! {
+    /// What every stage of the highlight of one light makes of one fragment. What belongs to roughness is zero, and the amplitude 1,
+    /// where the plan has none.
+    #[ports(HighlightOut: Default)]
+    pub struct HighlightOutput<W> {
+        /// tangents E₁ and E₂, scaled by |n|
+        #[unit = "length"]
+        #[stage = "frame"]
+        #[port = [BlockVector; 2]]
+        frame: [PortBlock<W, 3>; 2],
+        /// perturbed normal n_mod
+        #[unit = "length"]
+        #[stage = "perturb"]
+        #[port = BlockVector]
+        normal_mod: PortBlock<W, 3>,
+        /// roughness tangents d₁E₁ and d₂E₁ + d₃E₂ (isotropic: I₁E₁, I₁E₂), scaled by |n|
+        #[unit = "length"]
+        #[stage = "roughness"]
+        #[components = "12"]
+        #[port = [BlockVector; 2]]
+        rough: [PortBlock<W, 3>; 2],
+        /// half vector h = l/|l| + v/|v|
+        #[unit = "1"]
+        #[stage = "half"]
+        #[port = BlockVector]
+        half: PortBlock<W, 3>,
+        /// √m/|n_mod| times `rough`: relative to |n_mod| and to the base deviation 1/√m
+        #[unit = "1"]
+        #[stage = "highlight"]
+        #[components = "12"]
+        #[port = [BlockVector; 2]]
+        spread: [PortBlock<W, 3>; 2],
+        /// 1/√det(I + mK)
+        #[unit = "1"]
+        #[stage = "highlight"]
+        #[port = BlockNumber]
+        amplitude: PortBlock<W, 1>,
+        /// share of the light that the highlight returns, 0 to 1
+        #[unit = "1"]
+        #[out = "highlight"]
+        #[range(0..=1)]
+        #[port = I8F24]
+        f: Control<W, LIGHT>,
+        /// sticky bits
+        #[unit = "bits"]
+        #[out = "status"]
+        #[range(0..4096)]
+        #[port = u32]
+        status: Int<W>,
     }
 }
 
-/// Inputs of the highlight of one light on one fragment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HighlightIn {
-    /// Surface normal n, any length.
-    pub normal: BlockVector,
-    /// Vector v from the surface to the eye, any length.
-    pub view: BlockVector,
-    /// Frame vectors, as for [`ReflectionIn`].
-    pub tangents: [BlockVector; 2],
-    /// Bump offsets b₁, b₂, as for [`ReflectionIn`].
-    pub offset: [I4F28; 2],
-    /// Roughness d₁, d₂, d₃ or I₁, as for [`ReflectionIn`].
-    pub roughness: [I4F28; 3],
-    /// Vector l from the surface to the light, any length.
-    pub light: BlockVector,
-    /// Exponent m.
-    pub shininess: Shininess,
-}
-
-/// Outputs of every stage of the highlight of one light on one fragment. What belongs to roughness is zero, and the amplitude 1,
-/// where the plan has none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HighlightOut {
-    /// E₁ and E₂, scaled by |n|.
-    pub frame: [BlockVector; 2],
-    /// n_mod.
-    pub normal_mod: BlockVector,
-    /// d₁E₁ and d₂E₁ + d₃E₂, scaled by |n|.
-    pub tangents: [BlockVector; 2],
-    /// √m/|n_mod| times `tangents`: relative to |n_mod| and to the base deviation 1/√m.
-    pub spread: [BlockVector; 2],
-    /// 1/√D ≤ 1, D = det(I + mK).
-    pub amplitude: BlockNumber,
-    /// h = l/|l| + v/|v|.
-    pub half: BlockVector,
-    /// The share of the light that the highlight returns, [0, 1]. It is 0 where the light is on the horizon of n or below
-    /// it, where n_mod faces away from the half vector, and where any of n, v, l or h is zero.
-    pub f: I8F24,
-    /// Sticky bits, see [`crate::status::LIGHT_STATUS_BITS`]; those of n, v and the frame as for the reflection.
-    pub status: u32,
-}
-
-impl HighlightIn {
-    /// The ports as scalar wires.
-    pub fn wires(&self) -> HighlightInput<Scalar> {
-        HighlightInput {
-            surface: SurfaceInput {
-                normal: self.normal.wires(),
-                view: self.view.wires(),
-                tangents: self.tangents.map(|t| t.wires()),
-                offset: self.offset.map(|b| Fx::from_raw(b.to_bits())),
-                roughness: self.roughness.map(|d| Fx::from_raw(d.to_bits())),
-            },
-            light: self.light.wires(),
-            shininess: self.shininess.wires(),
-        }
-    }
-
-    /// Runs the scalar datapath.
-    pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
-        HighlightOut::from(&highlight(&self.wires(), plan, p))
+bundle! {
+    /// Inputs of one light on one peak of a fragment; the peak brings its own normal and roughness.
+    #[ports(PeakIn: Default)]
+    pub struct PeakInput<W> {
+        /// the surface
+        #[port = SurfaceIn]
+        surface: SurfaceInput<W>,
+        /// vector l from the surface to the light, any length
+        #[unit = "length"]
+        #[port = BlockVector]
+        light: PortBlock<W, 3>,
+        /// the peak
+        #[port = StoredPeak]
+        peak: Peak<W>,
+        /// its horizon
+        #[port = StoredHorizon]
+        horizon: Horizon<W>,
+        /// share of the fragment that the peak has, saturated to 0 to 1
+        #[unit = "1"]
+        #[port = I16F16]
+        weight: Control<W, SHARE>,
     }
 }
 
-impl From<&HighlightOutput<Scalar>> for HighlightOut {
-    fn from(output: &HighlightOutput<Scalar>) -> Self {
-        Self {
-            frame: output.frame.each_ref().map(BlockVector::from),
-            normal_mod: BlockVector::from(&output.normal_mod),
-            tangents: output.tangents.each_ref().map(BlockVector::from),
-            spread: output.spread.each_ref().map(BlockVector::from),
-            amplitude: BlockNumber::from(&output.amplitude),
-            half: BlockVector::from(&output.half),
-            f: I8F24::from_bits(output.f.raw()),
-            status: output.status.word().raw() as u32,
-        }
-    }
-}
-
-/// Inputs of one light on one peak of a fragment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PeakIn {
-    /// Surface normal n, any length.
-    pub normal: BlockVector,
-    /// Vector v from the surface to the eye, any length.
-    pub view: BlockVector,
-    /// Frame vectors, as for [`ReflectionIn`].
-    pub tangents: [BlockVector; 2],
-    /// Vector l from the surface to the light, any length.
-    pub light: BlockVector,
-    /// The peak.
-    pub peak: StoredPeak,
-    /// Its horizon.
-    pub horizon: StoredHorizon,
-    /// Its share of the fragment, saturated to [0, 1].
-    pub weight: I16F16,
-}
-
-/// Outputs of every stage of one light on one peak. What belongs to the horizon is zero, and the visibility 1, where the
-/// plan has none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PeakOut {
-    /// E₁ and E₂, scaled by |n|.
-    pub frame: [BlockVector; 2],
-    /// h = l/|l| + v/|v|.
-    pub half: BlockVector,
-    /// h along E₁, E₂ and n, at unit length; zero where h or the frame is.
-    pub direction: [I2F30; 3],
-    /// l along E₁, E₂ and n, at any length.
-    pub light: BlockVector,
-    /// v along E₁, E₂ and n, at any length.
-    pub eye: BlockVector,
-    /// Slopes z/|x| and z/|y| of l, then of v, cut to ±8.
-    pub slopes: [[I6F26; 2]; 2],
-    /// The share of the peak's facets that light and eye clear, [0, 1].
-    pub visibility: I16F16,
-    /// The light that the peak returns, [0, 64); 0 where the light is on the horizon of n or below it, and where any of n,
-    /// v, l, h or the frame is zero.
-    pub peak: I8F24,
-    /// Sticky bits, see [`crate::status::LIGHT_STATUS_BITS`]; those of n, v and the frame as for the reflection.
-    pub status: u32,
-}
-
-impl PeakIn {
-    /// The ports as scalar wires.
-    pub fn wires(&self) -> LitPeakInput<Scalar> {
-        LitPeakInput {
-            surface: SurfaceInput {
-                normal: self.normal.wires(),
-                view: self.view.wires(),
-                tangents: self.tangents.map(|t| t.wires()),
-                offset: [Fx::zero(); 2],
-                roughness: [Fx::zero(); 3],
-            },
-            light: self.light.wires(),
-            peak: self.peak.wires(),
-            horizon: self.horizon.wires(),
-            weight: Fx::from_raw(self.weight.to_bits()),
-        }
-    }
-
-    /// Runs the scalar datapath.
-    pub fn shine(&self, plan: &PeakPlan, p: &Precision) -> PeakOut {
-        PeakOut::from(&lit_peak(&self.wires(), plan, p))
-    }
-}
-
-impl From<&LitPeakOutput<Scalar>> for PeakOut {
-    fn from(output: &LitPeakOutput<Scalar>) -> Self {
-        Self {
-            frame: output.frame.each_ref().map(BlockVector::from),
-            half: BlockVector::from(&output.half),
-            direction: port_mantissa(output.direction),
-            light: BlockVector::from(&output.light),
-            eye: BlockVector::from(&output.eye),
-            slopes: output.slopes.map(|axes| axes.map(|slope| I6F26::from_bits(slope.raw()))),
-            visibility: I16F16::from_bits(output.visibility.raw()),
-            peak: I8F24::from_bits(output.peak.raw()),
-            status: output.status.word().raw() as u32,
-        }
+bundle! {
+    /// What every stage of one light on one peak makes of one fragment. What belongs to the horizon is zero, and the visibility 1,
+    /// where the plan has none.
+    #[ports(PeakOut: Default)]
+    pub struct PeakOutput<W> {
+        /// tangents E₁ and E₂, scaled by |n|
+        #[unit = "length"]
+        #[stage = "frame"]
+        #[port = [BlockVector; 2]]
+        frame: [PortBlock<W, 3>; 2],
+        /// half vector h = l/|l| + v/|v|
+        #[unit = "1"]
+        #[stage = "half"]
+        #[port = BlockVector]
+        half: PortBlock<W, 3>,
+        /// h along E₁, E₂ and n, at unit length; zero where h or the frame is
+        #[unit = "1"]
+        #[stage = "local"]
+        #[components = "xyz"]
+        #[range(-1..=1)]
+        #[port = [I2F30; 3]]
+        local_half: [Mantissa<W>; 3],
+        /// l along E₁, E₂ and n, at any length
+        #[unit = "length"]
+        #[stage = "local"]
+        #[port = BlockVector]
+        local_light: PortBlock<W, 3>,
+        /// v along E₁, E₂ and n, at any length
+        #[unit = "length"]
+        #[stage = "local"]
+        #[port = BlockVector]
+        local_eye: PortBlock<W, 3>,
+        /// slopes z/|x| and z/|y| of l, then of v, cut to ±8
+        #[unit = "1"]
+        #[stage = "horizon"]
+        #[range(-8..=8)]
+        #[port = [[I6F26; 2]; 2]]
+        slopes: [[Fx<W, SLOPE>; 2]; 2],
+        /// share of the peak's facets that light and eye clear, 0 to 1
+        #[unit = "1"]
+        #[stage = "horizon"]
+        #[range(0..=1)]
+        #[port = I16F16]
+        visibility: Control<W, SHARE>,
+        /// light that the peak returns, 0 to below 64; 0 where the light is on the horizon of n or below it, and where any of n,
+        /// v, l, h or the frame is zero
+        #[unit = "1"]
+        #[out = "peaks"]
+        #[range(0..64)]
+        #[port = I8F24]
+        peak: Control<W, LIGHT>,
+        /// sticky bits
+        #[unit = "bits"]
+        #[out = "status"]
+        #[range(0..16384)]
+        #[port = u32]
+        status: Int<W>,
     }
 }

@@ -82,8 +82,46 @@ pub struct Precision {
     pub roughness_bits: u32,
 }
 
-/// Names of the profiles, narrowest first.
-pub const PROFILE_NAMES: [&str; 4] = ["paper", "compact", "standard", "precise"];
+/// The named profiles, narrowest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Profile {
+    /// [`Precision::PAPER`].
+    Paper,
+    /// [`Precision::COMPACT`].
+    Compact,
+    /// [`Precision::STANDARD`].
+    Standard,
+    /// [`Precision::PRECISE`].
+    Precise,
+}
+
+impl Profile {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Paper, Self::Compact, Self::Standard, Self::Precise];
+
+    /// Their names.
+    pub const NAMES: [&'static str; 4] = ["paper", "compact", "standard", "precise"];
+
+    /// Its name in manifests and on the command line.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// Its knobs.
+    pub const fn precision(self) -> Precision {
+        match self {
+            Self::Paper => Precision::PAPER,
+            Self::Compact => Precision::COMPACT,
+            Self::Standard => Precision::STANDARD,
+            Self::Precise => Precision::PRECISE,
+        }
+    }
+
+    /// The profile of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|profile| profile.name() == name)
+    }
+}
 
 impl Precision {
     /// As W97 and S97 describe: ten-step angle table, power-of-two probes, 8-bit roughness.
@@ -130,17 +168,6 @@ impl Precision {
         roughness_bits: 16,
         ..Self::STANDARD
     };
-
-    /// The profile of that name.
-    pub fn by_name(name: &str) -> Option<Self> {
-        match name {
-            "paper" => Some(Self::PAPER),
-            "compact" => Some(Self::COMPACT),
-            "standard" => Some(Self::STANDARD),
-            "precise" => Some(Self::PRECISE),
-            _ => None,
-        }
-    }
 
     /// The value itself if every knob is in its range, else the name of the first that is not.
     pub fn checked(self) -> Result<Self, &'static str> {

@@ -5,18 +5,18 @@
 
 use heapless::Vec;
 
-use crate::datapath::{self, Probe};
-use crate::fx::Fx;
+use crate::datapath;
+use crate::fx::{Fx, Int};
 use crate::precision::Precision;
 use crate::rom::MAX_PROBES;
 use crate::scalar::Scalar;
-use crate::signals::{CubePoint, FacePosition, Probes, TexturePosition};
+use crate::signals::{CubePoint, FaceProbe, Probes, TexturePosition, TextureProbe};
 use crate::stage::texture::TextureScale;
 
 /// At most [`MAX_PROBES`] probes.
-pub type ProbeList<P> = Vec<Probe<P, Scalar>, MAX_PROBES>;
+pub type ProbeList<P> = Vec<P, MAX_PROBES>;
 
-fn list<P>(probes: &Probes<Scalar>, probe: impl Fn(Fx<Scalar, 0>) -> Probe<P, Scalar>) -> ProbeList<P> {
+fn list<P>(probes: &Probes<Scalar>, probe: impl Fn(Int<Scalar>) -> P) -> ProbeList<P> {
     let mut list = Vec::new();
     for index in (0..probes.count.raw()).map(Fx::from_raw) {
         // The count is 1…16 by construction; a full list would end the walk rather than panic.
@@ -32,7 +32,7 @@ pub fn environment_probes(
     point: &CubePoint<Scalar>,
     probes: &Probes<Scalar>,
     p: &Precision,
-) -> ProbeList<FacePosition<Scalar>> {
+) -> ProbeList<FaceProbe<Scalar>> {
     list(probes, |index| datapath::environment_probe(point, probes, index, p))
 }
 
@@ -42,6 +42,6 @@ pub fn texture_probes(
     probes: &Probes<Scalar>,
     map: &TextureScale<Scalar>,
     p: &Precision,
-) -> ProbeList<TexturePosition<Scalar>> {
+) -> ProbeList<TextureProbe<Scalar>> {
     list(probes, |index| datapath::texture_probe(centre, probes, index, map, p))
 }

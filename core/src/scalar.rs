@@ -3,7 +3,8 @@
 //! No stage lets a value leave its word, so the wrapping operations below never wrap; they are written so
 //! that no build of any kind contains a panic path.
 
-use crate::word::{Wire, Word};
+use crate::staged::Staged;
+use crate::word::{WideWire, Wire, Word};
 
 /// The word of the scalar reading; its wide companion is `i64`.
 pub type Scalar = i32;
@@ -13,6 +14,7 @@ macro_rules! wire {
         impl Wire for $int {
             type Flag = bool;
             type Count = i32;
+            const BITS: u32 = <$int>::BITS;
             #[inline(always)]
             fn lit(value: i64) -> Self {
                 value as $int
@@ -87,8 +89,22 @@ impl Word for i32 {
         wide as i32
     }
     #[inline(always)]
-    fn lookup(self, table: &'static [i32]) -> Self {
+    fn lookup(index: i32, table: &'static [i32]) -> Self {
         // A stage never asks outside the table; 0 keeps the function total without a panic path.
-        table.get(self as usize).copied().unwrap_or(0)
+        table.get(index as usize).copied().unwrap_or(0)
+    }
+    #[inline(always)]
+    fn to_count(self) -> i32 {
+        self
+    }
+    #[inline(always)]
+    fn of_count(count: i32) -> Self {
+        count
     }
 }
+
+impl WideWire for i64 {
+    type Word = i32;
+}
+
+impl Staged for i32 {}

@@ -95,7 +95,7 @@ pub fn real_pair(v: &BlockPair) -> DVec2 {
 
 /// The real value of a number.
 pub fn real_number(x: &BlockNumber) -> f64 {
-    real(x.mantissa, x.exponent)
+    real(x.mantissa[0], x.exponent)
 }
 
 fn real(mantissa: I2F30, exponent: i16) -> f64 {

@@ -1,23 +1,36 @@
 //! The hardware blocks, one file each, in pipeline order. Stages never import each other; what one hands to the
-//! next is a struct of the block that makes it, passed on by [`crate::datapath`].
+//! next is a bundle of [`crate::signals`] or of the stage that makes it, passed on by [`crate::datapath`].
 
-pub mod axes;
-pub mod blend;
-pub mod columns;
-pub mod cube_face;
-pub mod ellipse;
+// From ports to a perturbed, rough surface.
 pub mod enter;
-pub mod filter;
 pub mod frame;
+pub mod perturb;
+pub mod roughness;
+
+// From the surface to a footprint on the environment.
+pub mod reflect;
+pub mod cube_face;
+pub mod columns;
+
+// The footprint in a repeated map, and what both kinds share.
+pub mod texture;
+pub mod ellipse;
+pub mod axes;
+pub mod probes;
+
+// From texels to samples.
+pub mod edge;
+pub mod filter;
+pub mod moments;
+
+// Lights.
 pub mod half;
 pub mod highlight;
-pub mod horizon;
-pub mod leave;
 pub mod local;
-pub mod moments;
+pub mod horizon;
 pub mod peaks;
-pub mod perturb;
-pub mod probes;
-pub mod reflect;
-pub mod roughness;
-pub mod texture;
+
+// From samples to a pixel, and from the datapath to ports.
+pub mod blend;
+pub mod pixel;
+pub mod leave;

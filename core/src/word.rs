@@ -1,8 +1,7 @@
-//! The algebra every stage is written in: signed integers on *wires*. A *word* has at most 32 bits and alone travels between
-//! stages; its *wide* companion has 64 and holds sums of products exactly. A *reading* of the datapath implements these
-//! two traits; [`crate::scalar`] is the meaning. No operation may leave its wire: `roughxel ranges` proves it.
+//! The algebra every stage is written in: signed integers on *wires*. A *word* carries mantissas; its *wide* companion has twice the
+//! bits and holds sums of products exactly; a *count* controls (exponents, indices, levels) and has 32 bits whatever a word has.
+//! A *reading* implements these traits; [`crate::scalar`] is the meaning. No operation may leave its wire: `roughxel ranges`.
 
-use crate::bundle::Bundle;
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
 
@@ -10,8 +9,10 @@ use core::ops::{BitAnd, BitOr, Not};
 pub trait Wire: Copy + Debug {
     /// One-bit wire, the outcome of a comparison.
     type Flag: Copy + Debug + Not<Output = Self::Flag> + BitAnd<Output = Self::Flag> + BitOr<Output = Self::Flag>;
-    /// The word type that counts shifts.
-    type Count: Copy + Debug;
+    /// The word that controls.
+    type Count: Word<Flag = Self::Flag, Count = Self::Count>;
+    /// Bits of the wire.
+    const BITS: u32;
     /// Constant. The value fits the wire.
     fn lit(value: i64) -> Self;
     /// `self + other`, exact.
@@ -44,15 +45,15 @@ pub trait Wire: Copy + Debug {
         self
     }
 }
-/// A wire of at most 32 bits.
-pub trait Word: Wire<Count = Self> {
-    /// The 64-bit companion.
-    type Wide: Wire<Flag = Self::Flag, Count = Self>;
+/// A wire for mantissas, or, where it is its own [`Wire::Count`], for what controls.
+pub trait Word: Wire {
+    /// The companion of twice the bits.
+    type Wide: WideWire<Flag = Self::Flag, Count = Self::Count, Word = Self>;
     /// Exact product.
     fn mul(self, other: Self) -> Self::Wide;
-    /// The same value, 64 bits wide.
+    /// The same integer on the wide wire.
     fn widen(self) -> Self::Wide;
-    /// The same value, 32 bits wide. The value fits.
+    /// The same integer on a word. It fits.
     fn narrow(wide: Self::Wide) -> Self;
     /// `⌊wide/2^(drop + up) + ½⌋·2^up`, `drop ≥ 1`, or a reading's shorter way. The value fits.
     #[inline(always)]
@@ -60,11 +61,15 @@ pub trait Word: Wire<Count = Self> {
     fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
         Self::narrow(wide.sar(drop + up - 1).add(Self::Wide::lit(1)).sar(1)).shl(up)
     }
-    /// `table[self]`; the index is inside the table.
-    fn lookup(self, table: &'static [i32]) -> Self;
-    /// Runs one block of the datapath, which a reading may compile, name or record on its own.
-    #[inline(always)]
-    fn block<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
-        body()
-    }
+    /// `table[index]`; the index is inside the table, the entry fits.
+    fn lookup(index: Self::Count, table: &'static [i32]) -> Self;
+    /// The same integer as a count.
+    fn to_count(self) -> Self::Count;
+    /// The same integer on a word. It fits.
+    fn of_count(count: Self::Count) -> Self;
+}
+/// The wide companion of a word.
+pub trait WideWire: Wire {
+    /// The word.
+    type Word: Word<Wide = Self, Flag = Self::Flag, Count = Self::Count>;
 }

@@ -11,11 +11,11 @@ use std::io::{self, BufRead, Read, Write};
 use fixed::types::{I2F30, I4F28};
 use glam::dvec3;
 use rayon::prelude::*;
-use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{BlockNumber, BlockVector, ReflectionIn, ReflectionOut};
+use roughxel_core::plan::{Datapath, ReflectionPlan};
+use roughxel_core::ports::{BlockNumber, BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset, scale_by_power_of_two};
-use roughxel_core::status::STATUS_BITS;
+use roughxel_core::status::StatusBit;
 use thiserror::Error;
 
 /// Columns of the input; the first [`REQUIRED`] must be there.
@@ -314,11 +314,13 @@ fn number(cell: &[u8], column: usize) -> Result<f64, &'static str> {
 pub fn fragment(values: &[f64; INPUT_COLUMNS.len()], p: &Precision) -> ReflectionIn {
     let vector = |first: usize| block_vector(dvec3(values[first], values[first + 1], values[first + 2]), p);
     ReflectionIn {
-        normal: vector(0),
-        view: vector(3),
-        tangents: [vector(6), BlockVector::default()],
-        offset: [9, 10].map(|i| offset(values[i], p)),
-        roughness: [11, 12, 13].map(|i| offset(values[i], p)),
+        surface: SurfaceIn {
+            normal: vector(0),
+            view: vector(3),
+            frame_vectors: [vector(6), BlockVector::default()],
+            offset: [9, 10].map(|i| offset(values[i], p)),
+            roughness: [11, 12, 13].map(|i| offset(values[i], p)),
+        },
         dview: [vector(14), vector(17)],
         dnormal: [vector(20), vector(23)],
         edge_texels: values[SIZE] as u16,
@@ -360,11 +362,11 @@ pub enum Value {
 pub fn visit(input: &ReflectionIn, output: &ReflectionOut, raw: bool, sink: impl FnMut(&'static str, Value)) {
     let mut to = Visitor { raw, sink };
     let i = input;
-    to.vector(["q_nx", "q_ny", "q_nz", "q_n_e"], &i.normal);
-    to.vector(["q_vx", "q_vy", "q_vz", "q_v_e"], &i.view);
-    to.vector(["q_hx", "q_hy", "q_hz", "q_h_e"], &i.tangents[0]);
-    to.offsets(["q_b1", "q_b2"], i.offset);
-    to.offsets(["q_d1", "q_d2", "q_d3"], i.roughness);
+    to.vector(["q_nx", "q_ny", "q_nz", "q_n_e"], &i.surface.normal);
+    to.vector(["q_vx", "q_vy", "q_vz", "q_v_e"], &i.surface.view);
+    to.vector(["q_hx", "q_hy", "q_hz", "q_h_e"], &i.surface.frame_vectors[0]);
+    to.offsets(["q_b1", "q_b2"], i.surface.offset);
+    to.offsets(["q_d1", "q_d2", "q_d3"], i.surface.roughness);
     to.vector(["q_dv_dx_x", "q_dv_dx_y", "q_dv_dx_z", "q_dv_dx_e"], &i.dview[0]);
     to.vector(["q_dv_dy_x", "q_dv_dy_y", "q_dv_dy_z", "q_dv_dy_e"], &i.dview[1]);
     to.vector(["q_dn_dx_x", "q_dn_dx_y", "q_dn_dx_z", "q_dn_dx_e"], &i.dnormal[0]);
@@ -427,7 +429,7 @@ impl<F: FnMut(&'static str, Value)> Visitor<F> {
     }
 
     fn number(&mut self, [m, e]: [&'static str; 2], number: &BlockNumber) {
-        self.mantissas([m], [number.mantissa], number.exponent);
+        self.mantissas([m], number.mantissa, number.exponent);
         self.exponent(e, number.exponent);
     }
 }
@@ -461,8 +463,8 @@ fn write_json(text: &mut String, input: &ReflectionIn, output: &ReflectionOut, o
         write_value(text, value, "null");
         text.push(',');
     });
-    let raised = STATUS_BITS.iter().filter(|(bit, _)| output.status & *bit as u32 != 0);
-    let names: Vec<_> = raised.map(|(_, name)| format!("\"{name}\"")).collect();
+    let raised = StatusBit::of(Datapath::Reflection).filter(|bit| output.status & bit.mask() != 0);
+    let names: Vec<_> = raised.map(|bit| format!("\"{}\"", bit.name())).collect();
     // Writing to a string cannot fail.
     let _ = write!(text, "\"status_names\":[{}]}}", names.join(","));
 }

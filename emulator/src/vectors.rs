@@ -6,6 +6,7 @@
 
 mod datapath;
 mod export;
+mod format;
 mod layout;
 mod manifest;
 mod sets;
@@ -19,7 +20,8 @@ use thiserror::Error;
 
 pub use datapath::Inputs;
 pub use export::{SetInfo, export, export_with};
-pub use layout::{Direction, Field, Layout, STAGES};
+pub use format::{FormatError, in_page, tables};
+pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Manifest, SCHEMA};
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
 pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};

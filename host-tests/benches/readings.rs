@@ -20,17 +20,19 @@ use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use criterion::{Criterion, Throughput};
 use fearless_simd::Level;
 use roughxel_core::datapath::{Reflection, reflection};
+use roughxel_core::design::Design;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{Effects, ReflectionPlan};
-use roughxel_core::ports::{ReflectionIn, environment_scale};
+use roughxel_core::ports::{Port, ReflectionIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::scalar::Scalar;
+use roughxel_core::soft_core::environment_scale;
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::lanes::{InstructionSet, Reading};
 use roughxel_emulator::net::bench::Bench;
-use roughxel_emulator::net::design::Design;
+use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::verilog::{Options, Verilog};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::plan::Mode;
@@ -153,14 +155,13 @@ struct Model {
 }
 
 impl Model {
-    const DESIGN: &str = "reflection";
+    const DESIGN: Design = Design::Reflection;
 
     /// Builds it, with the C++ compiler's best; `None` where there is no Verilator.
     fn build(sets: &[Set]) -> Option<Self> {
         if !have("verilator") {
             return None;
         }
-        let design = Design::by_name(Self::DESIGN).expect("the datapath is a design");
         let options = Options {
             profile: "standard".into(),
             precision: PROFILE,
@@ -169,11 +170,11 @@ impl Model {
             stage: None,
             prefix: String::new(),
         };
-        let verilog = Verilog::new(design, &options).expect("the datapath is generated");
+        let verilog = Verilog::new(Self::DESIGN, &options).expect("the datapath is generated");
         let directory = tempfile::tempdir().expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         let mut model = Self { directory, verilog, program: PathBuf::new() };
-        let net = design.record(&Effects::ALL, &PROFILE);
+        let net = Net::of(Self::DESIGN, &Effects::ALL, &PROFILE);
         for set in sets {
             let mut random = SplitMix64::for_element(set.name, 0);
             let mut ports = |fragment| {
@@ -222,7 +223,7 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
         let mut sampled = vec![[0; 8]; ports.len()];
         Contender::new(name, move || {
             for (fragment, sampled) in ports.iter().zip(&mut sampled) {
-                *sampled = sampler_words(&reflection(&fragment.wires(scale), &plan, &profile));
+                *sampled = sampler_words(&reflection(&fragment.wires(), &scale, &plan, &profile));
             }
             black_box(&mut sampled);
         })
@@ -233,8 +234,8 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
         Contender::new(name, move || {
             for fragments in ports.chunks(BATCH) {
                 inputs.clear();
-                inputs.extend(fragments.iter().map(|fragment| fragment.wires(scale)));
-                black_box(Reading::Lanes(set).footprints(&inputs, &ReflectionPlan::FULL, &profile));
+                inputs.extend(fragments.iter().map(Port::wires));
+                black_box(Reading::Lanes(set).footprints(&inputs, &scale, &ReflectionPlan::FULL, &profile));
             }
         })
     };
@@ -293,7 +294,7 @@ fn sampler_words(stages: &Reflection<Scalar>) -> [i32; 8] {
     let Reflection { point, probes, status, .. } = stages;
     let [s, t] = point.st.map(Fx::raw);
     let [step_s, step_t] = probes.step.map(Fx::raw);
-    [point.select.index().raw(), s, t, probes.count.raw(), step_s, step_t, probes.lod.raw(), status.word().raw()]
+    [point.select.index().raw(), s, t, probes.count.raw(), step_s, step_t, probes.lod.raw(), status.raw()]
 }
 
 /// Seconds a fragment of every contender, by name, one figure for each round.

@@ -12,7 +12,7 @@ pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
 
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::raster::RasterError;
@@ -39,7 +39,7 @@ pub fn arithmetic_bar(profile: &str) -> Option<f64> {
 /// Largest |error of f| of a highlight with exponent m over max(1, √m), where l and v are not nearly opposite: the angle
 /// between n_mod and h is what errs, and the steepest slope of cos^m is 0.61·√m.
 pub fn highlight_bar(profile: &str) -> Option<f64> {
-    let column = PROFILE_NAMES.iter().position(|name| *name == profile)?;
+    let column = Profile::NAMES.iter().position(|name| *name == profile)?;
     [-13, -13, -17, -19].get(column).map(|&power| 2.0_f64.powi(power))
 }
 

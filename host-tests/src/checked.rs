@@ -9,7 +9,8 @@ use std::cell::{Cell, RefCell};
 use std::fmt;
 
 use roughxel_core::bundle::{Bundle, Rewire, Step};
-use roughxel_core::word::{Wire, Word};
+use roughxel_core::staged::Staged;
+use roughxel_core::word::{WideWire, Wire, Word};
 
 /// A word of 32 bits that may not be left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,14 +112,14 @@ pub fn counted<T>(work: impl FnOnce() -> T) -> (T, OperationCounts) {
     (result, OperationCounts(std::array::from_fn(|i| after[i] - before[i])))
 }
 
-/// Outcomes of the blocks that ran, in their order, each with the name of its block.
+/// Outcomes of the stages that ran, in their order, each with its name.
 pub type Trace = Vec<(&'static str, Integers)>;
 
 thread_local! {
     static TRACE: RefCell<Option<Trace>> = const { RefCell::new(None) };
 }
 
-/// Runs `work` and says what every block of the datapath came to on this thread.
+/// Runs `work` and says what every stage of the datapath came to on this thread.
 pub fn traced<T>(work: impl FnOnce() -> T) -> (T, Trace) {
     TRACE.set(Some(Trace::new()));
     let result = work();
@@ -166,6 +167,7 @@ macro_rules! wire {
         impl Wire for $name {
             type Flag = bool;
             type Count = Checked;
+            const BITS: u32 = <$int>::BITS;
 
             fn lit(value: i64) -> Self {
                 Self::fit(Operation::Lit, i128::from(value), [value, 0])
@@ -237,14 +239,27 @@ impl Word for Checked {
     fn narrow(wide: CheckedWide) -> Self {
         Self::fit(Operation::Narrow, i128::from(wide.0), [wide.0, 0])
     }
-    fn lookup(self, table: &'static [i32]) -> Self {
+    fn lookup(index: Self, table: &'static [i32]) -> Self {
         count(Operation::Lookup);
-        match usize::try_from(self.0).ok().and_then(|index| table.get(index)) {
+        match usize::try_from(index.0).ok().and_then(|index| table.get(index)) {
             Some(&value) => Self(value),
-            None => panic!("lookup at {} in a table of {}", self.0, table.len()),
+            None => panic!("lookup at {} in a table of {}", index.0, table.len()),
         }
     }
-    fn block<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
+    fn to_count(self) -> Self {
+        self
+    }
+    fn of_count(count: Self) -> Self {
+        count
+    }
+}
+
+impl WideWire for CheckedWide {
+    type Word = Checked;
+}
+
+impl Staged for Checked {
+    fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
         let outcome = body();
         TRACE.with_borrow_mut(|trace| {
             if let Some(trace) = trace {
@@ -256,7 +271,7 @@ impl Word for Checked {
 }
 
 /// Word types of which a test can see the integer.
-pub trait Visible: Word {
+pub trait Visible: Staged + Wire<Count = Self> {
     /// The integer on the wire.
     fn integer(self) -> i32;
     /// A wire with that integer on it.
@@ -296,6 +311,9 @@ impl<V: Visible> Rewire<i32, V> for SameIntegers {
     fn word(&mut self, wire: i32, _: u32) -> V {
         V::wire(wire)
     }
+    fn control(&mut self, wire: i32, _: u32) -> V {
+        V::wire(wire)
+    }
     fn wide(&mut self, wire: i64, _: u32) -> V::Wide {
         V::Wide::lit(wire)
     }
@@ -315,6 +333,9 @@ impl Given<'_> {
 
 impl<V: Visible> Rewire<i32, V> for Given<'_> {
     fn word(&mut self, _: i32, _: u32) -> V {
+        V::lit(self.next())
+    }
+    fn control(&mut self, _: i32, _: u32) -> V {
         V::lit(self.next())
     }
     fn wide(&mut self, _: i64, _: u32) -> V::Wide {
@@ -360,8 +381,8 @@ struct List {
 impl List {
     fn add(&mut self, value: i64) {
         let name = self.path.iter().fold(String::new(), |name, step| match step {
-            Step::Field(field) if name.is_empty() => (*field).to_owned(),
-            Step::Field(field) => format!("{name}.{field}"),
+            Step::Field(field) if name.is_empty() => field.name.to_owned(),
+            Step::Field(field) => format!("{name}.{}", field.name),
             Step::Index(index) => format!("{name}[{index}]"),
         });
         self.found.push((name, value));
@@ -376,6 +397,10 @@ impl<W: Visible> Rewire<W, W> for List {
         self.path.pop();
     }
     fn word(&mut self, wire: W, _: u32) -> W {
+        self.add(i64::from(wire.integer()));
+        wire
+    }
+    fn control(&mut self, wire: W, _: u32) -> W {
         self.add(i64::from(wire.integer()));
         wire
     }

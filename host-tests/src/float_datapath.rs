@@ -49,13 +49,13 @@ impl From<&ReflectionIn> for Fragment {
     /// The numbers of the ports, rounded to `f32`.
     fn from(ports: &ReflectionIn) -> Self {
         let vector = |v: &BlockVector| real_vector(v).as_vec3();
-        let [b1, b2] = ports.offset.map(|b| real_offset(b) as f32);
+        let [b1, b2] = ports.surface.offset.map(|b| real_offset(b) as f32);
         Self {
-            normal: vector(&ports.normal),
-            view: vector(&ports.view),
-            main_direction: vector(&ports.tangents[0]),
+            normal: vector(&ports.surface.normal),
+            view: vector(&ports.surface.view),
+            main_direction: vector(&ports.surface.frame_vectors[0]),
             offset: Vec2::new(b1, b2),
-            roughness: Vec3::from_array(ports.roughness.map(|d| real_offset(d) as f32)),
+            roughness: Vec3::from_array(ports.surface.roughness.map(|d| real_offset(d) as f32)),
             dview: ports.dview.each_ref().map(vector),
             dnormal: ports.dnormal.each_ref().map(vector),
         }
@@ -65,8 +65,12 @@ impl From<&ReflectionIn> for Fragment {
 impl Fragment {
     /// Whether the exponents of the ports lie within ±23: no product of three inputs then leaves the range of `f32`.
     pub fn in_range(ports: &ReflectionIn) -> bool {
-        let ReflectionIn { normal, view, tangents, dview, dnormal, .. } = ports;
-        [normal, view, &tangents[0]].into_iter().chain(dview).chain(dnormal).all(|v| v.exponent.abs() < 24)
+        let ReflectionIn { surface, dview, dnormal, .. } = ports;
+        [&surface.normal, &surface.view, &surface.frame_vectors[0]]
+            .into_iter()
+            .chain(dview)
+            .chain(dnormal)
+            .all(|v| v.exponent.abs() < 24)
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Modules are found as the compiler finds them, from the roots of each package. A path, in a `use` or in the middle of code,
 //! leads to the file of the module that has what it names; where a module only passes a name on (`pub use`), to
-//! the file behind it. Tests inside modules do not count, for they may look at anything.
+//! the file behind it. What a macro names by `$crate` does not count, for only those who call it need that; nor do tests inside
+//! modules, for they may look at anything.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
@@ -202,14 +203,22 @@ fn named(tokens: &[Token]) -> (HashMap<String, Vec<String>>, Vec<Named>) {
         }
         let is_first = is_name(text(i)) && !(i > 0 && text(i - 1) == ":" && text(i.wrapping_sub(2)) == ":");
         if is_first && text(i + 1) == ":" && text(i + 2) == ":" {
+            let in_macro = i > 0 && text(i - 1) == "$";
             let mut segments = vec![text(i).to_owned()];
             while text(i + 1) == ":" && text(i + 2) == ":" && is_name(text(i + 3)) {
                 segments.push(text(i + 3).to_owned());
                 i += 3;
             }
-            paths.push(Named { segments, line, passed_on: false });
+            // What a macro names by `$crate` need those who call it.
+            if !in_macro {
+                paths.push(Named { segments, line, passed_on: false });
+            }
         }
         i += 1;
+    }
+    // A macro that is exported belongs to the root by its path, to this file by its text.
+    for place in tokens.windows(3).filter(|place| place[0].text == "macro_rules") {
+        names.remove(&place[2].text);
     }
     (names, paths)
 }

@@ -1,14 +1,13 @@
 //! Designs in every reading that exists: scalar, checked, and lanes with every instruction set of this machine.
 
-use roughxel_core::bundle::{Bundle, Rewire};
-use roughxel_core::datapath;
+use roughxel_core::bundle::{Bundle, End, Rewire};
+use roughxel_core::design::{Design, HorizonInput, LocalInput, Recorded, StoredPeakInput, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::word::{Wire, Word};
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{FlagLanes, InstructionSet, LANES, Lanes, Target, WideLanes};
-use roughxel_emulator::net::design::{HorizonInput, LocalInput, PeakInput, PeakOutput};
 
 use crate::checked::{Checked, Integers, first_difference};
 use crate::designs::outcome;
@@ -19,18 +18,18 @@ pub enum DesignInput {
     /// `local`.
     Local(LocalInput<i32>),
     /// `peak`.
-    Peak(PeakInput<i32>),
+    Peak(StoredPeakInput<i32>),
     /// `horizon`.
     Horizon(HorizonInput<i32>),
 }
 
 impl DesignInput {
-    /// Name of the design.
-    pub fn design(&self) -> &'static str {
+    /// The design.
+    pub fn design(&self) -> Design {
         match self {
-            Self::Local(_) => "local",
-            Self::Peak(_) => "peak",
-            Self::Horizon(_) => "horizon",
+            Self::Local(_) => Design::Local,
+            Self::Peak(_) => Design::Peak,
+            Self::Horizon(_) => Design::Horizon,
         }
     }
 
@@ -52,19 +51,20 @@ impl DesignInput {
 pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
     for group in inputs.chunks(LANES) {
         let ports: Vec<Vec<i64>> = group.iter().map(DesignInput::ports).collect();
-        let name = group[0].design();
-        assert!(group.iter().all(|input| input.design() == name), "inputs of one design");
-        let scalar: Vec<Integers> = ports.iter().map(|ports| outcome::<i32>(name, ports, &Effects::ALL, p)).collect();
+        let design = group[0].design();
+        let name = design.name();
+        assert!(group.iter().all(|input| input.design() == design), "inputs of one design");
+        let scalar: Vec<Integers> = ports.iter().map(|ports| outcome::<i32>(design, ports, &Effects::ALL, p)).collect();
         for (ports, expected) in ports.iter().zip(&scalar) {
-            let checked = outcome::<Checked>(name, ports, &Effects::ALL, p);
+            let checked = outcome::<Checked>(design, ports, &Effects::ALL, p);
             assert_eq!(*expected, checked, "{name} of {ports:?}: {:?}", first_difference(expected, &checked));
         }
         for set in InstructionSet::available() {
             let lanes = match set {
                 #[cfg(target_arch = "x86_64")]
-                InstructionSet::Avx2 => in_lanes::<Avx2>(&group[0], &ports, p),
+                InstructionSet::Avx2 => in_lanes::<Avx2>(design, &ports, p),
                 #[cfg(target_arch = "x86_64")]
-                InstructionSet::Avx512 => in_lanes::<Avx512>(&group[0], &ports, p),
+                InstructionSet::Avx512 => in_lanes::<Avx512>(design, &ports, p),
                 #[cfg(not(target_arch = "x86_64"))]
                 set => panic!("{set} is of another machine"),
             };
@@ -76,49 +76,25 @@ pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
 }
 
 /// The outcome of each of up to [`LANES`] inputs that lie side by side.
-fn in_lanes<T: Target>(form: &DesignInput, ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
-    let mut load = Load { ports, next: 0 };
-    match form {
-        DesignInput::Local(form) => {
-            let input: LocalInput<Lanes<T>> = form.rewire(&mut load);
+fn in_lanes<T: Target>(design: Design, ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
+    struct Run<'a, T> {
+        ports: &'a [Vec<i64>],
+        p: &'a Precision,
+        set: core::marker::PhantomData<T>,
+    }
+    impl<T: Target> Visitor for Run<'_, T> {
+        type Outcome = Vec<Integers>;
+        fn visit<D: Recorded>(self) -> Vec<Integers> {
+            let input = D::Input::limit::<i32>(End::Low).rewire(&mut Load { ports: self.ports, next: 0 });
             let run = T::run(
                 #[inline(always)]
-                || datapath::local_direction(&input.direction, &input.frame, &input.normal, p),
+                || D::run::<Lanes<T>>(&input, &Effects::ALL, self.p),
             );
-            one_by_one(&run, ports.len())
-        }
-        DesignInput::Peak(form) => {
-            let input: PeakInput<Lanes<T>> = form.rewire(&mut load);
-            let run = T::run(
-                #[inline(always)]
-                || {
-                    let light = datapath::peak(&input.h, &input.peak, input.weight, p);
-                    let sum = datapath::peak_sum(&input.sum, light);
-                    PeakOutput { sum, status: datapath::peak_status(&input.h, &sum) }
-                },
-            );
-            one_by_one(&run, ports.len())
-        }
-        DesignInput::Horizon(form) => {
-            let input: HorizonInput<Lanes<T>> = form.rewire(&mut load);
-            let run = T::run(
-                #[inline(always)]
-                || {
-                    let light = datapath::horizon_slopes(&input.light, p);
-                    let eye = datapath::horizon_slopes(&input.eye, p);
-                    datapath::horizon(&light, &eye, &input.horizon, p)
-                },
-            );
-            one_by_one(&run, ports.len())
+            let lane = |lane| Integers::of::<i32, _>(&run.rewire::<i32, _>(&mut Lane(lane)));
+            (0..self.ports.len()).map(lane).collect()
         }
     }
-}
-
-fn one_by_one<T: Target, B: Bundle<Lanes<T>>>(lanes: &B, count: usize) -> Vec<Integers>
-where
-    B::In<i32>: Bundle<i32>,
-{
-    (0..count).map(|lane| Integers::of(&lanes.rewire::<i32, _>(&mut Lane(lane)))).collect()
+    design.visit(Run::<T> { ports, p, set: core::marker::PhantomData })
 }
 
 /// Puts the ports of several inputs side by side; what is missing repeats the first.
@@ -138,6 +114,9 @@ impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_> {
     fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
         Lanes::of(self.next().map(|value| value as i32))
     }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> Lanes<T> {
+        self.word(wire, fraction_bits)
+    }
     fn wide(&mut self, _: i64, _: u32) -> WideLanes<T> {
         WideLanes::of(self.next())
     }
@@ -152,6 +131,9 @@ struct Lane(usize);
 impl<T: Target> Rewire<Lanes<T>, i32> for Lane {
     fn word(&mut self, wire: Lanes<T>, _: u32) -> i32 {
         wire.lanes()[self.0]
+    }
+    fn control(&mut self, wire: Lanes<T>, fraction_bits: u32) -> i32 {
+        self.word(wire, fraction_bits)
     }
     fn wide(&mut self, wire: <Lanes<T> as Word>::Wide, _: u32) -> i64 {
         wire.lanes()[self.0]

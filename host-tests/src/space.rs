@@ -3,7 +3,7 @@
 use fixed::types::I2F30;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem, PeakPlan, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::BlockVector;
-use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::random::SplitMix64;
 
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
@@ -11,7 +11,7 @@ const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotr
 
 /// Every named profile.
 pub fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+    Profile::ALL.map(|profile| (profile.name(), profile.precision()))
 }
 
 /// Every combination of the blocks of a reflection: 72 plans.

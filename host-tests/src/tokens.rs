@@ -7,6 +7,8 @@ pub struct Token {
     pub text: String,
     /// The line it starts in, from 1.
     pub line: usize,
+    /// White space or a comment stands before it: rustfmt puts operators with two operands between spaces.
+    pub spaced: bool,
 }
 
 /// Splits Rust source into tokens without comments, strings and character literals.
@@ -14,7 +16,7 @@ pub fn tokens(source: &str) -> Vec<Token> {
     let characters: Vec<char> = source.chars().collect();
     let at = |i: usize| characters.get(i).copied().unwrap_or('\0');
     let word = |c: char| c.is_alphanumeric() || c == '_';
-    let (mut i, mut line, mut found) = (0, 1, Vec::new());
+    let (mut i, mut line, mut spaced, mut found) = (0, 1, false, Vec::new());
     while i < characters.len() {
         let start = i;
         match at(i) {
@@ -55,15 +57,16 @@ pub fn tokens(source: &str) -> Vec<Token> {
                 while word(at(i)) || (at(i) == '.' && c.is_ascii_digit() && at(i + 1).is_ascii_digit()) {
                     i += 1;
                 }
-                found.push(Token { text: characters[start..i].iter().collect(), line });
+                found.push(Token { text: characters[start..i].iter().collect(), line, spaced });
             }
             c => {
                 i += 1;
                 if !c.is_whitespace() {
-                    found.push(Token { text: c.to_string(), line });
+                    found.push(Token { text: c.to_string(), line, spaced });
                 }
             }
         }
+        spaced = at(start).is_whitespace() || at(start) == '/' && matches!(at(start + 1), '/' | '*');
         line += characters[start..i.min(characters.len())].iter().filter(|c| **c == '\n').count();
     }
     found

@@ -5,14 +5,17 @@
 //! (h + |a − c|, 2b), the branch that does not cancel, or by a table of a few angles (erratum 18).
 //! Sign: the larger component is positive. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
 
-use crate::block::{Block, MANTISSA, Mantissa, dot, normalise, places_below};
+use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number, places_below};
 use crate::each::each;
-use crate::elementary::{inverse_root, root_and_inverse};
+use crate::elementary::{over_length, root_and_inverse};
 use crate::fx::{Fx, Wide};
 use crate::precision::{AxisDirection, Precision};
 use crate::rom;
 use crate::signals::{Axes, Ellipse};
-use crate::word::Word;
+use crate::word::{Wire, Word};
+
+/// Bits before the point of numbers below 4 that come of a mantissa with an exponent of 2 at most.
+const WITHIN_FOUR: u32 = PRODUCT + 2;
 
 /// Main axes of an ellipse. K = 0 gives λ₁ = λ₂ = 0 and direction (1, 0).
 #[inline(always)]
@@ -20,33 +23,32 @@ pub fn axes<W: Word>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
     let keep = p.fraction_bits;
     let [a, b, c] = ellipse.k.m;
     // (a − c, 2b) is the doubled-angle vector; h its length.
-    let difference: Wide<W, 60> = a.widen() - c.widen();
-    let double = normalise([difference, b.widen::<60>().shl(1)], Fx::zero(), keep);
-    let square = Block::of(dot(&double.m, &double.m), double.e + double.e, keep);
-    let (h, _) = root_and_inverse(square, p);
+    let difference: Product<W> = a.widen() - c.widen();
+    let double = normalise([difference, b.widen::<PRODUCT>().shl(1)], Fx::int(0), keep);
+    let (h, _) = root_and_inverse(double.square_length(keep), p);
 
-    // λ₁² with 58 fraction bits: (a + c)/2 ≤ 1, h/2 ≤ 1; h = m·2^e with e ≤ 2 (h ≤ a + c ≤ 2).
-    let mean: Wide<W, 58> = (a.widen() + c.widen()).floor_shr(1);
-    let half_h: Wide<W, 58> =
-        h.m[0].widen::<60>().reread().floor_shr_by(places_below(h.e, Fx::lit(2), 62)).floor_shr(1);
-    let lambda_square = Block::of(mean + half_h, ellipse.k.e, keep);
+    // λ₁² with 6 bits before the point: (a + c)/2 ≤ 1, h/2 ≤ 1; h = m·2^e with e ≤ 2 (h ≤ a + c ≤ 2).
+    let mean: Wide<W, WITHIN_FOUR> = (a.widen() + c.widen()).floor_shr(1);
+    let half_h = h.at_point::<WITHIN_FOUR>().floor_shr(1);
+    let lambda_square = number(mean + half_h, ellipse.k.e, keep);
     let (major, inverse) = root_and_inverse(lambda_square, p);
     let (root_det, _) = root_and_inverse(ellipse.det, p);
-    let minor = Block::of(root_det.m[0].mul::<MANTISSA, 60>(inverse.m[0]), root_det.e + inverse.e, keep);
+    let minor = root_det.times(&inverse, keep);
     let swapped = less(&major, &minor);
     Axes { major, minor: Block::select(swapped, major, minor), direction: direction(&double, &h, p) }
 }
 
 /// `a < b` of two numbers ≥ 0.
 #[inline(always)]
-fn less<W: Word>(a: &Block<W, 1>, b: &Block<W, 1>) -> W::Flag {
+fn less<W: Word>(a: &Number<W>, b: &Number<W>) -> W::Flag {
     let top = a.e.max(b.e);
-    let [a, b]: [Wide<W, 60>; 2] = each!(x in [a, b] => x.m[0].widen().floor_shr_by(places_below(x.e, top, 63)));
+    let most = <W::Wide as Wire>::BITS - 1;
+    let [a, b]: [Product<W>; 2] = each!(x in [a, b] => x.m[0].widen().floor_shr_by(places_below(x.e, top, most)));
     a.lt(b)
 }
 
 #[inline(always)]
-fn direction<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> [Mantissa<W>; 2] {
+fn direction<W: Word>(double: &Block<W, 2>, h: &Number<W>, p: &Precision) -> [Mantissa<W>; 2] {
     let [x, y] = double.m;
     let (larger, smaller) = match p.direction {
         AxisDirection::Exact => half_angle(double, h, p),
@@ -56,7 +58,7 @@ fn direction<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> [
     let smaller = smaller.negate_if(y.lt(Fx::zero()));
     let a_larger = x.ge(Fx::zero());
     let circle = double.is_zero();
-    let one = Fx::lit(1 << MANTISSA);
+    let one = Fx::int(1);
     [
         Fx::select(circle, one, Fx::select(a_larger, larger, smaller)),
         Fx::select(circle, Fx::zero(), Fx::select(a_larger, smaller, larger)),
@@ -65,21 +67,12 @@ fn direction<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> [
 
 /// (cos |α|, sin |α|) ∝ (h + |a − c|, |2b|).
 #[inline(always)]
-fn half_angle<W: Word>(double: &Block<W, 2>, h: &Block<W, 1>, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
+fn half_angle<W: Word>(double: &Block<W, 2>, h: &Number<W>, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
     let [x, y] = each!(m in double.m => m.abs());
-    // h over the scale of `double` is in [½, √2]: 58 fraction bits hold h + |x| < 4.
-    let places = places_below(h.e - double.e, Fx::lit(2), 62);
-    let h: Wide<W, 58> = h.m[0].widen::<60>().reread().floor_shr_by(places);
-    let w = normalise([h + x.widen(), y.widen()], Fx::zero(), p.fraction_bits);
-    let inverse = inverse_root(Block::of(dot(&w.m, &w.m), Fx::zero(), p.fraction_bits), p);
-    // |w| is in [½, √2], so its inverse has exponent 0 or 1 (2 where |w| is ½ exactly).
-    let places = places_below(inverse.e, Fx::lit(2), 62);
-    let [cos, sin] = each!(m in w.m => {
-        let product: Wide<W, 60> = m.mul::<MANTISSA, 60>(inverse.m[0]);
-        let unit: Wide<W, 58> = product.reread::<58>().floor_shr_by(places);
-        let unit = unit.claim(-(17 << 54)..=17 << 54, "a_component_over_its_length_is_near_one_at_most");
-        unit.round_to(p.fraction_bits).min(Fx::lit(1 << MANTISSA))
-    });
+    // h over the scale of `double` is in [½, √2], so h + |x| < 4.
+    let h: Wide<W, WITHIN_FOUR> = h.scaled(-double.e).at_point();
+    let w = normalise([h + x.widen(), y.widen()], Fx::int(0), p.fraction_bits);
+    let [cos, sin] = each!(unit in over_length(&w, p) => unit.min(Fx::int(1)));
     (cos, sin)
 }
 
@@ -91,7 +84,7 @@ fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precis
     for step in 1..=steps >> 1 {
         // The boundary between entries step − 1 and step is at 2α = (2·step − 1)·90°/steps.
         let [boundary_cos, boundary_sin] = angle(2 * step - 1, steps, p);
-        let past = boundary_sin.mul::<MANTISSA, 60>(x).lt(boundary_cos.mul(y));
+        let past = boundary_sin.mul::<MANTISSA, PRODUCT>(x).lt(boundary_cos.mul(y));
         let [next_cos, next_sin] = angle(step, steps, p);
         cos = Fx::select(past, next_cos, cos);
         sin = Fx::select(past, next_sin, sin);
@@ -103,5 +96,5 @@ fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precis
 #[inline(always)]
 fn angle<W: Word>(numerator: u32, denominator: u32, p: &Precision) -> [Mantissa<W>; 2] {
     let (sin, cos) = rom::sin_cos_of_right_angle(numerator, denominator);
-    each!(value in [cos, sin] => Fx::lit(i64::from(value)).keep(p.fraction_bits))
+    each!(value in [cos, sin] => Fx::entry(value).keep(p.fraction_bits))
 }

@@ -3,12 +3,13 @@
 //! Face order and (s_c, t_c) are Vulkan's table. Ties: z wins over y, y over x; ±0 is positive; the zero vector
 //! gives face +z with s = t = 0. Error of s, t: 2^−p from the quotient, beside that of r.
 
-use crate::block::{Block, MANTISSA, Mantissa, normalise};
+use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, normalise, of_control};
 use crate::each::each;
 use crate::elementary::half_reciprocal;
-use crate::fx::{Fx, Wide};
+use crate::fx::{Control, Fx, Wide};
+use crate::ports::POSITION;
 use crate::precision::Precision;
-use crate::signals::{CubePoint, FacePosition, FaceSelect, POSITION};
+use crate::signals::{CubePoint, FacePosition, FaceSelect, MapOffset};
 use crate::word::Word;
 
 /// Selects the face and divides.
@@ -22,12 +23,12 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
     let select = FaceSelect { is_z, is_y, negative: major.lt(Fx::zero()) };
     let [s_c, t_c, m] = select.to_face(r.m);
     let half_reciprocal = half_reciprocal(m, p);
-    let one = Fx::lit(1 << MANTISSA);
+    let one = Fx::int(1);
     let st = each!(numerator in [s_c, t_c] => {
         // numerator/m = 2·numerator·(1/2m): one binary place less in the product.
-        let quotient: Wide<W, 59> = numerator.mul::<MANTISSA, 60>(half_reciprocal).reread();
+        let quotient: Wide<W, { PRODUCT + 1 }> = numerator.mul::<MANTISSA, PRODUCT>(half_reciprocal).reread();
         let quotient =
-            quotient.claim(-(17 << 55)..=17 << 55, "a_quotient_by_the_largest_component_is_near_one_at_most");
+            quotient.claim(-17, 17, -4, "a_quotient_by_the_largest_component_is_near_one_at_most");
         let quotient: Mantissa<W> = quotient.round_to(p.fraction_bits);
         quotient.saturate(-one, one)
     });
@@ -37,17 +38,15 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
 /// The point `offset` away from `point` on the plane of its face: there, or, beyond the edge, on the face which
 /// the ray to it meets (a footprint is a piece of that plane; errors as for [`cube_face`]).
 #[inline(always)]
-pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &[Fx<W, POSITION>; 2], p: &Precision) -> FacePosition<W> {
+pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &MapOffset<W>, p: &Precision) -> FacePosition<W> {
     // |s + offset| ≤ 1 + 3.5: inside I4F28.
-    let moved: [Fx<W, POSITION>; 2] = each!(i in [0, 1] => {
-        let centre: Fx<W, POSITION> = point.st[i].floor_shr(2).reread();
-        centre + offset[i]
-    });
-    let one: Fx<W, POSITION> = Fx::lit(1 << POSITION);
+    let moved = each!(i in [0, 1] => point.st[i].to_control::<POSITION>() + offset.offset[i]);
+    let one: Control<W, POSITION> = Fx::int(1);
     let inside = !one.lt(moved[0].abs()) & !one.lt(moved[1].abs());
     let direction = point.select.from_face([moved[0], moved[1], one]);
-    let across = cube_face(&normalise(each!(x in direction => x.widen::<58>()), Fx::zero(), p.fraction_bits), p);
-    let across_st: [Fx<W, POSITION>; 2] = each!(s in across.st => s.floor_shr(2).reread());
+    let direction = normalise(each!(x in direction => x.widen::<6>()), Fx::int(0), p.fraction_bits);
+    let across = cube_face::<W>(&of_control(direction), p);
+    let across_st = each!(s in across.st => s.to_control::<POSITION>());
     FacePosition {
         face: Fx::select(inside, point.select.index(), across.select.index()),
         st: each!(i in [0, 1] => Fx::select(inside, moved[i], across_st[i])),

@@ -3,9 +3,9 @@
 //! det K = Σ of the squared 2×2 minors of the columns (Cauchy–Binet, erratum 12): nothing cancels. The columns
 //! come to one exponent first, so nothing over- or underflows. Error of K: 2^−(p−2) of its larger diagonal.
 
-use crate::block::{Block, align, dot, normalise};
+use crate::block::{Block, MANTISSA, PRODUCT, Product, align, dot, normalise, number};
 use crate::each::each;
-use crate::fx::{Fx, Wide};
+use crate::fx::Fx;
 use crate::precision::Precision;
 use crate::rom;
 use crate::signals::Ellipse;
@@ -14,8 +14,8 @@ use crate::word::Word;
 /// The covariance of a pixel's two columns: a box of one pixel has variance 1/12.
 #[inline(always)]
 pub fn pixel_columns<W: Word>(columns: &[Block<W, 2>; 2], p: &Precision) -> [Block<W, 2>; 2] {
-    let sigma = Fx::lit(i64::from(rom::BOX_SIGMA)).keep(p.fraction_bits);
-    each!(q in *columns => normalise(each!(m in q.m => m.mul::<30, 60>(sigma)), q.e, p.fraction_bits))
+    let sigma = Fx::entry(rom::BOX_SIGMA).keep(p.fraction_bits);
+    each!(q in *columns => normalise(each!(m in q.m => m.mul::<MANTISSA, PRODUCT>(sigma)), q.e, p.fraction_bits))
 }
 
 /// The ellipse of `COLUMNS` columns (2 or 4), each a covariance's square root.
@@ -24,20 +24,20 @@ pub fn ellipse<W: Word, const COLUMNS: usize>(columns: [Block<W, 2>; COLUMNS], p
     let keep = p.fraction_bits;
     let (q, e) = align(columns, keep);
     let sums = each!((i, j) in [(0, 0), (0, 1), (1, 1)] => {
-        let mut sum: Wide<W, 60> = Fx::zero();
+        let mut sum: Product<W> = Fx::zero();
         for column in &q {
             sum = sum + column[i].mul(column[j]);
         }
         sum
     });
     // 2 columns have 1 minor, 4 have 6; unused places stay zero.
-    let mut minors: [Wide<W, 60>; 6] = [Fx::zero(); 6];
+    let mut minors: [Product<W>; 6] = [Fx::zero(); 6];
     for (minor, (i, j)) in minors.iter_mut().zip([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]) {
         if let (Some(a), Some(b)) = (q.get(i), q.get(j)) {
-            *minor = a[0].mul::<30, 60>(b[1]) - b[0].mul(a[1]);
+            *minor = a[0].mul::<MANTISSA, PRODUCT>(b[1]) - b[0].mul(a[1]);
         }
     }
     let minors = normalise(minors, e + e, keep);
     let squares = dot(&minors.m, &minors.m);
-    Ellipse { k: normalise(sums, e + e, keep), det: Block::of(squares, minors.e + minors.e, keep) }
+    Ellipse { k: normalise(sums, e + e, keep), det: number(squares, minors.e + minors.e, keep) }
 }

@@ -6,12 +6,12 @@
 //! Cross products of p-bit mantissas are exact, then brought to a common exponent: the frame stays orthogonal
 //! down to one last bit between n and h. Error: 2^−(p−3) relative to |n|.
 
-use crate::block::{Block, Mantissa, cross, dot, normalise};
+use crate::block::{Block, Mantissa, PRODUCT, Product, cross, normalise};
 use crate::each::each;
 use crate::elementary::{inverse_root, root_and_inverse};
-use crate::fx::{Fx, Wide};
+use crate::fx::Fx;
 use crate::precision::Precision;
-use crate::signals::Frame;
+use crate::signals::TangentFrame;
 use crate::word::Word;
 
 /// System 3: the main direction h.
@@ -19,78 +19,61 @@ use crate::word::Word;
 /// Pole (n ∥ h, or either zero): the unit axis on which |n| is smallest stands in for h; ties take x before y
 /// before z. n = 0 gives a zero frame.
 #[inline(always)]
-pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) -> Frame<W> {
+pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
     let h_cross_n = cross(&h.m, &n.m);
-    let pole = normalise::<W, 3, 60>(h_cross_n, Fx::zero(), keep).is_zero();
+    let pole = normalise(h_cross_n, Fx::int(0), keep).is_zero();
     let stand_in = axis_cross_n(&n.m);
     let tangent = each!(i in [0, 1, 2] => Fx::select(pole, stand_in[i], h_cross_n[i]));
-    let c = normalise(tangent, Fx::zero(), keep);
+    let c = normalise(tangent, Fx::int(0), keep);
     let d = normalise(cross(&n.m, &c.m), c.e, keep);
-    let inverse_length = inverse_root(square_length(&c, keep), p);
-    let normal_length = root_and_inverse(square_length(n, keep), p).0.scaled(-n.e);
-    let ratio = product(inverse_length, normal_length, keep);
-    Frame { e1: times(&c, ratio, keep), e2: times(&d, inverse_length, keep), pole }
+    let inverse_length = inverse_root(c.square_length(keep), p);
+    let normal_length = root_and_inverse(n.square_length(keep), p).0.scaled(-n.e);
+    let ratio = inverse_length.times(&normal_length, keep);
+    TangentFrame { e1: c.times(&ratio, keep), e2: d.times(&inverse_length, keep), pole }
 }
 
 /// System 1: E₁ = (n×p_v)/|p_u×p_v|, E₂ = (p_u×n)/|p_u×p_v|. Pole (p_u ∥ p_v): zero frame.
 #[inline(always)]
-pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> Frame<W> {
+pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
     let [u, v] = tangents;
     let c = normalise(cross(&u.m, &v.m), u.e + v.e, keep);
     let pole = c.is_zero();
-    let inverse_length = inverse_root(square_length(&c, keep), p);
+    let inverse_length = inverse_root(c.square_length(keep), p);
     let [e1, e2] = each!((a, b, e) in [(n, v, v.e), (u, n, u.e)] => {
-        let block = times(&normalise(cross(&a.m, &b.m), e, keep), inverse_length, keep);
+        let block = normalise(cross(&a.m, &b.m), e, keep).times(&inverse_length, keep);
         Block::select(pole, Block::zero(), block)
     });
-    Frame { e1, e2, pole }
+    TangentFrame { e1, e2, pole }
 }
 
 /// System 2: the directions of system 1, both of length |n|. Pole (n ∥ p_u or n ∥ p_v): zero frame.
 #[inline(always)]
-pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> Frame<W> {
+pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
     let [u, v] = tangents;
-    let s_u = normalise(cross(&n.m, &v.m), Fx::zero(), keep);
-    let s_v = normalise(cross(&u.m, &n.m), Fx::zero(), keep);
+    let s_u = normalise(cross(&n.m, &v.m), Fx::int(0), keep);
+    let s_v = normalise(cross(&u.m, &n.m), Fx::int(0), keep);
     let pole = s_u.is_zero() | s_v.is_zero();
-    let normal_length = root_and_inverse(square_length(n, keep), p).0.scaled(-n.e);
+    let normal_length = root_and_inverse(n.square_length(keep), p).0.scaled(-n.e);
     let [e1, e2] = each!(s in [s_u, s_v] => {
-        let ratio = product(inverse_root(square_length(&s, keep), p), normal_length, keep);
-        Block::select(pole, Block::zero(), times(&s, ratio, keep))
+        let ratio = inverse_root(s.square_length(keep), p).times(&normal_length, keep);
+        Block::select(pole, Block::zero(), s.times(&ratio, keep))
     });
-    Frame { e1, e2, pole }
+    TangentFrame { e1, e2, pole }
 }
 
 /// The cross product of the unit axis on which |n| is smallest with n, exact.
 #[inline(always)]
-fn axis_cross_n<W: Word>(n: &[Mantissa<W>; 3]) -> [Wide<W, 60>; 3] {
+fn axis_cross_n<W: Word>(n: &[Mantissa<W>; 3]) -> [Product<W>; 3] {
     let [x, y, z] = each!(x in *n => x.abs());
     let x_smallest = !y.lt(x) & !z.lt(x);
     let y_smallest = !x_smallest & !z.lt(y);
-    let [nx, ny, nz] = each!(x in *n => x.widen::<60>());
+    let [nx, ny, nz] = each!(x in *n => x.widen::<PRODUCT>());
     let zero = Fx::zero();
     let of_axis = [[zero, -nz, ny], [nz, zero, -nx], [-ny, nx, zero]];
     each!(i in [0, 1, 2] => {
         Fx::select(x_smallest, of_axis[0][i], Fx::select(y_smallest, of_axis[1][i], of_axis[2][i]))
     })
-}
-
-/// |a|² as a block, exponent included.
-#[inline(always)]
-fn square_length<W: Word>(a: &Block<W, 3>, keep: u32) -> Block<W, 1> {
-    Block::of(dot(&a.m, &a.m), a.e + a.e, keep)
-}
-
-#[inline(always)]
-fn product<W: Word>(a: Block<W, 1>, b: Block<W, 1>, keep: u32) -> Block<W, 1> {
-    Block::of(a.m[0].mul::<30, 60>(b.m[0]), a.e + b.e, keep)
-}
-
-/// A vector times a number.
-#[inline(always)]
-fn times<W: Word>(a: &Block<W, 3>, k: Block<W, 1>, keep: u32) -> Block<W, 3> {
-    normalise(each!(m in a.m => m.mul::<30, 60>(k.m[0])), a.e + k.e, keep)
 }

@@ -4,12 +4,12 @@
 
 use crate::block::Block;
 use crate::fx::Fx;
-use crate::signals::PortBlock;
+use crate::ports::PortBlock;
 use crate::word::Word;
 
 /// A block as a port shows it.
 #[inline(always)]
 pub fn leave<W: Word, const N: usize>(block: &Block<W, N>) -> PortBlock<W, N> {
-    let exponent = block.e.saturate(Fx::lit(i16::MIN.into()), Fx::lit(i16::MAX.into()));
-    PortBlock { mantissa: block.m, exponent: Fx::select(block.is_zero(), Fx::zero(), exponent) }
+    let exponent = block.e.saturate(Fx::int(i16::MIN.into()), Fx::int(i16::MAX.into()));
+    PortBlock { mantissa: block.m, exponent: Fx::select(block.is_zero(), Fx::int(0), exponent) }
 }

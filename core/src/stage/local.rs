@@ -4,25 +4,26 @@
 //! inverse root. A zero direction and a zero frame (n = 0, or the pole of systems 1 and 2) have no local direction: all
 //! components are zero. Error of the unit vector: 2^−(p−1.1) rad in direction, 2^−(p−2.1) in all.
 
-use crate::block::{Block, MANTISSA, ZERO_EXPONENT, dot, normalise, places_below};
+use crate::block::{Block, Product, ZERO_EXPONENT, dot, normalise, places_below};
 use crate::each::each;
-use crate::elementary::inverse_root;
-use crate::fx::{Fx, Wide};
+use crate::elementary::over_length;
+use crate::fx::Fx;
 use crate::precision::Precision;
-use crate::signals::{Frame, LightSide, LocalDirection};
-use crate::word::Word;
+use crate::signals::{LightSide, LocalDirection, TangentFrame};
+use crate::word::{Wire, Word};
 
 /// d·E₁, d·E₂ and d·n, of any length. Range: any blocks; the frame is in units of the mantissas of n.
 #[inline(always)]
-pub fn components<W: Word>(d: &Block<W, 3>, frame: &Frame<W>, n: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
-    let zero = Fx::lit(ZERO_EXPONENT);
-    let axes = [(&frame.e1.m, frame.e1.e), (&frame.e2.m, frame.e2.e), (&n.m, Fx::zero())];
-    let along: [(Wide<W, 60>, _); 3] = each!((axis, e) in axes => {
+pub fn components<W: Word>(d: &Block<W, 3>, frame: &TangentFrame<W>, n: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
+    let zero = Fx::int(ZERO_EXPONENT);
+    let most = <W::Wide as Wire>::BITS - 1;
+    let axes = [(&frame.e1.m, frame.e1.e), (&frame.e2.m, frame.e2.e), (&n.m, Fx::int(0))];
+    let along: [(Product<W>, _); 3] = each!((axis, e) in axes => {
         let along = dot(&d.m, axis);
         (along, Fx::select(along.is_zero(), zero, e))
     });
     let top = along[0].1.max(along[1].1).max(along[2].1);
-    let aligned = each!((along, e) in along => along.floor_shr_by(places_below(e, top, 63)));
+    let aligned = each!((along, e) in along => along.floor_shr_by(places_below(e, top, most)));
     let local = normalise(aligned, d.e + top, p.fraction_bits);
     Block::select(frame.e1.is_zero() | frame.e2.is_zero(), Block::zero(), local)
 }
@@ -30,16 +31,8 @@ pub fn components<W: Word>(d: &Block<W, 3>, frame: &Frame<W>, n: &Block<W, 3>, p
 /// A local direction at unit length. `local` comes from [`components`].
 #[inline(always)]
 pub fn unit<W: Word>(local: &Block<W, 3>, p: &Precision) -> LocalDirection<W> {
-    let one = Fx::lit(1 << MANTISSA);
-    let inverse = inverse_root(Block::of(dot(&local.m, &local.m), Fx::zero(), p.fraction_bits), p);
-    // The length is in [½, √3], so its inverse has an exponent of at most 2.
-    let places = places_below(inverse.e, Fx::lit(2), 62);
-    let unit = each!(m in local.m => {
-        let product: Wide<W, 60> = m.mul::<MANTISSA, 60>(inverse.m[0]);
-        let unit: Wide<W, 58> = product.reread::<58>().floor_shr_by(places);
-        let unit = unit.claim(-(17 << 54)..=17 << 54, "a_component_over_its_length_is_near_one_at_most");
-        unit.round_to(p.fraction_bits).saturate(-one, one)
-    });
+    let one = Fx::int(1);
+    let unit = each!(m in over_length(local, p) => m.saturate(-one, one));
     LocalDirection { unit, none: local.is_zero() }
 }
 

@@ -9,24 +9,39 @@
 //! A square is rounded alike on both ways, so that equal probes give back their K to the bit, none where nothing is lost.
 //! Error: K 2^−28 absolute, D the root of it.
 
-use crate::block::{Block, Mantissa, normalise, places_below};
+use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number};
 use crate::elementary::root_and_inverse;
 use crate::fx::{Fx, Wide};
+use crate::ports::OFFSET;
 use crate::precision::Precision;
 use crate::word::Word;
 
-/// Fraction bits of a second moment; |·| ≤ 3.
-pub const MOMENT: u32 = 29;
+/// Bits before the point of a second moment; |·| ≤ 3.
+pub const MOMENT: u32 = 3;
 
 /// b₁, b₂ and three elements of a symmetric matrix (11, 12, 22): five channels.
 pub type Moments<W> = ([Mantissa<W>; 2], [Fx<W, MOMENT>; 3]);
 
+/// A stored code of 16 bits as a number in units of the map's scale, |·| ≤ 1, floored to its last place: an offset is
+/// code/2^15 · 2^−`down`.
+#[inline(always)]
+pub fn decode_offset<C: Word<Count = C>>(code: Fx<C, 32>, down: Fx<C, 32>) -> Mantissa<C> {
+    Fx::from_raw(code.raw().shl(15).sar_by(down.raw()))
+}
+
+/// The same of a roughness, without a sign of its own: code/2^16 · 2^−`down`.
+#[inline(always)]
+pub fn decode_roughness<C: Word<Count = C>>(code: Fx<C, 32>, down: Fx<C, 32>) -> Mantissa<C> {
+    Fx::from_raw(code.raw().shl(14).sar_by(down.raw()))
+}
+
 /// K = D Dᵀ of one texel, the channels that are interpolated beside b.
 #[inline(always)]
 pub fn of_texel<W: Word>(d: &[Mantissa<W>; 3]) -> [Fx<W, MOMENT>; 3] {
-    let product = |a: Mantissa<W>, b: Mantissa<W>| -> Wide<W, 60> { a.mul(b) };
+    let product = |a: Mantissa<W>, b: Mantissa<W>| -> Product<W> { a.mul(b) };
     let [d1, d2, d3] = *d;
-    [product(d1, d1) + product(d2, d2), product(d2, d3), product(d3, d3)].map(|element| element.round_to(MOMENT))
+    [product(d1, d1) + product(d2, d2), product(d2, d3), product(d3, d3)]
+        .map(|element| element.round_to(Fx::<W, MOMENT>::FRACTION))
 }
 
 /// K of one texel that stores the isotropic I₁.
@@ -45,7 +60,7 @@ pub fn of_probe<W: Word>(b: &[Mantissa<W>; 2], k: &[Fx<W, MOMENT>; 3]) -> [Fx<W,
 /// b bᵀ as second moments.
 #[inline(always)]
 fn squares<W: Word>(b: &[Mantissa<W>; 2]) -> [Fx<W, MOMENT>; 3] {
-    [(0, 0), (0, 1), (1, 1)].map(|(x, y)| b[x].mul::<30, 60>(b[y]).round_to(MOMENT))
+    [(0, 0), (0, 1), (1, 1)].map(|(x, y)| b[x].mul::<MANTISSA, PRODUCT>(b[y]).round_to(Fx::<W, MOMENT>::FRACTION))
 }
 
 /// Covariance around the mean: a, b, c of K as a block, a and c not negative.
@@ -53,34 +68,34 @@ fn squares<W: Word>(b: &[Mantissa<W>; 2]) -> [Fx<W, MOMENT>; 3] {
 pub fn covariance<W: Word>(moments: &Moments<W>, p: &Precision) -> Block<W, 3> {
     let (b, moments) = moments;
     let squares = squares(b);
-    let [a, b, c] = [0, 1, 2].map(|i| -> Wide<W, 60> { moments[i].widen() - squares[i].widen() });
-    normalise([a.max(Fx::zero()), b, c.max(Fx::zero())], Fx::zero(), p.fraction_bits)
+    let [a, b, c] = [0, 1, 2].map(|i| -> Product<W> { moments[i].widen() - squares[i].widen() });
+    normalise([a.max(Fx::zero()), b, c.max(Fx::zero())], Fx::int(0), p.fraction_bits)
 }
 
-/// D with K = D Dᵀ, I4F28 in units of the map's scale. `K` from [`covariance`]; a negative determinant (rounding of
+/// D with K = D Dᵀ in units of the map's scale. `K` from [`covariance`]; a negative determinant (rounding of
 /// a rank-1 K) counts as zero.
 #[inline(always)]
-pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Fx<W, 28>; 3] {
+pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Fx<W, OFFSET>; 3] {
     let keep = p.fraction_bits;
     let [a, b, c] = k.m;
-    let element = |m: Mantissa<W>| Block::of(m.widen::<60>(), k.e, keep);
+    let element = |m: Mantissa<W>| number(m.widen::<PRODUCT>(), k.e, keep);
     let (root_a, _) = root_and_inverse(element(a), p);
     let (root_c, inverse_c) = root_and_inverse(element(c), p);
-    let det: Wide<W, 60> = (a.mul::<30, 60>(c) - b.mul(b)).max(Fx::zero());
-    let (root_det, _) = root_and_inverse(Block::of(det, k.e + k.e, keep), p);
-    let over_root_c = |x: Block<W, 1>| Block::of(x.m[0].mul::<30, 60>(inverse_c.m[0]), x.e + inverse_c.e, keep);
+    let det: Product<W> = (a.mul::<MANTISSA, PRODUCT>(c) - b.mul(b)).max(Fx::zero());
+    let (root_det, _) = root_and_inverse(number(det, k.e + k.e, keep), p);
+    let over_root_c = |x: Number<W>| x.times(&inverse_c, keep);
     let flat = c.is_zero();
     let d1 = Block::select(flat, root_a, over_root_c(root_det));
     let d2 = Block::select(flat, Block::zero(), over_root_c(element(b)));
     [d1, d2, root_c].map(to_roughness)
 }
 
-/// A block of size ≤ 4 as I4F28, saturated to ±4 (noise of b/√c where c is one last bit).
+/// A number of size ≤ 4 as a roughness, saturated to ±4 (noise of b/√c where c is one last bit).
 #[inline(always)]
-pub fn to_roughness<W: Word>(x: Block<W, 1>) -> Fx<W, 28> {
-    let above = Fx::lit(2).lt(x.e);
-    let at_four: Wide<W, 58> = x.m[0].widen::<60>().reread().floor_shr_by(places_below(x.e, Fx::lit(2), 62));
-    let value: Fx<W, 28> = at_four.round_to(28);
-    let limit = Fx::lit(4 << 28).negate_if(x.m[0].lt(Fx::zero()));
+pub fn to_roughness<W: Word>(x: Number<W>) -> Fx<W, OFFSET> {
+    let above = Fx::int(2).lt(x.e);
+    let at_four: Wide<W, { PRODUCT + 2 }> = x.at_point();
+    let value: Fx<W, OFFSET> = at_four.round_to(Fx::<W, OFFSET>::FRACTION);
+    let limit = Fx::int(4).negate_if(x.m[0].lt(Fx::zero()));
     Fx::select(above, limit, value)
 }

@@ -2,71 +2,83 @@
 //!
 //! 1 − cos = |N − H|²/2 is formed from the difference, so nothing cancels near the peak, and stored vectors of length
 //! 1 + e scale it by 1 + e (plus e²/2) instead of adding e: at n = 8192 a length error of 2^−15 counts as 2^−15.
-//! Stored peaks: N in 3 × 16 bits, a and n in 16 bits each; [`crate::ports::StoredPeak`] states their errors.
+//! Stored peaks: N in 3 × 16 bits, a and n in 16 bits each; [`crate::ports::StoredPeak`] states their errors; [`unpack`] takes three words of a memory apart.
 //! Error as a share of w·a: √(n/e) times that of H in direction, 2^−(p−6.9) at n = 8192, 2^−15 for the stored length, and
 //! that of [`cosine_power`].
 
-use crate::block::{MANTISSA, Mantissa, dot, places_below};
+use crate::block::{MANTISSA, Mantissa, PRODUCT, Product, dot};
+use crate::bundle::never;
 use crate::each::each;
 use crate::elementary::{VERSINE, cosine_power, short_number};
-use crate::fx::{Fx, Wide};
+use crate::fx::{Control, Fx, Int, WideControl};
+use crate::ports::{LIGHT, Peak, SHARE};
 use crate::precision::Precision;
-use crate::signals::{LIGHT, LightSide, LocalDirection, Peak, PeakSum, SHARE, STORED_NORMAL};
-use crate::status::{Status, StatusBit};
-use crate::word::Word;
+use crate::signals::{LightSide, LocalDirection, PeakSum};
+use crate::word::{Wire, Word};
 
 /// The light of one peak, in [0, 64]. Range: any stored peak, weight in [0, 1].
 ///
 /// A stored vector that is not of unit length counts with 1 − |N − H|²/2 for its cosine. No local direction: 0.
 #[inline(always)]
-pub fn peak<W: Word>(h: &LocalDirection<W>, peak: &Peak<W>, weight: Fx<W, SHARE>, p: &Precision) -> Fx<W, LIGHT> {
+pub fn peak<W: Word>(
+    h: &LocalDirection<W>,
+    peak: &Peak<W>,
+    weight: Control<W, SHARE>,
+    p: &Precision,
+) -> Control<W, LIGHT> {
     let keep = p.fraction_bits;
     // 1.5² > 2: what is cut has no cosine above 0, and three squares stay below 2^63.
-    let limit: Mantissa<W> = Fx::lit(3 << (MANTISSA - 1));
+    let limit: Mantissa<W> = Fx::number(3, -1);
     let difference = each!(i in [0, 1, 2] => {
-        let normal: Mantissa<W> = peak.normal[i].reread().shl(MANTISSA - STORED_NORMAL);
-        (normal - h.unit[i]).saturate(-limit, limit).keep(keep)
+        (Mantissa::of_control(peak.normal[i]) - h.unit[i]).saturate(-limit, limit).keep(keep)
     });
-    let square: Wide<W, 60> = dot(&difference, &difference);
-    let power = cosine_power(square.reread::<VERSINE>(), short_number(peak.exponent), p);
+    let square: Product<W> = dot(&difference, &difference);
+    let power = cosine_power(square.reread::<VERSINE>(), short_number::<W>(peak.exponent), p);
     // Codes count in 2^−21: a = m·2^(e − 8).
-    let amplitude = short_number(peak.amplitude).scaled(Fx::lit(-8));
-    let product: Mantissa<W> = power.m[0].mul::<MANTISSA, 60>(amplitude.m[0]).round_to(keep);
-    let weighted: Wide<W, 46> = product.mul(weight);
+    let amplitude = short_number::<W>(peak.amplitude).scaled(Fx::int(-8));
+    let product: Mantissa<W> = power.m[0].mul::<MANTISSA, PRODUCT>(amplitude.m[0]).round_to(keep);
+    let weighted: WideControl<W, { MANTISSA + SHARE }> = product.to_control::<MANTISSA>().mul(weight);
     // A power has the exponent 1 at most, and an amplitude 6.
-    let places = places_below(power.e + amplitude.e, Fx::lit(7), 62);
-    let at_128: Wide<W, 39> = weighted.reread::<39>().floor_shr_by(places);
-    let light = at_128.claim(0..=64 << 39, "a_peak_gives_64_at_most").round_to(LIGHT);
+    let at_128: WideControl<W, { MANTISSA + SHARE + 7 }> = weighted.at_exponent(power.e + amplitude.e);
+    let light = at_128.claim(0, 64, 0, "a_peak_gives_64_at_most").round_to(24);
     Fx::select(h.none, Fx::zero(), light)
 }
 
 /// The share of the fragment that a peak has, saturated to [0, 1].
 #[inline(always)]
-pub fn share<W: Word>(weight: Fx<W, SHARE>) -> Fx<W, SHARE> {
-    weight.saturate(Fx::zero(), Fx::lit(1 << SHARE))
+pub fn share<C: Word>(weight: Fx<C, SHARE>) -> Fx<C, SHARE> {
+    weight.saturate(Fx::zero(), Fx::int(1))
 }
 
 /// What counts of a peak: nothing where the light is below the surface.
 #[inline(always)]
-pub fn lit<W: Word>(side: &LightSide<W>, weight: Fx<W, SHARE>) -> Fx<W, SHARE> {
+pub fn lit<W: Word>(side: &LightSide<W>, weight: Control<W, SHARE>) -> Control<W, SHARE> {
     Fx::select(side.below, Fx::zero(), weight)
 }
 
 /// No peak yet.
 #[inline(always)]
 pub fn none<W: Word>() -> PeakSum<W> {
-    PeakSum { light: Fx::zero(), saturated: !Fx::<W, 0>::zero().is_zero() }
+    PeakSum { light: Fx::zero(), saturated: never::<W>() }
 }
 
 /// One more peak; the sum saturates at the largest number below 64. Range: light in [0, 64].
 #[inline(always)]
-pub fn add<W: Word>(sum: &PeakSum<W>, light: Fx<W, LIGHT>) -> PeakSum<W> {
-    let (exact, last) = (sum.light + light, Fx::lit((64 << LIGHT) - 1));
+pub fn add<W: Word>(sum: &PeakSum<W>, light: Control<W, LIGHT>) -> PeakSum<W> {
+    let (exact, last) = (sum.light + light, Fx::below(64));
     PeakSum { light: exact.min(last), saturated: sum.saturated | last.lt(exact) }
 }
 
-/// Sticky bits of a sum.
+/// A peak as a memory holds it, its five numbers of 16 bits in three words: x and y of N, z and the amplitude, the exponent; the
+/// first of two in the lower half. Range: any bits.
 #[inline(always)]
-pub fn status<W: Word>(h: &LocalDirection<W>, sum: &PeakSum<W>) -> Status<W> {
-    Status::clear().raise(StatusBit::LocalZero, h.none).raise(StatusBit::PeaksSaturated, sum.saturated)
+pub fn unpack<W: Word>([xy, z_amplitude, exponent]: [Int<W>; 3]) -> Peak<W> {
+    let code = |word: Int<W>| -> Int<W> { Fx::from_raw(word.raw().and(Wire::lit(0xffff))) };
+    // A sign bit that is turned over and taken away: a shift up and down again would leave the word on its way.
+    let signed = |word: Int<W>| {
+        let turned: Int<W> = Fx::from_raw(code(word).raw().xor(Wire::lit(0x8000)));
+        (turned - Fx::int(0x8000)).reread()
+    };
+    let normal = [signed(xy), xy.floor_shr(16).reread(), signed(z_amplitude)];
+    Peak { normal, amplitude: code(z_amplitude.floor_shr(16)), exponent: code(exponent) }
 }

@@ -2,16 +2,19 @@
 //!
 //! E₁ and E₂ are perpendicular to n, so |n_mod| ≥ |n|: nothing cancels. Error: that of E times |b|/|n_mod| < 1.
 
-use crate::block::{Block, ZERO_EXPONENT, normalise, places_below};
+use crate::block::{Block, MANTISSA, ZERO_EXPONENT, normalise, places_below};
 use crate::each::each;
 use crate::fx::{Fx, Wide};
+use crate::ports::OFFSET;
 use crate::precision::Precision;
-use crate::signals::OFFSET;
-use crate::word::Word;
+use crate::word::{Wire, Word};
+
+/// Bits before the point of a term.
+const TERM: u32 = OFFSET + MANTISSA + 1;
 
 /// n + b₁E₁ + b₂E₂. The frame is in units of the mantissas of n; the result carries the exponent of n.
 ///
-/// Range: |b| < 8 in I4F28 with `offset_bits` kept fraction bits. n = 0 gives 0 where the frame is zero too.
+/// Range: |b| < 8 with `offset_bits` kept fraction bits. n = 0 gives 0 where the frame is zero too.
 #[inline(always)]
 pub fn perturb<W: Word>(
     n: &Block<W, 3>,
@@ -19,16 +22,17 @@ pub fn perturb<W: Word>(
     tangents: [&Block<W, 3>; 2],
     p: &Precision,
 ) -> Block<W, 3> {
-    // Terms with 57 fraction bits: |n| ≤ 2^57, |b·E| ≤ 2^60, their sum stays below 2^62.
-    let zero = Fx::lit(ZERO_EXPONENT);
+    // Terms with 7 bits before the point: |n| ≤ 1, |b·E| ≤ 8, their sum stays below 32.
+    let zero = Fx::int(ZERO_EXPONENT);
+    let most = <W::Wide as Wire>::BITS - 1;
     let exponents = each!(i in [0, 1] => Fx::select(offset[i].is_zero(), zero, tangents[i].e));
-    let top = exponents[0].max(exponents[1]).max(Fx::select(n.is_zero(), zero, Fx::zero()));
+    let top = exponents[0].max(exponents[1]).max(Fx::select(n.is_zero(), zero, Fx::int(0)));
     let sum = each!(axis in [0, 1, 2] => {
-        let mut sum: Wide<W, 57> = n.m[axis].widen().floor_shr_by(places_below(Fx::zero(), top, 63));
+        let mut sum: Wide<W, TERM> = n.m[axis].widen().floor_shr_by(places_below(Fx::int(0), top, most));
         for i in 0..2 {
-            let term: Wide<W, 58> = offset[i].mul(tangents[i].m[axis]);
-            let term = term.floor_shr(1).reread::<57>();
-            sum = sum + term.floor_shr_by(places_below(exponents[i], top, 63));
+            let term: Wide<W, { OFFSET + MANTISSA }> = offset[i].mul(tangents[i].m[axis]);
+            let term = term.floor_shr(1).reread::<TERM>();
+            sum = sum + term.floor_shr_by(places_below(exponents[i], top, most));
         }
         sum
     });

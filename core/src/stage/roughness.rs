@@ -3,17 +3,20 @@
 //! K = D Dᵀ with D = [[d₁, d₂], [0, d₃]] (S97 §8; erratum 1): the columns of (E₁ E₂)·D are d₁E₁ and
 //! d₂E₁ + d₃E₂. Isotropic: I₁E₁ and I₁E₂, I₁² the larger eigenvalue (S97 §8).
 
-use crate::block::{Block, ZERO_EXPONENT, normalise, places_below};
+use crate::block::{Block, MANTISSA, ZERO_EXPONENT, normalise, places_below};
 use crate::each::each;
 use crate::fx::{Fx, Wide};
+use crate::ports::OFFSET;
 use crate::precision::Precision;
-use crate::signals::OFFSET;
-use crate::word::Word;
+use crate::word::{Wire, Word};
+
+/// Bits before the point of a roughness times a tangent.
+const TERM: u32 = OFFSET + MANTISSA;
 
 /// A number times a tangent.
 #[inline(always)]
 fn times<W: Word>(d: Fx<W, OFFSET>, tangent: &Block<W, 3>, keep: u32) -> Block<W, 3> {
-    normalise(each!(m in tangent.m => d.mul::<30, 58>(m)), tangent.e, keep)
+    normalise(each!(m in tangent.m => d.mul::<MANTISSA, TERM>(m)), tangent.e, keep)
 }
 
 /// d₁E₁ and d₂E₁ + d₃E₂.
@@ -25,16 +28,17 @@ pub fn anisotropic<W: Word>(
     p: &Precision,
 ) -> [Block<W, 3>; 2] {
     let [e_1, e_2] =
-        each!((d, e) in [(d[1], e1.e), (d[2], e2.e)] => Fx::select(d.is_zero(), Fx::lit(ZERO_EXPONENT), e));
+        each!((d, e) in [(d[1], e1.e), (d[2], e2.e)] => Fx::select(d.is_zero(), Fx::int(ZERO_EXPONENT), e));
     let top = e_1.max(e_2);
-    let (places_1, places_2) = (places_below(e_1, top, 63), places_below(e_2, top, 63));
+    let most = <W::Wide as Wire>::BITS - 1;
+    let (places_1, places_2) = (places_below(e_1, top, most), places_below(e_2, top, most));
     let sum = each!(i in [0, 1, 2] => {
-        // Each product is at most 2^61; halved, their sum stays below 2^62.
-        let first: Wide<W, 58> = d[1].mul(e1.m[i]);
-        let second: Wide<W, 58> = d[2].mul(e2.m[i]);
+        // Each product is at most 8; halved, their sum stays below 16.
+        let first: Wide<W, TERM> = d[1].mul(e1.m[i]);
+        let second: Wide<W, TERM> = d[2].mul(e2.m[i]);
         first.floor_shr(1).floor_shr_by(places_1) + second.floor_shr(1).floor_shr_by(places_2)
     });
-    [times(d[0], e1, p.fraction_bits), normalise(sum, top + Fx::lit(1), p.fraction_bits)]
+    [times(d[0], e1, p.fraction_bits), normalise(sum, top + Fx::int(1), p.fraction_bits)]
 }
 
 /// I₁E₁ and I₁E₂.

@@ -1,18 +1,18 @@
-//! Fragments that wait, and what they go through together: footprints, fetches, lights; the reflection datapath.
+//! Fragments that wait, and what they go through together: footprints, fetches, surfaces, lights; the reflection datapath.
 
-use fixed::types::I4F28;
-use roughxel_core::datapath::ReflectionInput;
-use roughxel_core::fx::Fx;
+use roughxel_core::datapath::Surface;
+use roughxel_core::datapath::pixel::{self, PixelSum};
+use roughxel_core::datapath::texel::Bump;
+use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, Port, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
-use roughxel_core::signals::OFFSET;
-use roughxel_core::stage::blend::{REFLECTANCE, blend};
+use roughxel_lanes::{Footprint, Reflecting};
 
+use super::colour::Channel;
 use super::lighting::PeaksRead;
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, MapReads, Taps};
-use super::{Colour, multiply};
 use crate::plan::Mode;
 use crate::raster::FragmentAttributes;
 
@@ -37,11 +37,23 @@ impl Fragments {
     }
 }
 
-/// What shading a fragment reads; its memory is kept for the next one.
+/// What shading a batch reads; its memory is kept for the next one.
 #[derive(Default)]
 pub(super) struct Reads {
-    taps: Taps,
+    /// Of each fragment.
+    taps: Vec<Taps>,
     peaks: PeaksRead,
+    colours: Vec<[Channel; 3]>,
+    surfaces: Vec<SurfaceInput<i32>>,
+}
+
+impl Reads {
+    /// Nothing of so many fragments.
+    fn begin(&mut self, fragments: usize) {
+        self.taps.resize_with(fragments.max(self.taps.len()), Taps::default);
+        self.colours.clear();
+        self.surfaces.clear();
+    }
 }
 
 /// Fragments that wait for the reflection datapath, at most: their inputs stay in a second-level cache.
@@ -50,17 +62,26 @@ const REFLECTED: usize = 256;
 /// Fragments of one plan that wait for the reflection datapath.
 pub(super) struct Waiting {
     plan: ReflectionPlan,
-    reflectance: [Fx<i32, 16>; 3],
-    inputs: Vec<ReflectionInput<i32>>,
+    reflectance: [Control<i32, REFLECTANCE>; 3],
+    inputs: Inputs,
     /// The pixel of each in its tile, and its colour without the reflection.
-    pixels: Vec<(usize, Colour)>,
+    pixels: Vec<(usize, [Channel; 3])>,
+}
+
+/// What a reflection is made of.
+enum Inputs {
+    /// The ports of each fragment.
+    Ports(Vec<ReflectionInput<i32>>),
+    /// The surface of each, which its lights have seen.
+    Surfaces(Vec<Reflecting<i32>>),
 }
 
 impl Waiting {
     /// None of an object; without a reflection none will come.
     pub(super) fn of(object: &PreparedObject) -> Self {
         let plan = object.plan.reflection.unwrap_or(ReflectionPlan::FULL);
-        Self { plan, reflectance: object.reflectance, inputs: Vec::new(), pixels: Vec::new() }
+        let inputs = if object.lighting.is_some() { Inputs::Surfaces(Vec::new()) } else { Inputs::Ports(Vec::new()) };
+        Self { plan, reflectance: object.reflectance, inputs, pixels: Vec::new() }
     }
 
     /// None of the rays that hit nothing: mirrors without bumps.
@@ -72,23 +93,29 @@ impl Waiting {
             curvature: false,
             footprint: mode.filters(),
         };
-        Self { plan, reflectance: [Fx::lit(1 << REFLECTANCE); 3], inputs: Vec::new(), pixels: Vec::new() }
+        Self { plan, reflectance: [Fx::int(1); 3], inputs: Inputs::Ports(Vec::new()), pixels: Vec::new() }
     }
 }
 
-/// The colours of a tile's pixels, summed over their samples.
-pub(super) struct Sums(pub(super) Vec<[i64; 3]>);
+/// The light of a tile's pixels, summed over objects, lights and samples.
+pub(super) struct Sums(pub(super) Vec<[PixelSum<i32>; 3]>);
 
 impl Sums {
-    pub(super) fn add(&mut self, pixel: usize, colour: [i64; 3]) {
+    /// No light in so many pixels.
+    pub(super) fn new(pixels: usize) -> Self {
+        Self(vec![[PixelSum { sum: Fx::zero() }; 3]; pixels])
+    }
+
+    /// Adds a colour to a pixel.
+    pub(super) fn add(&mut self, pixel: usize, colour: [Channel; 3]) {
         for (sum, channel) in self.0[pixel].iter_mut().zip(colour) {
-            *sum += channel;
+            *sum = pixel::sum(sum, channel);
         }
     }
 }
 
 impl Prepared<'_> {
-    /// The waiting fragments of an object: footprints, fetches, lights; what reflects waits again.
+    /// The waiting fragments of an object: footprints, fetches, surfaces, lights; what reflects waits again.
     pub(super) fn shade(
         &self,
         object: &PreparedObject,
@@ -99,20 +126,44 @@ impl Prepared<'_> {
     ) {
         let Fragments { attributes, pixels, directions, footprints } = fragments;
         footprints.set(attributes.iter(), self.reading, &self.precision);
-        for (index, (attributes, pixel)) in attributes.iter().zip(pixels.iter().copied()).enumerate() {
-            let mut maps = MapReads::new(attributes, (footprints, index), &mut reads.taps, &self.precision);
-            let surface = surface(object, &mut maps);
-            let needs_ports = object.plan.reflection.is_some() || object.lighting.is_some();
-            let ports = needs_ports.then(|| self.ports(object, attributes, &mut maps));
-            if let (Some(lighting), Some(ports)) = (&object.lighting, &ports) {
-                let directions = &directions[index * lighting.lights()..][..lighting.lights()];
-                let light =
-                    lighting.shine(ports, directions, &mut maps, &mut reads.peaks, self.reading, &self.precision);
-                sums.add(pixel, light);
+        reads.begin(attributes.len());
+        let Reads { taps, peaks, colours, surfaces } = reads;
+        let has_surface = object.plan.reflection.is_some() || object.lighting.is_some();
+        for (index, (attributes, taps)) in attributes.iter().zip(&mut *taps).enumerate() {
+            let mut maps = MapReads::new(attributes, (footprints, index), taps, &self.precision);
+            colours.push(object.colour(&mut maps));
+            if has_surface {
+                surfaces.push(self.surface_input(object, attributes, &mut maps));
             }
-            match ports.filter(|_| object.plan.reflection.is_some()) {
-                None => sums.add(pixel, surface.map(i64::from)),
-                Some(input) => self.reflect(waiting, (pixel, surface), &input, sums),
+        }
+        let places = pixels.iter().copied().zip(colours.iter().copied());
+        match &object.lighting {
+            None if object.plan.reflection.is_none() => places.for_each(|(pixel, colour)| sums.add(pixel, colour)),
+            None => {
+                for ((attributes, place), &surface) in attributes.iter().zip(places).zip(&*surfaces) {
+                    let FragmentAttributes { dview, dnormal, .. } = attributes;
+                    let edge_texels = Fx::int(1);
+                    let input =
+                        ReflectionInput { surface, dview: dview.wires(), dnormal: dnormal.wires(), edge_texels };
+                    self.reflect(waiting, place, &input, sums);
+                }
+            }
+            Some(lighting) => {
+                let made = self.reading.surfaces(surfaces, &object.plan.surface(), &self.precision);
+                for (index, (surface, place)) in made.iter().zip(places).enumerate() {
+                    let (pixel, colour) = place;
+                    let mut maps =
+                        MapReads::again(&attributes[index], (footprints, index), &mut taps[index], &self.precision);
+                    let directions = &directions[index * lighting.lights()..][..lighting.lights()];
+                    let lit = (&surfaces[index], surface);
+                    lighting.shine(lit, directions, &mut maps, peaks, (self.reading, &self.precision), |light| {
+                        sums.add(pixel, light);
+                    });
+                    match object.plan.reflection {
+                        None => sums.add(pixel, colour),
+                        Some(_) => self.reflect_surface(waiting, place, surface, &attributes[index], sums),
+                    }
+                }
             }
         }
         attributes.clear();
@@ -124,13 +175,35 @@ impl Prepared<'_> {
     pub(super) fn reflect(
         &self,
         waiting: &mut Waiting,
-        (pixel, surface): (usize, Colour),
-        input: &ReflectionIn,
+        place: (usize, [Channel; 3]),
+        input: &ReflectionInput<i32>,
         sums: &mut Sums,
     ) {
-        waiting.inputs.push(input.wires(self.environment_scale));
-        waiting.pixels.push((pixel, surface));
-        if waiting.inputs.len() == REFLECTED {
+        if let Inputs::Ports(inputs) = &mut waiting.inputs {
+            inputs.push(*input);
+        }
+        self.wait(waiting, place, sums);
+    }
+
+    /// The same with a surface that is made.
+    fn reflect_surface(
+        &self,
+        waiting: &mut Waiting,
+        place: (usize, [Channel; 3]),
+        surface: &Surface<i32>,
+        attributes: &FragmentAttributes,
+        sums: &mut Sums,
+    ) {
+        if let Inputs::Surfaces(inputs) = &mut waiting.inputs {
+            let FragmentAttributes { dview, dnormal, .. } = attributes;
+            inputs.push(Reflecting { surface: *surface, dview: dview.wires(), dnormal: dnormal.wires() });
+        }
+        self.wait(waiting, place, sums);
+    }
+
+    fn wait(&self, waiting: &mut Waiting, place: (usize, [Channel; 3]), sums: &mut Sums) {
+        waiting.pixels.push(place);
+        if waiting.pixels.len() == REFLECTED {
             self.fetch(waiting, sums);
         }
     }
@@ -139,64 +212,83 @@ impl Prepared<'_> {
     pub(super) fn fetch(&self, waiting: &mut Waiting, sums: &mut Sums) {
         let Waiting { plan, reflectance, inputs, pixels } = waiting;
         let rough = plan.roughness != RoughnessKind::None;
-        let footprints = self.reading.footprints(inputs, &plan_of_batch(plan, inputs), &self.precision);
-        for (footprint, (pixel, surface)) in footprints.iter().zip(pixels.drain(..)) {
+        for (footprint, (pixel, surface)) in self.footprints(plan, inputs).iter().zip(pixels.drain(..)) {
             let reflection = self
                 .environment
                 .as_ref()
-                .map_or([0; 3], |map| map.sample(&footprint.point, &footprint.probes, rough, &self.precision));
-            let channel = |i: usize| blend(Fx::from_raw(surface[i]), Fx::from_raw(reflection[i]), reflectance[i]).raw();
-            sums.add(pixel, core::array::from_fn(|i| i64::from(channel(i))));
+                .map_or([Fx::zero(); 3], |map| map.sample(&footprint.point, &footprint.probes, rough, &self.precision));
+            let channel = |i: usize| pixel::blend::<i32>(surface[i], reflection[i], reflectance[i]);
+            sums.add(pixel, core::array::from_fn(channel));
         }
-        inputs.clear();
     }
 
-    /// Ports of the datapath, bump map sampled.
-    pub(super) fn ports(
+    /// Where the waiting fragments look, which then wait no more. Stages that every one of them would feed with zeros are left
+    /// out, which changes no bit.
+    fn footprints(&self, plan: &ReflectionPlan, inputs: &mut Inputs) -> Vec<Footprint<i32>> {
+        let is_flat = |dnormal: &[PortBlock<i32, 3>; 2]| dnormal.iter().flat_map(|dn| dn.mantissa).all(is_zero);
+        let with = |is_smooth: bool, is_flat: bool| ReflectionPlan {
+            roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
+            curvature: plan.curvature && !is_flat,
+            ..*plan
+        };
+        let (scale, p) = (&self.environment_scale, &self.precision);
+        match inputs {
+            Inputs::Ports(inputs) => {
+                let is_smooth = inputs.iter().all(|input| input.surface.roughness.into_iter().all(is_zero));
+                let plan = with(is_smooth, inputs.iter().all(|input| is_flat(&input.dnormal)));
+                let footprints = self.reading.footprints(inputs, scale, &plan, p);
+                inputs.clear();
+                footprints
+            }
+            Inputs::Surfaces(inputs) => {
+                let is_smooth = inputs.iter().all(|input| input.surface.rough.iter().flat_map(|d| d.m).all(is_zero));
+                let plan = with(is_smooth, inputs.iter().all(|input| is_flat(&input.dnormal)));
+                let footprints = self.reading.footprints_of(inputs, scale, &plan, p);
+                inputs.clear();
+                footprints
+            }
+        }
+    }
+
+    /// What the surface of a fragment is made of, bump map sampled.
+    pub(super) fn surface_input(
         &self,
         object: &PreparedObject,
         attributes: &FragmentAttributes,
         reads: &mut MapReads<'_>,
-    ) -> ReflectionIn {
+    ) -> SurfaceInput<i32> {
         let plan = &object.plan;
-        let (offset, roughness) = match &object.bump_map {
-            None => ([I4F28::ZERO; 2], [I4F28::ZERO; 3]),
-            Some(map) => map.sample(reads, plan.roughness(), &self.precision),
+        let none = || Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] };
+        let bump =
+            object.bump_map.as_ref().map_or_else(none, |map| map.sample(reads, plan.roughness(), &self.precision));
+        let vectors = if plan.needs_tangents() {
+            attributes.frame_vectors
+        } else {
+            [object.main_direction, BlockVector::default()]
         };
-        let tangents =
-            if plan.needs_tangents() { attributes.tangents } else { [object.main_direction, BlockVector::default()] };
-        ReflectionIn {
-            normal: attributes.normal,
-            view: attributes.view,
-            tangents,
-            offset,
-            roughness,
-            dview: attributes.dview,
-            dnormal: attributes.dnormal,
-            edge_texels: self.environment.as_ref().map_or(1, |map| map.edge() as u16),
+        SurfaceInput {
+            normal: attributes.normal.wires(),
+            view: attributes.view.wires(),
+            frame_vectors: vectors.wires(),
+            offset: bump.offset,
+            roughness: bump.roughness,
         }
     }
 }
 
-/// Colour of a fragment without its reflection and its lights.
-fn surface(object: &PreparedObject, reads: &mut MapReads<'_>) -> Colour {
-    match &object.colour_map {
-        None => object.colour,
-        Some(map) => {
-            let sample = map.sample(reads);
-            core::array::from_fn(|i| multiply(sample[i], object.colour[i]))
-        }
-    }
+fn is_zero<const INT: u32>(word: Fx<i32, INT>) -> bool {
+    word.raw() == 0
 }
 
-/// The plan of a batch: without the blocks that every fragment of it feeds with zeros, which change no bit.
-fn plan_of_batch(plan: &ReflectionPlan, inputs: &[ReflectionInput<i32>]) -> ReflectionPlan {
-    let is_zero = |word: Fx<i32, OFFSET>| word.raw() == 0;
-    let is_smooth = inputs.iter().all(|input| input.roughness.into_iter().all(is_zero));
-    let is_flat = inputs.iter().all(|input| input.dnormal.iter().flat_map(|dn| dn.mantissa).all(|m| m.raw() == 0));
-    ReflectionPlan {
-        roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
-        curvature: plan.curvature && !is_flat,
-        ..*plan
+impl PreparedObject {
+    /// Colour of a fragment without its reflection and its lights.
+    fn colour(&self, reads: &mut MapReads<'_>) -> [Channel; 3] {
+        match &self.colour_map {
+            None => self.colour,
+            Some(map) => {
+                let sample = map.sample(reads);
+                core::array::from_fn(|i| pixel::modulated::<i32>(sample[i], self.colour[i]))
+            }
+        }
     }
 }

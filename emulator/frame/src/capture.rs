@@ -2,16 +2,15 @@
 
 use fixed::types::I4F28;
 use glam::DVec3;
-use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::block_vector;
 
 use super::batch::Fragments;
 use super::prepare::Prepared;
 use super::texture::{MapReads, Taps};
-use crate::raster::{PIXEL_CENTRE_SUBPX, RasterError, SUBPIXELS, TileBuffer, TriangleList, tiles};
+use crate::raster::{FragmentAttributes, PIXEL_CENTRE_SUBPX, RasterError, SUBPIXELS, TileBuffer, TriangleList, tiles};
 
 impl Prepared<'_> {
     /// Inputs of the reflection datapath for at most `most` reflecting fragments, evenly spread over the frame, with
@@ -46,7 +45,10 @@ impl Prepared<'_> {
             footprints.set([&attributes].into_iter(), self.reading, &self.precision);
             let mut taps = Taps::default();
             let mut maps = MapReads::new(&attributes, (&footprints, 0), &mut taps, &self.precision);
-            let input = self.ports(prepared, &attributes, &mut maps);
+            let surface = SurfaceIn::of(&self.surface_input(prepared, &attributes, &mut maps));
+            let edge_texels = self.environment.as_ref().map_or(1, |map| map.edge() as u16);
+            let FragmentAttributes { dview, dnormal, .. } = attributes;
+            let input = ReflectionIn { surface, dview, dnormal, edge_texels };
             Some((quantised(&input, &self.precision), plan))
         });
         Ok(chosen.collect())
@@ -64,13 +66,16 @@ fn quantised(input: &ReflectionIn, p: &Precision) -> ReflectionIn {
             ..rounded
         }
     };
-    let number = |x: I4F28| I4F28::from_bits(Fx::<i32, 28>::from_raw(x.to_bits()).keep(p.offset_bits()).raw());
+    let number = |x: I4F28| I4F28::of(&x.wires().keep(p.offset_bits()));
+    let SurfaceIn { normal, view, frame_vectors, offset, roughness } = input.surface;
     ReflectionIn {
-        normal: vector(input.normal),
-        view: vector(input.view),
-        tangents: input.tangents.map(vector),
-        offset: input.offset.map(number),
-        roughness: input.roughness.map(number),
+        surface: SurfaceIn {
+            normal: vector(normal),
+            view: vector(view),
+            frame_vectors: frame_vectors.map(vector),
+            offset: offset.map(number),
+            roughness: roughness.map(number),
+        },
         dview: input.dview.map(vector),
         dnormal: input.dnormal.map(vector),
         edge_texels: input.edge_texels,

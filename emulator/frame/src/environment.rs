@@ -1,22 +1,28 @@
 //! Fetches from the environment: probes on cube faces, across their edges and at their corners.
 
-use roughxel_core::fx::Fx;
+use roughxel_core::datapath::{pixel, texel};
+use roughxel_core::each::each;
+use roughxel_core::fx::{Fx, Int};
 use roughxel_core::precision::Precision;
 use roughxel_core::probe_list::environment_probes;
 use roughxel_core::signals::{CubePoint, FacePosition, Probes};
-use roughxel_core::stage::filter::{ProbeSum, ROUGHNESS_LOD_BIAS, biased, corner, face_address, levels, trilinear};
-
-use roughxel_maps::environment::{CubePyramid, CubeTexel, FaceTexel, texel_across_edge};
+use roughxel_core::stage::edge::FaceTexel;
+use roughxel_core::stage::filter::{Address, LevelPair, Patch, ProbeSum};
+use roughxel_maps::environment::CubePyramid;
 use roughxel_maps::mip::{Level, smallest_exponent};
 use roughxel_scene::picture::Picture;
 
-use super::{Colour, MAX_MAP_EXPONENT};
+use super::MAX_MAP_EXPONENT;
+use super::colour::Channel;
 
 /// The environment of a scene.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     pyramid: CubePyramid,
 }
+
+/// Four texels on one level of a cube map, with the weights of the right and of the lower ones.
+type FacePatch = ([[i32; 3]; 4], Address<i32>);
 
 impl EnvironmentMap {
     /// Builds the pyramid, or only its base where nothing is filtered.
@@ -40,54 +46,65 @@ impl EnvironmentMap {
         levels.map(|level| size_of_val(level.texels.as_slice()) as u64).sum()
     }
 
-    /// The mean colour of a footprint: N trilinear probes along its major axis; a rough one is sampled with the
+    /// The mean colour of a footprint, I8F24: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
-    pub fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> Colour {
-        let lod = if rough { biased(probes.lod, Fx::lit(ROUGHNESS_LOD_BIAS), p) } else { probes.lod };
+    pub fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> [Channel; 3] {
+        let pair = texel::levels::<i32>(probes.lod, rough, p);
         let mut sums = [ProbeSum::<i32>::zero(); 3];
         for probe in environment_probes(point, probes, p) {
-            for (sum, channel) in sums.iter_mut().zip(self.trilinear(&probe.place, lod, p)) {
-                *sum = sum.add(channel, probe.weight);
+            for (sum, channel) in sums.iter_mut().zip(self.trilinear(&probe.place, &pair, p)) {
+                *sum = texel::probe_sum(sum, channel, probe.weight);
             }
         }
-        sums.map(|sum| sum.mean() << self.pyramid.exponent)
+        let exponent = Fx::from_raw(self.pyramid.exponent);
+        each!(sum in sums => pixel::colour::<i32>(texel::probe_mean(&sum), exponent))
     }
 
-    fn trilinear(&self, place: &FacePosition<i32>, lod: Fx<i32, 16>, p: &Precision) -> [i32; 3] {
-        let pair = levels(lod);
+    fn trilinear(&self, place: &FacePosition<i32>, pair: &LevelPair<i32>, p: &Precision) -> [Int<i32>; 3] {
         let fine = pair.level.raw() as usize;
         let coarse = (fine + 1).min(self.pyramid.levels.len() - 1);
-        let face = place.face.raw() as u8;
-        let fetch = |level: usize| {
-            let faces = &self.pyramid.levels[level];
-            let edge = faces[0].width;
-            let address = face_address(&place.st, Fx::from_raw(edge as i32), p);
-            (bilinear_texels(faces, face, address.index.map(Fx::raw), edge), address.weight)
-        };
-        let (a, a_weight) = fetch(fine);
-        let (b, b_weight) = if pair.weight.raw() == 0 { (a, a_weight) } else { fetch(coarse) };
-        core::array::from_fn(|channel| {
-            let (a, b) = (a.map(|texel| texel[channel]), b.map(|texel| texel[channel]));
-            trilinear((&a, &a_weight), (&b, &b_weight), pair.weight, 8)
+        let a = self.patch(fine, place, p);
+        let b = if pair.weight.raw() == 0 { a } else { self.patch(coarse, place, p) };
+        each!(channel in [0, 1, 2] => {
+            let [a, b] = each!((texels, address) in [&a, &b] => {
+                Patch::<i32> { texels: each!(texel in *texels => Fx::from_raw(texel[channel])), weight: address.weight }
+            });
+            texel::colour_sample(&a, &b, pair.weight)
         })
+    }
+
+    /// What a bilinear sample of a level reads.
+    fn patch(&self, level: usize, place: &FacePosition<i32>, p: &Precision) -> FacePatch {
+        let faces = &self.pyramid.levels[level];
+        let edge = faces[0].width;
+        let address = texel::face_address::<i32>(place, Fx::from_raw(edge as i32), p);
+        (bilinear_texels(faces, place.face, &address, edge), address)
     }
 }
 
-/// The four texels from (i, j) on; what lies beyond the face comes from its neighbours.
-fn bilinear_texels(faces: &[Level; 6], face: u8, [i, j]: [i32; 2], edge: u32) -> [[i32; 3]; 4] {
+/// The four texels of an address; what lies beyond the face comes from its neighbours.
+fn bilinear_texels(faces: &[Level; 6], face: Int<i32>, address: &Address<i32>, edge: u32) -> [[i32; 3]; 4] {
+    let [i, j] = address.index.map(Fx::raw);
+    // Where all four lie on the face they lie side by side in memory.
     let inside = |index: i32| (0..edge as i32 - 1).contains(&index);
     if inside(i) && inside(j) {
-        let level = &faces[usize::from(face)];
+        let level = &faces[face.raw() as usize];
         let first = j as usize * edge as usize + i as usize;
         return [first, first + 1, first + edge as usize, first + edge as usize + 1]
             .map(|index| level.texels[index].map(i32::from));
     }
-    let read = |texel: FaceTexel| faces[usize::from(texel.face)].texel(texel.i, texel.j).map(i32::from);
-    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| match texel_across_edge(face, i + right, j + down, edge) {
-        CubeTexel::Texel(texel) => read(texel),
-        CubeTexel::Corner(three) => {
-            let three = three.map(read);
-            core::array::from_fn(|channel| corner(&three.map(|texel| texel[channel])))
+    let read = |texel: FaceTexel<i32>| {
+        let [i, j] = texel.index.map(|index| index.raw() as u32);
+        faces[texel.face.raw() as usize].texel(i, j).map(i32::from)
+    };
+    texel::face_texels::<i32>(face, address, Fx::from_raw(edge as i32)).map(|texel| {
+        let own = read(texel.texel);
+        if !texel.corner {
+            return own;
         }
+        let [s, t] = texel.across.map(read);
+        core::array::from_fn(|channel| {
+            texel::corner::<i32>(&[own, s, t].map(|texel| Fx::from_raw(texel[channel]))).raw()
+        })
     })
 }

@@ -23,9 +23,7 @@ pub mod raster;
 mod texture;
 mod tile;
 
-use colour::{colour_word, multiply};
-
-pub use colour::{Colour, MAX_MAP_EXPONENT};
+pub use colour::{Channel, Colour, MAX_MAP_EXPONENT};
 pub use environment::EnvironmentMap;
 pub use frame::Frame;
 pub use prepare::Prepared;

@@ -3,16 +3,14 @@
 //! The surface is made once a fragment, what depends on the light once a light. Peaks of a map are texels whose value is
 //! the light they return: they are summed in the texel and filtered like any other, never averaged themselves (F92 §2.4).
 
-use fixed::types::I4F28;
-use roughxel_core::datapath::{self, SurfaceInput};
+use roughxel_core::datapath::{self, Surface, pixel, texel};
 use roughxel_core::each::{each, places};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::SurfacePlan;
-use roughxel_core::ports::{BlockVector, ReflectionIn, StoredHorizon, StoredPeak};
+use roughxel_core::ports::{BlockVector, Horizon, Port, ShininessPort, StoredHorizon, StoredPeak, SurfaceInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak};
-use roughxel_core::signals::{Horizon, LIGHT, LocalDirection, PeakSum, ShininessPort};
-use roughxel_core::stage::peaks;
+use roughxel_core::signals::{LocalDirection, PeakSum};
 
 use crate::plan::ObjectPlan;
 use crate::raster::{PointFromTriangle, Triangle};
@@ -20,9 +18,9 @@ use roughxel_lanes::{PackedPeak, PeakList, Reading};
 use roughxel_maps::peak_pyramid::{self as pyramid, MAX_PEAKS, PeakPyramid};
 use roughxel_scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
+use super::colour::{Channel, colour_word};
 use super::printed;
 use super::texture::{MapReads, RepeatedMap, Taps};
-use super::{Colour, colour_word, multiply};
 
 /// What shines in an object, and the lights that make it.
 pub(super) struct Lighting {
@@ -38,7 +36,7 @@ struct PreparedLight {
     /// Direction of a light infinitely far away.
     direction: BlockVector,
     /// Colour of the light times that of the highlight or the peaks.
-    colour: Colour,
+    colour: [Channel; 3],
 }
 
 /// What returns light.
@@ -114,7 +112,7 @@ pub(super) struct PeaksRead {
     peaks: PeakList,
     /// As many as peaks, or none.
     horizons: Vec<Horizon<i32>>,
-    lights: Vec<Fx<i32, LIGHT>>,
+    lights: Vec<Channel>,
     /// The light of each texel.
     sums: Vec<[i32; 1]>,
 }
@@ -167,8 +165,17 @@ impl PeaksRead {
         sums.fill([0]);
         for (&owner, &light) in self.owners.iter().zip(&self.lights) {
             let [sum] = &mut sums[owner as usize];
-            *sum = datapath::peak_sum(&PeakSum { light: Fx::from_raw(*sum), saturated: false }, light).light.raw();
+            *sum =
+                datapath::peak_sum(&PeakSum::<i32> { light: Fx::from_raw(*sum), saturated: false }, light).light.raw();
         }
+    }
+
+    /// The light of all peaks, lit by one light.
+    fn given(&mut self, half: &LocalDirection<i32>, peaks: &PeakList, reading: Reading, p: &Precision) -> Channel {
+        self.lights.clear();
+        reading.peaks(half, peaks, p, &mut self.lights);
+        let none = PeakSum::<i32> { light: Fx::zero(), saturated: false };
+        self.lights.iter().fold(none, |sum, &light| datapath::peak_sum(&sum, light)).light
     }
 }
 
@@ -263,43 +270,37 @@ impl Lighting {
         }
     }
 
-    /// The colour that all lights make at a sample, with the direction to each; channels may go beyond a word where lights
-    /// are many.
+    /// Hands the colour that each light makes of a surface to `add`, with the direction to each light; `input` is what the surface
+    /// was made of.
     pub(super) fn shine(
         &self,
-        ports: &ReflectionIn,
+        (input, surface): (&SurfaceInput<i32>, &Surface<i32>),
         directions: &[BlockVector],
         reads: &mut MapReads<'_>,
         read: &mut PeaksRead,
-        reading: Reading,
-        p: &Precision,
-    ) -> [i64; 3] {
-        let surface = datapath::surface(&surface_wires(ports), &self.plan, p);
-        let mut sum = [0; 3];
-        let mut add = |light: &PreparedLight, returned: i32| {
-            for (sum, channel) in sum.iter_mut().zip(light.colour) {
-                *sum += i64::from(multiply(returned, channel));
-            }
+        (reading, p): (Reading, &Precision),
+        mut add: impl FnMut([Channel; 3]),
+    ) {
+        let mut add = |light: &PreparedLight, returned: Channel| {
+            add(light.colour.map(|channel| pixel::modulated::<i32>(returned, channel)));
         };
         match &self.lobes {
             Lobes::Highlight(shininess) => {
-                let gloss = datapath::gloss(&surface, shininess, &self.plan, p);
+                let gloss = datapath::gloss(surface, shininess, &self.plan, p);
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    add(light, datapath::highlight(&surface, &gloss, &direction.wires(), p).f.raw());
+                    add(light, datapath::highlight(surface, &gloss, &direction.wires(), p).f);
                 }
             }
             Lobes::Printed(exponent) => {
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    add(light, printed::light(&surface, ports, direction, *exponent).raw());
+                    add(light, printed::light(surface, input, direction, *exponent));
                 }
             }
             Lobes::Given(peaks) => {
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    let lit = datapath::peak_light(&surface, &direction.wires(), p);
+                    let lit = datapath::peak_light(surface, &direction.wires(), p);
                     if !lit.side.below {
-                        read.lights.clear();
-                        reading.peaks(&lit.direction, peaks, p, &mut read.lights);
-                        add(light, self::sum(&read.lights));
+                        add(light, read.given(&lit.direction, peaks, reading, p));
                     }
                 }
             }
@@ -311,7 +312,7 @@ impl Lighting {
                     datapath::horizon_slopes(&eye, p)
                 });
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    let lit = datapath::peak_light(&surface, &direction.wires(), p);
+                    let lit = datapath::peak_light(surface, &direction.wires(), p);
                     if lit.side.below {
                         continue;
                     }
@@ -321,22 +322,16 @@ impl Lighting {
                         read.peaks.weigh(read.horizons.iter().map(visible));
                     }
                     read.light(&lit.direction, reading, p);
-                    let [returned] = taps.mean(0, &read.sums, |sample| sample);
-                    add(light, returned);
+                    let [returned] = taps.mean(&read.sums, texel::word_sample::<i32>, |sample| sample);
+                    add(light, returned.reread());
                 }
             }
         }
-        sum
     }
 }
 
 fn packed(peak: StoredPeak) -> PackedPeak {
     PackedPeak::from(&peak.wires())
-}
-
-/// The light that peaks return together.
-fn sum(lights: &[Fx<i32, LIGHT>]) -> i32 {
-    lights.iter().fold(peaks::none(), |sum, &light| datapath::peak_sum(&sum, light)).light.raw()
 }
 
 fn prepared(lights: &[Light], colour: [f32; 3], p: &Precision) -> Vec<PreparedLight> {
@@ -349,16 +344,4 @@ fn prepared(lights: &[Light], colour: [f32; 3], p: &Precision) -> Vec<PreparedLi
         PreparedLight { place: light.place, direction, colour }
     };
     lights.iter().map(light).collect()
-}
-
-/// The surface's part of the ports.
-fn surface_wires(ports: &ReflectionIn) -> SurfaceInput<i32> {
-    let number = |x: I4F28| Fx::from_raw(x.to_bits());
-    SurfaceInput {
-        normal: ports.normal.wires(),
-        view: ports.view.wires(),
-        tangents: ports.tangents.map(|tangent| tangent.wires()),
-        offset: ports.offset.map(number),
-        roughness: ports.roughness.map(number),
-    }
 }

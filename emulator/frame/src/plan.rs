@@ -141,6 +141,23 @@ impl ObjectPlan {
         }
     }
 
+    /// The surface that a fragment's reflection and its lights share.
+    pub fn surface(&self) -> SurfacePlan {
+        let none = SurfacePlan {
+            bump: false,
+            frame: FrameSystem::MainDirection,
+            roughness: RoughnessKind::None,
+            local: false,
+        };
+        let surfaces = [self.reflection.map(|plan| plan.surface()), self.highlight, self.peaks];
+        surfaces.into_iter().flatten().fold(none, |all, plan| SurfacePlan {
+            bump: all.bump || plan.bump,
+            frame: plan.frame,
+            roughness: if plan.roughness == RoughnessKind::None { all.roughness } else { plan.roughness },
+            local: all.local || plan.local,
+        })
+    }
+
     /// The roughness that a fragment needs of its maps.
     pub fn roughness(&self) -> RoughnessKind {
         let reflection = self.reflection.map_or(RoughnessKind::None, |plan| plan.roughness);

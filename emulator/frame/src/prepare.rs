@@ -3,20 +3,21 @@
 use std::fmt;
 
 use rayon::prelude::*;
-use roughxel_core::fx::Fx;
-use roughxel_core::ports::{BlockVector, environment_scale};
+use roughxel_core::fx::{Control, Fx};
+use roughxel_core::ports::{BlockVector, REFLECTANCE};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
+use roughxel_core::soft_core::environment_scale;
 use roughxel_lanes::Reading;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::peak_pyramid::{PeakPyramid, ScenePeaks};
 use roughxel_scene::{Background, Light, Material, Scene};
 
+use super::colour::{Channel, colour_word};
 use super::environment::EnvironmentMap;
 use super::lighting::{Lighting, PeakMap};
 use super::texture::{BumpMap, ColourMap, RepeatedMap};
-use super::{Colour, colour_word};
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::{Projection, RasterError};
 
@@ -36,8 +37,8 @@ pub struct Prepared<'a> {
 pub(super) struct PreparedObject {
     pub(super) plan: ObjectPlan,
     pub(super) decisions: Vec<Decision>,
-    pub(super) colour: Colour,
-    pub(super) reflectance: [Fx<i32, 16>; 3],
+    pub(super) colour: [Channel; 3],
+    pub(super) reflectance: [Control<i32, REFLECTANCE>; 3],
     pub(super) main_direction: BlockVector,
     pub(super) colour_map: Option<ColourMap>,
     pub(super) bump_map: Option<BumpMap>,

@@ -3,15 +3,17 @@
 use roughxel_core::block::Block;
 use roughxel_core::datapath::Surface;
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, Port, SurfaceIn, SurfaceInput};
 use roughxel_core::setup::{real_offset, real_vector};
-use roughxel_core::signals::LIGHT;
 use roughxel_reference::highlight::{half, printed_cos2};
 use roughxel_reference::linear::{Vector3, dot, norm, scaled};
 
+use super::colour::Channel;
+
 /// The share of a light, with the exponent m; 0 below the surface and where the formula is 0/0: at n = h, and
 /// everywhere on a smooth surface.
-pub(super) fn light(surface: &Surface<i32>, ports: &ReflectionIn, light: &BlockVector, m: f64) -> Fx<i32, LIGHT> {
+pub(super) fn light(surface: &Surface<i32>, input: &SurfaceInput<i32>, light: &BlockVector, m: f64) -> Channel {
+    let ports = SurfaceIn::of(input);
     let light = real_vector(light).to_array();
     let normal = direction(&surface.normal_mod);
     let half = unit(half(light, real_vector(&ports.view).to_array()));
@@ -23,7 +25,7 @@ pub(super) fn light(surface: &Surface<i32>, ports: &ReflectionIn, light: &BlockV
     let cos2 = printed_cos2(ports.roughness.map(real_offset), [dot(&difference, &e1), dot(&difference, &e2)]);
     let share = cos2.powf(0.5 * m);
     // NaN is no light.
-    Fx::from_raw((share.clamp(0.0, 1.0) * f64::from(1 << LIGHT)).round() as i32)
+    Fx::from_raw((share.clamp(0.0, 1.0) * f64::from(1 << 24)).round() as i32)
 }
 
 fn direction(block: &Block<i32, 3>) -> Vector3 {

@@ -1,16 +1,15 @@
 //! Fetches from repeated maps: the probes of a fragment, colour, and bumps with their second moments.
 
-use fixed::types::I4F28;
-use roughxel_core::block::Block;
-use roughxel_core::datapath::{Probe, texture_probe};
+use roughxel_core::datapath::texel::{self, Bump, BumpCodes, BumpMoments, BumpSample, BumpScale, RepeatAddress};
+use roughxel_core::datapath::{pixel, texture_probe};
 use roughxel_core::each::{each, places};
-use roughxel_core::fx::Fx;
-use roughxel_core::ports::texture_scale;
+use roughxel_core::fx::{Control, Fx, Int};
+use roughxel_core::ports::{Port, SHARE};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::signals::{Ellipse, MapScale, Probes, TexturePosition};
-use roughxel_core::stage::filter::{Address, ProbeSum, WEIGHT, levels, repeat_address, trilinear};
+use roughxel_core::signals::{MapScale, Probes, TexturePosition, TextureProbe};
+use roughxel_core::soft_core::texture_scale;
+use roughxel_core::stage::filter::{LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
 use roughxel_core::stage::texture::TextureScale;
-use roughxel_core::stage::{axes, moments};
 
 use crate::raster::FragmentAttributes;
 use roughxel_lanes::Reading;
@@ -18,7 +17,8 @@ use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::mip::{ColourPyramid, smallest_exponent};
 use roughxel_scene::picture::Picture;
 
-use super::{Colour, MAX_MAP_EXPONENT};
+use super::MAX_MAP_EXPONENT;
+use super::colour::Channel;
 
 /// The footprints of a batch of fragments in maps of one size.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ impl Footprints {
         if self.0.is_empty() {
             return;
         }
-        let derivatives: Vec<_> = fragments.map(|fragment| fragment.duv.map(|duv| duv.wires())).collect();
+        let derivatives: Vec<_> = fragments.map(|fragment| fragment.duv.wires()).collect();
         for SizedFootprints { scale, probes, .. } in &mut self.0 {
             probes.clear();
             reading.texture_footprints(&derivatives, scale, p, probes);
@@ -76,8 +76,6 @@ pub struct MapReads<'a> {
     /// The fragment in the batch.
     fragment: usize,
     p: &'a Precision,
-    /// Size of the maps that the taps are for.
-    size: Option<[i32; 2]>,
     taps: &'a mut Taps,
 }
 
@@ -89,15 +87,26 @@ impl<'a> MapReads<'a> {
         taps: &'a mut Taps,
         p: &'a Precision,
     ) -> Self {
-        let centre = TexturePosition { uv: attributes.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
-        Self { centre, footprints, fragment, p, size: None, taps }
+        taps.size = None;
+        Self::again(attributes, (footprints, fragment), taps, p)
+    }
+
+    /// The same for a fragment that has read before, with its taps.
+    pub(super) fn again(
+        attributes: &FragmentAttributes,
+        (footprints, fragment): (&'a Footprints, usize),
+        taps: &'a mut Taps,
+        p: &'a Precision,
+    ) -> Self {
+        let centre = TexturePosition { uv: attributes.uv.wires() };
+        Self { centre, footprints, fragment, p, taps }
     }
 
     /// The taps in a map.
     fn of(&mut self, map: &RepeatedMap) -> &Taps {
         let size = map.levels[0].size;
-        if self.size != Some(size) {
-            self.size = Some(size);
+        if self.taps.size != Some(size) {
+            self.taps.size = Some(size);
             self.taps.set(map, &self.centre, self.footprints.of(self.fragment, map), self.p);
         }
         self.taps
@@ -106,7 +115,7 @@ impl<'a> MapReads<'a> {
     /// The taps in a map, to be changed: no other map will share them.
     pub(super) fn take(&mut self, map: &RepeatedMap) -> &mut Taps {
         self.of(map);
-        self.size = None;
+        self.taps.size = None;
         self.taps
     }
 }
@@ -141,34 +150,38 @@ impl RepeatedMap {
 
 impl RepeatedLevel {
     /// What a bilinear sample reads.
-    fn patch(&self, place: &TexturePosition<i32>, p: &Precision) -> Patch {
-        let [width, height] = self.size;
-        let Address { index: [x, y], weight } = repeat_address(place, self.size.map(Fx::from_raw), p);
-        let wrap = |i: i32, edge: i32| if i < 0 { i + edge } else if i >= edge { i - edge } else { i } as u32;
-        let [x0, x1] = [x.raw(), x.raw() + 1].map(|x| wrap(x, width));
-        let [y0, y1] = [y.raw(), y.raw() + 1].map(|y| self.start + wrap(y, height) * width as u32);
-        Patch { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight }
+    fn tap(&self, place: &TexturePosition<i32>, p: &Precision) -> Tap {
+        let [width, _] = self.size;
+        let RepeatAddress { columns, rows, weight } = texel::repeat_address(place, self.size.map(Fx::from_raw), p);
+        let [x0, x1] = columns.map(|x| x.raw() as u32);
+        let [y0, y1] = rows.map(|y| self.start + y.raw() as u32 * width as u32);
+        Tap { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight }
     }
 }
 
-/// Four neighbours on one level.
+/// Four neighbours on one level, in memory.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Patch {
+pub(super) struct Tap {
     /// Indices among the texels of all levels, the finest first.
     pub(super) texels: [u32; 4],
-    weight: [Fx<i32, WEIGHT>; 2],
+    weight: [Control<i32, WEIGHT>; 2],
 }
 
 /// What a fragment reads of a map: its memory is kept for the next one.
 #[derive(Clone, Debug, Default)]
 pub struct Taps {
+    /// Size of the maps that the taps are for.
+    size: Option<[i32; 2]>,
     /// Of the probes; they sum to 1.
-    weights: Vec<Fx<i32, 16>>,
+    weights: Vec<Control<i32, SHARE>>,
     /// What each probe reads of the finer level, and of the coarser one unless its weight is 0.
-    levels: [Vec<Patch>; 2],
-    /// Weight of the coarser level.
+    levels: [Vec<Tap>; 2],
+    /// Weight of the coarser level, raw.
     level_weight: i32,
 }
+
+/// One channel of the texels of two levels, filtered.
+type Filter = fn(&Patch<i32>, &Patch<i32>, Control<i32, LEVEL_WEIGHT>) -> Int<i32>;
 
 impl Taps {
     /// The probes of a footprint, or one at the finest level.
@@ -179,70 +192,71 @@ impl Taps {
         self.weights.clear();
         self.level_weight = 0;
         let Some(probes) = probes else {
-            self.weights.push(Fx::lit(1 << 16));
-            fine.push(map.levels[0].patch(centre, p));
+            self.weights.push(Fx::int(1));
+            fine.push(map.levels[0].tap(centre, p));
             return;
         };
-        let pair = levels(probes.lod);
-        let level = pair.level.raw() as usize;
+        let LevelPair { level, weight } = texel::levels::<i32>(probes.lod, false, p);
+        let level = level.raw() as usize;
         let [finer, coarser] = [level, (level + 1).min(map.levels.len() - 1)].map(|level| &map.levels[level]);
-        self.level_weight = pair.weight.raw();
+        self.level_weight = weight.raw();
         // One by one: a list of the probes first takes 2 % of a frame of `denim-plane`.
         for index in (0..probes.count.raw()).map(Fx::from_raw) {
-            let Probe { place, weight } = texture_probe(centre, probes, index, &map.scale.0, p);
+            let TextureProbe { place, weight } = texture_probe(centre, probes, index, &map.scale.0, p);
             self.weights.push(weight);
-            fine.push(finer.patch(&place, p));
+            fine.push(finer.tap(&place, p));
             if self.level_weight != 0 {
-                coarse.push(coarser.patch(&place, p));
+                coarse.push(coarser.tap(&place, p));
             }
         }
     }
 
-    /// The patches of each level, probe by probe.
-    pub(super) fn levels(&mut self) -> &mut [Vec<Patch>; 2] {
+    /// The taps of each level, probe by probe.
+    pub(super) fn levels(&mut self) -> &mut [Vec<Tap>; 2] {
         &mut self.levels
     }
 
-    /// Averages `CHANNELS` channels of texels over the probes.
-    ///
-    /// A sample has `extra` fraction bits more than a texel; `probe` turns the sample of one probe into what is averaged.
+    /// Averages `CHANNELS` channels of texels over the probes; `probe` turns the sample of one probe into what is averaged.
+    #[inline(always)]
     pub(super) fn mean<T: Copy + Into<i32>, const CHANNELS: usize>(
         &self,
-        extra: u32,
         texels: &[[T; CHANNELS]],
-        probe: impl Fn([i32; CHANNELS]) -> [i32; CHANNELS],
-    ) -> [i32; CHANNELS] {
+        filter: Filter,
+        probe: impl Fn([Int<i32>; CHANNELS]) -> [Int<i32>; CHANNELS],
+    ) -> [Int<i32>; CHANNELS] {
         let mut sums = [ProbeSum::<i32>::zero(); CHANNELS];
-        let mut add = |weight: Fx<i32, 16>, sample| {
+        let mut add = |weight: Control<i32, SHARE>, sample| {
             for (sum, channel) in sums.iter_mut().zip(probe(sample)) {
-                *sum = sum.add(channel, weight);
+                *sum = texel::probe_sum(sum, channel, weight);
             }
         };
         let [fine, coarse] = &self.levels;
         let probes = self.weights.iter().zip(fine);
         if coarse.is_empty() {
             // Both levels are one: what they share is computed once.
-            probes.for_each(|(&weight, fine)| add(weight, self.sample(fine, fine, extra, texels)));
+            probes.for_each(|(&weight, fine)| add(weight, self.sample([fine, fine], texels, filter)));
         } else {
             let probes = probes.zip(coarse);
-            probes.for_each(|((&weight, fine), coarse)| add(weight, self.sample(fine, coarse, extra, texels)));
+            probes.for_each(|((&weight, fine), coarse)| add(weight, self.sample([fine, coarse], texels, filter)));
         }
-        sums.map(ProbeSum::mean)
+        sums.map(|sum| texel::probe_mean(&sum))
     }
 
     #[inline(always)]
     fn sample<T: Copy + Into<i32>, const CHANNELS: usize>(
         &self,
-        fine: &Patch,
-        coarse: &Patch,
-        extra: u32,
+        taps: [&Tap; 2],
         texels: &[[T; CHANNELS]],
-    ) -> [i32; CHANNELS] {
-        let [a, b] = each!(patch in [fine, coarse] => each!(texel in patch.texels => &texels[texel as usize]));
+        filter: Filter,
+    ) -> [Int<i32>; CHANNELS] {
+        let read = each!(tap in taps => each!(texel in tap.texels => &texels[texel as usize]));
         let level_weight = Fx::from_raw(self.level_weight);
         each!(channel in places() => {
-            let [a, b] = each!(corners in [a, b] => each!(texel in corners => texel[channel].into()));
-            trilinear((&a, &fine.weight), (&b, &coarse.weight), level_weight, extra)
+            let [fine, coarse] = each!(level in [0, 1] => Patch {
+                texels: each!(texel in read[level] => Fx::from_raw(texel[channel].into())),
+                weight: taps[level].weight,
+            });
+            filter(&fine, &coarse, level_weight)
         })
     }
 }
@@ -284,20 +298,19 @@ impl ColourMap {
     }
 
     /// The mean colour of the footprint.
-    pub fn sample(&self, reads: &mut MapReads<'_>) -> Colour {
-        let sample = reads.of(&self.map).mean(8, &self.texels, |sample| sample);
-        sample.map(|channel| channel << self.exponent)
+    pub fn sample(&self, reads: &mut MapReads<'_>) -> [Channel; 3] {
+        let mean = reads.of(&self.map).mean(&self.texels, texel::colour_sample::<i32>, |sample| sample);
+        mean.map(|channel| pixel::colour::<i32>(channel, Fx::from_raw(self.exponent)))
     }
 }
 
 /// A bump map with roughness.
 pub(super) struct BumpMap {
     map: RepeatedMap,
-    /// Of all levels, the finest first. Five channels per texel: b₁, b₂ (30 fraction bits) and the elements of K (29), in units of the scale. What
-    /// the hardware works out for each fetched texel depends on that texel only, so it is kept.
+    /// The channels of each texel of all levels, the finest first. What the hardware works out for each fetched texel depends on
+    /// that texel only, so it is kept.
     texels: Vec<[i32; 5]>,
-    /// log₂ of the unit of the channels.
-    exponent: i32,
+    scale: BumpScale<i32>,
     /// Of offsets and roughness as the format stores them.
     bytes: [u64; 2],
 }
@@ -305,35 +318,19 @@ pub(super) struct BumpMap {
 impl BumpMap {
     /// Decodes a pyramid into moments.
     pub(super) fn new(pyramid: BumpPyramid) -> Self {
-        let format = pyramid.format;
-        let exponent = format.offset_exponent.max(format.roughness_exponent);
-        let isotropic = format.roughness.kind() == RoughnessKind::Isotropic;
-        // A decoded word has 28 fraction bits; in units of 2^exponent with 30 it is shifted by 2 − exponent ≥ −1,
-        // and the codes leave that one bit free.
-        let scaled = |word: i32| -> Fx<i32, 30> {
-            Fx::from_raw(if exponent > 2 { word >> (exponent - 2) } else { word << (2 - exponent) })
-        };
-        let texels = pyramid
-            .levels
-            .iter()
-            .flat_map(|level| {
-                let texel = |index: usize| {
-                    let (x, y) = (index as u32 % level.width, index as u32 / level.width);
-                    let decoded = level.texel(x, y).decode(&format);
-                    let (offset, d) = (decoded.offset.map(scaled), decoded.roughness.map(scaled));
-                    let k = if isotropic { moments::of_isotropic_texel(d[0]) } else { moments::of_texel(&d) };
-                    [offset[0].raw(), offset[1].raw(), k[0].raw(), k[1].raw(), k[2].raw()]
-                };
-                (0..level.offsets.len()).map(texel).collect::<Vec<_>>()
-            })
-            .collect();
+        let scale = pyramid.format.scale();
+        let kind = pyramid.format.roughness.kind();
+        let decoded = |codes: &BumpCodes<i32>| texel::bump_texel(codes, &scale, kind).words().map(Fx::raw);
+        let codes = pyramid.levels.iter().flat_map(|level| level.codes(&pyramid.format));
+        let texels = codes.map(|codes| decoded(&codes)).collect();
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
-        let roughness_bits = u64::from(format.roughness.bits()) * if isotropic { 1 } else { 3 };
+        let roughness_bits = u64::from(pyramid.format.roughness.bits());
+        let roughness_bits = if kind == RoughnessKind::Isotropic { roughness_bits } else { 3 * roughness_bits };
         let bytes = pyramid.levels.iter().fold([0; 2], |[offsets, roughness], level| {
             let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
-        Self { map, texels, exponent, bytes }
+        Self { map, texels, scale, bytes }
     }
 
     pub(super) fn map(&self) -> &RepeatedMap {
@@ -345,37 +342,10 @@ impl BumpMap {
         self.bytes
     }
 
-    /// Mean offset and roughness of the footprint, as the ports of the reflection datapath take them.
-    pub(super) fn sample(
-        &self,
-        reads: &mut MapReads<'_>,
-        kind: RoughnessKind,
-        p: &Precision,
-    ) -> ([I4F28; 2], [I4F28; 3]) {
-        let probe = |[b1, b2, k11, k12, k22]: [i32; 5]| {
-            let m = moments::of_probe(&[b1, b2].map(Fx::from_raw), &[k11, k12, k22].map(Fx::<i32, 29>::from_raw));
-            [b1, b2, m[0].raw(), m[1].raw(), m[2].raw()]
-        };
-        let [b1, b2, m11, m12, m22] = reads.of(&self.map).mean(0, &self.texels, probe);
-        let b: [Fx<i32, 30>; 2] = [Fx::from_raw(b1), Fx::from_raw(b2)];
-        let port = |word: i32, shift: i32| {
-            let word = i64::from(word);
-            let moved = if shift >= 0 { word << shift } else { (word + (1 << (-shift - 1))) >> -shift };
-            I4F28::from_bits(moved.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
-        };
-        let offset = b.map(|b| port(b.raw(), self.exponent - 2));
-        if kind == RoughnessKind::None {
-            return (offset, [I4F28::ZERO; 3]);
-        }
-        let second = [m11, m12, m22].map(Fx::from_raw);
-        let k = moments::covariance(&(b, second), p);
-        let d = match kind {
-            RoughnessKind::Isotropic => {
-                let major = axes::axes(&Ellipse { k, det: Block::zero() }, p).major;
-                [moments::to_roughness(major), Fx::zero(), Fx::zero()]
-            }
-            _ => moments::decompose(&k, p),
-        };
-        (offset, d.map(|d| port(d.raw(), self.exponent)))
+    /// Mean offset and roughness of the footprint, as the surface takes them.
+    pub(super) fn sample(&self, reads: &mut MapReads<'_>, kind: RoughnessKind, p: &Precision) -> Bump<i32> {
+        let moments = |sample| texel::bump_probe(&BumpSample::<i32>::of_words(sample)).words();
+        let mean = reads.of(&self.map).mean(&self.texels, texel::word_sample::<i32>, moments);
+        texel::bump(&BumpMoments::<i32>::of_words(mean), &self.scale, kind, p)
     }
 }

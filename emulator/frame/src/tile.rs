@@ -1,25 +1,25 @@
 //! The tiles of a frame: what is visible at each sample, and the mean of a pixel's samples.
 
 use rayon::prelude::*;
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::datapath::pixel::{self, PixelSum};
+use roughxel_core::fx::Fx;
+use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionInput, SurfaceIn};
 use roughxel_scene::Background;
 
+use super::Colour;
 use super::batch::{Fragments, Reads, SHADED, Sums, Waiting};
+use super::colour::{Channel, colour_word};
 use super::frame::Frame;
 use super::lighting::Points;
 use super::prepare::Prepared;
-use super::{Colour, colour_word};
 use crate::raster::{RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles};
-
-/// The brightest channel of a frame.
-const BRIGHTEST: i64 = 63 << 24;
 
 /// What a ray that hits nothing sees.
 enum Ray {
     /// A colour.
-    Colour(Colour),
+    Colour([Channel; 3]),
     /// The environment, as this mirror reflects it.
-    Reflection(ReflectionIn),
+    Reflection(ReflectionInput<i32>),
 }
 
 impl Prepared<'_> {
@@ -61,7 +61,7 @@ impl Prepared<'_> {
     fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> Vec<Colour> {
         let offsets = self.sample_offsets();
         let mut buffer = TileBuffer::new();
-        let mut sums = Sums(vec![[0; 3]; tile.width as usize * tile.height as usize]);
+        let mut sums = Sums::new(tile.width as usize * tile.height as usize);
         let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
         let mut rays = Waiting::rays(self.mode);
@@ -74,8 +74,8 @@ impl Prepared<'_> {
                 let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
                 let Some(index) = visible else {
                     match self.background(x, y) {
-                        Ray::Colour(colour) => sums.add(pixel, colour.map(i64::from)),
-                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [0; 3]), &input, &mut sums),
+                        Ray::Colour(colour) => sums.add(pixel, colour),
+                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [Fx::zero(); 3]), &input, &mut sums),
                     }
                     continue;
                 };
@@ -105,10 +105,10 @@ impl Prepared<'_> {
             self.shade(object, fragments, waiting, &mut reads, &mut sums);
         }
         waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut sums));
+        // Supersampling is what the datapath is compared with: its mean, to nearest, is no stage.
         let samples = offsets.len() as i64;
-        // Many bright lights go beyond the range of a map.
-        let mean = |channel: i64| ((channel + samples / 2) / samples).min(BRIGHTEST) as i32;
-        sums.0.into_iter().map(|sum| sum.map(mean)).collect()
+        let mean = |sum: PixelSum<i32>| PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + samples / 2) / samples) };
+        sums.0.into_iter().map(|sums| sums.map(|sum| pixel::pixel(&mean(sum)).raw())).collect()
     }
 
     /// What the ray through a pixel sees that hits nothing.
@@ -119,13 +119,14 @@ impl Prepared<'_> {
                 let down = y as f32 / (self.projection.height() as i32 * SUBPIXELS) as f32;
                 Ray::Colour(colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down)))
             }
-            (Background::Environment, None) => Ray::Colour([0; 3]),
+            (Background::Environment, None) => Ray::Colour([Fx::zero(); 3]),
             (Background::Environment, Some(_)) => {
                 // A mirror facing the ray from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|², and a footprint as wide as the pixel's.
                 let view = self.projection.ray_view(x, y);
                 let ray = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
                 let dview = self.projection.dview();
-                Ray::Reflection(ReflectionIn { normal: ray, view: ray, dview, ..ReflectionIn::default() })
+                let surface = SurfaceIn { normal: ray, view: ray, ..SurfaceIn::default() };
+                Ray::Reflection(ReflectionIn { surface, dview, ..ReflectionIn::default() }.wires())
             }
         }
     }

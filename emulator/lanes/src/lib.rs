@@ -13,31 +13,30 @@
 //!
 //! The table ranks them: datapath and build have changed since. The figures of what is kept are those of
 //! `cargo bench -p roughxel-host-tests --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
-//! reading is the fastest, and [`Reading::best`] takes it. Vectors begin where a stage begins ([`Word::block`]).
+//! reading is the fastest, and [`Reading::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod batch;
-mod peaks;
+mod peak_list;
 mod reading;
 mod target;
-mod texture;
 mod vectors;
 
 use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::Bundle;
-use roughxel_core::word::{Wire, Word};
+use roughxel_core::staged::Staged;
+use roughxel_core::word::{WideWire, Wire, Word};
 
 #[cfg(target_arch = "x86_64")]
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
-pub use batch::{Batch, Footprint};
-pub use peaks::{PackedPeak, PeakList};
-pub use reading::Reading;
+pub use peak_list::{PackedPeak, PeakList};
+pub use reading::{Footprint, Reading, Reflecting};
 pub use target::{InstructionSet, Target};
 
 /// Fragments side by side, whatever the instruction set.
@@ -111,6 +110,7 @@ macro_rules! wire {
         impl<T: Target> Wire for $name<T> {
             type Flag = FlagLanes<T>;
             type Count = Lanes<T>;
+            const BITS: u32 = <$int>::BITS;
             #[inline(always)]
             fn lit(value: i64) -> Self {
                 let proof = T::proof();
@@ -221,17 +221,32 @@ impl<T: Target> Word for Lanes<T> {
         multiple(high.sar(drop - 32).add(Self::lit(1 << (up - 1))))
     }
     #[inline(always)]
-    fn lookup(self, table: &'static [i32]) -> Self {
+    fn lookup(index: Self, table: &'static [i32]) -> Self {
         // A stage never asks outside the table; 0 keeps the function total, as in the scalar reading.
-        Self(self.1.lookup(self.0, table), self.1)
+        Self(index.1.lookup(index.0, table), index.1)
     }
     #[inline(always)]
-    fn block<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
+    fn to_count(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn of_count(count: Self) -> Self {
+        count
+    }
+}
+
+impl<T: Target> WideWire for WideLanes<T> {
+    type Word = Lanes<T>;
+}
+
+impl<T: Target> Staged for Lanes<T> {
+    #[inline(always)]
+    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
         stage::<T, B>(body)
     }
 }
 
-/// One block of the datapath as a function of its own, compiled for the instruction set `T`. The body goes on by
+/// One stage of the datapath as a function of its own, compiled for the instruction set `T`. The body goes on by
 /// reference: copied, its captures would be read in other sizes than they were just written in, which stalls.
 #[inline(never)]
 #[expect(clippy::redundant_closure, reason = "only a closure can say that it is always inlined")]

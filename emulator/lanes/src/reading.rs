@@ -1,19 +1,21 @@
-//! Which reading computes the reflection datapath, texture footprints and peaks: the bits are the same, the time is not.
+//! Which reading computes surfaces, footprints and peaks: the bits are the same, the time is not.
 
 use std::fmt;
 use std::str::FromStr;
 
-use roughxel_core::datapath::{self, ReflectionInput};
-use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::bundle;
+use roughxel_core::datapath::{self, Reflection, Surface};
+use roughxel_core::fx::Control;
+use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
+use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::Precision;
-use roughxel_core::signals::{LIGHT, LocalDirection, MapScale, PortBlock, Probes};
+use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes};
 use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::word::Word;
 
-use super::batch::{Batch, Footprint};
-use super::peaks::{self, PeakList};
+use super::batch::{map, spread};
+use super::peak_list::{self, PeakList};
 use super::target::InstructionSet;
-use super::texture;
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512};
 
@@ -21,7 +23,37 @@ use super::{Avx2, Avx512};
 /// (`cylinders-plane`) of the time with AVX-512, but 1.05 and 1.17 with AVX2.
 const FEW: usize = 5;
 
-/// A way to compute the reflection datapath or the texture footprints of many fragments, or the light of many peaks.
+bundle! {
+    /// What fetching needs of a reflection: where it looks, and over which footprint.
+    pub struct Footprint<W> {
+        /// Face, s, t.
+        point: CubePoint<W>,
+        /// N, step, level of detail.
+        probes: Probes<W>,
+    }
+}
+
+impl<W: Word> Footprint<W> {
+    /// That part of a reflection.
+    #[inline(always)]
+    pub fn of(stages: &Reflection<W>) -> Self {
+        Self { point: stages.point, probes: stages.probes }
+    }
+}
+
+bundle! {
+    /// A fragment whose surface is made.
+    pub struct Reflecting<W> {
+        /// Its surface.
+        surface: Surface<W>,
+        /// ∂v/∂x and ∂v/∂y.
+        dview: [PortBlock<W, 3>; 2],
+        /// ∂n/∂x and ∂n/∂y.
+        dnormal: [PortBlock<W, 3>; 2],
+    }
+}
+
+/// A way to compute parts of the datapath for many fragments, or the light of many peaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
     /// One fragment after the other.
@@ -30,53 +62,121 @@ pub enum Reading {
     Lanes(InstructionSet),
 }
 
+/// What a part of the datapath makes of every input: `$body` in the scalar reading, or in lanes with what is the same for all
+/// fragments spread over them.
+macro_rules! each_fragment {
+    ($reading:expr, $inputs:expr, $results:expr, |$input:ident $(, $same:ident)*| $body:expr) => {
+        match $reading {
+            #[cfg(target_arch = "x86_64")]
+            Self::Lanes(InstructionSet::Avx2) => each_fragment!(@lanes Avx2, $inputs, $results, |$input $(, $same)*| $body),
+            #[cfg(target_arch = "x86_64")]
+            Self::Lanes(InstructionSet::Avx512) => {
+                each_fragment!(@lanes Avx512, $inputs, $results, |$input $(, $same)*| $body);
+            }
+            _ => $results.extend($inputs.iter().map(|$input| $body)),
+        }
+    };
+    (@lanes $set:ident, $inputs:expr, $results:expr, |$input:ident $(, $same:ident)*| $body:expr) => {
+        map::<$set, _, _>(
+            $inputs,
+            $results,
+            #[inline(always)]
+            |$input| {
+                $(let $same = &spread::<$set, _>($same);)*
+                $body
+            },
+        )
+    };
+}
+
 impl Reading {
     /// The fastest on this machine.
     pub fn best() -> Self {
         InstructionSet::best().map_or(Self::Scalar, Self::Lanes)
     }
 
+    /// Every stage's outcome of every fragment, in their order.
+    pub fn reflections(
+        self,
+        inputs: &[ReflectionInput<i32>],
+        scale: &MapScale<i32>,
+        plan: &ReflectionPlan,
+        p: &Precision,
+    ) -> Vec<Reflection<i32>> {
+        let mut results = Vec::new();
+        each_fragment!(self, inputs, &mut results, |input, scale| datapath::reflection(input, scale, plan, p));
+        results
+    }
+
     /// What fetching needs of every fragment, in their order.
     pub fn footprints(
         self,
         inputs: &[ReflectionInput<i32>],
+        scale: &MapScale<i32>,
         plan: &ReflectionPlan,
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
-        match self {
-            Self::Scalar => inputs.iter().map(|input| Footprint::of(&datapath::reflection(input, plan, p))).collect(),
-            Self::Lanes(set) => Batch::new(inputs).footprints(set, plan, p),
-        }
+        let mut results = Vec::new();
+        each_fragment!(self, inputs, &mut results, |input, scale| {
+            Footprint::of(&datapath::reflection(input, scale, plan, p))
+        });
+        results
+    }
+
+    /// The surface of every fragment, in their order.
+    pub fn surfaces(self, inputs: &[SurfaceInput<i32>], plan: &SurfacePlan, p: &Precision) -> Vec<Surface<i32>> {
+        let mut results = Vec::new();
+        each_fragment!(self, inputs, &mut results, |input| datapath::surface(input, plan, p));
+        results
+    }
+
+    /// What fetching needs of every fragment whose surface is made, in their order.
+    pub fn footprints_of(
+        self,
+        inputs: &[Reflecting<i32>],
+        scale: &MapScale<i32>,
+        plan: &ReflectionPlan,
+        p: &Precision,
+    ) -> Vec<Footprint<i32>> {
+        let mut results = Vec::new();
+        each_fragment!(self, inputs, &mut results, |input, scale| {
+            let Reflecting { surface, dview, dnormal } = input;
+            Footprint::of(&datapath::reflection_of(surface, [dview, dnormal], scale, plan, p))
+        });
+        results
     }
 
     /// Adds the probes that every fragment reads of maps of one scale to `probes`, in their order.
     pub fn texture_footprints(
         self,
         derivatives: &[[PortBlock<i32, 2>; 2]],
-        scale: &(TextureScale<i32>, MapScale<i32>),
+        (texture, scale): &(TextureScale<i32>, MapScale<i32>),
         p: &Precision,
         probes: &mut Vec<Probes<i32>>,
     ) {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx2) => texture::footprints::<Avx2>(derivatives, scale, p, probes),
-            #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx512) => texture::footprints::<Avx512>(derivatives, scale, p, probes),
-            _ => probes
-                .extend(derivatives.iter().map(|duv| datapath::texture_footprint(duv, &scale.0, &scale.1, p).probes)),
-        }
+        each_fragment!(self, derivatives, probes, |duv, texture, scale| {
+            datapath::texture_footprint(duv, texture, scale, p).probes
+        });
     }
 
     /// Adds the light that every peak returns for one half vector to `lights`, in their order.
-    pub fn peaks(self, half: &LocalDirection<i32>, peaks: &PeakList, p: &Precision, lights: &mut Vec<Fx<i32, LIGHT>>) {
+    pub fn peaks(
+        self,
+        half: &LocalDirection<i32>,
+        peaks: &PeakList,
+        p: &Precision,
+        lights: &mut Vec<Control<i32, LIGHT>>,
+    ) {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx2) if peaks.len() >= FEW => peaks::lights::<Avx2>(half, peaks, p, lights),
+            Self::Lanes(InstructionSet::Avx2) if peaks.len() >= FEW => {
+                peak_list::lights::<Avx2>(half, peaks, p, lights)
+            }
             #[cfg(target_arch = "x86_64")]
             Self::Lanes(InstructionSet::Avx512) if peaks.len() >= FEW => {
-                peaks::lights::<Avx512>(half, peaks, p, lights);
+                peak_list::lights::<Avx512>(half, peaks, p, lights);
             }
-            _ => lights.extend(peaks.iter().map(|(peak, weight)| datapath::peak(half, &peak, weight, p))),
+            _ => lights.extend(peaks.iter().map(|(words, weight)| datapath::packed_peak(half, words, weight, p))),
         }
     }
 }

@@ -99,7 +99,7 @@ macro_rules! vectors {
         $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
 
-        const VECTORS: usize = crate::LANES / $width;
+        const VECTORS: usize = $crate::LANES / $width;
 
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -122,10 +122,10 @@ macro_rules! vectors {
             proof
         }
 
-        impl crate::Target for $target {
+        impl $crate::Target for $target {
             #[inline(always)]
             fn run<R>(body: impl FnOnce() -> R) -> R {
-                let Self(proof) = crate::vectors::Vectors::detect();
+                let Self(proof) = $crate::vectors::Vectors::detect();
                 fearless_simd::Simd::vectorize(
                     proof,
                     #[inline(always)]
@@ -137,7 +137,7 @@ macro_rules! vectors {
             }
         }
 
-        impl crate::vectors::Vectors for $target {
+        impl $crate::vectors::Vectors for $target {
             type Words = [$Word; VECTORS];
             type Wides = [$Wide; VECTORS];
             type Flags = [$Flag; VECTORS];
@@ -149,7 +149,7 @@ macro_rules! vectors {
             #[inline(always)]
             fn proof() -> Self {
                 // Not `detect`: around a call that may return every vector would have to go to memory.
-                let Some(proof) = PROOF.get() else { crate::vectors::outside() };
+                let Some(proof) = PROOF.get() else { $crate::vectors::outside() };
                 Self(proof)
             }
             $(
@@ -179,9 +179,9 @@ macro_rules! vectors {
             )*
         }
     };
-    (@lanes Word) => { [i32; crate::LANES] };
-    (@lanes Wide) => { [i64; crate::LANES] };
-    (@lanes Flag) => { [bool; crate::LANES] };
+    (@lanes Word) => { [i32; $crate::LANES] };
+    (@lanes Wide) => { [i64; $crate::LANES] };
+    (@lanes Flag) => { [bool; $crate::LANES] };
     (@vectors Word) => { Self::Words };
     (@vectors Wide) => { Self::Wides };
     (@vectors Flag) => { Self::Flags };

@@ -13,6 +13,8 @@ use crate::levels::power_of_two;
 use crate::mip::{for_each_level, round_ratio};
 use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, moments};
 use rayon::prelude::*;
+use roughxel_core::datapath::texel::{BumpCodes, BumpScale};
+use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_scene::{BumpField, FrameSystem, Material, RoughnessField};
 
@@ -39,6 +41,18 @@ pub struct BumpFormat {
     pub roughness: RoughnessStorage,
 }
 
+impl BumpFormat {
+    /// The scales as the datapath takes them.
+    pub fn scale(&self) -> BumpScale<i32> {
+        let exponent = self.offset_exponent.max(self.roughness_exponent);
+        BumpScale {
+            offset_down: Fx::from_raw(exponent - self.offset_exponent),
+            roughness_down: Fx::from_raw(exponent - self.roughness_exponent),
+            exponent: Fx::from_raw(exponent),
+        }
+    }
+}
+
 /// One level of a bump map, texels in rows, row 0 at v = 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BumpLevel {
@@ -53,6 +67,15 @@ pub struct BumpLevel {
 }
 
 impl BumpLevel {
+    /// The codes of every texel as the datapath takes them, row by row.
+    pub fn codes(&self, format: &BumpFormat) -> impl Iterator<Item = BumpCodes<i32>> {
+        let up = 16 - format.roughness.bits();
+        (0..self.offsets.len()).map(move |index| BumpCodes {
+            offset: self.offsets[index].map(|code| Fx::from_raw(code.into())),
+            roughness: self.roughness.get(index).copied().unwrap_or_default().map(|code| Fx::from_raw(code << up)),
+        })
+    }
+
     /// The texel in column `x` and row `y`.
     ///
     /// # Panics

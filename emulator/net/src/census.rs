@@ -1,10 +1,10 @@
 //! The census: what each block costs in hardware, counted on the recorded graph with the widths the interval walk proves.
 //!
 //! Widths leave out constant low zeros, so a mantissa of p fraction bits counts p + 2 bits whatever its wire. Operands of
-//! multipliers are in two's complement, as multiplier blocks take them. A table is counted once a block with the
+//! multipliers are in two's complement, as multiplier runs take them. A table is counted once a block with the
 //! entries that can be read, however often it is. Fixed shifts, widening, narrowing, claims, sign tests, masks with a
 //! constant and inverters are wires; `delay` says what they and the rest take in time. Nothing is shared between runs of
-//! a block: this is the cost of a datapath that takes a fragment each cycle.
+//! a run: this is the cost of a datapath that takes a fragment each cycle.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ impl Units {
     }
 }
 
-/// What a block, a stage or a design costs.
+/// What a run, a stage or a design costs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// Multipliers by the widths of their operands, bits in two's complement, the wider first.
@@ -115,7 +115,7 @@ impl Cost {
         self.levels = self.levels.max(other.levels);
     }
 
-    /// Counts one operation; tables are counted by the block.
+    /// Counts one operation; tables are counted by the run.
     fn count(&mut self, net: &Net, ranges: &Ranges, id: NodeId) {
         let range = |id| ranges.of(id);
         let constant = |id| range(id).constant();
@@ -177,8 +177,8 @@ pub struct StageCost {
 /// The census of a net.
 #[derive(Clone, Debug)]
 pub struct Census {
-    /// Every run of a block, in the order of [`Net::blocks`].
-    pub blocks: Vec<Cost>,
+    /// Every run of a run, in the order of [`Net::runs`].
+    pub runs: Vec<Cost>,
     /// Every stage, in the order of its first run.
     pub stages: Vec<StageCost>,
     /// The design; its critical path leads from ports to outputs without a register.
@@ -188,43 +188,43 @@ pub struct Census {
 impl Census {
     /// Counts a net.
     pub fn new(net: &Net, ranges: &Ranges) -> Self {
-        let mut blocks = vec![Cost::default(); net.blocks.len()];
+        let mut runs = vec![Cost::default(); net.runs.len()];
         let mut total = Cost::default();
-        // First and last entry read, and the widest entry, of every table of every block.
+        // First and last entry read, and the widest entry, of every table of every run.
         let mut tables: Vec<(Option<u32>, Table, i64, i64, u32)> = Vec::new();
         for (id, node) in net.iter() {
-            let cost = node.block.map_or(&mut total, |block| &mut blocks[block as usize]);
+            let cost = node.stage.map_or(&mut total, |run| &mut runs[run as usize]);
             cost.count(net, ranges, id);
             if let Op::Lookup(index, table) = node.op {
                 let (index, width) = (ranges.of(index), ranges.of(id).width());
-                match tables.iter_mut().find(|known| (known.0, known.1) == (node.block, table)) {
+                match tables.iter_mut().find(|known| (known.0, known.1) == (node.stage, table)) {
                     Some((_, _, low, high, widest)) => {
                         (*low, *high, *widest) = (index.low.min(*low), index.high.max(*high), width.max(*widest));
                     }
-                    None => tables.push((node.block, table, index.low, index.high, width)),
+                    None => tables.push((node.stage, table, index.low, index.high, width)),
                 }
             }
         }
-        for (block, _, low, high, width) in tables {
-            let cost = block.map_or(&mut total, |block| &mut blocks[block as usize]);
+        for (run, _, low, high, width) in tables {
+            let cost = run.map_or(&mut total, |run| &mut runs[run as usize]);
             *cost.tables.entry([(high - low + 1) as u32, width]).or_default() += 1;
         }
-        for (cost, levels) in blocks.iter_mut().zip(block_levels(net, ranges)) {
+        for (cost, levels) in runs.iter_mut().zip(block_levels(net, ranges)) {
             cost.levels = levels;
         }
         let mut stages: Vec<StageCost> = Vec::new();
-        for (block, cost) in net.blocks.iter().zip(&blocks) {
+        for (run, cost) in net.runs.iter().zip(&runs) {
             total.merge(cost);
-            match stages.iter_mut().find(|known| known.stage == block.stage()) {
+            match stages.iter_mut().find(|known| known.stage == run.base()) {
                 Some(stage) => {
                     stage.runs += 1;
                     stage.cost.merge(cost);
                 }
-                None => stages.push(StageCost { stage: block.stage(), runs: 1, cost: cost.clone() }),
+                None => stages.push(StageCost { stage: run.base(), runs: 1, cost: cost.clone() }),
             }
         }
         let times = arrival(net, ranges);
         total.levels = net.outputs.iter().map(|output| times[output.node as usize]).max().unwrap_or(0);
-        Self { blocks, stages, total }
+        Self { runs, stages, total }
     }
 }

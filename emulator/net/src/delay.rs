@@ -100,9 +100,9 @@ pub fn arrival(net: &Net, ranges: &Ranges) -> Vec<u32> {
     arrival_where(net, ranges, |_, _| true)
 }
 
-/// When each wire is there, in levels from the inputs of its block: ports, and wires of other blocks.
+/// When each wire is there, in levels from the inputs of its stage: ports, and wires of other stages.
 pub fn arrival_in_block(net: &Net, ranges: &Ranges) -> Vec<u32> {
-    arrival_where(net, ranges, |user, operand| net.node(user).block == net.node(operand).block)
+    arrival_where(net, ranges, |user, operand| net.node(user).stage == net.node(operand).stage)
 }
 
 fn arrival_where(net: &Net, ranges: &Ranges, counts: impl Fn(NodeId, NodeId) -> bool) -> Vec<u32> {
@@ -115,24 +115,24 @@ fn arrival_where(net: &Net, ranges: &Ranges, counts: impl Fn(NodeId, NodeId) -> 
     times
 }
 
-/// Levels of every run of a block, from its inputs to its last outcome, in the order of [`Net::blocks`].
+/// Levels of every run of a stage, from its inputs to its last outcome, in the order of [`Net::runs`].
 pub fn block_levels(net: &Net, ranges: &Ranges) -> Vec<u32> {
     let times = arrival_in_block(net, ranges);
-    let mut levels = vec![0; net.blocks.len()];
+    let mut levels = vec![0; net.runs.len()];
     for (node, &time) in net.nodes.iter().zip(&times) {
-        if let Some(block) = node.block {
-            let level = &mut levels[block as usize];
+        if let Some(stage) = node.stage {
+            let level = &mut levels[stage as usize];
             *level = time.max(*level);
         }
     }
     levels
 }
 
-/// A critical path of a block, from its inputs to its last outcome, or of the whole net from the ports: the nodes on it
+/// A critical path of a stage, from its inputs to its last outcome, or of the whole net from the ports: the nodes on it
 /// that take any time, first to last.
-pub fn critical_path(net: &Net, ranges: &Ranges, block: Option<u32>) -> Vec<NodeId> {
-    let counts = |id: &NodeId| block.is_none() || net.node(*id).block == block;
-    let times = if block.is_some() { arrival_in_block(net, ranges) } else { arrival(net, ranges) };
+pub fn critical_path(net: &Net, ranges: &Ranges, stage: Option<u32>) -> Vec<NodeId> {
+    let counts = |id: &NodeId| stage.is_none() || net.node(*id).stage == stage;
+    let times = if stage.is_some() { arrival_in_block(net, ranges) } else { arrival(net, ranges) };
     let last = net.iter().map(|(id, _)| id).filter(counts).max_by_key(|&id| times[id as usize]);
     let mut path = Vec::new();
     let mut at = last;

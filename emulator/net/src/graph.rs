@@ -2,6 +2,8 @@
 
 use std::panic::Location;
 
+use roughxel_core::bundle::Step;
+
 /// Index of a node in [`Net::nodes`].
 pub type NodeId = u32;
 
@@ -194,15 +196,15 @@ pub struct Node {
     pub op: Op,
     /// What the wire may hold.
     pub kind: Kind,
-    /// Index in [`Net::blocks`] of the block that made it; constants and ports belong to none.
-    pub block: Option<u32>,
+    /// Index in [`Net::runs`] of the block that made it; constants and ports belong to none.
+    pub stage: Option<u32>,
     /// Line of the source that asked for it.
     pub at: &'static Location<'static>,
 }
 
 /// One run of a block of the datapath, in the order in which they ran.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Block {
+pub struct Run {
     /// Name as the composer gives it: the stage, then after a dot what it is used for (`columns.pixel`).
     pub name: &'static str,
     /// Number among the runs of that name, from 0.
@@ -211,9 +213,9 @@ pub struct Block {
     pub repeated: bool,
 }
 
-impl Block {
-    /// The hardware block: the name up to the first dot.
-    pub fn stage(&self) -> &'static str {
+impl Run {
+    /// The hardware stage: the name up to the first dot.
+    pub fn base(&self) -> &'static str {
         self.name.split('.').next().unwrap_or(self.name)
     }
 
@@ -227,10 +229,14 @@ impl Block {
 /// An input port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Port {
-    /// Path in the bundle: `normal.mantissa[0]`.
+    /// Path in the bundle: `surface.normal.mantissa[0]`.
     pub name: String,
+    /// The same with what its fields are declared to be.
+    pub path: Vec<Step>,
     /// What it may hold.
     pub kind: Kind,
+    /// It carries a mantissa, of which a profile keeps some bits.
+    pub mantissa: bool,
     /// Binary point; 0 for a flag.
     pub fraction_bits: u32,
     /// Smallest declared value.
@@ -245,9 +251,13 @@ pub struct Port {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tap {
     /// The block whose outcome it is.
-    pub block: Option<u32>,
+    pub stage: Option<u32>,
     /// Path in the bundle: `r.m[0]`.
     pub name: String,
+    /// The same with what its fields are declared to be.
+    pub path: Vec<Step>,
+    /// It carries a mantissa, of which a profile keeps some bits.
+    pub mantissa: bool,
     /// Binary point; 0 for a flag.
     pub fraction_bits: u32,
     /// The wire.
@@ -259,14 +269,16 @@ pub struct Tap {
 pub struct Net {
     /// Every wire; operands come before their users.
     pub nodes: Vec<Node>,
-    /// Every run of a block.
-    pub blocks: Vec<Block>,
+    /// Every run of a stage.
+    pub runs: Vec<Run>,
     /// Inputs in the order of their bundle.
     pub ports: Vec<Port>,
-    /// Outcomes of blocks in the order in which they ran.
+    /// Outcomes of stages in the order in which they ran.
     pub taps: Vec<Tap>,
     /// Outputs in the order of their bundle.
     pub outputs: Vec<Tap>,
+    /// The lowest and the highest integer that each output is declared to hold; of a design, see [`Net::of`].
+    pub limits: Vec<(i64, i64)>,
 }
 
 impl Net {
@@ -282,17 +294,17 @@ impl Net {
 
     /// `frame.e1.m[0]`: the block and the path of a tap; `blend` where the outcome is a single wire.
     pub fn tap_name(&self, tap: &Tap) -> String {
-        let Some(block) = tap.block else { return tap.name.clone() };
+        let Some(stage) = tap.stage else { return tap.name.clone() };
         let point = if tap.name.is_empty() || tap.name.starts_with('[') { "" } else { "." };
-        format!("{}{point}{}", self.blocks[block as usize].instance(), tap.name)
+        format!("{}{point}{}", self.runs[stage as usize].instance(), tap.name)
     }
 
-    /// Where a node comes from: `core/src/block.rs:84 in columns_pixel_0`.
+    /// Where a node comes from: `core/src/stage.rs:84 in columns_pixel_0`.
     pub fn origin(&self, id: NodeId) -> String {
         let node = self.node(id);
         let line = format!("{}:{}", node.at.file(), node.at.line());
-        match node.block {
-            Some(block) => format!("{line} in {}", self.blocks[block as usize].instance()),
+        match node.stage {
+            Some(stage) => format!("{line} in {}", self.runs[stage as usize].instance()),
             None => line,
         }
     }
@@ -342,10 +354,11 @@ impl Net {
         let moved = |tap: Tap| Tap { node: place[tap.node as usize], ..tap };
         Self {
             nodes,
-            blocks: self.blocks,
+            runs: self.runs,
             ports: self.ports.into_iter().map(|port| Port { node: place[port.node as usize], ..port }).collect(),
             taps: self.taps.into_iter().filter(|tap| alive[tap.node as usize]).map(moved).collect(),
             outputs: self.outputs.into_iter().map(moved).collect(),
+            limits: self.limits,
         }
     }
 }

@@ -70,7 +70,7 @@ pub struct Violation {
     pub node: NodeId,
     /// Operation and what it may come to.
     pub problem: String,
-    /// Source line and block.
+    /// Source line and stage.
     pub origin: String,
 }
 

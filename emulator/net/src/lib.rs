@@ -3,13 +3,12 @@
 //! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
 //! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
 //! its word, [`observe`] holds that against what wires carry, [`census`] counts what each block costs and [`delay`] how
-//! long it takes, [`verilog`] writes it down as hardware. [`design`] lists what can be recorded: the whole reflection
-//! datapath and every block beside it.
+//! long it takes, [`verilog`] writes it down as hardware. What can be recorded is every
+//! [`Design`](roughxel_core::design::Design).
 
 pub mod bench;
 pub mod census;
 pub mod delay;
-pub mod design;
 pub mod evaluate;
 pub mod graph;
 pub mod interval;

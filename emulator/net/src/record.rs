@@ -1,6 +1,6 @@
 //! Recording: a reading whose words are nodes of a graph under construction.
 //!
-//! Within a block equal operations are one node; between blocks nothing is shared, so that a block is the same
+//! Within a block equal operations are one node; between stages nothing is shared, so that a block is the same
 //! hardware wherever it is used. Operations on constants and those that change nothing are folded as they come.
 
 use std::cell::RefCell;
@@ -8,11 +8,15 @@ use std::collections::HashMap;
 use std::ops::{BitAnd, BitOr, Not};
 use std::panic::Location;
 
-use roughxel_core::bundle::{Bundle, Rewire, Step};
-use roughxel_core::word::{Wire, Word};
+use roughxel_core::bundle::{Bundle, End, Rewire, Step};
+use roughxel_core::design::{Design, Form, In, Recorded, Visitor};
+use roughxel_core::plan::Effects;
+use roughxel_core::precision::Precision;
+use roughxel_core::staged::Staged;
+use roughxel_core::word::{WideWire, Wire, Word};
 
 use super::evaluate::apply_exactly;
-use super::graph::{Block, Kind, Net, Node, NodeId, Op, Port, Table, Tap};
+use super::graph::{Kind, Net, Node, NodeId, Op, Port, Run, Table, Tap};
 
 /// A word of the recorded reading.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +36,7 @@ type Key = (Op, Kind, Option<u32>);
 struct Recorder {
     net: Net,
     known: HashMap<Key, NodeId>,
-    block: Option<u32>,
+    stage: Option<u32>,
 }
 
 thread_local! {
@@ -102,13 +106,13 @@ impl Recorder {
             Ok(id) => return id,
             Err(op) => op,
         };
-        let block = if matches!(op, Op::Lit(_) | Op::Port(_)) { None } else { self.block };
-        if let Some(&id) = self.known.get(&(op, kind, block)) {
+        let stage = if matches!(op, Op::Lit(_) | Op::Port(_)) { None } else { self.stage };
+        if let Some(&id) = self.known.get(&(op, kind, stage)) {
             return id;
         }
         let id = self.net.nodes.len() as NodeId;
-        self.net.nodes.push(Node { op, kind, block, at });
-        self.known.insert((op, kind, block), id);
+        self.net.nodes.push(Node { op, kind, stage, at });
+        self.known.insert((op, kind, stage), id);
         id
     }
 }
@@ -148,6 +152,7 @@ macro_rules! wire {
         impl Wire for $name {
             type Flag = NetFlag;
             type Count = NetWord;
+            const BITS: u32 = $kind.bits();
             #[track_caller]
             fn lit(value: i64) -> Self {
                 Self(node(Op::Lit(value), $kind))
@@ -226,23 +231,36 @@ impl Word for NetWord {
         Self(node(Op::Narrow(wide.0), Kind::Word))
     }
     #[track_caller]
-    fn lookup(self, table: &'static [i32]) -> Self {
-        Self(node(Op::Lookup(self.0, Table(table)), Kind::Word))
+    fn lookup(index: Self, table: &'static [i32]) -> Self {
+        Self(node(Op::Lookup(index.0, Table(table)), Kind::Word))
     }
-    /// Nodes made by `body` belong to the block, its outcome is tapped. Blocks do not nest.
-    fn block<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
+    fn to_count(self) -> Self {
+        self
+    }
+    fn of_count(count: Self) -> Self {
+        count
+    }
+}
+
+impl WideWire for NetWide {
+    type Word = NetWord;
+}
+
+impl Staged for NetWord {
+    /// Nodes made by `body` belong to the stage, its outcome is tapped. Stages do not nest.
+    fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
         recorder(|recorder| {
-            let blocks = &mut recorder.net.blocks;
-            let run = blocks.iter().filter(|block| block.name == name).count() as u32;
-            blocks.iter_mut().filter(|block| block.name == name).for_each(|block| block.repeated = true);
-            recorder.block = Some(blocks.len() as u32);
-            blocks.push(Block { name, run, repeated: run > 0 });
+            let runs = &mut recorder.net.runs;
+            let run = runs.iter().filter(|stage| stage.name == name).count() as u32;
+            runs.iter_mut().filter(|stage| stage.name == name).for_each(|stage| stage.repeated = true);
+            recorder.stage = Some(runs.len() as u32);
+            runs.push(Run { name, run, repeated: run > 0 });
         });
         let outcome = body();
-        let block = recorder(|recorder| recorder.block.take());
+        let stage = recorder(|recorder| recorder.stage.take());
         let mut names = Names::default();
         outcome.rewire::<Self, _>(&mut names);
-        let taps = names.wires.into_iter().map(|(name, node, fraction_bits)| Tap { block, name, fraction_bits, node });
+        let taps = names.wires.into_iter().map(|wire| wire.tap(stage));
         recorder(|recorder| recorder.net.taps.extend(taps));
         outcome
     }
@@ -251,22 +269,37 @@ impl Word for NetWord {
 /// A path as text: `e1.m[0]`.
 fn path_name(path: &[Step]) -> String {
     path.iter().fold(String::new(), |name, step| match step {
-        Step::Field(field) if name.is_empty() => (*field).to_owned(),
-        Step::Field(field) => format!("{name}.{field}"),
+        Step::Field(field) if name.is_empty() => field.name.to_owned(),
+        Step::Field(field) => format!("{name}.{}", field.name),
         Step::Index(index) => format!("{name}[{index}]"),
     })
+}
+
+/// A wire of a bundle.
+struct Named {
+    path: Vec<Step>,
+    node: NodeId,
+    mantissa: bool,
+    fraction_bits: u32,
+}
+
+impl Named {
+    fn tap(self, stage: Option<u32>) -> Tap {
+        let Self { path, node, mantissa, fraction_bits } = self;
+        Tap { stage, name: path_name(&path), path, mantissa, fraction_bits, node }
+    }
 }
 
 /// Lists the nodes of a bundle with their names and binary points.
 #[derive(Default)]
 struct Names {
     path: Vec<Step>,
-    wires: Vec<(String, NodeId, u32)>,
+    wires: Vec<Named>,
 }
 
 impl Names {
-    fn add(&mut self, node: NodeId, fraction_bits: u32) {
-        self.wires.push((path_name(&self.path), node, fraction_bits));
+    fn add(&mut self, node: NodeId, mantissa: bool, fraction_bits: u32) {
+        self.wires.push(Named { path: self.path.clone(), node, mantissa, fraction_bits });
     }
 }
 
@@ -278,15 +311,19 @@ impl Rewire<NetWord, NetWord> for Names {
         self.path.pop();
     }
     fn word(&mut self, wire: NetWord, fraction_bits: u32) -> NetWord {
-        self.add(wire.0, fraction_bits);
+        self.add(wire.0, true, fraction_bits);
+        wire
+    }
+    fn control(&mut self, wire: NetWord, fraction_bits: u32) -> NetWord {
+        self.add(wire.0, false, fraction_bits);
         wire
     }
     fn wide(&mut self, wire: NetWide, fraction_bits: u32) -> NetWide {
-        self.add(wire.0, fraction_bits);
+        self.add(wire.0, false, fraction_bits);
         wire
     }
     fn flag(&mut self, wire: NetFlag) -> NetFlag {
-        self.add(wire.0, 0);
+        self.add(wire.0, false, 0);
         wire
     }
 }
@@ -299,6 +336,9 @@ impl Rewire<i32, i32> for Values {
     fn word(&mut self, wire: i32, _: u32) -> i32 {
         self.0.push(i64::from(wire));
         wire
+    }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.word(wire, fraction_bits)
     }
     fn wide(&mut self, wire: i64, _: u32) -> i64 {
         self.0.push(wire);
@@ -330,6 +370,9 @@ impl Rewire<i32, i32> for Given<'_> {
     fn word(&mut self, wire: i32, _: u32) -> i32 {
         self.next(wire.into()) as i32
     }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.word(wire, fraction_bits)
+    }
     fn wide(&mut self, wire: i64, _: u32) -> i64 {
         self.next(wire)
     }
@@ -351,13 +394,22 @@ struct Ports<'a> {
 }
 
 impl Ports<'_> {
-    fn add(&mut self, low: i64, kind: Kind, fraction_bits: u32) -> NodeId {
-        let name = path_name(&self.path);
+    fn add(&mut self, low: i64, kind: Kind, mantissa: bool, fraction_bits: u32) -> NodeId {
+        let path = self.path.clone();
         let high = self.high.next().copied().unwrap_or(low);
         recorder(|recorder| {
             let number = recorder.net.ports.len() as u32;
             let node = recorder.node(Op::Port(number), kind, Location::caller());
-            recorder.net.ports.push(Port { name, kind, fraction_bits, low, high, node });
+            recorder.net.ports.push(Port {
+                name: path_name(&path),
+                path,
+                kind,
+                mantissa,
+                fraction_bits,
+                low,
+                high,
+                node,
+            });
             node
         })
     }
@@ -371,30 +423,55 @@ impl Rewire<i32, NetWord> for Ports<'_> {
         self.path.pop();
     }
     fn word(&mut self, low: i32, fraction_bits: u32) -> NetWord {
-        NetWord(self.add(i64::from(low), Kind::Word, fraction_bits))
+        NetWord(self.add(i64::from(low), Kind::Word, true, fraction_bits))
+    }
+    fn control(&mut self, low: i32, fraction_bits: u32) -> NetWord {
+        NetWord(self.add(i64::from(low), Kind::Word, false, fraction_bits))
     }
     fn wide(&mut self, low: i64, fraction_bits: u32) -> NetWide {
-        NetWide(self.add(low, Kind::Wide, fraction_bits))
+        NetWide(self.add(low, Kind::Wide, false, fraction_bits))
     }
     fn flag(&mut self, low: bool) -> NetFlag {
-        NetFlag(self.add(i64::from(low), Kind::Flag, 0))
+        NetFlag(self.add(i64::from(low), Kind::Flag, false, 0))
     }
 }
 
-/// Records `body` on ports that may hold anything between the integers of `low` and those of `high`.
-pub fn record<I, O>(low: &I, high: &I, body: impl FnOnce(&I::In<NetWord>) -> O) -> Net
-where
-    I: Bundle<i32>,
-    O: Bundle<NetWord>,
-{
+/// Records `body` on ports that may hold what the declaration of its input allows.
+pub fn record<I: Form, O: Bundle<NetWord>>(body: impl FnOnce(&In<I, NetWord>) -> O) -> Net {
     RECORDER.set(Some(Recorder::default()));
-    let high = integers(high);
+    let (low, high) = (I::limit::<i32>(End::Low), integers(&I::limit::<i32>(End::High)));
     let inputs = low.rewire(&mut Ports { path: Vec::new(), high: high.iter() });
     let outcome = body(&inputs);
     let mut names = Names::default();
     outcome.rewire::<NetWord, _>(&mut names);
     let mut net = RECORDER.take().unwrap_or_default().net;
-    let outputs = names.wires.into_iter();
-    net.outputs = outputs.map(|(name, node, fraction_bits)| Tap { block: None, name, fraction_bits, node }).collect();
+    net.outputs = names.wires.into_iter().map(|wire| wire.tap(None)).collect();
     net.without_dead_wires()
+}
+
+impl Net {
+    /// Records a design with those of the effects that it has.
+    pub fn of(design: Design, effects: &Effects, p: &Precision) -> Self {
+        struct Record<'a>(&'a Effects, &'a Precision);
+        impl Visitor for Record<'_> {
+            type Outcome = Net;
+            fn visit<D: Recorded>(self) -> Net {
+                record::<D::Input, In<D::Output, NetWord>>(|input| D::run::<NetWord>(input, self.0, self.1))
+            }
+        }
+        let mut net = design.visit(Record(effects, p));
+        net.limits = design.visit(Limits);
+        net
+    }
+}
+
+/// The lowest and the highest integer that the declaration of each output of a design allows.
+struct Limits;
+
+impl Visitor for Limits {
+    type Outcome = Vec<(i64, i64)>;
+    fn visit<D: Recorded>(self) -> Self::Outcome {
+        let [low, high] = [End::Low, End::High].map(|end| integers(&D::Output::limit::<i32>(end)));
+        low.into_iter().zip(high).collect()
+    }
 }

@@ -7,31 +7,36 @@
 
 mod body;
 mod context;
+mod error;
 mod expression;
 mod format;
+mod interface;
 mod module;
 mod pipeline;
 mod rom;
 mod share;
 mod stepper;
+mod text;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
 
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
-use thiserror::Error;
 
+pub use error::VerilogError;
 pub use format::Format;
+pub use interface::{Interface, PortDescription};
 pub use rom::Rom;
 
 use self::context::Context;
 use self::module::Module;
-use super::design::Design;
-use super::interval::{Ranges, Violation};
+use super::graph::Net;
+use super::interval::Ranges;
 
 /// What to write.
 #[derive(Clone, Debug)]
@@ -43,107 +48,12 @@ pub struct Options {
     /// Blocks that are on; those that the design does not have do not count.
     pub effects: Effects,
     /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers
-    /// between blocks only.
+    /// between stages only.
     pub depth: Option<u32>,
     /// Only the modules of this stage (`columns`) or block (`columns_pixel`), and what they use.
     pub stage: Option<String>,
-    /// Put before the names of the modules of blocks, so that two designs can be in one project.
+    /// Put before the names of the modules of stages, so that two designs can be in one project.
     pub prefix: String,
-}
-
-/// Why nothing was written.
-#[derive(Debug, Error)]
-pub enum VerilogError {
-    /// The interval proof fails.
-    #[error("the interval proof fails at {} operations, first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
-    Unproven(Vec<Violation>),
-    /// One operation alone is deeper than the target.
-    #[error("{origin}: {operation} has {levels} levels, which a depth of {depth} cannot cut")]
-    TooDeep {
-        /// Name of the operation.
-        operation: &'static str,
-        /// Its levels.
-        levels: u32,
-        /// The target.
-        depth: u32,
-        /// Source line and block.
-        origin: String,
-    },
-    /// An operation that is part of no block.
-    #[error("{0}: an operation outside every block has no module")]
-    OutsideBlocks(String),
-    /// A table that is none of the datapath's.
-    #[error("{0}: a table without a name")]
-    UnknownTable(String),
-    /// No such stage in the design.
-    #[error("there is no stage `{name}`; there are {}", .known.join(", "))]
-    UnknownStage {
-        /// What was asked for.
-        name: String,
-        /// Modules of the design.
-        known: Vec<String>,
-    },
-    /// A text could not be put together.
-    #[error("cannot format the text")]
-    Format(#[from] fmt::Error),
-}
-
-/// A port of the top.
-#[derive(Clone, Debug, Serialize)]
-pub struct PortDescription {
-    /// Path in the bundle: `normal.mantissa[0]`.
-    pub name: String,
-    /// Name in Verilog.
-    pub port: String,
-    /// Bits.
-    pub width: u32,
-    /// Whether the top bit is a sign.
-    pub signed: bool,
-    /// Binary point: value = integer / 2^fraction_bits, of the integer with its dropped zeros.
-    pub fraction_bits: u32,
-    /// Constant low zeros without a wire: the port carries `integer >> dropped_zeros`.
-    pub dropped_zeros: u32,
-    /// Smallest integer.
-    pub low: i64,
-    /// Largest integer.
-    pub high: i64,
-    /// The same as a format.
-    #[serde(skip)]
-    pub format: Format,
-    /// Place among the ports or the outputs of the design, whose integers a bench takes.
-    #[serde(skip)]
-    pub place: usize,
-}
-
-impl PortDescription {
-    fn new(name: &str, port: &str, format: Format, [low, high]: [i64; 2], place: usize) -> Self {
-        Self {
-            name: name.to_owned(),
-            port: port.to_owned(),
-            width: format.width(),
-            signed: format.signed(),
-            fraction_bits: format.fraction_bits,
-            dropped_zeros: format.zeros,
-            low,
-            high,
-            format,
-            place,
-        }
-    }
-}
-
-/// The ports of a pipelined module. Beside these it has `clk`, `rst` and the handshake `in_valid`, `in_ready`,
-/// `out_valid`, `out_ready`.
-#[derive(Clone, Debug, Serialize)]
-pub struct Interface {
-    /// Name of the module.
-    pub module: String,
-    /// Cycles from an accepted input to its output.
-    pub latency: u32,
-    /// Inputs in the order of their bundle; what no block reads has no port.
-    pub inputs: Vec<PortDescription>,
-    /// Outputs in the order of the pipeline; a constant has no port.
-    pub outputs: Vec<PortDescription>,
 }
 
 /// A design as Verilog.
@@ -155,21 +65,21 @@ pub struct Verilog {
     pub stepper: Option<Interface>,
     /// Path below the directory, and text.
     pub files: BTreeMap<String, String>,
-    /// Bits of registers of the top, of its blocks and of delay lines.
+    /// Bits of registers of the top, of its stages and of delay lines.
     pub register_bits: u32,
 }
 
 /// Name of the top of a design.
-pub fn top_name(design: &Design) -> String {
-    format!("roughxel_{}", design.name)
+pub fn top_name(design: Design) -> String {
+    format!("roughxel_{}", design.name())
 }
 
 impl Verilog {
     /// Records, proves and writes down a design.
     ///
     /// Errors: everything [`VerilogError`] lists.
-    pub fn new(design: &Design, options: &Options) -> Result<Self, VerilogError> {
-        let net = design.record(&options.effects, &options.precision);
+    pub fn new(design: Design, options: &Options) -> Result<Self, VerilogError> {
+        let net = Net::of(design, &options.effects, &options.precision);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {
             return Err(VerilogError::Unproven(ranges.violations));
@@ -178,7 +88,8 @@ impl Verilog {
         let ranges = share::joined(&net, &ranges, &groups);
         let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.of(datapath));
         let (effects, frame) = (names(&own), frame(&own));
-        let origin = format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name, options.profile);
+        let origin =
+            format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name(), options.profile);
         let context =
             Context { net: &net, ranges: &ranges, depth: options.depth, prefix: &options.prefix, origin: &origin };
         pipeline::check_blocks(context)?;
@@ -195,8 +106,8 @@ impl Verilog {
         let stage = options.stage.as_deref();
         let wanted = |index: usize| {
             stage.is_none_or(|stage| {
-                let block = &net.blocks[groups[index].runs[0].block as usize];
-                [groups[index].name.as_str(), block.stage(), block.name].contains(&stage)
+                let run = &net.runs[groups[index].runs[0].stage as usize];
+                [groups[index].name.as_str(), run.base(), run.name].contains(&stage)
             })
         };
         let chosen: Vec<&Module> =
@@ -221,7 +132,7 @@ impl Verilog {
         let mut instances = Vec::new();
         if stage.is_none() {
             let name = top_name(design);
-            let top = pipeline::top(context, &name, design.description, &groups, &modules)?;
+            let top = pipeline::top(context, &name, design.description(), &groups, &modules)?;
             verilog.register_bits = top.register_bits;
             let stepper = stepper::stepper(&top, &origin)?;
             verilog.files.insert(format!("{name}.v"), top.text);
@@ -239,7 +150,7 @@ impl Verilog {
             schema: "roughxel-verilog",
             format_version: 1,
             generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")),
-            design: design.name,
+            design: design.name(),
             profile: &options.profile,
             effects,
             frame,
@@ -362,21 +273,3 @@ const fn frame(effects: &Effects) -> &'static str {
         FrameSystem::NaturalNormalised => "natural-normalised",
     }
 }
-
-/// A path of a bundle as part of a Verilog name: `e1.m[0]` is `e1_m_0`.
-fn identifier(path: &str) -> String {
-    path.replace(['.', '['], "_").replace(']', "").trim_start_matches('_').to_owned()
-}
-
-/// The comment at the head of a file, and the rule that every wire is declared.
-fn header(name: &str, about: &[String]) -> String {
-    let mut text = format!("// {name}\n//\n");
-    for line in about {
-        text += format!("// {line}").trim_end();
-        text.push('\n');
-    }
-    text + "\n`default_nettype none\n\n"
-}
-
-/// The end of a module and its file.
-const END: &str = "\nendmodule\n\n`default_nettype wire\n";

@@ -2,7 +2,7 @@
 
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 
 use super::fragment::{RealFragment, bit};
@@ -24,11 +24,11 @@ fn one_bit_around(target: DVec3, p: &Precision) -> impl Iterator<Item = Reflecti
     let exact = reflecting_to(target).quantised(p);
     let bit = bit(p);
     (0..27).map(move |code| {
-        let mut view = exact.view;
+        let mut view = exact.surface.view;
         for (component, step) in [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1].into_iter().enumerate() {
             view.mantissa[component] = I2F30::from_bits(view.mantissa[component].to_bits() + step * bit);
         }
-        ReflectionIn { view, ..exact }
+        ReflectionIn { surface: SurfaceIn { view, ..exact.surface }, ..exact }
     })
 }
 
@@ -64,7 +64,7 @@ pub(super) fn cube_corners(p: &Precision) -> Vec<ReflectionIn> {
     let plain = reflecting_to(DVec3::ONE).quantised(p);
     for mantissa in [[i32::MIN; 3], [i32::MIN, 0, 0], [0, i32::MIN, i32::MIN], [i32::MIN, i32::MIN, bit(p)]] {
         let view = BlockVector { mantissa: mantissa.map(I2F30::from_bits), exponent: 0 };
-        fragments.push(ReflectionIn { view, ..plain });
+        fragments.push(ReflectionIn { surface: SurfaceIn { view, ..plain.surface }, ..plain });
     }
     fragments
 }

@@ -2,7 +2,7 @@
 
 use fixed::types::{I2F30, I4F28};
 use glam::{DVec3, dvec3};
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 
@@ -36,11 +36,13 @@ impl RealFragment {
 
     pub(super) fn quantised(&self, p: &Precision) -> ReflectionIn {
         ReflectionIn {
-            normal: block_vector(self.normal, p),
-            view: block_vector(self.view, p),
-            tangents: self.tangents.map(|t| block_vector(t, p)),
-            offset: self.offset.map(|b| offset(b, p)),
-            roughness: self.roughness.map(|d| offset(d, p)),
+            surface: SurfaceIn {
+                normal: block_vector(self.normal, p),
+                view: block_vector(self.view, p),
+                frame_vectors: self.tangents.map(|t| block_vector(t, p)),
+                offset: self.offset.map(|b| offset(b, p)),
+                roughness: self.roughness.map(|d| offset(d, p)),
+            },
             dview: self.dview.map(|d| block_vector(d, p)),
             dnormal: self.dnormal.map(|d| block_vector(d, p)),
             edge_texels: self.edge,
@@ -117,11 +119,13 @@ fn random_bits(random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let d3 = d3.saturating_abs();
     let keep = |d: I4F28| I4F28::from_bits(d.to_bits() >> (28 - p.offset_bits()) << (28 - p.offset_bits()));
     ReflectionIn {
-        normal: n,
-        view: v,
-        tangents: [t0, t1],
-        offset: [b1, b2],
-        roughness: [keep(d1), d2, keep(d3)],
+        surface: SurfaceIn {
+            normal: n,
+            view: v,
+            frame_vectors: [t0, t1],
+            offset: [b1, b2],
+            roughness: [keep(d1), d2, keep(d3)],
+        },
         dview: [vx, vy],
         dnormal: [nx, ny],
         edge_texels: 1 << random.below(15),

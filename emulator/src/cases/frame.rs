@@ -2,7 +2,7 @@
 
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 
 use super::fragment::{RealFragment, bit};
@@ -30,14 +30,17 @@ pub(super) fn frame_pole(p: &Precision) -> Vec<ReflectionIn> {
         let exact = RealFragment { normal, offset: [0.3, -0.2], ..RealFragment::PLAIN }.quantised(p);
         for component in 0..3 {
             for step in [-bit(p), bit(p)] {
-                let mut h = exact.normal;
+                let mut h = exact.surface.normal;
                 h.mantissa[component] = I2F30::from_bits(h.mantissa[component].to_bits() + step);
-                fragments.push(ReflectionIn { tangents: [h, h], ..exact });
+                fragments.push(ReflectionIn { surface: SurfaceIn { frame_vectors: [h, h], ..exact.surface }, ..exact });
             }
         }
-        let opposite = BlockVector { mantissa: exact.normal.mantissa.map(|m| -m), ..exact.normal };
-        fragments.push(ReflectionIn { tangents: [exact.normal; 2], ..exact });
-        fragments.push(ReflectionIn { tangents: [opposite; 2], ..exact });
+        let opposite = BlockVector { mantissa: exact.surface.normal.mantissa.map(|m| -m), ..exact.surface.normal };
+        fragments.push(ReflectionIn {
+            surface: SurfaceIn { frame_vectors: [exact.surface.normal; 2], ..exact.surface },
+            ..exact
+        });
+        fragments.push(ReflectionIn { surface: SurfaceIn { frame_vectors: [opposite; 2], ..exact.surface }, ..exact });
     }
     fragments
 }
@@ -68,9 +71,9 @@ pub(super) fn frame_zero(p: &Precision) -> Vec<ReflectionIn> {
     let plain = plain.quantised(p);
     for mantissa in [[0, 0, bit(p)], [bit(p), bit(p), -bit(p)], [i32::MIN, 0, 0], [i32::MIN; 3]] {
         let vector = BlockVector { mantissa: mantissa.map(I2F30::from_bits), exponent: 0 };
-        fragments.push(ReflectionIn { normal: vector, ..plain });
-        fragments.push(ReflectionIn { view: vector, ..plain });
-        fragments.push(ReflectionIn { tangents: [vector; 2], ..plain });
+        fragments.push(ReflectionIn { surface: SurfaceIn { normal: vector, ..plain.surface }, ..plain });
+        fragments.push(ReflectionIn { surface: SurfaceIn { view: vector, ..plain.surface }, ..plain });
+        fragments.push(ReflectionIn { surface: SurfaceIn { frame_vectors: [vector; 2], ..plain.surface }, ..plain });
     }
     fragments
 }

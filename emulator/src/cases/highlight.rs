@@ -3,7 +3,7 @@
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
 use roughxel_core::plan::{FrameSystem, SurfacePlan};
-use roughxel_core::ports::{BlockVector, HighlightIn, ReflectionIn, Shininess};
+use roughxel_core::ports::{BlockVector, HighlightIn, ReflectionIn, Shininess, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, shininess};
 
@@ -29,8 +29,7 @@ pub const FULL: SurfacePlan =
 
 /// A light on the surface of a fragment.
 pub fn lit(fragment: &ReflectionIn, light: BlockVector, shininess: Shininess) -> HighlightIn {
-    let ReflectionIn { normal, view, tangents, offset, roughness, .. } = *fragment;
-    HighlightIn { normal, view, tangents, offset, roughness, light, shininess }
+    HighlightIn { surface: fragment.surface, light, shininess }
 }
 
 /// One light in real numbers, the form the generators think in.
@@ -59,11 +58,13 @@ impl RealLight {
 
     fn quantised(&self, p: &Precision) -> HighlightIn {
         HighlightIn {
-            normal: block_vector(self.normal, p),
-            view: block_vector(self.view, p),
-            tangents: [block_vector(self.tangent, p), BlockVector::default()],
-            offset: self.offset.map(|b| offset(b, p)),
-            roughness: self.roughness.map(|d| offset(d, p)),
+            surface: SurfaceIn {
+                normal: block_vector(self.normal, p),
+                view: block_vector(self.view, p),
+                frame_vectors: [block_vector(self.tangent, p), BlockVector::default()],
+                offset: self.offset.map(|b| offset(b, p)),
+                roughness: self.roughness.map(|d| offset(d, p)),
+            },
             light: block_vector(self.light, p),
             shininess: shininess(self.exponent),
         }
@@ -78,7 +79,7 @@ pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
     let fragment = random_fragment(set, index, p);
     let exponent = random.uniform(0.0, 13.0).exp2();
     if random.below(10) == 0 {
-        let light = if random.below(4) == 0 { fragment.view } else { fragment.dview[0] };
+        let light = if random.below(4) == 0 { fragment.surface.view } else { fragment.dview[0] };
         return lit(&fragment, light, shininess(exponent));
     }
     let normal = direction(&mut random).normalize();
@@ -178,11 +179,11 @@ fn opposite(p: &Precision) -> Vec<HighlightIn> {
         let zero = BlockVector::default();
         let exact = plain.quantised(p);
         fragments.extend([
-            HighlightIn { normal: zero, ..exact },
-            HighlightIn { view: zero, ..exact },
+            HighlightIn { surface: SurfaceIn { normal: zero, ..exact.surface }, ..exact },
+            HighlightIn { surface: SurfaceIn { view: zero, ..exact.surface }, ..exact },
             HighlightIn { light: zero, ..exact },
-            HighlightIn { tangents: [zero; 2], ..exact },
-            HighlightIn { normal: zero, view: zero, light: zero, ..exact },
+            HighlightIn { surface: SurfaceIn { frame_vectors: [zero; 2], ..exact.surface }, ..exact },
+            HighlightIn { surface: SurfaceIn { normal: zero, view: zero, ..exact.surface }, light: zero, ..exact },
         ]);
     }
     fragments

@@ -3,7 +3,7 @@
 use fixed::types::{I1F15, I2F30, I4F12, I16F16};
 use glam::{DVec3, dvec3};
 use roughxel_core::plan::{FrameSystem, PeakPlan};
-use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, StoredPeak};
+use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, StoredPeak, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
 
@@ -41,9 +41,7 @@ pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
         let fragment = random_fragment(set, index, p);
         let mut bits = || random.next_u64();
         return PeakIn {
-            normal: fragment.normal,
-            view: fragment.view,
-            tangents: fragment.tangents,
+            surface: SurfaceIn { offset: Default::default(), roughness: Default::default(), ..fragment.surface },
             light: fragment.dview[0],
             peak: StoredPeak {
                 normal: [(); 3].map(|()| I1F15::from_bits(bits() as i16)),
@@ -75,9 +73,12 @@ pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
     let mut sized = |vector: DVec3| block_vector(vector * random.uniform(-6.0, 6.0).exp2(), p);
     let (normal, view, light) = (sized(normal), sized(eye), sized(light));
     PeakIn {
-        normal,
-        view,
-        tangents: [block_vector(tangent, p), BlockVector::default()],
+        surface: SurfaceIn {
+            normal,
+            view,
+            frame_vectors: [block_vector(tangent, p), BlockVector::default()],
+            ..SurfaceIn::default()
+        },
         light,
         peak: stored_peak(peak, random.uniform(-10.0, 5.0).exp2(), exponent),
         horizon,
@@ -88,9 +89,12 @@ pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
 /// Light and eye in the upright frame, E₁ = x, E₂ = y, n = z, on a peak that is seen whole.
 fn upright(light: BlockVector, view: BlockVector, p: &Precision) -> PeakIn {
     PeakIn {
-        normal: block_vector(DVec3::Z, p),
-        view,
-        tangents: [block_vector(DVec3::Y, p), BlockVector::default()],
+        surface: SurfaceIn {
+            normal: block_vector(DVec3::Z, p),
+            view,
+            frame_vectors: [block_vector(DVec3::Y, p), BlockVector::default()],
+            ..SurfaceIn::default()
+        },
         light,
         peak: stored_peak(dvec3(0.2, -0.1, 1.0), 0.6, 20.0),
         horizon: StoredHorizon::OPEN,
@@ -143,7 +147,13 @@ fn random_with(frame: FrameSystem, p: &Precision) -> Vec<PeakIn> {
             2 => u + direction(random) * random.uniform(-20.0, -6.0).exp2(),
             _ => direction(random) * random.uniform(-6.0, 6.0).exp2(),
         };
-        PeakIn { tangents: [u, v].map(|tangent| block_vector(tangent, p)), ..random_lit_peak(&name, index, p) }
+        PeakIn {
+            surface: SurfaceIn {
+                frame_vectors: [u, v].map(|tangent| block_vector(tangent, p)),
+                ..random_lit_peak(&name, index, p).surface
+            },
+            ..random_lit_peak(&name, index, p)
+        }
     };
     (0..200).map(any).collect()
 }
@@ -165,22 +175,25 @@ fn lights(p: &Precision) -> Vec<PeakIn> {
     let zero = BlockVector::default();
     let opposite = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
     peaks.extend([
-        PeakIn { normal: zero, ..exact },
-        PeakIn { view: zero, ..exact },
+        PeakIn { surface: SurfaceIn { normal: zero, ..exact.surface }, ..exact },
+        PeakIn { surface: SurfaceIn { view: zero, ..exact.surface }, ..exact },
         PeakIn { light: zero, ..exact },
         PeakIn { light: opposite, ..exact },
         PeakIn { light: view, ..exact },
-        PeakIn { tangents: [exact.normal; 2], ..exact },
-        PeakIn { tangents: [zero; 2], ..exact },
-        PeakIn { normal: zero, view: zero, light: zero, ..exact },
+        PeakIn { surface: SurfaceIn { frame_vectors: [exact.surface.normal; 2], ..exact.surface }, ..exact },
+        PeakIn { surface: SurfaceIn { frame_vectors: [zero; 2], ..exact.surface }, ..exact },
+        PeakIn { surface: SurfaceIn { normal: zero, view: zero, ..exact.surface }, light: zero, ..exact },
     ]);
     for exponent in [i16::MIN, -900, -40, 40, 900, i16::MAX] {
         let scaled = |vector: BlockVector| BlockVector { exponent, ..vector };
         peaks.extend([
-            PeakIn { normal: scaled(exact.normal), ..exact },
-            PeakIn { view: scaled(exact.view), ..exact },
+            PeakIn { surface: SurfaceIn { normal: scaled(exact.surface.normal), ..exact.surface }, ..exact },
+            PeakIn { surface: SurfaceIn { view: scaled(exact.surface.view), ..exact.surface }, ..exact },
             PeakIn { light: scaled(exact.light), ..exact },
-            PeakIn { tangents: exact.tangents.map(scaled), ..exact },
+            PeakIn {
+                surface: SurfaceIn { frame_vectors: exact.surface.frame_vectors.map(scaled), ..exact.surface },
+                ..exact
+            },
         ]);
     }
     for share in [i32::MIN, -1, 0, 1, 0xffff, 0x1_0000, 0x1_0001, i32::MAX] {

@@ -2,15 +2,15 @@
 
 use fixed::types::{I1F15, I2F30, I4F12};
 use glam::{DMat3, DVec3, dvec3};
-use roughxel_core::ports::{BlockVector, StoredHorizon, StoredPeak};
+use roughxel_core::ports::{BlockVector, Port, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
-use roughxel_core::signals::Frame;
+use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
 
 use super::fragment::{bit, direction};
-use crate::net::design::LocalInput;
 use crate::random::SplitMix64;
+use roughxel_core::design::LocalInput;
 
 /// A direction and the frame of the surface in which it is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ impl LocalCase {
         let [direction, e1, e2, normal] =
             [&self.direction, &self.tangents[0], &self.tangents[1], &self.normal].map(|v| enter(&v.wires(), p));
         let [e1, e2] = [e1, e2].map(|tangent| tangent.scaled(-normal.e));
-        LocalInput { direction, frame: Frame { e1, e2, pole: false }, normal }
+        LocalInput { direction, frame: TangentFrame { e1, e2, pole: false }, normal }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::scene::Scene;
 
 use super::console;
@@ -42,9 +42,9 @@ pub(super) struct ProfileArg {
 }
 
 pub(super) fn parse_profile(name: &str) -> Result<ProfileArg, String> {
-    match Precision::by_name(name) {
+    match Profile::by_name(name).map(Profile::precision) {
         Some(precision) => Ok(ProfileArg { name: name.into(), precision }),
-        None => Err(format!("profiles are {}", PROFILE_NAMES.join(", "))),
+        None => Err(format!("profiles are {}", Profile::NAMES.join(", "))),
     }
 }
 

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use clap::Args;
+use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_emulator::net::census::{Census, Cost, Units};
 use roughxel_emulator::net::delay::{arrival, arrival_in_block, critical_path, levels};
-use roughxel_emulator::net::design::Design;
 use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::interval::Ranges;
 use serde_json::{Value, json};
@@ -18,7 +18,7 @@ use super::report::{Profiles, parse_profiles};
 use super::{Failure, effects};
 
 pub(super) const LONG_HELP: &str = "\
-Count what a design costs in hardware: each block once for each time it runs, nothing shared.
+Count what a design costs in hardware: each run once for each time it runs, nothing shared.
 
 Widths are those the proof of `roughxel ranges` leaves, without constant low zeros.
   multipliers     by operand widths, bits in two's complement; those by a constant: bits x non-zero signed digits
@@ -42,12 +42,12 @@ pub(super) struct CostArgs {
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
     effects: Effects,
     #[arg(long, default_value = "reflection", value_parser = parse_design, value_name = "NAME", help = design_help())]
-    design: &'static Design,
+    design: Design,
     /// List the critical path of a stage, of one run of it, or of the whole design by its name: levels, operation, bits
     /// and source line.
     #[arg(long, value_name = "STAGE|DESIGN")]
     path: Option<String>,
-    /// Everything as JSON, each run of a block included.
+    /// Everything as JSON, each run of a run included.
     #[arg(long)]
     json: bool,
 }
@@ -63,7 +63,7 @@ struct Measured<'a> {
 pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
     let mut measured = Vec::new();
     for profile in &args.profile.0 {
-        let net = args.design.record(&args.effects, &profile.precision);
+        let net = Net::of(args.design, &args.effects, &profile.precision);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {
             return Err(unproven(&ranges.violations));
@@ -73,7 +73,7 @@ pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
     }
     let mut out = io::stdout().lock();
     if let Some(name) = &args.path {
-        let paths: Vec<_> = measured.iter().map(|one| path(one, args.design.name, name)).collect::<Result<_, _>>()?;
+        let paths: Vec<_> = measured.iter().map(|one| path(one, args.design.name(), name)).collect::<Result<_, _>>()?;
         if args.json {
             let paths = measured.iter().zip(paths).map(|(one, path)| json!({ "profile": one.profile, "path": path }));
             writeln!(out, "{:#}", json!(paths.collect::<Vec<_>>()))?;
@@ -87,11 +87,11 @@ pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
         return Ok(());
     }
     if args.json {
-        let all: Vec<_> = measured.iter().map(|one| as_json(args.design.name, one)).collect();
+        let all: Vec<_> = measured.iter().map(|one| as_json(args.design.name(), one)).collect();
         writeln!(out, "{:#}", json!(all))?;
         return Ok(());
     }
-    writeln!(out, "{}: {}", args.design.name, args.design.description)?;
+    writeln!(out, "{}: {}", args.design.name(), args.design.description())?;
     writeln!(out, "{}", totals(&measured))?;
     if let [one] = measured.as_slice() {
         writeln!(out, "{}", stages(one))?;
@@ -105,24 +105,24 @@ pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
 /// The steps of a critical path: level at which each is done, operation, bits, source line.
 fn path(one: &Measured<'_>, design: &str, name: &str) -> Result<Vec<[String; 4]>, Failure> {
     let Measured { net, ranges, census, .. } = one;
-    let block = if name == design {
+    let run = if name == design {
         None
     } else {
-        let named = (0..).zip(&net.blocks).filter(|(_, block)| block.stage() == name || block.instance() == name);
-        let Some((slowest, _)) = named.max_by_key(|&(block, _)| census.blocks[block as usize].levels) else {
+        let named = (0..).zip(&net.runs).filter(|(_, run)| run.base() == name || run.instance() == name);
+        let Some((slowest, _)) = named.max_by_key(|&(run, _)| census.runs[run as usize].levels) else {
             let stages: Vec<_> = census.stages.iter().map(|stage| stage.stage).collect();
             return Err(Failure::Usage(format!("`{name}` is no stage of {design}; there are {}", stages.join(", "))));
         };
         Some(slowest)
     };
-    let times = if block.is_some() { arrival_in_block(net, ranges) } else { arrival(net, ranges) };
+    let times = if run.is_some() { arrival_in_block(net, ranges) } else { arrival(net, ranges) };
     let step = |id| {
         let op = net.node(id).op;
         let widths: Vec<_> = op.operands().map(|operand| ranges.of(operand).width().to_string()).collect();
         let level = format!("{} (+{})", times[id as usize], levels(net, ranges, id));
         [level, op.name().into(), widths.join(", "), net.origin(id)]
     };
-    Ok(critical_path(net, ranges, block).into_iter().map(step).collect())
+    Ok(critical_path(net, ranges, run).into_iter().map(step).collect())
 }
 
 /// `count (bits)`.
@@ -205,14 +205,14 @@ fn as_json(design: &str, one: &Measured<'_>) -> Value {
         .stages
         .iter()
         .map(|stage| json!({ "stage": stage.stage, "runs": stage.runs, "cost": cost_json(&stage.cost) }));
-    let blocks = net.blocks.iter().zip(&census.blocks);
-    let blocks = blocks.map(|(block, cost)| json!({ "block": block.instance(), "cost": cost_json(cost) }));
+    let runs = net.runs.iter().zip(&census.runs);
+    let runs = runs.map(|(run, cost)| json!({ "run": run.instance(), "cost": cost_json(cost) }));
     json!({
         "design": design,
         "profile": profile,
         "total": cost_json(&census.total),
         "stages": stages.collect::<Vec<_>>(),
-        "blocks": blocks.collect::<Vec<_>>(),
+        "runs": runs.collect::<Vec<_>>(),
     })
 }
 

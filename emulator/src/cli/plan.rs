@@ -107,7 +107,7 @@ fn table(report: &ObjectReport, measured: bool) -> Table {
             decision.effect.name().to_string(),
             if decision.on { "on" } else { "–" }.into(),
             decision.why.clone(),
-            stages([datapath, fetch].into_iter().flat_map(|part| &part.blocks)),
+            stages([datapath, fetch].into_iter().flat_map(|part| &part.stages)),
             count(|hardware| hardware.operations),
             count(|hardware| hardware.multipliers),
             if *map_bytes == 0 { String::new() } else { indicatif::HumanBytes(*map_bytes).to_string() },
@@ -121,11 +121,11 @@ fn table(report: &ObjectReport, measured: bool) -> Table {
 /// Characters of a line; reasons and blocks are wrapped.
 const WIDTH: u16 = 150;
 
-/// Blocks by name, those that run several times with their count: `columns_pixel ×2`.
-fn stages<'a>(blocks: impl Iterator<Item = &'a String>) -> String {
+/// Stages by name, those that run several times with their count: `columns_pixel ×2`.
+fn stages<'a>(runs: impl Iterator<Item = &'a String>) -> String {
     let mut counted: Vec<(&str, usize)> = Vec::new();
-    for block in blocks {
-        let name = block.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('_');
+    for run in runs {
+        let name = run.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('_');
         match counted.iter_mut().find(|(known, _)| *known == name) {
             Some((_, count)) => *count += 1,
             None => counted.push((name, 1)),
@@ -136,9 +136,9 @@ fn stages<'a>(blocks: impl Iterator<Item = &'a String>) -> String {
 }
 
 fn hardware_json(hardware: &Hardware) -> Value {
-    let Hardware { blocks, operations, multipliers, carry_bits, rom_bits, .. } = hardware;
+    let Hardware { stages, operations, multipliers, carry_bits, rom_bits, .. } = hardware;
     json!({
-        "blocks": blocks, "operations": operations, "multipliers": multipliers,
+        "stages": stages, "operations": operations, "multipliers": multipliers,
         "carry_bits": carry_bits, "rom_bits": rom_bits,
     })
 }

@@ -4,13 +4,13 @@ use std::io::{self, Write};
 
 use clap::Args;
 use miette::miette;
+use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
 use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Kind, Net, Tap};
 use roughxel_emulator::net::interval::{Range, Ranges, Violation};
 use roughxel_emulator::net::observe::Observed;
@@ -43,7 +43,7 @@ pub(super) fn design_help() -> String {
 }
 
 fn design_names() -> String {
-    DESIGNS.iter().map(|design| design.name).collect::<Vec<_>>().join(", ")
+    Design::ALL.iter().map(|design| design.name()).collect::<Vec<_>>().join(", ")
 }
 
 #[derive(Args)]
@@ -71,14 +71,14 @@ pub(super) struct RangesArgs {
 
 /// One design or every one.
 #[derive(Clone, Debug)]
-struct Designs(Vec<&'static Design>);
+struct Designs(Vec<Design>);
 
-pub(super) fn parse_design(name: &str) -> Result<&'static Design, String> {
+pub(super) fn parse_design(name: &str) -> Result<Design, String> {
     Design::by_name(name).ok_or_else(|| format!("designs are {}", design_names()))
 }
 
 fn parse_designs(name: &str) -> Result<Designs, String> {
-    if name == "all" { Ok(Designs(DESIGNS.iter().collect())) } else { parse_design(name).map(|one| Designs(vec![one])) }
+    if name == "all" { Ok(Designs(Design::ALL.to_vec())) } else { parse_design(name).map(|one| Designs(vec![one])) }
 }
 
 /// A design that is not proven: every violation on stderr, and the failure.
@@ -93,7 +93,7 @@ pub(super) fn unproven(violations: &[Violation]) -> Failure {
 /// A design under one profile with what was seen of it.
 struct Surveyed<'a> {
     profile: &'a str,
-    design: &'static Design,
+    design: Design,
     net: Net,
     ranges: Ranges,
     frame: Observed,
@@ -114,7 +114,7 @@ pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
         let total = args.design.0.len() * (frame.len() + sets.len());
         let bar = progress(total as u64, &profile.name);
         for &design in &args.design.0 {
-            let net = design.record(&args.effects, p);
+            let net = Net::of(design, &args.effects, p);
             let ranges = Ranges::new(&net);
             let observe = |fragments: &[ReflectionIn], name| {
                 let seen = observe(design, &net, fragments, &args.effects, p, name);
@@ -152,7 +152,7 @@ pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
 
 /// What a design's wires carry for fragments.
 fn observe(
-    design: &Design,
+    design: Design,
     net: &Net,
     fragments: &[ReflectionIn],
     effects: &Effects,
@@ -162,7 +162,7 @@ fn observe(
     let mut seen = Observed::new(net);
     for (index, fragment) in (0..).zip(fragments) {
         let mut random = SplitMix64::for_element(name, index);
-        for ports in port_values(design.name, net, fragment, effects, p, &mut random) {
+        for ports in port_values(design, net, fragment, effects, p, &mut random) {
             seen.evaluate(net, &ports);
         }
     }
@@ -187,7 +187,7 @@ fn slack(one: &Surveyed<'_>, tap: &Tap) -> u32 {
 }
 
 fn as_table(one: &Surveyed<'_>) -> comfy_table::Table {
-    let title = format!("{}, {}", one.design.name, one.profile);
+    let title = format!("{}, {}", one.design.name(), one.profile);
     let mut table =
         new_table([&title, "fraction", "declared", "proven", "bits", "slack", "frame", "sets", "observed bits"]);
     for tap in &one.net.taps {
@@ -237,7 +237,7 @@ fn summary(one: &Surveyed<'_>) -> String {
     };
     format!(
         "{}, {}: {} wires, {verdict}; {} named{tightest}; observed {} times in a frame, {} times over the sets",
-        one.design.name,
+        one.design.name(),
         one.profile,
         one.net.nodes.len(),
         one.net.taps.len(),
@@ -266,7 +266,7 @@ fn as_json(one: &Surveyed<'_>) -> Value {
     });
     let violations = one.ranges.violations.iter().map(|v| json!({ "line": v.origin, "problem": v.problem }));
     json!({
-        "design": one.design.name,
+        "design": one.design.name(),
         "profile": one.profile,
         "wires": one.net.nodes.len(),
         "frame_evaluations": one.frame.evaluations,

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use clap::{Args, Subcommand};
 use comfy_table::Table;
 use roughxel_core::ports::ReflectionOut;
-use roughxel_core::precision::PROFILE_NAMES;
+use roughxel_core::precision::Profile;
 use roughxel_emulator::eval::{INPUT_COLUMNS, Value, visit};
 use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, measure};
 use serde_json::json;
@@ -38,7 +38,7 @@ pub(super) struct AccuracyArgs {
 pub(super) struct Profiles(pub(super) Vec<ProfileArg>);
 
 pub(super) fn parse_profiles(name: &str) -> Result<Profiles, String> {
-    let names = if name == "all" { PROFILE_NAMES.to_vec() } else { vec![name] };
+    let names = if name == "all" { Profile::NAMES.to_vec() } else { vec![name] };
     names.into_iter().map(parse_profile).collect::<Result<_, _>>().map(Profiles)
 }
 

@@ -1,15 +1,18 @@
-//! `roughxel vectors export|verify|list`.
+//! `roughxel vectors export|verify|list|format`.
 
 use std::error::Error;
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
+use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::Precision;
+use roughxel_emulator::output::OutputFile;
 use roughxel_emulator::vectors::{
     Cause, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
-    export_with, hard_sets, manifests_in, random_set, verify,
+    export_with, hard_sets, in_page, manifests_in, random_set, tables, verify,
 };
 use serde_json::json;
 
@@ -31,7 +34,19 @@ pub(super) enum VectorsCommand {
     Verify(VerifyArgs),
     /// List the sets that can be exported.
     List(ListArgs),
+    /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
+    #[command(long_about = FORMAT_HELP)]
+    Format(FormatArgs),
 }
+
+const FORMAT_HELP: &str = "\
+Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
+
+A row is a declared field of a datapath: its columns in a word, the path of its port, direction,
+stage, format, unit, what it is. Formats: I signed, U unsigned, bits before the point, F bits behind
+it; p is the profile's fraction_bits, l its lod_bits.
+
+Exit codes: 0 done, 1 the page cannot be read or written, or has no place for the tables, 2 usage.";
 
 #[derive(Args)]
 pub(super) struct ExportArgs {
@@ -86,8 +101,16 @@ pub(super) struct ListArgs {
     json: bool,
 }
 
+#[derive(Args)]
+pub(super) struct FormatArgs {
+    /// Put the tables into this page instead, between its marks; the page is replaced whole or not at all.
+    #[arg(long, value_name = "FILE")]
+    write: Option<PathBuf>,
+}
+
 pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
     match command {
+        VectorsCommand::Format(args) => format(args),
         VectorsCommand::Export(args) => export(args),
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::List(args) => list(args),
@@ -363,4 +386,20 @@ fn list(args: &ListArgs) -> Result<(), Failure> {
         writeln!(out, "{table}")?;
     }
     Ok(())
+}
+
+fn format(args: &FormatArgs) -> Result<(), Failure> {
+    let Some(path) = &args.write else {
+        return Ok(io::stdout().lock().write_all(tables().as_bytes())?);
+    };
+    let failed = |what: &str| format!("cannot {what} {}", path.display());
+    let page = fs::read_to_string(path).into_diagnostic().wrap_err_with(|| failed("read")).map_err(Failure::Error)?;
+    let page =
+        in_page(&page).into_diagnostic().wrap_err_with(|| failed("put the tables into")).map_err(Failure::Error)?;
+    let write = || {
+        let mut file = OutputFile::create(path)?;
+        file.write_all(page.as_bytes())?;
+        file.commit()
+    };
+    write().into_diagnostic().wrap_err_with(|| failed("write")).map_err(Failure::Error)
 }

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
-use roughxel_emulator::net::design::Design;
 use roughxel_emulator::net::verilog::{Options, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::study::plan::fetches;
@@ -22,7 +22,7 @@ pub(super) struct VerilogArgs {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[arg(long, default_value = "fragment", value_parser = parse_design, value_name = "NAME", help = design_help())]
-    design: &'static Design,
+    design: Design,
     /// Profile.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     profile: ProfileArg,
@@ -76,7 +76,7 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
             let bar = progress(designs.iter().map(Vec::len).sum::<usize>() as u64, scene);
             for (object, designs) in objects.iter().zip(designs) {
                 for (design, effects) in designs {
-                    let directory = args.output.join(&object.directory).join(design.name);
+                    let directory = args.output.join(&object.directory).join(design.name());
                     written.push(write(args, design, effects, &directory)?);
                     bar.inc(1);
                 }
@@ -113,7 +113,7 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
 /// Writes a design into a directory.
 fn write(
     args: &VerilogArgs,
-    design: &Design,
+    design: Design,
     effects: Effects,
     directory: &Path,
 ) -> Result<(PathBuf, Verilog), Failure> {

@@ -8,8 +8,8 @@
 
 use rayon::prelude::*;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
-use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut};
-use roughxel_core::precision::{PROFILE_NAMES, Precision, ProbeRule, RoughnessKind};
+use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
+use roughxel_core::precision::{Precision, ProbeRule, Profile, RoughnessKind};
 use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power_of_two};
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
@@ -52,7 +52,7 @@ pub const FIGURES: [(Figure, &str); 6] = [
 impl Figure {
     /// The bar of a named profile; `None` where a figure is reported only.
     pub fn bar(self, profile: &str) -> Option<f64> {
-        let column = PROFILE_NAMES.iter().position(|name| *name == profile)?;
+        let column = Profile::NAMES.iter().position(|name| *name == profile)?;
         let two = |power: i32| 2.0_f64.powi(power);
         let row = match self {
             Self::Coordinates => [two(-12), two(-12), two(-15), two(-20)],
@@ -169,13 +169,13 @@ pub fn reference_inputs(fragment: &ReflectionIn) -> reference::Inputs {
         let exponent = i32::from(vector.exponent) - i32::from(to.exponent);
         mantissa.to_array().map(|x| scale_by_power_of_two(x, exponent))
     };
-    let ReflectionIn { normal, view, .. } = fragment;
+    let SurfaceIn { normal, view, .. } = &fragment.surface;
     reference::Inputs {
         normal: relative(normal, normal),
         view: relative(view, view),
-        tangents: fragment.tangents.map(|t| real_vector(&t).to_array()),
-        offset: fragment.offset.map(real_offset),
-        roughness: fragment.roughness.map(real_offset),
+        tangents: fragment.surface.frame_vectors.map(|t| real_vector(&t).to_array()),
+        offset: fragment.surface.offset.map(real_offset),
+        roughness: fragment.surface.roughness.map(real_offset),
         dview: fragment.dview.map(|d| relative(&d, view)),
         dnormal: fragment.dnormal.map(|d| relative(&d, normal)),
         edge_texels: u32::from(fragment.edge_texels.clamp(1, 16384)),
@@ -209,10 +209,10 @@ fn compare(fragment: &ReflectionIn, got: &ReflectionOut, plan: &ReflectionPlan, 
     let mut sample = Sample::default();
     let mut record = |figure: Figure, error: f64| sample.errors[figure.index()] = Some(error);
 
-    let normal = real_vector(&BlockVector { exponent: 0, ..fragment.normal });
-    let [e1, e2] = got
-        .frame
-        .map(|e| real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.normal.exponent), ..e }));
+    let normal = real_vector(&BlockVector { exponent: 0, ..fragment.surface.normal });
+    let [e1, e2] = got.frame.map(|e| {
+        real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.surface.normal.exponent), ..e })
+    });
     let length = normal.length();
     if plan.frame != FrameSystem::Natural && length > 0.0 && e1.length() > 0.0 {
         let (unit, e1, e2) = (normal / length, e1 / length, e2 / length);

@@ -6,13 +6,13 @@
 
 use std::time::{Duration, Instant};
 
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
 use crate::frame::Prepared;
 use crate::maps::peak_pyramid::ScenePeaks;
 use crate::net::census::{Census, Cost};
-use crate::net::design::Design;
 use crate::net::graph::Net;
 use crate::net::interval::Ranges;
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
@@ -20,14 +20,26 @@ use crate::raster::RasterError;
 use crate::scene::Scene;
 
 /// The designs a texture fetch of one channel goes through.
-const TEXTURE_FETCH: [&str; 5] = ["texture", "texture_probe", "levels", "repeat_address", "probe_sum"];
+const TEXTURE_FETCH: [Design; 5] =
+    [Design::Texture, Design::TextureProbe, Design::Levels, Design::RepeatAddress, Design::ProbeSum];
 /// And one of the environment.
-const ENVIRONMENT_FETCH: [&str; 5] = ["environment_probe", "levels", "face_address", "colour_sample", "blend"];
+const ENVIRONMENT_FETCH: [Design; 7] = [
+    Design::EnvironmentProbe,
+    Design::Levels,
+    Design::FaceAddress,
+    Design::FaceTexels,
+    Design::ColourSample,
+    Design::Colour,
+    Design::Blend,
+];
+/// What a bump map adds to a fetch, and what its roughness adds.
+const BUMP: [Design; 1] = [Design::WordSample];
+const ROUGHNESS: [Design; 3] = [Design::BumpTexel, Design::BumpProbe, Design::Bump];
 /// Hardware of something.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Hardware {
-    /// Blocks, each run by its instance name.
-    pub blocks: Vec<String>,
+    /// Stages, each run by its instance name.
+    pub stages: Vec<String>,
     /// Operations that are no wires.
     pub operations: i64,
     /// Of them, multipliers of two wires.
@@ -45,16 +57,16 @@ impl Hardware {
     fn of(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
         let (net, census) = census(Design::of(datapath), effects, p);
         let mut sum = Self::default();
-        let blocks = net.blocks.iter().zip(&census.blocks);
-        for (block, cost) in blocks.filter(|(block, _)| !["map_scale", "leave"].contains(&block.stage())) {
-            sum.add(block.instance(), counts(cost));
+        let runs = net.runs.iter().zip(&census.runs);
+        for (run, cost) in runs.filter(|(run, _)| !["map_scale", "leave"].contains(&run.base())) {
+            sum.add(run.instance(), counts(cost));
         }
         sum
     }
 
     fn add(&mut self, block: String, part: [i64; 4]) {
         let [operations, multipliers, carry_bits, rom_bits] = part;
-        self.blocks.push(block);
+        self.stages.push(block);
         self.parts.push(part);
         self.operations += operations;
         self.multipliers += multipliers;
@@ -64,8 +76,8 @@ impl Hardware {
 
     /// Both, a block that both have once.
     fn joined(mut self, other: Self) -> Self {
-        for (block, part) in other.blocks.into_iter().zip(other.parts) {
-            if !self.blocks.contains(&block) {
+        for (block, part) in other.stages.into_iter().zip(other.parts) {
+            if !self.stages.contains(&block) {
                 self.add(block, part);
             }
         }
@@ -73,21 +85,20 @@ impl Hardware {
     }
 
     /// Of several designs side by side, each as one block.
-    fn of_all(designs: &[&str], p: &Precision) -> Self {
-        let known = designs.iter().filter_map(|name| Design::by_name(name));
-        known.fold(Self::default(), |mut sum, design| {
+    fn of_all(designs: &[Design], p: &Precision) -> Self {
+        designs.iter().fold(Self::default(), |mut sum, &design| {
             let (_, census) = census(design, &Effects::ALL, p);
-            sum.add(design.name.into(), counts(&census.total));
+            sum.add(design.name().into(), counts(&census.total));
             sum
         })
     }
 
     /// What this has more than `other`.
     fn more_than(&self, other: &Self) -> Self {
-        let is_own = |(block, _): &(&String, &[i64; 4])| !other.blocks.contains(block);
-        let (blocks, parts) = self.blocks.iter().zip(&self.parts).filter(is_own).map(|(b, p)| (b.clone(), *p)).unzip();
+        let is_own = |(block, _): &(&String, &[i64; 4])| !other.stages.contains(block);
+        let (stages, parts) = self.stages.iter().zip(&self.parts).filter(is_own).map(|(b, p)| (b.clone(), *p)).unzip();
         Self {
-            blocks,
+            stages,
             parts,
             operations: self.operations - other.operations,
             multipliers: self.multipliers - other.multipliers,
@@ -97,8 +108,8 @@ impl Hardware {
     }
 }
 
-fn census(design: &Design, effects: &Effects, p: &Precision) -> (Net, Census) {
-    let net = design.record(effects, p);
+fn census(design: Design, effects: &Effects, p: &Precision) -> (Net, Census) {
+    let net = Net::of(design, effects, p);
     let census = Census::new(&net, &Ranges::new(&net));
     (net, census)
 }
@@ -147,24 +158,29 @@ fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
 }
 
 /// The designs that the fetches of an object go through, each once.
-pub fn fetches(plan: &ObjectPlan) -> Vec<&'static Design> {
+pub fn fetches(plan: &ObjectPlan) -> Vec<Design> {
     let has = |effect| plan.has(effect);
     let (colour, reflection) = (has(Effect::ColourTexture), has(Effect::Environment));
     let repeated = colour || plan.bump_map() || has(Effect::Peaks);
     let footprint = plan.texture_footprint;
-    let parts: [(bool, &[&str]); 7] = [
-        (repeated && footprint, &["texture", "texture_probe"]),
-        (repeated, &["levels", "repeat_address"]),
-        (plan.bump_map(), &["moment_sample"]),
-        (has(Effect::Roughness), &["moments", "roughness_decode"]),
-        (reflection, &["environment_probe", "levels", "face_address", "corner", "blend"]),
-        (colour || reflection, &["colour_sample"]),
-        ((repeated || reflection) && footprint, &["probe_sum", "probe_mean"]),
+    let lit = has(Effect::Highlight) || has(Effect::Peaks);
+    let parts: [(bool, &[Design]); 10] = [
+        (repeated && footprint, &[Design::Texture, Design::TextureProbe]),
+        (repeated, &[Design::Levels, Design::RepeatAddress]),
+        (plan.bump_map() || has(Effect::Peaks), &BUMP),
+        (plan.bump_map(), &ROUGHNESS),
+        (reflection, &ENVIRONMENT_FETCH),
+        (reflection, &[Design::Corner]),
+        (colour || reflection, &[Design::ColourSample, Design::Colour]),
+        (colour || lit, &[Design::Modulated]),
+        ((repeated || reflection) && footprint, &[Design::ProbeSum, Design::ProbeMean]),
+        (true, &[Design::PixelSum, Design::Pixel]),
     ];
-    let mut names: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).flat_map(|(_, names)| names).copied().collect();
-    names.sort_unstable();
-    names.dedup();
-    names.into_iter().filter_map(Design::by_name).collect()
+    let mut designs: Vec<Design> =
+        parts.into_iter().filter(|(on, _)| *on).flat_map(|(_, parts)| parts).copied().collect();
+    designs.sort_unstable();
+    designs.dedup();
+    designs
 }
 
 /// Explains the plan of every object, without measuring.
@@ -179,8 +195,8 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                 let fetch = match effect {
                     _ if !decision.on => nothing.clone(),
                     Effect::ColourTexture => Hardware::of_all(&TEXTURE_FETCH, p),
-                    Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &["moment_sample"]].concat(), p),
-                    Effect::Roughness => Hardware::of_all(&["moments", "roughness_decode"], p),
+                    Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &BUMP].concat(), p),
+                    Effect::Roughness => Hardware::of_all(&ROUGHNESS, p),
                     Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
                     // These fetch nothing of their own.
                     Effect::Footprint | Effect::Curvature | Effect::Highlight | Effect::Peaks | Effect::Horizon => {
@@ -271,8 +287,8 @@ mod tests {
     fn every_operation_of_a_datapath_is_in_a_block() {
         for datapath in Datapath::ALL {
             let (net, census) = census(Design::of(datapath), &Effects::ALL, &Precision::STANDARD);
-            let blocks = net.blocks.iter().zip(&census.blocks).map(|(_, cost)| counts(cost));
-            let sum = blocks.fold([0; 4], |sum, part| [0, 1, 2, 3].map(|i| sum[i] + part[i]));
+            let runs = net.runs.iter().zip(&census.runs).map(|(_, cost)| counts(cost));
+            let sum = runs.fold([0; 4], |sum, part| [0, 1, 2, 3].map(|i| sum[i] + part[i]));
             let [all, of_wires, carries, _] = counts(&census.total);
             assert_eq!(sum[..3], [all, of_wires, carries], "{datapath:?}");
         }

@@ -1,8 +1,10 @@
 //! The datapaths that vectors are of, as functions from integers of ports to integers of outputs, in the scalar reading.
 
+use roughxel_core::bundle::{Bundle, End};
 use roughxel_core::plan::{Datapath, Effects};
-use roughxel_core::ports::{self, HighlightIn, PeakIn, ReflectionIn};
+use roughxel_core::ports::{HighlightIn, HighlightInput, PeakIn, PeakInput, Port, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::Precision;
+use roughxel_core::soft_core;
 
 use crate::net::record::{filled, integers};
 
@@ -12,7 +14,7 @@ pub struct Inputs(pub(super) Vec<i64>);
 
 impl From<&ReflectionIn> for Inputs {
     fn from(fragment: &ReflectionIn) -> Self {
-        Self(integers(&fragment.fragment()))
+        Self(integers(&fragment.wires()))
     }
 }
 
@@ -32,16 +34,16 @@ impl From<&PeakIn> for Inputs {
 pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
     match datapath {
         Datapath::Reflection => {
-            let input = filled(&ReflectionIn::default().fragment(), inputs);
-            integers(&ports::fragment(&input, &effects.reflection(), p))
+            integers(&soft_core::fragment(&wires::<ReflectionInput<i32>>(inputs), &effects.reflection(), p))
         }
         Datapath::Highlight => {
-            let input = filled(&HighlightIn::default().wires(), inputs);
-            integers(&ports::highlight(&input, &effects.highlight(), p))
+            integers(&soft_core::highlight(&wires::<HighlightInput<i32>>(inputs), &effects.highlight(), p))
         }
-        Datapath::Peak => {
-            let input = filled(&PeakIn::default().wires(), inputs);
-            integers(&ports::lit_peak(&input, &effects.peak(), p))
-        }
+        Datapath::Peak => integers(&soft_core::lit_peak(&wires::<PeakInput<i32>>(inputs), &effects.peak(), p)),
     }
+}
+
+/// The bundle with these integers on its wires.
+fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
+    filled(&B::limit::<i32>(End::Low), inputs)
 }

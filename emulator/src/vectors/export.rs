@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::datapath::{Inputs, outcome};
 use super::layout::Layout;
-use super::manifest::{FORMAT_VERSION, FileEntry, Manifest, Profile, SCHEMA, Seed};
+use super::manifest::{FORMAT_VERSION, FileEntry, Manifest, ProfileKnobs, SCHEMA, Seed};
 use super::word::{check_value, write_word};
 use super::{MAX_VECTORS, VectorError};
 use crate::output::OutputFile;
@@ -119,7 +119,7 @@ pub fn export_with(
         generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")).into(),
         set: info.name.into(),
         description: info.description.into(),
-        profile: Profile { name: info.profile.into(), knobs: info.precision },
+        profile: ProfileKnobs { name: info.profile.into(), knobs: info.precision },
         datapath: info.datapath,
         effects,
         seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),

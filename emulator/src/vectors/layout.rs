@@ -1,39 +1,22 @@
 //! The fields of a vector word: which there are, where they lie, and how integers of ports go in and out.
 //!
-//! A datapath's list names every port and every stage's outcome it may have, in pipeline order. A set has those that exist
+//! A field is a port or an outcome of the datapath's design, as the bundles of `roughxel_core::ports` declare them: name, unit, stage
+//! and range come from there, in that order. A set has those that exist
 //! under its effects: inputs that an operation of the recorded design reads, outcomes that are no constants, so its columns
 //! are the ports of the hardware made for the same effects. A field keeps the bits its profile keeps and takes whole hex
 //! digits.
 
 use std::collections::HashMap;
+use std::fmt;
 
+use roughxel_core::bundle::{self, Keeps, Step};
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use roughxel_core::status::{LIGHT_STATUS_BITS, STATUS_BITS, StatusBit};
+use roughxel_core::status::StatusBit;
 use serde::{Deserialize, Serialize};
 
-use crate::net::design::Design;
-
-/// Stages in pipeline order; of several differing fields the one of the earliest stage is named first.
-pub const STAGES: [&str; 17] = [
-    "input",
-    "frame",
-    "perturb",
-    "roughness",
-    "reflect",
-    "cube_face",
-    "columns",
-    "ellipse",
-    "axes",
-    "probes",
-    "half",
-    "highlight",
-    "local",
-    "horizon",
-    "peaks",
-    "status",
-    "check",
-];
+use crate::net::graph::Net;
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = 32;
@@ -60,7 +43,7 @@ pub struct Field {
     pub name: String,
     /// Which way it goes.
     pub direction: Direction,
-    /// Stage that makes it, one of [`STAGES`].
+    /// Stage that makes it; `input` of what goes in, `check` of the check value.
     pub stage: String,
     /// Path of the port or output of the datapath's design that carries it; empty for the check value.
     pub port: String,
@@ -92,11 +75,6 @@ impl Field {
         let bits = u64::from(bits) << spare;
         if self.signed { bits.cast_signed() >> spare } else { (bits >> spare).cast_signed() }
     }
-
-    /// Where the stage stands in the pipeline.
-    pub(crate) fn rank(&self) -> usize {
-        STAGES.iter().position(|stage| *stage == self.stage).unwrap_or(STAGES.len())
-    }
 }
 
 /// Where the integer of a field is.
@@ -116,26 +94,47 @@ pub struct Layout {
     sources: Vec<(Source, u32)>,
     /// Ports of the design, those without a field included.
     ports: usize,
+    /// Where the stage of each field stands in the pipeline.
+    ranks: Vec<usize>,
 }
 
 impl Layout {
     /// The fields of a datapath under its effects and `p`.
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
-        let net = Design::of(datapath).record(effects, p);
-        let read = net.ports_read();
-        let ports = net.ports.iter().enumerate().filter(|(place, _)| read[*place]);
-        let inputs = ports.map(|(place, port)| (port.name.clone(), place)).collect();
-        let outputs = net.outputs.iter().enumerate().filter(|(_, output)| net.constant(output).is_none());
-        let outputs = outputs.map(|(place, output)| (output.name.clone(), place)).collect();
-        let list = Vec::new();
-        let mut build =
-            Builder { p, inputs, outputs, direction: Direction::In, stage: "input", list, sources: Vec::new() };
-        match datapath {
-            Datapath::Reflection => reflection(&mut build),
-            Datapath::Highlight => highlight(&mut build),
-            Datapath::Peak => peak(&mut build),
+        let net = Net::of(Design::of(datapath), effects, p);
+        let columns = columns(&net, datapath, p).into_iter().filter(|column| column.exists);
+        let (mut fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
+            columns.map(|column| (column.field, (column.source, column.drop))).unzip();
+        fields.push(Field {
+            name: "check".into(),
+            direction: Direction::Check,
+            stage: "check".into(),
+            port: String::new(),
+            lsb: 0,
+            width: CHECK_BITS,
+            signed: false,
+            fraction_bits: 0,
+            unit: "1".into(),
+            tolerance: 0,
+            description: "CRC-32 of the bits above, see FORMAT.md".into(),
+        });
+        let mut lsb = 0;
+        for field in fields.iter_mut().rev() {
+            field.lsb = lsb;
+            lsb += 4 * field.digits();
         }
-        build.finish(net.ports.len())
+        // In the order in which the stages run; inputs are before, the check value after all of them.
+        let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
+        for (rank, run) in net.runs.iter().enumerate() {
+            runs.entry(run.base()).or_insert(rank + 1);
+        }
+        let ranks = fields.iter().map(|field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX)).collect();
+        Self { fields, sources, ports: net.ports.len(), ranks }
+    }
+
+    /// Where the stage of a field stands in the pipeline: of several differing fields that of the earliest one is named first.
+    pub(crate) fn rank(&self, field: usize) -> usize {
+        self.ranks[field]
     }
 
     /// The fields, most significant first.
@@ -190,286 +189,213 @@ pub(crate) const fn mask(width: u32) -> u32 {
     u32::MAX >> (32 - width)
 }
 
-/// Components of a vector.
-const AXES: [&str; 3] = ["x", "y", "z"];
-/// Sides of a horizon in the frame of the surface.
-const SIDES: [&str; 4] = ["neg_x", "pos_x", "neg_y", "pos_y"];
-
-/// The surface: n, v, the frame's vectors, bumps and roughness.
-fn surface(build: &mut Builder<'_>, path: &str) {
-    let at = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
-    build.vector("normal", &at("normal"), "length", "surface normal n, any length");
-    build.vector("view", &at("view"), "length", "view vector v, from the surface to the eye, any length");
-    build.vector("tangent_0", &at("tangents[0]"), "length", "main direction h, or p_u where the frame is natural");
-    build.vector("tangent_1", &at("tangents[1]"), "length", "p_v where the frame is natural");
-    build.offset("offset_1", &at("offset[0]"), "bump offset b1, relative to |n|");
-    build.offset("offset_2", &at("offset[1]"), "bump offset b2, relative to |n|");
-    build.offset("roughness_1", &at("roughness[0]"), "roughness d1, relative to |n|; I1 where it is isotropic");
-    build.offset("roughness_2", &at("roughness[1]"), "roughness d2, relative to |n|");
-    build.offset("roughness_3", &at("roughness[2]"), "roughness d3, relative to |n|");
+/// A port or an output of a design as a field, there or not.
+pub(super) struct Column {
+    /// The field, its place in the word left out.
+    pub(super) field: Field,
+    /// Path of the declared field that it is a wire of: `surface.normal`.
+    pub(super) declared: String,
+    /// What that is.
+    pub(super) text: String,
+    /// Fraction bits that a profile keeps.
+    pub(super) kept: Kept,
+    /// An operation reads it, or it is no constant.
+    pub(super) exists: bool,
+    source: Source,
+    /// Low bits of the wire that the profile drops.
+    drop: u32,
 }
 
-/// The tangents.
-fn frame(build: &mut Builder<'_>) {
-    build.at(Direction::Tap, "frame");
-    build.vector("frame_e1", "frame[0]", "length", "tangent E1, scaled by |n|");
-    build.vector("frame_e2", "frame[1]", "length", "tangent E2, scaled by |n|");
+/// Every port and every output of a datapath's design, in the order of its bundles.
+pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Column> {
+    let read = net.ports_read();
+    let ports = net.ports.iter().zip(read).enumerate().map(|(place, (port, read))| {
+        let mantissas = mantissas(&port.path, net.ports.iter().map(|port| &port.path[..]));
+        let wire = Wire {
+            path: &port.path,
+            port: &port.name,
+            mantissa: port.mantissa,
+            fraction_bits: port.fraction_bits,
+            limits: (port.low, port.high),
+            mantissas,
+        };
+        wire.column(Source::Port(place), read, datapath, p)
+    });
+    let outputs = net.outputs.iter().zip(&net.limits).enumerate().map(|(place, (output, &limits))| {
+        let mantissas = mantissas(&output.path, net.outputs.iter().map(|output| &output.path[..]));
+        let wire = Wire {
+            path: &output.path,
+            port: &output.name,
+            mantissa: output.mantissa,
+            fraction_bits: output.fraction_bits,
+            limits,
+            mantissas,
+        };
+        wire.column(Source::Output(place), net.constant(output).is_none(), datapath, p)
+    });
+    ports.chain(outputs).collect()
 }
 
-fn perturbed(build: &mut Builder<'_>) {
-    build.at(Direction::Tap, "perturb");
-    build.vector("normal_mod", "normal_mod", "length", "perturbed normal n_mod");
+/// How many fraction bits a profile keeps of a wire, p its `fraction_bits` and l its `lod_bits`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// l.
+    Lod,
+    /// p less those that the word has fewer than a mantissa.
+    Fraction { less: u32 },
+    /// All that it has.
+    All(u32),
 }
 
-fn half(build: &mut Builder<'_>) {
-    build.at(Direction::Tap, "half");
-    build.vector("half", "half", "1", "half vector h = l/|l| + v/|v|");
-}
-
-fn reflection(build: &mut Builder<'_>) {
-    surface(build, "");
-    build.vector("dview_dx", "dview[0]", "length per pixel", "dv/dx, one pixel to the right");
-    build.vector("dview_dy", "dview[1]", "length per pixel", "dv/dy, one pixel down");
-    build.vector("dnormal_dx", "dnormal[0]", "length per pixel", "dn/dx, in the units of n");
-    build.vector("dnormal_dy", "dnormal[1]", "length per pixel", "dn/dy, in the units of n");
-    let text = "edge of a face at level 0; 0 reads as 1, more than 16384 as 16384";
-    build.unsigned("edge_texels", "edge_texels", [16, 0, 0], "texels", text);
-
-    frame(build);
-    perturbed(build);
-    build.at(Direction::Tap, "reflect");
-    build.vector("reflected", "reflected", "length^3", "reflected vector r = 2 n_mod (v.n_mod) - v |n_mod|^2");
-    build.at(Direction::Tap, "columns");
-    build.pair("column_dx", "columns[0]", "half faces per pixel", "d(s,t) for one pixel to the right");
-    build.pair("column_dy", "columns[1]", "half faces per pixel", "d(s,t) for one pixel down");
-    let text = "d(s,t) for the roughness tangent d1 E1 (isotropic: I1 E1)";
-    build.pair("column_d1", "columns[2]", "half faces", text);
-    let text = "d(s,t) for the roughness tangent d2 E1 + d3 E2 (isotropic: I1 E2)";
-    build.pair("column_d2", "columns[3]", "half faces", text);
-    build.at(Direction::Tap, "ellipse");
-    let text = "covariance K = [[a, b], [b, c]] on the face";
-    build.block("covariance", "covariance", &["a", "b", "c"], "half faces squared", text);
-    build.number("determinant", "determinant", "half faces^4", "det K");
-    build.at(Direction::Tap, "axes");
-    build.number("major", "major", "half faces", "standard deviation lambda1 along the major axis");
-    build.number("minor", "minor", "half faces", "standard deviation lambda2 along the minor axis");
-    build.mantissa("direction_s", "direction[0]", "1", "unit direction of the major axis, s");
-    build.mantissa("direction_t", "direction[1]", "1", "unit direction of the major axis, t");
-
-    build.at(Direction::Out, "cube_face");
-    build.unsigned("face", "face", [3, 0, 0], "1", "face 0 to 5: +x, -x, +y, -y, +z, -z");
-    build.mantissa("s", "st[0]", "half faces", "s in [-1, 1], to the right on the face");
-    build.mantissa("t", "st[1]", "half faces", "t in [-1, 1], down on the face");
-    build.at(Direction::Out, "probes");
-    build.unsigned("probes", "probes", [5, 0, 0], "1", "number of probes, 1 to 16");
-    build.signed("step_s", "step[0]", [32, 28, 0], "half faces", "step from one probe to the next, s");
-    build.signed("step_t", "step[1]", [32, 28, 0], "half faces", "step from one probe to the next, t");
-    let bits = build.p.lod_bits;
-    build.unsigned("lod", "lod", [4 + bits, bits, 16 - bits], "levels", "level of detail");
-    build.status(STATUS_BITS.iter());
-}
-
-/// Sticky bits of the reflection datapath that a light has, too.
-fn surface_bits() -> impl Iterator<Item = &'static (StatusBit, &'static str)> {
-    let shared = |bit: &StatusBit| matches!(bit, StatusBit::NormalZero | StatusBit::ViewZero | StatusBit::FramePole);
-    STATUS_BITS.iter().filter(move |(bit, _)| shared(bit))
-}
-
-fn highlight(build: &mut Builder<'_>) {
-    surface(build, "surface");
-    build.vector("light", "light", "length", "vector l from the surface to the light, any length");
-    build.signed("shininess", "shininess.exponent", [32, 16, 0], "1", "exponent m, saturated to 1 to 8192");
-    build.signed("shininess_root", "shininess.root", [32, 24, 0], "1", "root of m, saturated to 1 to 91");
-
-    frame(build);
-    perturbed(build);
-    build.at(Direction::Tap, "roughness");
-    build.vector("rough_1", "tangents[0]", "length", "roughness tangent d1 E1 (isotropic: I1 E1)");
-    build.vector("rough_2", "tangents[1]", "length", "roughness tangent d2 E1 + d3 E2 (isotropic: I1 E2)");
-    half(build);
-    build.at(Direction::Tap, "highlight");
-    build.vector("spread_1", "spread[0]", "1", "sqrt(m)/|n_mod| times rough_1");
-    build.vector("spread_2", "spread[1]", "1", "sqrt(m)/|n_mod| times rough_2");
-    build.number("amplitude", "amplitude", "1", "1/sqrt(det(I + m K))");
-
-    build.at(Direction::Out, "highlight");
-    build.unsigned("f", "f", [25, 24, 0], "1", "share of the light that the highlight returns, 0 to 1");
-    build.status(surface_bits().chain(LIGHT_STATUS_BITS.iter().filter(|(bit, _)| *bit as u32 <= 1 << 11)));
-}
-
-fn peak(build: &mut Builder<'_>) {
-    surface(build, "surface");
-    build.vector("light", "light", "length", "vector l from the surface to the light, any length");
-    for (axis, name) in AXES.iter().enumerate() {
-        let text = format!("stored peak: N, component {name} in the frame of the surface");
-        build.signed(&format!("stored_{name}"), &format!("peak.normal[{axis}]"), [16, 15, 0], "1", &text);
-    }
-    let code = "code c.f of 4 + 12 bits, see FORMAT.md";
-    build.unsigned(
-        "stored_amplitude",
-        "peak.amplitude",
-        [16, 0, 0],
-        "2^-21",
-        &format!("stored peak: amplitude a, {code}"),
-    );
-    build.unsigned(
-        "stored_exponent",
-        "peak.exponent",
-        [16, 0, 0],
-        "2^-13",
-        &format!("stored peak: exponent n, {code}"),
-    );
-    for (side, name) in SIDES.iter().enumerate() {
-        let text = "stored horizon: slope at which its ramp begins, or of its step";
-        build.signed(&format!("horizon_{name}"), &format!("horizon.low[{side}]"), [16, 12, 0], "1", text);
-    }
-    for (side, name) in SIDES.iter().enumerate() {
-        let text = format!("stored horizon: inverse width of its ramp, {code}; 0 is a step");
-        let path = format!("horizon.inverse_width[{side}]");
-        build.unsigned(&format!("horizon_{name}_width"), &path, [16, 0, 0], "2^-14", &text);
-    }
-    build.signed("weight", "weight", [32, 16, 0], "1", "share of the fragment that the peak has, saturated to 0 to 1");
-
-    frame(build);
-    half(build);
-    build.at(Direction::Tap, "local");
-    for (axis, name) in AXES.iter().enumerate() {
-        let text = format!("half vector along {}, unit length", ["E1", "E2", "n"][axis]);
-        build.mantissa(&format!("local_half_{name}"), &format!("direction[{axis}]"), "1", &text);
-    }
-    build.block("local_light", "light", &AXES, "length", "l along x = E1, y = E2, z = n");
-    build.block("local_eye", "eye", &AXES, "length", "v along x = E1, y = E2, z = n");
-    build.at(Direction::Tap, "horizon");
-    for (of, (name, vector)) in [("light", "l"), ("eye", "v")].iter().enumerate() {
-        for (axis, place) in ["x", "y"].iter().enumerate() {
-            let text = format!("slope z/|{place}| of {vector} in the frame of the surface, cut to 8");
-            build.slope(&format!("slope_{name}_{place}"), &format!("slopes[{of}][{axis}]"), &text);
+impl Kept {
+    fn bits(self, p: &Precision) -> u32 {
+        match self {
+            Self::Lod => p.lod_bits,
+            Self::Fraction { less } => p.fraction_bits.saturating_sub(less),
+            Self::All(bits) => bits,
         }
     }
-    build.unsigned("visibility", "visibility", [17, 16, 0], "1", "share of the facets that light and eye clear");
-
-    build.at(Direction::Out, "peaks");
-    build.unsigned("peak", "peak", [30, 24, 0], "1", "light that the peak returns, 0 to below 64");
-    let of_peaks = |bit: StatusBit| bit != StatusBit::HalfBelowSurface;
-    build.status(surface_bits().chain(LIGHT_STATUS_BITS.iter().filter(|(bit, _)| of_peaks(*bit))));
 }
 
-struct Builder<'a> {
-    p: &'a Precision,
-    /// Places of the ports that are read, by path.
-    inputs: HashMap<String, usize>,
-    /// Places of the outputs that are no constants.
-    outputs: HashMap<String, usize>,
-    direction: Direction,
-    stage: &'static str,
-    list: Vec<Field>,
-    sources: Vec<(Source, u32)>,
-}
-
-impl Builder<'_> {
-    fn at(&mut self, direction: Direction, stage: &'static str) {
-        (self.direction, self.stage) = (direction, stage);
+impl fmt::Display for Kept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lod => write!(f, "*l*"),
+            Self::Fraction { less: 0 } => write!(f, "*p*"),
+            Self::Fraction { less } => write!(f, "(*p*−{less})"),
+            Self::All(bits) => write!(f, "{bits}"),
+        }
     }
+}
 
-    /// A field, if what it would carry exists.
-    fn field(
-        &mut self,
-        name: &str,
-        port: &str,
-        signed: bool,
-        [width, fraction_bits, drop]: [u32; 3],
-        unit: &str,
-        text: &str,
-    ) {
-        let source = match self.direction {
-            Direction::In => self.inputs.get(port).copied().map(Source::Port),
-            _ => self.outputs.get(port).copied().map(Source::Output),
+/// Fraction bits of a mantissa's port.
+const MANTISSA_FRACTION: u32 = 30;
+
+/// What is declared of a port or an output.
+struct Wire<'a> {
+    path: &'a [Step],
+    port: &'a str,
+    mantissa: bool,
+    fraction_bits: u32,
+    limits: (i64, i64),
+    /// Mantissas of its block, where it is one of a block's wires.
+    mantissas: usize,
+}
+
+impl Wire<'_> {
+    fn column(&self, source: Source, exists: bool, datapath: Datapath, p: &Precision) -> Column {
+        let declared = self.declared();
+        let kept = match declared.map(|field| field.keeps) {
+            Some(Keeps::Lod) => Kept::Lod,
+            // A mantissa has two bits before its point; a word that has more keeps as many fewer behind it.
+            _ if self.mantissa => Kept::Fraction { less: MANTISSA_FRACTION.saturating_sub(self.fraction_bits) },
+            _ => Kept::All(self.fraction_bits),
         };
-        let Some(source) = source else { return };
-        self.sources.push((source, drop));
-        self.push(name, port, signed, [width, fraction_bits], unit, text);
-    }
-
-    fn push(&mut self, name: &str, port: &str, signed: bool, [width, fraction_bits]: [u32; 2], unit: &str, text: &str) {
-        self.list.push(Field {
-            name: name.into(),
-            direction: self.direction,
-            stage: self.stage.into(),
-            port: port.into(),
+        let drop = self.fraction_bits - kept.bits(p).min(self.fraction_bits);
+        let (low, high) = (self.limits.0 >> drop, self.limits.1 >> drop);
+        let signed = low < 0;
+        let width = 64 - (high.max(!low)).leading_zeros() + u32::from(signed);
+        let stage = declared.map_or("", |field| field.stage);
+        let direction = match declared {
+            _ if stage.is_empty() => Direction::In,
+            Some(field) if field.leaves => Direction::Out,
+            _ => Direction::Tap,
+        };
+        let text = self.text(datapath);
+        let field = Field {
+            name: column(self.path, self.mantissas),
+            direction,
+            stage: if stage.is_empty() { "input" } else { stage }.into(),
+            port: self.port.into(),
             lsb: 0,
             width,
             signed,
-            fraction_bits,
-            unit: unit.into(),
+            fraction_bits: self.fraction_bits - drop,
+            unit: declared.map_or("", |field| field.unit).into(),
             tolerance: 0,
-            description: text.into(),
-        });
+            description: match fields(self.path).last() {
+                // A part of what is declared: a mantissa or an exponent of a block.
+                Some(part) if part.unit.is_empty() => format!("{text}: {}", part.text.trim()),
+                _ => text.clone(),
+            },
+        };
+        Column { field, declared: self.declared_path(), text, kept, exists, source, drop }
     }
 
-    /// Width, fraction bits and dropped low bits.
-    fn signed(&mut self, name: &str, port: &str, format: [u32; 3], unit: &str, text: &str) {
-        self.field(name, port, true, format, unit, text);
+    /// The innermost field with a unit: of a block that is the block.
+    fn declared(&self) -> Option<&'static bundle::Field> {
+        fields(self.path).filter(|field| !field.unit.is_empty()).last()
     }
 
-    fn unsigned(&mut self, name: &str, port: &str, format: [u32; 3], unit: &str, text: &str) {
-        self.field(name, port, false, format, unit, text);
+    /// The path to it.
+    fn declared_path(&self) -> String {
+        let is_declared = |step: &Step| matches!(step, Step::Field(field) if !field.unit.is_empty());
+        let end = self.path.iter().rposition(is_declared).map_or(0, |place| place + 1);
+        self.path[..end].iter().fold(String::new(), |path, step| match step {
+            Step::Field(field) if path.is_empty() => field.name.into(),
+            Step::Field(field) => format!("{path}.{}", field.name),
+            Step::Index(index) => format!("{path}[{index}]"),
+        })
     }
 
-    /// I2F30 of which the profile keeps p fraction bits.
-    fn mantissa(&mut self, name: &str, port: &str, unit: &str, text: &str) {
-        let p = self.p.fraction_bits;
-        self.signed(name, port, [p + 2, p, 30 - p], unit, text);
-    }
-
-    /// I4F28 of which the profile keeps p − 2 fraction bits.
-    fn offset(&mut self, name: &str, port: &str, text: &str) {
-        let bits = self.p.offset_bits();
-        self.signed(name, port, [bits + 4, bits, 28 - bits], "|n|", text);
-    }
-
-    /// I6F26 within ±8 of which the profile keeps p − 4 fraction bits.
-    fn slope(&mut self, name: &str, port: &str, text: &str) {
-        let p = self.p.fraction_bits;
-        self.signed(name, port, [p + 1, p - 4, 30 - p], "1", text);
-    }
-
-    fn block(&mut self, name: &str, port: &str, components: &[&str], unit: &str, text: &str) {
-        for (index, component) in components.iter().enumerate() {
-            let (name, port) = (format!("{name}_{component}"), format!("{port}.mantissa[{index}]"));
-            self.mantissa(&name, &port, unit, &format!("{text}: mantissa {component}"));
+    /// What it is declared to be, of sticky bits with their names.
+    fn text(&self, datapath: Datapath) -> String {
+        let text = self.declared().map_or("", |field| field.text.trim());
+        match fields(self.path).last() {
+            Some(field) if field.name == "status" => {
+                let bits = StatusBit::of(datapath).map(|bit| format!("{} {}", bit.mask(), bit.name()));
+                format!("{text}: {}", bits.collect::<Vec<_>>().join(", "))
+            }
+            _ => text.to_owned(),
         }
-        let (name, port) = (format!("{name}_e"), format!("{port}.exponent"));
-        self.signed(&name, &port, [16, 0, 0], "1", &format!("{text}: exponent of two"));
     }
+}
 
-    fn vector(&mut self, name: &str, port: &str, unit: &str, text: &str) {
-        self.block(name, port, &AXES, unit, text);
-    }
+/// How many mantissas the block of a wire has.
+fn mantissas<'a>(path: &[Step], all: impl Iterator<Item = &'a [Step]>) -> usize {
+    let is_mantissas = |step: &Step| matches!(step, Step::Field(field) if field.name == "mantissa");
+    let Some(place) = path.iter().position(is_mantissas) else { return 0 };
+    all.filter(|other| other.get(..=place) == Some(&path[..=place])).count()
+}
 
-    fn pair(&mut self, name: &str, port: &str, unit: &str, text: &str) {
-        self.block(name, port, &["s", "t"], unit, text);
-    }
+/// The fields on the way to a wire.
+fn fields(path: &[Step]) -> impl Iterator<Item = &'static bundle::Field> {
+    path.iter().filter_map(|step| match step {
+        Step::Field(field) => Some(*field),
+        Step::Index(_) => None,
+    })
+}
 
-    fn number(&mut self, name: &str, port: &str, unit: &str, text: &str) {
-        self.block(name, port, &["m"], unit, text);
-    }
-
-    fn status<'b>(&mut self, bits: impl Iterator<Item = &'b (StatusBit, &'static str)>) {
-        self.at(Direction::Out, "status");
-        let bits: Vec<_> = bits.collect();
-        let names: Vec<_> = bits.iter().map(|(bit, name)| format!("{} {name}", *bit as u32)).collect();
-        let width = bits.iter().fold(0, |all, (bit, _)| all | *bit as u32).checked_ilog2().unwrap_or(0) + 1;
-        self.unsigned("status", "status", [width, 0, 0], "bits", &format!("sticky bits: {}", names.join(", ")));
-    }
-
-    fn finish(mut self, ports: usize) -> Layout {
-        self.at(Direction::Check, "check");
-        self.push("check", "", false, [CHECK_BITS, 0], "1", "CRC-32 of the bits above, see FORMAT.md");
-        let mut lsb = 0;
-        for field in self.list.iter_mut().rev() {
-            field.lsb = lsb;
-            lsb += 4 * field.digits();
+/// The name of a column: the path without the surface that all datapaths begin with; a component is a letter, or its number; of a
+/// block its mantissas are their components alone, its exponent is `e`.
+fn column(path: &[Step], mantissas: usize) -> String {
+    let (mut name, mut letters) = (String::new(), "");
+    for (place, step) in path.iter().enumerate() {
+        let part = match step {
+            Step::Field(field) if field.name == "surface" => continue,
+            Step::Field(field) if field.name == "mantissa" => {
+                // The components of the block itself, unless they name an array of blocks.
+                let is_array = matches!(path[place - 1], Step::Index(_));
+                letters = match (letters, mantissas) {
+                    (given, _) if !given.is_empty() && !is_array => given,
+                    (_, 1) => "m",
+                    (_, 2) => "st",
+                    _ => "xyz",
+                };
+                continue;
+            }
+            Step::Field(field) if field.name == "exponent" && !field.unit.is_empty() => field.name.to_owned(),
+            Step::Field(field) if field.name == "exponent" => "e".into(),
+            Step::Field(field) => {
+                letters = field.components;
+                field.name.to_owned()
+            }
+            Step::Index(index) => letters.get(*index..=*index).map_or_else(|| index.to_string(), str::to_owned),
+        };
+        if !name.is_empty() {
+            name.push('_');
         }
-        Layout { fields: self.list, sources: self.sources, ports }
+        name.push_str(&part);
     }
+    name
 }

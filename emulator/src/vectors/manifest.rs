@@ -5,9 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
-use roughxel_core::precision::{
-    AxisDirection, Newton, PROFILE_NAMES, Precision, ProbeRule, ProbeWeights, RoughnessKind,
-};
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, Profile, RoughnessKind};
 use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
@@ -16,7 +14,7 @@ use super::{MAX_VECTORS, VectorError};
 /// Value of `schema`.
 pub const SCHEMA: &str = "roughxel-vectors";
 /// Value of `format_version`.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 /// Largest manifest that is read.
 const MAX_MANIFEST_BYTES: u64 = 1 << 20;
 
@@ -35,7 +33,7 @@ pub struct Manifest {
     /// What the set holds.
     pub description: String,
     /// Profile.
-    pub profile: Profile,
+    pub profile: ProfileKnobs,
     /// The datapath.
     #[serde(with = "DatapathDef")]
     pub datapath: Datapath,
@@ -48,7 +46,7 @@ pub struct Manifest {
     pub count: u64,
     /// Bits of a word.
     pub word_bits: u32,
-    /// The files of the set; format 2 has one, the words.
+    /// The files of the set; there is one, the words.
     pub files: Vec<FileEntry>,
     /// The fields of a word, most significant first.
     pub fields: Vec<Field>,
@@ -57,7 +55,7 @@ pub struct Manifest {
 /// A profile with every knob.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Profile {
+pub struct ProfileKnobs {
     /// One of the named profiles, or `custom`.
     pub name: String,
     /// Its knobs.
@@ -118,14 +116,14 @@ impl Manifest {
     }
 
     fn check(&self) -> Result<(), String> {
-        let Profile { name, knobs } = &self.profile;
+        let ProfileKnobs { name, knobs } = &self.profile;
         knobs.checked().map_err(|knob| format!("profile `{name}`: knob {knob} is out of its range"))?;
-        match Precision::by_name(name) {
+        match Profile::by_name(name).map(Profile::precision) {
             Some(ours) if ours != *knobs => {
                 return Err(format!("profile `{name}` has other knobs in this version; export the set again"));
             }
             None if name != "custom" => {
-                let known = PROFILE_NAMES.join(", ");
+                let known = Profile::NAMES.join(", ");
                 return Err(format!("profile `{name}` is unknown; known are {known}, and custom"));
             }
             _ => {}

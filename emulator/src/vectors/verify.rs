@@ -209,7 +209,7 @@ impl Checker<'_> {
             return Ok(Some(mismatch(&fields[at], 1 << bit, found[at], Cause::FlippedBit, differing.len())));
         }
         let cause = if syndrome == 0 { Cause::Computed } else { Cause::Damaged };
-        let first = differing.iter().copied().min_by_key(|&i| fields[i].rank()).unwrap_or(data);
+        let first = differing.iter().copied().min_by_key(|&i| self.layout.rank(i)).unwrap_or(data);
         let difference = if first == data { syndrome } else { found[first] ^ expected[first] };
         Ok(Some(mismatch(&fields[first], difference, found[first], cause, differing.len())))
     }

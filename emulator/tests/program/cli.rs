@@ -181,7 +181,7 @@ fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
         if effect["on"] == false {
             for part in ["datapath", "fetch"] {
                 let hardware = &effect[part];
-                assert_eq!((&hardware["operations"], hardware["blocks"].as_array().unwrap().len()), (&0.into(), 0));
+                assert_eq!((&hardware["operations"], hardware["stages"].as_array().unwrap().len()), (&0.into(), 0));
             }
             assert_eq!(effect["map_bytes"], 0);
         }

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use fixed::types::{I2F30, I4F28};
-use roughxel_core::plan::{Datapath, Effects};
-use roughxel_core::ports::{BlockVector, ReflectionIn};
-use roughxel_core::precision::Precision;
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
+use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::vectors::{
     Cause, Direction, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, export_with, hard_sets,
-    random_set, verify,
+    in_page, random_set, tables, verify,
 };
 
 fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
@@ -21,7 +21,7 @@ fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
         seed: None,
         datapath: Datapath::Reflection,
         effects: Effects::ALL,
-        precision: Precision::by_name(profile).unwrap(),
+        precision: Profile::by_name(profile).unwrap().precision(),
         profile,
     }
 }
@@ -117,7 +117,7 @@ impl Word {
 fn every_set_verifies_under_every_profile() {
     let directory = tempfile::tempdir().unwrap();
     for profile in ["paper", "compact", "standard", "precise"] {
-        let p = Precision::by_name(profile).unwrap();
+        let p = Profile::by_name(profile).unwrap().precision();
         for set in hard_sets(&p) {
             let datapath = set.cases.datapath();
             let info = SetInfo { datapath, effects: set.effects, ..info(set.name, profile) };
@@ -241,11 +241,11 @@ fn broken_manifests_are_refused_with_the_reason() {
         (good[..good.len() / 2].to_string(), "no vector manifest"),
         ("{}".into(), "missing field `schema`"),
         (good.replacen("roughxel-vectors", "other", 1), "schema `other` is unknown"),
-        (good.replacen("\"format_version\": 2", "\"format_version\": 1", 1), "format version 1 is unknown"),
+        (good.replacen("\"format_version\": 3", "\"format_version\": 2", 1), "format version 2 is unknown"),
         (good.replacen("\"reflection\"", "\"refraction\"", 1), "unknown variant `refraction`"),
         (good.replacen("\"datapath\": \"reflection\"", "\"datapath\": \"highlight\"", 1), "does not have are on"),
         (good.replacen("\"horizon\": false", "\"horizon\": true", 1), "does not have are on"),
-        (good.replacen("\"curvature\": true", "\"curvature\": false", 1), "`dnormal_dx_x`"),
+        (good.replacen("\"curvature\": true", "\"curvature\": false", 1), "`dnormal_0_x`"),
         (good.replacen("\"name\": \"standard\"", "\"name\": \"best\"", 1), "profile `best` is unknown"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 21", 1), "other knobs"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 99", 1), "fraction_bits is out of its range"),
@@ -272,7 +272,7 @@ fn resizing_a_set_changes_no_vector_that_stays() {
 
 #[test]
 fn fields_tile_the_word_and_have_unique_names() {
-    let profiles = ["paper", "compact", "standard", "precise"].map(|name| Precision::by_name(name).unwrap());
+    let profiles = ["paper", "compact", "standard", "precise"].map(|name| Profile::by_name(name).unwrap().precision());
     let layouts = profiles.iter().flat_map(|p| {
         let effects = [Effects::ALL, Effects::NONE].into_iter();
         effects.flat_map(move |effects| Datapath::ALL.map(|datapath| Layout::new(datapath, &effects, p)))
@@ -301,7 +301,7 @@ fn fragments_with_bits_the_profile_drops_are_refused_and_leave_nothing() {
     let directory = tempfile::tempdir().unwrap();
     let target = directory.path().join("sets");
     let mut fragments = vec![random_fragment("test", 0, &Precision::STANDARD); 3];
-    fragments[2].offset[1] = I4F28::from_bits(1);
+    fragments[2].surface.offset[1] = I4F28::from_bits(1);
     let error = export(&info("odd", "standard"), &fragments, &target).unwrap_err();
     assert!(matches!(&error, VectorError::Inexact { index: 2, field, .. } if field == "offset_2"), "{error}");
     assert_eq!(fs::read_dir(&target).unwrap().count(), 0);
@@ -330,14 +330,14 @@ fn the_vector_worked_by_hand_in_the_format_description_is_what_the_program_write
         BlockVector { mantissa, exponent }
     };
     let half = 1 << 29;
-    let fragment = ReflectionIn {
+    let surface = SurfaceIn {
         normal: axis(2, half, 1),
         view: axis(2, half, 1),
-        tangents: [axis(1, half, 1), BlockVector::default()],
-        dview: [axis(0, -half, -6), axis(1, half, -6)],
-        edge_texels: 512,
-        ..ReflectionIn::default()
+        frame_vectors: [axis(1, half, 1), BlockVector::default()],
+        ..SurfaceIn::default()
     };
+    let dview = [axis(0, -half, -6), axis(1, half, -6)];
+    let fragment = ReflectionIn { surface, dview, edge_texels: 512, ..ReflectionIn::default() };
     let directory = tempfile::tempdir().unwrap();
     export(&info("example", "standard"), &[fragment], directory.path()).unwrap();
     let text = fs::read_to_string(directory.path().join("example_standard.hex")).unwrap();
@@ -347,6 +347,81 @@ fn the_vector_worked_by_hand_in_the_format_description_is_what_the_program_write
     let page: String =
         format.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.split_whitespace().collect();
     assert_eq!(page, word);
+}
+
+#[test]
+fn the_format_description_has_the_tables_that_the_declarations_make() {
+    let page = fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap();
+    // No assert_eq: it would print the page.
+    let is_right = in_page(&page).is_ok_and(|again| again == page);
+    assert!(is_right, "run `roughxel vectors format --write vectors/FORMAT.md`");
+}
+
+#[test]
+fn the_format_command_prints_the_tables_or_puts_them_into_a_page() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("page.md");
+    let write = || roughxel(&["vectors", "format", "--write", path.to_str().unwrap()]);
+    let printed = roughxel(&["vectors", "format"]);
+    assert_eq!((printed.status.code(), String::from_utf8(printed.stdout).unwrap()), (Some(0), tables()));
+
+    let committed = fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap();
+    let (before, rest) = committed.split_once("-->\n").unwrap();
+    let (_, after) = rest.split_once("<!--").unwrap();
+    fs::write(&path, format!("{before}-->\nwhat was there\n<!--{after}")).unwrap();
+    assert_eq!(write().status.code(), Some(0));
+    assert!(fs::read_to_string(&path).unwrap() == committed);
+
+    for page in ["no marks", &format!("{before}-->\n"), &committed.repeat(2)] {
+        fs::write(&path, page).unwrap();
+        let output = write();
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("page.md"));
+        assert!(fs::read_to_string(&path).unwrap() == page);
+    }
+}
+
+/// The fields that the tables have for a datapath, in their order.
+fn in_tables(datapath: Datapath) -> Vec<String> {
+    let tables = tables();
+    let table = tables.split_once(&format!("`{}`", datapath.name())).unwrap().1;
+    let rows = table.lines().skip_while(|line| !line.starts_with("| `")).take_while(|line| line.starts_with('|'));
+    let mut names = Vec::new();
+    for row in rows {
+        let mut stem = String::new();
+        for part in row.split('|').nth(1).unwrap().split(['`', ' ', '(', ')', ',']).filter(|part| !part.is_empty()) {
+            if part.starts_with('_') {
+                names.push(format!("{stem}{part}"));
+            } else {
+                stem = part.rsplit_once('_').map_or("", |(stem, _)| stem).into();
+                names.push(part.into());
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
+    for datapath in Datapath::ALL {
+        let listed = in_tables(datapath);
+        for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
+            for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
+                for on in 0..16 {
+                    let [bump, curvature, footprint, horizon] = [0, 1, 2, 3].map(|bit| on >> bit & 1 == 1);
+                    let effects = Effects { bump, frame, roughness, curvature, footprint, horizon };
+                    if effects != effects.of(datapath) {
+                        continue;
+                    }
+                    let layout = Layout::new(datapath, &effects, &Precision::COMPACT);
+                    let mut rest = listed.iter();
+                    for field in layout.fields().iter().filter(|field| field.direction != Direction::Check) {
+                        assert!(rest.any(|name| *name == field.name), "{}: {effects:?}", field.name);
+                    }
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -384,13 +459,13 @@ fn the_program_ends_with_3_on_a_mismatch_and_1_on_a_broken_file() {
     let path = set.directory.path().to_str().unwrap();
     assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
     let mut words = set.words();
-    let field = set.manifest.fields.iter().find(|field| field.name == "tangent_0_z").unwrap();
+    let field = set.manifest.fields.iter().find(|field| field.name == "frame_vectors_0_z").unwrap();
     words[1].flip(field.lsb as usize + 5);
     set.write_words(&words);
     let output = roughxel(&["vectors", "verify", path]);
     let report = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(3));
-    assert!(report.contains("random #1 (line 3): stage input, field tangent_0_z, bit 5"), "{report}");
+    assert!(report.contains("random #1 (line 3): stage input, field frame_vectors_0_z, bit 5"), "{report}");
 
     fs::write(set.hex(), "// nothing\n").unwrap();
     assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(1));

@@ -4,10 +4,11 @@ use glam::DVec3;
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{ReflectionIn, environment_scale};
+use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
+use roughxel_core::soft_core::environment_scale;
 use roughxel_emulator::frame::EnvironmentMap;
 use roughxel_emulator::picture::Picture;
 
@@ -68,8 +69,7 @@ fn fragment(direction: DVec3, radius: f64, p: &Precision) -> ReflectionIn {
     // dr = 2|n|² dn for v = n; a pixel's box has variance 1/12.
     let turn = |axis: DVec3| block_vector(axis * (0.5 * 12_f64.sqrt() * radius), p);
     ReflectionIn {
-        normal: block_vector(n, p),
-        view: block_vector(n, p),
+        surface: SurfaceIn { normal: block_vector(n, p), view: block_vector(n, p), ..SurfaceIn::default() },
         dnormal: [turn(across), turn(up)],
         edge_texels: EDGE as u16,
         ..ReflectionIn::default()
@@ -97,13 +97,14 @@ impl Sampler<'_> {
             Footprint::Lobe { radius, rough } => (radius, rough),
         };
         let plan = ReflectionPlan { bump: false, roughness: RoughnessKind::None, ..ReflectionPlan::FULL };
-        let input = fragment(direction, radius, self.p).wires(environment_scale(EDGE as u16, self.p));
-        let stages = datapath::reflection(&input, &plan, self.p);
+        let input = fragment(direction, radius, self.p).wires();
+        let scale = environment_scale(EDGE as u16, self.p);
+        let stages = datapath::reflection(&input, &scale, &plan, self.p);
         let probes = match footprint {
             Footprint::Probe { lod } => Probes { lod: Fx::from_raw(lod), ..stages.probes },
             Footprint::Lobe { .. } => stages.probes,
         };
-        self.map.sample(&stages.point, &probes, rough, self.p).map(f64::from)
+        self.map.sample(&stages.point, &probes, rough, self.p).map(|channel| channel.raw().into())
     }
 
     /// Largest step over least variation.

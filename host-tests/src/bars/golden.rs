@@ -1,7 +1,7 @@
 //! Digests of small frames: any change of any bit of any pixel shows.
 
 use rayon::prelude::*;
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::precision::Profile;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -28,11 +28,12 @@ pub fn golden_frames() -> Result<String, String> {
         let scene = scene.with_size(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
         let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), &|_| ()).map_err(|error| failed(&error))?;
         let variants: Vec<(&str, Mode)> =
-            PROFILE_NAMES.iter().flat_map(|&profile| MODES.map(|mode| (profile, mode))).collect();
+            Profile::NAMES.iter().flat_map(|&profile| MODES.map(|mode| (profile, mode))).collect();
         let lines: Result<Vec<String>, String> = variants
             .into_par_iter()
             .map(|(profile, mode)| {
-                let precision = Precision::by_name(profile).ok_or_else(|| failed(&"unknown profile"))?;
+                let precision =
+                    Profile::by_name(profile).map(Profile::precision).ok_or_else(|| failed(&"unknown profile"))?;
                 let prepared = Prepared::with_peaks(&scene, mode, &precision, &peaks);
                 let frame = prepared.and_then(|prepared| prepared.render(&|| ()));
                 let digest = frame.map_err(|error| failed(&error))?.digest();

@@ -1,8 +1,9 @@
 //! The ground plane of [`reference::ground_plane`](crate::reference::ground_plane) through the integer texture path.
 
 use fixed::types::{I2F30, U0F32};
-use roughxel_core::ports::{BlockPair, TextureIn, texture_scale};
+use roughxel_core::ports::{BlockPair, TextureIn};
 use roughxel_core::precision::Precision;
+use roughxel_core::soft_core::texture_scale;
 use roughxel_emulator::frame::{ColourMap, MapReads, Taps};
 use roughxel_emulator::lanes::Reading;
 use roughxel_emulator::picture::Picture;
@@ -31,7 +32,7 @@ pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile
         probes += TextureIn { uv: attributes.uv, duv: attributes.duv }.footprint(&scale, profile).probes.count.raw();
         footprints.set([&attributes].into_iter(), Reading::Scalar, profile);
         let mut reads = MapReads::new(&attributes, (&footprints, 0), &mut taps, profile);
-        f64::from(map.sample(&mut reads)[0]) / f64::from(1 << 24)
+        f64::from(map.sample(&mut reads)[0].raw()) / f64::from(1 << 24)
     });
     GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }
 }

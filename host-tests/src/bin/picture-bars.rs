@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use indicatif::{ProgressBar, ProgressStyle};
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
 use roughxel_host_tests::bars;
@@ -140,7 +140,7 @@ fn measure(size: [u32; 2], edge: u32) -> Result<bool, String> {
 }
 
 fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
-    PROFILE_NAMES.into_iter().filter_map(|name| Some((name, Precision::by_name(name)?)))
+    Profile::NAMES.into_iter().filter_map(|name| Some((name, Profile::by_name(name).map(Profile::precision)?)))
 }
 
 /// One scene: against its truth, and against the same filter in float64 with every profile.

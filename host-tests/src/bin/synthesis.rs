@@ -16,9 +16,9 @@ use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
+use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
-use roughxel_emulator::net::design::Design;
+use roughxel_core::precision::Profile;
 use roughxel_emulator::net::verilog::{Options, Verilog};
 use roughxel_emulator::output::write_files;
 use serde_json::Value;
@@ -179,7 +179,7 @@ fn main() -> ExitCode {
 
 fn parse(arguments: impl Iterator<Item = String>) -> Result<Arguments, String> {
     let output = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/hdl/RESULTS.md");
-    let mut parsed = Arguments { seeds: 3, place: 1300, profiles: PROFILE_NAMES.map(str::to_owned).to_vec(), output };
+    let mut parsed = Arguments { seeds: 3, place: 1300, profiles: Profile::NAMES.map(str::to_owned).to_vec(), output };
     let mut rest = arguments;
     while let Some(argument) = rest.next() {
         let value = rest.next();
@@ -190,8 +190,10 @@ fn parse(arguments: impl Iterator<Item = String>) -> Result<Arguments, String> {
             }
             "--profiles" => {
                 let names: Vec<String> = value.ok_or("--profiles needs names")?.split(',').map(str::to_owned).collect();
-                if let Some(unknown) = names.iter().find(|name| Precision::by_name(name).is_none()) {
-                    return Err(format!("profile `{unknown}` is unknown; there are {}", PROFILE_NAMES.join(", ")));
+                if let Some(unknown) =
+                    names.iter().find(|name| Profile::by_name(name).map(Profile::precision).is_none())
+                {
+                    return Err(format!("profile `{unknown}` is unknown; there are {}", Profile::NAMES.join(", ")));
                 }
                 parsed.profiles = names;
             }
@@ -269,7 +271,8 @@ fn modules(
     root: &Path,
 ) -> Result<Vec<Module>, String> {
     let known = Design::by_name(design).ok_or_else(|| format!("there is no design {design}"))?;
-    let precision = Precision::by_name(profile).ok_or_else(|| format!("there is no profile {profile}"))?;
+    let precision =
+        Profile::by_name(profile).map(Profile::precision).ok_or_else(|| format!("there is no profile {profile}"))?;
     let options = Options {
         profile: profile.to_owned(),
         precision,

@@ -165,7 +165,7 @@ impl<'a> Shader<'a> {
         };
         let tangents = match plan.frame {
             FrameSystem::MainDirection => [shaded.object.material.main_direction.to_array(), [0.0; 3]],
-            FrameSystem::Natural | FrameSystem::NaturalNormalised => attributes.tangents.map(real_vector),
+            FrameSystem::Natural | FrameSystem::NaturalNormalised => attributes.frame_vectors.map(real_vector),
         };
         let system = match plan.frame {
             FrameSystem::MainDirection => frame::FrameSystem::MainDirection,

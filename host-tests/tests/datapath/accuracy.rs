@@ -1,14 +1,14 @@
 //! The accuracy table of the project: every bar of [`Figure::bar`] over 10⁶ seeded random fragments and all hard cases,
 //! for each named profile. The worst fragment of a figure that breaks its bar is printed whole.
 
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::precision::Profile;
 use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, Figure, measure};
 
 /// Fragments of the random set.
 const FRAGMENTS: u64 = 1_000_000;
 
 fn holds_every_bar(profile: &str) {
-    let p = Precision::by_name(profile).expect("a listed profile exists");
+    let p = Profile::by_name(profile).map(Profile::precision).expect("a listed profile exists");
     let accuracy: Accuracy = measure(&p, FRAGMENTS, &|_| ());
     assert!(accuracy.fragments > FRAGMENTS, "random fragments and hard cases");
     assert_eq!(accuracy.wrong_faces, 0, "{profile}: faces away from ties");
@@ -61,7 +61,7 @@ fn precise_holds_every_bar() {
 #[test]
 fn bars_do_not_loosen_from_profile_to_profile() {
     for (figure, name) in FIGURES {
-        let bars: Vec<Option<f64>> = PROFILE_NAMES.iter().map(|profile| figure.bar(profile)).collect();
+        let bars: Vec<Option<f64>> = Profile::NAMES.iter().map(|profile| figure.bar(profile)).collect();
         assert!(bars.windows(2).all(|pair| pair[1] <= pair[0]), "{name}: {bars:?}");
         assert_eq!(figure.bar("no such profile"), None);
     }

@@ -8,7 +8,7 @@ use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, ZERO_EXPONENT, align, cross, dot, normalise, places_below};
 use roughxel_core::fx::Fx;
-use roughxel_core::precision::{AxisDirection, Newton, PROFILE_NAMES, Precision};
+use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
 use roughxel_core::rom;
 use roughxel_host_tests::checked::{Checked, CheckedWide};
 
@@ -58,13 +58,13 @@ fn rounding_is_to_nearest_with_ties_towards_plus_infinity() {
     // The worked numbers: ±½, ±1½ and their neighbours, in halves of the kept unit.
     for (x, expected) in [(1, 1), (-1, 0), (3, 2), (-3, -1), (2, 1), (-2, -1), (0, 0)] {
         let x = Fx::<i64, 31>::from_raw(x);
-        assert_eq!(x.round_to::<30>(30).raw(), expected);
+        assert_eq!(x.round_to::<2>(30).raw(), expected);
     }
     // All 24-bit inputs, all places.
     (0..24_u32).into_par_iter().for_each(|keep| {
         for x in -(1 << 23)..1 << 23 {
             let expected = rounded(i128::from(x), 24 - keep) << (24 - keep);
-            assert_eq!(i128::from(Fx::<i32, 24>::from_raw(x).keep(keep).raw()), expected, "{x} keeps {keep}");
+            assert_eq!(i128::from(Fx::<i32, 8>::from_raw(x).keep(keep).raw()), expected, "{x} keeps {keep}");
         }
     });
 }
@@ -72,8 +72,8 @@ fn rounding_is_to_nearest_with_ties_towards_plus_infinity() {
 #[test]
 fn keeping_all_bits_changes_nothing() {
     for x in [i32::MIN, -1, 0, 1, i32::MAX] {
-        assert_eq!(Fx::<i32, 24>::from_raw(x).keep(24).raw(), x);
-        assert_eq!(Fx::<i32, 24>::from_raw(x).keep(40).raw(), x);
+        assert_eq!(Fx::<i32, 8>::from_raw(x).keep(24).raw(), x);
+        assert_eq!(Fx::<i32, 8>::from_raw(x).keep(40).raw(), x);
     }
 }
 
@@ -84,7 +84,7 @@ fn rounded_shift_equals_rounding_the_quotient() {
         (0..32_u32).into_par_iter().for_each(|k| {
             for m in -(1 << keep)..=1 << keep {
                 let raw = m << (MANTISSA - keep);
-                let got = Fx::<Checked, 30>::from_raw(Checked::new(raw))
+                let got = Fx::<Checked, 2>::from_raw(Checked::new(raw))
                     .round_shr_by(Fx::from_raw(Checked::new(k as i32)), keep)
                     .raw()
                     .value();
@@ -104,7 +104,7 @@ proptest! {
         let x = x >> shift.max(3);
         let places = 60 - keep.min(30);
         let expected = rounded(i128::from(x), places) << (places - 30);
-        let got = Fx::<CheckedWide, 60>::from_raw(CheckedWide::new(x)).round_to::<30>(keep);
+        let got = Fx::<CheckedWide, 4>::from_raw(CheckedWide::new(x)).round_to::<2>(keep);
         prop_assert_eq!(i128::from(got.raw().value()), expected);
     }
 
@@ -114,7 +114,7 @@ proptest! {
         keep in 12_u32..=28,
         exponent in -70_000_i64..70_000,
     ) {
-        let block = normalise::<Checked, 3, 60>(
+        let block = normalise::<CheckedWide, 3, 4>(
             wide.map(|w| Fx::from_raw(CheckedWide::new(w))),
             Fx::lit(exponent),
             keep,
@@ -148,8 +148,8 @@ proptest! {
         m in prop::array::uniform3(mantissa(16)),
         exponent in -1000_i64..1000,
     ) {
-        let once = normalise::<i32, 3, 60>(m.map(|m| Fx::<i32, 30>::from_raw(m).widen()), Fx::lit(exponent), 16);
-        let twice = normalise::<i32, 3, 60>(once.m.map(Fx::widen), once.e, 16);
+        let once = normalise::<i64, 3, 4>(m.map(|m| Fx::<i32, 2>::from_raw(m).widen()), Fx::lit(exponent), 16);
+        let twice = normalise::<i64, 3, 4>(once.m.map(Fx::widen), once.e, 16);
         // +1 occurs by rounding up (or on entry); it belongs to the next octave.
         if once.m.iter().all(|m| m.raw() < ONE) {
             prop_assert_eq!(once, twice);
@@ -187,7 +187,7 @@ proptest! {
         a in prop::array::uniform3(mantissa(28)),
         b in prop::array::uniform3(mantissa(28)),
     ) {
-        let [p, q] = [a, b].map(|v| v.map(|m| Fx::<Checked, 30>::from_raw(Checked::new(m))));
+        let [p, q] = [a, b].map(|v| v.map(|m| Fx::<Checked, 2>::from_raw(Checked::new(m))));
         let exact = |i: usize, j: usize| i128::from(a[i]) * i128::from(b[j]);
         prop_assert_eq!(i128::from(dot(&p, &q).raw().value()), exact(0, 0) + exact(1, 1) + exact(2, 2));
         let got = cross(&p, &q).map(|w| i128::from(w.raw().value()));
@@ -226,7 +226,7 @@ fn one_bit_and_the_most_negative_word_are_normalised_like_any_other() {
     for k in 0..64 {
         for (value, sign) in [(1_i64.checked_shl(k), 1), (Some(-1 << k), -1)] {
             let Some(value) = value.filter(|value| value.signum() == sign) else { continue };
-            let block = normalise::<Checked, 1, 60>([Fx::from_raw(CheckedWide::new(value))], Fx::zero(), 16);
+            let block = normalise::<CheckedWide, 1, 4>([Fx::from_raw(CheckedWide::new(value))], Fx::zero(), 16);
             let (m, e) = (block.m[0].raw().value(), block.e.raw().value());
             // −2^k is −1 in the octave below: one's complement counts its leading bits.
             let expected = if sign > 0 { (ONE / 2, k as i32 - 59) } else { (-ONE, k as i32 - 60) };
@@ -327,14 +327,14 @@ fn probe_weights_are_a_partition_of_one() {
 
 #[test]
 fn every_named_profile_is_inside_the_limits() {
-    for name in PROFILE_NAMES {
-        let p = Precision::by_name(name).expect("a listed profile exists");
+    for name in Profile::NAMES {
+        let p = Profile::by_name(name).map(Profile::precision).expect("a listed profile exists");
         assert_eq!(p.checked(), Ok(p), "{name}");
         assert_eq!(p.offset_bits() + 2, p.fraction_bits);
     }
-    assert_eq!(Precision::by_name("Standard"), None);
-    assert_eq!(Precision::by_name(""), None);
-    assert_eq!(Precision::by_name("standard"), Some(Precision::STANDARD));
+    assert_eq!(Profile::by_name("Standard").map(Profile::precision), None);
+    assert_eq!(Profile::by_name("").map(Profile::precision), None);
+    assert_eq!(Profile::by_name("standard").map(Profile::precision), Some(Precision::STANDARD));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use roughxel_core::elementary::{
     exp2, half_inverse_root, half_reciprocal, inverse_root, log2, log2_one_plus, root_and_inverse,
 };
 use roughxel_core::fx::Fx;
-use roughxel_core::precision::{Newton, PROFILE_NAMES, Precision};
+use roughxel_core::precision::{Newton, Precision, Profile};
 use roughxel_emulator::random::SplitMix64;
 
 /// 2^30.
@@ -31,7 +31,7 @@ const BOUNDS: [Bounds; 4] = [
 ];
 
 fn profile(index: usize) -> Precision {
-    Precision::by_name(PROFILE_NAMES[index]).expect("a listed profile exists")
+    Profile::by_name(Profile::NAMES[index]).map(Profile::precision).expect("a listed profile exists")
 }
 
 fn mantissa(x: i32) -> f64 {
@@ -48,35 +48,35 @@ fn worst_over_mantissas(low: i32, keep: u32, error: impl Fn(i32) -> f64 + Sync) 
 }
 
 fn reciprocal_error(x: i32, p: &Precision) -> f64 {
-    (mantissa(half_reciprocal(Fx::<i32, 30>::from_raw(x), p).raw()) - 0.5 / mantissa(x)).abs()
+    (mantissa(half_reciprocal(Fx::<i32, 2>::from_raw(x), p).raw()) - 0.5 / mantissa(x)).abs()
 }
 
 fn inverse_root_error(x: i32, p: &Precision) -> f64 {
-    (mantissa(half_inverse_root(Fx::<i32, 30>::from_raw(x), p).raw()) - 0.5 / mantissa(x).sqrt()).abs()
+    (mantissa(half_inverse_root(Fx::<i32, 2>::from_raw(x), p).raw()) - 0.5 / mantissa(x).sqrt()).abs()
 }
 
 fn log2_error(x: i32, p: &Precision) -> f64 {
-    (f64::from(log2(Fx::<i32, 30>::from_raw(x), p).raw()) / f64::from(1 << 24) - mantissa(x).log2()).abs()
+    (f64::from(log2(Fx::<i32, 2>::from_raw(x), p).raw()) / f64::from(1 << 24) - mantissa(x).log2()).abs()
 }
 
 fn exp2_error(x: i32, p: &Precision) -> f64 {
-    let block = exp2(Fx::<i32, 24>::from_raw(x), p);
+    let block = exp2(Fx::<i32, 8>::from_raw(x), p);
     let got = mantissa(block.m[0].raw()) * f64::from(block.e.raw()).exp2();
     (got / (f64::from(x) / f64::from(1 << 24)).exp2() - 1.0).abs()
 }
 
 fn holds(profile: usize, function: usize, worst: (f64, i32)) {
     let found = worst.0.log2();
-    println!("{:8} {:6} 2^{found:.4} at {:#010x}", PROFILE_NAMES[profile], FUNCTIONS[function], worst.1);
+    println!("{:8} {:6} 2^{found:.4} at {:#010x}", Profile::NAMES[profile], FUNCTIONS[function], worst.1);
     let bound = BOUNDS[profile][function];
-    assert!(found <= bound, "{} of {}: 2^{found:.4} at {:#x}", FUNCTIONS[function], PROFILE_NAMES[profile], worst.1);
+    assert!(found <= bound, "{} of {}: 2^{found:.4} at {:#x}", FUNCTIONS[function], Profile::NAMES[profile], worst.1);
     // A bound that nothing meets is a bound that nobody measured.
-    assert!(found > bound - 0.01, "{} of {} is 2^{found:.4}", FUNCTIONS[function], PROFILE_NAMES[profile]);
+    assert!(found > bound - 0.01, "{} of {} is 2^{found:.4}", FUNCTIONS[function], Profile::NAMES[profile]);
 }
 
 #[test]
 fn reciprocal_holds_its_bound_at_every_mantissa() {
-    for index in 0..PROFILE_NAMES.len() {
+    for index in 0..Profile::NAMES.len() {
         let p = profile(index);
         holds(index, 0, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| reciprocal_error(x, &p)));
     }
@@ -84,7 +84,7 @@ fn reciprocal_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn inverse_root_holds_its_bound_at_every_mantissa() {
-    for index in 0..PROFILE_NAMES.len() {
+    for index in 0..Profile::NAMES.len() {
         let p = profile(index);
         holds(index, 1, worst_over_mantissas(ONE / 4, p.fraction_bits, |x| inverse_root_error(x, &p)));
     }
@@ -92,7 +92,7 @@ fn inverse_root_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn logarithm_holds_its_bound_at_every_mantissa() {
-    for index in 0..PROFILE_NAMES.len() {
+    for index in 0..Profile::NAMES.len() {
         let p = profile(index);
         holds(index, 2, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| log2_error(x, &p)));
     }
@@ -100,7 +100,7 @@ fn logarithm_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn exponential_holds_its_bound_at_every_fraction() {
-    for index in 0..PROFILE_NAMES.len() {
+    for index in 0..Profile::NAMES.len() {
         let p = profile(index);
         let worst = (0..1 << 24)
             .into_par_iter()
@@ -122,7 +122,7 @@ fn log2_one_plus_error(x: i32, e: i32, p: &Precision) -> f64 {
 
 #[test]
 fn logarithm_of_one_plus_holds_its_relative_bound_at_every_mantissa() {
-    for index in 0..PROFILE_NAMES.len() {
+    for index in 0..Profile::NAMES.len() {
         let p = profile(index);
         let over = |e: i32| worst_over_mantissas(ONE / 2, p.fraction_bits, |x| log2_one_plus_error(x, e, &p));
         let worst = LOG2_ONE_PLUS_EXPONENTS.map(over);
@@ -172,9 +172,9 @@ fn every_seed_and_step_count_holds_the_bound_by_its_formula() {
 
 #[test]
 fn ends_of_the_domains_are_right_and_zero_is_bounded() {
-    let fx = Fx::<i32, 30>::from_raw;
-    for name in PROFILE_NAMES {
-        let p = Precision::by_name(name).expect("a listed profile exists");
+    let fx = Fx::<i32, 2>::from_raw;
+    for name in Profile::NAMES {
+        let p = Profile::by_name(name).map(Profile::precision).expect("a listed profile exists");
         // 0 is no mantissa of a block but of a block of zeros: the result is bounded, and meets a factor 0.
         assert_eq!(half_reciprocal(fx(0), &p), fx(ONE));
         assert_eq!(half_reciprocal(fx(ONE / 2), &p), fx(ONE));
@@ -192,7 +192,7 @@ fn ends_of_the_domains_are_right_and_zero_is_bounded() {
             assert_eq!(log2(fx(x), &p).raw(), -1 << 24, "below ½ reads as ½");
         }
         for whole in -63..=63 {
-            let power = exp2(Fx::<i32, 24>::from_raw(whole << 24), &p);
+            let power = exp2(Fx::<i32, 8>::from_raw(whole << 24), &p);
             assert_eq!((power.m[0].raw(), power.e.raw()), (ONE / 2, whole + 1));
         }
     }
@@ -200,7 +200,7 @@ fn ends_of_the_domains_are_right_and_zero_is_bounded() {
 
 #[test]
 fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
-    for (index, name) in PROFILE_NAMES.iter().enumerate() {
+    for (index, name) in Profile::NAMES.iter().enumerate() {
         let p = profile(index);
         let mut random = SplitMix64::for_element("roots of blocks", index as u64);
         for round in 0..20_000 {

@@ -2,7 +2,7 @@
 
 use fixed::types::I2F30;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 use roughxel_core::status::StatusBit;
@@ -50,7 +50,7 @@ fn plain_version_agrees_with_the_float64_reference() {
             continue;
         }
         assert_eq!(got.probes, want.probes.count, "{ports:?}");
-        assert_eq!(got.status & StatusBit::ProbesCapped as u32 != 0, want.probes.capped, "{ports:?}");
+        assert_eq!(got.status & StatusBit::ProbesCapped.mask() != 0, want.probes.capped, "{ports:?}");
         if ratio < 1.1 || want.axes.major > 2.0 {
             continue;
         }
@@ -84,24 +84,48 @@ fn degenerate_fragments_are_those_of_the_ports() {
     let zero = BlockVector::default();
     // A mirror facing +z, seen at 45 degrees.
     let plain = ReflectionIn {
-        normal: vector(0.0, 0.0, 1.0),
-        view: vector(0.5, 0.25, 1.0),
-        tangents: [vector(0.0, 1.0, 0.0), zero],
-        offset: [number(0.125), number(-0.0625)],
-        roughness: [number(0.0625), number(0.03125), number(0.0625)],
+        surface: SurfaceIn {
+            normal: vector(0.0, 0.0, 1.0),
+            view: vector(0.5, 0.25, 1.0),
+            frame_vectors: [vector(0.0, 1.0, 0.0), zero],
+            offset: [number(0.125), number(-0.0625)],
+            roughness: [number(0.0625), number(0.03125), number(0.0625)],
+        },
         dview: [vector(0.01, 0.0, 0.0), vector(0.0, 0.02, 0.0)],
         dnormal: [zero; 2],
         edge_texels: 256,
     };
-    let flat = ReflectionIn { offset: [number(0.0); 2], roughness: [number(0.0); 3], ..plain };
+    let flat = ReflectionIn {
+        surface: SurfaceIn { offset: [number(0.0); 2], roughness: [number(0.0); 3], ..plain.surface },
+        ..plain
+    };
     for (what, ports, bits) in [
         ("nothing", plain, 0),
-        ("n = 0", ReflectionIn { normal: zero, ..plain }, 0b0011_1101),
-        ("v = 0", ReflectionIn { view: zero, ..plain }, 0b0011_1010),
-        ("h along n", ReflectionIn { tangents: [plain.normal, zero], ..plain }, 0b0000_0100),
-        ("h = 0", ReflectionIn { tangents: [zero; 2], ..plain }, 0b0000_0100),
-        ("seen from below", ReflectionIn { view: vector(0.5, 0.25, -1.0), ..flat }, 0b0000_1000),
-        ("a tie of x and z", ReflectionIn { view: vector(1.0, 0.25, 1.0), ..flat }, 0b0001_0000),
+        ("n = 0", ReflectionIn { surface: SurfaceIn { normal: zero, ..plain.surface }, ..plain }, 0b0011_1101),
+        ("v = 0", ReflectionIn { surface: SurfaceIn { view: zero, ..plain.surface }, ..plain }, 0b0011_1010),
+        (
+            "h along n",
+            ReflectionIn {
+                surface: SurfaceIn { frame_vectors: [plain.surface.normal, zero], ..plain.surface },
+                ..plain
+            },
+            0b0000_0100,
+        ),
+        (
+            "h = 0",
+            ReflectionIn { surface: SurfaceIn { frame_vectors: [zero; 2], ..plain.surface }, ..plain },
+            0b0000_0100,
+        ),
+        (
+            "seen from below",
+            ReflectionIn { surface: SurfaceIn { view: vector(0.5, 0.25, -1.0), ..flat.surface }, ..flat },
+            0b0000_1000,
+        ),
+        (
+            "a tie of x and z",
+            ReflectionIn { surface: SurfaceIn { view: vector(1.0, 0.25, 1.0), ..flat.surface }, ..flat },
+            0b0001_0000,
+        ),
         ("no footprint", ReflectionIn { dview: [zero; 2], ..flat }, 0b0010_0000),
         (
             "wider than a face",

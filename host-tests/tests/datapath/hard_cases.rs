@@ -3,8 +3,8 @@
 
 use fixed::types::{I2F30, I4F28};
 use roughxel_core::plan::FrameSystem;
-use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut};
-use roughxel_core::precision::{PROFILE_NAMES, Precision, ProbeRule};
+use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
+use roughxel_core::precision::{Precision, ProbeRule, Profile};
 use roughxel_core::setup::{real_number, real_offset, real_pair, real_vector};
 use roughxel_core::status::StatusBit;
 use roughxel_emulator::cases::{CaseSet, hard_case_sets};
@@ -47,10 +47,10 @@ impl Study {
 
 /// The set `name` for every profile.
 fn studies(name: &str) -> Vec<Study> {
-    PROFILE_NAMES
+    Profile::NAMES
         .iter()
         .map(|profile| {
-            let p = Precision::by_name(profile).expect("a listed profile exists");
+            let p = Profile::by_name(profile).map(Profile::precision).expect("a listed profile exists");
             let set = hard_case_sets(&p).into_iter().find(|set| set.name == name).expect("the set exists");
             Study { name: profile, p, set }
         })
@@ -58,7 +58,7 @@ fn studies(name: &str) -> Vec<Study> {
 }
 
 fn raised(out: &ReflectionOut, bit: StatusBit) -> bool {
-    out.status & bit as u32 != 0
+    out.status & bit.mask() != 0
 }
 
 fn lod(out: &ReflectionOut) -> f64 {
@@ -81,7 +81,8 @@ fn parallel(a: &BlockVector, b: &BlockVector) -> bool {
 
 /// E₁ and E₂ in units in which n has the exponent 0.
 fn frame_of(fragment: &ReflectionIn, out: &ReflectionOut) -> [[f64; 3]; 2] {
-    out.frame.map(|e| real_vector(&BlockVector { exponent: e.exponent - fragment.normal.exponent, ..e }).to_array())
+    out.frame
+        .map(|e| real_vector(&BlockVector { exponent: e.exponent - fragment.surface.normal.exponent, ..e }).to_array())
 }
 
 #[test]
@@ -102,8 +103,8 @@ fn every_documented_set_exists_and_holds_fragments() {
         "roughness_rank",
         "roughness_isotropic",
     ];
-    for profile in PROFILE_NAMES {
-        let sets = hard_case_sets(&Precision::by_name(profile).expect("a listed profile exists"));
+    for profile in Profile::NAMES {
+        let sets = hard_case_sets(&Profile::by_name(profile).map(Profile::precision).expect("a listed profile exists"));
         assert_eq!(sets.iter().map(|set| set.name).collect::<Vec<_>>(), names);
         assert!(sets.iter().all(|set| set.fragments.len() > 20 && !set.description.is_empty()));
     }
@@ -115,7 +116,7 @@ fn frame_stays_orthonormal_down_to_one_bit() {
         let mut poles = 0;
         for (index, out) in study.all() {
             let fragment = &study.set.fragments[index];
-            let pole = parallel(&fragment.normal, &fragment.tangents[0]);
+            let pole = parallel(&fragment.surface.normal, &fragment.surface.frame_vectors[0]);
             assert_eq!(raised(&out, StatusBit::FramePole), pole, "{} {index}", study.name);
             poles += usize::from(pole);
 
@@ -144,7 +145,7 @@ fn zero_normal_gives_face_plus_z() {
         let mut seen = [0; 3];
         for (index, out) in study.all() {
             let fragment = &fragments[index];
-            let (no_normal, no_view) = (zero(&fragment.normal), zero(&fragment.view));
+            let (no_normal, no_view) = (zero(&fragment.surface.normal), zero(&fragment.surface.view));
             assert_eq!(raised(&out, StatusBit::NormalZero), no_normal, "{index}");
             assert_eq!(raised(&out, StatusBit::ViewZero), no_view, "{index}");
             if no_normal || no_view {
@@ -157,7 +158,7 @@ fn zero_normal_gives_face_plus_z() {
             if no_normal {
                 assert_eq!((out.frame, out.normal_mod), ([BlockVector::default(); 2], BlockVector::default()));
             }
-            if zero(&fragment.tangents[0]) && !no_normal {
+            if zero(&fragment.surface.frame_vectors[0]) && !no_normal {
                 assert!(raised(&out, StatusBit::FramePole), "{index}");
                 assert!(frame_of(fragment, &out).iter().all(|e| norm(e) > 0.0), "an axis stands in for h");
                 seen[2] += 1;
@@ -224,13 +225,15 @@ fn natural_frames_keep_their_direction_however_skewed_the_tangents() {
             for (index, out) in study.all() {
                 let fragment = &study.set.fragments[index];
                 let pole = match study.set.plan.frame {
-                    FrameSystem::Natural => parallel(&fragment.tangents[0], &fragment.tangents[1]),
-                    _ => fragment.tangents.iter().any(|t| parallel(&fragment.normal, t)),
+                    FrameSystem::Natural => {
+                        parallel(&fragment.surface.frame_vectors[0], &fragment.surface.frame_vectors[1])
+                    }
+                    _ => fragment.surface.frame_vectors.iter().any(|t| parallel(&fragment.surface.normal, t)),
                 };
                 assert_eq!(raised(&out, StatusBit::FramePole), pole, "{name} {} {index}", study.name);
                 if pole {
                     assert_eq!(out.frame, [BlockVector::default(); 2]);
-                    assert_eq!(real_vector(&out.normal_mod), real_vector(&fragment.normal), "unperturbed");
+                    assert_eq!(real_vector(&out.normal_mod), real_vector(&fragment.surface.normal), "unperturbed");
                     continue;
                 }
                 let want = study.want(index).frame;
@@ -247,7 +250,7 @@ fn natural_frames_keep_their_direction_however_skewed_the_tangents() {
 
 /// The reflected ray of the cube sets, exact in integers: n = e_z turns v into (−x, −y, z).
 fn exact_ray(fragment: &ReflectionIn) -> [i64; 3] {
-    let [x, y, z] = integers(&fragment.view);
+    let [x, y, z] = integers(&fragment.surface.view);
     [-x, -y, z]
 }
 
@@ -470,7 +473,7 @@ fn roughness_of_rank_one_makes_a_line_and_none_makes_a_point() {
     for study in studies("roughness_rank") {
         for (index, out) in study.all() {
             let fragment = &study.set.fragments[index];
-            let [d1, d2, d3] = fragment.roughness.map(|d| i64::from(d.to_bits()));
+            let [d1, d2, d3] = fragment.surface.roughness.map(|d| i64::from(d.to_bits()));
             let (alone, rank_one) = (index % 2 == 1, d1 * d3 == 0);
             let nothing = [d1, d2, d3] == [0; 3];
             assert_eq!(raised(&out, StatusBit::FootprintZero), alone && nothing, "{} {index}", study.name);
@@ -527,8 +530,9 @@ fn frame_vectors_of_opposite_normals_are_opposite_in_e1_only() {
     for study in studies("frame_pole") {
         for index in 0..study.set.fragments.len() {
             let fragment = study.set.fragments[index];
-            let opposite = BlockVector { mantissa: fragment.normal.mantissa.map(|m| -m), ..fragment.normal };
-            let flipped = ReflectionIn { normal: opposite, ..fragment };
+            let opposite =
+                BlockVector { mantissa: fragment.surface.normal.mantissa.map(|m| -m), ..fragment.surface.normal };
+            let flipped = ReflectionIn { surface: SurfaceIn { normal: opposite, ..fragment.surface }, ..fragment };
             let [e1, e2] = frame_of(&fragment, &study.out(index));
             let [f1, f2] = frame_of(&flipped, &flipped.reflect(&study.set.plan, &study.p));
             // e₁ = h×n turns round with n, e₂ = n×e₁ stays; ties of rounding differ by a last place.

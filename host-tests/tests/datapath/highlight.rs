@@ -4,7 +4,7 @@ use fixed::types::{I4F28, I8F24, I16F16};
 use rayon::prelude::*;
 use roughxel_core::datapath;
 use roughxel_core::plan::{FrameSystem, SurfacePlan};
-use roughxel_core::ports::{BlockVector, HighlightIn, HighlightOut, Shininess};
+use roughxel_core::ports::{BlockVector, HighlightIn, HighlightOut, Port, Shininess, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, real_offset, real_vector, shininess};
 use roughxel_core::status::StatusBit;
@@ -22,7 +22,7 @@ use roughxel_host_tests::reference::roughness::{decompose, isotropic_tangents, t
 use roughxel_host_tests::space::{any_vectors, any_word, profiles};
 
 fn raised(out: &HighlightOut, bit: StatusBit) -> bool {
-    out.status & bit as u32 != 0
+    out.status & bit.mask() != 0
 }
 
 fn f(out: &HighlightOut) -> f64 {
@@ -36,15 +36,15 @@ fn direction(v: &BlockVector) -> Vector3 {
 
 /// What the reference makes of a fragment.
 fn want(fragment: &HighlightIn, plan: &SurfacePlan) -> Highlight {
-    let normal = direction(&fragment.normal);
+    let normal = direction(&fragment.surface.normal);
     let system = match plan.frame {
         FrameSystem::MainDirection => frame::FrameSystem::MainDirection,
         FrameSystem::Natural => frame::FrameSystem::Natural,
         FrameSystem::NaturalNormalised => frame::FrameSystem::NaturalNormalised,
     };
-    let frame = frame::frame(system, normal, fragment.tangents.map(|t| direction(&t)));
-    let b = fragment.offset.map(real_offset);
-    let d = fragment.roughness.map(real_offset);
+    let frame = frame::frame(system, normal, fragment.surface.frame_vectors.map(|t| direction(&t)));
+    let b = fragment.surface.offset.map(real_offset);
+    let d = fragment.surface.roughness.map(real_offset);
     let scene = Scene {
         normal,
         normal_mod: if plan.bump { perturb(normal, &frame, b) } else { normal },
@@ -53,7 +53,7 @@ fn want(fragment: &HighlightIn, plan: &SurfacePlan) -> Highlight {
             RoughnessKind::Isotropic => isotropic_tangents(&frame, d[0]),
             RoughnessKind::Anisotropic => tangents(&frame, d),
         },
-        view: direction(&fragment.view),
+        view: direction(&fragment.surface.view),
         light: direction(&fragment.light),
         exponent: fragment.shininess.exponent.to_num::<f64>().clamp(1.0, 8192.0),
     };
@@ -157,10 +157,10 @@ fn at_the_peak_nothing_is_divided_by_zero() {
         let mut peaks = 0;
         for fragment in &set.fragments {
             let out = fragment.highlight(&set.plan, &p);
-            assert_eq!(out.status & !(StatusBit::FramePole as u32), 0);
-            if fragment.light == fragment.normal && fragment.view == fragment.normal {
+            assert_eq!(out.status & !(StatusBit::FramePole.mask()), 0);
+            if fragment.light == fragment.surface.normal && fragment.surface.view == fragment.surface.normal {
                 peaks += 1;
-                let smooth = fragment.roughness.iter().all(|d| d.to_bits() == 0);
+                let smooth = fragment.surface.roughness.iter().all(|d| d.to_bits() == 0);
                 assert!(!smooth || out.f == 1, "{}", out.f);
                 let want = want(fragment, &set.plan).f;
                 let last = 8.0 * (-f64::from(p.fraction_bits)).exp2();
@@ -177,9 +177,11 @@ fn without_a_half_vector_or_a_light_f_is_zero_and_a_bit_says_why() {
         let mut seen = [0; 4];
         for fragment in &set.fragments {
             let out = fragment.highlight(&set.plan, &p);
-            let [no_normal, no_view, no_light] = [fragment.normal, fragment.view, fragment.light].map(|v| zero(&v));
-            let sum = [0, 1, 2].map(|i| fragment.light.mantissa[i].to_bits() + fragment.view.mantissa[i].to_bits());
-            let opposite = sum == [0; 3] && fragment.light.exponent == fragment.view.exponent;
+            let [no_normal, no_view, no_light] =
+                [fragment.surface.normal, fragment.surface.view, fragment.light].map(|v| zero(&v));
+            let sum =
+                [0, 1, 2].map(|i| fragment.light.mantissa[i].to_bits() + fragment.surface.view.mantissa[i].to_bits());
+            let opposite = sum == [0; 3] && fragment.light.exponent == fragment.surface.view.exponent;
             for (bit, holds) in [
                 (StatusBit::NormalZero, no_normal),
                 (StatusBit::ViewZero, no_view),
@@ -207,7 +209,7 @@ fn a_light_on_the_horizon_or_below_it_gives_nothing() {
         let (mut on, mut above) = (0, 0);
         for fragment in &set.fragments {
             let integers = |v: &BlockVector| v.mantissa.map(|m| i128::from(m.to_bits()));
-            let [n, l] = [&fragment.normal, &fragment.light].map(integers);
+            let [n, l] = [&fragment.surface.normal, &fragment.light].map(integers);
             let facing: i128 = n.iter().zip(l).map(|(n, l)| n * l).sum();
             let out = fragment.highlight(&set.plan, &p);
             assert_eq!(raised(&out, StatusBit::LightBelowSurface), facing <= 0);
@@ -247,17 +249,18 @@ fn a_neutral_map_gives_the_bits_of_the_design_without_it() {
         let sets = highlight_sets(&p).into_iter().flat_map(|set| set.fragments);
         let random = (0..20_000).map(|index| random_light("neutral map", index, &p));
         for fragment in sets.chain(random) {
-            let flat = HighlightIn { roughness: [I4F28::ZERO; 3], ..fragment };
+            let flat =
+                HighlightIn { surface: SurfaceIn { roughness: [I4F28::ZERO; 3], ..fragment.surface }, ..fragment };
             let without = SurfacePlan { roughness: RoughnessKind::None, ..FULL };
             let expected = flat.highlight(&without, &p);
             for roughness in [RoughnessKind::Anisotropic, RoughnessKind::Isotropic] {
                 assert_eq!(flat.highlight(&SurfacePlan { roughness, ..FULL }, &p), expected, "{flat:?}");
             }
-            let plane = HighlightIn { offset: [I4F28::ZERO; 2], ..flat };
+            let plane = HighlightIn { surface: SurfaceIn { offset: [I4F28::ZERO; 2], ..flat.surface }, ..flat };
             let bare = plane.highlight(&SurfacePlan { bump: false, ..without }, &p);
             let with_frame = plane.highlight(&without, &p);
             assert_eq!(with_frame.f, bare.f);
-            assert_eq!(with_frame.status & !(StatusBit::FramePole as u32), bare.status);
+            assert_eq!(with_frame.status & !(StatusBit::FramePole.mask()), bare.status);
         }
     }
 }
@@ -266,11 +269,13 @@ fn a_neutral_map_gives_the_bits_of_the_design_without_it() {
 fn on_plane(half: Vector3, mean: Vector2, d: [f64; 3], m: f64, p: &Precision) -> HighlightIn {
     let vector = |v: Vector3| block_vector(v.into(), p);
     HighlightIn {
-        normal: vector([0.0, 0.0, 1.0]),
-        view: vector(half),
-        tangents: [vector([0.0, 1.0, 0.0]), BlockVector::default()],
-        offset: mean.map(|b| offset(b, p)),
-        roughness: d.map(|d| offset(d, p)),
+        surface: SurfaceIn {
+            normal: vector([0.0, 0.0, 1.0]),
+            view: vector(half),
+            frame_vectors: [vector([0.0, 1.0, 0.0]), BlockVector::default()],
+            offset: mean.map(|b| offset(b, p)),
+            roughness: d.map(|d| offset(d, p)),
+        },
         light: vector(half),
         shininess: shininess(m),
     }
@@ -347,7 +352,11 @@ fn any_highlight(random: &mut SplitMix64) -> HighlightIn {
     let [b1, b2, d1, d2, d3] = [0; 5].map(|_| I4F28::from_bits(any_word(random)));
     let shininess =
         Shininess { exponent: I16F16::from_bits(any_word(random)), root: I8F24::from_bits(any_word(random)) };
-    HighlightIn { normal, view, tangents: [t0, t1], offset: [b1, b2], roughness: [d1, d2, d3], light, shininess }
+    HighlightIn {
+        surface: SurfaceIn { normal, view, frame_vectors: [t0, t1], offset: [b1, b2], roughness: [d1, d2, d3] },
+        light,
+        shininess,
+    }
 }
 
 #[test]

@@ -3,15 +3,15 @@
 use rayon::prelude::*;
 use roughxel_core::block::Block;
 use roughxel_core::datapath;
+use roughxel_core::design::HorizonInput;
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::{BlockVector, StoredHorizon};
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::ports::{BlockVector, Port, StoredHorizon};
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_core::setup::{block_vector, real_horizon, real_vector, stored_horizon};
 use roughxel_core::signals::AxisSlope;
 use roughxel_core::stage::enter::enter;
 use roughxel_core::stage::horizon::{product, visibility};
 use roughxel_emulator::cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case};
-use roughxel_emulator::net::design::HorizonInput;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
@@ -23,7 +23,7 @@ const CASES: u64 = 200_000;
 const CLEAR: i32 = 1 << 16;
 
 fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+    Profile::NAMES.map(|name| (name, Profile::by_name(name).map(Profile::precision).expect("a listed profile exists")))
 }
 
 fn block(direction: &BlockVector, p: &Precision) -> Block<i32, 3> {
@@ -164,8 +164,8 @@ fn an_open_horizon_changes_no_bit_of_a_weight() {
             assert_eq!(open.raw(), CLEAR, "{name} {index}");
         }
         for weight in 0..=CLEAR {
-            assert_eq!(product(Fx::<i32, 16>::from_raw(weight), Fx::from_raw(CLEAR)).raw(), weight);
-            assert_eq!(product(Fx::<i32, 16>::from_raw(weight), Fx::zero()).raw(), 0);
+            assert_eq!(product::<i32>(Fx::from_raw(weight), Fx::from_raw(CLEAR)).raw(), weight);
+            assert_eq!(product::<i32>(Fx::from_raw(weight), Fx::zero()).raw(), 0);
         }
     }
 }

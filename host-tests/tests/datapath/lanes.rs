@@ -5,19 +5,20 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, Rewire};
-use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{ReflectionIn, environment_scale, texture_scale};
+use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SHARE};
 use roughxel_core::precision::Precision;
-use roughxel_core::signals::{LocalDirection, Peak, PortBlock, Probes, SHARE};
+use roughxel_core::signals::{LocalDirection, MapScale, Probes};
+use roughxel_core::soft_core::{environment_scale, texture_scale};
 use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    Batch, Footprint, InstructionSet, LANES, Lanes, PackedPeak, PeakList, Reading, Target, WideLanes,
+    Footprint, InstructionSet, LANES, Lanes, PackedPeak, PeakList, Reading, Reflecting, Target, WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -165,9 +166,9 @@ fn operations_of_words<T: Target>(random: &mut SplitMix64) {
         "lookup",
         of_words(T::run(
             #[inline(always)]
-            || place.lookup(table),
+            || Word::lookup(place, table),
         )),
-        &|i| places[i].lookup(table).into(),
+        &|i| i32::lookup(places[i], table).into(),
     );
     for drop in 1..64 {
         for up in (0..32).take_while(|up| drop + up < 64) {
@@ -221,6 +222,9 @@ impl Rewire<i32, i32> for Values {
         self.0.push(wire.into());
         wire
     }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.word(wire, fraction_bits)
+    }
     fn wide(&mut self, wire: i64, _: u32) -> i64 {
         self.0.push(wire);
         wire
@@ -244,22 +248,41 @@ fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
 }
 
 /// Every stage of every fragment, in lanes with every instruction set and beside the scalar reading.
-fn compare(inputs: &[ReflectionInput<i32>], plan: &ReflectionPlan, p: &Precision) {
-    let scalar: Vec<_> = inputs.iter().map(|input| datapath::reflection(input, plan, p)).collect();
-    let batch = Batch::new(inputs);
+///
+/// The surface is made on its own, too, and the reflection of what was made.
+fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
+    let scalar: Vec<_> = inputs.iter().map(|input| datapath::reflection(input, scale, plan, p)).collect();
+    let surface_inputs: Vec<_> = inputs.iter().map(|input| input.surface).collect();
     for set in InstructionSet::available() {
-        let (lanes, footprints) = (batch.reflect(set, plan, p), batch.footprints(set, plan, p));
-        assert_eq!((lanes.len(), footprints.len()), (inputs.len(), inputs.len()), "{set}");
-        for ((expected, got), footprint) in scalar.iter().zip(&lanes).zip(&footprints) {
+        let reading = Reading::Lanes(set);
+        let (lanes, footprints) =
+            (reading.reflections(inputs, scale, plan, p), reading.footprints(inputs, scale, plan, p));
+        let surfaces = reading.surfaces(&surface_inputs, &plan.surface(), p);
+        let made = inputs.iter().zip(&surfaces).map(|(input, &surface)| {
+            let ReflectionInput { dview, dnormal, .. } = *input;
+            Reflecting { surface, dview, dnormal }
+        });
+        let of_surfaces = reading.footprints_of(&made.collect::<Vec<_>>(), scale, plan, p);
+        let lengths = [lanes.len(), footprints.len(), surfaces.len(), of_surfaces.len()];
+        assert_eq!(lengths, [inputs.len(); 4], "{set}");
+        for (index, expected) in scalar.iter().enumerate() {
             let context = |difference| format!("{set}, {plan:?}: {difference}");
-            same_wires(expected, got).map_err(context).unwrap();
-            same_wires(&Footprint::of(expected), footprint).map_err(context).unwrap();
+            same_wires(expected, &lanes[index]).map_err(context).unwrap();
+            same_wires(&expected.surface, &surfaces[index]).map_err(context).unwrap();
+            for footprint in [&footprints[index], &of_surfaces[index]] {
+                same_wires(&Footprint::of(expected), footprint).map_err(context).unwrap();
+            }
         }
     }
 }
 
-fn wires(fragments: &[ReflectionIn], p: &Precision) -> Vec<ReflectionInput<i32>> {
-    fragments.iter().map(|fragment| fragment.wires(environment_scale(fragment.edge_texels, p))).collect()
+fn wires(fragments: &[ReflectionIn]) -> Vec<ReflectionInput<i32>> {
+    fragments.iter().map(Port::wires).collect()
+}
+
+/// The scale of the environment of the first fragment, for all.
+fn scale_of(inputs: &[ReflectionInput<i32>], p: &Precision) -> MapScale<i32> {
+    environment_scale(inputs.first().map_or(1, |input| input.edge_texels.raw() as u16), p)
 }
 
 #[test]
@@ -267,10 +290,11 @@ fn every_hard_case_gives_the_bits_of_the_scalar_reading() {
     let plans = plans();
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
-            let inputs = wires(&set.fragments, &p);
+            let inputs = wires(&set.fragments);
             inputs.par_chunks(64).enumerate().for_each(|(chunk, inputs)| {
-                compare(inputs, &set.plan, &p);
-                plans.iter().skip(chunk % 7).step_by(7).for_each(|plan| compare(inputs, plan, &p));
+                let scale = scale_of(inputs, &p);
+                compare(inputs, &scale, &set.plan, &p);
+                plans.iter().skip(chunk % 7).step_by(7).for_each(|plan| compare(inputs, &scale, plan, &p));
             });
         }
     }
@@ -283,11 +307,12 @@ fn random_fragments_give_the_bits_of_the_scalar_reading() {
         (0..160_u64).into_par_iter().for_each(|batch| {
             let start = 200 * batch;
             let fragments: Vec<_> = (start..start + 200).map(|index| random_fragment(name, index, &p)).collect();
-            let inputs = wires(&fragments, &p);
-            compare(&inputs, &ReflectionPlan::FULL, &p);
+            let inputs = wires(&fragments);
+            let scale = scale_of(&inputs, &p);
+            compare(&inputs, &scale, &ReflectionPlan::FULL, &p);
             // Batches of any length, faces and probe counts mixed as they come.
             let length = 1 + batch as usize % 60;
-            compare(&inputs[..length], &plans[batch as usize % plans.len()], &p);
+            compare(&inputs[..length], &scale, &plans[batch as usize % plans.len()], &p);
         });
     }
 }
@@ -298,6 +323,9 @@ struct AnyBits(SplitMix64);
 impl Rewire<i32, i32> for AnyBits {
     fn word(&mut self, _: i32, _: u32) -> i32 {
         corner(&mut self.0) as i32
+    }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.word(wire, fraction_bits)
     }
     fn wide(&mut self, _: i64, _: u32) -> i64 {
         corner(&mut self.0)
@@ -313,9 +341,10 @@ fn wires_that_no_port_carries_give_the_bits_of_the_scalar_reading() {
     for (name, p) in profiles() {
         (0..200_u64).into_par_iter().for_each(|index| {
             let mut bits = AnyBits(SplitMix64::for_element(name, index));
-            let blank = wires(&[ReflectionIn::default()], &p)[0];
+            let blank = ReflectionIn::default().wires();
+            let scale = scale_of(&[], &p).rewire(&mut bits);
             let inputs: Vec<ReflectionInput<i32>> = (0..40).map(|_| blank.rewire(&mut bits)).collect();
-            compare(&inputs, &plans[index as usize % plans.len()], &p);
+            compare(&inputs, &scale, &plans[index as usize % plans.len()], &p);
         });
     }
 }
@@ -324,8 +353,9 @@ fn wires_that_no_port_carries_give_the_bits_of_the_scalar_reading() {
 fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     let p = Precision::STANDARD;
     let fragments: Vec<_> = (0..LANES as u64).map(|index| random_fragment("mixed", index, &p)).collect();
-    let inputs = wires(&fragments, &p);
-    let footprints = Reading::best().footprints(&inputs, &ReflectionPlan::FULL, &p);
+    let inputs = wires(&fragments);
+    let scale = scale_of(&inputs, &p);
+    let footprints = Reading::best().footprints(&inputs, &scale, &ReflectionPlan::FULL, &p);
     let distinct = |of: fn(&Footprint<i32>) -> i32| {
         let mut values: Vec<_> = footprints.iter().map(of).collect();
         values.sort_unstable();
@@ -334,17 +364,16 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     };
     assert!(distinct(|footprint| footprint.point.select.index().raw()) >= 4);
     assert!(distinct(|footprint| footprint.probes.count.raw()) >= 4);
-    compare(&inputs, &ReflectionPlan::FULL, &p);
+    compare(&inputs, &scale, &ReflectionPlan::FULL, &p);
 }
 
 #[test]
 fn batches_of_any_length_come_back_in_order() {
     let p = Precision::STANDARD;
     let fragments: Vec<_> = (0..50).map(|index| random_fragment("length", index, &p)).collect();
-    let inputs = wires(&fragments, &p);
+    let inputs = wires(&fragments);
     for length in 0..=inputs.len() {
-        assert_eq!(Batch::new(&inputs[..length]).len(), length);
-        compare(&inputs[..length], &ReflectionPlan::FULL, &p);
+        compare(&inputs[..length], &scale_of(&inputs, &p), &ReflectionPlan::FULL, &p);
     }
 }
 
@@ -397,7 +426,7 @@ fn peaks_in_lanes_are_those_of_the_scalar_reading() {
             let mut list = PeakList::default();
             list.gather(&map.iter().map(PackedPeak::from).collect::<Vec<_>>(), &indices);
             if index % 3 == 0 {
-                weights.fill(Fx::from_raw(1 << SHARE));
+                weights.fill(Fx::int(1));
             } else {
                 list.weigh(weights.iter().copied());
             }
@@ -420,7 +449,7 @@ fn peaks_in_lanes_are_those_of_the_scalar_reading() {
 fn stored_peak(bits: &mut AnyBits) -> Peak<i32> {
     let zero = Fx::from_raw(0);
     let any: Peak<i32> = Peak { normal: [Fx::from_raw(0); 3], amplitude: zero, exponent: zero }.rewire(bits);
-    let code = |x: Fx<i32, 0>| Fx::from_raw(x.raw() & 0xffff);
+    let code = |x: Fx<i32, 32>| Fx::from_raw(x.raw() & 0xffff);
     let normal = any.normal.map(|x| Fx::from_raw(i32::from(x.raw() as i16)));
     Peak { normal, amplitude: code(any.amplitude), exponent: code(any.exponent) }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, PeakPlan};
-use roughxel_core::ports::{BlockVector, PeakIn, PeakOut};
+use roughxel_core::ports::{BlockVector, PeakIn, PeakOut, Port};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{real_peak, real_vector};
 use roughxel_core::status::StatusBit;
@@ -29,7 +29,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 }
 
 fn raised(out: &PeakOut, bit: StatusBit) -> bool {
-    out.status & bit as u32 != 0
+    out.status & bit.mask() != 0
 }
 
 /// Whether `found` holds a bar and comes near it: a bar that nothing meets is a bar that nobody measured.
@@ -42,19 +42,19 @@ fn holds(name: &str, what: &str, found: f64, bar: f64) {
 fn conditioned(case: &PeakIn, out: &PeakOut) -> Option<f64> {
     let bits = [StatusBit::NormalZero, StatusBit::ViewZero, StatusBit::LightZero, StatusBit::HalfZero];
     let defined = bits.iter().chain(&[StatusBit::FramePole, StatusBit::LocalZero]).all(|&bit| !raised(out, bit));
-    defined.then(|| norm(&highlight::half(of_any_length(&case.light), of_any_length(&case.view))))
+    defined.then(|| norm(&highlight::half(of_any_length(&case.light), of_any_length(&case.surface.view))))
 }
 
 /// The length of the error of the local half vector, times how far l and v are from opposite, and times the sine between n and h,
 /// beside which a frame has no direction.
 fn direction_error(case: &PeakIn, out: &PeakOut) -> Option<f64> {
     let half_length = conditioned(case, out)?;
-    let normal = of_any_length(&case.normal);
-    let tangents = case.tangents.map(|tangent| of_any_length(&tangent));
+    let normal = of_any_length(&case.surface.normal);
+    let tangents = case.surface.frame_vectors.map(|tangent| of_any_length(&tangent));
     let frame = frame::frame(frame::FrameSystem::MainDirection, normal, tangents);
-    let half = highlight::half(of_any_length(&case.light), of_any_length(&case.view));
+    let half = highlight::half(of_any_length(&case.light), of_any_length(&case.surface.view));
     let want = peaks::local_direction(half, [frame.e1, frame.e2], normal)?;
-    let got = out.direction.map(|m| m.to_num::<f64>());
+    let got = out.local_half.map(|m| m.to_num::<f64>());
     let cosine = dot(&unit(normal), &unit(tangents[0]));
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let error = norm(&[0, 1, 2].map(|i| got[i] - want[i]));
@@ -97,12 +97,12 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
             let case = random_lit_peak("lit light", index, &p);
             let out = case.shine(&FULL, &p);
             let [light, eye] = out.slopes.map(|axes| axes.map(|slope| slope.to_num::<f64>()));
-            let want = clears(&case, &out.light, light) * clears(&case, &out.eye, eye);
+            let want = clears(&case, &out.local_light, light) * clears(&case, &out.local_eye, eye);
             let visibility = out.visibility.to_num::<f64>();
             let lit = if raised(&out, StatusBit::LightBelowSurface) { 0.0 } else { 1.0 };
             let share = case.weight.to_num::<f64>().clamp(0.0, 1.0) * visibility * lit;
             let (normal, a, n) = real_peak(&case.peak);
-            let direction = out.direction.map(|m| m.to_num::<f64>());
+            let direction = out.local_half.map(|m| m.to_num::<f64>());
             // Random bits are no unit vectors, and their exponents have no bar.
             let plausible = (normal.length() - 1.0).abs() < 2.0_f64.powi(-14) && n <= 8192.0;
             let peak = a * share * peaks::peak(direction, normal.to_array(), 1.0, n);
@@ -128,17 +128,17 @@ fn what_has_no_light_gives_none_and_a_bit_says_why() {
             let out = case.shine(&plan, &p);
             let is_zero = |v: &BlockVector| v.mantissa.iter().all(|m| m.to_bits() == 0);
             for (zero, bit) in [
-                (is_zero(&case.normal), StatusBit::NormalZero),
-                (is_zero(&case.view), StatusBit::ViewZero),
+                (is_zero(&case.surface.normal), StatusBit::NormalZero),
+                (is_zero(&case.surface.view), StatusBit::ViewZero),
                 (is_zero(&case.light), StatusBit::LightZero),
                 (is_zero(&out.half), StatusBit::HalfZero),
-                (is_zero(&out.light) || out.light.mantissa[2].to_bits() <= 0, StatusBit::LightBelowSurface),
-                (out.direction.iter().all(|m| m.to_bits() == 0), StatusBit::LocalZero),
+                (is_zero(&out.local_light) || out.local_light.mantissa[2].to_bits() <= 0, StatusBit::LightBelowSurface),
+                (out.local_half.iter().all(|m| m.to_bits() == 0), StatusBit::LocalZero),
             ] {
                 assert_eq!(raised(&out, bit), zero, "{bit:?}: {case:?} gives {out:?}");
                 if zero {
                     assert_eq!(out.peak.to_bits(), 0, "{bit:?}: {case:?}");
-                    seen |= bit as u32;
+                    seen |= bit.mask();
                 }
             }
             let [visibility, peak] = [out.visibility.to_bits(), out.peak.to_bits()];

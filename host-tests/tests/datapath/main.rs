@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod arithmetic;
+mod edge;
 mod elementary;
 mod filter;
 mod float_datapath;

@@ -6,18 +6,19 @@ use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 use roughxel_core::block::Block;
 use roughxel_core::datapath;
+use roughxel_core::design::StoredPeakInput;
 use roughxel_core::elementary::{VERSINE, cosine_power, minus_log2_one_minus, short_number};
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::{BlockVector, StoredPeak};
-use roughxel_core::precision::{PROFILE_NAMES, Precision};
+use roughxel_core::ports::{BlockVector, LIGHT, Port, StoredPeak};
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_core::setup::{real_peak, real_vector, stored_peak};
-use roughxel_core::signals::{LIGHT, LocalDirection, PeakSum};
-use roughxel_core::stage::{filter, peaks};
-use roughxel_core::status::StatusBit;
+use roughxel_core::signals::{LocalDirection, PeakSum};
+use roughxel_core::stage::filter::{self, Patch};
+use roughxel_core::stage::peaks;
 use roughxel_emulator::cases::peak_and_horizon::{
     HardSet, LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case,
 };
-use roughxel_emulator::net::design::PeakInput;
+use roughxel_emulator::lanes::PackedPeak;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::checked::Integers;
@@ -28,7 +29,7 @@ use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 const CASES: u64 = 200_000;
 
 fn profiles() -> [(&'static str, Precision); 4] {
-    PROFILE_NAMES.map(|name| (name, Precision::by_name(name).expect("a listed profile exists")))
+    Profile::NAMES.map(|name| (name, Profile::by_name(name).map(Profile::precision).expect("a listed profile exists")))
 }
 
 fn number(x: Block<i32, 1>) -> f64 {
@@ -40,7 +41,7 @@ fn direction(x: &LocalDirection<i32>) -> [f64; 3] {
 }
 
 fn light(sum: Fx<i32, LIGHT>) -> f64 {
-    f64::from(sum.raw()) * f64::from(-(LIGHT as i32)).exp2()
+    f64::from(sum.raw()) * f64::from(-24).exp2()
 }
 
 fn local(half: &LocalCase, p: &Precision) -> LocalDirection<i32> {
@@ -105,7 +106,7 @@ fn powers_of_a_cosine_hold_their_bound_for_every_exponent() {
         // Every octave of n, its ends and 64 between; powers from 1 down to 2^−28 by the share of the way.
         let codes = (8192..=61_440_u16).into_par_iter().step_by(61).chain([8193, 20_479, 61_439]);
         let worst = codes.map(|code| {
-            let n = short_number(Fx::<i32, 0>::from_raw(code.into()));
+            let n = short_number(Fx::<i32, 32>::from_raw(code.into()));
             let error = |step: u32| {
                 let x = 20.0 * (f64::from(step) / 4096.0).powi(2);
                 let raw = (-(-x / number(n)).exp_m1() * f64::from(VERSINE).exp2()) as i64;
@@ -122,7 +123,7 @@ fn powers_of_a_cosine_hold_their_bound_for_every_exponent() {
 fn a_power_is_1_on_its_peak_and_0_from_a_right_angle_on() {
     for (_, p) in profiles() {
         for code in [0, 1, 4096, 8192, 30_000, 61_440, u16::MAX] {
-            let n = short_number(Fx::<i32, 0>::from_raw(code.into()));
+            let n = short_number(Fx::<i32, 32>::from_raw(code.into()));
             assert_eq!(number(cosine_power(Fx::zero(), n, &p)), 1.0);
             for y in [1_i64 << VERSINE, (1 << VERSINE) + 1, 27 << (VERSINE - 3)] {
                 assert_eq!(number(cosine_power(Fx::from_raw(y), n, &p)), 0.0);
@@ -138,9 +139,9 @@ fn a_power_is_1_on_its_peak_and_0_from_a_right_angle_on() {
 #[test]
 fn a_power_falls_with_the_angle() {
     for (name, p) in profiles() {
-        let slack = BOUNDS[PROFILE_NAMES.iter().position(|other| *other == name).unwrap_or(0)][1].exp2();
+        let slack = BOUNDS[Profile::NAMES.iter().position(|other| *other == name).unwrap_or(0)][1].exp2();
         for code in [8192, 12_000, 20_480, 40_000, 61_440] {
-            let n = short_number(Fx::<i32, 0>::from_raw(code));
+            let n = short_number(Fx::<i32, 32>::from_raw(code));
             let power = |step: i64| number(cosine_power(Fx::from_raw(step << 48), n, &p));
             assert!((1..1 << 13).all(|step| power(step) <= power(step - 1) + slack), "{name} {code}");
         }
@@ -296,8 +297,7 @@ fn any_codes_give_a_bounded_sum_that_says_when_it_is_cut() {
         let mut cut = 0;
         for case in set(&peak_hard_sets(&p), "peak_codes") {
             let (h, sum) = sum(case, &p);
-            assert!((0..64 << LIGHT).contains(&sum.light.raw()));
-            let status = datapath::peak_status(&h, &sum).word().raw() as u32;
+            assert!((0..64 << 24).contains(&sum.light.raw()));
             let parts: i64 = case
                 .peaks
                 .iter()
@@ -305,8 +305,8 @@ fn any_codes_give_a_bounded_sum_that_says_when_it_is_cut() {
                     i64::from(datapath::peak(&h, &peak.wires(), Fx::from_raw(*weight as i32), &p).raw())
                 })
                 .sum();
-            assert_eq!(i64::from(sum.light.raw()), parts.min((64 << LIGHT) - 1));
-            assert_eq!(status & StatusBit::PeaksSaturated as u32 != 0, parts >= 64 << LIGHT);
+            assert_eq!(i64::from(sum.light.raw()), parts.min((64 << 24) - 1));
+            assert_eq!(sum.saturated, parts >= 64 << 24);
             cut += usize::from(sum.saturated);
             let nothing = case.peaks.iter().all(|(peak, weight)| peak.amplitude == 0 || *weight == 0);
             assert!(!nothing || sum.light.raw() == 0);
@@ -316,17 +316,15 @@ fn any_codes_give_a_bounded_sum_that_says_when_it_is_cut() {
 }
 
 #[test]
-fn without_a_direction_no_peak_is_lit_and_the_status_says_so() {
+fn without_a_direction_no_peak_is_lit() {
     for (name, p) in profiles() {
         let (mut none, mut some) = (0, 0);
         for (index, case) in set(&peak_hard_sets(&p), "local_zero").iter().enumerate() {
             let (h, sum) = sum(case, &p);
-            let status = datapath::peak_status(&h, &sum).word().raw() as u32;
             let zero = |v: &BlockVector| v.mantissa.iter().all(|m| m.to_bits() == 0);
             let LocalCase { direction: d, tangents, normal } = &case.half;
             let expected = zero(d) || tangents.iter().any(zero) || zero(d) && zero(normal);
             assert_eq!(h.none, expected, "{name} {index}");
-            assert_eq!(status & StatusBit::LocalZero as u32 != 0, expected);
             if expected {
                 assert_eq!((direction(&h), sum.light.raw()), ([0.0; 3], 0));
                 none += 1;
@@ -360,11 +358,11 @@ fn interpolated_sums_of_equal_texels_are_that_sum() {
     for index in 0..500 {
         let case = random_peak_case("texels", index, &p);
         let light = sum(&case, &p).1.light.raw();
-        let mut weight = || Fx::from_raw(random.below(1 << filter::WEIGHT) as i32);
-        let weights = [[weight(), weight()], [weight(), weight()]];
-        let level = Fx::from_raw(random.below(1 << filter::LOD_WEIGHT) as i32);
-        let texels = [light; 4];
-        assert_eq!(filter::trilinear((&texels, &weights[0]), (&texels, &weights[1]), level, 0), light);
+        let mut weight = || Fx::from_raw(random.below(1 << 10) as i32);
+        let mut patch = || Patch::<i32> { texels: [Fx::from_raw(light); 4], weight: [weight(), weight()] };
+        let (fine, coarse) = (patch(), patch());
+        let level = Fx::from_raw(random.below(1 << 12) as i32);
+        assert_eq!(filter::trilinear(&fine, &coarse, level, 0).raw(), light);
     }
 }
 
@@ -413,7 +411,7 @@ fn codes_are_monotone_and_mean_what_the_datapath_reads() {
         assert!(n > last, "{code}");
         last = n;
         assert_eq!(a, n / 256.0);
-        assert_eq!(number(short_number(Fx::<i32, 0>::from_raw(code.into()))), n);
+        assert_eq!(number(short_number(Fx::<i32, 32>::from_raw(code.into()))), n);
         let stored = stored_peak(DVec3::Z, a, n);
         assert_eq!(stored.amplitude, code);
         assert!(stored.exponent == code || !(1.0..=8192.0).contains(&n));
@@ -434,7 +432,8 @@ fn every_reading_gives_the_same_bits() {
                 let mut sum = peaks::none();
                 for (peak, weight) in &case.peaks {
                     let (peak, weight) = (peak.wires(), Fx::from_raw(*weight as i32));
-                    inputs.push(DesignInput::Peak(PeakInput { h, peak, weight, sum }));
+                    let words = PackedPeak::from(&peak).words();
+                    inputs.push(DesignInput::Peak(StoredPeakInput { half: h, words, weight, sum }));
                     sum = datapath::peak_sum(&sum, datapath::peak(&h, &peak, weight, &p));
                 }
             }

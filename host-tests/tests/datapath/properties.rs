@@ -6,13 +6,15 @@
 use fixed::types::{I2F30, I4F28};
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, normalise};
+use roughxel_core::datapath::reflection::leave;
 use roughxel_core::datapath::{Reflection, environment_probe, reflection};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
-use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, environment_scale};
+use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::{AxisDirection, Precision, RoughnessKind};
 use roughxel_core::setup::real_number;
 use roughxel_core::signals::FaceSelect;
+use roughxel_core::soft_core::environment_scale;
 use roughxel_core::stage::cube_face::cube_face;
 use roughxel_core::stage::reflect::reflect;
 use roughxel_core::status::StatusBit;
@@ -26,11 +28,11 @@ use roughxel_host_tests::space::profiles;
 /// 2^30.
 const ONE: i32 = 1 << MANTISSA;
 
-fn mantissa(x: Fx<i32, 30>) -> f64 {
+fn mantissa(x: Fx<i32, 2>) -> f64 {
     f64::from(x.raw()) / f64::from(ONE)
 }
 
-fn vector<const N: usize>(m: [Fx<i32, 30>; N]) -> [f64; N] {
+fn vector<const N: usize>(m: [Fx<i32, 2>; N]) -> [f64; N] {
     m.map(mantissa)
 }
 
@@ -39,7 +41,7 @@ fn number(x: &Block<i32, 1>) -> f64 {
 }
 
 fn raised(out: &ReflectionOut, bit: StatusBit) -> bool {
-    out.status & bit as u32 != 0
+    out.status & bit.mask() != 0
 }
 
 /// Any bits at all, often with equal or opposite components.
@@ -66,7 +68,12 @@ fn any_fragment(set: &str, index: u64) -> ReflectionIn {
     // Every eighth main direction lies along the normal.
     let t0 = if index.is_multiple_of(8) { normal } else { t0 };
     let edge_texels = random.next_u64() as u16;
-    ReflectionIn { normal, view, tangents: [t0, t1], offset, roughness, dview, dnormal, edge_texels }
+    ReflectionIn {
+        surface: SurfaceIn { normal, view, frame_vectors: [t0, t1], offset, roughness },
+        dview,
+        dnormal,
+        edge_texels,
+    }
 }
 
 /// Runs a claim over random fragments, hard cases and arbitrary bits of one profile.
@@ -79,7 +86,7 @@ fn everywhere(name: &str, p: &Precision, count: u64, claim: impl Fn(&ReflectionI
 }
 
 fn stages(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Reflection<i32> {
-    reflection(&fragment.wires(environment_scale(fragment.edge_texels, p)), plan, p)
+    reflection(&fragment.wires(), &environment_scale(fragment.edge_texels, p), plan, p)
 }
 
 fn longer(v: BlockVector, places: i16) -> BlockVector {
@@ -102,8 +109,11 @@ fn lengths_of_normal_view_and_main_direction_change_no_bit() {
                 let plain = fragment.reflect(&plan, &p);
                 for places in [-300, -1, 1, 77, 2000] {
                     let by = |v: BlockVector| longer(v, places);
-                    let normal =
-                        ReflectionIn { normal: by(fragment.normal), dnormal: fragment.dnormal.map(by), ..*fragment };
+                    let normal = ReflectionIn {
+                        surface: SurfaceIn { normal: by(fragment.surface.normal), ..fragment.surface },
+                        dnormal: fragment.dnormal.map(by),
+                        ..*fragment
+                    };
                     let expected = ReflectionOut {
                         frame: plain.frame.map(|e| expected_longer(e, places)),
                         normal_mod: expected_longer(plain.normal_mod, places),
@@ -112,12 +122,22 @@ fn lengths_of_normal_view_and_main_direction_change_no_bit() {
                     };
                     assert_eq!(normal.reflect(&plan, &p), expected, "n and dn of {fragment:?}");
 
-                    let view = ReflectionIn { view: by(fragment.view), dview: fragment.dview.map(by), ..*fragment };
+                    let view = ReflectionIn {
+                        surface: SurfaceIn { view: by(fragment.surface.view), ..fragment.surface },
+                        dview: fragment.dview.map(by),
+                        ..*fragment
+                    };
                     let expected = ReflectionOut { reflected: expected_longer(plain.reflected, places), ..plain };
                     assert_eq!(view.reflect(&plan, &p), expected, "v and dv of {fragment:?}");
 
                     if frame != FrameSystem::Natural {
-                        let tangents = ReflectionIn { tangents: fragment.tangents.map(by), ..*fragment };
+                        let tangents = ReflectionIn {
+                            surface: SurfaceIn {
+                                frame_vectors: fragment.surface.frame_vectors.map(by),
+                                ..fragment.surface
+                            },
+                            ..*fragment
+                        };
                         assert_eq!(tangents.reflect(&plan, &p), plain, "h, or p_u and p_v of {fragment:?}");
                     }
                 }
@@ -129,7 +149,7 @@ fn lengths_of_normal_view_and_main_direction_change_no_bit() {
 /// A direction with random bits.
 fn random_direction(random: &mut SplitMix64, p: &Precision) -> Block<i32, 3> {
     let wide = [(); 3].map(|()| Fx::from_raw(random.next_u64() as i64 >> 2));
-    normalise::<i32, 3, 60>(wide, Fx::zero(), p.fraction_bits)
+    normalise::<i64, 3, 4>(wide, Fx::zero(), p.fraction_bits)
 }
 
 #[test]
@@ -188,7 +208,7 @@ fn face_coordinates_and_back_are_inverse_on_every_face() {
         let select = FaceSelect::<i32>::of_index(Fx::lit(face));
         assert_eq!(select.index().raw(), face as i32);
         for _ in 0..1000 {
-            let v: [Fx<i32, 30>; 3] = [(); 3].map(|()| Fx::from_raw((random.next_u64() as i32) >> 1));
+            let v: [Fx<i32, 2>; 3] = [(); 3].map(|()| Fx::from_raw((random.next_u64() as i32) >> 1));
             assert_eq!(select.from_face(select.to_face(v)), v);
             assert_eq!(select.to_face(select.from_face(v)), v);
             let expected = reference::cube::face_components(face as usize, vector(v));
@@ -204,11 +224,12 @@ fn bump_off_equals_offsets_of_zero() {
             let on = ReflectionPlan { roughness, ..ReflectionPlan::FULL };
             let off = ReflectionPlan { bump: false, ..on };
             everywhere(name, &p, 10_000, |fragment| {
-                let flat = ReflectionIn { offset: [I4F28::ZERO; 2], ..*fragment };
+                let flat =
+                    ReflectionIn { surface: SurfaceIn { offset: [I4F28::ZERO; 2], ..fragment.surface }, ..*fragment };
                 let (with, without) = (flat.reflect(&on, &p), flat.reflect(&off, &p));
                 // Without roughness nothing needs the frame: it does not exist, nor does its pole.
                 let expected = if roughness == RoughnessKind::None {
-                    let status = with.status & !(StatusBit::FramePole as u32);
+                    let status = with.status & !(StatusBit::FramePole.mask());
                     ReflectionOut { frame: without.frame, status, ..with }
                 } else {
                     with
@@ -225,7 +246,8 @@ fn roughness_off_equals_no_roughness() {
     let off = ReflectionPlan { roughness: RoughnessKind::None, ..on };
     for (name, p) in profiles() {
         everywhere(name, &p, 10_000, |fragment| {
-            let smooth = ReflectionIn { roughness: [I4F28::ZERO; 3], ..*fragment };
+            let smooth =
+                ReflectionIn { surface: SurfaceIn { roughness: [I4F28::ZERO; 3], ..fragment.surface }, ..*fragment };
             assert_eq!(smooth.reflect(&on, &p), smooth.reflect(&off, &p), "{smooth:?}");
             assert_eq!(fragment.reflect(&off, &p), smooth.reflect(&off, &p), "D is not looked at");
         });
@@ -238,9 +260,15 @@ fn isotropic_roughness_equals_anisotropic_roughness_of_a_circle() {
     let isotropic = ReflectionPlan { roughness: RoughnessKind::Isotropic, ..anisotropic };
     for (name, p) in profiles() {
         everywhere(name, &p, 10_000, |fragment| {
-            let [i1, _, _] = fragment.roughness;
-            let circle = ReflectionIn { roughness: [i1, I4F28::ZERO, i1], ..*fragment };
-            let single = ReflectionIn { roughness: [i1, I4F28::MAX, I4F28::MIN], ..*fragment };
+            let [i1, _, _] = fragment.surface.roughness;
+            let circle = ReflectionIn {
+                surface: SurfaceIn { roughness: [i1, I4F28::ZERO, i1], ..fragment.surface },
+                ..*fragment
+            };
+            let single = ReflectionIn {
+                surface: SurfaceIn { roughness: [i1, I4F28::MAX, I4F28::MIN], ..fragment.surface },
+                ..*fragment
+            };
             assert_eq!(circle.reflect(&anisotropic, &p), single.reflect(&isotropic, &p), "{circle:?}");
         });
     }
@@ -264,7 +292,7 @@ fn footprint_off_leaves_one_probe_at_the_finest_level_of_the_same_point() {
     let on = ReflectionPlan::FULL;
     let off = ReflectionPlan { footprint: false, ..on };
     let of_footprint = [StatusBit::FootprintZero, StatusBit::FootprintSaturated, StatusBit::ProbesCapped];
-    let of_footprint = of_footprint.into_iter().fold(0, |bits, bit| bits | bit as u32);
+    let of_footprint = of_footprint.into_iter().fold(0, |bits, bit| bits | bit.mask());
     for (name, p) in profiles() {
         everywhere(name, &p, 10_000, |fragment| {
             let (with, without) = (fragment.reflect(&on, &p), fragment.reflect(&off, &p));
@@ -276,7 +304,7 @@ fn footprint_off_leaves_one_probe_at_the_finest_level_of_the_same_point() {
                 st: with.st,
                 direction: [I2F30::ONE, I2F30::ZERO],
                 probes: 1,
-                status: with.status & !of_footprint | StatusBit::FootprintZero as u32,
+                status: with.status & !of_footprint | StatusBit::FootprintZero.mask(),
                 ..ReflectionOut::default()
             };
             assert_eq!(without, expected, "{fragment:?}");
@@ -317,8 +345,8 @@ fn parallel(a: &Block<i32, 3>, b: &Block<i32, 3>) -> bool {
 }
 
 fn entered(port: &BlockVector, p: &Precision) -> Block<i32, 3> {
-    let wide = port.mantissa.map(|m| Fx::<i32, 30>::from_raw(m.to_bits()).widen());
-    normalise::<i32, 3, 60>(wide, Fx::lit(i64::from(port.exponent)), p.fraction_bits)
+    let wide = port.mantissa.map(|m| Fx::<i32, 2>::from_raw(m.to_bits()).widen());
+    normalise::<i64, 3, 4>(wide, Fx::lit(i64::from(port.exponent)), p.fraction_bits)
 }
 
 #[test]
@@ -328,16 +356,16 @@ fn status_bits_say_exactly_what_they_are_documented_to_say() {
             let plan = ReflectionPlan { frame, ..ReflectionPlan::FULL };
             everywhere(name, &p, 20_000, |fragment| {
                 let stages = stages(fragment, &plan, &p);
-                let out = ReflectionOut::from(&stages);
+                let out = ReflectionOut::of(&leave(&stages));
                 let said =
                     |bit: StatusBit, holds: bool| assert_eq!(raised(&out, bit), holds, "{bit:?} of {fragment:?}");
 
                 let zero = |port: &BlockVector| port.mantissa == [I2F30::ZERO; 3];
-                said(StatusBit::NormalZero, zero(&fragment.normal));
-                said(StatusBit::ViewZero, zero(&fragment.view));
+                said(StatusBit::NormalZero, zero(&fragment.surface.normal));
+                said(StatusBit::ViewZero, zero(&fragment.surface.view));
 
-                let [first, second] = fragment.tangents.map(|t| entered(&t, &p));
-                let n = &stages.normal;
+                let [first, second] = fragment.surface.frame_vectors.map(|t| entered(&t, &p));
+                let n = &stages.surface.normal;
                 said(
                     StatusBit::FramePole,
                     match frame {
@@ -347,8 +375,11 @@ fn status_bits_say_exactly_what_they_are_documented_to_say() {
                     },
                 );
 
-                let along: i64 =
-                    (0..3).map(|i| i64::from(stages.normal_mod.m[i].raw()) * i64::from(stages.view.m[i].raw())).sum();
+                let along: i64 = (0..3)
+                    .map(|i| {
+                        i64::from(stages.surface.normal_mod.m[i].raw()) * i64::from(stages.surface.view.m[i].raw())
+                    })
+                    .sum();
                 said(StatusBit::ViewBelowSurface, along <= 0);
 
                 let mut sizes = stages.reflected.r.m.map(|m| m.raw().abs());
@@ -377,8 +408,10 @@ fn status_bits_say_exactly_what_they_are_documented_to_say() {
 fn degenerate_inputs_give_the_documented_point() {
     for (name, p) in profiles() {
         everywhere(name, &p, 2000, |fragment| {
-            let no_normal = ReflectionIn { normal: BlockVector::default(), ..*fragment };
-            let no_view = ReflectionIn { view: BlockVector::default(), ..*fragment };
+            let no_normal =
+                ReflectionIn { surface: SurfaceIn { normal: BlockVector::default(), ..fragment.surface }, ..*fragment };
+            let no_view =
+                ReflectionIn { surface: SurfaceIn { view: BlockVector::default(), ..fragment.surface }, ..*fragment };
             for nothing in [no_normal, no_view] {
                 let out = nothing.reflect(&ReflectionPlan::FULL, &p);
                 assert_eq!(out.reflected, BlockVector::default());
@@ -455,13 +488,15 @@ fn neighbouring_inputs_give_neighbouring_footprints() {
                 let scale = want.footprint_scale();
                 // A last bit is small beside a whole mantissa only; on a tie the plane of the footprint changes.
                 let whole = |v: &BlockVector| v.mantissa.iter().any(|m| m.unsigned_abs() >= 0.5);
-                let moving = [fragment.normal, fragment.view, fragment.dview[0], fragment.dnormal[1]];
+                let moving = [fragment.surface.normal, fragment.surface.view, fragment.dview[0], fragment.dnormal[1]];
                 if !moving.iter().all(whole) || want.tie_margin < 0.01 || scale == 0.0 {
                     return None;
                 }
                 let mut random = SplitMix64::for_element("neighbours", index);
                 let mut moved = fragment;
-                for v in [&mut moved.normal, &mut moved.view, &mut moved.dview[0], &mut moved.dnormal[1]] {
+                for v in
+                    [&mut moved.surface.normal, &mut moved.surface.view, &mut moved.dview[0], &mut moved.dnormal[1]]
+                {
                     let component = random.below(3) as usize;
                     let step = if random.below(2) == 0 { last } else { -last };
                     v.mantissa[component] = I2F30::from_bits(v.mantissa[component].to_bits() + step);
@@ -471,8 +506,8 @@ fn neighbouring_inputs_give_neighbouring_footprints() {
                 let major = change(real_number(&out.major), real_number(&neighbour.major));
                 let minor = change(real_number(&out.minor), real_number(&neighbour.minor));
                 // Near a pole of the frame the tangents turn freely with the last bit, and the roughness with them.
-                let h = entered(&fragment.tangents[0], &p);
-                let n = entered(&fragment.normal, &p);
+                let h = entered(&fragment.surface.frame_vectors[0], &p);
+                let n = entered(&fragment.surface.normal, &p);
                 let [h, n] = [h.m, n.m].map(vector);
                 let sine = norm(&cross(h, n)) / (norm(&h) * norm(&n));
                 (sine > 0.25).then_some(major.max(minor))

@@ -11,11 +11,13 @@ use rayon::prelude::*;
 use roughxel_core::block::Block;
 use roughxel_core::datapath;
 use roughxel_core::elementary;
-use roughxel_core::fx::Fx;
+use roughxel_core::fx::{Fx, Int};
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{BlockPair, BlockVector, ReflectionIn, TextureIn, environment_scale, texture_scale};
+use roughxel_core::ports::{BlockPair, BlockVector, Port, ReflectionIn, SurfaceIn, TextureIn};
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
-use roughxel_core::signals::{PortBlock, Probes, TexturePosition};
+use roughxel_core::signals::{Probes, TexturePosition};
+use roughxel_core::soft_core::{environment_scale, texture_scale};
+use roughxel_core::stage::filter::Patch;
 use roughxel_core::stage::{blend, filter, moments, probes};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::random::SplitMix64;
@@ -30,9 +32,9 @@ fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Ope
     assert_eq!(Integers::of(&[map.log2_texels]), Integers::of(&[checked_map.log2_texels]));
     assert_eq!(Integers::of(&[map.last_level]), Integers::of(&[checked_map.last_level]));
 
-    let input = fragment.wires(map);
-    let scalar = datapath::reflection(&input, plan, p);
-    let (checked, counts) = counted(|| datapath::reflection(&reread::<Checked, _>(&input), plan, p));
+    let input = fragment.wires();
+    let scalar = datapath::reflection(&input, &map, plan, p);
+    let (checked, counts) = counted(|| datapath::reflection(&reread::<Checked, _>(&input), &checked_map, plan, p));
     let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
     for index in 0..i64::from(scalar.probes.count.raw()) {
@@ -47,11 +49,7 @@ fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Ope
 fn compare_texture(fragment: &TextureIn, size: [u16; 2], p: &Precision) {
     let (texture, map) = texture_scale(size);
     let (checked_texture, checked_map) = (reread::<Checked, _>(&texture), reread::<Checked, _>(&map));
-    let port = |pair: BlockPair| PortBlock {
-        mantissa: pair.mantissa.map(|m| Fx::<i32, 30>::from_raw(m.to_bits())),
-        exponent: Fx::lit(i64::from(pair.exponent)),
-    };
-    let ports = fragment.duv.map(port);
+    let ports = fragment.duv.wires();
     let scalar = fragment.footprint(&(texture, map), p);
     let checked = datapath::texture_footprint(&reread(&ports), &checked_texture, &checked_map, p);
     let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
@@ -131,11 +129,13 @@ fn corner_fragment(random: &mut SplitMix64) -> ReflectionIn {
     let [normal, view, t0, t1, vx, vy, nx, ny] = vectors;
     let mut offset = || I4F28::from_bits(corner_word(random));
     ReflectionIn {
-        normal,
-        view,
-        tangents: [t0, t1],
-        offset: [offset(), offset()],
-        roughness: [offset(), offset(), offset()],
+        surface: SurfaceIn {
+            normal,
+            view,
+            frame_vectors: [t0, t1],
+            offset: [offset(), offset()],
+            roughness: [offset(), offset(), offset()],
+        },
         dview: [vx, vy],
         dnormal: [nx, ny],
         edge_texels: random.next_u64() as u16 >> random.below(16),
@@ -254,7 +254,7 @@ fn elementary_functions_stay_on_their_wires_at_and_beyond_the_ends_of_their_doma
         let near = [0, one >> 2, one >> 1, one].into_iter().flat_map(|end| [-16, -1, 0, 1, 16].map(|step| end + step));
         let inside = (0..400).map(|_| random.below(1 << 30) as i32);
         for x in near.chain(inside.collect::<Vec<_>>()) {
-            let (scalar, checked) = (Fx::<i32, 30>::from_raw(x), Fx::from_raw(Checked::new(x)));
+            let (scalar, checked) = (Fx::<i32, 2>::from_raw(x), Fx::from_raw(Checked::new(x)));
             let pairs = [
                 (elementary::half_reciprocal(scalar, &p).raw(), elementary::half_reciprocal(checked, &p).raw()),
                 (elementary::half_inverse_root(scalar, &p).raw(), elementary::half_inverse_root(checked, &p).raw()),
@@ -265,36 +265,29 @@ fn elementary_functions_stay_on_their_wires_at_and_beyond_the_ends_of_their_doma
             }
             // ±64 with 24 fraction bits.
             let exponent = x.clamp(-one, one);
-            let expected = elementary::exp2(Fx::<i32, 24>::from_raw(exponent), &p);
+            let expected = elementary::exp2(Fx::<i32, 8>::from_raw(exponent), &p);
             let got = elementary::exp2(Fx::from_raw(Checked::new(exponent)), &p);
             assert_eq!(Integers::of(&expected), Integers::of(&got));
         }
     });
 }
 
-/// Four texels of a channel in both readings.
-fn both<const N: usize>(texels: [i32; N]) -> ([i32; N], [Checked; N]) {
-    (texels, texels.map(Checked::new))
+/// Texels of a channel in both readings.
+fn both<const N: usize>(texels: [i32; N]) -> ([Int<i32>; N], [Int<Checked>; N]) {
+    (texels.map(Fx::from_raw), texels.map(|texel| Fx::from_raw(Checked::new(texel))))
 }
 
 /// One trilinear sample in both readings.
 fn trilinear(fine: [i32; 4], coarse: [i32; 4], weights: [i32; 5], extra: u32) -> i32 {
     let [x0, y0, x1, y1, level] = weights;
-    let ((fine, checked_fine), (coarse, checked_coarse)) = (both(fine), both(coarse));
-    let scalar_weights = [[x0, y0], [x1, y1]].map(|pair| pair.map(Fx::from_raw));
-    let checked_weights = reread::<Checked, _>(&scalar_weights);
-    let expected = filter::trilinear::<i32>(
-        (&fine, &scalar_weights[0]),
-        (&coarse, &scalar_weights[1]),
-        Fx::from_raw(level),
-        extra,
-    );
-    let got = filter::trilinear::<Checked>(
-        (&checked_fine, &checked_weights[0]),
-        (&checked_coarse, &checked_weights[1]),
-        Fx::from_raw(Checked::new(level)),
-        extra,
-    );
+    let patch = |texels: [i32; 4], weight: [i32; 2]| Patch::<i32> {
+        texels: texels.map(Fx::from_raw),
+        weight: weight.map(Fx::from_raw),
+    };
+    let (a, b) = (patch(fine, [x0, y0]), patch(coarse, [x1, y1]));
+    let expected = filter::trilinear(&a, &b, Fx::from_raw(level), extra).raw();
+    let (a, b) = (reread::<Checked, _>(&a), reread::<Checked, _>(&b));
+    let got = filter::trilinear(&a, &b, Fx::from_raw(Checked::new(level)), extra).raw();
     assert_eq!(expected, got.value(), "{fine:?} {coarse:?} {weights:?}");
     expected
 }
@@ -329,13 +322,13 @@ fn filter_and_blend_agree_over_their_whole_ranges() {
 
         let three: [i32; 3] = core::array::from_fn(|_| texel(0, 65535));
         let (three, checked) = both(three);
-        assert_eq!(filter::corner(&three), filter::corner(&checked).value());
+        assert_eq!(filter::corner(&three).raw(), filter::corner(&checked).raw().value());
 
         let colour = [0; 2].map(|_| texel(0, (1 << 30) - 1));
         let reflectance = texel(0, 1 << 16);
         let expected = blend::blend::<i32>(Fx::from_raw(colour[0]), Fx::from_raw(colour[1]), Fx::from_raw(reflectance));
         let [surface, reflection, share] = [colour[0], colour[1], reflectance].map(Checked::new);
-        let got = blend::blend(Fx::from_raw(surface), Fx::from_raw(reflection), Fx::from_raw(share));
+        let got = blend::blend::<Checked>(Fx::from_raw(surface), Fx::from_raw(reflection), Fx::from_raw(share));
         assert_eq!(expected.raw(), got.raw().value());
     });
 }
@@ -351,11 +344,12 @@ fn probe_sums_agree_for_every_count_and_both_weight_laws() {
                 for index in 0..count {
                     let probes = probes_of(count);
                     let weight = probes::weight(&probes, Fx::lit(i64::from(index)), &p);
-                    scalar = scalar.add(sample, weight);
-                    checked = checked.add(Checked::new(sample), reread::<Checked, _>(&weight));
+                    scalar = scalar.add(Fx::from_raw(sample), weight);
+                    let weight = Fx::from_raw(Checked::new(weight.raw()));
+                    checked = checked.add(Fx::from_raw(Checked::new(sample)), weight);
                 }
-                assert_eq!(scalar.mean(), sample, "equal probes give that value");
-                assert_eq!(checked.mean().value(), sample);
+                assert_eq!(scalar.mean().raw(), sample, "equal probes give that value");
+                assert_eq!(checked.mean().raw().value(), sample);
             }
         }
     }
@@ -383,7 +377,7 @@ fn moments_agree_over_their_whole_ranges() {
         let k = moments::of_texel::<i32>(&d.map(Fx::from_raw));
         let checked_k = moments::of_texel(&d.map(|d| Fx::from_raw(Checked::new(d))));
         assert_eq!(Integers::of(&k), Integers::of(&checked_k));
-        let b = offset.map(Fx::<i32, 30>::from_raw);
+        let b = offset.map(Fx::<i32, 2>::from_raw);
         let second = moments::of_probe(&b, &k);
         let checked = moments::of_probe(&reread::<Checked, _>(&b), &checked_k);
         assert_eq!(Integers::of(&second), Integers::of(&checked));
@@ -398,9 +392,9 @@ fn moments_agree_over_their_whole_ranges() {
         // Moments that belong to no set of offsets: what filtering noise can make of them, and worse.
         decomposed((b, [unit().abs(), unit(), unit().abs()].map(Fx::from_raw)));
 
-        let (lod, bias) = (random.below(15 << 16) as i64, -(random.below(4 << 16) as i64));
-        let level = filter::biased::<i32>(Fx::lit(lod), Fx::lit(bias), &p);
-        assert_eq!(level.raw(), filter::biased::<Checked>(Fx::lit(lod), Fx::lit(bias), &p).raw().value());
+        let lod = random.below(15 << 16) as i64;
+        let level = filter::biased::<i32>(Fx::lit(lod), &p);
+        assert_eq!(level.raw(), filter::biased::<Checked>(Fx::lit(lod), &p).raw().value());
 
         // Blocks of any exponent into I4F28.
         let exponent = i64::from(corner_exponent(&mut random));
@@ -425,16 +419,7 @@ prop_compose! {
         roughness: [i32; 3],
         edge_texels: u16,
     ) -> ReflectionIn {
-        ReflectionIn {
-            normal,
-            view,
-            tangents: [t0, t1],
-            offset: offset.map(I4F28::from_bits),
-            roughness: roughness.map(I4F28::from_bits),
-            dview: [vx, vy],
-            dnormal: [nx, ny],
-            edge_texels,
-        }
+        ReflectionIn { surface: SurfaceIn { normal, view, frame_vectors: [t0, t1], offset: offset.map(I4F28::from_bits), roughness: roughness.map(I4F28::from_bits) }, dview: [vx, vy], dnormal: [nx, ny], edge_texels }
     }
 }
 

@@ -8,35 +8,31 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
 use roughxel_emulator::net::census::{Census, Cost};
 use roughxel_emulator::net::delay::{arrival_in_block, critical_path, levels};
-use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::{Range, Ranges};
 use roughxel_emulator::net::observe::Observed;
 use roughxel_host_tests::space::{effects, profiles};
 
-fn design(name: &str) -> &'static Design {
-    Design::by_name(name).expect("a listed design exists")
-}
-
 /// The effects under which a design is a different one.
-fn effects_of(design: &Design) -> Vec<Effects> {
+fn effects_of(design: Design) -> Vec<Effects> {
     effects(design.datapath())
 }
 
-fn holds(design: &Design, effects: &Effects, p: &Precision) {
-    let net = design.record(effects, p);
+fn holds(design: Design, effects: &Effects, p: &Precision) {
+    let net = Net::of(design, effects, p);
     let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
-    assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name, violations.join("\n"));
+    assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name(), violations.join("\n"));
 }
 
 #[test]
 fn no_wire_of_any_design_can_leave_its_word() {
     for (_, p) in profiles() {
-        for design in DESIGNS {
+        for &design in Design::ALL {
             for effects in effects_of(design) {
                 holds(design, &effects, &p);
             }
@@ -75,38 +71,47 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
     }
     for (index, p) in precisions.iter().enumerate() {
         let p = p.checked().expect("the knobs are inside their limits");
-        for design in DESIGNS {
+        for &design in Design::ALL {
             let all = effects_of(design);
             holds(design, &all[index % all.len()], &p);
         }
-        holds(design("reflection"), &Effects::ALL, &p);
+        holds(Design::Reflection, &Effects::ALL, &p);
     }
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [[&str; 4]; 22] = [
-    ["map_scale", "", "reflection", "map"],
-    ["map_scale", "log2_texels", "texture", "map.log2_texels"],
-    ["reflection", "point", "environment_probe", "point"],
-    ["reflection", "probes", "environment_probe", "probes"],
-    ["reflection", "probes.lod", "levels", "lod"],
-    ["environment_probe", "place", "face_address", "place"],
-    ["environment_probe", "weight", "probe_sum", "weight"],
-    ["texture", "probes", "texture_probe", "probes"],
-    ["texture", "probes.lod", "levels", "lod"],
-    ["texture_probe", "place", "texture_probe", "centre"],
-    ["texture_probe", "place", "repeat_address", "place"],
-    ["texture_probe", "weight", "probe_sum", "weight"],
-    ["face_address", "weight", "colour_sample", "weights[0]"],
-    ["repeat_address", "weight", "moment_sample", "weights[1]"],
-    ["levels", "weight", "colour_sample", "level_weight"],
-    ["moment_sample", "", "probe_sum", "sample"],
-    ["roughness_decode", "", "reflection", "roughness"],
-    ["corner", "", "colour_sample", "texels[0][0]"],
-    ["reflection", "frame", "local", "frame"],
-    ["local", "", "peak", "h"],
-    ["horizon", "", "peak", "weight"],
-    ["peak", "sum", "peak", "sum"],
+const CONNECTIONS: [(Design, &str, Design, &str); 31] = [
+    (Design::MapScale, "", Design::Reflection, "map"),
+    (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
+    (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
+    (Design::Reflection, "probes", Design::EnvironmentProbe, "probes"),
+    (Design::Reflection, "probes.lod", Design::Levels, "lod"),
+    (Design::EnvironmentProbe, "place", Design::FaceAddress, "place"),
+    (Design::EnvironmentProbe, "weight", Design::ProbeSum, "weight"),
+    (Design::Texture, "probes", Design::TextureProbe, "probes"),
+    (Design::Texture, "probes.lod", Design::Levels, "lod"),
+    (Design::TextureProbe, "place", Design::TextureProbe, "centre"),
+    (Design::TextureProbe, "place", Design::RepeatAddress, "place"),
+    (Design::TextureProbe, "weight", Design::ProbeSum, "weight"),
+    (Design::FaceAddress, "weight", Design::ColourSample, "weights[0]"),
+    (Design::RepeatAddress, "weight", Design::WordSample, "fine.weight"),
+    (Design::Levels, "weight", Design::ColourSample, "level_weight"),
+    (Design::WordSample, "", Design::ProbeSum, "sample"),
+    (Design::Bump, "roughness", Design::Reflection, "fragment.surface.roughness"),
+    (Design::Corner, "", Design::ColourSample, "texels[0][0]"),
+    (Design::Reflection, "surface.frame", Design::Local, "frame"),
+    (Design::Local, "", Design::Peak, "half"),
+    (Design::Horizon, "", Design::Peak, "weight"),
+    (Design::Peak, "", Design::Peak, "sum"),
+    (Design::Bump, "offset", Design::Reflection, "fragment.surface.offset"),
+    (Design::BumpTexel, "", Design::BumpProbe, ""),
+    (Design::FaceAddress, "", Design::FaceTexels, "address"),
+    (Design::EnvironmentProbe, "place.face", Design::FaceTexels, "face"),
+    (Design::ProbeMean, "", Design::ProbeSum, "sample"),
+    (Design::Colour, "", Design::Modulated, "colours[0]"),
+    (Design::Modulated, "", Design::Blend, "surface"),
+    (Design::Colour, "", Design::Blend, "reflection"),
+    (Design::Blend, "", Design::PixelSum, "colour"),
 ];
 
 /// What an output can be: by the walk, or, where one port of 16 bits is all there is, by trying every value of it.
@@ -124,9 +129,9 @@ fn sent(net: &Net) -> Vec<Range> {
 #[test]
 fn ports_allow_what_the_design_before_them_can_send() {
     for (profile, p) in profiles() {
-        for [above, from, below, to] in CONNECTIONS {
-            for effects in effects_of(design(above)) {
-                let (above, below) = (design(above).record(&effects, &p), design(below).record(&Effects::ALL, &p));
+        for (above, from, below, to) in CONNECTIONS {
+            for effects in effects_of(above) {
+                let (above, below) = (Net::of(above, &effects, &p), Net::of(below, &Effects::ALL, &p));
                 let outputs = above.outputs.iter().zip(sent(&above));
                 let mut connected = 0;
                 for (output, range) in outputs.filter(|(output, _)| output.name.starts_with(from)) {
@@ -150,17 +155,14 @@ fn ports_allow_what_the_design_before_them_can_send() {
 #[test]
 fn every_operation_names_its_source_line_and_is_in_a_block() {
     for (_, p) in profiles() {
-        for design in DESIGNS {
+        for &design in Design::ALL {
             for effects in effects_of(design) {
-                let net = design.record(&effects, &p);
+                let net = Net::of(design, &effects, &p);
                 for (id, node) in net.iter() {
                     if !matches!(node.op, Op::Lit(_) | Op::Port(_)) {
                         let origin = net.origin(id);
-                        // The choice between two levels of detail is the design's own.
-                        let ours =
-                            ["core/src/", "emulator/net/src/design.rs"].iter().any(|place| origin.starts_with(place));
-                        assert!(ours, "{}: {origin}", node.op.name());
-                        assert!(node.block.is_some(), "{}: {origin} is in no block", design.name);
+                        assert!(origin.starts_with("core/src/"), "{}: {origin}", node.op.name());
+                        assert!(node.stage.is_some(), "{}: {origin} is in no block", design.name());
                     }
                 }
             }
@@ -183,9 +185,9 @@ fn every_claim_names_a_lemma_that_is_a_test() {
     let source = text("tests/datapath/lemmas.rs");
     let mut named = BTreeSet::new();
     for (_, p) in profiles() {
-        for design in DESIGNS {
+        for &design in Design::ALL {
             for effects in effects_of(design) {
-                named.extend(lemmas(&design.record(&effects, &p)));
+                named.extend(lemmas(&Net::of(design, &effects, &p)));
             }
         }
     }
@@ -193,7 +195,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
         source.split("#[test]\nfn ").skip(1).filter_map(|test| Some(test.split_once("() {")?.0)).collect();
     assert!(named.is_subset(&tests), "no test: {:?}", named.difference(&tests));
     // What no design goes through is claimed in the source all the same.
-    let core = ["elementary.rs", "stage/axes.rs", "stage/cube_face.rs", "stage/peaks.rs", "stage/probes.rs"];
+    let core = ["elementary.rs", "stage/cube_face.rs", "stage/peaks.rs", "stage/probes.rs"];
     let core = core.map(|file| text(&format!("../core/src/{file}"))).concat();
     for test in tests {
         assert!(core.contains(&format!("\"{test}\"")), "{test}: nothing claims it");
@@ -203,9 +205,17 @@ fn every_claim_names_a_lemma_that_is_a_test() {
 #[test]
 fn compact_fits_multipliers_of_18_by_18() {
     for (profile, p) in profiles() {
-        for name in ["reflection", "fragment", "texture", "highlight", "lit_peak", "peak", "horizon"] {
-            for effects in effects_of(design(name)) {
-                let net = design(name).record(&effects, &p);
+        for design in [
+            Design::Reflection,
+            Design::Fragment,
+            Design::Texture,
+            Design::Highlight,
+            Design::LitPeak,
+            Design::Peak,
+            Design::Horizon,
+        ] {
+            for effects in effects_of(design) {
+                let net = Net::of(design, &effects, &p);
                 let census = Census::new(&net, &Ranges::new(&net));
                 let operand = p.fraction_bits + 2;
                 // A rise of the logarithm's table has 18 bits, whatever the profile.
@@ -220,14 +230,14 @@ fn compact_fits_multipliers_of_18_by_18() {
 #[test]
 fn a_census_adds_up_and_its_critical_paths_take_the_levels_it_says() {
     for (_, p) in profiles() {
-        for design in DESIGNS {
-            let net = design.record(&Effects::ALL, &p);
+        for &design in Design::ALL {
+            let net = Net::of(design, &Effects::ALL, &p);
             let ranges = Ranges::new(&net);
             let census = Census::new(&net, &ranges);
             let sum = |figure: fn(&Cost) -> u64| {
                 let stages: u64 = census.stages.iter().map(|stage| figure(&stage.cost)).sum();
-                let blocks: u64 = census.blocks.iter().map(figure).sum();
-                assert_eq!((stages, blocks), (figure(&census.total), figure(&census.total)), "{}", design.name);
+                let blocks: u64 = census.runs.iter().map(figure).sum();
+                assert_eq!((stages, blocks), (figure(&census.total), figure(&census.total)), "{}", design.name());
             };
             sum(|cost| cost.multiplier_count().into());
             sum(Cost::carry_bits);
@@ -238,11 +248,11 @@ fn a_census_adds_up_and_its_critical_paths_take_the_levels_it_says() {
             assert!(census.total.multiplier_count() + by_constants <= multiplications);
 
             let length = |path: Vec<u32>| -> u32 { path.into_iter().map(|id| levels(&net, &ranges, id)).sum() };
-            assert_eq!(length(critical_path(&net, &ranges, None)), census.total.levels, "{}", design.name);
-            for (block, cost) in (0..).zip(&census.blocks) {
+            assert_eq!(length(critical_path(&net, &ranges, None)), census.total.levels, "{}", design.name());
+            for (block, cost) in (0..).zip(&census.runs) {
                 let path = critical_path(&net, &ranges, Some(block));
-                assert!(path.iter().all(|&id| net.node(id).block == Some(block)));
-                assert_eq!(length(path), cost.levels, "{} {}", design.name, net.blocks[block as usize].instance());
+                assert!(path.iter().all(|&id| net.node(id).stage == Some(block)));
+                assert_eq!(length(path), cost.levels, "{} {}", design.name(), net.runs[block as usize].instance());
             }
             assert_eq!(arrival_in_block(&net, &ranges).len(), net.nodes.len());
         }

@@ -10,12 +10,12 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
-use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::stimulus::{port_values, within};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::net::bench::Bench;
-use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
@@ -58,7 +58,7 @@ fn variants() -> [(&'static str, Effects); 5] {
 fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
     Options {
         profile: profile.into(),
-        precision: Precision::by_name(profile).expect("a profile"),
+        precision: Profile::by_name(profile).map(Profile::precision).expect("a profile"),
         effects,
         depth,
         stage: None,
@@ -66,14 +66,11 @@ fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
     }
 }
 
-fn design(name: &str) -> &'static Design {
-    Design::by_name(name).expect("a design")
-}
-
 /// Ports of a design: at least `count` vectors, from random fragments, every hard case of the plan, and integers anywhere
 /// in the declared ranges.
-fn inputs(name: &str, net: &Net, count: usize, effects: &Effects, p: &Precision) -> Vec<Vec<i64>> {
-    let whole = matches!(name, "fragment" | "reflection");
+fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precision) -> Vec<Vec<i64>> {
+    let name = design.name();
+    let whole = matches!(design, Design::Fragment | Design::Reflection);
     let plan = effects.reflection();
     let cases = hard_case_sets(p).into_iter().filter(|set| set.plan == plan || plan != FULL.reflection());
     // Only designs that take a whole fragment see each hard case.
@@ -83,7 +80,7 @@ fn inputs(name: &str, net: &Net, count: usize, effects: &Effects, p: &Precision)
     for (index, fragment) in (0..).zip(hard.chain(random)) {
         if whole || vectors.len() < count {
             let mut random = SplitMix64::for_element(name, index);
-            vectors.extend(port_values(name, net, &fragment, effects, p, &mut random));
+            vectors.extend(port_values(design, net, &fragment, effects, p, &mut random));
         }
     }
     // Ports of a probe belong together.
@@ -102,9 +99,9 @@ struct Written {
 }
 
 impl Written {
-    fn new(design: &Design, options: &Options) -> Self {
+    fn new(design: Design, options: &Options) -> Self {
         let verilog = Verilog::new(design, options)
-            .unwrap_or_else(|error| panic!("{} {}: {error}", design.name, options.profile));
+            .unwrap_or_else(|error| panic!("{} {}: {error}", design.name(), options.profile));
         let directory = tempfile::tempdir().expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         Self { directory, verilog }
@@ -184,8 +181,8 @@ fn keep_runtime(objects: &Path) {
 }
 
 /// Integers of the outputs, by the scalar reading.
-fn expected(name: &str, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
-    outcome::<i32>(name, ports, effects, p).0.into_iter().map(|(_, value)| value).collect()
+fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
+    outcome::<i32>(design, ports, effects, p).0.into_iter().map(|(_, value)| value).collect()
 }
 
 /// A design with vectors and what the scalar reading makes of them.
@@ -196,11 +193,11 @@ struct Case {
 }
 
 impl Case {
-    fn new(name: &str, count: usize, options: &Options) -> Self {
-        let (design, effects, p) = (design(name), &options.effects, &options.precision);
-        let net = design.record(effects, p);
-        let inputs = inputs(name, &net, count, effects, p);
-        let outputs = inputs.iter().map(|ports| expected(name, ports, effects, p)).collect();
+    fn new(design: Design, count: usize, options: &Options) -> Self {
+        let (effects, p) = (&options.effects, &options.precision);
+        let net = Net::of(design, effects, p);
+        let inputs = inputs(design, &net, count, effects, p);
+        let outputs = inputs.iter().map(|ports| expected(design, ports, effects, p)).collect();
         Self { written: Written::new(design, options), inputs, outputs }
     }
 
@@ -226,7 +223,7 @@ fn every_design_lints_clean() {
         return;
     }
     for (profile, _) in profiles() {
-        for design in DESIGNS {
+        for &design in Design::ALL {
             Written::new(design, &options(profile, FULL, None)).lint();
         }
         for datapath in Datapath::ALL {
@@ -234,8 +231,8 @@ fn every_design_lints_clean() {
                 Written::new(Design::of(datapath), &options(profile, effects, None)).lint();
             }
         }
-        for name in ["reflection", "highlight", "lit_peak", "environment_probe"] {
-            Written::new(design(name), &options(profile, FULL, Some(24))).lint();
+        for design in [Design::Reflection, Design::Highlight, Design::LitPeak, Design::EnvironmentProbe] {
+            Written::new(design, &options(profile, FULL, Some(24))).lint();
         }
     }
 }
@@ -246,8 +243,8 @@ fn every_design_gives_the_scalar_bits_in_icarus() {
         return;
     }
     for (profile, _) in profiles() {
-        for design in DESIGNS {
-            let mut case = Case::new(design.name, 400, &options(profile, FULL, None));
+        for &design in Design::ALL {
+            let mut case = Case::new(design, 400, &options(profile, FULL, None));
             // Some 200 fragments a second: every twentieth of them, hard cases included.
             if case.inputs.len() > 1000 {
                 case.inputs = case.inputs.into_iter().step_by(20).collect();
@@ -256,7 +253,7 @@ fn every_design_gives_the_scalar_bits_in_icarus() {
             case.written.icarus(&case.bench());
         }
     }
-    let pipelined = Case::new("environment_probe", 400, &options("standard", FULL, Some(24)));
+    let pipelined = Case::new(Design::EnvironmentProbe, 400, &options("standard", FULL, Some(24)));
     pipelined.written.icarus(&pipelined.bench());
 }
 
@@ -266,7 +263,7 @@ fn verilated_reflection_gives_the_scalar_bits_in_every_profile() {
         return;
     }
     for (profile, _) in profiles() {
-        Case::new("reflection", 100_000, &options(profile, FULL, None)).verilate(&[]);
+        Case::new(Design::Reflection, 100_000, &options(profile, FULL, None)).verilate(&[]);
     }
 }
 
@@ -319,17 +316,17 @@ fn set_vectors(net: &Net, top: &Interface, manifest: &Manifest, words: &[Vec<i64
 #[test]
 fn the_committed_vectors_run_in_both_simulators() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke");
-    let mut cases: Vec<(&'static Design, Options, Case)> = Vec::new();
+    let mut cases: Vec<(Design, Options, Case)> = Vec::new();
     let mut read = 0;
     for path in manifests_in(&directory).expect("the committed sets") {
         let (manifest, words) = words_of(&path);
         let options = options(&manifest.profile.name, manifest.effects, None);
         let design = Design::of(manifest.datapath);
-        let net = design.record(&options.effects, &options.precision);
+        let net = Net::of(design, &options.effects, &options.precision);
         read += words.len();
-        let same = |known: &&mut (&'static Design, Options, Case)| {
+        let same = |known: &&mut (Design, Options, Case)| {
             let (of, with, _) = known;
-            of.name == design.name && with.effects == options.effects && with.profile == options.profile
+            *of == design && with.effects == options.effects && with.profile == options.profile
         };
         if cases.iter_mut().find(same).is_none() {
             let written = Written::new(design, &options);
@@ -343,7 +340,7 @@ fn the_committed_vectors_run_in_both_simulators() {
     }
     assert!(read >= 3000, "{read} vectors");
     for (design, options, case) in cases {
-        println!("{} {} {:?}: {} vectors", design.name, options.profile, options.effects, case.inputs.len());
+        println!("{} {} {:?}: {} vectors", design.name(), options.profile, options.effects, case.inputs.len());
         if have("iverilog") {
             case.written.icarus(&case.bench());
         }
@@ -358,34 +355,35 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
     if !have("verilator") {
         return;
     }
-    for design in DESIGNS.iter().filter(|design| design.name != "reflection") {
-        Case::new(design.name, 20_000, &options("standard", FULL, None)).verilate(&["stalls"]);
+    for design in Design::ALL.iter().copied().filter(|&design| design != Design::Reflection) {
+        Case::new(design, 20_000, &options("standard", FULL, None)).verilate(&["stalls"]);
     }
     for datapath in Datapath::ALL {
-        for ((name, effects), profile) in variants_of(datapath).into_iter().skip(1).zip(PROFILE_NAMES) {
+        for ((name, effects), profile) in variants_of(datapath).into_iter().skip(1).zip(Profile::NAMES) {
             println!("{profile} {name}");
-            Case::new(Design::of(datapath).name, 10_000, &options(profile, effects, None)).verilate(&["stalls"]);
+            Case::new(Design::of(datapath), 10_000, &options(profile, effects, None)).verilate(&["stalls"]);
         }
     }
     for datapath in Datapath::ALL {
-        Case::new(Design::of(datapath).name, 10_000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
+        Case::new(Design::of(datapath), 10_000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
     }
 }
 
 #[test]
 fn a_stepper_walks_the_probes_of_every_footprint() {
     let p = Precision::STANDARD;
-    for (name, depth) in [("environment_probe", None), ("environment_probe", Some(24)), ("texture_probe", None)] {
+    let steps = [(Design::EnvironmentProbe, None), (Design::EnvironmentProbe, Some(24)), (Design::TextureProbe, None)];
+    for (design, depth) in steps {
         let options = options("standard", FULL, depth);
-        let written = Written::new(design(name), &options);
-        let net = design(name).record(&FULL, &p);
+        let written = Written::new(design, &options);
+        let net = Net::of(design, &FULL, &p);
         let stepper = written.verilog.stepper.as_ref().expect("a step has a stepper");
         let place = |port: &str| net.ports.iter().position(|p| p.name == port).expect("a port of a step");
         let [index, lod, count] = [place("index"), place("probes.lod"), place("probes.count")];
 
         let (mut footprints, mut steps) = (Vec::new(), Vec::new());
-        for ports in inputs(name, &net, 3000, &FULL, &p) {
-            let outcome = expected(name, &ports, &FULL, &p);
+        for ports in inputs(design, &net, 3000, &FULL, &p) {
+            let outcome = expected(design, &ports, &FULL, &p);
             if ports[index] == 0 {
                 footprints.push(ports.clone());
             }
@@ -404,14 +402,14 @@ fn a_stepper_walks_the_probes_of_every_footprint() {
         if have("verilator") {
             let output = written.verilator(&bench, &["stalls"]);
             let text = String::from_utf8_lossy(&output.stdout);
-            assert!(text.starts_with("PASS"), "{name} stepper in Verilator: {text}");
+            assert!(text.starts_with("PASS"), "{} stepper in Verilator: {text}", design.name());
         }
     }
 }
 
 #[test]
 fn both_benches_name_the_first_wire_that_differs() {
-    let mut case = Case::new("texture", 20, &options("compact", FULL, None));
+    let mut case = Case::new(Design::Texture, 20, &options("compact", FULL, None));
     let names: Vec<_> = case.top().outputs.iter().map(|port| port.name.clone()).collect();
     let wrong = names.iter().position(|name| name == "axes.direction[1]").expect("an output");
     // The last bit that has a wire.
@@ -435,28 +433,30 @@ fn yosys_takes_every_top() {
     if !have("yosys") {
         return;
     }
-    let check = |design: &Design, options: &Options| {
+    let check = |design: Design, options: &Options| {
         let written = Written::new(design, options);
         let module = &written.outermost().module;
         let script = format!("read_verilog *.v; hierarchy -check -top {module}; proc; check -assert");
         run(Command::new("yosys").args(["-q", "-p", &script]).current_dir(written.path()));
     };
     for (profile, _) in profiles() {
-        for name in ["reflection", "fragment", "texture", "environment_probe", "texture_probe"] {
-            check(design(name), &options(profile, FULL, None));
+        for design in
+            [Design::Reflection, Design::Fragment, Design::Texture, Design::EnvironmentProbe, Design::TextureProbe]
+        {
+            check(design, &options(profile, FULL, None));
         }
     }
-    for design in DESIGNS {
+    for &design in Design::ALL {
         check(design, &options("standard", FULL, None));
     }
-    check(design("reflection"), &options("compact", FULL, Some(24)));
+    check(Design::Reflection, &options("compact", FULL, Some(24)));
 }
 
 #[test]
 fn compact_and_paper_multiply_18_by_18_bits() {
     for (profile, p) in [("paper", Precision::PAPER), ("compact", Precision::COMPACT)] {
         let variants = Datapath::ALL.into_iter().flat_map(|datapath| {
-            let record = move |effects| Design::of(datapath).record(&effects, &p);
+            let record = move |effects| Net::of(Design::of(datapath), &effects, &p);
             variants_of(datapath).into_iter().map(move |(name, effects)| (name, record(effects)))
         });
         for (variant, net) in variants {
@@ -475,7 +475,7 @@ fn compact_and_paper_multiply_18_by_18_bits() {
 #[test]
 fn the_text_is_the_same_every_time_and_names_no_machine() {
     let options = options("standard", FULL, Some(30));
-    let (first, second) = (Verilog::new(design("reflection"), &options), Verilog::new(design("reflection"), &options));
+    let (first, second) = (Verilog::new(Design::Reflection, &options), Verilog::new(Design::Reflection, &options));
     let (first, second) = (first.expect("it can be written"), second.expect("it can be written"));
     assert_eq!(first.files, second.files);
     for (name, text) in &first.files {
@@ -486,7 +486,7 @@ fn the_text_is_the_same_every_time_and_names_no_machine() {
 
 #[test]
 fn runs_of_a_block_share_a_module() {
-    let verilog = Verilog::new(design("reflection"), &options("compact", FULL, None)).expect("it can be written");
+    let verilog = Verilog::new(Design::Reflection, &options("compact", FULL, None)).expect("it can be written");
     let top = &verilog.files["roughxel_reflection.v"];
     for (module, runs) in [("columns_pixel", 2), ("columns_roughness", 2), ("enter_dview", 2), ("axes", 1)] {
         assert!(verilog.files.contains_key(&format!("{module}.v")));
@@ -497,21 +497,21 @@ fn runs_of_a_block_share_a_module() {
 #[test]
 fn a_stage_comes_alone_and_an_impossible_wish_is_refused() {
     let one = Options { stage: Some("columns".into()), ..options("compact", FULL, None) };
-    let verilog = Verilog::new(design("reflection"), &one).expect("it can be written");
+    let verilog = Verilog::new(Design::Reflection, &one).expect("it can be written");
     assert!(verilog.top.is_none());
     let names: Vec<&str> = verilog.files.keys().map(String::as_str).collect();
     assert!(names.contains(&"columns_pixel.v") && names.contains(&"columns.json"), "{names:?}");
     assert!(!names.contains(&"axes.v"), "{names:?}");
 
     let unknown = Options { stage: Some("colums".into()), ..one.clone() };
-    let error = Verilog::new(design("reflection"), &unknown).expect_err("there is no such stage");
+    let error = Verilog::new(Design::Reflection, &unknown).expect_err("there is no such stage");
     assert!(error.to_string().contains("columns_pixel"), "{error}");
-    let error = Verilog::new(design("reflection"), &options("compact", FULL, Some(3))).expect_err("3 levels");
+    let error = Verilog::new(Design::Reflection, &options("compact", FULL, Some(3))).expect_err("3 levels");
     assert!(matches!(error, VerilogError::TooDeep { depth: 3, .. }), "{error}");
 
     // No profile has seventeen probes, and the tables end at sixteen.
     let beyond =
         Options { precision: Precision { max_probes: 17, ..Precision::COMPACT }, ..options("compact", FULL, None) };
-    let error = Verilog::new(design("reflection"), &beyond).expect_err("the proof fails");
+    let error = Verilog::new(Design::Reflection, &beyond).expect_err("the proof fails");
     assert!(error.to_string().contains("core/src/stage/probes.rs"), "{error}");
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionOut;
-use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
+use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::frame::{Frame, Prepared};
 use roughxel_emulator::picture::{linear_to_srgb8, write_png_srgb};
 use roughxel_emulator::plan::Mode;
@@ -28,9 +28,9 @@ fn draw(scene: &Scene, mode: Mode, profile: &Precision) -> Frame {
 fn frames_are_the_float64_filter_up_to_the_bar_of_their_profile() {
     for name in bars::SCENES {
         let scene = scene(name, 160, 120);
-        for profile in PROFILE_NAMES {
+        for profile in Profile::NAMES {
             let Some(bar) = bars::arithmetic_bar(profile) else { continue };
-            let precision = Precision::by_name(profile).unwrap();
+            let precision = Profile::by_name(profile).map(Profile::precision).unwrap();
             let psnr = bars::psnr_against_float(&scene, Mode::Footprint, &precision).unwrap();
             assert!(psnr >= bar, "{name}, {profile}: {psnr:.1} dB");
         }
@@ -67,8 +67,8 @@ fn footprints_on_the_ground_plane_reach_35_db_at_40_texels_a_pixel() {
 
 #[test]
 fn a_smooth_environment_has_no_step_across_the_edges_of_the_cube() {
-    for profile in PROFILE_NAMES {
-        let step = bars::cube_edge_step(&Precision::by_name(profile).unwrap());
+    for profile in Profile::NAMES {
+        let step = bars::cube_edge_step(&Profile::by_name(profile).map(Profile::precision).unwrap());
         assert!(step.probe <= bars::CUBE_EDGE_BAR && step.lobe <= bars::CUBE_EDGE_BAR, "{profile}: {step:?}");
     }
 }
@@ -121,7 +121,7 @@ fn zero_roughness_and_zero_curvature_change_no_bit_of_any_fragment() {
         assert!(fragments.len() > 100);
         for (fragment, plan) in fragments {
             let mut smooth = fragment;
-            smooth.roughness = Default::default();
+            smooth.surface.roughness = Default::default();
             smooth.dnormal = Default::default();
             let run = |roughness, curvature| -> ReflectionOut {
                 smooth.reflect(&ReflectionPlan { roughness, curvature, ..plan }, &profile)

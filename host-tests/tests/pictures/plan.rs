@@ -7,12 +7,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
-use roughxel_core::datapath::{self, ReflectionInput};
+use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
-use roughxel_core::ports::{environment_scale, texture_scale};
-use roughxel_core::precision::{PROFILE_NAMES, Precision, RoughnessKind};
-use roughxel_core::signals::{PortBlock, TexturePosition};
+use roughxel_core::ports::{Port, PortBlock, ReflectionInput};
+use roughxel_core::precision::{Precision, Profile, RoughnessKind};
+use roughxel_core::signals::TexturePosition;
+use roughxel_core::soft_core::{environment_scale, texture_scale};
 use roughxel_emulator::cases::highlight::random_light;
 use roughxel_emulator::cases::peak_and_horizon::{random_horizon_case, random_peak_case};
 use roughxel_emulator::cases::random_fragment;
@@ -185,8 +186,8 @@ fn a_neutral_map_changes_no_bit() {
     let mut found = Vec::new();
     for effect in Effect::ALL {
         for (form, neutral) in neutral_forms(effect).iter().enumerate() {
-            for profile in PROFILE_NAMES {
-                let p = Precision::by_name(profile).unwrap();
+            for profile in Profile::NAMES {
+                let p = Profile::by_name(profile).map(Profile::precision).unwrap();
                 for mode in MODES {
                     let with = planned(&neutral.with, mode, &p, neutral.plan_with);
                     let without = planned(&neutral.without, mode, &p, neutral.plan_without);
@@ -328,7 +329,8 @@ fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, edge: u16, p: &Pre
 /// One random fragment, with a light, through the blocks of a plan, part by part as the renderer calls them.
 fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
     let fragment = random_fragment("plan", index, p);
-    let input = reread::<Checked, _>(&fragment.wires(environment_scale(fragment.edge_texels, p)));
+    let input = reread::<Checked, _>(&fragment.wires());
+    let scale = reread::<Checked, _>(&environment_scale(fragment.edge_texels, p));
     let lit = random_light("plan", index, p);
     let (light, shininess) = (reread(&lit.light.wires()), reread(&lit.shininess.wires()));
     if plan.colour_map {
@@ -339,12 +341,12 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
     }
     if let Some(plan) = &plan.reflection {
         enter(entered, "reflection", || {
-            datapath::reflection(&input, plan, p);
+            datapath::reflection(&input, &scale, plan, p);
         });
     }
     if let Some(plan) = &plan.highlight {
         enter(entered, "highlight", || {
-            let surface = datapath::surface(&input.surface(), plan, p);
+            let surface = datapath::surface(&input.surface, plan, p);
             datapath::highlight(&surface, &datapath::gloss(&surface, &shininess, plan, p), &light, p);
         });
     }
@@ -353,7 +355,7 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
         let stored = random_horizon_case("plan", index, p).horizon;
         let mut made = None;
         enter(entered, "peaks", || {
-            let surface = datapath::surface(&input.surface(), surface, p);
+            let surface = datapath::surface(&input.surface, surface, p);
             made = Some((surface, datapath::peak_light(&surface, &light, p)));
         });
         let (surface, lit) = made.unwrap();

@@ -32,7 +32,7 @@ pub struct FragmentAttributes {
     /// Vector v from the surface to the eye, in pixels of the picture plane; see [`Projection::ray_view`].
     pub view: BlockVector,
     /// p_u and p_v in world units per repeat, perspective-correct; zero unless the triangle was set up with tangents.
-    pub tangents: [BlockVector; 2],
+    pub frame_vectors: [BlockVector; 2],
     /// ∂v/∂x and ∂v/∂y per pixel (y down), in the units of `view`.
     pub dview: [BlockVector; 2],
     /// ∂n/∂x and ∂n/∂y per pixel (y down), in the units of `normal`; constant over the triangle.
@@ -146,7 +146,7 @@ impl<'a> Triangle<'a> {
         FragmentAttributes {
             normal: block_vector(normal, self.normals.exponent - FORM_BITS),
             view: self.projection.ray_view(x_subpx, y_subpx),
-            tangents: self.tangents.map_or([BlockVector::default(); 2], |tangents| {
+            frame_vectors: self.tangents.map_or([BlockVector::default(); 2], |tangents| {
                 tangents.map(|tangent| {
                     let codes = tangent.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
                     block_vector(codes, tangent.exponent - Quotient::EXTRA_BITS as i32)

@@ -3,7 +3,7 @@
 //! Scaling is by powers of two and exact; the one rounding is the one to the narrower word.
 
 use fixed::types::I2F30;
-use roughxel_core::ports::{BlockPair, BlockVector};
+use roughxel_core::ports::{BlockPair, BlockPort, BlockVector};
 
 /// Bits that [`LinearForm::at`] drops from the wide sum.
 const GUARD_BITS: u32 = 24;
@@ -85,13 +85,13 @@ pub(super) fn encode<const N: usize>(values: [f64; N]) -> ([i64; N], i32) {
 /// Three wide integers of unit 2^exponent as a block: largest |mantissa| in [½, 1), rounded once, ties toward +∞.
 pub(super) fn block_vector(values: [i128; 3], exponent: i32) -> BlockVector {
     let (mantissa, exponent) = block(values, exponent);
-    BlockVector { mantissa, exponent }
+    BlockPort { mantissa, exponent }
 }
 
 /// Two wide integers of unit 2^exponent as a block: largest |mantissa| in [½, 1), rounded once, ties toward +∞.
 pub(super) fn block_pair(values: [i128; 2], exponent: i32) -> BlockPair {
     let (mantissa, exponent) = block(values, exponent);
-    BlockPair { mantissa, exponent }
+    BlockPort { mantissa, exponent }
 }
 
 /// A vector of real numbers as a block; see [`block_vector`].

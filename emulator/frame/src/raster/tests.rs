@@ -192,7 +192,7 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
             assert!(error <= reach * 2f64.powi(-22), "duv at {x}, {y}: {:?} {expected}", pair_value(*port));
         }
 
-        for (axis, tangent) in fragment.tangents.iter().enumerate() {
+        for (axis, tangent) in fragment.frame_vectors.iter().enumerate() {
             let expected = blend(share, corners.map(|v| v.tangents[axis]));
             let error = (vector_value(*tangent) - expected).length();
             // Rounding as for n; measured 2^-30.1.

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::VerilogError;
 use super::context::Context;
+use super::error::VerilogError;
 use super::rom::Rom;
 use super::value::{Value, View};
 use crate::delay::levels;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::format::Format;
-use super::identifier;
+use super::text::identifier;
 use crate::graph::{Kind, Net, NodeId, Op};
 use crate::interval::Ranges;
 
@@ -18,23 +18,23 @@ pub(super) struct Context<'a> {
     pub(super) depth: Option<u32>,
     /// Prefix of module names.
     pub(super) prefix: &'a str,
-    /// Lines that every header ends with: profile, blocks that are on.
+    /// Lines that every header ends with: profile, stages that are on.
     pub(super) origin: &'a str,
 }
 
 impl Context<'_> {
-    /// Path of a port or of a tap of a node's own block, and its binary point.
+    /// Path of a port or of a tap of a node's own stage, and its binary point.
     pub(super) fn path_of(&self, id: NodeId) -> Option<(&str, u32)> {
         let node = self.net.node(id);
         if let Op::Port(port) = node.op {
             let port = &self.net.ports[port as usize];
             return Some((&port.name, port.fraction_bits));
         }
-        let tap = self.net.taps.iter().find(|tap| tap.node == id && tap.block == node.block)?;
+        let tap = self.net.taps.iter().find(|tap| tap.node == id && tap.stage == node.stage)?;
         Some((&tap.name, tap.fraction_bits))
     }
 
-    /// The format in which a node travels between blocks.
+    /// The format in which a node travels between stages.
     pub(super) fn format(&self, id: NodeId) -> Format {
         let fraction_bits = self.path_of(id).map_or(0, |(_, fraction_bits)| fraction_bits);
         Format::new(self.ranges.of(id), fraction_bits, self.net.node(id).kind == Kind::Flag)
@@ -52,16 +52,16 @@ impl Context<'_> {
         format!("{path}: {}{line}", self.format(id).describe())
     }
 
-    /// Name of a node between blocks: `enter_dview_0_m_0`, or without the number of the run.
+    /// Name of a node between stages: `enter_dview_0_m_0`, or without the number of the run.
     pub(super) fn signal(&self, id: NodeId, with_run: bool) -> String {
         let path = identifier(self.path_of(id).map_or("", |(path, _)| path));
-        match self.net.node(id).block {
+        match self.net.node(id).stage {
             None if path.is_empty() => "value".into(),
             None => path,
-            Some(block) => {
-                let block = &self.net.blocks[block as usize];
-                let block = if with_run { block.instance() } else { block.name.replace('.', "_") };
-                if path.is_empty() { block } else { format!("{block}_{path}") }
+            Some(stage) => {
+                let stage = &self.net.runs[stage as usize];
+                let stage = if with_run { stage.instance() } else { stage.name.replace('.', "_") };
+                if path.is_empty() { stage } else { format!("{stage}_{path}") }
             }
         }
     }

@@ -10,11 +10,12 @@ use std::path::Path;
 
 use super::body::{Body, Driver, mask, top};
 use super::context::{Context, Names};
+use super::error::VerilogError;
 use super::format::{Format, vector};
 use super::rom::{Rom, count_bits};
 use super::share::Group;
+use super::text::{END, header, identifier};
 use super::value::{View, Wire, constant_bits, view_bits};
-use super::{END, VerilogError, header, identifier};
 use crate::graph::{NodeId, Op};
 
 /// A port of a module, named for the first run.
@@ -71,8 +72,8 @@ fn input_names(context: &Context, group: &Group, inputs: &[usize], names: &mut N
 /// Name of an outcome in its module: the path, or the last part of the block's name before what starts with a number.
 fn output_name(context: &Context, id: NodeId) -> String {
     let path = identifier(context.path_of(id).map_or("", |(path, _)| path));
-    let block = context.net.node(id).block.map_or("", |block| context.net.blocks[block as usize].name);
-    let own = block.rsplit('.').next().unwrap_or(block);
+    let stage = context.net.node(id).stage.map_or("", |stage| context.net.runs[stage as usize].name);
+    let own = stage.rsplit('.').next().unwrap_or(stage);
     let name = match path.chars().next() {
         None => own.to_owned(),
         Some(first) if first.is_ascii_digit() => format!("{own}_{path}"),
@@ -82,14 +83,14 @@ fn output_name(context: &Context, id: NodeId) -> String {
 }
 
 impl Module {
-    /// Writes the module of a group. `leaves` says whether any run's node is read outside its block.
+    /// Writes the module of a group. `leaves` says whether any run's node is read outside its stage.
     pub(super) fn new(context: Context, group: &Group, leaves: impl Fn(NodeId) -> bool) -> Result<Self, VerilogError> {
         let first = &group.runs[0];
         let net = context.net;
         let fixed = |id: NodeId| context.ranges.of(id).constant().is_some();
         let inputs: Vec<usize> = (0..first.inputs.len()).filter(|&place| !fixed(first.inputs[place])).collect();
         let input_ids: Vec<NodeId> = inputs.iter().map(|&place| first.inputs[place]).collect();
-        let tapped = net.taps.iter().filter(|tap| tap.block == Some(first.block));
+        let tapped = net.taps.iter().filter(|tap| tap.stage == Some(first.stage));
         let mut outputs: Vec<usize> = Vec::new();
         for tap in tapped {
             let Some(place) = first.nodes.iter().position(|&id| id == tap.node) else { continue };
@@ -150,7 +151,7 @@ impl Module {
             if !body.reads.contains_key(&id) || body.names.contains_key(&id) {
                 continue;
             }
-            let tapped = net.taps.iter().any(|tap| tap.node == id && tap.block == Some(first.block));
+            let tapped = net.taps.iter().any(|tap| tap.node == id && tap.stage == Some(first.stage));
             let name = if tapped {
                 names.take(&format!("{}_tap", output_name(&body.context, id)))
             } else {
@@ -219,14 +220,14 @@ impl Module {
         let context = body.context;
         let net = context.net;
         let first = &group.runs[0];
-        let block = &net.blocks[first.block as usize];
+        let stage = &net.runs[first.stage as usize];
         let files = first.nodes.iter().map(|&id| net.node(id).at.file());
         let mut sources: Vec<&str> = files.filter(|file| Path::new(file).is_relative()).collect();
         sources.sort_unstable();
         sources.dedup();
-        let runs: Vec<String> = group.runs.iter().map(|run| net.blocks[run.block as usize].instance()).collect();
+        let runs: Vec<String> = group.runs.iter().map(|run| net.runs[run.stage as usize].instance()).collect();
         let mut about = vec![
-            format!("Block {} of stage {}: {}", block.name, block.stage(), summary(block.name)),
+            format!("Run {} of stage {}: {}", stage.name, stage.base(), summary(stage.name)),
             format!("Source: {}", sources.join(", ")),
             format!("Instances: {}", runs.join(", ")),
             context.origin.to_owned(),
@@ -253,7 +254,7 @@ impl Module {
             let declared = vector(port.format.width(), port.format.signed());
             let id = first.nodes[port.place];
             let (path, _) = context.path_of(id).unwrap_or_default();
-            let path = if path.is_empty() { block.name } else { path };
+            let path = if path.is_empty() { stage.name } else { path };
             lines.push((format!("output wire {declared}{}", port.name), context.about(id, path)));
         }
         port_list(&mut text, &lines);
@@ -283,7 +284,7 @@ impl Module {
             format!(" // claim: {} .. {} by lemma {lemma}", low >> wire.low, high >> wire.low)
         } else if is_port {
             String::new()
-        } else if let Some(tap) = net.taps.iter().find(|tap| tap.node == id && tap.block == Some(group.runs[0].block)) {
+        } else if let Some(tap) = net.taps.iter().find(|tap| tap.node == id && tap.stage == Some(group.runs[0].stage)) {
             format!(" // tap {}", context.about(id, &tap.name))
         } else {
             String::new()
@@ -436,8 +437,8 @@ pub(super) fn port_list(text: &mut String, lines: &[(String, String)]) {
 }
 
 /// What a block does, in a few words.
-fn summary(block: &str) -> &'static str {
-    match block.split('.').next().unwrap_or(block) {
+fn summary(stage: &str) -> &'static str {
+    match stage.split('.').next().unwrap_or(stage) {
         "enter" => "a port brought to the profile's bits and normalised",
         "frame" => "the tangents E1, E2",
         "perturb" => "the normal moved by the bump offset",
@@ -447,13 +448,12 @@ fn summary(block: &str) -> &'static str {
         "roughness" => "the change of the normal along the axes of the roughness",
         "ellipse" => "covariance of the footprint",
         "axes" => "main axes of the footprint",
-        "probes" => match block {
+        "probes" => match stage {
             "probes.position" => "place of a probe on the major axis",
             "probes.weight" => "weight of a probe",
             _ => "number of probes, their step, level of detail",
         },
-        "half" => "the direction halfway between light and eye",
-        "highlight" => match block {
+        "highlight" => match stage {
             "highlight.spread" => "what the roughness does to every highlight",
             "highlight.status" => "the sticky bits of a light on a fragment",
             _ => "the share of a light that the highlight returns",
@@ -461,12 +461,12 @@ fn summary(block: &str) -> &'static str {
         "status" => "the sticky bits of a fragment",
         "leave" => "outcomes in the formats of the ports",
         "map_scale" => "log2 of the size of a cube face",
-        "texture" => match block {
+        "texture" => match stage {
             "texture.position" => "place of a probe in a repeated map",
             _ => "derivatives of texture coordinates in map units",
         },
         "continuation" => "a place beside the face's middle, across its edge if need be",
-        "filter" => match block {
+        "filter" => match stage {
             "filter.repeat_address" | "filter.face_address" => "texels and weights of a bilinear sample",
             "filter.levels" => "two levels of a map and the weight between them",
             "filter.corner" => "the texel at a corner of the cube",
@@ -475,7 +475,13 @@ fn summary(block: &str) -> &'static str {
             _ => "the mean of a weighted sum",
         },
         "moments" => "bumps and roughness as moments, and back",
+        "edge" => "the texel behind an edge of the cube",
+        "half" => "the direction halfway between light and eye",
+        "local" => "a direction in the frame of the surface",
+        "horizon" => "the share of a peak's facets that a direction clears",
+        "peaks" => "the light of a peak of a distribution of normals",
         "blend" => "surface and reflection by reflectance",
-        _ => "a block of the datapath",
+        "pixel" => "from samples and light to the colour of a pixel",
+        _ => "a stage of the datapath",
     }
 }

@@ -1,4 +1,4 @@
-//! The top: one instance a run of a block, registers at their boundaries, delay lines where paths differ in length.
+//! The top: one instance a run of a stage, registers at their boundaries, delay lines where paths differ in length.
 //!
 //! Rank 0 is the registers of the inputs; a block starts at the rank at which the last of its inputs is there and its
 //! outcomes are registered. All outputs leave at the last rank, with their valid bit. One enable moves all of it.
@@ -7,12 +7,14 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write;
 
 use super::context::{Context, Names};
+use super::error::VerilogError;
 use super::format::{Format, vector};
+use super::interface::{Interface, PortDescription};
 use super::module::{Module, port_list};
 use super::rom::DELAY;
 use super::share::Group;
+use super::text::{END, header, identifier};
 use super::value::constant_bits;
-use super::{END, Interface, PortDescription, VerilogError, header, identifier};
 use crate::graph::{Kind, NodeId, Op};
 
 /// One instance in the pipeline, for the manifest and the header.
@@ -98,7 +100,7 @@ pub(super) fn top(
     // Blocks in the order in which they ran; every input comes from an earlier one.
     let mut runs: Vec<(u32, usize, usize)> = Vec::new();
     for (group, Group { runs: of_group, .. }) in groups.iter().enumerate() {
-        runs.extend(of_group.iter().enumerate().map(|(run, of)| (of.block, group, run)));
+        runs.extend(of_group.iter().enumerate().map(|(run, of)| (of.stage, group, run)));
     }
     runs.sort_unstable();
     let mut instances = Vec::new();
@@ -106,7 +108,7 @@ pub(super) fn top(
     for &(_, group, run) in &runs {
         read_outside.extend(modules[group].inputs.iter().map(|port| groups[group].runs[run].inputs[port.place]));
     }
-    for &(block, group, run) in &runs {
+    for &(stage, group, run) in &runs {
         let (module, run) = (&modules[group], &groups[group].runs[run]);
         let of = |place: usize| run.inputs[place];
         let ranks = module.inputs.iter().map(|port| signals.ranks.get(&of(port.place)).copied().unwrap_or(0));
@@ -121,7 +123,7 @@ pub(super) fn top(
             signals.names.insert(id, signal);
             signals.ranks.insert(id, to_rank);
         }
-        let instance = net.blocks[block as usize].instance();
+        let instance = net.runs[stage as usize].instance();
         instances.push(Placed { instance, module: module.name.clone(), from_rank, to_rank });
     }
     let nodes = net.outputs.iter().map(|output| output.node);
@@ -178,7 +180,7 @@ pub(super) fn top(
     text += &registers(inputs.iter().map(|port| (rank_0(port), port.port.clone())));
     let mut uses_delay = delays(&mut text, &signals, net.ports.iter().map(|port| port.node), "inputs")?;
 
-    for (&(block, group, run), placed) in runs.iter().zip(&instances) {
+    for (&(stage, group, run), placed) in runs.iter().zip(&instances) {
         let (module, run) = (&modules[group], &groups[group].runs[run]);
         let Placed { instance, from_rank, to_rank, .. } = placed;
         writeln!(text, "\n  // ---- {instance}: rank {from_rank} to {to_rank} ----")?;
@@ -212,7 +214,7 @@ pub(super) fn top(
         let connections = connections.join(",\n    ");
         writeln!(text, "  {} u_{instance} (\n    {connections}\n  );", module.name)?;
         text += &registers(moves.into_iter());
-        uses_delay |= delays(&mut text, &signals, outcomes.into_iter(), &net.blocks[block as usize].instance())?;
+        uses_delay |= delays(&mut text, &signals, outcomes.into_iter(), &net.runs[stage as usize].instance())?;
     }
     writeln!(text, "\n  // ---- outputs: rank {last} ----")?;
     for port in &outputs {
@@ -235,7 +237,7 @@ pub(super) fn top(
 /// Every block has operations of its own; what the composer did outside any has no module.
 pub(super) fn check_blocks(context: Context) -> Result<(), VerilogError> {
     let outside =
-        context.net.iter().find(|(_, node)| node.block.is_none() && !matches!(node.op, Op::Lit(_) | Op::Port(_)));
+        context.net.iter().find(|(_, node)| node.stage.is_none() && !matches!(node.op, Op::Lit(_) | Op::Port(_)));
     match outside {
         Some((id, _)) => Err(VerilogError::OutsideBlocks(context.net.origin(id))),
         None => Ok(()),
@@ -264,8 +266,8 @@ fn top_header(context: Context, name: &str, description: &str, latency: u32, ins
         format!("Fully pipelined: one input a cycle, latency {latency} cycles. While out_valid is high and out_ready low"),
         "nothing moves.".into(),
         match context.depth {
-            Some(depth) => format!("Registers between blocks and inside them: at most {depth} levels of logic between two."),
-            None => "Registers between blocks only: each block is one cloud of logic.".into(),
+            Some(depth) => format!("Registers between stages and inside them: at most {depth} levels of logic between two."),
+            None => "Registers between stages only: each block is one cloud of logic.".into(),
         },
         String::new(),
         "A port is named PATH_FORMAT. Formats: iMfN signed, uMfN unsigned, M integer bits (a sign is one of them) and N".into(),
@@ -305,7 +307,7 @@ fn registers(moves: impl Iterator<Item = (String, String)>) -> String {
     format!("  always @(posedge clk)\n    if (advance) begin\n{lines}    end\n")
 }
 
-/// Delay lines of nodes of one block: one for every pair of ranks, all wires side by side.
+/// Delay lines of nodes of one stage: one for every pair of ranks, all wires side by side.
 fn delays(
     text: &mut String,
     signals: &Signals,

@@ -6,8 +6,8 @@ use roughxel_core::rom;
 use serde::Serialize;
 
 use super::format::{Format, vector};
+use super::text::{END, header};
 use super::value::literal;
-use super::{END, header};
 use crate::graph::Table;
 use crate::interval::Range;
 

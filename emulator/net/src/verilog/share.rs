@@ -8,14 +8,14 @@ use std::collections::HashMap;
 use crate::graph::{Kind, Net, NodeId, Op};
 use crate::interval::{Range, Ranges};
 
-/// One run of a block. Places of nodes and inputs correspond between runs of one module.
+/// One run of a stage. Places of nodes and inputs correspond between runs of one module.
 #[derive(Clone, Debug)]
 pub(super) struct Run {
-    /// Index in [`Net::blocks`].
-    pub(super) block: u32,
+    /// Index in [`Net::runs`].
+    pub(super) stage: u32,
     /// Its operations, in order.
     pub(super) nodes: Vec<NodeId>,
-    /// Ports and wires of other blocks it reads, in the order of a person: ports, then outcomes of earlier blocks.
+    /// Ports and wires of other stages it reads, in the order of a person: ports, then outcomes of earlier stages.
     pub(super) inputs: Vec<NodeId>,
 }
 
@@ -43,7 +43,7 @@ const INPUT: NodeId = 1 << 30;
 const CONSTANT: NodeId = 1 << 31;
 
 /// The run of a block with its structure; inputs in the order of their first use.
-fn run_of(net: &Net, block: u32, nodes: Vec<NodeId>) -> (Run, Structure) {
+fn run_of(net: &Net, stage: u32, nodes: Vec<NodeId>) -> (Run, Structure) {
     let place: HashMap<NodeId, NodeId> = nodes.iter().copied().zip(0..).collect();
     let mut inputs: Vec<NodeId> = Vec::new();
     let mut constants = Vec::new();
@@ -63,24 +63,24 @@ fn run_of(net: &Net, block: u32, nodes: Vec<NodeId>) -> (Run, Structure) {
             }) as NodeId
     };
     let operations = nodes.iter().map(|&id| (net.node(id).op.map(&mut local), net.node(id).kind)).collect();
-    let own = net.taps.iter().filter(|tap| tap.block == Some(block));
+    let own = net.taps.iter().filter(|tap| tap.stage == Some(stage));
     let taps = own.filter_map(|tap| Some((*place.get(&tap.node)?, tap.name.clone(), tap.fraction_bits))).collect();
-    let name = net.blocks[block as usize].name;
+    let name = net.runs[stage as usize].name;
     let kinds = inputs.iter().map(|&input| net.node(input).kind).collect();
-    (Run { block, nodes, inputs }, Structure { name, operations, constants, inputs: kinds, taps })
+    (Run { stage, nodes, inputs }, Structure { name, operations, constants, inputs: kinds, taps })
 }
 
-/// Groups the runs of blocks that have operations, in the order of their first run.
+/// Groups the runs of stages that have operations, in the order of their first run.
 pub(super) fn groups(net: &Net) -> Vec<Group> {
-    let mut nodes = vec![Vec::new(); net.blocks.len()];
+    let mut nodes = vec![Vec::new(); net.runs.len()];
     for (id, node) in net.iter() {
-        if let Some(block) = node.block {
-            nodes[block as usize].push(id);
+        if let Some(stage) = node.stage {
+            nodes[stage as usize].push(id);
         }
     }
     let mut found: Vec<(Structure, Vec<Run>)> = Vec::new();
-    for (block, nodes) in (0..).zip(nodes).filter(|(_, nodes)| !nodes.is_empty()) {
-        let (run, structure) = run_of(net, block, nodes);
+    for (stage, nodes) in (0..).zip(nodes).filter(|(_, nodes)| !nodes.is_empty()) {
+        let (run, structure) = run_of(net, stage, nodes);
         match found.iter_mut().find(|(known, _)| *known == structure) {
             Some((_, runs)) => runs.push(run),
             None => found.push((structure, vec![run])),
@@ -88,8 +88,8 @@ pub(super) fn groups(net: &Net) -> Vec<Group> {
     }
     let alone = |name| found.iter().filter(|(structure, _)| structure.name == name).count() == 1;
     let named = found.iter().map(|(structure, runs)| {
-        let block = &net.blocks[runs[0].block as usize];
-        let name = if alone(structure.name) { block.name.replace('.', "_") } else { block.instance() };
+        let stage = &net.runs[runs[0].stage as usize];
+        let name = if alone(structure.name) { stage.name.replace('.', "_") } else { stage.instance() };
         let mut runs = runs.clone();
         let mut order: Vec<usize> = (0..runs[0].inputs.len()).collect();
         order.sort_by_key(|&place| position(net, runs[0].inputs[place]));
@@ -101,7 +101,7 @@ pub(super) fn groups(net: &Net) -> Vec<Group> {
     named.collect()
 }
 
-/// Where a person expects an input: ports first, then outcomes of blocks in the order in which they ran.
+/// Where a person expects an input: ports first, then outcomes of stages in the order in which they ran.
 fn position(net: &Net, id: NodeId) -> (usize, NodeId) {
     match net.node(id).op {
         Op::Port(port) => (0, port),

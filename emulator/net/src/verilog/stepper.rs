@@ -5,12 +5,14 @@
 
 use std::fmt::Write;
 
+use super::error::VerilogError;
 use super::format::{Format, vector};
+use super::interface::{Interface, PortDescription};
 use super::module::port_list;
 use super::pipeline::{Top, handshake_ports};
 use super::rom::DELAY;
+use super::text::{END, header};
 use super::value::literal;
-use super::{END, Interface, PortDescription, VerilogError, header};
 use crate::interval::Range;
 
 /// The ports that make a design a step.

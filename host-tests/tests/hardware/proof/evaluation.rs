@@ -2,12 +2,12 @@
 
 use fixed::types::I4F28;
 use rayon::prelude::*;
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
-use roughxel_core::ports::{ReflectionIn, environment_scale};
+use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::net::design::{DESIGNS, Design};
 use roughxel_emulator::net::graph::{Net, Tap};
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::observe::Observed;
@@ -17,23 +17,24 @@ use roughxel_host_tests::checked::{Checked, Integers, Trace, traced};
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::space::{any_vectors, any_word};
 
-use super::{design, effects, profiles};
+use super::{effects, profiles};
 
 /// The integer of a tap as the checked reading has it; `None` where its function does not go through the block.
 fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
-    let block = &net.blocks[tap.block? as usize];
+    let block = &net.runs[tap.stage? as usize];
     let mut runs = trace.iter().filter(|(name, _)| *name == block.name);
     let (_, outcome) = runs.nth(block.run as usize)?;
     outcome.0.iter().find(|(name, _)| *name == tap.name).map(|(_, value)| *value)
 }
 
 /// Compares outputs with the scalar reading and taps with the checked one. Says how many taps were compared.
-fn compare(name: &str, net: &Net, wires: &[i64], ports: &[i64], effects: &Effects, p: &Precision) -> usize {
-    let scalar = outcome::<i32>(name, ports, effects, p);
+fn compare(design: Design, net: &Net, wires: &[i64], ports: &[i64], effects: &Effects, p: &Precision) -> usize {
+    let name = design.name();
+    let scalar = outcome::<i32>(design, ports, effects, p);
     let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
     let outputs = Integers(outputs.collect());
     assert_eq!(outputs, scalar, "{name} of {ports:?}");
-    let (checked, trace) = traced(|| outcome::<Checked>(name, ports, effects, p));
+    let (checked, trace) = traced(|| outcome::<Checked>(design, ports, effects, p));
     assert_eq!(checked, scalar);
     let taps = net.taps.iter().filter_map(|tap| Some((tap, in_trace(net, &trace, tap)?)));
     let differing = |(tap, value): (_, i64)| {
@@ -44,8 +45,8 @@ fn compare(name: &str, net: &Net, wires: &[i64], ports: &[i64], effects: &Effect
 }
 
 /// Evaluates a design for every fragment and holds it against the other readings and the proof.
-fn check(name: &str, effects: &Effects, p: &Precision, fragments: &[ReflectionIn]) {
-    let net = design(name).record(effects, p);
+fn check(design: Design, effects: &Effects, p: &Precision, fragments: &[ReflectionIn]) {
+    let (name, net) = (design.name(), Net::of(design, effects, p));
     let ranges = Ranges::new(&net);
     assert!(ranges.violations.is_empty());
     let halves: Vec<_> = fragments.chunks(fragments.len().div_ceil(2).max(1)).collect();
@@ -53,21 +54,10 @@ fn check(name: &str, effects: &Effects, p: &Precision, fragments: &[ReflectionIn
         let mut seen = Observed::new(&net);
         for (index, fragment) in (0..).zip(fragments) {
             let mut random = SplitMix64::for_element(name, index);
-            for ports in port_values(name, &net, fragment, effects, p, &mut random) {
+            for ports in port_values(design, &net, fragment, effects, p, &mut random) {
                 let wires = seen.evaluate(&net, &ports).to_vec();
-                let compared = compare(name, &net, &wires, &ports, effects, p);
-                if matches!(
-                    name,
-                    "fragment"
-                        | "reflection"
-                        | "highlight"
-                        | "lit_peak"
-                        | "texture"
-                        | "texture_probe"
-                        | "environment_probe"
-                ) {
-                    assert_eq!(compared, net.taps.len(), "every named wire has a counterpart");
-                }
+                let compared = compare(design, &net, &wires, &ports, effects, p);
+                assert_eq!(compared, net.taps.len(), "every named wire has a counterpart");
             }
         }
         if let Some(id) = seen.first_outside(&ranges) {
@@ -80,8 +70,8 @@ fn check(name: &str, effects: &Effects, p: &Precision, fragments: &[ReflectionIn
 fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
-            check("reflection", &set.plan.into(), &p, &set.fragments);
-            check("environment_probe", &set.plan.into(), &p, &set.fragments);
+            check(Design::Reflection, &set.plan.into(), &p, &set.fragments);
+            check(Design::EnvironmentProbe, &set.plan.into(), &p, &set.fragments);
         }
     }
 }
@@ -90,12 +80,12 @@ fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
 fn a_net_gives_the_bits_of_the_scalar_reading_on_random_fragments() {
     for (_, p) in profiles() {
         let fragments: Vec<_> = (0..10_000).map(|index| random_fragment("net", index, &p)).collect();
-        for design in DESIGNS {
-            check(design.name, &Effects::ALL, &p, &fragments);
+        for &design in Design::ALL {
+            check(design, &Effects::ALL, &p, &fragments);
         }
         for datapath in Datapath::ALL {
             for (index, effects) in effects(Some(datapath)).iter().enumerate() {
-                check(Design::of(datapath).name, effects, &p, &fragments[100 * index..100 * (index + 1)]);
+                check(Design::of(datapath), effects, &p, &fragments[100 * index..100 * (index + 1)]);
             }
         }
     }
@@ -106,11 +96,7 @@ fn any_fragment(random: &mut SplitMix64) -> ReflectionIn {
     let [normal, view, t0, t1, vx, vy, nx, ny] = any_vectors(random);
     let [b1, b2, d1, d2, d3] = [0; 5].map(|_| I4F28::from_bits(any_word(random)));
     ReflectionIn {
-        normal,
-        view,
-        tangents: [t0, t1],
-        offset: [b1, b2],
-        roughness: [d1, d2, d3],
+        surface: SurfaceIn { normal, view, frame_vectors: [t0, t1], offset: [b1, b2], roughness: [d1, d2, d3] },
         dview: [vx, vy],
         dnormal: [nx, ny],
         edge_texels: [0, u16::MAX, random.next_u64() as u16][random.below(3) as usize] >> random.below(16),
@@ -124,8 +110,15 @@ fn a_net_gives_the_bits_of_the_scalar_reading_for_any_bits_at_its_ports() {
             let effects = Effects { frame, ..Effects::ALL };
             let mut random = SplitMix64::for_element(profile, frame as u64);
             let fragments: Vec<_> = (0..4000).map(|_| any_fragment(&mut random)).collect();
-            for name in ["fragment", "highlight", "lit_peak", "environment_probe", "texture", "texture_probe"] {
-                check(name, &effects, &p, &fragments);
+            for design in [
+                Design::Fragment,
+                Design::Highlight,
+                Design::LitPeak,
+                Design::EnvironmentProbe,
+                Design::Texture,
+                Design::TextureProbe,
+            ] {
+                check(design, &effects, &p, &fragments);
             }
         }
     }
@@ -135,8 +128,8 @@ fn a_net_gives_the_bits_of_the_scalar_reading_for_any_bits_at_its_ports() {
 fn integers_of_a_bundle_are_the_ports_of_its_net() {
     let p = Precision::STANDARD;
     let fragment = random_fragment("ports", 0, &p);
-    let wires = fragment.wires(environment_scale(fragment.edge_texels, &p));
-    let net = design("reflection").record(&Effects::ALL, &p);
+    let wires = fragment.wires();
+    let net = Net::of(Design::Fragment, &Effects::ALL, &p);
     let names: Vec<_> = net.ports.iter().map(|port| port.name.clone()).collect();
     let expected = Integers::of(&wires);
     assert_eq!(names, expected.0.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());

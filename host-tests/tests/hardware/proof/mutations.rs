@@ -9,12 +9,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_emulator::net::census::Census;
 use roughxel_emulator::net::graph::{Kind, Net, NodeId, Op};
 use roughxel_emulator::net::interval::Ranges;
 
-use super::{design, profiles};
+use super::profiles;
 
 /// What is done to a net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,7 +75,12 @@ fn mutants(net: &Net) -> Vec<Mutant> {
     let constant = |id| matches!(op(id), Op::Lit(_));
     let line = |id| format!("{}:{}", net.node(id).at.file(), net.node(id).at.line());
     let residuals = lines_with("core/src/elementary.rs", ".saturate(-limit, limit)");
-    let counts = lines_with("core/src/block.rs", ".saturate(Fx::lit(0), Fx::lit(most))");
+    let counts = [
+        lines_with("core/src/block.rs", ".saturate(Fx::int(0), Fx::int(most.into()))"),
+        lines_with("core/src/fx.rs", ".saturate(Fx::int(0), Fx::int(i64::from(X::BITS - 2)))"),
+        lines_with("core/src/stage/probes.rs", ".saturate(Fx::int(0), Fx::int((<W::Wide as Wire>::BITS - 2).into()))"),
+    ]
+    .concat();
     // Ors below a leading-zero counter.
     let mut counted = vec![false; net.nodes.len()];
     for (id, node) in net.iter().rev() {
@@ -138,26 +144,26 @@ fn mutants(net: &Net) -> Vec<Mutant> {
 }
 
 /// Designs with clamps, claims, roundings or interpolation.
-const BROKEN: [&str; 9] = [
-    "map_scale",
-    "reflection",
-    "texture",
-    "environment_probe",
-    "texture_probe",
-    "roughness_decode",
-    "moment_sample",
-    "colour_sample",
-    "blend",
+const BROKEN: [Design; 9] = [
+    Design::MapScale,
+    Design::Reflection,
+    Design::Texture,
+    Design::EnvironmentProbe,
+    Design::TextureProbe,
+    Design::Bump,
+    Design::WordSample,
+    Design::ColourSample,
+    Design::Blend,
 ];
 
 /// The nets to break, with the names of profile and design.
-fn subjects() -> Vec<(&'static str, &'static str, Net)> {
+fn subjects() -> Vec<(&'static str, Design, Net)> {
     let mut nets = Vec::new();
     for (profile, p) in profiles() {
-        for name in BROKEN {
+        for design in BROKEN {
             let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
-            for frame in frames.into_iter().take(if name == "reflection" { 3 } else { 1 }) {
-                nets.push((profile, name, design(name).record(&Effects { frame, ..Effects::ALL }, &p)));
+            for frame in frames.into_iter().take(if design == Design::Reflection { 3 } else { 1 }) {
+                nets.push((profile, design, Net::of(design, &Effects { frame, ..Effects::ALL }, &p)));
             }
         }
     }
@@ -177,7 +183,7 @@ fn is_normalised(net: &Net, tree: NodeId) -> bool {
 }
 
 /// Why ranges cannot see a mutation; `None` where they must.
-fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: &str) -> Option<&'static str> {
+fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Option<&'static str> {
     let id = mutant.node;
     let line = format!("{}:{}", net.node(id).at.file(), net.node(id).at.line());
     let at = |file: &str, text: &str| lines_with(file, text).contains(&line);
@@ -198,18 +204,21 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: &str) -> Option
         }
         (Sort::RoundingOnePlaceShort, _) => {
             let fits = at("core/src/elementary.rs", "let fraction: Mantissa<W> = within")
-                || at("core/src/elementary.rs", "let value: Fx<W, 24> = (knot")
-                || at("core/src/stage/blend.rs", ".round_to(COLOUR)")
-                || at("core/src/stage/moments.rs", "(b[y]).round_to(MOMENT)")
+                || at("core/src/elementary.rs", "let value: Fx<W, LOGARITHM> = (knot")
+                || at("core/src/stage/blend.rs", ".round_to(24)")
+                || at("core/src/stage/moments.rs", "(b[y]).round_to(Fx::<W, MOMENT>::FRACTION)")
                 || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
-                || at("core/src/stage/probes.rs", "raised.saturate(Fx::zero(), last).keep(p.lod_bits)")
-                || design == "colour_sample";
+                || at(
+                    "core/src/stage/probes.rs",
+                    "raised.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
+                )
+                || design == Design::ColourSample;
             fits.then_some("twice the value still fits")
         }
         (Sort::MagnitudeNotCounted, Op::Or(a, b)) => {
             (!is_normalised(net, a) || !is_normalised(net, b)).then_some("nothing reads the value that is not counted")
         }
-        (Sort::WeightsDoNotSum, _) => (design != "moment_sample").then_some("twice the value still fits"),
+        (Sort::WeightsDoNotSum, _) => (design != Design::WordSample).then_some("twice the value still fits"),
         _ => None,
     }
 }
@@ -229,7 +238,7 @@ fn the_proof_notices_what_breaks_it() {
             let Some(violation) = violations.first() else {
                 let why = harmless(&net, &ranges, &mutant, design);
                 let why =
-                    why.unwrap_or_else(|| panic!("{profile} {design}: {:?} at {origin} is not seen", mutant.sort));
+                    why.unwrap_or_else(|| panic!("{profile} {design:?}: {:?} at {origin} is not seen", mutant.sort));
                 let line = origin.split(" in ").next().unwrap_or_default().to_string();
                 *survivors.entry((mutant.sort, why)).or_default().entry(line).or_default() += 1;
                 continue;

@@ -21,7 +21,7 @@ struct Small {
 impl Small {
     fn node(&mut self, op: Op, kind: Kind) -> NodeId {
         let id = self.net.nodes.len() as NodeId;
-        self.net.nodes.push(Node { op, kind, block: None, at: Location::caller() });
+        self.net.nodes.push(Node { op, kind, stage: None, at: Location::caller() });
         match kind {
             Kind::Word => self.words.push(id),
             Kind::Wide => self.wides.push(id),
@@ -34,7 +34,16 @@ impl Small {
         let number = self.net.ports.len() as u32;
         let node = self.node(Op::Port(number), Kind::Word);
         let name = format!("p{number}");
-        self.net.ports.push(Port { name, kind: Kind::Word, fraction_bits: 0, low, high, node });
+        self.net.ports.push(Port {
+            name,
+            path: Vec::new(),
+            kind: Kind::Word,
+            mantissa: false,
+            fraction_bits: 0,
+            low,
+            high,
+            node,
+        });
         node
     }
 
@@ -291,7 +300,7 @@ fn dropping_dead_wires_keeps_every_output() {
     let (a, b) = (small.port(-3, 4), small.port(0, 5));
     small.node(Op::Mul(a, a), Kind::Wide);
     let sum = small.node(Op::Add(a, b), Kind::Word);
-    let tap = |node| Tap { block: None, name: "sum".into(), fraction_bits: 0, node };
+    let tap = |node| Tap { stage: None, name: "sum".into(), path: Vec::new(), mantissa: false, fraction_bits: 0, node };
     let mut net = small.net;
     net.outputs = vec![tap(sum)];
     let live = net.clone().without_dead_wires();

@@ -1,14 +1,14 @@
 //! Peaks side by side: the light of many peaks for one half vector.
 
-use roughxel_core::bundle::Bundle;
 use roughxel_core::datapath;
 use roughxel_core::each::{each, places};
-use roughxel_core::fx::Fx;
+use roughxel_core::fx::{Control, Fx, Int};
+use roughxel_core::ports::{LIGHT, Peak, SHARE};
 use roughxel_core::precision::Precision;
-use roughxel_core::signals::{LIGHT, LocalDirection, Peak, SHARE};
-use roughxel_core::word::{Wire, Word};
+use roughxel_core::signals::LocalDirection;
+use roughxel_core::word::Wire;
 
-use super::batch::Spread;
+use super::batch::spread;
 use super::{LANES, Lanes, Target};
 
 /// Words of a [`PackedPeak`].
@@ -27,12 +27,11 @@ impl From<&Peak<i32>> for PackedPeak {
     }
 }
 
-/// The peak in these words.
-#[inline(always)]
-fn unpack<W: Word>([xy, z_amplitude, exponent]: [W; WORDS]) -> Peak<W> {
-    let normal = each!(number in [xy.shl(16), xy, z_amplitude.shl(16)] => Fx::from_raw(number.sar(16)));
-    let amplitude = Fx::from_raw(z_amplitude.sar(16).and(W::lit(0xffff)));
-    Peak { normal, amplitude, exponent: Fx::from_raw(exponent) }
+impl PackedPeak {
+    /// Its words.
+    pub fn words(&self) -> [Int<i32>; WORDS] {
+        self.0.map(Fx::from_raw)
+    }
 }
 
 /// A list of peaks, word by word, so that lanes load a word of sixteen peaks at once.
@@ -74,17 +73,17 @@ impl PeakList {
     }
 
     /// What of each peak counts, its share or its visibility in [0, 1]; in the order of the peaks.
-    pub fn weigh(&mut self, weights: impl Iterator<Item = Fx<i32, SHARE>>) {
+    pub fn weigh(&mut self, weights: impl Iterator<Item = Control<i32, SHARE>>) {
         self.weights.clear();
         self.weights.extend(weights.map(Fx::raw));
         self.weights.resize(self.room(), 0);
     }
 
     /// All peaks with their weights, in their order.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (Peak<i32>, Fx<i32, SHARE>)> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = ([Int<i32>; WORDS], Control<i32, SHARE>)> {
         (0..self.len).map(|index| {
-            let peak = unpack(each!(word in places() => self.words[word][index]));
-            (peak, Fx::from_raw(self.weights.get(index).copied().unwrap_or(WHOLE)))
+            let words = each!(word in places() => Fx::from_raw(self.words[word][index]));
+            (words, Fx::from_raw(self.weights.get(index).copied().unwrap_or(WHOLE)))
         })
     }
 
@@ -94,14 +93,14 @@ impl PeakList {
 }
 
 /// The weight of a peak of which nothing is hidden.
-const WHOLE: i32 = 1 << SHARE;
+const WHOLE: i32 = 1 << (32 - SHARE);
 
 /// Adds the light of every peak to `lights`, in their order.
 pub(super) fn lights<T: Target>(
     half: &LocalDirection<i32>,
     peaks: &PeakList,
     p: &Precision,
-    lights: &mut Vec<Fx<i32, LIGHT>>,
+    lights: &mut Vec<Control<i32, LIGHT>>,
 ) {
     let before = lights.len();
     lights.resize(before + peaks.room(), Fx::zero());
@@ -110,13 +109,13 @@ pub(super) fn lights<T: Target>(
         #[inline(always)]
         || {
             let proof = T::proof();
-            let half = half.rewire(&mut Spread::<T>(proof));
+            let half = spread::<T, _>(half);
             // What lies behind the last peak is cut off below.
             for (group, row) in rows.iter_mut().enumerate() {
                 let load = |word: &[i32]| Lanes(proof.words(word.as_chunks().0[group]), proof);
-                let peak = unpack(each!(word in places() => load(&peaks.words[word])));
+                let words = each!(word in places() => Fx::from_raw(load(&peaks.words[word])));
                 let weight = if peaks.weights.is_empty() { Wire::lit(WHOLE.into()) } else { load(&peaks.weights) };
-                *row = each!(light in datapath::peak(&half, &peak, Fx::from_raw(weight), p).raw().lanes() => Fx::from_raw(light));
+                *row = each!(light in datapath::packed_peak(&half, words, Fx::from_raw(weight), p).raw().lanes() => Fx::from_raw(light));
             }
         },
     );

@@ -1,0 +1,85 @@
+//! Footprints: the ellipse on a map and the probes that cover it.
+
+use crate::block::Block;
+use crate::bundle::bundle;
+use crate::each::each;
+use crate::fx::Int;
+use crate::ports::PortBlock;
+use crate::precision::Precision;
+use crate::signals::{Axes, CubePoint, Ellipse, FaceProbe, MapScale, Probes, TexturePosition, TextureProbe};
+use crate::stage::texture::TextureScale;
+use crate::stage::{axes, cube_face, ellipse, enter, probes, texture};
+use crate::staged::{Staged, control_stage, stage};
+
+/// The ellipse of a pixel's two columns.
+#[inline(always)]
+pub(super) fn pixel_ellipse<W: Staged>(pixel: &[Block<W, 2>; 2], p: &Precision) -> Ellipse<W> {
+    stage!("ellipse", ellipse::ellipse(ellipse::pixel_columns(pixel, p), p))
+}
+
+/// The probes that cover an ellipse on a map.
+#[inline(always)]
+pub(super) fn assemble<W: Staged>(ellipse: &Ellipse<W>, map: &MapScale<W>, p: &Precision) -> (Axes<W>, Probes<W>) {
+    let axes = stage!("axes", axes::axes(ellipse, p));
+    (axes, stage!("probes", probes::probes(&axes, map, p)))
+}
+
+/// Probe `index` of an environment footprint: on its face, or across the edge where it leaves the face.
+#[inline(always)]
+pub fn environment_probe<W: Staged>(
+    point: &CubePoint<W>,
+    probes: &Probes<W>,
+    index: Int<W>,
+    p: &Precision,
+) -> FaceProbe<W> {
+    let offset = stage!("probes.position", probes::position(probes, index));
+    let place = stage!("continuation", cube_face::continuation(point, &offset, p));
+    let weight = control_stage!("probes.weight", probes::weight(probes, index, p));
+    FaceProbe { place, weight }
+}
+
+/// Probe `index` of a footprint in a repeated map.
+#[inline(always)]
+pub fn texture_probe<W: Staged>(
+    centre: &TexturePosition<W>,
+    probes: &Probes<W>,
+    index: Int<W>,
+    texture: &TextureScale<W>,
+    p: &Precision,
+) -> TextureProbe<W> {
+    let offset = stage!("probes.position", probes::position(probes, index));
+    let place = stage!("texture.position", texture::texture_position(centre, &offset, texture));
+    let weight = control_stage!("probes.weight", probes::weight(probes, index, p));
+    TextureProbe { place, weight }
+}
+
+bundle! {
+    /// The footprint of a fragment in a repeated map.
+    pub struct TextureFootprint<W> {
+        /// Columns of ∂x and ∂y in map units.
+        columns: [Block<W, 2>; 2],
+        /// K and det.
+        ellipse: Ellipse<W>,
+        /// λ₁, λ₂ and direction.
+        axes: Axes<W>,
+        /// N, step, level of detail.
+        probes: Probes<W>,
+    }
+}
+
+/// Footprint of a pixel in a colour or bump map: the environment's ellipse, axes and probes, other columns.
+#[inline(always)]
+pub fn texture_footprint<W: Staged>(
+    derivatives: &[PortBlock<W, 2>; 2],
+    texture: &TextureScale<W>,
+    map: &MapScale<W>,
+    p: &Precision,
+) -> TextureFootprint<W> {
+    let columns = each!(duv in *derivatives => {
+        let duv = stage!("enter.duv", enter::enter(&duv, p));
+        stage!("texture", texture::texture_column(&duv, texture, p))
+    });
+    let ellipse = pixel_ellipse(&columns, p);
+    let (axes, probes) = assemble(&ellipse, map, p);
+    TextureFootprint { columns, ellipse, axes, probes }
+}

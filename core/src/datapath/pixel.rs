@@ -1,0 +1,50 @@
+//! From samples to the colour of a pixel, one channel at a time.
+
+use crate::bundle::bundle;
+use crate::fx::{Control, Int};
+use crate::ports::{LIGHT, REFLECTANCE};
+use crate::stage::{blend, pixel};
+use crate::staged::{Staged, control_stage, stage};
+
+/// A mean of 16-bit texels, with 8 more fraction bits, in units of 2^`exponent`, as a colour.
+#[inline(always)]
+pub fn colour<W: Staged>(sample: Int<W>, exponent: Int<W>) -> Control<W, LIGHT> {
+    control_stage!("pixel.colour", pixel::colour::<W>(sample, exponent))
+}
+
+/// The product of two colours: of a colour map and its object, or of what a light returns and its own.
+#[inline(always)]
+pub fn modulated<W: Staged>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
+    control_stage!("pixel.modulated", pixel::modulated::<W>(a, b))
+}
+
+/// Surface and reflection by the reflectance of the material.
+#[inline(always)]
+pub fn blend<W: Staged>(
+    surface: Control<W, LIGHT>,
+    reflection: Control<W, LIGHT>,
+    reflectance: Control<W, REFLECTANCE>,
+) -> Control<W, LIGHT> {
+    control_stage!("blend", blend::blend::<W>(surface, reflection, reflectance))
+}
+
+bundle! {
+    /// All light of a pixel so far.
+    pub struct PixelSum<W> {
+        /// A sum of colours below 64; as many as a scene has lights and a pixel samples.
+        #[range(0..=1073741824)]
+        sum: WideControl<W, 40>,
+    }
+}
+
+/// The light of a pixel with one more colour.
+#[inline(always)]
+pub fn sum<W: Staged>(sum: &PixelSum<W>, colour: Control<W, LIGHT>) -> PixelSum<W> {
+    stage!("pixel.sum", PixelSum { sum: pixel::sum::<W>(sum.sum, colour) })
+}
+
+/// The channel of a pixel: all its light, cut to the brightest.
+#[inline(always)]
+pub fn pixel<W: Staged>(sum: &PixelSum<W>) -> Control<W, LIGHT> {
+    control_stage!("pixel", pixel::pixel::<W>(sum.sum))
+}

@@ -1,0 +1,76 @@
+//! From the ports to the surface of a fragment, made once for its reflection and all its lights.
+
+use crate::block::Block;
+use crate::bundle::{bundle, never};
+use crate::each::each;
+use crate::plan::{FrameSystem, SurfacePlan};
+use crate::ports::SurfaceInput;
+use crate::precision::{Precision, RoughnessKind};
+use crate::signals::TangentFrame;
+use crate::stage::{enter, frame, perturb, roughness};
+use crate::staged::{Staged, stage};
+
+bundle! {
+    /// The surface of one fragment.
+    pub struct Surface<W> {
+        /// n, normalised.
+        normal: Block<W, 3>,
+        /// v, normalised.
+        view: Block<W, 3>,
+        /// E₁, E₂ in units of the mantissas of n.
+        frame: TangentFrame<W>,
+        /// n_mod.
+        normal_mod: Block<W, 3>,
+        /// d₁E₁ and d₂E₁ + d₃E₂ in units of the mantissas of n; zero where the plan has no roughness.
+        rough: [Block<W, 3>; 2],
+    }
+}
+
+/// The perturbed and rough surface of one fragment.
+#[inline(always)]
+pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Precision) -> Surface<W> {
+    let normal = stage!("enter.normal", enter::enter(&input.normal, p));
+    let view = stage!("enter.view", enter::enter(&input.view, p));
+
+    let frame = if plan.needs_frame() {
+        let [first, second] = &input.frame_vectors;
+        let vectors = match plan.frame {
+            FrameSystem::MainDirection => [stage!("enter.tangent", enter::enter(first, p)), Block::zero()],
+            FrameSystem::Natural | FrameSystem::NaturalNormalised => {
+                each!(vector in [first, second] => stage!("enter.tangent", enter::enter(vector, p)))
+            }
+        };
+        stage!(
+            "frame",
+            match plan.frame {
+                FrameSystem::MainDirection => frame::main_direction(&normal, &vectors[0], p),
+                FrameSystem::Natural => frame::natural(&normal, &vectors, p),
+                FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &vectors, p),
+            }
+        )
+    } else {
+        TangentFrame { e1: Block::zero(), e2: Block::zero(), pole: never::<W>() }
+    };
+
+    let normal_mod = if plan.bump {
+        let offset = stage!("enter.offset", each!(b in input.offset => enter::enter_offset(b, p)));
+        stage!("perturb", perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
+    } else {
+        normal
+    };
+
+    let rough = match plan.roughness {
+        RoughnessKind::None => [Block::zero(); 2],
+        kind => {
+            let d = stage!("enter.roughness", each!(d in input.roughness => enter::enter_offset(d, p)));
+            stage!(
+                "roughness",
+                match kind {
+                    RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
+                    _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
+                }
+            )
+        }
+    };
+    Surface { normal, view, frame, normal_mod, rough }
+}

@@ -1,0 +1,240 @@
+//! From a probe to the sample of a map: addresses, then, behind the memory, filters, sums and means. One channel at a time.
+
+use crate::block::{Block, of_control};
+use crate::bundle::bundle;
+use crate::each::each;
+use crate::fx::{Control, Fx, Int};
+use crate::ports::{LOD, OFFSET, SHARE};
+use crate::precision::{Precision, RoughnessKind};
+use crate::signals::{Ellipse, FacePosition, TexturePosition};
+use crate::stage::edge::{self, CubeTexel};
+use crate::stage::filter::{self, Address, LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::moments::{self, MOMENT};
+use crate::stage::{axes, pixel};
+use crate::staged::{Staged, control_stage, stage};
+use crate::word::Word;
+
+/// The two levels of a footprint; a rough surface's looks at finer ones.
+#[inline(always)]
+pub fn levels<W: Staged>(lod: Control<W, LOD>, rough: W::Flag, p: &Precision) -> LevelPair<W> {
+    stage!("filter.levels", filter::levels(Fx::select(rough, filter::biased(lod, p), lod)))
+}
+
+/// What a bilinear sample of a level of a cube face reads; texels outside of the face are [`cube_texel`]s.
+#[inline(always)]
+pub fn face_address<W: Staged>(place: &FacePosition<W>, edge: Int<W>, p: &Precision) -> Address<W> {
+    stage!("filter.face_address", filter::face_address(&place.st, edge, p))
+}
+
+/// The texel at a column and a row of a face that may be one step outside of it.
+#[inline(always)]
+pub fn cube_texel<W: Staged>(face: Int<W>, index: [Int<W>; 2], edge: Int<W>) -> CubeTexel<W> {
+    stage!("edge", edge::texel(face, index, edge))
+}
+
+/// The texels of a bilinear sample of a level of a cube face: (0,0), (1,0), (0,1), (1,1).
+#[inline(always)]
+pub fn face_texels<W: Staged>(face: Int<W>, address: &Address<W>, edge: Int<W>) -> [CubeTexel<W>; 4] {
+    let neighbours = stage!("edge.neighbours", edge::neighbours(address.index));
+    each!(index in neighbours.index => cube_texel(face, index, edge))
+}
+
+/// One channel of the texel at a corner of the cube.
+#[inline(always)]
+pub fn corner<W: Staged>(three: &[Int<W>; 3]) -> Int<W> {
+    control_stage!("filter.corner", filter::corner(three))
+}
+
+bundle! {
+    /// What a bilinear sample of a level of a repeated map reads.
+    pub struct RepeatAddress<W> {
+        /// The left and the right column.
+        #[range(0..=16383)]
+        columns: [Int<W>; 2],
+        /// The upper and the lower row.
+        #[range(0..=16383)]
+        rows: [Int<W>; 2],
+        /// Weights of the right column and of the lower row, [0, 1).
+        #[range(0..1)]
+        weight: [Control<W, WEIGHT>; 2],
+    }
+}
+
+/// What a bilinear sample of a level of a repeated map reads.
+#[inline(always)]
+pub fn repeat_address<W: Staged>(place: &TexturePosition<W>, size: [Int<W>; 2], p: &Precision) -> RepeatAddress<W> {
+    stage!("filter.repeat_address", {
+        let Address { index, weight } = filter::repeat_address(place, size, p);
+        let [columns, rows] = each!(i in [0, 1] => filter::wrapped(index[i], size[i]));
+        RepeatAddress { columns, rows, weight }
+    })
+}
+
+/// A channel of 16-bit texels at one probe, 8 more fraction bits.
+#[inline(always)]
+pub fn colour_sample<W: Staged>(fine: &Patch<W>, coarse: &Patch<W>, level_weight: Control<W, LEVEL_WEIGHT>) -> Int<W> {
+    control_stage!("filter.trilinear", filter::trilinear(fine, coarse, level_weight, 8))
+}
+
+/// A channel of texels of a word each at one probe.
+#[inline(always)]
+pub fn word_sample<W: Staged>(fine: &Patch<W>, coarse: &Patch<W>, level_weight: Control<W, LEVEL_WEIGHT>) -> Int<W> {
+    control_stage!("filter.trilinear", filter::trilinear(fine, coarse, level_weight, 0))
+}
+
+/// A sum over probes with one more.
+#[inline(always)]
+pub fn probe_sum<W: Staged>(sum: &ProbeSum<W>, sample: Int<W>, weight: Control<W, SHARE>) -> ProbeSum<W> {
+    stage!("filter.sum", sum.add(sample, weight))
+}
+
+/// The mean over the probes of a footprint.
+#[inline(always)]
+pub fn probe_mean<W: Staged>(sum: &ProbeSum<W>) -> Int<W> {
+    control_stage!("filter.mean", sum.mean())
+}
+
+bundle! {
+    /// A texel of a bump map as it is stored.
+    pub struct BumpCodes<W> {
+        /// Codes of b₁, b₂.
+        #[range(-32767..=32767)]
+        offset: [Int<W>; 2],
+        /// Codes of d₁, d₂, d₃, or of I₁; of fewer than 16 bits in the upper ones of 16.
+        #[range(-65535..=65535)]
+        roughness: [Int<W>; 3],
+    }
+}
+
+bundle! {
+    /// Scales of a bump map: its numbers are in units of 2^`exponent`.
+    pub struct BumpScale<W> {
+        /// How many powers of two the codes of offsets are below the unit.
+        #[range(0..=16)]
+        offset_down: Int<W>,
+        /// The same of roughness.
+        #[range(0..=27)]
+        roughness_down: Int<W>,
+        /// The unit.
+        #[range(-13..=3)]
+        exponent: Int<W>,
+    }
+}
+
+bundle! {
+    /// The channels of a bump map that are filtered, of a texel or of the sample of a probe, in units of the map.
+    pub struct BumpSample<W> {
+        /// b₁, b₂.
+        #[range(-1..=1)]
+        offset: [Control<W, 2>; 2],
+        /// K, its elements 11, 12, 22.
+        #[range(-2..=2)]
+        covariance: [Control<W, MOMENT>; 3],
+    }
+}
+
+impl<W: Word> BumpSample<W> {
+    /// The five channels as words.
+    #[inline(always)]
+    pub fn words(&self) -> [Int<W>; 5] {
+        let ([b1, b2], [k11, k12, k22]) = (self.offset, self.covariance);
+        [b1.reread(), b2.reread(), k11.reread(), k12.reread(), k22.reread()]
+    }
+
+    /// The channels in these words.
+    #[inline(always)]
+    pub fn of_words([b1, b2, k11, k12, k22]: [Int<W>; 5]) -> Self {
+        Self {
+            offset: each!(word in [b1, b2] => word.reread()),
+            covariance: each!(word in [k11, k12, k22] => word.reread()),
+        }
+    }
+}
+
+bundle! {
+    /// The channels that are averaged over probes, in units of the map.
+    pub struct BumpMoments<W> {
+        /// b₁, b₂.
+        #[range(-1..=1)]
+        offset: [Control<W, 2>; 2],
+        /// K + b bᵀ, its elements 11, 12, 22.
+        #[range(-3..=3)]
+        moments: [Control<W, MOMENT>; 3],
+    }
+}
+
+impl<W: Word> BumpMoments<W> {
+    /// The five channels as words.
+    #[inline(always)]
+    pub fn words(&self) -> [Int<W>; 5] {
+        BumpSample::<W> { offset: self.offset, covariance: self.moments }.words()
+    }
+
+    /// The channels in these words.
+    #[inline(always)]
+    pub fn of_words(words: [Int<W>; 5]) -> Self {
+        let BumpSample { offset, covariance: moments } = BumpSample::<W>::of_words(words);
+        Self { offset, moments }
+    }
+}
+
+/// The channels of one texel.
+#[inline(always)]
+pub fn bump_texel<W: Staged>(codes: &BumpCodes<W>, scale: &BumpScale<W>, kind: RoughnessKind) -> BumpSample<W> {
+    stage!("moments.texel", {
+        let offset = each!(code in codes.offset => moments::decode_offset(code, scale.offset_down));
+        let d = each!(code in codes.roughness => moments::decode_roughness(code, scale.roughness_down));
+        let covariance = match kind {
+            RoughnessKind::Isotropic => moments::of_isotropic_texel(d[0]),
+            _ => moments::of_texel(&d),
+        };
+        BumpSample { offset, covariance }
+    })
+}
+
+/// What is averaged of the sample of one probe: second moments in place of K.
+#[inline(always)]
+pub fn bump_probe<W: Staged>(sample: &BumpSample<W>) -> BumpMoments<W> {
+    stage!("moments.probe", {
+        let moments = moments::of_probe(&sample.offset, &sample.covariance);
+        BumpMoments { offset: sample.offset, moments }
+    })
+}
+
+bundle! {
+    /// Bumps and roughness of a fragment, as the ports of the surface take them.
+    pub struct Bump<W> {
+        /// b₁, b₂.
+        offset: [Fx<W, OFFSET>; 2],
+        /// d₁, d₂, d₃, or I₁.
+        roughness: [Fx<W, OFFSET>; 3],
+    }
+}
+
+/// The mean over a footprint as ports. Without roughness that is zero.
+#[inline(always)]
+pub fn bump<W: Staged>(mean: &BumpMoments<W>, scale: &BumpScale<W>, kind: RoughnessKind, p: &Precision) -> Bump<W> {
+    let d = match kind {
+        RoughnessKind::None => None,
+        _ => {
+            let k = stage!("moments.covariance", of_control(moments::covariance(&(mean.offset, mean.moments), p)));
+            Some(match kind {
+                RoughnessKind::Isotropic => {
+                    let axes = stage!("axes", axes::axes(&Ellipse { k, det: Block::zero() }, p));
+                    [stage!("moments.isotropic", moments::to_roughness(axes.major)), Fx::zero(), Fx::zero()]
+                }
+                _ => stage!("moments.decompose", moments::decompose(&k, p)),
+            })
+        }
+    };
+    stage!("pixel.bump", {
+        // A mantissa has two fraction bits more than a port.
+        let e = scale.exponent - Fx::int(2);
+        let offset = each!(b in mean.offset => Fx::of_control::<OFFSET>(pixel::bump(b, e)));
+        let roughness = match d {
+            None => [Fx::zero(); 3],
+            Some(d) => each!(d in d => Fx::of_control::<OFFSET>(pixel::bump(d.to_control::<OFFSET>(), scale.exponent))),
+        };
+        Bump { offset, roughness }
+    })
+}

@@ -1,0 +1,508 @@
+//! Designs: what can be recorded, proven, made into hardware and held against other readings, each with its ports.
+//!
+//! `fragment`, `highlight` and `lit_peak` are the three datapaths from ports to ports. The others are what a frame calls between texel and
+//! pixel, one function of the composer each: footprints, probes, addresses, samples, sums, bumps, colours. What may be on a
+//! port is part of its declaration. A design is a type, so that any reading runs the same function; [`Design`] is the list.
+
+use crate::block::Block;
+use crate::bundle::{Bundle, Value, bundle};
+use crate::datapath::pixel::{self, PixelSum};
+use crate::datapath::texel::{self, Bump, BumpCodes, BumpMoments, BumpSample, BumpScale, RepeatAddress};
+use crate::datapath::{self, Reflection, TextureFootprint};
+use crate::plan::{Datapath, Effects};
+use crate::ports::{
+    HighlightInput, HighlightOutput, Horizon, LIGHT, LOD, PeakInput, PeakOutput, PortBlock, REFLECTANCE,
+    ReflectionInput, ReflectionOutput, SHARE,
+};
+use crate::precision::Precision;
+use crate::scalar::Scalar;
+use crate::signals::{
+    CubePoint, FacePosition, FaceProbe, LocalDirection, MapScale, PeakSum, Probes, TangentFrame, TexturePosition,
+    TextureProbe,
+};
+use crate::stage::edge::CubeTexel;
+use crate::stage::filter::{Address, LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::texture::TextureScale;
+use crate::staged::Staged;
+
+/// A function of the composer with its ports.
+pub trait Recorded {
+    /// What enters.
+    type Input: Form;
+    /// What leaves.
+    type Output: Form;
+    /// The function, in any reading, with those of the effects that it has.
+    fn run<W: Staged>(input: &In<Self::Input, W>, effects: &Effects, p: &Precision) -> In<Self::Output, W>;
+}
+
+/// A bundle in the scalar reading, from which those of all others are made.
+pub trait Form: Bundle<Scalar, In<Scalar> = Self> {}
+
+impl<B: Bundle<Scalar, In<Scalar> = B>> Form for B {}
+
+/// A structure of wires in the reading `W`.
+pub type In<B, W> = <B as Bundle<Scalar>>::In<W>;
+
+/// Something to be done with a design, whichever it is.
+pub trait Visitor {
+    /// What comes of it.
+    type Outcome;
+    /// Does it with the design `D`.
+    fn visit<D: Recorded>(self) -> Self::Outcome;
+}
+
+/// A design as a type, by its place in [`Design::ALL`].
+#[derive(Clone, Copy, Debug)]
+pub struct Of<const DESIGN: usize>;
+
+macro_rules! designs {
+    ($(
+        #[doc = $doc:literal]
+        $name:ident $label:literal $($datapath:ident)?: $input:ident -> $output:ty,
+        |$in:ident, $effects:pat_param, $p:pat_param| $body:expr;
+    )*) => {
+        /// Every design, in the order in which a fragment meets them.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Design {
+            $(
+                #[doc = $doc]
+                $name,
+            )*
+        }
+
+        impl Design {
+            /// Every one.
+            pub const ALL: &[Self] = &[$(Self::$name),*];
+
+            /// Its name, and that of its top module.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name => $label,)*
+                }
+            }
+
+            /// One sentence.
+            pub fn description(self) -> &'static str {
+                match self {
+                    $(Self::$name => $doc,)*
+                }
+                .trim_ascii()
+            }
+
+            /// The datapath it is the whole of; effects matter to such a design only.
+            pub const fn datapath(self) -> Option<Datapath> {
+                match self {
+                    $(Self::$name => designs!(@datapath $($datapath)?),)*
+                }
+            }
+
+            /// Does something with it.
+            pub fn visit<V: Visitor>(self, visitor: V) -> V::Outcome {
+                match self {
+                    $(Self::$name => visitor.visit::<Of<{ Design::$name as usize }>>(),)*
+                }
+            }
+        }
+
+        $(impl Recorded for Of<{ Design::$name as usize }> {
+            type Input = $input<Scalar>;
+            type Output = $output;
+            #[inline(always)]
+            fn run<W: Staged>($in: &$input<W>, $effects: &Effects, $p: &Precision) -> In<$output, W> {
+                $body
+            }
+        })*
+    };
+    (@datapath) => { None };
+    (@datapath $datapath:ident) => { Some(Datapath::$datapath) };
+}
+
+impl Design {
+    /// The design whose ports are those of a datapath's vectors.
+    pub const fn of(datapath: Datapath) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Fragment,
+            Datapath::Highlight => Self::Highlight,
+            Datapath::Peak => Self::LitPeak,
+        }
+    }
+
+    /// The design of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|design| design.name() == name)
+    }
+}
+
+type S = Scalar;
+
+designs! {
+    /// log2 of the size of an environment's faces
+    MapScale "map_scale": Edge -> MapScale<S>, |input, _, p| datapath::map_scale(input.edge_texels, p);
+
+    /// footprint of a pixel in a repeated map: columns, ellipse, axes, probes
+    Texture "texture": MapFootprintInput -> TextureFootprint<S>,
+        |input, _, p| datapath::texture_footprint(&input.duv, &input.texture, &input.map, p);
+
+    /// place and weight of one probe in a repeated map
+    TextureProbe "texture_probe": TextureProbeInput -> TextureProbe<S>,
+        |input, _, p| datapath::texture_probe(&input.centre, &input.probes, input.index, &input.texture, p);
+
+    /// texels and weights of a bilinear sample of a repeated map
+    RepeatAddress "repeat_address": RepeatAddressInput -> RepeatAddress<S>,
+        |input, _, p| texel::repeat_address(&input.place, input.size, p);
+
+    /// texel of a bump map from its codes: offset and covariance
+    BumpTexel "bump_texel": BumpTexelInput -> BumpSample<S>,
+        |input, _, p| texel::bump_texel(&input.codes, &input.scale, p.roughness);
+
+    /// sample of a bump map to second moments, one probe
+    BumpProbe "bump_probe": BumpSample -> BumpMoments<S>, |input, _, _| texel::bump_probe(input);
+
+    /// mean moments to offset and roughness d1, d2, d3 or I1
+    Bump "bump": BumpInput -> Bump<S>, |input, _, p| texel::bump(&input.mean, &input.scale, p.roughness, p);
+
+    /// all of the reflection datapath with the ports of a vector word: edge of the map in, port formats out
+    Fragment "fragment" Reflection: ReflectionInput -> ReflectionOutput<S>,
+        |input, effects, p| datapath::fragment(input, &effects.reflection(), p);
+
+    /// the reflection datapath: frame, perturb, reflect, cube face, columns, ellipse, axes, probes
+    Reflection "reflection" Reflection: ScaledReflectionInput -> Reflection<S>,
+        |input, effects, p| datapath::reflection(&input.fragment, &input.map, &effects.reflection(), p);
+
+    /// place and weight of one probe on the cube
+    EnvironmentProbe "environment_probe": EnvironmentProbeInput -> FaceProbe<S>,
+        |input, _, p| datapath::environment_probe(&input.point, &input.probes, input.index, p);
+
+    /// level of detail to two levels and a weight, with the bias of rough reflections
+    Levels "levels": LevelsInput -> LevelPair<S>, |input, _, p| texel::levels(input.lod, input.rough, p);
+
+    /// texels and weights of a bilinear sample of a cube face
+    FaceAddress "face_address": FaceAddressInput -> Address<S>,
+        |input, _, p| texel::face_address(&input.place, input.edge, p);
+
+    /// the texels of a bilinear sample of a cube face, behind its edges if need be; three for one at a corner
+    FaceTexels "face_texels": FaceTexelsInput -> [CubeTexel<S>; 4],
+        |input, _, _| texel::face_texels(input.face, &input.address, input.edge);
+
+    /// the texel at a corner of the cube
+    Corner "corner": CornerInput -> Value<S, 32>, |input, _, _| Value(texel::corner::<W>(&input.texels));
+
+    /// trilinear interpolation of a channel of 16-bit texels
+    ColourSample "colour_sample": ColourSampleInput -> Value<S, 32>, |input, _, _| {
+        let patch = |level: usize| Patch::<W> { texels: input.texels[level], weight: input.weights[level] };
+        Value(texel::colour_sample(&patch(0), &patch(1), input.level_weight))
+    };
+
+    /// trilinear interpolation of a channel of words: bumps, moments, light of peaks
+    WordSample "word_sample": WordSampleInput -> Value<S, 32>,
+        |input, _, _| Value(texel::word_sample(&input.fine, &input.coarse, input.level_weight));
+
+    /// one more sample of a weighted sum over probes
+    ProbeSum "probe_sum": ProbeSumInput -> ProbeSum<S>,
+        |input, _, _| texel::probe_sum(&input.sum, input.sample, input.weight);
+
+    /// the mean of the weighted sum
+    ProbeMean "probe_mean": ProbeSum -> Value<S, 32>, |input, _, _| Value(texel::probe_mean(input));
+
+    /// a mean of texels as a colour
+    Colour "colour": ColourInput -> Value<S, LIGHT>, |input, _, _| Value(pixel::colour::<W>(input.sample, input.exponent));
+
+    /// the product of two colours
+    Modulated "modulated": ModulatedInput -> Value<S, LIGHT>,
+        |input, _, _| Value(pixel::modulated::<W>(input.colours[0], input.colours[1]));
+
+    /// one light on a surface: frame, perturb, roughness, half vector, modified Blinn-Phong
+    Highlight "highlight" Highlight: HighlightInput -> HighlightOutput<S>,
+        |input, effects, p| datapath::leave_highlight(&datapath::lit_surface(input, &effects.highlight(), p));
+
+    /// one light on one peak of a surface: frame, half vector, horizon, peak
+    LitPeak "lit_peak" Peak: PeakInput -> PeakOutput<S>,
+        |input, effects, p| datapath::lit_peak(input, &effects.peak(), p);
+
+    /// surface and reflection by reflectance
+    Blend "blend": BlendInput -> Value<S, LIGHT>,
+        |input, _, _| Value(pixel::blend::<W>(input.surface, input.reflection, input.reflectance));
+
+    /// a direction in the frame of a surface, at unit length
+    Local "local": LocalInput -> LocalDirection<S>,
+        |input, _, p| datapath::local_direction(&input.direction, &input.frame, &input.normal, p);
+
+    /// one more stored peak of a distribution of normals
+    Peak "peak": StoredPeakInput -> PeakSum<S>, |input, _, p| {
+        datapath::peak_sum(&input.sum, datapath::packed_peak(&input.half, input.words, input.weight, p))
+    };
+
+    /// the share of a peak's facets that light and eye both clear
+    Horizon "horizon": HorizonInput -> Value<S, SHARE>, |input, _, p| {
+        let [light, eye] = crate::each::each!(local in [input.light, input.eye] => datapath::horizon_slopes(&local, p));
+        Value(datapath::horizon(&light, &eye, &input.horizon, p))
+    };
+
+    /// one more colour in the light of a pixel
+    PixelSum "pixel_sum": PixelSumInput -> PixelSum<S>, |input, _, _| pixel::sum(&input.sum, input.colour);
+
+    /// the channel of a pixel, cut to the brightest
+    Pixel "pixel": PixelSum -> Value<S, LIGHT>, |input, _, _| Value(pixel::pixel(input));
+}
+
+bundle! {
+    /// Ports of `map_scale`.
+    pub struct Edge<W> {
+        /// Edge of a face, texels.
+        #[range(1..=16384)]
+        edge_texels: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `texture`.
+    pub struct MapFootprintInput<W> {
+        /// d(u, v)/dx and d(u, v)/dy, repeats per pixel.
+        duv: [PortBlock<W, 2>; 2],
+        /// Constants of the map.
+        texture: TextureScale<W>,
+        /// Scale of the level of detail.
+        map: MapScale<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `reflection`.
+    pub struct ScaledReflectionInput<W> {
+        /// The fragment; the edge of its environment is not read.
+        fragment: ReflectionInput<W>,
+        /// Scale of the environment.
+        map: MapScale<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `environment_probe`.
+    pub struct EnvironmentProbeInput<W> {
+        /// Point of the cube at the centre of the footprint.
+        point: CubePoint<W>,
+        /// The footprint.
+        probes: Probes<W>,
+        /// Which probe, below the count.
+        #[range(0..=15)]
+        index: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `texture_probe`.
+    pub struct TextureProbeInput<W> {
+        /// Centre of the footprint.
+        centre: TexturePosition<W>,
+        /// The footprint.
+        probes: Probes<W>,
+        /// Which probe, below the count.
+        #[range(0..=15)]
+        index: Int<W>,
+        /// Constants of the map.
+        texture: TextureScale<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `repeat_address`.
+    pub struct RepeatAddressInput<W> {
+        /// Place in repeats.
+        place: TexturePosition<W>,
+        /// Width and height of the level, texels.
+        #[range(1..=16384)]
+        size: [Int<W>; 2],
+    }
+}
+
+bundle! {
+    /// Ports of `face_address`.
+    pub struct FaceAddressInput<W> {
+        /// Place on the cube.
+        place: FacePosition<W>,
+        /// Edge of the level, texels.
+        #[range(1..=16384)]
+        edge: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `face_texels`.
+    pub struct FaceTexelsInput<W> {
+        /// Face 0…5.
+        #[range(0..=5)]
+        face: Int<W>,
+        /// What the sample reads.
+        address: Address<W>,
+        /// Edge of the level, texels.
+        #[range(1..=16384)]
+        edge: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `levels`.
+    pub struct LevelsInput<W> {
+        /// Level of detail of the footprint.
+        #[range(0..=14)]
+        lod: Control<W, LOD>,
+        /// The footprint is a rough surface's.
+        rough: W::Flag,
+    }
+}
+
+bundle! {
+    /// Ports of `corner`.
+    pub struct CornerInput<W> {
+        /// One channel of the three texels that meet there, unsigned.
+        #[range(0..=65535)]
+        texels: [Int<W>; 3],
+    }
+}
+
+bundle! {
+    /// Ports of `colour_sample`.
+    pub struct ColourSampleInput<W> {
+        /// Texels (0,0), (1,0), (0,1), (1,1) of the finer, then of the coarser level.
+        #[range(0..=65535)]
+        texels: [[Int<W>; 4]; 2],
+        /// Weights in a level, [0, 1).
+        #[range(0..1)]
+        weights: [[Control<W, WEIGHT>; 2]; 2],
+        /// Weight of the coarser level, [0, 1).
+        #[range(0..1)]
+        level_weight: Control<W, LEVEL_WEIGHT>,
+    }
+}
+
+bundle! {
+    /// Ports of `word_sample`.
+    pub struct WordSampleInput<W> {
+        /// Of the finer level.
+        fine: Patch<W>,
+        /// Of the coarser level.
+        coarse: Patch<W>,
+        /// Weight of the coarser level, [0, 1).
+        #[range(0..1)]
+        level_weight: Control<W, LEVEL_WEIGHT>,
+    }
+}
+
+bundle! {
+    /// Ports of `probe_sum`.
+    pub struct ProbeSumInput<W> {
+        /// The next sample.
+        sample: Int<W>,
+        /// Its weight.
+        #[range(0..=1)]
+        weight: Control<W, SHARE>,
+        /// The sum so far.
+        sum: ProbeSum<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `bump_texel`.
+    pub struct BumpTexelInput<W> {
+        /// The texel.
+        codes: BumpCodes<W>,
+        /// Scales of the map.
+        scale: BumpScale<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `bump`.
+    pub struct BumpInput<W> {
+        /// Mean of the footprint.
+        mean: BumpMoments<W>,
+        /// Scales of the map.
+        scale: BumpScale<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `colour`.
+    pub struct ColourInput<W> {
+        /// Mean of 16-bit texels, 8 more fraction bits.
+        #[range(0..=16777215)]
+        sample: Int<W>,
+        /// log₂ of the unit of the map's channels.
+        #[range(0..=6)]
+        exponent: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `modulated`.
+    pub struct ModulatedInput<W> {
+        /// Both below 64, or a peak's 64.
+        #[range(0..=64)]
+        colours: [Control<W, LIGHT>; 2],
+    }
+}
+
+bundle! {
+    /// Ports of `blend`.
+    pub struct BlendInput<W> {
+        /// Colour of the surface, below 64.
+        #[range(0..64)]
+        surface: Control<W, LIGHT>,
+        /// Colour of the reflection, below 64.
+        #[range(0..64)]
+        reflection: Control<W, LIGHT>,
+        /// Reflectance, [0, 1].
+        #[range(0..=1)]
+        reflectance: Control<W, REFLECTANCE>,
+    }
+}
+
+bundle! {
+    /// Ports of `local`: blocks between stages, whose exponents may be sums of those of blocks of zeros.
+    pub struct LocalInput<W> {
+        /// The direction, any length.
+        direction: Block<W, 3>,
+        /// E₁ and E₂ in units of the mantissas of n.
+        frame: TangentFrame<W>,
+        /// n.
+        normal: Block<W, 3>,
+    }
+}
+
+bundle! {
+    /// Ports of `peak`.
+    pub struct StoredPeakInput<W> {
+        /// Half vector in the frame of the surface.
+        half: LocalDirection<W>,
+        /// The peak as a memory holds it.
+        words: [Int<W>; 3],
+        /// Its share of the fragment, [0, 1].
+        #[range(0..=1)]
+        weight: Control<W, SHARE>,
+        /// The sum so far.
+        sum: PeakSum<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `horizon`.
+    pub struct HorizonInput<W> {
+        /// Direction of the light in the frame of the surface, any length.
+        light: Block<W, 3>,
+        /// Direction of the eye.
+        eye: Block<W, 3>,
+        /// The horizon of a peak as it is stored.
+        horizon: Horizon<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `pixel_sum`.
+    pub struct PixelSumInput<W> {
+        /// The light so far.
+        sum: PixelSum<W>,
+        /// One more colour.
+        #[range(0..=64)]
+        colour: Control<W, LIGHT>,
+    }
+}

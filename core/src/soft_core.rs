@@ -1,0 +1,98 @@
+//! The datapaths in the scalar reading, from `fixed` ports to `fixed` ports: what a soft core or a host calls. Each is compiled once,
+//! here, for all who call it.
+
+use crate::datapath;
+use crate::fx::Fx;
+use crate::plan::{PeakPlan, ReflectionPlan, SurfacePlan};
+use crate::ports::{
+    HighlightIn, HighlightInput, HighlightOut, HighlightOutput, PeakIn, PeakInput, PeakOut, PeakOutput, Port,
+    ReflectionIn, ReflectionInput, ReflectionOut, ReflectionOutput, TextureIn,
+};
+use crate::precision::Precision;
+use crate::scalar::Scalar;
+use crate::signals::MapScale;
+use crate::stage::texture::TextureScale;
+
+/// Constants of a map of `size` texels for [`TextureIn::footprint`]; edges are read as 1…16384.
+///
+/// Set-up, once per map: the only division of the crate outside tests and tables, and not on the datapath.
+pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>) {
+    let [width, height] = size.map(|edge| i32::from(edge.clamp(1, 16384)));
+    let longer = width.max(height) as u32;
+    // ⌈log₂ longer⌉ − 1, and ⌊log₂ longer⌋ below, without a panic path.
+    let log2_unit = (u32::BITS - longer.saturating_sub(1).leading_zeros()).saturating_sub(1) as i32;
+    let last_level = longer.checked_ilog2().unwrap_or(0) as i32;
+    let repeats = |edge: i32| {
+        let edge = core::num::NonZeroU32::new(edge as u32).unwrap_or(core::num::NonZeroU32::MIN);
+        Fx::from_raw(((1_u32 << (16 + log2_unit)) / edge) as i32)
+    };
+    let texture = TextureScale {
+        size: [Fx::from_raw(width), Fx::from_raw(height)],
+        log2_unit: Fx::from_raw(log2_unit),
+        repeats_per_unit: [repeats(width), repeats(height)],
+    };
+    let map = MapScale { log2_texels: Fx::from_raw(log2_unit << 16), last_level: Fx::from_raw(last_level) };
+    (texture, map)
+}
+
+/// The scale of an environment whose faces have `edge` texels, read as 1…16384.
+pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
+    datapath::map_scale(Fx::from_raw(i32::from(edge)), p)
+}
+
+/// The reflection datapath with the outcomes of all its stages, on an environment of that scale.
+pub fn reflection(
+    input: &ReflectionInput<Scalar>,
+    map: &MapScale<Scalar>,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> datapath::Reflection<Scalar> {
+    datapath::reflection(input, map, plan, p)
+}
+
+/// The reflection datapath from ports to ports.
+pub fn fragment(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
+    datapath::fragment(input, plan, p)
+}
+
+/// The highlight datapath from ports to ports.
+pub fn highlight(input: &HighlightInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> HighlightOutput<Scalar> {
+    datapath::leave_highlight(&datapath::lit_surface(input, plan, p))
+}
+
+/// One light on one peak from ports to ports.
+pub fn lit_peak(input: &PeakInput<Scalar>, plan: &PeakPlan, p: &Precision) -> PeakOutput<Scalar> {
+    datapath::lit_peak(input, plan, p)
+}
+
+impl ReflectionIn {
+    /// Runs the scalar datapath.
+    pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
+        Port::of(&fragment(&self.wires(), plan, p))
+    }
+}
+
+impl TextureIn {
+    /// Runs the scalar texture footprint.
+    pub fn footprint(
+        &self,
+        scale: &(TextureScale<Scalar>, MapScale<Scalar>),
+        p: &Precision,
+    ) -> datapath::TextureFootprint<Scalar> {
+        datapath::texture_footprint(&self.duv.wires(), &scale.0, &scale.1, p)
+    }
+}
+
+impl HighlightIn {
+    /// Runs the scalar datapath.
+    pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
+        Port::of(&highlight(&self.wires(), plan, p))
+    }
+}
+
+impl PeakIn {
+    /// Runs the scalar datapath.
+    pub fn shine(&self, plan: &PeakPlan, p: &Precision) -> PeakOut {
+        Port::of(&lit_peak(&self.wires(), plan, p))
+    }
+}

@@ -1,0 +1,44 @@
+//! What can be wrong with a design to be written.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::interval::Violation;
+
+/// Why nothing was written.
+#[derive(Debug, Error)]
+pub enum VerilogError {
+    /// The interval proof fails.
+    #[error("the interval proof fails at {} operations, first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
+    Unproven(Vec<Violation>),
+    /// One operation alone is deeper than the target.
+    #[error("{origin}: {operation} has {levels} levels, which a depth of {depth} cannot cut")]
+    TooDeep {
+        /// Name of the operation.
+        operation: &'static str,
+        /// Its levels.
+        levels: u32,
+        /// The target.
+        depth: u32,
+        /// Source line and stage.
+        origin: String,
+    },
+    /// An operation that is part of no stage.
+    #[error("{0}: an operation outside every block has no module")]
+    OutsideBlocks(String),
+    /// A table that is none of the datapath's.
+    #[error("{0}: a table without a name")]
+    UnknownTable(String),
+    /// No such stage in the design.
+    #[error("there is no stage `{name}`; there are {}", .known.join(", "))]
+    UnknownStage {
+        /// What was asked for.
+        name: String,
+        /// Modules of the design.
+        known: Vec<String>,
+    },
+    /// A text could not be put together.
+    #[error("cannot format the text")]
+    Format(#[from] fmt::Error),
+}

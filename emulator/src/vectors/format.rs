@@ -1,0 +1,138 @@
+//! The tables of fields in `vectors/FORMAT.md`: a row a declared field, made of the layouts' columns.
+
+use roughxel_core::design::Design;
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::precision::Precision;
+use thiserror::Error;
+
+use super::layout::{Column, Direction, Kept, columns};
+use crate::net::graph::Net;
+
+/// The line before the tables in a page.
+const BEGIN: &str = "<!-- Begin of what `roughxel vectors format --write vectors/FORMAT.md` writes. -->\n";
+/// The line behind them.
+const END: &str = "<!-- End of what it writes. -->\n";
+
+/// A page has no place for the tables.
+#[derive(Debug, Error)]
+#[error("the page has not exactly one pair of the lines `{}` and `{}`", BEGIN.trim_end(), END.trim_end())]
+pub struct FormatError;
+
+/// The page with the tables in their place.
+pub fn in_page(page: &str) -> Result<String, FormatError> {
+    let (before, rest) = page.split_once(BEGIN).ok_or(FormatError)?;
+    let (_, after) = rest.split_once(END).ok_or(FormatError)?;
+    if [before, after].iter().any(|part| part.contains(BEGIN) || part.contains(END)) {
+        return Err(FormatError);
+    }
+    Ok(format!("{before}{BEGIN}\n{}\n{END}{after}", tables()))
+}
+
+/// The tables, a datapath after the other, with every block on.
+pub fn tables() -> String {
+    let tables = Datapath::ALL.map(|datapath| {
+        let rows: String = rows(datapath).iter().map(|row| row.line() + "\n").collect();
+        format!(
+            "`{}`:\n\n| fields | port | direction | stage | format | unit | what |\n|---|---|---|---|---|---|---|\n{rows}",
+            datapath.name()
+        )
+    });
+    tables.join("\n")
+}
+
+/// The columns of one declared field.
+struct Row {
+    /// Each with whether it is there whatever the frame.
+    columns: Vec<(Column, bool)>,
+}
+
+/// The declared fields of a datapath, in the order of the word.
+fn rows(datapath: Datapath) -> Vec<Row> {
+    // The frame system is the one choice that swaps columns; every other block only adds some.
+    let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+    let [main, natural, normalised] = frames.map(|frame| {
+        let effects = Effects { frame, ..Effects::ALL };
+        // Formats come out as symbols, the same under every profile.
+        columns(&Net::of(Design::of(datapath), &effects, &Precision::STANDARD), datapath, &Precision::STANDARD)
+    });
+    let mut rows: Vec<Row> = Vec::new();
+    for ((column, natural), normalised) in main.into_iter().zip(natural).zip(normalised) {
+        let exists = [column.exists, natural.exists, normalised.exists];
+        if !exists.contains(&true) {
+            continue;
+        }
+        let column = (column, !exists.contains(&false));
+        match rows.last_mut() {
+            Some(row) if row.first().declared == column.0.declared => row.columns.push(column),
+            _ => rows.push(Row { columns: vec![column] }),
+        }
+    }
+    rows
+}
+
+impl Row {
+    fn first(&self) -> &Column {
+        &self.columns[0].0
+    }
+
+    fn line(&self) -> String {
+        let first = self.first();
+        let direction = match first.field.direction {
+            Direction::In => "in",
+            Direction::Tap => "tap",
+            Direction::Out => "out",
+            Direction::Check => "check",
+        };
+        let stage = &first.field.stage;
+        let [unit, text] = [&first.field.unit, &first.text].map(|text| text.replace('|', "\\|"));
+        let (names, format) = (self.names(), self.format());
+        format!("| {names} | `{}` | {direction} | {stage} | {format} | {unit} | {text} |", first.declared)
+    }
+
+    /// The names of the columns; of those that differ in the last part alone the first is whole. In brackets what is not there
+    /// under every frame.
+    fn names(&self) -> String {
+        let mut runs: Vec<(Vec<&str>, bool)> = Vec::new();
+        let mut stem = "";
+        for (column, always) in &self.columns {
+            let name = column.field.name.as_str();
+            let cut = name.rfind('_').unwrap_or(name.len());
+            let follows = name[..cut] == *stem && cut < name.len();
+            stem = &name[..cut];
+            match runs.last_mut() {
+                Some((parts, before)) if follows && before == always => parts.push(&name[cut..]),
+                _ => runs.push((vec![if follows { &name[cut..] } else { name }], *always)),
+            }
+        }
+        let mut names = String::new();
+        for (parts, always) in runs {
+            let whole = !parts[0].starts_with('_');
+            names += if names.is_empty() {
+                ""
+            } else if whole {
+                ", "
+            } else {
+                " "
+            };
+            let parts = parts.join(" ");
+            names += &if always { format!("`{parts}`") } else { format!("(`{parts}`)") };
+        }
+        names
+    }
+
+    /// The formats of the columns, each once; that of an exponent by its name.
+    fn format(&self) -> String {
+        let mut formats: Vec<String> = Vec::new();
+        for (column, _) in &self.columns {
+            let field = &column.field;
+            let letter = if field.signed { 'I' } else { 'U' };
+            let fraction = if column.kept == Kept::All(0) { String::new() } else { format!("F{}", column.kept) };
+            let format = format!("{letter}{}{fraction}", field.width - field.fraction_bits);
+            let format = if field.name.ends_with("_e") { format!("e {format}") } else { format };
+            if !formats.contains(&format) {
+                formats.push(format);
+            }
+        }
+        formats.join(", ")
+    }
+}
