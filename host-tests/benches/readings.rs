@@ -193,7 +193,7 @@ impl Model {
                 write_files(place, bench.files()).expect("the directory can be written");
             }
             if model.program.as_os_str().is_empty() {
-                model.program = verilate(model.directory.path(), bench.module(), "-O3");
+                model.program = verilate(model.directory.path(), bench.module(), "OPT_FAST=-O3");
             }
         }
         Some(model)

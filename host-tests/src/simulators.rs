@@ -32,8 +32,9 @@ pub fn run(command: &mut Command) -> Output {
 /// Builds the Verilator model of a module that stands in a directory with its bench
 /// ([`Bench::files`](roughxel_emulator::net::bench::Bench::files)), below `directory/obj`, and returns the program.
 ///
-/// `optimise` is the C++ compiler's option for what runs in every cycle. Panics where Verilator or the compiler fails.
-pub fn verilate(directory: &Path, module: &str, optimise: &str) -> PathBuf {
+/// `make` are variables of Verilator's makefile: `OPT_FAST=-O3` for a model that runs long, and for one that does not
+/// `OPT_FAST=-O0 VM_PARALLEL_BUILDS=0`, which compiles it as one file. Panics where Verilator or the compiler fails.
+pub fn verilate(directory: &Path, module: &str, make: &str) -> PathBuf {
     let objects = directory.join("obj");
     let program = objects.join("bench");
     fs::create_dir_all(&objects).unwrap_or_else(|error| panic!("{}: {error}", objects.display()));
@@ -41,7 +42,7 @@ pub fn verilate(directory: &Path, module: &str, optimise: &str) -> PathBuf {
     let mut command = Command::new("verilator");
     command.args(["--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"]);
     command.args(["--prefix", "Vdesign", "-CFLAGS", "-std=c++17", "--top-module", &flat, "-MAKEFLAGS"]);
-    command.arg(format!("OPT_FAST={optimise} OPT_SLOW=-O0 OPT_GLOBAL=-O1")).arg("--Mdir").arg(&objects);
+    command.arg(format!("{make} OPT_SLOW=-O0 OPT_GLOBAL=-O1")).arg("--Mdir").arg(&objects);
     command.arg("-y").arg(directory).arg("-o").arg(&program);
     run(command.arg(directory.join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp")));
     program

@@ -9,6 +9,21 @@ use roughxel_emulator::random::SplitMix64;
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
+/// Whether tests run over all they claim: set by `cargo sweep`. Without, they run over a part that is quick.
+pub fn sweep() -> bool {
+    std::env::var_os("ROUGHXEL_SWEEP").is_some()
+}
+
+/// How much of something a test tries: all of it in a sweep, else a part.
+pub fn whole_or<T>(all: T, part: T) -> T {
+    if sweep() { all } else { part }
+}
+
+/// Whether the element of a list meets a profile: each of them in a sweep, else one, in turn.
+pub fn in_turn(index: usize, profile: &str) -> bool {
+    sweep() || PROFILE_NAMES[index % PROFILE_NAMES.len()] == profile
+}
+
 /// Every named profile.
 pub fn profiles() -> [(&'static str, Precision); 4] {
     Profile::ALL.map(|profile| (profile.name(), profile.precision()))

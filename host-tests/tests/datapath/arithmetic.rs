@@ -11,6 +11,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
 use roughxel_core::rom;
 use roughxel_host_tests::checked::{Checked, CheckedWide};
+use roughxel_host_tests::space::whole_or;
 
 /// 2^30.
 const ONE: i32 = 1 << MANTISSA;
@@ -21,7 +22,12 @@ fn rounded(x: i128, k: u32) -> i128 {
 }
 
 fn config() -> ProptestConfig {
-    ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Default::default() }
+    ProptestConfig {
+        cases: whole_or(20_000, 4000),
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
+        ..Default::default()
+    }
 }
 
 /// Wide wires with weight on the ends, zero and single bits.

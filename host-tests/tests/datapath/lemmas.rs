@@ -1,6 +1,6 @@
 //! Lemmas behind the claims on wires: bounds an interval walk cannot find, for every precision that can be built.
 //!
-//! A claim in the core names its lemma, and the lemma is the test of that name. Mantissas are exhausted for every p up to
+//! A claim in the core names its lemma, and the lemma is the test of that name. In a sweep mantissas are exhausted for every p up to
 //! 24 fraction bits, for 26 (`precise`) and 28; what is monotone is tried at its end and exhausted for small p beside it.
 
 use rayon::prelude::*;
@@ -12,6 +12,7 @@ use roughxel_core::rom;
 use roughxel_core::signals::Axes;
 use roughxel_core::soft_core::environment_scale;
 use roughxel_core::stage::probes::{position, probes};
+use roughxel_host_tests::space::whole_or;
 
 /// 2^30.
 const ONE: i32 = 1 << MANTISSA;
@@ -32,11 +33,14 @@ fn precisions() -> Vec<Precision> {
     list
 }
 
-/// Runs `check` for every mantissa from ½ to 1 that a profile keeps.
+/// Runs `check` for every mantissa from ½ to 1 that a profile keeps; without a sweep, for some 2^17 of them and both ends.
 fn for_every_mantissa(p: &Precision, check: impl Fn(i32) + Sync) {
     let dropped = MANTISSA - p.fraction_bits;
     let units = ONE >> (dropped + 1)..(ONE >> dropped) + 1;
-    units.into_par_iter().with_min_len(1 << 12).for_each(|unit| check(unit << dropped));
+    // Odd, so that every bit of a mantissa changes.
+    let step = whole_or(1, (1 << p.fraction_bits.saturating_sub(18)) - 1).max(1);
+    units.into_par_iter().step_by(step).with_min_len(1 << 12).for_each(|unit| check(unit << dropped));
+    check(ONE);
 }
 
 fn rises(table: &'static [i32]) -> impl Iterator<Item = i32> {

@@ -4,11 +4,11 @@
 //! ranges of the ports; expected values are those of the scalar stages. The committed vectors are read from their files, outputs
 //! included. A tool that is missing is named aloud, and fails the test where ROUGHXEL_REQUIRE_TOOLS is set.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock};
 
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
@@ -24,7 +24,7 @@ use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::vectors::{Direction, Field, Manifest, manifests_in};
 use roughxel_host_tests::designs::outcome;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
-use roughxel_host_tests::space::profiles;
+use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
 use tempfile::TempDir;
 
 const FULL: Effects = Effects::ALL;
@@ -140,14 +140,33 @@ impl Written {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// Builds the Verilator model of the outermost module and runs it on the vectors of a bench.
+    /// Runs the Verilator model of the outermost module on the vectors of a bench.
     fn verilator(&self, bench: &Bench, arguments: &[&str]) -> Output {
         write_files(self.path(), bench.files()).expect("the directory can be written");
-        let objects = self.path().join("obj");
-        reuse_runtime(&objects);
-        let program = verilate(self.path(), bench.module(), "-O1");
-        keep_runtime(&objects);
+        let program = self.model(bench);
         Command::new(&program).arg(self.path()).args(arguments).output().expect("the model was built")
+    }
+
+    /// The Verilator model of the outermost module, built once for all who write the same text.
+    fn model(&self, bench: &Bench) -> PathBuf {
+        static MODELS: Mutex<BTreeMap<(String, String), Arc<OnceLock<PathBuf>>>> = Mutex::new(BTreeMap::new());
+        let text = format!("{:?}", self.verilog.files);
+        let (model, number) = {
+            let mut models = MODELS.lock().expect("nobody panics with the list");
+            let number = models.len();
+            (Arc::clone(models.entry((bench.module().to_string(), text)).or_default()), number)
+        };
+        let build = || {
+            let objects = self.path().join("obj");
+            reuse_runtime(&objects);
+            // A few thousand cycles: what is saved in compiling is more than what is lost in running.
+            let built = verilate(self.path(), bench.module(), "OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
+            keep_runtime(&objects);
+            let program = runtime().join(format!("{}-{number}", bench.module()));
+            fs::copy(built, &program).expect("a model can be kept");
+            program
+        };
+        model.get_or_init(build).clone()
     }
 }
 
@@ -223,15 +242,17 @@ fn every_design_lints_clean() {
         return;
     }
     for (profile, _) in profiles() {
-        for &design in Design::ALL {
+        for (_, &design) in Design::ALL.iter().enumerate().filter(|(index, _)| in_turn(*index, profile)) {
             Written::new(design, &options(profile, FULL, None)).lint();
         }
         for datapath in Datapath::ALL {
-            for (_, effects) in variants_of(datapath) {
+            for (_, (_, effects)) in variants_of(datapath).into_iter().enumerate().filter(|(i, _)| in_turn(*i, profile))
+            {
                 Written::new(Design::of(datapath), &options(profile, effects, None)).lint();
             }
         }
-        for design in [Design::Reflection, Design::Highlight, Design::LitPeak, Design::EnvironmentProbe] {
+        let pipelined = [Design::Reflection, Design::Highlight, Design::LitPeak, Design::EnvironmentProbe];
+        for (_, design) in pipelined.into_iter().enumerate().filter(|(index, _)| in_turn(*index, profile)) {
             Written::new(design, &options(profile, FULL, Some(24))).lint();
         }
     }
@@ -242,8 +263,9 @@ fn every_design_gives_the_scalar_bits_in_icarus() {
     if !have("iverilog") {
         return;
     }
+    let is_top = |design: &Design| Datapath::ALL.iter().any(|&datapath| Design::of(datapath) == *design);
     for (profile, _) in profiles() {
-        for &design in Design::ALL {
+        for (_, &design) in Design::ALL.iter().enumerate().filter(|(index, it)| is_top(it) || in_turn(*index, profile)) {
             let mut case = Case::new(design, 400, &options(profile, FULL, None));
             // Some 200 fragments a second: every twentieth of them, hard cases included.
             if case.inputs.len() > 1000 {
@@ -263,7 +285,9 @@ fn verilated_reflection_gives_the_scalar_bits_in_every_profile() {
         return;
     }
     for (profile, _) in profiles() {
-        Case::new(Design::Reflection, 100_000, &options(profile, FULL, None)).verilate(&[]);
+        if sweep() || profile == "standard" {
+            Case::new(Design::Reflection, whole_or(100_000, 20_000), &options(profile, FULL, None)).verilate(&[]);
+        }
     }
 }
 
@@ -344,7 +368,10 @@ fn the_committed_vectors_run_in_both_simulators() {
         if have("iverilog") {
             case.written.icarus(&case.bench());
         }
-        if have("verilator") {
+        // The effects that others verilate, too.
+        let is_full =
+            options.profile == "standard" && options.effects == FULL.of(design.datapath().expect("a datapath"));
+        if have("verilator") && (sweep() || is_full) {
             case.verilate(&["stalls"]);
         }
     }
@@ -355,8 +382,15 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
     if !have("verilator") {
         return;
     }
+    let quick = [Design::Highlight, Design::LitPeak, Design::Texture];
     for design in Design::ALL.iter().copied().filter(|&design| design != Design::Reflection) {
-        Case::new(design, 20_000, &options("standard", FULL, None)).verilate(&["stalls"]);
+        if sweep() || quick.contains(&design) {
+            Case::new(design, whole_or(20_000, 2000), &options("standard", FULL, None)).verilate(&["stalls"]);
+        }
+    }
+    if !sweep() {
+        Case::new(Design::EnvironmentProbe, 2000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
+        return;
     }
     for datapath in Datapath::ALL {
         for ((name, effects), profile) in variants_of(datapath).into_iter().skip(1).zip(Profile::NAMES) {
@@ -382,7 +416,7 @@ fn a_stepper_walks_the_probes_of_every_footprint() {
         let [index, lod, count] = [place("index"), place("probes.lod"), place("probes.count")];
 
         let (mut footprints, mut steps) = (Vec::new(), Vec::new());
-        for ports in inputs(design, &net, 3000, &FULL, &p) {
+        for ports in inputs(design, &net, whole_or(3000, 600), &FULL, &p) {
             let outcome = expected(design, &ports, &FULL, &p);
             if ports[index] == 0 {
                 footprints.push(ports.clone());
@@ -439,15 +473,16 @@ fn yosys_takes_every_top() {
         let script = format!("read_verilog *.v; hierarchy -check -top {module}; proc; check -assert");
         run(Command::new("yosys").args(["-q", "-p", &script]).current_dir(written.path()));
     };
-    for (profile, _) in profiles() {
+    for (profile, _) in profiles().into_iter().filter(|_| sweep()) {
         for design in
             [Design::Reflection, Design::Fragment, Design::Texture, Design::EnvironmentProbe, Design::TextureProbe]
         {
             check(design, &options(profile, FULL, None));
         }
     }
-    for &design in Design::ALL {
-        check(design, &options("standard", FULL, None));
+    for (index, &design) in Design::ALL.iter().enumerate() {
+        let profile = whole_or("standard", Profile::NAMES[index % Profile::NAMES.len()]);
+        check(design, &options(profile, FULL, None));
     }
     check(Design::Reflection, &options("compact", FULL, Some(24)));
 }
