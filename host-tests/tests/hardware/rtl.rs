@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use roughxel_core::design::Design;
@@ -102,7 +103,7 @@ impl Written {
     fn new(design: Design, options: &Options) -> Self {
         let verilog = Verilog::new(design, options)
             .unwrap_or_else(|error| panic!("{} {}: {error}", design.name(), options.profile));
-        let directory = tempfile::tempdir().expect("a temporary directory");
+        let directory = tempfile::tempdir_in(runtime()).expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         Self { directory, verilog }
     }
@@ -149,12 +150,12 @@ impl Written {
 
     /// The Verilator model of the outermost module, built once for all who write the same text.
     fn model(&self, bench: &Bench) -> PathBuf {
-        static MODELS: Mutex<BTreeMap<(String, String), Arc<OnceLock<PathBuf>>>> = Mutex::new(BTreeMap::new());
+        static MODELS: Mutex<BTreeMap<(String, String), Arc<Model>>> = Mutex::new(BTreeMap::new());
+        static NUMBER: AtomicUsize = AtomicUsize::new(0);
         let text = format!("{:?}", self.verilog.files);
-        let (model, number) = {
+        let model = {
             let mut models = MODELS.lock().expect("nobody panics with the list");
-            let number = models.len();
-            (Arc::clone(models.entry((bench.module().to_string(), text)).or_default()), number)
+            Arc::clone(models.entry((bench.module().to_string(), text)).or_default())
         };
         let build = || {
             let objects = self.path().join("obj");
@@ -162,13 +163,17 @@ impl Written {
             // A few thousand cycles: what is saved in compiling is more than what is lost in running.
             let built = verilate(self.path(), bench.module(), "OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
             keep_runtime(&objects);
-            let program = runtime().join(format!("{}-{number}", bench.module()));
-            fs::copy(built, &program).expect("a model can be kept");
+            let program = runtime().join(format!("model-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
+            // Not copied: a file open for writing anywhere cannot be run.
+            fs::rename(built, &program).expect("a model can be kept");
             program
         };
         model.get_or_init(build).clone()
     }
 }
+
+/// The program of a model, by whoever needs it first.
+type Model = OnceLock<PathBuf>;
 
 /// Objects of Verilator's own library, which are the same for every model and take longer than a small one.
 const RUNTIME: [&str; 2] = ["verilated.o", "verilated_threads.o"];
