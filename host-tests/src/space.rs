@@ -21,7 +21,7 @@ pub fn whole_or<T>(all: T, part: T) -> T {
 
 /// Whether the element of a list meets a profile: each of them in a sweep, else one, in turn.
 pub fn in_turn(index: usize, profile: &str) -> bool {
-    sweep() || PROFILE_NAMES[index % PROFILE_NAMES.len()] == profile
+    sweep() || Profile::NAMES[index % Profile::NAMES.len()] == profile
 }
 
 /// Every named profile.
