@@ -219,7 +219,11 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 11] = [
     ("texture.rs", "tap", "memory: the place of a row in a level"),
     ("tile.rs", "render", "memory: the place of a tile in the picture"),
     ("tile.rs", "sample_offsets", "where in a pixel samples are taken"),
-    ("tile.rs", "shade_tile", "pixels to sub-pixels, and the mean of supersampling, which the datapath is compared with"),
+    (
+        "tile.rs",
+        "shade_tile",
+        "pixels to sub-pixels, and the mean of supersampling, which the datapath is compared with",
+    ),
     ("tile.rs", "background", "set-up from floats: a ramp of colours"),
 ];
 
@@ -233,7 +237,8 @@ fn arithmetic(tokens: &[Token], index: usize) -> bool {
         "*" => text(index + 1) == "=" || spaced(index) && spaced(index + 1),
         shift @ ("<" | ">") => text(index + 1) == shift && spaced(index) && !spaced(index + 1) && spaced(index + 2),
         name => {
-            let calls = ["wrapping_", "rounding", "round", "div_", "rem_", "mul", "shl", "shr", "sar", "floor_", "keep"];
+            let calls =
+                ["wrapping_", "rounding", "round", "div_", "rem_", "mul", "shl", "shr", "sar", "floor_", "keep"];
             index > 0 && text(index - 1) == "." && calls.iter().any(|start| name.starts_with(start))
         }
     }
@@ -286,7 +291,10 @@ fn a_frame_calls_no_arithmetic_of_its_own() {
             let (_, item) = enclosing_item(&tokens, index);
             let allowed = FRAME_ARITHMETIC.iter().position(|(file, allowed, _)| (*file, *allowed) == (name, item));
             let Some(allowed) = allowed else {
-                panic!("{name}:{}: {} in {item}: the datapath has the arithmetic", tokens[index].line, tokens[index].text)
+                panic!(
+                    "{name}:{}: {} in {item}: the datapath has the arithmetic",
+                    tokens[index].line, tokens[index].text
+                )
             };
             used[allowed] = true;
         }
@@ -336,7 +344,8 @@ fn functions(assembly: &str) -> Vec<(&str, Vec<&str>)> {
 fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
     let assembly = release_assembly();
     // The scalar datapath is in there: these entry points are not generic.
-    let soft_core = ["reflection", "fragment", "footprint", "highlight", "lit_peak", "environment_scale", "texture_scale"];
+    let soft_core =
+        ["reflection", "fragment", "footprint", "highlight", "lit_peak", "environment_scale", "texture_scale"];
     let probe_list = ["environment_probes", "texture_probes"];
     for (file, entries) in [("soft_core", &soft_core[..]), ("probe_list", &probe_list)] {
         for entry in entries {
