@@ -20,8 +20,8 @@ use crate::signals::{
     CubePoint, FacePosition, FaceProbe, LocalDirection, MapScale, PeakSum, Probes, TangentFrame, TexturePosition,
     TextureProbe,
 };
-use crate::stage::edge::CubeTexel;
 use crate::stage::filter::{Address, LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::seam::CubeTexel;
 use crate::stage::texture::TextureScale;
 use crate::staged::Staged;
 

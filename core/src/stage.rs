@@ -19,7 +19,7 @@ pub mod axes;
 pub mod probes;
 
 // From texels to samples.
-pub mod edge;
+pub mod seam;
 pub mod filter;
 pub mod moments;
 

@@ -242,7 +242,7 @@ impl Environment {
         // Not `clamp`: its check of the bounds would keep the compiler from making vectors of the loop.
         let lod = log2(DIAMETER * minor * self.texels).max(0.0).min(self.last_level);
 
-        let bit = |bit: StatusBit, flag: bool| if flag { bit as u32 } else { 0 };
+        let bit = |bit: StatusBit, flag: bool| if flag { bit.mask() } else { 0 };
         let axis = if is_z {
             4
         } else if is_y {

@@ -7,9 +7,9 @@ use crate::fx::{Control, Fx, Int};
 use crate::ports::{LOD, OFFSET, SHARE};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::{Ellipse, FacePosition, TexturePosition};
-use crate::stage::edge::{self, CubeTexel};
 use crate::stage::filter::{self, Address, LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::moments::{self, MOMENT};
+use crate::stage::seam::{self, CubeTexel};
 use crate::stage::{axes, pixel};
 use crate::staged::{Staged, control_stage, stage};
 use crate::word::Word;
@@ -29,13 +29,13 @@ pub fn face_address<W: Staged>(place: &FacePosition<W>, edge: Int<W>, p: &Precis
 /// The texel at a column and a row of a face that may be one step outside of it.
 #[inline(always)]
 pub fn cube_texel<W: Staged>(face: Int<W>, index: [Int<W>; 2], edge: Int<W>) -> CubeTexel<W> {
-    stage!("edge", edge::texel(face, index, edge))
+    stage!("seam.texel", seam::texel(face, index, edge))
 }
 
 /// The texels of a bilinear sample of a level of a cube face: (0,0), (1,0), (0,1), (1,1).
 #[inline(always)]
 pub fn face_texels<W: Staged>(face: Int<W>, address: &Address<W>, edge: Int<W>) -> [CubeTexel<W>; 4] {
-    let neighbours = stage!("edge.neighbours", edge::neighbours(address.index));
+    let neighbours = stage!("seam.neighbours", seam::neighbours(address.index));
     each!(index in neighbours.index => cube_texel(face, index, edge))
 }
 

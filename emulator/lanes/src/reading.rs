@@ -170,7 +170,7 @@ impl Reading {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Lanes(InstructionSet::Avx2) if peaks.len() >= FEW => {
-                peak_list::lights::<Avx2>(half, peaks, p, lights)
+                peak_list::lights::<Avx2>(half, peaks, p, lights);
             }
             #[cfg(target_arch = "x86_64")]
             Self::Lanes(InstructionSet::Avx512) if peaks.len() >= FEW => {

@@ -14,7 +14,9 @@ use roughxel_host_tests::checked::{Checked, CheckedWide};
 use roughxel_host_tests::space::whole_or;
 
 /// 2^30.
-const ONE: i32 = 1 << MANTISSA;
+/// Fraction bits of a mantissa.
+const FRACTION: u32 = i32::BITS - MANTISSA;
+const ONE: i32 = 1 << FRACTION;
 
 /// ⌊x/2^k + ½⌋: to nearest, ties towards +∞.
 fn rounded(x: i128, k: u32) -> i128 {
@@ -48,7 +50,7 @@ fn wide() -> impl Strategy<Value = i64> {
 
 /// A mantissa of `bits` kept fraction bits.
 fn mantissa(keep: u32) -> impl Strategy<Value = i32> {
-    let shift = MANTISSA - keep;
+    let shift = FRACTION - keep;
     prop_oneof![
         (-(1_i32 << keep)..=1 << keep).prop_map(move |m| m << shift),
         Just(ONE),
@@ -89,12 +91,12 @@ fn rounded_shift_equals_rounding_the_quotient() {
     for keep in [12, 16] {
         (0..32_u32).into_par_iter().for_each(|k| {
             for m in -(1 << keep)..=1 << keep {
-                let raw = m << (MANTISSA - keep);
+                let raw = m << (FRACTION - keep);
                 let got = Fx::<Checked, 2>::from_raw(Checked::new(raw))
                     .round_shr_by(Fx::from_raw(Checked::new(k as i32)), keep)
                     .raw()
                     .value();
-                let expected = rounded(i128::from(m), k) << (MANTISSA - keep);
+                let expected = rounded(i128::from(m), k) << (FRACTION - keep);
                 assert_eq!(i128::from(got), expected, "{m} by {k}");
             }
         });
@@ -137,10 +139,10 @@ proptest! {
         let up = exponent - 30 - e;
         prop_assert!((-33..=30).contains(&up));
         for (w, m) in wide.into_iter().zip(mantissas) {
-            prop_assert_eq!(m & ((1 << (MANTISSA - keep)) - 1), 0, "kept bits only");
+            prop_assert_eq!(m & ((1 << (FRACTION - keep)) - 1), 0, "kept bits only");
             let value = i128::from(w) << (up + 33);
             let kept = i128::from(m) << 33;
-            let last_place = 1_i128 << (33 + MANTISSA - keep);
+            let last_place = 1_i128 << (33 + FRACTION - keep);
             prop_assert!(2 * (value - kept).abs() <= last_place);
             // Exact where the dropped bits are zero.
             if value % last_place == 0 {
@@ -243,8 +245,8 @@ fn one_bit_and_the_most_negative_word_are_normalised_like_any_other() {
 
 #[test]
 fn a_zero_block_never_wins_an_alignment() {
-    let tiny = Block::<i32, 1> { m: [Fx::from_raw(ONE / 2)], e: Fx::lit(-(1 << 18)) };
-    let ([zero, kept], top) = align([Block::zero().scaled(Fx::lit(1 << 18)), tiny], 16);
+    let tiny = Block::<i32, 1> { m: [Fx::from_raw(ONE / 2)], e: Fx::lit(-(1 << 14)) };
+    let ([zero, kept], top) = align([Block::zero().scaled(Fx::lit(1 << 13)), tiny], 16);
     assert_eq!((zero, kept, top), ([Fx::zero()], tiny.m, tiny.e));
     assert!(Block::<i32, 3>::zero().is_zero());
     assert!(!tiny.is_zero());

@@ -15,7 +15,9 @@ use roughxel_core::precision::{Newton, Precision, Profile};
 use roughxel_emulator::random::SplitMix64;
 
 /// 2^30.
-const ONE: i32 = 1 << MANTISSA;
+/// Fraction bits of a mantissa.
+const FRACTION: u32 = i32::BITS - MANTISSA;
+const ONE: i32 = 1 << FRACTION;
 
 /// log₂ of the worst error of a profile, for [`FUNCTIONS`]. 1/2x, 1/2√x and log₂ absolute, the others relative.
 type Bounds = [f64; 5];
@@ -40,7 +42,7 @@ fn mantissa(x: i32) -> f64 {
 
 /// Largest error of `error` over every mantissa of `keep` bits from `low` to 1, both included, and where it is.
 fn worst_over_mantissas(low: i32, keep: u32, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
-    let step = MANTISSA - keep;
+    let step = FRACTION - keep;
     let chunks = (low >> step..(ONE >> step) + 1).into_par_iter().with_min_len(1 << 14);
     chunks
         .map(|unit| (error(unit << step), unit << step))
@@ -179,7 +181,7 @@ fn ends_of_the_domains_are_right_and_zero_is_bounded() {
         assert_eq!(half_reciprocal(fx(0), &p), fx(ONE));
         assert_eq!(half_reciprocal(fx(ONE / 2), &p), fx(ONE));
         assert_eq!(half_inverse_root(fx(0), &p), fx(ONE));
-        let last = 1 << (MANTISSA - p.fraction_bits);
+        let last = 1 << (FRACTION - p.fraction_bits);
         for (name, got, exact) in [
             ("1/2x at 1", half_reciprocal(fx(ONE), &p), ONE / 2),
             ("1/2√x at ¼", half_inverse_root(fx(ONE / 4), &p), ONE),
@@ -204,7 +206,7 @@ fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
         let p = profile(index);
         let mut random = SplitMix64::for_element("roots of blocks", index as u64);
         for round in 0..20_000 {
-            let keep = MANTISSA - p.fraction_bits;
+            let keep = FRACTION - p.fraction_bits;
             let mantissa_bits = (ONE / 2 + random.below(1 << 29) as i32) >> keep << keep;
             let exponent =
                 if round % 2 == 0 { random.below(9) as i32 - 4 } else { random.below(1 << 19) as i32 - (1 << 18) };

@@ -15,7 +15,9 @@ use roughxel_core::stage::probes::{position, probes};
 use roughxel_host_tests::space::whole_or;
 
 /// 2^30.
-const ONE: i32 = 1 << MANTISSA;
+/// Fraction bits of a mantissa.
+const FRACTION: u32 = i32::BITS - MANTISSA;
+const ONE: i32 = 1 << FRACTION;
 
 /// Every seed and step count with every p of up to 22 bits. With more, up to the most, the coarsest seed without a step,
 /// the knobs of `precise`, and the finest: the bound of a seed and of its steps does not depend on p.
@@ -35,7 +37,7 @@ fn precisions() -> Vec<Precision> {
 
 /// Runs `check` for every mantissa from ½ to 1 that a profile keeps; without a sweep, for some 2^17 of them and both ends.
 fn for_every_mantissa(p: &Precision, check: impl Fn(i32) + Sync) {
-    let dropped = MANTISSA - p.fraction_bits;
+    let dropped = FRACTION - p.fraction_bits;
     let units = ONE >> (dropped + 1)..(ONE >> dropped) + 1;
     // Odd, so that every bit of a mantissa changes.
     let step = whole_or(1, (1 << p.fraction_bits.saturating_sub(18)) - 1).max(1);

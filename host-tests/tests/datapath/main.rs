@@ -3,7 +3,7 @@
 
 mod accuracy;
 mod arithmetic;
-mod edge;
+mod seam;
 mod elementary;
 mod filter;
 mod float_datapath;

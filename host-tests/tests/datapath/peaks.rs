@@ -25,6 +25,9 @@ use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 
+/// Fraction bits of a versine.
+const FRACTION: u32 = i64::BITS - VERSINE;
+
 /// Cases of a random set.
 const CASES: u64 = 200_000;
 
@@ -89,8 +92,8 @@ fn logarithm_of_a_cosine_holds_its_bound_at_every_mantissa() {
         let octaves: &[u32] = if p.fraction_bits <= 20 { &[0, 1, 2, 5, 11, 40] } else { &[0, 1] };
         let worst = octaves.par_iter().map(|places| {
             let error = |unit: i32| {
-                let raw = i64::from(unit) << (VERSINE - 1 - p.fraction_bits) >> places;
-                let y = raw as f64 / f64::from(VERSINE).exp2();
+                let raw = i64::from(unit) << (FRACTION - 1 - p.fraction_bits) >> places;
+                let y = raw as f64 / f64::from(FRACTION).exp2();
                 let got = number(minus_log2_one_minus::<i32>(Fx::from_raw(raw), &p));
                 (got / (-(-y).ln_1p() / std::f64::consts::LN_2) - 1.0).abs()
             };
@@ -109,8 +112,8 @@ fn powers_of_a_cosine_hold_their_bound_for_every_exponent() {
             let n = short_number(Fx::<i32, 32>::from_raw(code.into()));
             let error = |step: u32| {
                 let x = 20.0 * (f64::from(step) / 4096.0).powi(2);
-                let raw = (-(-x / number(n)).exp_m1() * f64::from(VERSINE).exp2()) as i64;
-                let y = raw as f64 / f64::from(VERSINE).exp2();
+                let raw = (-(-x / number(n)).exp_m1() * f64::from(FRACTION).exp2()) as i64;
+                let y = raw as f64 / f64::from(FRACTION).exp2();
                 (number(cosine_power(Fx::from_raw(raw), n, &p)) - (number(n) * (-y).ln_1p()).exp()).abs()
             };
             (1..4096).map(error).fold(0.0, f64::max)
@@ -125,10 +128,10 @@ fn a_power_is_1_on_its_peak_and_0_from_a_right_angle_on() {
         for code in [0, 1, 4096, 8192, 30_000, 61_440, u16::MAX] {
             let n = short_number(Fx::<i32, 32>::from_raw(code.into()));
             assert_eq!(number(cosine_power(Fx::zero(), n, &p)), 1.0);
-            for y in [1_i64 << VERSINE, (1 << VERSINE) + 1, 27 << (VERSINE - 3)] {
+            for y in [1_i64 << FRACTION, (1 << FRACTION) + 1, 27 << (FRACTION - 3)] {
                 assert_eq!(number(cosine_power(Fx::from_raw(y), n, &p)), 0.0);
             }
-            let last = number(cosine_power(Fx::from_raw((1 << VERSINE) - 1), n, &p));
+            let last = number(cosine_power(Fx::from_raw((1 << FRACTION) - 1), n, &p));
             // cos = 2^−61 and the least power that is told from 0.
             let exact = (-61.0 * number(n)).max(-63.0).exp2();
             assert!((last / exact - 1.0).abs() < 1e-3 || last < 2.0_f64.powi(-40), "{last:e} {exact:e} for {code}");

@@ -26,7 +26,9 @@ use roughxel_host_tests::reference::linear::{add_scaled, cross, norm, scaled};
 use roughxel_host_tests::space::profiles;
 
 /// 2^30.
-const ONE: i32 = 1 << MANTISSA;
+/// Fraction bits of a mantissa.
+const FRACTION: u32 = i32::BITS - MANTISSA;
+const ONE: i32 = 1 << FRACTION;
 
 fn mantissa(x: Fx<i32, 2>) -> f64 {
     f64::from(x.raw()) / f64::from(ONE)
@@ -179,7 +181,7 @@ fn reflecting_twice_gives_the_view_back() {
 #[test]
 fn faces_are_alike() {
     for (name, p) in profiles() {
-        let last = 1 << (MANTISSA - p.fraction_bits);
+        let last = 1 << (FRACTION - p.fraction_bits);
         for index in 0..20_000 {
             let mut random = SplitMix64::for_element(name, index);
             let r = random_direction(&mut random, &p);
@@ -315,7 +317,7 @@ fn footprint_off_leaves_one_probe_at_the_finest_level_of_the_same_point() {
 #[test]
 fn outputs_stay_in_their_ranges_for_any_port() {
     for (name, p) in profiles() {
-        let last = 1 << (MANTISSA - p.fraction_bits);
+        let last = 1 << (FRACTION - p.fraction_bits);
         everywhere(name, &p, 60_000, |fragment| {
             let out = fragment.reflect(&ReflectionPlan::FULL, &p);
             let edge = u32::from(fragment.edge_texels.clamp(1, 16384));
@@ -478,7 +480,7 @@ fn neighbouring_inputs_give_neighbouring_footprints() {
     for (name, p) in profiles() {
         let plan = ReflectionPlan::FULL;
         let options = reference_options(&plan, &p);
-        let last = 1 << (MANTISSA - p.fraction_bits);
+        let last = 1 << (FRACTION - p.fraction_bits);
         let changes: Vec<f64> = (0..20_000_u64)
             .into_par_iter()
             .filter_map(|index| {

@@ -136,7 +136,8 @@ fn ports_allow_what_the_design_before_them_can_send() {
                 let mut connected = 0;
                 for (output, range) in outputs.filter(|(output, _)| output.name.starts_with(from)) {
                     let rest = output.name[from.len()..].trim_start_matches('.');
-                    let point = if rest.is_empty() || rest.starts_with('[') { "" } else { "." };
+                    let bare = to.is_empty() || rest.is_empty() || rest.starts_with('[');
+                    let point = if bare { "" } else { "." };
                     let name = format!("{to}{point}{rest}");
                     let port = below.ports.iter().find(|port| port.name == name);
                     let port = port.unwrap_or_else(|| panic!("{name} is a port"));

@@ -270,7 +270,8 @@ fn every_design_gives_the_scalar_bits_in_icarus() {
     }
     let is_top = |design: &Design| Datapath::ALL.iter().any(|&datapath| Design::of(datapath) == *design);
     for (profile, _) in profiles() {
-        for (_, &design) in Design::ALL.iter().enumerate().filter(|(index, it)| is_top(it) || in_turn(*index, profile)) {
+        for (_, &design) in Design::ALL.iter().enumerate().filter(|(index, it)| is_top(it) || in_turn(*index, profile))
+        {
             let mut case = Case::new(design, 400, &options(profile, FULL, None));
             // Some 200 fragments a second: every twentieth of them, hard cases included.
             if case.inputs.len() > 1000 {

@@ -475,7 +475,7 @@ fn summary(stage: &str) -> &'static str {
             _ => "the mean of a weighted sum",
         },
         "moments" => "bumps and roughness as moments, and back",
-        "edge" => "the texel behind an edge of the cube",
+        "seam" => "the texel behind an edge of the cube",
         "half" => "the direction halfway between light and eye",
         "local" => "a direction in the frame of the surface",
         "horizon" => "the share of a peak's facets that a direction clears",

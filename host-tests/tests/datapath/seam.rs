@@ -1,7 +1,7 @@
 //! The texel behind an edge of the cube, and the three that meet at a corner: nearest, mutual, complete.
 
 use roughxel_core::fx::Fx;
-use roughxel_core::stage::edge;
+use roughxel_core::stage::seam;
 use roughxel_emulator::scene::cube::FACE_AXES;
 
 /// A texel of a cube map level.
@@ -20,8 +20,8 @@ enum CubeTexel {
 }
 
 fn texel_across_edge(face: u8, i: i32, j: i32, edge: u32) -> CubeTexel {
-    let texel = edge::texel::<i32>(Fx::from_raw(face.into()), [i, j].map(Fx::from_raw), Fx::from_raw(edge as i32));
-    let plain = |texel: edge::FaceTexel<i32>| {
+    let texel = seam::texel::<i32>(Fx::from_raw(face.into()), [i, j].map(Fx::from_raw), Fx::from_raw(edge as i32));
+    let plain = |texel: seam::FaceTexel<i32>| {
         let [i, j] = texel.index.map(|index| index.raw() as u32);
         FaceTexel { face: texel.face.raw() as u8, i, j }
     };
