@@ -177,7 +177,7 @@ pub struct StageCost {
 /// The census of a net.
 #[derive(Clone, Debug)]
 pub struct Census {
-    /// Every run of a run, in the order of [`Net::runs`].
+    /// Every block, in the order of [`Net::runs`].
     pub runs: Vec<Cost>,
     /// Every stage, in the order of its first run.
     pub stages: Vec<StageCost>,

@@ -247,7 +247,7 @@ pub struct Port {
     pub node: NodeId,
 }
 
-/// A named wire: an outcome of a block (`block` given) or of the whole design.
+/// A named wire: an outcome of a block (`stage` given) or of the whole design.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tap {
     /// The block whose outcome it is.

@@ -293,7 +293,7 @@ fn vectors_and_verilog_of_a_scene_have_what_its_plan_has_and_no_more() {
     let [vectors, hardware] = ["vectors", "hardware"].map(|name| directory.path().join(name));
     for (scene, object, datapath, design, present, absent) in [
         ("lake", "water", "reflection", "fragment", "surface.roughness[0]", "dnormal"),
-        ("globe", "north", "reflection", "fragment", "dnormal[0].mantissa[0]", "surface.offset"),
+        ("globe", "north", "reflection", "fragment", "dnormal[0].mantissa[0]", "surface.frame_vectors[1]"),
         ("highlight", "bumps", "highlight", "highlight", "surface.roughness[0]", "dview"),
         ("highlight", "smooth", "highlight", "highlight", "shininess.exponent", "spread"),
         ("velvet", "velvet", "peak", "lit_peak", "peak.amplitude", "horizon"),

@@ -65,7 +65,7 @@ fn mantissa(keep: u32) -> impl Strategy<Value = i32> {
 fn rounding_is_to_nearest_with_ties_towards_plus_infinity() {
     // The worked numbers: ±½, ±1½ and their neighbours, in halves of the kept unit.
     for (x, expected) in [(1, 1), (-1, 0), (3, 2), (-3, -1), (2, 1), (-2, -1), (0, 0)] {
-        let x = Fx::<i64, 31>::from_raw(x);
+        let x = Fx::<i64, 33>::from_raw(x);
         assert_eq!(x.round_to::<2>(30).raw(), expected);
     }
     // All 24-bit inputs, all places.

@@ -109,7 +109,7 @@ fn lengths_of_normal_view_and_main_direction_change_no_bit() {
             for frame in systems {
                 let plan = ReflectionPlan { frame, ..full };
                 let plain = fragment.reflect(&plan, &p);
-                for places in [-300, -1, 1, 77, 2000] {
+                for places in [-300, -1, 1, 77, 900] {
                     let by = |v: BlockVector| longer(v, places);
                     let normal = ReflectionIn {
                         surface: SurfaceIn { normal: by(fragment.surface.normal), ..fragment.surface },

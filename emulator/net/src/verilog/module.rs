@@ -227,7 +227,7 @@ impl Module {
         sources.dedup();
         let runs: Vec<String> = group.runs.iter().map(|run| net.runs[run.stage as usize].instance()).collect();
         let mut about = vec![
-            format!("Run {} of stage {}: {}", stage.name, stage.base(), summary(stage.name)),
+            format!("Block {} of stage {}: {}", stage.name, stage.base(), summary(stage.name)),
             format!("Source: {}", sources.join(", ")),
             format!("Instances: {}", runs.join(", ")),
             context.origin.to_owned(),
