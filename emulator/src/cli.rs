@@ -60,7 +60,7 @@ enum Command {
     /// Count multipliers, adders, tables and gate levels of every stage.
     #[command(long_about = cost::LONG_HELP)]
     Cost(cost::CostArgs),
-    /// Write the datapath as synthesizable Verilog: a module a block, a pipelined top, ROMs, a JSON manifest.
+    /// Write the datapath as synthesizable Verilog: a module a stage, a pipelined top, ROMs, a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Verilog(verilog::VerilogArgs),
     /// Draw the scenes of the papers, each beside what it is compared with, and a page of all of them.

@@ -1,7 +1,7 @@
-//! The census: what each block costs in hardware, counted on the recorded graph with the widths the interval walk proves.
+//! The census: what each stage costs in hardware, counted on the recorded graph with the widths the interval walk proves.
 //!
 //! Widths leave out constant low zeros, so a mantissa of p fraction bits counts p + 2 bits whatever its wire. Operands of
-//! multipliers are in two's complement, as multiplier runs take them. A table is counted once a block with the
+//! multipliers are in two's complement, as multiplier runs take them. A table is counted once a stage with the
 //! entries that can be read, however often it is. Fixed shifts, widening, narrowing, claims, sign tests, masks with a
 //! constant and inverters are wires; `delay` says what they and the rest take in time. Nothing is shared between runs of
 //! a run: this is the cost of a datapath that takes a fragment each cycle.
@@ -177,7 +177,7 @@ pub struct StageCost {
 /// The census of a net.
 #[derive(Clone, Debug)]
 pub struct Census {
-    /// Every block, in the order of [`Net::runs`].
+    /// Every run of a stage, in the order of [`Net::runs`].
     pub runs: Vec<Cost>,
     /// Every stage, in the order of its first run.
     pub stages: Vec<StageCost>,

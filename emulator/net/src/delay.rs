@@ -1,4 +1,4 @@
-//! The unit-delay model: gate levels of an operation, of a block and of a design.
+//! The unit-delay model: gate levels of an operation, of a stage and of a design.
 //!
 //! A level is one gate of two inputs or one select; inverters and wires are free. Widths are those of the proven ranges
 //! without constant low zeros.

@@ -196,13 +196,13 @@ pub struct Node {
     pub op: Op,
     /// What the wire may hold.
     pub kind: Kind,
-    /// Index in [`Net::runs`] of the block that made it; constants and ports belong to none.
+    /// Index in [`Net::runs`] of the stage that made it; constants and ports belong to none.
     pub stage: Option<u32>,
     /// Line of the source that asked for it.
     pub at: &'static Location<'static>,
 }
 
-/// One run of a block of the datapath, in the order in which they ran.
+/// One run of a stage of the datapath, in the order in which they ran.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
     /// Name as the composer gives it: the stage, then after a dot what it is used for (`columns.pixel`).
@@ -247,10 +247,10 @@ pub struct Port {
     pub node: NodeId,
 }
 
-/// A named wire: an outcome of a block (`stage` given) or of the whole design.
+/// A named wire: an outcome of a stage (`stage` given) or of the whole design.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tap {
-    /// The block whose outcome it is.
+    /// The stage whose outcome it is.
     pub stage: Option<u32>,
     /// Path in the bundle: `r.m[0]`.
     pub name: String,
@@ -292,7 +292,7 @@ impl Net {
         (0..).zip(&self.nodes).collect::<Vec<_>>().into_iter()
     }
 
-    /// `frame.e1.m[0]`: the block and the path of a tap; `blend` where the outcome is a single wire.
+    /// `frame.e1.m[0]`: the stage and the path of a tap; `blend` where the outcome is a single wire.
     pub fn tap_name(&self, tap: &Tap) -> String {
         let Some(stage) = tap.stage else { return tap.name.clone() };
         let point = if tap.name.is_empty() || tap.name.starts_with('[') { "" } else { "." };

@@ -2,7 +2,7 @@
 //!
 //! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
 //! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
-//! its word, [`observe`] holds that against what wires carry, [`census`] counts what each block costs and [`delay`] how
+//! its word, [`observe`] holds that against what wires carry, [`census`] counts what each stage costs and [`delay`] how
 //! long it takes, [`verilog`] writes it down as hardware. What can be recorded is every
 //! [`Design`](roughxel_core::design::Design).
 

@@ -1,6 +1,6 @@
 //! Recording: a reading whose words are nodes of a graph under construction.
 //!
-//! Within a block equal operations are one node; between stages nothing is shared, so that a block is the same
+//! Within a stage equal operations are one node; between stages nothing is shared, so that a stage is the same
 //! hardware wherever it is used. Operations on constants and those that change nothing are folded as they come.
 
 use std::cell::RefCell;

@@ -1,6 +1,6 @@
 //! The Verilog walk: a recorded design as synthesizable Verilog-2005.
 //!
-//! One module a block (`module`, its wires in `body`), shared by runs that are the same hardware (`share`), a
+//! One module a stage (`module`, its wires in `body`), shared by runs that are the same hardware (`share`), a
 //! pipelined top around them (`pipeline`), the tables as ROMs (`rom`) and, around a step of the probe stepper, its
 //! state machine (`stepper`). Wires have the bits their proven ranges need (`format`), so there is nothing to write where the
 //! interval walk finds an operation that could leave its word.
@@ -45,12 +45,12 @@ pub struct Options {
     pub profile: String,
     /// Its knobs.
     pub precision: Precision,
-    /// Blocks that are on; those that the design does not have do not count.
+    /// Effects that are on; those that the design does not have do not count.
     pub effects: Effects,
     /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers
     /// between stages only.
     pub depth: Option<u32>,
-    /// Only the modules of this stage (`columns`) or block (`columns_pixel`), and what they use.
+    /// Only the modules of this stage in all its uses (`columns`) or in one (`columns_pixel`), and what they use.
     pub stage: Option<String>,
     /// Put before the names of the modules of stages, so that two designs can be in one project.
     pub prefix: String,

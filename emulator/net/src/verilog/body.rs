@@ -1,4 +1,4 @@
-//! The wires of a block: which nodes need one, in which stage it is made, which of its bits somebody reads.
+//! The wires of a stage: which nodes need one, at which rank it is made, which of its bits somebody reads.
 
 use std::collections::{BTreeMap, HashMap};
 

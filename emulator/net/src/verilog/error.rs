@@ -25,7 +25,7 @@ pub enum VerilogError {
         origin: String,
     },
     /// An operation that is part of no stage.
-    #[error("{0}: an operation outside every block has no module")]
+    #[error("{0}: an operation outside every stage has no module")]
     OutsideBlocks(String),
     /// A table that is none of the datapath's.
     #[error("{0}: a table without a name")]

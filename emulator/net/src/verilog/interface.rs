@@ -56,7 +56,7 @@ pub struct Interface {
     pub module: String,
     /// Cycles from an accepted input to its output.
     pub latency: u32,
-    /// Inputs in the order of their bundle; what no block reads has no port.
+    /// Inputs in the order of their bundle; what no stage reads has no port.
     pub inputs: Vec<PortDescription>,
     /// Outputs in the order of the pipeline; a constant has no port.
     pub outputs: Vec<PortDescription>,

@@ -1,4 +1,4 @@
-//! One block of the datapath as a module.
+//! One stage of the datapath as a module.
 //!
 //! A wire has the bits its range needs and somebody reads: an adder whose lowest bits only round drops them where it
 //! is (`{sum, sum_unused} = …`), a claim cuts what its lemma excludes. With a target depth the operations are placed
@@ -28,7 +28,7 @@ pub(super) struct ModulePort {
     pub(super) format: Format,
 }
 
-/// The text of a block and what surrounds it needs to know.
+/// The text of a stage and what surrounds it needs to know.
 #[derive(Clone, Debug)]
 pub(super) struct Module {
     pub(super) name: String,
@@ -69,7 +69,7 @@ fn input_names(context: &Context, group: &Group, inputs: &[usize], names: &mut N
     chosen.map(|name| names.take(&name)).collect()
 }
 
-/// Name of an outcome in its module: the path, or the last part of the block's name before what starts with a number.
+/// Name of an outcome in its module: the path, or the last part of the stage's name before what starts with a number.
 fn output_name(context: &Context, id: NodeId) -> String {
     let path = identifier(context.path_of(id).map_or("", |(path, _)| path));
     let stage = context.net.node(id).stage.map_or("", |stage| context.net.runs[stage as usize].name);
@@ -227,7 +227,7 @@ impl Module {
         sources.dedup();
         let runs: Vec<String> = group.runs.iter().map(|run| net.runs[run.stage as usize].instance()).collect();
         let mut about = vec![
-            format!("Block {} of stage {}: {}", stage.name, stage.base(), summary(stage.name)),
+            format!("Stage {}: {}", stage.name, summary(stage.name)),
             format!("Source: {}", sources.join(", ")),
             format!("Instances: {}", runs.join(", ")),
             context.origin.to_owned(),
@@ -436,7 +436,7 @@ pub(super) fn port_list(text: &mut String, lines: &[(String, String)]) {
     }
 }
 
-/// What a block does, in a few words.
+/// What a stage does, in a few words.
 fn summary(stage: &str) -> &'static str {
     match stage.split('.').next().unwrap_or(stage) {
         "enter" => "a port brought to the profile's bits and normalised",

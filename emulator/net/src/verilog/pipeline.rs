@@ -1,6 +1,6 @@
 //! The top: one instance a run of a stage, registers at their boundaries, delay lines where paths differ in length.
 //!
-//! Rank 0 is the registers of the inputs; a block starts at the rank at which the last of its inputs is there and its
+//! Rank 0 is the registers of the inputs; a stage starts at the rank at which the last of its inputs is there and its
 //! outcomes are registered. All outputs leave at the last rank, with their valid bit. One enable moves all of it.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -31,7 +31,7 @@ pub(super) struct Placed {
 pub(super) struct Top {
     pub(super) text: String,
     pub(super) interface: Interface,
-    /// Inputs of the design that no block reads.
+    /// Inputs of the design that no stage reads.
     pub(super) unread: Vec<PortDescription>,
     pub(super) instances: Vec<Placed>,
     pub(super) register_bits: u32,
@@ -97,7 +97,7 @@ pub(super) fn top(
         inputs.push(PortDescription::new(name, &verilog, format, [port.low, port.high], place));
     }
 
-    // Blocks in the order in which they ran; every input comes from an earlier one.
+    // Stages in the order in which they ran; every input comes from an earlier one.
     let mut runs: Vec<(u32, usize, usize)> = Vec::new();
     for (group, Group { runs: of_group, .. }) in groups.iter().enumerate() {
         runs.extend(of_group.iter().enumerate().map(|(run, of)| (of.stage, group, run)));
@@ -234,7 +234,7 @@ pub(super) fn top(
     Ok(Top { text, interface, unread, instances, register_bits, uses_delay })
 }
 
-/// Every block has operations of its own; what the composer did outside any has no module.
+/// Every stage has operations of its own; what the composer did outside any has no module.
 pub(super) fn check_blocks(context: Context) -> Result<(), VerilogError> {
     let outside =
         context.net.iter().find(|(_, node)| node.stage.is_none() && !matches!(node.op, Op::Lit(_) | Op::Port(_)));
@@ -267,7 +267,7 @@ fn top_header(context: Context, name: &str, description: &str, latency: u32, ins
         "nothing moves.".into(),
         match context.depth {
             Some(depth) => format!("Registers between stages and inside them: at most {depth} levels of logic between two."),
-            None => "Registers between stages only: each block is one cloud of logic.".into(),
+            None => "Registers between stages only: each stage is one cloud of logic.".into(),
         },
         String::new(),
         "A port is named PATH_FORMAT. Formats: iMfN signed, uMfN unsigned, M integer bits (a sign is one of them) and N".into(),

@@ -1,4 +1,4 @@
-//! Runs of a block that are the same hardware: equal operations on equal constants, whatever drives their inputs.
+//! Runs of a stage that are the same hardware: equal operations on equal constants, whatever drives their inputs.
 //!
 //! Such runs are instances of one module. Its wires hold what any of the runs can put on them, so the ranges of nodes
 //! that meet in a place of a module are joined, until every node has one range, at both ends of every connection.
@@ -42,7 +42,7 @@ struct Structure {
 const INPUT: NodeId = 1 << 30;
 const CONSTANT: NodeId = 1 << 31;
 
-/// The run of a block with its structure; inputs in the order of their first use.
+/// The run of a stage with its structure; inputs in the order of their first use.
 fn run_of(net: &Net, stage: u32, nodes: Vec<NodeId>) -> (Run, Structure) {
     let place: HashMap<NodeId, NodeId> = nodes.iter().copied().zip(0..).collect();
     let mut inputs: Vec<NodeId> = Vec::new();
