@@ -35,11 +35,11 @@ pub struct CaseSet {
     pub description: &'static str,
     /// The fragments.
     pub fragments: Vec<ReflectionIn>,
-    /// Blocks they go through.
+    /// Stages they go through.
     pub plan: ReflectionPlan,
 }
 
-/// Every hard case of the reflection datapath, by block.
+/// Every hard case of the reflection datapath, by stage.
 pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet> {
     let full = ReflectionPlan::FULL;
     let set = |name, description, fragments: Vec<ReflectionIn>| CaseSet { name, description, fragments, plan: full };

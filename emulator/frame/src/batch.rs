@@ -179,9 +179,10 @@ impl Prepared<'_> {
         input: &ReflectionInput<i32>,
         sums: &mut Sums,
     ) {
-        if let Inputs::Ports(inputs) = &mut waiting.inputs {
-            inputs.push(*input);
-        }
+        let Inputs::Ports(inputs) = &mut waiting.inputs else {
+            unreachable!("surfaces of an object without lights are made with the reflection")
+        };
+        inputs.push(*input);
         self.wait(waiting, place, sums);
     }
 
@@ -194,10 +195,11 @@ impl Prepared<'_> {
         attributes: &FragmentAttributes,
         sums: &mut Sums,
     ) {
-        if let Inputs::Surfaces(inputs) = &mut waiting.inputs {
-            let FragmentAttributes { dview, dnormal, .. } = attributes;
-            inputs.push(Reflecting { surface: *surface, dview: dview.wires(), dnormal: dnormal.wires() });
-        }
+        let Inputs::Surfaces(inputs) = &mut waiting.inputs else {
+            unreachable!("surfaces of an object with lights are made before the reflection")
+        };
+        let FragmentAttributes { dview, dnormal, .. } = attributes;
+        inputs.push(Reflecting { surface: *surface, dview: dview.wires(), dnormal: dnormal.wires() });
         self.wait(waiting, place, sums);
     }
 

@@ -19,11 +19,11 @@ pub struct HighlightSet {
     pub description: &'static str,
     /// The fragments.
     pub fragments: Vec<HighlightIn>,
-    /// Blocks they go through.
+    /// Stages they go through.
     pub plan: SurfacePlan,
 }
 
-/// Every block of a surface.
+/// Every stage of a surface.
 pub const FULL: SurfacePlan =
     SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic, local: false };
 

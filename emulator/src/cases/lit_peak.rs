@@ -20,7 +20,7 @@ pub struct LitPeakSet {
     pub description: &'static str,
     /// The peaks.
     pub peaks: Vec<PeakIn>,
-    /// Blocks they go through.
+    /// Stages they go through.
     pub plan: PeakPlan,
 }
 
