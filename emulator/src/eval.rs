@@ -1,7 +1,7 @@
 //! `eval`: fragments in real numbers through the integer datapath, CSV in, CSV or JSON out.
 //!
 //! Each row is quantised to the profile's ports, goes through the datapath, and comes back in real units with the
-//! block exponents undone, or as the port's integers. Rows are read, evaluated in parallel blocks and written in
+//! block exponents undone, or as the port's integers. Rows are read, evaluated in parallel chunks and written in
 //! order, so memory does not grow with the file. A row of numbers is a line: cells are split at commas here, for
 //! the csv crate's line numbers drift after blank lines and CR LF, and messages must name the right one.
 
@@ -46,7 +46,7 @@ const MAX_LINE: u64 = 1 << 16;
 pub struct EvalOptions {
     /// Profile.
     pub precision: Precision,
-    /// Blocks that are on.
+    /// Effects that are on.
     pub plan: ReflectionPlan,
     /// Integers of the ports instead of real units.
     pub raw: bool,

@@ -3,7 +3,7 @@
 //! Whole frames of real scenes through the integer datapath of `roughxel-core`, bit-accurate; golden vectors; studies.
 //!
 //! [`scene`] describes what is drawn, [`maps`] builds its pyramids, [`raster`] finds the visible fragments, [`plan`] says
-//! which blocks each object needs, and [`frame`] takes every fragment through them: each a package of its own. [`cases`] are
+//! which stages each object needs, and [`frame`] takes every fragment through them: each a package of its own. [`cases`] are
 //! what the datapath is tested with, [`study`] measures it against the float64 reference; [`demo`] is the program's main
 //! job, and [`gallery`] sets every picture of the papers beside what it is compared with.
 

@@ -29,7 +29,7 @@ pub fn profiles() -> [(&'static str, Precision); 4] {
     Profile::ALL.map(|profile| (profile.name(), profile.precision()))
 }
 
-/// Every combination of the blocks of a reflection: 72 plans.
+/// Every combination of the effects of a reflection: 72 plans.
 pub fn plans() -> Vec<ReflectionPlan> {
     let mut plans = Vec::new();
     for frame in FRAMES {
@@ -43,7 +43,7 @@ pub fn plans() -> Vec<ReflectionPlan> {
     plans
 }
 
-/// Every combination of the blocks of a datapath; of a design that is part of none, its only one.
+/// Every combination of the effects of a datapath; of a design that is part of none, its only one.
 pub fn effects(datapath: Option<Datapath>) -> Vec<Effects> {
     let switch = [false, true];
     match datapath {

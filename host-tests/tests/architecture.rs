@@ -102,6 +102,43 @@ fn imports_inside_a_package_run_in_no_circle() {
     assert!(found.is_empty(), "files that need each other: {found:#?}");
 }
 
+/// The files and folders that a section names in backticks: paths with a folder, and files that stand in that of the name before.
+fn files_named(section: &str) -> Vec<String> {
+    let mut folder = String::new();
+    let mut found = Vec::new();
+    for name in section.split('`').skip(1).step_by(2) {
+        if name.contains(' ') {
+            continue;
+        }
+        let ends_as_file = [".rs", ".md", ".toml"].iter().any(|end| name.ends_with(end));
+        let is_path = name.contains('/');
+        if !ends_as_file && !is_path {
+            continue;
+        }
+        let in_root = workspace_root().join(name).exists();
+        let whole = if is_path || in_root || folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") };
+        let last = whole.trim_end_matches('/');
+        folder = if whole.ends_with('/') || !ends_as_file {
+            last
+        } else {
+            last.rsplit_once('/').map_or("", |(folder, _)| folder)
+        }
+        .to_owned();
+        found.push(whole);
+    }
+    found
+}
+
+#[test]
+fn what_to_change_names_files_that_are_there() {
+    let text = fs::read_to_string(workspace_root().join("ARCHITECTURE.md")).expect("the architecture is written down");
+    let section = text.split_once("## How to change things").expect("it says how to change things").1;
+    let named = files_named(section);
+    assert!(named.len() > 40, "only {} files found", named.len());
+    let gone: Vec<&String> = named.iter().filter(|name| !workspace_root().join(name).exists()).collect();
+    assert!(gone.is_empty(), "not there: {gone:?}");
+}
+
 /// A file as the reader of sources gives it.
 fn file(path: &str, uses: &[&str]) -> SourceFile {
     SourceFile {

@@ -24,7 +24,7 @@ use super::texture::{MapReads, RepeatedMap, Taps};
 
 /// What shines in an object, and the lights that make it.
 pub(super) struct Lighting {
-    /// Blocks of the surface.
+    /// Effects of the surface.
     plan: SurfacePlan,
     lights: Vec<PreparedLight>,
     lobes: Lobes,
@@ -213,7 +213,7 @@ impl Lighting {
         Self { plan, lights: prepared(lights, given.colour, p), lobes }
     }
 
-    /// The same with the blocks of another plan.
+    /// The same with the effects of another plan.
     pub(super) fn with_plan(mut self, plan: &ObjectPlan) -> Option<Self> {
         let surface =
             if matches!(self.lobes, Lobes::Highlight(_) | Lobes::Printed(_)) { plan.highlight } else { plan.peaks };

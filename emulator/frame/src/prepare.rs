@@ -148,7 +148,7 @@ impl<'a> Prepared<'a> {
         self.objects.iter().map(|object| object.decisions.as_slice())
     }
 
-    /// The same with another plan for one object, to see what an effect changes and what it costs. Blocks without a map
+    /// The same with another plan for one object, to see what an effect changes and what it costs. Effects without a map
     /// get neutral inputs.
     pub fn with_plan(mut self, object: usize, plan: ObjectPlan) -> Self {
         if let Some(object) = self.objects.get_mut(object) {

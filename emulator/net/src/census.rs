@@ -8,9 +8,10 @@
 
 use std::collections::BTreeMap;
 
-use super::delay::{arrival, block_levels, carry_bits, signed_digits};
-use super::graph::{Net, NodeId, Op, Table};
-use super::interval::{Range, Ranges};
+use super::delay::{arrival, block_levels};
+use super::graph::{Net, Op, Table};
+use super::range::{Range, Ranges};
+use super::unit::{Unit, signed_digits};
 
 /// Units of one sort and their bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,45 +116,26 @@ impl Cost {
         self.levels = self.levels.max(other.levels);
     }
 
-    /// Counts one operation; tables are counted by the run.
-    fn count(&mut self, net: &Net, ranges: &Ranges, id: NodeId) {
-        let range = |id| ranges.of(id);
-        let constant = |id| range(id).constant();
-        let width = range(id).width();
-        match net.node(id).op {
-            Op::Port(_) | Op::Lit(_) => {}
-            Op::Shl(..) | Op::Sar(..) | Op::Widen(_) | Op::Narrow(_) | Op::Not(_) | Op::Claim { .. } => self.wires += 1,
-            Op::Add(a, b) | Op::Sub(a, b) => match carry_bits(net, ranges, id) {
-                None | Some(0) => self.wires += 1,
-                Some(bits) if constant(a).or(constant(b)).is_some() => self.constant_adders.add(bits),
-                Some(bits) => self.adders.add(bits),
-            },
-            Op::Lt(..) => match carry_bits(net, ranges, id) {
-                None | Some(0) => self.wires += 1,
-                Some(bits) => self.comparators.add(bits),
-            },
-            Op::Mul(a, b) => match (constant(a), constant(b)) {
-                (None, None) => {
-                    let [v, w] = [a, b].map(|operand| signed_width(range(operand)));
-                    *self.multipliers.entry([v.max(w), v.min(w)]).or_default() += 1;
-                }
-                (Some(by), _) => self.multiply_by(by, range(b)),
-                (_, Some(by)) => self.multiply_by(by, range(a)),
-            },
-            Op::ShlBy(a, count) => self.shifters.add(width.max(range(a).width()) * range(count).width()),
-            Op::SarBy(a, count) => self.shifters.add(range(a).width() * range(count).width()),
-            Op::And(a, b) if constant(a).or(constant(b)).is_some() => self.wires += 1,
-            Op::And(..) | Op::Or(..) | Op::Xor(..) => self.logic.add(width),
-            Op::Select(..) => self.selects.add(width),
-            Op::LeadingZeros(a) => self.leading_zeros.add(range(a).width()),
-            Op::Lookup(..) => self.lookups += 1,
-        }
-    }
-
-    fn multiply_by(&mut self, constant: i64, operand: Range) {
-        match signed_digits(constant) {
-            0 | 1 => self.wires += 1,
-            digits => *self.constant_multipliers.entry([signed_width(operand), digits]).or_default() += 1,
+    /// Counts one unit; tables are counted by the run.
+    fn count(&mut self, unit: Unit) {
+        match unit {
+            Unit::Nothing => {}
+            Unit::Wires | Unit::Mask => self.wires += 1,
+            Unit::Adder { bits, constant: true } => self.constant_adders.add(bits),
+            Unit::Adder { bits, constant: false } => self.adders.add(bits),
+            Unit::Comparator { bits } => self.comparators.add(bits),
+            Unit::Multiplier(operands) => {
+                let [v, w] = operands.map(signed_width);
+                *self.multipliers.entry([v.max(w), v.min(w)]).or_default() += 1;
+            }
+            Unit::ConstantMultiplier { by, operand } => {
+                *self.constant_multipliers.entry([signed_width(operand), signed_digits(by)]).or_default() += 1;
+            }
+            Unit::Shifter { bits, places } => self.shifters.add(bits * places),
+            Unit::LeadingZeros { bits } => self.leading_zeros.add(bits),
+            Unit::Table { .. } => self.lookups += 1,
+            Unit::Logic { bits } => self.logic.add(bits),
+            Unit::Select { bits } => self.selects.add(bits),
         }
     }
 }
@@ -194,7 +176,7 @@ impl Census {
         let mut tables: Vec<(Option<u32>, Table, i64, i64, u32)> = Vec::new();
         for (id, node) in net.iter() {
             let cost = node.stage.map_or(&mut total, |run| &mut runs[run as usize]);
-            cost.count(net, ranges, id);
+            cost.count(node.op.unit(ranges, id));
             if let Op::Lookup(index, table) = node.op {
                 let (index, width) = (ranges.of(index), ranges.of(id).width());
                 match tables.iter_mut().find(|known| (known.0, known.1) == (node.stage, table)) {

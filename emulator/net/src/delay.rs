@@ -14,39 +14,13 @@
 //! | table of n entries that can be read | ⌈log₂ n⌉ |
 //! | and, or, xor, select | 1 |
 
-use super::graph::{Net, NodeId, Op};
-use super::interval::Ranges;
+use super::graph::{Net, NodeId};
+use super::range::{Range, Ranges};
+use super::unit::{Unit, signed_digits};
 
 /// ⌈log₂ n⌉ of n ≥ 1; 0 of 0.
 fn log2_above(n: u32) -> u32 {
     n.next_power_of_two().ilog2()
-}
-
-/// Bits of an adder, subtracter or comparator that has work to do: from the lowest bit in which the second operand
-/// is not constantly zero (of an addition, both) to the highest of the outcome. 0 where wires are enough: the remainder
-/// of a power of two, two's complement of the sign bit alone. `None` for other operations.
-pub fn carry_bits(net: &Net, ranges: &Ranges, id: NodeId) -> Option<u32> {
-    let top = |id| ranges.of(id).width() + ranges.of(id).zeros;
-    let bits = match net.node(id).op {
-        Op::Add(a, b) => top(id).saturating_sub(ranges.of(a).zeros.max(ranges.of(b).zeros)),
-        Op::Sub(_, b) => top(id).saturating_sub(ranges.of(b).zeros),
-        // The difference with 0 is the operand itself; its sign is there.
-        Op::Lt(_, b) if ranges.of(b).constant() == Some(0) => 0,
-        Op::Lt(a, b) => {
-            let signed = ranges.of(a).signed() || ranges.of(b).signed();
-            let bits = |id| top(id) + u32::from(signed && !ranges.of(id).signed());
-            bits(a).max(bits(b)).saturating_sub(ranges.of(b).zeros)
-        }
-        _ => return None,
-    };
-    Some(bits)
-}
-
-/// Non-zero digits of a constant in canonical signed digits: rows of a multiplier by it.
-pub fn signed_digits(constant: i64) -> u32 {
-    let n = i128::from(constant).abs();
-    // Digits of n in that form are where n and 3n differ.
-    (n ^ (3 * n)).count_ones()
 }
 
 /// Levels of full adders that bring `rows` rows to two (Dadda): 3 rows take 1, 4 take 2, 6 take 3, 9 take 4, …
@@ -61,37 +35,26 @@ fn carry_save_levels(rows: u32) -> u32 {
 }
 
 fn adder_levels(bits: u32) -> u32 {
-    if bits == 0 { 0 } else { log2_above(bits) + 2 }
-}
-
-/// Entries of its table that a lookup can read.
-pub fn entries_read(ranges: &Ranges, index: NodeId) -> u32 {
-    let index = ranges.of(index);
-    (index.high - index.low + 1) as u32
+    log2_above(bits) + 2
 }
 
 /// Gate levels of one operation, from its operands to its wire.
 pub fn levels(net: &Net, ranges: &Ranges, id: NodeId) -> u32 {
-    let range = |id| ranges.of(id);
-    match net.node(id).op {
-        Op::Port(_) | Op::Lit(_) | Op::Shl(..) | Op::Sar(..) | Op::Not(_) => 0,
-        Op::Widen(_) | Op::Narrow(_) | Op::Claim { .. } => 0,
-        Op::Add(..) | Op::Sub(..) => adder_levels(carry_bits(net, ranges, id).unwrap_or(0)),
-        Op::Lt(..) => adder_levels(carry_bits(net, ranges, id).unwrap_or(0)).saturating_sub(1),
-        Op::Mul(a, b) => {
-            let [w, v] = [range(a).width(), range(b).width()];
-            match (range(a).constant(), range(b).constant()) {
-                (None, None) => 1 + 2 * carry_save_levels(w.min(v)) + adder_levels(w + v),
-                (Some(constant), _) | (_, Some(constant)) => match signed_digits(constant) {
-                    0 | 1 => 0,
-                    rows => 2 * carry_save_levels(rows) + adder_levels(w + v),
-                },
-            }
+    match net.node(id).op.unit(ranges, id) {
+        Unit::Nothing | Unit::Wires => 0,
+        Unit::Adder { bits, .. } => adder_levels(bits),
+        Unit::Comparator { bits } => adder_levels(bits) - 1,
+        Unit::Multiplier(operands) => {
+            let [w, v] = operands.map(|operand| operand.width());
+            1 + 2 * carry_save_levels(w.min(v)) + adder_levels(w + v)
         }
-        Op::ShlBy(_, count) | Op::SarBy(_, count) => range(count).width(),
-        Op::LeadingZeros(a) => log2_above(range(a).width()) + 1,
-        Op::Lookup(index, _) => log2_above(entries_read(ranges, index)),
-        Op::And(..) | Op::Or(..) | Op::Xor(..) | Op::Select(..) => 1,
+        Unit::ConstantMultiplier { by, operand } => {
+            2 * carry_save_levels(signed_digits(by)) + adder_levels(operand.width() + Range::of(by).width())
+        }
+        Unit::Shifter { places, .. } => places,
+        Unit::LeadingZeros { bits } => log2_above(bits) + 1,
+        Unit::Table { entries } => log2_above(entries),
+        Unit::Mask | Unit::Logic { .. } | Unit::Select { .. } => 1,
     }
 }
 

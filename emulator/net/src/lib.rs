@@ -3,8 +3,8 @@
 //! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
 //! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
 //! its word, [`observe`] holds that against what wires carry, [`census`] counts what each stage costs and [`delay`] how
-//! long it takes, [`verilog`] writes it down as hardware. What can be recorded is every
-//! [`Design`](roughxel_core::design::Design).
+//! long it takes, [`verilog`] writes it down as hardware. What each of them makes of an operation, the operation says itself,
+//! in the folder `op`. What can be recorded is every [`Design`](roughxel_core::design::Design).
 
 pub mod bench;
 pub mod census;
@@ -12,6 +12,10 @@ pub mod delay;
 pub mod evaluate;
 pub mod graph;
 pub mod interval;
+mod known;
 pub mod observe;
+mod op;
+mod range;
 pub mod record;
+pub mod unit;
 pub mod verilog;

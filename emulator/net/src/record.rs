@@ -70,7 +70,7 @@ impl Recorder {
             },
             _ if op.operands().all(|id| lit(id).is_some()) => {
                 // What would leave the wire stays an operation, for the interval walk to find.
-                let value = apply_exactly(op, kind, |id| self.net.node(id).kind, |id| lit(id).unwrap_or(0));
+                let value = apply_exactly(*op, kind, |id| self.net.node(id).kind, |id| lit(id).unwrap_or(0));
                 Err(value.map_or(*op, Op::Lit))
             }
             Op::Add(a, b) if is(b, 0) => Ok(a),

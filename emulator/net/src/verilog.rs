@@ -5,19 +5,19 @@
 //! state machine (`stepper`). Wires have the bits their proven ranges need (`format`), so there is nothing to write where the
 //! interval walk finds an operation that could leave its word.
 
-mod body;
+pub(crate) mod body;
 mod context;
 mod error;
-mod expression;
+mod driver;
 mod format;
 mod interface;
 mod module;
 mod pipeline;
-mod rom;
+pub(crate) mod rom;
 mod share;
 mod stepper;
 mod text;
-mod value;
+pub(crate) mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

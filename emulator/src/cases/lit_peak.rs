@@ -24,7 +24,7 @@ pub struct LitPeakSet {
     pub plan: PeakPlan,
 }
 
-/// Every block.
+/// Every effect.
 pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: true };
 
 /// The weight of a peak in 2^−16 as its port.

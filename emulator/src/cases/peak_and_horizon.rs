@@ -29,7 +29,7 @@ impl LocalCase {
         Self { direction: block_vector(direction, p), tangents, normal: block_vector(frame.z_axis, p) }
     }
 
-    /// The blocks between stages.
+    /// The signals between stages.
     pub fn wires(&self, p: &Precision) -> LocalInput<i32> {
         let [direction, e1, e2, normal] =
             [&self.direction, &self.tangents[0], &self.tangents[1], &self.normal].map(|v| enter(&v.wires(), p));

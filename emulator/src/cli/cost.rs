@@ -25,7 +25,7 @@ Widths are those the proof of `roughxel ranges` leaves, without constant low zer
   adders          adders and subtracters of two wires; `constant` ones add a constant (increments, roundings)
   bits            of adders and comparators: places with a carry; of selects, logic and counters: width
   shifters        by a count on a wire; bits are selects, width times bits of the count
-  ROM             bits of every table that can be read, once a block
+  ROM             bits of every table that can be read, once a stage
   levels          gate levels of the longest path, for a stage from its inputs to its outcomes, in total from ports to
                   outputs without a register. One level is a gate of two inputs or a select. w bits: adder
                   ceil(log2 w)+2, comparator one less, shifter bits of the count, leading zeros ceil(log2 w)+1, table

@@ -1,4 +1,4 @@
-//! `--effects` and `--frame`: which blocks are on; `--scene`: those that the objects of a scene call for.
+//! `--effects` and `--frame`: which effects are on; `--scene`: those that the objects of a scene call for.
 
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -9,7 +9,7 @@ use roughxel_emulator::plan::{Mode, ObjectPlan};
 use super::{Failure, open_scene};
 
 /// Help of every `--effects`.
-pub(super) const HELP: &str = "Blocks that are on: a comma list of bump, roughness (or roughness-iso, which reads d1 \
+pub(super) const HELP: &str = "Effects that are on: a comma list of bump, roughness (or roughness-iso, which reads d1 \
     as I1), curvature, footprint, horizon; or all, or none. A datapath looks at those it has: a reflection at all but \
     horizon (without footprint there is one probe at level 0), a highlight at bump and roughness, a peak at horizon";
 

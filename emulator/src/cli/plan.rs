@@ -17,7 +17,7 @@ pub(super) const LONG_HELP: &str = "\
 Say which effects each object of a scene has, why, and what they cost.
 
   why          the key of the scene, or the property of its maps, that decides
-  blocks       what the effect adds to the datapath of a fragment; what an effect needs of others belongs to both
+  stages       what the effect adds to the datapath of a fragment; what an effect needs of others belongs to both
   operations   additions, comparisons, selects, shifts by a count, products and table reads that the effect adds
                to a fragment (highlight: for each light; peaks and horizons: for each peak and light), and after the + to
                each of its fetches (environment: per probe; maps: per channel and probe)
@@ -95,7 +95,7 @@ fn summary(plan: &ObjectPlan) -> String {
 }
 
 fn table(report: &ObjectReport, measured: bool) -> Table {
-    let mut table = new_table(["effect", "", "why", "blocks", "operations", "×", "maps", "share"]);
+    let mut table = new_table(["effect", "", "why", "stages", "operations", "×", "maps", "share"]);
     for effect in &report.effects {
         let EffectReport { decision, datapath, fetch, map_bytes, share } = effect;
         let count = |of: fn(&Hardware) -> i64| match (of(datapath), of(fetch)) {
@@ -118,7 +118,7 @@ fn table(report: &ObjectReport, measured: bool) -> Table {
     table
 }
 
-/// Characters of a line; reasons and blocks are wrapped.
+/// Characters of a line; reasons and stages are wrapped.
 const WIDTH: u16 = 150;
 
 /// Stages by name, those that run several times with their count: `columns_pixel ×2`.

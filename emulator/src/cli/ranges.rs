@@ -25,8 +25,8 @@ use super::{Failure, effects, open_scene, parse_size};
 pub(super) const LONG_HELP: &str = "\
 Prove that no wire can overflow, for any bits at any port, and print the range of every named wire.
 
-A row is an outcome of a block. Intervals are values: the integer on the wire over 2^fraction.
-  wire          block and place in its outcome; `fraction` are its fraction bits
+A row is an outcome of a stage. Intervals are values: the integer on the wire over 2^fraction.
+  wire          stage and place in its outcome; `fraction` are its fraction bits
   proven        interval by the walk over the graph; `bits` it needs in two's complement (a flag: 1)
   declared      bits of the wire: 32, or 64 for a wide one; `slack` is what is left of them
   frame, sets   intervals observed over the fragments of a frame, and over every set of hard cases and the random one;

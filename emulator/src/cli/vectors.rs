@@ -59,13 +59,13 @@ pub(super) struct ExportArgs {
     /// Profile.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
     profile: ProfileArg,
-    /// Blocks that are on instead of those that each set is made for. The fields of a set are those of its blocks.
+    /// Effects that are on instead of those that each set is made for. The fields of a set are those of its effects.
     #[arg(long, value_parser = effects::parse, value_name = "LIST", long_help = effects::HELP)]
     effects: Option<Effects>,
     /// How the tangent frame is found, instead of the way each set is made for.
     #[arg(long, value_parser = effects::parse_frame, value_name = "main|natural|natural-normalised")]
     frame: Option<FrameSystem>,
-    /// Sets of the datapaths that the objects of a scene call for, with their blocks, in DIR/OBJECT/DATAPATH: scene file
+    /// Sets of the datapaths that the objects of a scene call for, with their effects, in DIR/OBJECT/DATAPATH: scene file
     /// (TOML), or the name of a built-in scene.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["effects", "frame"])]
     scene: Option<String>,
@@ -120,14 +120,14 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
 /// What is exported of the listed sets, and how.
 struct Export<'a> {
     profile: &'a ProfileArg,
-    /// Blocks instead of those of each set.
+    /// Effects instead of those of each set.
     effects: Option<Effects>,
     frame: Option<FrameSystem>,
     directory: &'a Path,
 }
 
 impl Export<'_> {
-    /// The blocks of a set.
+    /// The effects of a set.
     fn effects(&self, of_set: Effects) -> Effects {
         let frame = self.frame.unwrap_or(of_set.frame);
         Effects { frame, ..self.effects.unwrap_or(of_set) }

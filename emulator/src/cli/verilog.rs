@@ -35,10 +35,10 @@ pub(super) struct VerilogArgs {
     /// (TOML), or the name of a built-in scene.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["design", "effects", "frame", "stage"])]
     scene: Option<String>,
-    /// Only the modules of this stage (`columns`) or block (`columns_pixel`), and what they use.
+    /// Only the modules of this stage (`columns`) or run of it (`columns_pixel`), and what they use.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// Most levels of logic between two registers; none has registers between blocks only. A level is a gate of two
+    /// Most levels of logic between two registers; none has registers between stages only. A level is a gate of two
     /// inputs; a 32-bit adder has 7.
     #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     depth: Option<u32>,

@@ -48,7 +48,7 @@ pub struct Hardware {
     pub carry_bits: i64,
     /// Bits of tables.
     pub rom_bits: i64,
-    /// Of each of the blocks.
+    /// Of each of the stages.
     parts: Vec<[i64; 4]>,
 }
 
@@ -64,9 +64,9 @@ impl Hardware {
         sum
     }
 
-    fn add(&mut self, block: String, part: [i64; 4]) {
+    fn add(&mut self, stage: String, part: [i64; 4]) {
         let [operations, multipliers, carry_bits, rom_bits] = part;
-        self.stages.push(block);
+        self.stages.push(stage);
         self.parts.push(part);
         self.operations += operations;
         self.multipliers += multipliers;
@@ -74,17 +74,17 @@ impl Hardware {
         self.rom_bits += rom_bits;
     }
 
-    /// Both, a block that both have once.
+    /// Both, a stage that both have once.
     fn joined(mut self, other: Self) -> Self {
-        for (block, part) in other.stages.into_iter().zip(other.parts) {
-            if !self.stages.contains(&block) {
-                self.add(block, part);
+        for (stage, part) in other.stages.into_iter().zip(other.parts) {
+            if !self.stages.contains(&stage) {
+                self.add(stage, part);
             }
         }
         self
     }
 
-    /// Of several designs side by side, each as one block.
+    /// Of several designs side by side, each as one stage.
     fn of_all(designs: &[Design], p: &Precision) -> Self {
         designs.iter().fold(Self::default(), |mut sum, &design| {
             let (_, census) = census(design, &Effects::ALL, p);
@@ -95,7 +95,7 @@ impl Hardware {
 
     /// What this has more than `other`.
     fn more_than(&self, other: &Self) -> Self {
-        let is_own = |(block, _): &(&String, &[i64; 4])| !other.stages.contains(block);
+        let is_own = |(stage, _): &(&String, &[i64; 4])| !other.stages.contains(stage);
         let (stages, parts) = self.stages.iter().zip(&self.parts).filter(is_own).map(|(b, p)| (b.clone(), *p)).unzip();
         Self {
             stages,
@@ -150,7 +150,7 @@ pub struct ObjectReport {
     pub effects: Vec<EffectReport>,
 }
 
-/// Hardware of an object's fragment and of each of its lights. Blocks that its datapaths share, those of the surface, are
+/// Hardware of an object's fragment and of each of its lights. Stages that its datapaths share, those of the surface, are
 /// counted once.
 fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
     let each = plan.datapaths().map(|(datapath, effects)| Hardware::of(datapath, &effects, p));

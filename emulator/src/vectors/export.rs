@@ -33,7 +33,7 @@ pub struct SetInfo<'a> {
     pub seed: Option<&'a str>,
     /// The datapath.
     pub datapath: Datapath,
-    /// Blocks of it that are on.
+    /// Effects of it that are on.
     pub effects: Effects,
     /// Knobs.
     pub precision: Precision,

@@ -28,7 +28,7 @@ pub fn in_page(page: &str) -> Result<String, FormatError> {
     Ok(format!("{before}{BEGIN}\n{}\n{END}{after}", tables()))
 }
 
-/// The tables, a datapath after the other, with every block on.
+/// The tables, a datapath after the other, with every effect on.
 pub fn tables() -> String {
     let tables = Datapath::ALL.map(|datapath| {
         let rows: String = rows(datapath).iter().map(|row| row.line() + "\n").collect();
@@ -48,7 +48,7 @@ struct Row {
 
 /// The declared fields of a datapath, in the order of the word.
 fn rows(datapath: Datapath) -> Vec<Row> {
-    // The frame system is the one choice that swaps columns; every other block only adds some.
+    // The frame system is the one choice that swaps columns; every other effect only adds some.
     let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
     let [main, natural, normalised] = frames.map(|frame| {
         let effects = Effects { frame, ..Effects::ALL };

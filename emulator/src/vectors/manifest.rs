@@ -37,7 +37,7 @@ pub struct Manifest {
     /// The datapath.
     #[serde(with = "DatapathDef")]
     pub datapath: Datapath,
-    /// Blocks of it that were on; those of other datapaths are off.
+    /// Effects of it that were on; those of other datapaths are off.
     #[serde(with = "EffectsDef")]
     pub effects: Effects,
     /// Where the fragments come from.

@@ -58,14 +58,14 @@ impl Cases {
     }
 }
 
-/// A named set of hard cases and the blocks they go through.
+/// A named set of hard cases and the effects they go through.
 #[derive(Clone, Debug)]
 pub struct VectorSet {
     /// Short name, also that of its files.
     pub name: &'static str,
     /// What the set holds.
     pub description: &'static str,
-    /// Blocks that are on.
+    /// Effects that are on.
     pub effects: Effects,
     /// Its inputs.
     pub cases: Cases,

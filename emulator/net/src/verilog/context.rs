@@ -10,7 +10,7 @@ use crate::interval::Ranges;
 
 /// What all modules of a design share.
 #[derive(Clone, Copy)]
-pub(super) struct Context<'a> {
+pub(crate) struct Context<'a> {
     pub(super) net: &'a Net,
     /// One range for all nodes that meet in a place of a module.
     pub(super) ranges: &'a Ranges,

@@ -2,14 +2,15 @@
 //!
 //! A wire has the bits its range needs and somebody reads: an adder whose lowest bits only round drops them where it
 //! is (`{sum, sum_unused} = …`), a claim cuts what its lemma excludes. With a target depth the operations are placed
-//! in stages, as soon as their operands are there; registers carry what later stages read.
+//! at ranks, as soon as their operands are there; registers carry what later ranks read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
-use super::body::{Body, Driver, mask, top};
+use super::body::{Body, mask};
 use super::context::{Context, Names};
+use super::driver::Driver;
 use super::error::VerilogError;
 use super::format::{Format, vector};
 use super::rom::{Rom, count_bits};
@@ -124,7 +125,7 @@ impl Module {
             text: String::new(),
             inputs,
             outputs,
-            cuts: body.last_stage,
+            cuts: body.last_rank,
             register_bits: 0,
             roms: BTreeMap::new(),
             leading_zeros: BTreeSet::new(),
@@ -141,8 +142,8 @@ impl Module {
         }
         for port in &self.outputs {
             let id = first.nodes[port.place];
-            // An outcome that is made in the last stage is its port.
-            if body.stages.get(&id) == Some(&body.last_stage) {
+            // An outcome that is made at the last rank is its port.
+            if body.ranks.get(&id) == Some(&body.last_rank) {
                 body.names.insert(id, port.name.clone());
             }
         }
@@ -177,13 +178,13 @@ impl Module {
             let wire = body.wire(id, 0);
             unused.extend(unread(&wire, body.reads_from(id, 0)));
         }
-        for stage in 0..=body.last_stage {
-            if body.last_stage > 0 {
-                writeln!(wires, "\n  // ---- stage {stage} ----")?;
+        for rank in 0..=body.last_rank {
+            if body.last_rank > 0 {
+                writeln!(wires, "\n  // ---- rank {rank} ----")?;
             }
             let mut line = None;
             for &id in &first.nodes {
-                if body.stages.get(&id) != Some(&stage) || !body.reads.contains_key(&id) {
+                if body.ranks.get(&id) != Some(&rank) || !body.reads.contains_key(&id) {
                     continue;
                 }
                 let own = context.line(id);
@@ -191,11 +192,11 @@ impl Module {
                     writeln!(wires, "\n  // {}", own.as_deref().unwrap_or_default())?;
                     line = own;
                 }
-                self.wire(&mut wires, body, group, id, stage)?;
-                unused.extend(unread(&body.wire(id, stage), body.reads_from(id, stage)));
+                self.wire(&mut wires, body, group, id, rank)?;
+                unused.extend(unread(&body.wire(id, rank), body.reads_from(id, rank)));
             }
-            if stage < body.last_stage {
-                unused.extend(self.registers(&mut wires, body, &first.nodes, stage)?);
+            if rank < body.last_rank {
+                unused.extend(self.registers(&mut wires, body, &first.nodes, rank)?);
             }
         }
         let assigned: Vec<&ModulePort> =
@@ -204,7 +205,7 @@ impl Module {
             writeln!(wires)?;
         }
         for port in assigned {
-            let text = body.text(first.nodes[port.place], port.format.zeros, top(port.format.range), body.last_stage);
+            let text = body.text(first.nodes[port.place], port.format.zeros, port.format.range.top(), body.last_rank);
             writeln!(wires, "  assign {} = {};", port.name, text.code)?;
         }
         if !unused.is_empty() {
@@ -271,11 +272,11 @@ impl Module {
         body: &Body,
         group: &Group,
         id: NodeId,
-        stage: u32,
+        rank: u32,
     ) -> Result<(), VerilogError> {
         let context = body.context;
         let net = context.net;
-        let wire = body.wire(id, stage);
+        let wire = body.wire(id, rank);
         let driver = body.driver(id);
         let (first, last) = body.span(driver, wire.low, wire.high);
         let is_port = self.outputs.iter().any(|port| port.name == wire.name);
@@ -314,7 +315,7 @@ impl Module {
             (Driver::Op(_), Op::Lookup(index, table)) => {
                 let rom = Rom::new(table).ok_or_else(|| VerilogError::UnknownTable(net.origin(id)))?;
                 declare(text)?;
-                let index = body.text(index, 0, rom.index_bits(), stage).code;
+                let index = body.text(index, 0, rom.index_bits(), rank).code;
                 writeln!(text, "  {} {}_rom (.index({index}), .entry({target}));", rom.name(), wire.name)?;
                 self.roms.insert(rom.name(), rom);
                 return Ok(());
@@ -326,7 +327,7 @@ impl Module {
                 // Where the number's size is known, high bits of the count are, too.
                 let used = last.clamp(1, bits);
                 let count = format!("{}_count", wire.name);
-                let value = body.text(a, 0, width, stage).code;
+                let value = body.text(a, 0, width, rank).code;
                 write!(text, "  wire {}{count};", vector(used, false))?;
                 let place = if used < bits {
                     write!(text, " wire {}{count}_unused;", vector(bits - used, false))?;
@@ -340,7 +341,7 @@ impl Module {
                 let counted = view_bits(&View::of(id), &counted, first, last).code;
                 if above == 0 { counted } else { format!("{counted} + {}", constant_bits(above, first, last).code) }
             }
-            _ => body.expression(driver, first, last, stage),
+            _ => body.expression(driver, first, last, rank),
         };
         if dropped.is_empty() && !is_port {
             writeln!(text, "  wire {declared} = {right};{about}")?;
@@ -351,13 +352,13 @@ impl Module {
         Ok(())
     }
 
-    /// Registers from a stage to the next: everything made so far that is still read. Says which of their bits nobody reads.
+    /// Registers from a rank to the next: everything made so far that is still read. Says which of their bits nobody reads.
     fn registers(
         &mut self,
         text: &mut String,
         body: &Body,
         nodes: &[NodeId],
-        stage: u32,
+        rank: u32,
     ) -> Result<Vec<String>, VerilogError> {
         let inputs = body.names.keys().filter(|id| !nodes.contains(id));
         let mut inputs: Vec<NodeId> = inputs.copied().collect();
@@ -365,18 +366,18 @@ impl Module {
         let carried: Vec<NodeId> = inputs
             .into_iter()
             .chain(nodes.iter().copied())
-            .filter(|id| body.stages.get(id).is_some_and(|&made| made <= stage))
-            .filter(|&id| body.reads_from(id, stage + 1) != 0)
+            .filter(|id| body.ranks.get(id).is_some_and(|&made| made <= rank))
+            .filter(|&id| body.reads_from(id, rank + 1) != 0)
             .collect();
         writeln!(text)?;
         let mut moves = String::new();
         let mut unused = Vec::new();
         for id in carried {
-            let (from, to) = (body.wire(id, stage), body.wire(id, stage + 1));
+            let (from, to) = (body.wire(id, rank), body.wire(id, rank + 1));
             writeln!(text, "  reg {}{};", vector(to.width(), to.signed), to.name)?;
             writeln!(moves, "      {} <= {};", to.name, from.slice(to.low, to.high))?;
             self.register_bits += to.width();
-            unused.extend(unread(&to, body.reads_from(id, stage + 1)));
+            unused.extend(unread(&to, body.reads_from(id, rank + 1)));
         }
         writeln!(text, "  always @(posedge clk)\n    if (enable) begin\n{moves}    end")?;
         Ok(unused)

@@ -7,33 +7,33 @@ use crate::graph::NodeId;
 
 /// A node's integer as bits of a wire: bit p of the value is bit p − `shift` of the wire's integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct View {
+pub(crate) struct View {
     /// The node whose wire it is.
-    pub(super) base: NodeId,
+    pub(crate) base: NodeId,
     /// Places to the left.
-    pub(super) shift: i32,
+    pub(crate) shift: i32,
     /// Bits of the wire's integer below this one read zero.
-    pub(super) cut: i32,
+    pub(crate) cut: i32,
     /// Bits of the value from this one on read zero.
-    pub(super) limit: Option<i32>,
+    pub(crate) limit: Option<i32>,
     /// The one bit of a flag, inverted.
-    pub(super) inverted: bool,
+    pub(crate) inverted: bool,
 }
 
 impl View {
     /// The wire itself.
-    pub(super) fn of(base: NodeId) -> Self {
+    pub(crate) fn of(base: NodeId) -> Self {
         Self { base, shift: 0, cut: 0, limit: None, inverted: false }
     }
 
     /// · 2^k.
-    pub(super) fn shl(self, k: u32) -> Self {
+    pub(crate) fn shl(self, k: u32) -> Self {
         let k = k as i32;
         Self { shift: self.shift + k, limit: self.limit.map(|limit| limit + k), ..self }
     }
 
     /// ⌊ · / 2^k⌋.
-    pub(super) fn sar(self, k: u32) -> Self {
+    pub(crate) fn sar(self, k: u32) -> Self {
         let k = k as i32;
         let limit = self.limit.map(|limit| (limit - k).max(0));
         let shift = self.shift - k;
@@ -41,25 +41,25 @@ impl View {
     }
 
     /// The lowest `k` bits.
-    pub(super) fn low_bits(self, k: u32) -> Self {
+    pub(crate) fn low_bits(self, k: u32) -> Self {
         let k = k as i32;
         Self { limit: Some(self.limit.map_or(k, |limit| limit.min(k))), ..self }
     }
 
     /// Bit `p` alone.
-    pub(super) fn bit(self, p: u32) -> Self {
+    pub(crate) fn bit(self, p: u32) -> Self {
         self.sar(p).low_bits(1)
     }
 
     /// Not, of a flag.
-    pub(super) fn not(self) -> Self {
+    pub(crate) fn not(self) -> Self {
         Self { inverted: !self.inverted, ..self }
     }
 }
 
 /// A node in the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     /// Always the same.
     Constant(i64),
     /// Bits of a wire.
@@ -68,20 +68,20 @@ pub(super) enum Value {
 
 /// Bits of a wire that exist, from `low` up to but not `high`, of which the top one is a sign where `signed`.
 #[derive(Clone, Debug)]
-pub(super) struct Wire {
-    pub(super) name: String,
-    pub(super) low: u32,
-    pub(super) high: u32,
-    pub(super) signed: bool,
+pub(crate) struct Wire {
+    pub(crate) name: String,
+    pub(crate) low: u32,
+    pub(crate) high: u32,
+    pub(crate) signed: bool,
 }
 
 impl Wire {
-    pub(super) fn width(&self) -> u32 {
+    pub(crate) fn width(&self) -> u32 {
         self.high - self.low
     }
 
     /// Bits `low` up to `high` of the integer, all of them there.
-    pub(super) fn slice(&self, low: u32, high: u32) -> String {
+    pub(crate) fn slice(&self, low: u32, high: u32) -> String {
         let Self { name, low: first, .. } = self;
         match high - low {
             _ if low == self.low && high == self.high => name.clone(),
@@ -93,26 +93,26 @@ impl Wire {
 
 /// An expression of a known width.
 #[derive(Clone, Debug)]
-pub(super) struct Text {
-    pub(super) code: String,
+pub(crate) struct Text {
+    pub(crate) code: String,
     /// It is one signed wire, not a slice or a concatenation, which are unsigned.
-    pub(super) signed: bool,
+    pub(crate) signed: bool,
 }
 
 impl Text {
     /// The expression as a signed one.
-    pub(super) fn as_signed(&self) -> String {
+    pub(crate) fn as_signed(&self) -> String {
         if self.signed { self.code.clone() } else { format!("$signed({})", self.code) }
     }
 
     /// The expression as an unsigned one.
-    pub(super) fn as_unsigned(&self) -> String {
+    pub(crate) fn as_unsigned(&self) -> String {
         if self.signed { format!("$unsigned({})", self.code) } else { self.code.clone() }
     }
 }
 
 /// A constant of `width` bits.
-pub(super) fn literal(bits: u128, width: u32) -> String {
+pub(crate) fn literal(bits: u128, width: u32) -> String {
     sized(bits, width, "")
 }
 
@@ -136,17 +136,17 @@ fn sized(bits: u128, width: u32, sign: &str) -> String {
 }
 
 /// Bits `low` up to `high` of a constant.
-pub(super) fn constant_bits(value: i64, low: u32, high: u32) -> Text {
+pub(crate) fn constant_bits(value: i64, low: u32, high: u32) -> Text {
     Text { code: literal((i128::from(value) >> low.min(127)) as u128, high - low), signed: false }
 }
 
 /// Bits `low` up to `high` of a constant as a signed number.
-pub(super) fn signed_constant(value: i64, low: u32, high: u32) -> String {
+pub(crate) fn signed_constant(value: i64, low: u32, high: u32) -> String {
     sized((i128::from(value) >> low.min(127)) as u128, high - low, "s")
 }
 
 /// Bits `low` up to `high` of a view of `wire`. Bits the wire does not have read zero, or its sign above its top.
-pub(super) fn view_bits(view: &View, wire: &Wire, low: u32, high: u32) -> Text {
+pub(crate) fn view_bits(view: &View, wire: &Wire, low: u32, high: u32) -> Text {
     let (low, high) = (low as i32, high as i32);
     let limit = view.limit.unwrap_or(high).clamp(low, high);
     let above = high - limit;

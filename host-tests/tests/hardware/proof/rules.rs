@@ -240,7 +240,7 @@ proptest! {
         for_every_input(&net, |_, wires| {
             for (id, node) in net.nodes.iter().enumerate().take(sound) {
                 let kind_of = |id| net.node(id).kind;
-                let exact = apply_exactly(&node.op, node.kind, kind_of, |id| wires[id as usize]);
+                let exact = apply_exactly(node.op, node.kind, kind_of, |id| wires[id as usize]);
                 if !matches!(node.op, Op::Port(_)) {
                     assert_eq!(exact, Some(wires[id]), "node {id} of {:#?}", net.nodes);
                 }
