@@ -11,6 +11,7 @@ mod frame;
 pub mod highlight;
 pub mod lit_peak;
 pub mod peak_and_horizon;
+mod set;
 pub mod stimulus;
 
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
@@ -25,24 +26,12 @@ use footprint::{
 use frame::{frame_horizon, frame_natural, frame_pole, frame_zero};
 
 pub use fragment::random_fragment;
-
-/// A named set of fragments and the plan they run under.
-#[derive(Clone, Debug)]
-pub struct CaseSet {
-    /// Short name, also the file name of the exported set.
-    pub name: &'static str,
-    /// What the set holds.
-    pub description: &'static str,
-    /// The fragments.
-    pub fragments: Vec<ReflectionIn>,
-    /// Stages they go through.
-    pub plan: ReflectionPlan,
-}
+pub use set::CaseSet;
 
 /// Every hard case of the reflection datapath, by stage.
-pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet> {
+pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet<ReflectionIn, ReflectionPlan>> {
     let full = ReflectionPlan::FULL;
-    let set = |name, description, fragments: Vec<ReflectionIn>| CaseSet { name, description, fragments, plan: full };
+    let set = |name, description, cases: Vec<ReflectionIn>| CaseSet { name, description, cases, plan: full };
     vec![
         set("frame_pole", "h approaches n from 1 degree to the last bit, and lies on it", frame_pole(p)),
         set("frame_zero", "n = 0, h = 0, v = 0, tiny and huge n", frame_zero(p)),
@@ -50,13 +39,13 @@ pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet> {
         CaseSet {
             name: "frame_natural",
             description: "p_u, p_v skewed towards parallel, of very different length, equal, zero",
-            fragments: frame_natural(p),
+            cases: frame_natural(p),
             plan: ReflectionPlan { frame: FrameSystem::Natural, ..full },
         },
         CaseSet {
             name: "frame_natural_normalised",
             description: "the same tangents with their lengths dropped",
-            fragments: frame_natural(p),
+            cases: frame_natural(p),
             plan: ReflectionPlan { frame: FrameSystem::NaturalNormalised, ..full },
         },
         set("cube_edges", "r on the 12 edges and one bit to either side", cube_edges(p)),
@@ -74,7 +63,7 @@ pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet> {
         CaseSet {
             name: "roughness_isotropic",
             description: "isotropic roughness from one bit to the end of its range",
-            fragments: roughness_isotropic(p),
+            cases: roughness_isotropic(p),
             plan: ReflectionPlan { roughness: RoughnessKind::Isotropic, ..full },
         },
     ]

@@ -8,20 +8,8 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, shininess};
 
 use super::fragment::{bit, direction, random_fragment};
+use super::set::CaseSet;
 use crate::random::SplitMix64;
-
-/// A named set of lit fragments and the plan they run under.
-#[derive(Clone, Debug)]
-pub struct HighlightSet {
-    /// Short name.
-    pub name: &'static str,
-    /// What the set holds.
-    pub description: &'static str,
-    /// The fragments.
-    pub fragments: Vec<HighlightIn>,
-    /// Stages they go through.
-    pub plan: SurfacePlan,
-}
 
 /// Every stage of a surface.
 pub const FULL: SurfacePlan =
@@ -113,18 +101,18 @@ pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
 }
 
 /// Every hard case of a highlight.
-pub fn highlight_sets(p: &Precision) -> Vec<HighlightSet> {
-    let set = |name, description, fragments| HighlightSet { name, description, fragments, plan: FULL };
+pub fn highlight_sets(p: &Precision) -> Vec<CaseSet<HighlightIn, SurfacePlan>> {
+    let set = |name, description, cases| CaseSet { name, description, cases, plan: FULL };
     vec![
         set("highlight_peak", "h approaches n_mod to the last bit and lies on it, D = 0 and not", peak(p)),
         set("highlight_opposite", "l approaches -v to the last bit and lies on it; n, v, l zero", opposite(p)),
         set("highlight_rank", "K of rank one in every direction, c = 0, one bit, d2 < 0, saturated", rank(p)),
         set("highlight_horizon", "light on the horizon, one bit to either side, below; eye below", horizon(p)),
         set("highlight_exponent", "exponent 1, the largest, between, and beyond both ends", exponents(p)),
-        HighlightSet {
+        CaseSet {
             name: "highlight_isotropic",
             description: "isotropic roughness from one bit to the end of its range",
-            fragments: isotropic(p),
+            cases: isotropic(p),
             plan: SurfacePlan { roughness: RoughnessKind::Isotropic, ..FULL },
         },
     ]

@@ -9,20 +9,8 @@ use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
 
 use super::fragment::{bit, direction, random_fragment};
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
+use super::set::CaseSet;
 use crate::random::SplitMix64;
-
-/// A named set of lit peaks and the plan they run under.
-#[derive(Clone, Debug)]
-pub struct LitPeakSet {
-    /// Short name.
-    pub name: &'static str,
-    /// What the set holds.
-    pub description: &'static str,
-    /// The peaks.
-    pub peaks: Vec<PeakIn>,
-    /// Stages they go through.
-    pub plan: PeakPlan,
-}
 
 /// Every effect.
 pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: true };
@@ -103,7 +91,7 @@ fn upright(light: BlockVector, view: BlockVector, p: &Precision) -> PeakIn {
 }
 
 /// Every hard case of a light on a peak.
-pub fn lit_peak_sets(p: &Precision) -> Vec<LitPeakSet> {
+pub fn lit_peak_sets(p: &Precision) -> Vec<CaseSet<PeakIn, PeakPlan>> {
     // Light and eye along the half vector give it exactly.
     let on_peaks = |case: PeakCase| {
         let half = case.half.direction;
@@ -112,7 +100,7 @@ pub fn lit_peak_sets(p: &Precision) -> Vec<LitPeakSet> {
         peaks.into_iter().map(move |(peak, share)| PeakIn { peak, weight: weight(share), ..upright(half, half, p) })
     };
     let under_horizon = |case: HorizonCase| PeakIn { horizon: case.horizon, ..upright(case.light, case.eye, p) };
-    let set = |name, description, peaks| LitPeakSet { name, description, peaks, plan: FULL };
+    let set = |name, description, cases| CaseSet { name, description, cases, plan: FULL };
     let mut sets = vec![set(
         "peak_light",
         "light at and around the horizon of n; n, v, l zero, tiny and huge; l = -v; h along n",
@@ -126,10 +114,10 @@ pub fn lit_peak_sets(p: &Precision) -> Vec<LitPeakSet> {
         sets.push(set(of.name, of.description, of.cases.into_iter().map(under_horizon).collect()));
     }
     let natural = random_with(FrameSystem::Natural, p);
-    sets.push(LitPeakSet {
+    sets.push(CaseSet {
         name: "peak_natural",
         description: "p_u, p_v of any length, skewed, equal, zero; no horizon",
-        peaks: natural,
+        cases: natural,
         plan: PeakPlan { frame: FrameSystem::Natural, horizon: false },
     });
     sets

@@ -2,6 +2,7 @@
 
 use fixed::types::{I1F15, I2F30, I4F12};
 use glam::{DMat3, DVec3, dvec3};
+use roughxel_core::design::LocalInput;
 use roughxel_core::ports::{BlockVector, Port, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
@@ -9,8 +10,8 @@ use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
 
 use super::fragment::{bit, direction};
+use super::set::CaseSet;
 use crate::random::SplitMix64;
-use roughxel_core::design::LocalInput;
 
 /// A direction and the frame of the surface in which it is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -58,17 +59,6 @@ pub struct HorizonCase {
     pub horizon: StoredHorizon,
 }
 
-/// A named set of hard cases of one kind.
-#[derive(Clone, Debug)]
-pub struct HardSet<C> {
-    /// Short name.
-    pub name: &'static str,
-    /// What the set holds.
-    pub description: &'static str,
-    /// The cases.
-    pub cases: Vec<C>,
-}
-
 /// The whole of a fragment as a weight.
 pub const WHOLE: u32 = 1 << 16;
 
@@ -113,8 +103,8 @@ fn upright(direction: DVec3, p: &Precision) -> LocalCase {
 }
 
 /// Every hard case of the peaks.
-pub fn peak_hard_sets(p: &Precision) -> Vec<HardSet<PeakCase>> {
-    let set = |name, description, cases: Vec<PeakCase>| HardSet { name, description, cases };
+pub fn peak_hard_sets(p: &Precision) -> Vec<CaseSet<PeakCase>> {
+    let set = |name, description, cases: Vec<PeakCase>| CaseSet { name, description, cases, plan: () };
     vec![
         set("peak_count", "0, 1, 7 and 56 peaks, equal and different, weights that sum to 1", peak_count(p)),
         set("peak_on", "the half vector on a peak and one bit around it, exponents 1 to 8192", peak_on(p)),
@@ -238,8 +228,8 @@ fn local_zero(p: &Precision) -> Vec<PeakCase> {
 }
 
 /// Every hard case of the horizon.
-pub fn horizon_hard_sets(p: &Precision) -> Vec<HardSet<HorizonCase>> {
-    let set = |name, description, cases: Vec<HorizonCase>| HardSet { name, description, cases };
+pub fn horizon_hard_sets(p: &Precision) -> Vec<CaseSet<HorizonCase>> {
+    let set = |name, description, cases: Vec<HorizonCase>| CaseSet { name, description, cases, plan: () };
     vec![
         set("horizon_at", "light on a step and on both ends of a ramp, one bit to either side", horizon_at(p)),
         set("horizon_side", "straight up, along one axis, below the surface, negative slopes", horizon_side(p)),

@@ -109,7 +109,7 @@ pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
         let pixels = scene.camera.width as usize * scene.camera.height as usize;
         let captured = Prepared::new(&scene, Mode::Footprint, p)?.capture(pixels)?;
         let frame: Vec<_> = captured.into_iter().map(|(fragment, _)| fragment).collect();
-        let mut sets: Vec<_> = hard_case_sets(p).into_iter().flat_map(|set| set.fragments).collect();
+        let mut sets: Vec<_> = hard_case_sets(p).into_iter().flat_map(|set| set.cases).collect();
         sets.extend((0..args.random).map(|index| random_fragment("random", index, p)));
         let total = args.design.0.len() * (frame.len() + sets.len());
         let bar = progress(total as u64, &profile.name);

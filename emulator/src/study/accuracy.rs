@@ -282,7 +282,7 @@ pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -
         .collect::<Vec<_>>();
     let hard = hard_case_sets(p).into_iter().map(|set| {
         let mut accuracy = Accuracy::default();
-        for (index, fragment) in (0..).zip(&set.fragments) {
+        for (index, fragment) in (0..).zip(&set.cases) {
             let sample = compare(fragment, &fragment.reflect(&set.plan, p), &set.plan, p);
             accuracy.add(set.name, index, fragment, &sample);
         }

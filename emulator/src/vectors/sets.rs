@@ -7,7 +7,7 @@ use roughxel_core::precision::Precision;
 use super::datapath::Inputs;
 use crate::cases::highlight::{highlight_sets, random_light};
 use crate::cases::lit_peak::{lit_peak_sets, random_lit_peak};
-use crate::cases::{hard_case_sets, random_fragment};
+use crate::cases::{CaseSet, hard_case_sets, random_fragment};
 
 /// The random set of each datapath: its name, and what it holds.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
@@ -73,24 +73,20 @@ pub struct VectorSet {
 
 /// Every set of hard cases, datapath by datapath.
 pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
-    let reflections = hard_case_sets(p).into_iter().map(|set| VectorSet {
-        name: set.name,
-        description: set.description,
-        effects: set.plan.into(),
-        cases: Cases::Reflection(set.fragments),
-    });
-    let highlights = highlight_sets(p).into_iter().map(|set| VectorSet {
-        name: set.name,
-        description: set.description,
-        effects: set.plan.into(),
-        cases: Cases::Highlight(set.fragments),
-    });
-    let peaks = lit_peak_sets(p).into_iter().map(|set| VectorSet {
-        name: set.name,
-        description: set.description,
-        effects: set.plan.into(),
-        cases: Cases::Peak(set.peaks),
-    });
+    fn vectors<C, P: Into<Effects>>(
+        sets: Vec<CaseSet<C, P>>,
+        cases: fn(Vec<C>) -> Cases,
+    ) -> impl Iterator<Item = VectorSet> {
+        sets.into_iter().map(move |CaseSet { name, description, cases: all, plan }| VectorSet {
+            name,
+            description,
+            effects: plan.into(),
+            cases: cases(all),
+        })
+    }
+    let reflections = vectors(hard_case_sets(p), Cases::Reflection);
+    let highlights = vectors(highlight_sets(p), Cases::Highlight);
+    let peaks = vectors(lit_peak_sets(p), Cases::Peak);
     reflections.chain(highlights).chain(peaks).collect()
 }
 

@@ -2,7 +2,7 @@
 //! approach to it holds the bars (the bars over all sets are in `accuracy.rs`).
 
 use fixed::types::{I2F30, I4F28};
-use roughxel_core::plan::FrameSystem;
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::{Precision, ProbeRule, Profile};
 use roughxel_core::setup::{real_number, real_offset, real_pair, real_vector};
@@ -16,23 +16,23 @@ use roughxel_host_tests::reference::{self, Outputs, cube, frame};
 struct Study {
     name: &'static str,
     p: Precision,
-    set: CaseSet,
+    set: CaseSet<ReflectionIn, ReflectionPlan>,
 }
 
 impl Study {
     /// What the datapath makes of fragment `index`.
     fn out(&self, index: usize) -> ReflectionOut {
-        self.set.fragments[index].reflect(&self.set.plan, &self.p)
+        self.set.cases[index].reflect(&self.set.plan, &self.p)
     }
 
     /// What the reference makes of it.
     fn want(&self, index: usize) -> Outputs {
         let options = reference_options(&self.set.plan, &self.p);
-        reference::reflection(&reference_inputs(&self.set.fragments[index]), &options)
+        reference::reflection(&reference_inputs(&self.set.cases[index]), &options)
     }
 
     fn all(&self) -> impl Iterator<Item = (usize, ReflectionOut)> {
-        (0..self.set.fragments.len()).map(|index| (index, self.out(index)))
+        (0..self.set.cases.len()).map(|index| (index, self.out(index)))
     }
 
     fn bar(&self, figure: Figure) -> f64 {
@@ -106,7 +106,7 @@ fn every_documented_set_exists_and_holds_fragments() {
     for profile in Profile::NAMES {
         let sets = hard_case_sets(&Profile::by_name(profile).map(Profile::precision).expect("a listed profile exists"));
         assert_eq!(sets.iter().map(|set| set.name).collect::<Vec<_>>(), names);
-        assert!(sets.iter().all(|set| set.fragments.len() > 20 && !set.description.is_empty()));
+        assert!(sets.iter().all(|set| set.cases.len() > 20 && !set.description.is_empty()));
     }
 }
 
@@ -115,7 +115,7 @@ fn frame_stays_orthonormal_down_to_one_bit() {
     for study in studies("frame_pole") {
         let mut poles = 0;
         for (index, out) in study.all() {
-            let fragment = &study.set.fragments[index];
+            let fragment = &study.set.cases[index];
             let pole = parallel(&fragment.surface.normal, &fragment.surface.frame_vectors[0]);
             assert_eq!(raised(&out, StatusBit::FramePole), pole, "{} {index}", study.name);
             poles += usize::from(pole);
@@ -133,14 +133,14 @@ fn frame_stays_orthonormal_down_to_one_bit() {
             }
         }
         // n and −n as main direction, for four normals; a last bit may be parallel, too (n along an axis).
-        assert!(poles >= 8 && poles < study.set.fragments.len() / 2, "{}: {poles} poles", study.name);
+        assert!(poles >= 8 && poles < study.set.cases.len() / 2, "{}: {poles} poles", study.name);
     }
 }
 
 #[test]
 fn zero_normal_gives_face_plus_z() {
     for study in studies("frame_zero") {
-        let fragments = &study.set.fragments;
+        let fragments = &study.set.cases;
         let zero = |v: &BlockVector| integers(v) == [0; 3];
         let mut seen = [0; 3];
         for (index, out) in study.all() {
@@ -200,7 +200,7 @@ fn view_below_the_perturbed_surface_is_flagged_and_still_reflected() {
     for study in studies("frame_horizon") {
         let mut below = 0;
         for (index, out) in study.all() {
-            let fragment = &study.set.fragments[index];
+            let fragment = &study.set.cases[index];
             let want = study.want(index);
             let view = reference_inputs(fragment).view;
             let cosine = reference::linear::dot(&view, &want.perturbed) / (norm(&view) * norm(&want.perturbed));
@@ -223,7 +223,7 @@ fn natural_frames_keep_their_direction_however_skewed_the_tangents() {
     for name in ["frame_natural", "frame_natural_normalised"] {
         for study in studies(name) {
             for (index, out) in study.all() {
-                let fragment = &study.set.fragments[index];
+                let fragment = &study.set.cases[index];
                 let pole = match study.set.plan.frame {
                     FrameSystem::Natural => {
                         parallel(&fragment.surface.frame_vectors[0], &fragment.surface.frame_vectors[1])
@@ -261,7 +261,7 @@ fn ties_go_to_z_then_y_then_x_at_every_edge_and_corner() {
             let mut faces = [0; 6];
             let mut ties = 0;
             for (index, out) in study.all() {
-                let ray = exact_ray(&study.set.fragments[index]);
+                let ray = exact_ray(&study.set.cases[index]);
                 let sizes = ray.map(i64::abs);
                 let largest = sizes.into_iter().max().unwrap_or(0);
                 let axis = (0..3).rev().find(|&axis| sizes[axis] == largest).unwrap_or(2);
@@ -344,7 +344,7 @@ fn a_footprint_of_rank_one_is_capped_and_points_along_its_line() {
 fn skewed_columns_of_equal_length_are_not_mistaken_for_a_circle() {
     for study in studies("footprint_rank") {
         // (1, 0) and (1, .01); then (1, 0) and (1, 2^−k).
-        for index in std::iter::once(6).chain(11..study.set.fragments.len()) {
+        for index in std::iter::once(6).chain(11..study.set.cases.len()) {
             let (out, want) = (study.out(index), study.want(index));
             assert_eq!(u32::from(out.probes), want.probes.count, "{} {index}", study.name);
             let error = (real_number(&out.minor) - want.axes.minor).abs() / want.axes.major;
@@ -400,7 +400,7 @@ fn probe_count_changes_just_above_every_whole_aspect() {
             }
         }
         // Far beyond: capped, the level follows λ₁/16 whatever λ₂.
-        let capped: Vec<ReflectionOut> = (85 * 6..study.set.fragments.len()).map(|index| study.out(index)).collect();
+        let capped: Vec<ReflectionOut> = (85 * 6..study.set.cases.len()).map(|index| study.out(index)).collect();
         assert_eq!(capped.len(), 36);
         for out in &capped {
             assert!(out.probes == 16 && raised(out, StatusBit::ProbesCapped));
@@ -458,7 +458,7 @@ fn focus_of_the_parabolic_mirror_has_a_footprint_far_below_a_texel() {
 #[test]
 fn a_cylinder_spreads_in_one_direction_only() {
     for study in studies("footprint_cancel") {
-        for index in 16..study.set.fragments.len() {
+        for index in 16..study.set.cases.len() {
             let (out, want) = (study.out(index), study.want(index));
             assert!(out.probes > 1, "{} {index}", study.name);
             assert_eq!(u32::from(out.probes), want.probes.count, "{} {index}", study.name);
@@ -472,7 +472,7 @@ fn a_cylinder_spreads_in_one_direction_only() {
 fn roughness_of_rank_one_makes_a_line_and_none_makes_a_point() {
     for study in studies("roughness_rank") {
         for (index, out) in study.all() {
-            let fragment = &study.set.fragments[index];
+            let fragment = &study.set.cases[index];
             let [d1, d2, d3] = fragment.surface.roughness.map(|d| i64::from(d.to_bits()));
             let (alone, rank_one) = (index % 2 == 1, d1 * d3 == 0);
             let nothing = [d1, d2, d3] == [0; 3];
@@ -528,8 +528,8 @@ fn isotropic_roughness_scales_its_footprint_exactly() {
 #[test]
 fn frame_vectors_of_opposite_normals_are_opposite_in_e1_only() {
     for study in studies("frame_pole") {
-        for index in 0..study.set.fragments.len() {
-            let fragment = study.set.fragments[index];
+        for index in 0..study.set.cases.len() {
+            let fragment = study.set.cases[index];
             let opposite =
                 BlockVector { mantissa: fragment.surface.normal.mantissa.map(|m| -m), ..fragment.surface.normal };
             let flipped = ReflectionIn { surface: SurfaceIn { normal: opposite, ..fragment.surface }, ..fragment };

@@ -8,7 +8,8 @@ use roughxel_core::ports::{BlockVector, HighlightIn, HighlightOut, Port, Shinine
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, real_offset, real_vector, shininess};
 use roughxel_core::status::StatusBit;
-use roughxel_emulator::cases::highlight::{FULL, HighlightSet, highlight_sets, random_light};
+use roughxel_emulator::cases::CaseSet;
+use roughxel_emulator::cases::highlight::{FULL, highlight_sets, random_light};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::{ONE_PIXEL_BARS, highlight_bar};
 use roughxel_host_tests::checked::{Checked, Integers, counted, first_difference, reread};
@@ -105,8 +106,7 @@ fn f_holds_its_bar_on_random_fragments_and_hard_cases() {
         assert!(counted > FRAGMENTS / 2 && bright > FRAGMENTS / 8);
         assert!(error_of_random <= bar, "{name}: {error_of_random} in {at:?}");
         for set in highlight_sets(&p) {
-            let errors =
-                set.fragments.iter().filter_map(|fragment| Some((error(fragment, &set.plan, &p)?.0, fragment)));
+            let errors = set.cases.iter().filter_map(|fragment| Some((error(fragment, &set.plan, &p)?.0, fragment)));
             let (worst, at) = errors.fold((0.0, None), |a, b| if b.0 > a.0 { (b.0, Some(b.1)) } else { a });
             println!("{name:8} {}: 2^{:.2}", set.name, worst.log2());
             assert!(worst <= bar, "{name} {}: {worst} in {at:?}", set.name);
@@ -115,7 +115,7 @@ fn f_holds_its_bar_on_random_fragments_and_hard_cases() {
 }
 
 /// The set `name` for every profile.
-fn studies(name: &str) -> Vec<(Precision, HighlightSet)> {
+fn studies(name: &str) -> Vec<(Precision, CaseSet<HighlightIn, SurfacePlan>)> {
     let study = |(_, p): (&str, Precision)| {
         let set = highlight_sets(&p).into_iter().find(|set| set.name == name).expect("the set exists");
         (p, set)
@@ -130,7 +130,7 @@ fn zero(v: &BlockVector) -> bool {
 #[test]
 fn a_half_vector_errs_by_its_last_places_until_l_and_v_are_opposite() {
     for (name, p) in profiles() {
-        let sets = highlight_sets(&p).into_iter().flat_map(|set| set.fragments);
+        let sets = highlight_sets(&p).into_iter().flat_map(|set| set.cases);
         let random = (0..100_000).map(|index| random_light("half", index, &p));
         let mut worst = 0.0_f64;
         for fragment in sets.chain(random) {
@@ -155,7 +155,7 @@ fn a_half_vector_errs_by_its_last_places_until_l_and_v_are_opposite() {
 fn at_the_peak_nothing_is_divided_by_zero() {
     for (p, set) in studies("highlight_peak") {
         let mut peaks = 0;
-        for fragment in &set.fragments {
+        for fragment in &set.cases {
             let out = fragment.highlight(&set.plan, &p);
             assert_eq!(out.status & !(StatusBit::FramePole.mask()), 0);
             if fragment.light == fragment.surface.normal && fragment.surface.view == fragment.surface.normal {
@@ -175,7 +175,7 @@ fn at_the_peak_nothing_is_divided_by_zero() {
 fn without_a_half_vector_or_a_light_f_is_zero_and_a_bit_says_why() {
     for (p, set) in studies("highlight_opposite") {
         let mut seen = [0; 4];
-        for fragment in &set.fragments {
+        for fragment in &set.cases {
             let out = fragment.highlight(&set.plan, &p);
             let [no_normal, no_view, no_light] =
                 [fragment.surface.normal, fragment.surface.view, fragment.light].map(|v| zero(&v));
@@ -207,7 +207,7 @@ fn without_a_half_vector_or_a_light_f_is_zero_and_a_bit_says_why() {
 fn a_light_on_the_horizon_or_below_it_gives_nothing() {
     for (p, set) in studies("highlight_horizon") {
         let (mut on, mut above) = (0, 0);
-        for fragment in &set.fragments {
+        for fragment in &set.cases {
             let integers = |v: &BlockVector| v.mantissa.map(|m| i128::from(m.to_bits()));
             let [n, l] = [&fragment.surface.normal, &fragment.light].map(integers);
             let facing: i128 = n.iter().zip(l).map(|(n, l)| n * l).sum();
@@ -224,7 +224,7 @@ fn a_light_on_the_horizon_or_below_it_gives_nothing() {
 #[test]
 fn exponents_beyond_the_ends_read_as_the_ends() {
     for (p, set) in studies("highlight_exponent") {
-        for fragment in &set.fragments {
+        for fragment in &set.cases {
             let m: f64 = fragment.shininess.exponent.to_num();
             let root: f64 = fragment.shininess.root.to_num();
             let ends = HighlightIn {
@@ -246,7 +246,7 @@ fn exponents_beyond_the_ends_read_as_the_ends() {
 #[test]
 fn a_neutral_map_gives_the_bits_of_the_design_without_it() {
     for (_, p) in profiles() {
-        let sets = highlight_sets(&p).into_iter().flat_map(|set| set.fragments);
+        let sets = highlight_sets(&p).into_iter().flat_map(|set| set.cases);
         let random = (0..20_000).map(|index| random_light("neutral map", index, &p));
         for fragment in sets.chain(random) {
             let flat =
@@ -368,7 +368,7 @@ fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
         }
     }
     for (name, p) in profiles() {
-        let hard: Vec<_> = highlight_sets(&p).into_iter().flat_map(|set| set.fragments).collect();
+        let hard: Vec<_> = highlight_sets(&p).into_iter().flat_map(|set| set.cases).collect();
         (0..20_000_u64).into_par_iter().for_each(|index| {
             let mut random = SplitMix64::for_element(name, index);
             let fragment = match index % 3 {

@@ -293,7 +293,7 @@ fn every_hard_case_gives_the_bits_of_the_scalar_reading() {
     let plans = plans();
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
-            let inputs = wires(&set.fragments);
+            let inputs = wires(&set.cases);
             inputs.par_chunks(64).enumerate().for_each(|(chunk, inputs)| {
                 let scale = scale_of(inputs, &p);
                 compare(inputs, &scale, &set.plan, &p);

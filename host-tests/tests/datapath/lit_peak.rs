@@ -122,7 +122,7 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
 fn what_has_no_light_gives_none_and_a_bit_says_why() {
     for (_, p) in profiles() {
         let sets = lit_peak_sets(&p);
-        let cases = sets.iter().flat_map(|set| set.peaks.iter().map(|case| (case, set.plan)));
+        let cases = sets.iter().flat_map(|set| set.cases.iter().map(|case| (case, set.plan)));
         let mut seen = 0;
         for (case, plan) in cases {
             let out = case.shine(&plan, &p);

@@ -15,9 +15,8 @@ use roughxel_core::setup::{real_peak, real_vector, stored_peak};
 use roughxel_core::signals::{LocalDirection, PeakSum};
 use roughxel_core::stage::filter::{self, Patch};
 use roughxel_core::stage::peaks;
-use roughxel_emulator::cases::peak_and_horizon::{
-    HardSet, LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case,
-};
+use roughxel_emulator::cases::CaseSet;
+use roughxel_emulator::cases::peak_and_horizon::{LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case};
 use roughxel_emulator::lanes::PackedPeak;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
@@ -220,7 +219,7 @@ fn an_error_of_a_peak_is_that_of_its_direction_times_the_root_of_its_exponent() 
     }
 }
 
-fn set<'a>(sets: &'a [HardSet<PeakCase>], name: &str) -> &'a [PeakCase] {
+fn set<'a>(sets: &'a [CaseSet<PeakCase>], name: &str) -> &'a [PeakCase] {
     sets.iter().find(|set| set.name == name).map(|set| set.cases.as_slice()).expect("a listed set")
 }
 

@@ -84,7 +84,7 @@ fn everywhere(name: &str, p: &Precision, count: u64, claim: impl Fn(&ReflectionI
         claim(&random_fragment(name, index, p));
         claim(&any_fragment(name, index));
     });
-    hard_case_sets(p).into_iter().for_each(|set| set.fragments.par_iter().for_each(&claim));
+    hard_case_sets(p).into_iter().for_each(|set| set.cases.par_iter().for_each(&claim));
 }
 
 fn stages(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Reflection<i32> {

@@ -75,7 +75,7 @@ fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precis
     let plan = effects.reflection();
     let cases = hard_case_sets(p).into_iter().filter(|set| set.plan == plan || plan != FULL.reflection());
     // Only designs that take a whole fragment see each hard case.
-    let hard = cases.flat_map(|set| set.fragments).step_by(if whole { 1 } else { 10 });
+    let hard = cases.flat_map(|set| set.cases).step_by(if whole { 1 } else { 10 });
     let random = (0..count as u64 * 3 / 4).map(|index| random_fragment("rtl", index, p));
     let mut vectors = Vec::new();
     for (index, fragment) in (0..).zip(hard.chain(random)) {

@@ -70,8 +70,8 @@ fn check(design: Design, effects: &Effects, p: &Precision, fragments: &[Reflecti
 fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
-            check(Design::Reflection, &set.plan.into(), &p, &set.fragments);
-            check(Design::EnvironmentProbe, &set.plan.into(), &p, &set.fragments);
+            check(Design::Reflection, &set.plan.into(), &p, &set.cases);
+            check(Design::EnvironmentProbe, &set.plan.into(), &p, &set.cases);
         }
     }
 }
