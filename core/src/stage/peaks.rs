@@ -73,12 +73,19 @@ pub fn add<W: Word>(sum: &PeakSum<W>, light: Control<W, LIGHT>) -> PeakSum<W> {
 /// first of two in the lower half. Range: any bits.
 #[inline(always)]
 pub fn unpack<W: Word>([xy, z_amplitude, exponent]: [Int<W>; 3]) -> Peak<W> {
-    let code = |word: Int<W>| -> Int<W> { Fx::from_raw(word.raw().and(Wire::lit(0xffff))) };
-    // A sign bit that is turned over and taken away: a shift up and down again would leave the word on its way.
-    let signed = |word: Int<W>| {
-        let turned: Int<W> = Fx::from_raw(code(word).raw().xor(Wire::lit(0x8000)));
-        (turned - Fx::int(0x8000)).reread()
-    };
-    let normal = [signed(xy), xy.floor_shr(16).reread(), signed(z_amplitude)];
+    let normal = each!(component in [signed(xy), xy.floor_shr(16), signed(z_amplitude)] => component.reread());
     Peak { normal, amplitude: code(z_amplitude.floor_shr(16)), exponent: code(exponent) }
+}
+
+/// The lower half of a word, not negative.
+#[inline(always)]
+fn code<C: Word<Count = C>>(word: Fx<C, 32>) -> Fx<C, 32> {
+    Fx::from_raw(word.raw().and(Wire::lit(0xffff)))
+}
+
+/// The lower half of a word with its sign. A sign bit that is turned over and taken away: a shift up and down again would leave the word on
+/// its way.
+#[inline(always)]
+fn signed<C: Word<Count = C>>(word: Fx<C, 32>) -> Fx<C, 32> {
+    Fx::from_raw(code(word).raw().xor(Wire::lit(0x8000))) - Fx::int(0x8000)
 }

@@ -40,7 +40,7 @@ impl Fragments {
 /// What shading a batch reads; its memory is kept for the next one.
 #[derive(Default)]
 pub(super) struct Reads {
-    /// Of each fragment.
+    /// Of each fragment whose lights read again what its colour has read; else of the one that reads.
     taps: Vec<Taps>,
     peaks: PeaksRead,
     colours: Vec<[Channel; 3]>,
@@ -48,9 +48,9 @@ pub(super) struct Reads {
 }
 
 impl Reads {
-    /// Nothing of so many fragments.
-    fn begin(&mut self, fragments: usize) {
-        self.taps.resize_with(fragments.max(self.taps.len()), Taps::default);
+    /// Nothing read, with so many taps.
+    fn begin(&mut self, taps: usize) {
+        self.taps.resize_with(taps.max(self.taps.len()), Taps::default);
         self.colours.clear();
         self.surfaces.clear();
     }
@@ -126,10 +126,13 @@ impl Prepared<'_> {
     ) {
         let Fragments { attributes, pixels, directions, footprints } = fragments;
         footprints.set(attributes.iter(), self.reading, &self.precision);
-        reads.begin(attributes.len());
+        // The taps of a whole batch push its attributes out of the first-level cache.
+        let last_taps = if object.lighting.is_some() { attributes.len().saturating_sub(1) } else { 0 };
+        reads.begin(last_taps + 1);
         let Reads { taps, peaks, colours, surfaces } = reads;
         let has_surface = object.plan.reflection.is_some() || object.lighting.is_some();
-        for (index, (attributes, taps)) in attributes.iter().zip(&mut *taps).enumerate() {
+        for (index, attributes) in attributes.iter().enumerate() {
+            let taps = &mut taps[index.min(last_taps)];
             let mut maps = MapReads::new(attributes, (footprints, index), taps, &self.precision);
             colours.push(object.colour(&mut maps));
             if has_surface {

@@ -2,11 +2,11 @@
 
 use roughxel_core::datapath::{pixel, texel};
 use roughxel_core::each::each;
-use roughxel_core::fx::{Fx, Int};
+use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::precision::Precision;
 use roughxel_core::probe_list::environment_probes;
 use roughxel_core::signals::{CubePoint, FacePosition, Probes};
-use roughxel_core::stage::filter::{Address, LevelPair, Patch, ProbeSum};
+use roughxel_core::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
 use roughxel_core::stage::seam::FaceTexel;
 use roughxel_maps::environment::CubePyramid;
 use roughxel_maps::mip::{Level, smallest_exponent};
@@ -22,7 +22,7 @@ pub struct EnvironmentMap {
 }
 
 /// Four texels on one level of a cube map, with the weights of the right and of the lower ones.
-type FacePatch = ([[i32; 3]; 4], Address<i32>);
+type FacePatch = ([[i32; 3]; 4], [Control<i32, WEIGHT>; 2]);
 
 impl EnvironmentMap {
     /// Builds the pyramid, or only its base where nothing is filtered.
@@ -66,8 +66,8 @@ impl EnvironmentMap {
         let a = self.patch(fine, place, p);
         let b = if pair.weight.raw() == 0 { a } else { self.patch(coarse, place, p) };
         each!(channel in [0, 1, 2] => {
-            let [a, b] = each!((texels, address) in [&a, &b] => {
-                Patch::<i32> { texels: each!(texel in *texels => Fx::from_raw(texel[channel])), weight: address.weight }
+            let [a, b] = each!((texels, weight) in [&a, &b] => {
+                Patch::<i32> { texels: each!(texel in *texels => Fx::from_raw(texel[channel])), weight: *weight }
             });
             texel::colour_sample(&a, &b, pair.weight)
         })
@@ -78,7 +78,7 @@ impl EnvironmentMap {
         let faces = &self.pyramid.levels[level];
         let edge = faces[0].width;
         let address = texel::face_address::<i32>(place, Fx::from_raw(edge as i32), p);
-        (bilinear_texels(faces, place.face, &address, edge), address)
+        (bilinear_texels(faces, place.face, &address, edge), address.weight)
     }
 }
 
@@ -93,6 +93,12 @@ fn bilinear_texels(faces: &[Level; 6], face: Int<i32>, address: &Address<i32>, e
         return [first, first + 1, first + edge as usize, first + edge as usize + 1]
             .map(|index| level.texels[index].map(i32::from));
     }
+    seam_texels(faces, face, address, edge)
+}
+
+/// The same beside an edge. A call of its own: few fragments come here, and inlined it leaves no registers for all others.
+#[inline(never)]
+fn seam_texels(faces: &[Level; 6], face: Int<i32>, address: &Address<i32>, edge: u32) -> [[i32; 3]; 4] {
     let read = |texel: FaceTexel<i32>| {
         let [i, j] = texel.index.map(|index| index.raw() as u32);
         faces[texel.face.raw() as usize].texel(i, j).map(i32::from)

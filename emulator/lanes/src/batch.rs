@@ -1,5 +1,7 @@
 //! Batches: fragments side by side in lanes, through a part of the datapath, and one by one again.
 
+use std::mem;
+
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::design::{Form, In};
 use roughxel_core::word::{Wire, Word};
@@ -9,30 +11,39 @@ use super::{FlagLanes, LANES, Lanes, Target, WideLanes};
 /// A word of [`LANES`] fragments.
 type Row = [i32; LANES];
 
-/// Words of what goes into lanes or comes out of them, at most. Of one size, so that no word's place has to be checked.
-const ROWS: usize = 128;
+/// Words of a group of fragments, in the order of a walk.
+type Group<const WORDS: usize> = [Row; WORDS];
 
-/// The words of a group of fragments, in the order of a walk.
-type Group = [Row; ROWS];
-
-/// Adds what `body` makes of every input to `results`, in their order. The last group is filled up with its first input.
-pub(super) fn map<T: Target, I: Form, O: Bundle<Lanes<T>, In<i32>: Form>>(
+/// Adds what `body` makes of every input to `results`, in their order. The last group is filled up with what its lanes held before. `IN` and
+/// `OUT` are the words of an input and of a result: groups of one size for all would mostly be zeros that nobody reads.
+pub(super) fn map<T: Target, I: Form, O: Bundle<Lanes<T>, In<i32>: Form>, const IN: usize, const OUT: usize>(
     inputs: &[I],
     results: &mut Vec<O::In<i32>>,
     body: impl Fn(&In<I, Lanes<T>>) -> O,
 ) {
-    const { assert!(I::WORDS <= ROWS && O::WORDS <= ROWS, "a group has room for every word") }
-    let (mut into, mut out) = ([[0; LANES]; ROWS], [[0; LANES]; ROWS]);
-    results.reserve(inputs.len());
-    for fragments in inputs.chunks(LANES) {
+    const { assert!(I::WORDS == IN && O::WORDS == OUT, "a group has the words of its walk") }
+    let store = |group: &mut Group<IN>, fragments: &[I]| {
         for (lane, fragment) in fragments.iter().enumerate() {
-            fragment.rewire::<i32, _>(&mut Store { group: &mut into, lane, next: 0 });
+            fragment.rewire::<i32, _>(&mut Store { group, lane, next: 0 });
+        }
+    };
+    let (mut into, mut next, mut out) = (&mut [[0; LANES]; IN], &mut [[0; LANES]; IN], [[0; LANES]; OUT]);
+    results.reserve(inputs.len());
+    let mut groups = inputs.chunks(LANES).peekable();
+    if let Some(fragments) = groups.peek() {
+        store(next, fragments);
+    }
+    while let Some(fragments) = groups.next() {
+        mem::swap(&mut into, &mut next);
+        // A group ahead: a vector loaded from words just stored waits for the last of them.
+        if let Some(fragments) = groups.peek() {
+            store(next, fragments);
         }
         // The composer and both walks are compiled for the instruction set, as the stages are.
         let form = T::run(
             #[inline(always)]
             || {
-                let input = fragments[0].rewire(&mut Load { group: &into, proof: T::proof(), next: 0 });
+                let input = fragments[0].rewire(&mut Load { group: into, proof: T::proof(), next: 0 });
                 body(&input).rewire(&mut Unload { group: &mut out, next: 0 })
             },
         );
@@ -48,13 +59,13 @@ pub(super) fn spread<T: Target, B: Form>(bundle: &B) -> In<B, Lanes<T>> {
 }
 
 /// Puts the words of a walk into a lane of a group; a wide wire is two of them, a flag is 0 or 1.
-struct Store<'a> {
-    group: &'a mut Group,
+struct Store<'a, const WORDS: usize> {
+    group: &'a mut Group<WORDS>,
     lane: usize,
     next: usize,
 }
 
-impl Rewire<i32, i32> for Store<'_> {
+impl<const WORDS: usize> Rewire<i32, i32> for Store<'_, WORDS> {
     #[inline(always)]
     fn word(&mut self, wire: i32, _: u32) -> i32 {
         self.group[self.next][self.lane] = wire;
@@ -79,13 +90,13 @@ impl Rewire<i32, i32> for Store<'_> {
 }
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
-struct Load<'a, T> {
-    group: &'a Group,
+struct Load<'a, T, const WORDS: usize> {
+    group: &'a Group<WORDS>,
     proof: T,
     next: usize,
 }
 
-impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_, T> {
+impl<T: Target, const WORDS: usize> Rewire<i32, Lanes<T>> for Load<'_, T, WORDS> {
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
         self.next += 1;
@@ -130,12 +141,12 @@ impl<T: Target> Rewire<i32, Lanes<T>> for Spread<T> {
 }
 
 /// Puts the wires of a walk into a group of words; a wide wire is two of them, a flag is 0 or 1.
-struct Unload<'a> {
-    group: &'a mut Group,
+struct Unload<'a, const WORDS: usize> {
+    group: &'a mut Group<WORDS>,
     next: usize,
 }
 
-impl<T: Target> Rewire<Lanes<T>, i32> for Unload<'_> {
+impl<T: Target, const WORDS: usize> Rewire<Lanes<T>, i32> for Unload<'_, WORDS> {
     #[inline(always)]
     fn word(&mut self, wire: Lanes<T>, _: u32) -> i32 {
         self.group[self.next] = wire.lanes();
@@ -160,13 +171,13 @@ impl<T: Target> Rewire<Lanes<T>, i32> for Unload<'_> {
 }
 
 /// Takes the words of one lane in the order of a walk.
-struct Lane<'a> {
-    group: &'a Group,
+struct Lane<'a, const WORDS: usize> {
+    group: &'a Group<WORDS>,
     lane: usize,
     next: usize,
 }
 
-impl Rewire<i32, i32> for Lane<'_> {
+impl<const WORDS: usize> Rewire<i32, i32> for Lane<'_, WORDS> {
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> i32 {
         self.next += 1;

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use roughxel_core::bundle;
 use roughxel_core::datapath::{self, Reflection, Surface};
+use roughxel_core::design::Form;
 use roughxel_core::fx::Control;
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
@@ -65,19 +66,21 @@ pub enum Reading {
 /// What a part of the datapath makes of every input: `$body` in the scalar reading, or in lanes with what is the same for all
 /// fragments spread over them.
 macro_rules! each_fragment {
-    ($reading:expr, $inputs:expr, $results:expr, |$input:ident $(, $same:ident)*| $body:expr) => {
+    ($reading:expr, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
         match $reading {
             #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx2) => each_fragment!(@lanes Avx2, $inputs, $results, |$input $(, $same)*| $body),
+            Self::Lanes(InstructionSet::Avx2) => {
+                each_fragment!(@lanes Avx2, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+            }
             #[cfg(target_arch = "x86_64")]
             Self::Lanes(InstructionSet::Avx512) => {
-                each_fragment!(@lanes Avx512, $inputs, $results, |$input $(, $same)*| $body);
+                each_fragment!(@lanes Avx512, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
             _ => $results.extend($inputs.iter().map(|$input| $body)),
         }
     };
-    (@lanes $set:ident, $inputs:expr, $results:expr, |$input:ident $(, $same:ident)*| $body:expr) => {
-        map::<$set, _, _>(
+    (@lanes $set:ident, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
+        map::<$set, _, _, { words::<$in>() }, { words::<$out>() }>(
             $inputs,
             $results,
             #[inline(always)]
@@ -87,6 +90,12 @@ macro_rules! each_fragment {
             },
         )
     };
+}
+
+/// Words of a bundle.
+#[cfg(target_arch = "x86_64")]
+const fn words<F: Form>() -> usize {
+    F::WORDS
 }
 
 impl Reading {
@@ -104,7 +113,9 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Reflection<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input, scale| datapath::reflection(input, scale, plan, p));
+        each_fragment!(self, inputs, &mut results, |input: ReflectionInput<i32>, scale => Reflection<i32>| {
+            datapath::reflection(input, scale, plan, p)
+        });
         results
     }
 
@@ -117,7 +128,7 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input, scale| {
+        each_fragment!(self, inputs, &mut results, |input: ReflectionInput<i32>, scale => Footprint<i32>| {
             Footprint::of(&datapath::reflection(input, scale, plan, p))
         });
         results
@@ -126,7 +137,9 @@ impl Reading {
     /// The surface of every fragment, in their order.
     pub fn surfaces(self, inputs: &[SurfaceInput<i32>], plan: &SurfacePlan, p: &Precision) -> Vec<Surface<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input| datapath::surface(input, plan, p));
+        each_fragment!(self, inputs, &mut results, |input: SurfaceInput<i32> => Surface<i32>| {
+            datapath::surface(input, plan, p)
+        });
         results
     }
 
@@ -139,7 +152,7 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input, scale| {
+        each_fragment!(self, inputs, &mut results, |input: Reflecting<i32>, scale => Footprint<i32>| {
             let Reflecting { surface, dview, dnormal } = input;
             Footprint::of(&datapath::reflection_of(surface, [dview, dnormal], scale, plan, p))
         });
@@ -154,7 +167,7 @@ impl Reading {
         p: &Precision,
         probes: &mut Vec<Probes<i32>>,
     ) {
-        each_fragment!(self, derivatives, probes, |duv, texture, scale| {
+        each_fragment!(self, derivatives, probes, |duv: [PortBlock<i32, 2>; 2], texture, scale => Probes<i32>| {
             datapath::texture_footprint(duv, texture, scale, p).probes
         });
     }
