@@ -111,6 +111,12 @@ pub fn over_length<W: Word, const N: usize>(a: &Block<W, N>, p: &Precision) -> [
     })
 }
 
+/// The power of two that neighbouring knots stay below, given that of knots on words of 32 bits: on narrower ones they are rounded, by
+/// which two may come a place further apart.
+const fn knots_apart<W: Wire>(e: i32) -> i32 {
+    if W::BITS < 32 { e + 1 } else { e }
+}
+
 /// `log₂ m` for a mantissa m in [½, 1], in [−1, 0], 24 fraction bits. m below ½ reads as ½.
 #[inline(always)]
 pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Fx<W, LOGARITHM> {
@@ -121,7 +127,7 @@ pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Fx<W, LOGARITHM> {
     let fraction: Mantissa<W> = within.shl(rom::LOG_BITS + 1).keep(p.fraction_bits);
     let knot: Fx<W, LOGARITHM> = Fx::lookup(index, &rom::LOG2);
     let next: Fx<W, LOGARITHM> = Fx::lookup(index + Fx::int(1), &rom::LOG2);
-    let rise = (next - knot).claim_below(-7, "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
+    let rise = (next - knot).claim_below(knots_apart::<W>(-7), "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
     let rise: Wide<W, { LOGARITHM + MANTISSA }> = rise.mul(fraction);
     let value: Fx<W, LOGARITHM> = (knot.widen::<{ LOGARITHM + MANTISSA }>() + rise).round_to(24);
     // 1 itself lies beyond the last interval by one bit of the kept fraction: log₂ 1 = 0 exactly.
@@ -140,7 +146,7 @@ pub fn exp2<W: Word>(x: Fx<W, LOGARITHM>, p: &Precision) -> Number<W> {
         step.reread::<MANTISSA>().shl(LOGARITHM - MANTISSA + rom::LOG_BITS).keep(p.fraction_bits);
     let knot: Mantissa<W> = Fx::lookup(index, &rom::EXP2);
     let next: Mantissa<W> = Fx::lookup(index + Fx::int(1), &rom::EXP2);
-    let rise = (next - knot).claim_below(-8, "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
+    let rise = (next - knot).claim_below(knots_apart::<W>(-8), "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
     // 24 fraction bits of a rise fit an operand of 18 bits; the rest would be 2^−25.
     let rise: Product<W> = rise.keep(24).mul(fraction);
     let mantissa = (knot.widen::<PRODUCT>() + rise).round_to(p.fraction_bits);
@@ -168,7 +174,8 @@ pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Numb
     let fraction = within.shl(rom::LOG_BITS + 1).keep(keep);
     let knot: Fx<W, RATIO> = Fx::lookup(index, &rom::HALF_LOG2_ONE_MINUS_RATIO);
     let next: Fx<W, RATIO> = Fx::lookup(index + Fx::int(1), &rom::HALF_LOG2_ONE_MINUS_RATIO);
-    let rise = (next - knot).claim_below(-9, "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
+    let rise =
+        (next - knot).claim_below(knots_apart::<W>(-9), "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
     let rise: Wide<W, { RATIO + MANTISSA }> = rise.mul(fraction);
     let half_ratio: Mantissa<W> = (knot.widen::<{ RATIO + MANTISSA }>() + rise).round_to(keep);
     let near: Product<W> = scaled.m[0].mul(half_ratio);
@@ -234,7 +241,8 @@ pub fn log2_one_plus<W: Word>(x: Number<W>, p: &Precision) -> Number<W> {
     let table = &rom::HALF_LOG2_ONE_PLUS_RATIO;
     let knot: Fx<W, RATIO> = Fx::lookup(index, table);
     let next: Fx<W, RATIO> = Fx::lookup(index + Fx::int(1), table);
-    let fall = (knot - next).claim_below(-9, "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
+    let fall =
+        (knot - next).claim_below(knots_apart::<W>(-9), "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
     let fall: Wide<W, { RATIO + MANTISSA }> = fall.mul(fraction);
     let half_ratio: Mantissa<W> = (knot.widen::<{ RATIO + MANTISSA }>() - fall).round_to(keep);
     let below_one = number(x.m[0].mul::<MANTISSA, PRODUCT>(half_ratio), x.e + Fx::int(1), keep);

@@ -9,6 +9,7 @@
 
 use core::ops::{Add, Neg, Sub};
 
+use crate::rom::upper;
 use crate::word::{WideWire, Wire, Word};
 
 /// A wire `X` with `INT` bits before the binary point.
@@ -215,20 +216,25 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
     }
 
     /// `self / 2^k`, rounded to nearest (ties up) at `keep` fraction bits, for a value already kept to `keep`
-    /// bits and a count on a wire, below the width of the word. `keep < FRACTION` leaves the bit that doubling needs.
+    /// bits and a count on a wire, below the width of the word. Range: where the word has no more than `keep` bits, below its largest.
     #[inline(always)]
     #[track_caller]
     pub fn round_shr_by(self, k: Fx<W::Count, 32>, keep: u32) -> Self {
-        let unit = Self::FRACTION.saturating_sub(keep);
+        if keep >= Self::FRACTION {
+            // No bit is free for doubling: one place less is shifted first.
+            let before = self.0.sar_by((k - Fx::int(1)).max(Fx::zero()).raw());
+            return Self::select(k.is_zero(), self, Self(before.add(W::lit(1)).sar(1)));
+        }
+        let unit = Self::FRACTION - keep;
         let doubled = self.0.sar(unit).shl(1);
         Self(doubled.sar_by(k.raw()).add(W::lit(1)).sar(1).shl(unit))
     }
 
-    /// The constant of a word of 32 bits with the same binary point.
+    /// The constant of a word of 32 bits with the same binary point, of which a word keeps the [`upper`] bits.
     #[inline(always)]
     #[track_caller]
     pub fn entry(value: i32) -> Self {
-        Self::lit(i64::from(value) >> (32 - W::BITS))
+        Self::lit(upper(value, W::BITS).into())
     }
 
     /// Entry of a table of words of 32 bits with the same binary point.

@@ -3,6 +3,12 @@
 //! Every entry is the exact value rounded to nearest in the stated format; the series below run in 2^−60 units
 //! and are good to better than 2^−50.
 
+/// The upper `bits` of an entry of 32 bits, rounded to nearest, ties up: the same number with fewer fraction bits. Range: `bits` from 2
+/// to 32; no entry below is so large that it would round up beyond the word.
+pub const fn upper(entry: i32, bits: u32) -> i32 {
+    if bits >= 32 { entry } else { ((entry >> (31 - bits)) + 1) >> 1 }
+}
+
 /// One in the fixed point of the generators.
 const ONE: i128 = 1 << 60;
 /// π · 2^60.

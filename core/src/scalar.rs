@@ -1,12 +1,15 @@
-//! The scalar reading: one `i32` per word. This is the meaning of the design; every other reading equals it.
+//! The scalar reading: one integer per wire. This is the meaning of the design; every other reading equals it.
+//!
+//! A word may have 32, 16 or 8 bits; its wide companion is the integer of twice as many, and what controls is an `i32` beside each.
 //!
 //! No stage lets a value leave its word, so the wrapping operations below never wrap; they are written so
 //! that no build of any kind contains a panic path.
 
+use crate::rom::upper;
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
 
-/// The word of the scalar reading; its wide companion is `i64`.
+/// The word of the scalar reading that ports are made for; its wide companion is `i64`.
 pub type Scalar = i32;
 
 macro_rules! wire {
@@ -71,40 +74,50 @@ macro_rules! wire {
     };
 }
 
+wire!(i8);
+wire!(i16);
 wire!(i32);
 wire!(i64);
 
-impl Word for i32 {
-    type Wide = i64;
-    #[inline(always)]
-    fn mul(self, other: Self) -> i64 {
-        i64::from(self).wrapping_mul(i64::from(other))
-    }
-    #[inline(always)]
-    fn widen(self) -> i64 {
-        i64::from(self)
-    }
-    #[inline(always)]
-    fn narrow(wide: i64) -> Self {
-        wide as i32
-    }
-    #[inline(always)]
-    fn lookup(index: i32, table: &'static [i32]) -> Self {
-        // A stage never asks outside the table; 0 keeps the function total without a panic path.
-        table.get(index as usize).copied().unwrap_or(0)
-    }
-    #[inline(always)]
-    fn to_count(self) -> i32 {
-        self
-    }
-    #[inline(always)]
-    fn of_count(count: i32) -> Self {
-        count
-    }
+macro_rules! word {
+    ($word:ty, $wide:ty) => {
+        impl Word for $word {
+            type Wide = $wide;
+            #[inline(always)]
+            fn mul(self, other: Self) -> $wide {
+                <$wide>::from(self).wrapping_mul(<$wide>::from(other))
+            }
+            #[inline(always)]
+            fn widen(self) -> $wide {
+                <$wide>::from(self)
+            }
+            #[inline(always)]
+            fn narrow(wide: $wide) -> Self {
+                wide as $word
+            }
+            #[inline(always)]
+            fn lookup(index: i32, table: &'static [i32]) -> Self {
+                // A stage never asks outside the table; 0 keeps the function total without a panic path.
+                upper(table.get(index as usize).copied().unwrap_or(0), Self::BITS) as $word
+            }
+            #[inline(always)]
+            fn to_count(self) -> i32 {
+                i32::from(self)
+            }
+            #[inline(always)]
+            fn of_count(count: i32) -> Self {
+                count as $word
+            }
+        }
+
+        impl WideWire for $wide {
+            type Word = $word;
+        }
+
+        impl Staged for $word {}
+    };
 }
 
-impl WideWire for i64 {
-    type Word = i32;
-}
-
-impl Staged for i32 {}
+word!(i8, i16);
+word!(i16, i32);
+word!(i32, i64);

@@ -61,7 +61,7 @@ pub trait Word: Wire {
     fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
         Self::narrow(wide.sar(drop + up - 1).add(Self::Wide::lit(1)).sar(1)).shl(up)
     }
-    /// `table[index]`; the index is inside the table, the entry fits.
+    /// `table[index]`, of which a word keeps the [`upper`](crate::rom::upper) bits; the index is inside the table.
     fn lookup(index: Self::Count, table: &'static [i32]) -> Self;
     /// The same integer as a count.
     fn to_count(self) -> Self::Count;

@@ -12,13 +12,15 @@ use roughxel_core::bundle::{Bundle, Rewire, Step};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
-/// A word of 32 bits that may not be left.
+/// A wire of as many bits as `T` that may not be left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Checked(i32);
+pub struct CheckedWire<T>(T);
+
+/// A word of 32 bits that may not be left.
+pub type Checked = CheckedWire<i32>;
 
 /// The wide wire of 64 bits that may not be left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CheckedWide(i64);
+pub type CheckedWide = CheckedWire<i64>;
 
 /// The operations of the algebra, in the order of its two traits.
 pub const OPERATIONS: [&str; 17] = [
@@ -126,182 +128,215 @@ pub fn traced<T>(work: impl FnOnce() -> T) -> (T, Trace) {
     (result, TRACE.take().unwrap_or_default())
 }
 
-macro_rules! wire {
-    ($name:ident, $int:ty) => {
-        impl $name {
-            /// A wire that carries `value`.
-            pub const fn new(value: $int) -> Self {
-                Self(value)
-            }
+/// What a wire holds.
+pub trait Integer: Copy + fmt::Debug + Into<i64> + TryFrom<i128> {
+    /// Its bits.
+    const BITS: u32;
+}
 
-            /// What the wire carries.
-            pub const fn value(self) -> $int {
-                self.0
-            }
+macro_rules! integer {
+    ($($int:ty),*) => {
+        $(impl Integer for $int {
+            const BITS: u32 = <$int>::BITS;
+        })*
+    };
+}
 
-            fn fit(operation: Operation, value: i128, operands: [i64; 2]) -> Self {
-                count(operation);
-                match <$int>::try_from(value) {
-                    Ok(value) => Self(value),
-                    Err(_) => panic!(
-                        "{} of {operands:?} is {value}, beyond {} bits",
-                        OPERATIONS[operation as usize],
-                        <$int>::BITS
-                    ),
+integer!(i8, i16, i32, i64);
+
+impl<T: Integer> CheckedWire<T> {
+    /// A wire that carries `value`.
+    pub const fn new(value: T) -> Self {
+        Self(value)
+    }
+
+    /// What the wire carries.
+    pub const fn value(self) -> T {
+        self.0
+    }
+
+    fn integer(self) -> i64 {
+        self.0.into()
+    }
+
+    /// The outcome of an operation that is counted. Panics where it does not fit the wire.
+    fn fit(operation: Operation, value: i128, operands: [i64; 2]) -> Self {
+        count(operation);
+        match T::try_from(value) {
+            Ok(value) => Self(value),
+            Err(_) => {
+                panic!("{} of {operands:?} is {value}, beyond {} bits", OPERATIONS[operation as usize], T::BITS)
+            }
+        }
+    }
+
+    fn places(operation: Operation, k: i64) -> u32 {
+        match u32::try_from(k) {
+            Ok(k) if k < T::BITS => k,
+            _ => panic!("{} by {k} places of {}", OPERATIONS[operation as usize], T::BITS),
+        }
+    }
+
+    fn left(self, operation: Operation, k: i64) -> Self {
+        Self::fit(operation, i128::from(self.integer()) << Self::places(operation, k), [self.integer(), k])
+    }
+
+    fn right(self, operation: Operation, k: i64) -> Self {
+        Self::fit(operation, i128::from(self.integer() >> Self::places(operation, k)), [self.integer(), k])
+    }
+
+    fn both(operation: Operation, a: Self, b: Self, of: impl Fn(i128, i128) -> i128) -> Self {
+        let operands = [a.integer(), b.integer()];
+        Self::fit(operation, of(operands[0].into(), operands[1].into()), operands)
+    }
+}
+
+impl<T: Integer> Wire for CheckedWire<T> {
+    type Flag = bool;
+    type Count = Checked;
+    const BITS: u32 = T::BITS;
+
+    fn lit(value: i64) -> Self {
+        Self::fit(Operation::Lit, i128::from(value), [value, 0])
+    }
+    fn add(self, other: Self) -> Self {
+        Self::both(Operation::Add, self, other, |a, b| a + b)
+    }
+    fn sub(self, other: Self) -> Self {
+        Self::both(Operation::Sub, self, other, |a, b| a - b)
+    }
+    fn shl(self, k: u32) -> Self {
+        self.left(Operation::Shl, k.into())
+    }
+    fn sar(self, k: u32) -> Self {
+        self.right(Operation::Sar, k.into())
+    }
+    fn shl_by(self, k: Checked) -> Self {
+        self.left(Operation::ShlBy, k.integer())
+    }
+    fn sar_by(self, k: Checked) -> Self {
+        self.right(Operation::SarBy, k.integer())
+    }
+    fn and(self, other: Self) -> Self {
+        Self::both(Operation::And, self, other, |a, b| a & b)
+    }
+    fn or(self, other: Self) -> Self {
+        Self::both(Operation::Or, self, other, |a, b| a | b)
+    }
+    fn xor(self, other: Self) -> Self {
+        Self::both(Operation::Xor, self, other, |a, b| a ^ b)
+    }
+    fn lt(self, other: Self) -> bool {
+        count(Operation::Lt);
+        self.integer() < other.integer()
+    }
+    fn select(flag: bool, a: Self, b: Self) -> Self {
+        count(Operation::Select);
+        if flag { a } else { b }
+    }
+    fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
+        let value = self.integer();
+        assert!((low..=high).contains(&value), "{lemma}: {value} is not in {low}..={high}");
+        self
+    }
+    fn leading_zeros(self) -> Checked {
+        let zeros = self.integer().leading_zeros().saturating_sub(i64::BITS - T::BITS);
+        Checked::fit(Operation::LeadingZeros, zeros.into(), [self.integer(), 0])
+    }
+}
+
+macro_rules! word {
+    ($word:ty, $wide:ty) => {
+        impl Word for CheckedWire<$word> {
+            type Wide = CheckedWire<$wide>;
+
+            fn mul(self, other: Self) -> CheckedWire<$wide> {
+                let operands = [self.integer(), other.integer()];
+                let product = i128::from(operands[0]) * i128::from(operands[1]);
+                CheckedWire::fit(Operation::Mul, product, operands)
+            }
+            fn widen(self) -> CheckedWire<$wide> {
+                CheckedWire::fit(Operation::Widen, self.integer().into(), [self.integer(), 0])
+            }
+            fn narrow(wide: CheckedWire<$wide>) -> Self {
+                Self::fit(Operation::Narrow, wide.integer().into(), [wide.integer(), 0])
+            }
+            fn lookup(index: Checked, table: &'static [i32]) -> Self {
+                match usize::try_from(index.0).ok().and_then(|index| table.get(index)) {
+                    // The nearest word, ties up.
+                    Some(&entry) => {
+                        let dropped = 32 - <$word>::BITS;
+                        let half = if dropped == 0 { 0 } else { 1 << (dropped - 1) };
+                        Self::fit(Operation::Lookup, (i128::from(entry) + half) >> dropped, [index.integer(), 0])
+                    }
+                    None => panic!("lookup at {} in a table of {}", index.0, table.len()),
                 }
             }
-
-            fn places(operation: Operation, k: i64) -> u32 {
-                match u32::try_from(k) {
-                    Ok(k) if k < <$int>::BITS => k,
-                    _ => panic!("{} by {k} places of {}", OPERATIONS[operation as usize], <$int>::BITS),
-                }
+            fn to_count(self) -> Checked {
+                CheckedWire(self.0.into())
             }
-
-            fn bits(operation: Operation, value: $int) -> Self {
-                count(operation);
-                Self(value)
+            fn of_count(count: Checked) -> Self {
+                match <$word>::try_from(count.0) {
+                    Ok(word) => Self(word),
+                    Err(_) => panic!("{} is beyond {} bits", count.0, <$word>::BITS),
+                }
             }
         }
 
-        impl Wire for $name {
-            type Flag = bool;
-            type Count = Checked;
-            const BITS: u32 = <$int>::BITS;
+        impl WideWire for CheckedWire<$wide> {
+            type Word = CheckedWire<$word>;
+        }
 
-            fn lit(value: i64) -> Self {
-                Self::fit(Operation::Lit, i128::from(value), [value, 0])
+        impl Staged for CheckedWire<$word> {
+            fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
+                let outcome = body();
+                TRACE.with_borrow_mut(|trace| {
+                    if let Some(trace) = trace {
+                        trace.push((name, Integers::of(&outcome)));
+                    }
+                });
+                outcome
             }
-            fn add(self, other: Self) -> Self {
-                let operands = [self.0 as i64, other.0 as i64];
-                Self::fit(Operation::Add, i128::from(self.0) + i128::from(other.0), operands)
+        }
+
+        impl Visible for CheckedWire<$word> {
+            fn integer(self) -> i64 {
+                self.0.into()
             }
-            fn sub(self, other: Self) -> Self {
-                let operands = [self.0 as i64, other.0 as i64];
-                Self::fit(Operation::Sub, i128::from(self.0) - i128::from(other.0), operands)
+            fn count_integer(count: Checked) -> i64 {
+                count.0.into()
             }
-            fn shl(self, k: u32) -> Self {
-                let k = Self::places(Operation::Shl, i64::from(k));
-                Self::fit(Operation::Shl, i128::from(self.0) << k, [self.0 as i64, i64::from(k)])
+            fn wide_integer(wire: CheckedWide) -> i64 {
+                wire.0
             }
-            fn sar(self, k: u32) -> Self {
-                Self::bits(Operation::Sar, self.0 >> Self::places(Operation::Sar, i64::from(k)))
+        }
+
+        impl Visible for $word {
+            fn integer(self) -> i64 {
+                self.into()
             }
-            fn shl_by(self, k: Checked) -> Self {
-                let k = Self::places(Operation::ShlBy, i64::from(k.0));
-                Self::fit(Operation::ShlBy, i128::from(self.0) << k, [self.0 as i64, i64::from(k)])
+            fn count_integer(count: i32) -> i64 {
+                count.into()
             }
-            fn sar_by(self, k: Checked) -> Self {
-                Self::bits(Operation::SarBy, self.0 >> Self::places(Operation::SarBy, i64::from(k.0)))
-            }
-            fn and(self, other: Self) -> Self {
-                Self::bits(Operation::And, self.0 & other.0)
-            }
-            fn or(self, other: Self) -> Self {
-                Self::bits(Operation::Or, self.0 | other.0)
-            }
-            fn xor(self, other: Self) -> Self {
-                Self::bits(Operation::Xor, self.0 ^ other.0)
-            }
-            fn lt(self, other: Self) -> bool {
-                count(Operation::Lt);
-                self.0 < other.0
-            }
-            fn select(flag: bool, a: Self, b: Self) -> Self {
-                Self::bits(Operation::Select, if flag { a.0 } else { b.0 })
-            }
-            fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
-                let value = self.0 as i64;
-                assert!((low..=high).contains(&value), "{lemma}: {value} is not in {low}..={high}");
-                self
-            }
-            fn leading_zeros(self) -> Checked {
-                count(Operation::LeadingZeros);
-                Checked(self.0.leading_zeros() as i32)
+            fn wide_integer(wire: i64) -> i64 {
+                wire
             }
         }
     };
 }
 
-wire!(Checked, i32);
-wire!(CheckedWide, i64);
-
-impl Word for Checked {
-    type Wide = CheckedWide;
-
-    fn mul(self, other: Self) -> CheckedWide {
-        let product = i128::from(self.0) * i128::from(other.0);
-        CheckedWide::fit(Operation::Mul, product, [self.0, other.0].map(i64::from))
-    }
-    fn widen(self) -> CheckedWide {
-        CheckedWide::bits(Operation::Widen, i64::from(self.0))
-    }
-    fn narrow(wide: CheckedWide) -> Self {
-        Self::fit(Operation::Narrow, i128::from(wide.0), [wide.0, 0])
-    }
-    fn lookup(index: Self, table: &'static [i32]) -> Self {
-        count(Operation::Lookup);
-        match usize::try_from(index.0).ok().and_then(|index| table.get(index)) {
-            Some(&value) => Self(value),
-            None => panic!("lookup at {} in a table of {}", index.0, table.len()),
-        }
-    }
-    fn to_count(self) -> Self {
-        self
-    }
-    fn of_count(count: Self) -> Self {
-        count
-    }
-}
-
-impl WideWire for CheckedWide {
-    type Word = Checked;
-}
-
-impl Staged for Checked {
-    fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
-        let outcome = body();
-        TRACE.with_borrow_mut(|trace| {
-            if let Some(trace) = trace {
-                trace.push((name, Integers::of(&outcome)));
-            }
-        });
-        outcome
-    }
-}
+word!(i8, i16);
+word!(i16, i32);
+word!(i32, i64);
 
 /// Word types of which a test can see the integer.
-pub trait Visible: Staged + Wire<Count = Self> {
+pub trait Visible: Staged {
     /// The integer on the wire.
-    fn integer(self) -> i32;
-    /// A wire with that integer on it.
-    fn wire(value: i32) -> Self;
-    /// The integer on a wide wire.
-    fn wide_integer(wire: Self::Wide) -> i64;
-}
-
-impl Visible for i32 {
-    fn integer(self) -> i32 {
-        self
-    }
-    fn wire(value: i32) -> Self {
-        value
-    }
-    fn wide_integer(wire: i64) -> i64 {
-        wire
-    }
-}
-
-impl Visible for Checked {
-    fn integer(self) -> i32 {
-        self.0
-    }
-    fn wire(value: i32) -> Self {
-        Self(value)
-    }
-    fn wide_integer(wire: CheckedWide) -> i64 {
-        wire.0
-    }
+    fn integer(self) -> i64;
+    /// The integer on a wire that controls.
+    fn count_integer(count: Self::Count) -> i64;
+    /// The integer on a wide wire of what controls.
+    fn wide_integer(wire: <Self::Count as Word>::Wide) -> i64;
 }
 
 /// Puts the same integers on the wires of another reading.
@@ -309,13 +344,13 @@ struct SameIntegers;
 
 impl<V: Visible> Rewire<i32, V> for SameIntegers {
     fn word(&mut self, wire: i32, _: u32) -> V {
-        V::wire(wire)
+        V::lit(wire.into())
     }
-    fn control(&mut self, wire: i32, _: u32) -> V {
-        V::wire(wire)
+    fn control(&mut self, wire: i32, _: u32) -> V::Count {
+        V::Count::lit(wire.into())
     }
-    fn wide(&mut self, wire: i64, _: u32) -> V::Wide {
-        V::Wide::lit(wire)
+    fn wide(&mut self, wire: i64, _: u32) -> <V::Count as Word>::Wide {
+        Wire::lit(wire)
     }
     fn flag(&mut self, wire: bool) -> V::Flag {
         V::lit(0).lt(V::lit(i64::from(wire)))
@@ -335,11 +370,11 @@ impl<V: Visible> Rewire<i32, V> for Given<'_> {
     fn word(&mut self, _: i32, _: u32) -> V {
         V::lit(self.next())
     }
-    fn control(&mut self, _: i32, _: u32) -> V {
-        V::lit(self.next())
+    fn control(&mut self, _: i32, _: u32) -> V::Count {
+        V::Count::lit(self.next())
     }
-    fn wide(&mut self, _: i64, _: u32) -> V::Wide {
-        V::Wide::lit(self.next())
+    fn wide(&mut self, _: i64, _: u32) -> <V::Count as Word>::Wide {
+        Wire::lit(self.next())
     }
     fn flag(&mut self, _: bool) -> V::Flag {
         V::lit(0).lt(V::lit(self.next()))
@@ -397,19 +432,19 @@ impl<W: Visible> Rewire<W, W> for List {
         self.path.pop();
     }
     fn word(&mut self, wire: W, _: u32) -> W {
-        self.add(i64::from(wire.integer()));
+        self.add(wire.integer());
         wire
     }
-    fn control(&mut self, wire: W, _: u32) -> W {
-        self.add(i64::from(wire.integer()));
+    fn control(&mut self, wire: W::Count, _: u32) -> W::Count {
+        self.add(W::count_integer(wire));
         wire
     }
-    fn wide(&mut self, wire: W::Wide, _: u32) -> W::Wide {
+    fn wide(&mut self, wire: <W::Count as Word>::Wide, _: u32) -> <W::Count as Word>::Wide {
         self.add(W::wide_integer(wire));
         wire
     }
     fn flag(&mut self, wire: W::Flag) -> W::Flag {
-        self.add(i64::from(W::select(wire, W::lit(1), W::lit(0)).integer()));
+        self.add(W::select(wire, W::lit(1), W::lit(0)).integer());
         wire
     }
 }

@@ -6,11 +6,7 @@ use super::graph::{Kind, Net, NodeId, Op};
 
 /// One operation on integers, cut to its wire. `operand` is the integer of a node, `kind` what the node itself may hold.
 fn apply(op: Op, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i64 {
-    let value = op.value(kind, kind_of, operand);
-    match kind {
-        Kind::Word => i64::from(value as i32),
-        Kind::Wide | Kind::Flag => value as i64,
-    }
+    kind.cut(op.value(kind, kind_of, operand) as i64)
 }
 
 /// The integer of an operation where it fits the wire, the shift count its width and the index its table; else `None`.

@@ -3,6 +3,7 @@
 use std::panic::Location;
 
 use roughxel_core::bundle::Step;
+use roughxel_core::rom::upper;
 
 /// Index of a node in [`Net::nodes`].
 pub type NodeId = u32;
@@ -12,10 +13,8 @@ pub type NodeId = u32;
 pub enum Kind {
     /// One bit.
     Flag,
-    /// 32 bits, two's complement.
-    Word,
-    /// 64 bits, two's complement.
-    Wide,
+    /// Two's complement of so many bits, 8 to 64.
+    Wire(u32),
 }
 
 impl Kind {
@@ -23,8 +22,7 @@ impl Kind {
     pub const fn bits(self) -> u32 {
         match self {
             Self::Flag => 1,
-            Self::Word => 32,
-            Self::Wide => 64,
+            Self::Wire(bits) => bits,
         }
     }
 
@@ -32,19 +30,44 @@ impl Kind {
     pub const fn limits(self) -> (i64, i64) {
         match self {
             Self::Flag => (0, 1),
-            Self::Word => (i32::MIN as i64, i32::MAX as i64),
-            Self::Wide => (i64::MIN, i64::MAX),
+            Self::Wire(bits) => (i64::MIN >> (64 - bits), i64::MAX >> (64 - bits)),
+        }
+    }
+
+    /// What the wire holds of an integer: its lowest bits. A flag is 0 or 1 already.
+    pub const fn cut(self, value: i64) -> i64 {
+        match self {
+            Self::Flag => value,
+            Self::Wire(bits) => value << (64 - bits) >> (64 - bits),
         }
     }
 }
 
-/// A table of the datapath, compared by its place in memory: tables are statics.
+/// A table of the datapath as words of some width read it. Compared by its place in memory: tables are statics.
 #[derive(Clone, Copy, Debug)]
-pub struct Table(pub &'static [i32]);
+pub struct Table {
+    /// Its entries on 32 bits.
+    pub entries: &'static [i32],
+    /// Bits of the words.
+    pub bits: u32,
+}
+
+impl Table {
+    /// An entry on a word; `None` outside.
+    pub fn entry(&self, index: usize) -> Option<i32> {
+        self.entries.get(index).map(|&entry| upper(entry, self.bits))
+    }
+
+    /// Every entry on a word.
+    pub fn on_words(&self) -> impl ExactSizeIterator<Item = i32> + DoubleEndedIterator + Clone {
+        let bits = self.bits;
+        self.entries.iter().map(move |&entry| upper(entry, bits))
+    }
+}
 
 impl PartialEq for Table {
     fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.0, other.0)
+        std::ptr::eq(self.entries, other.entries) && self.bits == other.bits
     }
 }
 
@@ -52,7 +75,7 @@ impl Eq for Table {}
 
 impl std::hash::Hash for Table {
     fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        self.0.as_ptr().hash(state);
+        self.entries.as_ptr().hash(state);
     }
 }
 

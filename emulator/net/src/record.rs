@@ -4,7 +4,9 @@
 //! hardware wherever it is used. Operations on constants and those that change nothing are folded as they come.
 
 use std::cell::RefCell;
+use std::cmp::Ordering;
 use std::collections::HashMap;
+use std::marker::PhantomData;
 use std::ops::{BitAnd, BitOr, Not};
 use std::panic::Location;
 
@@ -18,13 +20,12 @@ use roughxel_core::word::{WideWire, Wire, Word};
 use super::evaluate::apply_exactly;
 use super::graph::{Kind, Net, Node, NodeId, Op, Port, Run, Table, Tap};
 
-/// A word of the recorded reading.
+/// A wire of so many bits in the recorded reading: 8, 16 or 32 are words, of which twice the bits are the wide companion.
 #[derive(Clone, Copy, Debug)]
-pub struct NetWord(NodeId);
+pub struct NetWire<const BITS: u32>(NodeId);
 
-/// A wide wire of the recorded reading.
-#[derive(Clone, Copy, Debug)]
-pub struct NetWide(NodeId);
+/// What controls in the recorded reading, and the word of the profiles that keep more than fits 16 bits.
+pub type NetWord = NetWire<32>;
 
 /// A flag of the recorded reading.
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +98,11 @@ impl Recorder {
                 Op::Not(inner) => Ok(inner),
                 _ => Err(*op),
             },
+            // A word that was a count in between.
+            Op::Narrow(a) => match self.net.node(a).op {
+                Op::Widen(inner) if self.net.node(inner).kind == kind => Ok(inner),
+                _ => Err(*op),
+            },
             _ => Err(*op),
         }
     }
@@ -147,123 +153,160 @@ impl BitOr for NetFlag {
     }
 }
 
-macro_rules! wire {
-    ($name:ident, $kind:expr) => {
-        impl Wire for $name {
-            type Flag = NetFlag;
-            type Count = NetWord;
-            const BITS: u32 = $kind.bits();
+impl<const BITS: u32> Wire for NetWire<BITS> {
+    type Flag = NetFlag;
+    type Count = NetWord;
+    const BITS: u32 = BITS;
+    #[track_caller]
+    fn lit(value: i64) -> Self {
+        Self(node(Op::Lit(value), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn add(self, other: Self) -> Self {
+        Self(node(Op::Add(self.0, other.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn sub(self, other: Self) -> Self {
+        Self(node(Op::Sub(self.0, other.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn shl(self, k: u32) -> Self {
+        Self(node(Op::Shl(self.0, k), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn sar(self, k: u32) -> Self {
+        Self(node(Op::Sar(self.0, k), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn shl_by(self, k: NetWord) -> Self {
+        Self(node(Op::ShlBy(self.0, k.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn sar_by(self, k: NetWord) -> Self {
+        Self(node(Op::SarBy(self.0, k.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn and(self, other: Self) -> Self {
+        Self(node(Op::And(self.0, other.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn or(self, other: Self) -> Self {
+        Self(node(Op::Or(self.0, other.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn xor(self, other: Self) -> Self {
+        Self(node(Op::Xor(self.0, other.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn lt(self, other: Self) -> NetFlag {
+        NetFlag(node(Op::Lt(self.0, other.0), Kind::Flag))
+    }
+    #[track_caller]
+    fn select(flag: NetFlag, a: Self, b: Self) -> Self {
+        Self(node(Op::Select(flag.0, a.0, b.0), Kind::Wire(BITS)))
+    }
+    #[track_caller]
+    fn leading_zeros(self) -> NetWord {
+        NetWire(node(Op::LeadingZeros(self.0), Kind::Wire(32)))
+    }
+    #[track_caller]
+    fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
+        Self(node(Op::Claim { of: self.0, low, high, lemma }, Kind::Wire(BITS)))
+    }
+}
+
+macro_rules! word {
+    ($bits:literal, $wide:literal, $scalar:ty) => {
+        impl Word for NetWire<$bits> {
+            type Wide = NetWire<$wide>;
             #[track_caller]
-            fn lit(value: i64) -> Self {
-                Self(node(Op::Lit(value), $kind))
+            fn mul(self, other: Self) -> NetWire<$wide> {
+                NetWire(node(Op::Mul(self.0, other.0), Kind::Wire($wide)))
             }
             #[track_caller]
-            fn add(self, other: Self) -> Self {
-                Self(node(Op::Add(self.0, other.0), $kind))
+            fn widen(self) -> NetWire<$wide> {
+                NetWire(node(Op::Widen(self.0), Kind::Wire($wide)))
             }
             #[track_caller]
-            fn sub(self, other: Self) -> Self {
-                Self(node(Op::Sub(self.0, other.0), $kind))
+            fn narrow(wide: NetWire<$wide>) -> Self {
+                Self(node(Op::Narrow(wide.0), Kind::Wire($bits)))
             }
             #[track_caller]
-            fn shl(self, k: u32) -> Self {
-                Self(node(Op::Shl(self.0, k), $kind))
+            fn lookup(index: NetWord, entries: &'static [i32]) -> Self {
+                Self(node(Op::Lookup(index.0, Table { entries, bits: $bits }), Kind::Wire($bits)))
             }
             #[track_caller]
-            fn sar(self, k: u32) -> Self {
-                Self(node(Op::Sar(self.0, k), $kind))
+            fn to_count(self) -> NetWord {
+                NetWire(resized(self.0, $bits, 32))
             }
             #[track_caller]
-            fn shl_by(self, k: NetWord) -> Self {
-                Self(node(Op::ShlBy(self.0, k.0), $kind))
+            fn of_count(count: NetWord) -> Self {
+                Self(resized(count.0, 32, $bits))
             }
-            #[track_caller]
-            fn sar_by(self, k: NetWord) -> Self {
-                Self(node(Op::SarBy(self.0, k.0), $kind))
+        }
+
+        impl WideWire for NetWire<$wide> {
+            type Word = NetWire<$bits>;
+        }
+
+        impl Staged for NetWire<$bits> {
+            fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
+                staged(name, body)
             }
-            #[track_caller]
-            fn and(self, other: Self) -> Self {
-                Self(node(Op::And(self.0, other.0), $kind))
+        }
+
+        impl NetReading for NetWire<$bits> {
+            type Scalar = $scalar;
+            fn node(self) -> NodeId {
+                self.0
             }
-            #[track_caller]
-            fn or(self, other: Self) -> Self {
-                Self(node(Op::Or(self.0, other.0), $kind))
-            }
-            #[track_caller]
-            fn xor(self, other: Self) -> Self {
-                Self(node(Op::Xor(self.0, other.0), $kind))
-            }
-            #[track_caller]
-            fn lt(self, other: Self) -> NetFlag {
-                NetFlag(node(Op::Lt(self.0, other.0), Kind::Flag))
-            }
-            #[track_caller]
-            fn select(flag: NetFlag, a: Self, b: Self) -> Self {
-                Self(node(Op::Select(flag.0, a.0, b.0), $kind))
-            }
-            #[track_caller]
-            fn leading_zeros(self) -> NetWord {
-                NetWord(node(Op::LeadingZeros(self.0), Kind::Word))
-            }
-            #[track_caller]
-            fn claim(self, low: i64, high: i64, lemma: &'static str) -> Self {
-                Self(node(Op::Claim { of: self.0, low, high, lemma }, $kind))
+            fn of_node(node: NodeId) -> Self {
+                Self(node)
             }
         }
     };
 }
 
-wire!(NetWord, Kind::Word);
-wire!(NetWide, Kind::Wide);
+word!(8, 16, i8);
+word!(16, 32, i16);
+word!(32, 64, i32);
 
-impl Word for NetWord {
-    type Wide = NetWide;
-    #[track_caller]
-    fn mul(self, other: Self) -> NetWide {
-        NetWide(node(Op::Mul(self.0, other.0), Kind::Wide))
-    }
-    #[track_caller]
-    fn widen(self) -> NetWide {
-        NetWide(node(Op::Widen(self.0), Kind::Wide))
-    }
-    #[track_caller]
-    fn narrow(wide: NetWide) -> Self {
-        Self(node(Op::Narrow(wide.0), Kind::Word))
-    }
-    #[track_caller]
-    fn lookup(index: Self, table: &'static [i32]) -> Self {
-        Self(node(Op::Lookup(index.0, Table(table)), Kind::Word))
-    }
-    fn to_count(self) -> Self {
-        self
-    }
-    fn of_count(count: Self) -> Self {
-        count
+/// The same integer on a wire of another width, which it fits.
+#[track_caller]
+fn resized(id: NodeId, from: u32, to: u32) -> NodeId {
+    match from.cmp(&to) {
+        Ordering::Less => node(Op::Widen(id), Kind::Wire(to)),
+        Ordering::Equal => id,
+        Ordering::Greater => node(Op::Narrow(id), Kind::Wire(to)),
     }
 }
 
-impl WideWire for NetWide {
-    type Word = NetWord;
+/// The words that carry mantissas in a recorded design.
+pub trait NetReading: Staged + Wire<Flag = NetFlag, Count = NetWord> {
+    /// The scalar reading with words of the same width.
+    type Scalar: Word<Count = i32, Flag = bool> + Into<i64>;
+    /// The node of a wire.
+    fn node(self) -> NodeId;
+    /// The wire of a node.
+    fn of_node(node: NodeId) -> Self;
 }
 
-impl Staged for NetWord {
-    /// Nodes made by `body` belong to the stage, its outcome is tapped. Stages do not nest.
-    fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
-        recorder(|recorder| {
-            let runs = &mut recorder.net.runs;
-            let run = runs.iter().filter(|stage| stage.name == name).count() as u32;
-            runs.iter_mut().filter(|stage| stage.name == name).for_each(|stage| stage.repeated = true);
-            recorder.stage = Some(runs.len() as u32);
-            runs.push(Run { name, run, repeated: run > 0 });
-        });
-        let outcome = body();
-        let stage = recorder(|recorder| recorder.stage.take());
-        let mut names = Names::default();
-        outcome.rewire::<Self, _>(&mut names);
-        let taps = names.wires.into_iter().map(|wire| wire.tap(stage));
-        recorder(|recorder| recorder.net.taps.extend(taps));
-        outcome
-    }
+/// Nodes made by `body` belong to the stage, its outcome is tapped. Stages do not nest.
+fn staged<W: NetReading, B: Bundle<W>>(name: &'static str, body: impl Fn() -> B) -> B {
+    recorder(|recorder| {
+        let runs = &mut recorder.net.runs;
+        let run = runs.iter().filter(|stage| stage.name == name).count() as u32;
+        runs.iter_mut().filter(|stage| stage.name == name).for_each(|stage| stage.repeated = true);
+        recorder.stage = Some(runs.len() as u32);
+        runs.push(Run { name, run, repeated: run > 0 });
+    });
+    let outcome = body();
+    let stage = recorder(|recorder| recorder.stage.take());
+    let mut names = Names::default();
+    outcome.rewire::<W, _>(&mut names);
+    let taps = names.wires.into_iter().map(|wire| wire.tap(stage));
+    recorder(|recorder| recorder.net.taps.extend(taps));
+    outcome
 }
 
 /// A path as text: `e1.m[0]`.
@@ -303,22 +346,22 @@ impl Names {
     }
 }
 
-impl Rewire<NetWord, NetWord> for Names {
+impl<W: NetReading> Rewire<W, W> for Names {
     fn enter(&mut self, step: Step) {
         self.path.push(step);
     }
     fn leave(&mut self) {
         self.path.pop();
     }
-    fn word(&mut self, wire: NetWord, fraction_bits: u32) -> NetWord {
-        self.add(wire.0, true, fraction_bits);
+    fn word(&mut self, wire: W, fraction_bits: u32) -> W {
+        self.add(wire.node(), true, fraction_bits);
         wire
     }
     fn control(&mut self, wire: NetWord, fraction_bits: u32) -> NetWord {
         self.add(wire.0, false, fraction_bits);
         wire
     }
-    fn wide(&mut self, wire: NetWide, fraction_bits: u32) -> NetWide {
+    fn wide(&mut self, wire: NetWire<64>, fraction_bits: u32) -> NetWire<64> {
         self.add(wire.0, false, fraction_bits);
         wire
     }
@@ -332,28 +375,34 @@ impl Rewire<NetWord, NetWord> for Names {
 #[derive(Default)]
 struct Values(Vec<i64>);
 
-impl Rewire<i32, i32> for Values {
-    fn word(&mut self, wire: i32, _: u32) -> i32 {
-        self.0.push(i64::from(wire));
+impl<S: Word<Count = i32, Flag = bool> + Into<i64>> Rewire<S, S> for Values {
+    fn word(&mut self, wire: S, _: u32) -> S {
+        self.0.push(wire.into());
         wire
     }
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.word(wire, fraction_bits)
+    fn control(&mut self, wire: i32, _: u32) -> i32 {
+        self.0.push(wire.into());
+        wire
     }
     fn wide(&mut self, wire: i64, _: u32) -> i64 {
         self.0.push(wire);
         wire
     }
     fn flag(&mut self, wire: bool) -> bool {
-        self.0.push(i64::from(wire));
+        self.0.push(wire.into());
         wire
     }
 }
 
 /// The integers on the wires of a scalar bundle, in the order of ports and outputs of a net.
 pub fn integers<B: Bundle<i32>>(bundle: &B) -> Vec<i64> {
+    integers_on::<i32, B>(bundle)
+}
+
+/// The same on words of another width.
+pub fn integers_on<S: Word<Count = i32, Flag = bool> + Into<i64>, B: Bundle<S>>(bundle: &B) -> Vec<i64> {
     let mut values = Values::default();
-    bundle.rewire::<i32, _>(&mut values);
+    bundle.rewire::<S, _>(&mut values);
     values.0
 }
 
@@ -387,16 +436,17 @@ pub fn filled<B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<i32> {
     form.rewire(&mut Given(integers.iter()))
 }
 
-/// Makes a port of every wire of a bundle that holds the lowest declared values.
-struct Ports<'a> {
+/// Makes a port of every wire of a bundle.
+struct Ports {
     path: Vec<Step>,
-    high: std::slice::Iter<'a, i64>,
+    /// The lowest and the highest value of each, in the order of the walk.
+    limits: std::vec::IntoIter<(i64, i64)>,
 }
 
-impl Ports<'_> {
-    fn add(&mut self, low: i64, kind: Kind, mantissa: bool, fraction_bits: u32) -> NodeId {
+impl Ports {
+    fn add(&mut self, kind: Kind, mantissa: bool, fraction_bits: u32) -> NodeId {
         let path = self.path.clone();
-        let high = self.high.next().copied().unwrap_or(low);
+        let (low, high) = self.limits.next().unwrap_or(kind.limits());
         recorder(|recorder| {
             let number = recorder.net.ports.len() as u32;
             let node = recorder.node(Op::Port(number), kind, Location::caller());
@@ -415,35 +465,42 @@ impl Ports<'_> {
     }
 }
 
-impl Rewire<i32, NetWord> for Ports<'_> {
+impl<W: NetReading> Rewire<i32, W> for Ports {
     fn enter(&mut self, step: Step) {
         self.path.push(step);
     }
     fn leave(&mut self) {
         self.path.pop();
     }
-    fn word(&mut self, low: i32, fraction_bits: u32) -> NetWord {
-        NetWord(self.add(i64::from(low), Kind::Word, true, fraction_bits))
+    fn word(&mut self, _: i32, fraction_bits: u32) -> W {
+        // The walk is over words of 32 bits, with as many bits before the point.
+        W::of_node(self.add(Kind::Wire(W::BITS), true, fraction_bits + W::BITS - 32))
     }
-    fn control(&mut self, low: i32, fraction_bits: u32) -> NetWord {
-        NetWord(self.add(i64::from(low), Kind::Word, false, fraction_bits))
+    fn control(&mut self, _: i32, fraction_bits: u32) -> NetWord {
+        NetWire(self.add(Kind::Wire(32), false, fraction_bits))
     }
-    fn wide(&mut self, low: i64, fraction_bits: u32) -> NetWide {
-        NetWide(self.add(low, Kind::Wide, false, fraction_bits))
+    fn wide(&mut self, _: i64, fraction_bits: u32) -> NetWire<64> {
+        NetWire(self.add(Kind::Wire(64), false, fraction_bits))
     }
-    fn flag(&mut self, low: bool) -> NetFlag {
-        NetFlag(self.add(i64::from(low), Kind::Flag, false, 0))
+    fn flag(&mut self, _: bool) -> NetFlag {
+        NetFlag(self.add(Kind::Flag, false, 0))
     }
 }
 
+/// The lowest and the highest integer that the declaration of each wire allows, on words of the width of `W`.
+fn limits<W: NetReading, F: Form>() -> Vec<(i64, i64)> {
+    let [low, high] = [End::Low, End::High].map(|end| integers_on(&F::limit::<W::Scalar>(end)));
+    low.into_iter().zip(high).collect()
+}
+
 /// Records `body` on ports that may hold what the declaration of its input allows.
-pub fn record<I: Form, O: Bundle<NetWord>>(body: impl FnOnce(&In<I, NetWord>) -> O) -> Net {
+pub fn record<W: NetReading, I: Form, O: Bundle<W>>(body: impl FnOnce(&In<I, W>) -> O) -> Net {
     RECORDER.set(Some(Recorder::default()));
-    let (low, high) = (I::limit::<i32>(End::Low), integers(&I::limit::<i32>(End::High)));
-    let inputs = low.rewire(&mut Ports { path: Vec::new(), high: high.iter() });
+    let form = I::limit::<i32>(End::Low);
+    let inputs = form.rewire::<W, _>(&mut Ports { path: Vec::new(), limits: limits::<W, I>().into_iter() });
     let outcome = body(&inputs);
     let mut names = Names::default();
-    outcome.rewire::<NetWord, _>(&mut names);
+    outcome.rewire::<W, _>(&mut names);
     let mut net = RECORDER.take().unwrap_or_default().net;
     net.outputs = names.wires.into_iter().map(|wire| wire.tap(None)).collect();
     net.without_dead_wires()
@@ -452,26 +509,27 @@ pub fn record<I: Form, O: Bundle<NetWord>>(body: impl FnOnce(&In<I, NetWord>) ->
 impl Net {
     /// Records a design with those of the effects that it has.
     pub fn of(design: Design, effects: &Effects, p: &Precision) -> Self {
-        struct Record<'a>(&'a Effects, &'a Precision);
-        impl Visitor for Record<'_> {
-            type Outcome = Net;
-            fn visit<D: Recorded>(self) -> Net {
-                record::<D::Input, In<D::Output, NetWord>>(|input| D::run::<NetWord>(input, self.0, self.1))
-            }
-        }
-        let mut net = design.visit(Record(effects, p));
-        net.limits = design.visit(Limits);
-        net
+        Self::on_words::<NetWord>(design, effects, p)
+    }
+
+    /// The same on words of another width.
+    pub fn on_words<W: NetReading>(design: Design, effects: &Effects, p: &Precision) -> Self {
+        design.visit(Record::<W> { effects, p, words: PhantomData })
     }
 }
 
-/// The lowest and the highest integer that the declaration of each output of a design allows.
-struct Limits;
+/// Records a design.
+struct Record<'a, W> {
+    effects: &'a Effects,
+    p: &'a Precision,
+    words: PhantomData<W>,
+}
 
-impl Visitor for Limits {
-    type Outcome = Vec<(i64, i64)>;
-    fn visit<D: Recorded>(self) -> Self::Outcome {
-        let [low, high] = [End::Low, End::High].map(|end| integers(&D::Output::limit::<i32>(end)));
-        low.into_iter().zip(high).collect()
+impl<W: NetReading> Visitor for Record<'_, W> {
+    type Outcome = Net;
+    fn visit<D: Recorded>(self) -> Net {
+        let mut net = record::<W, D::Input, In<D::Output, W>>(|input| D::run::<W>(input, self.effects, self.p));
+        net.limits = limits::<W, D::Output>();
+        net
     }
 }

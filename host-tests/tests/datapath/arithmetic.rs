@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, ZERO_EXPONENT, align, cross, dot, normalise, places_below};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
-use roughxel_core::rom;
-use roughxel_host_tests::checked::{Checked, CheckedWide};
+use roughxel_core::rom::{self, upper};
+use roughxel_host_tests::checked::{Checked, CheckedWide, CheckedWire};
 use roughxel_host_tests::space::whole_or;
 
 /// 2^30.
@@ -100,6 +100,47 @@ fn rounded_shift_equals_rounding_the_quotient() {
                 assert_eq!(i128::from(got), expected, "{m} by {k}");
             }
         });
+    }
+}
+
+#[test]
+fn rounded_shift_of_a_word_with_no_bit_to_spare_equals_rounding_the_quotient() {
+    // Every mantissa of 16 bits in [-1, 1] that is kept to 12, 13 or all 14 bits, and all places.
+    let fraction = Fx::<i16, 2>::FRACTION;
+    for keep in 12..=fraction {
+        for k in 0..16_u32 {
+            for m in -(1_i32 << keep)..=1 << keep {
+                let raw = CheckedWire::new((m << (fraction - keep)) as i16);
+                let got = Fx::<CheckedWire<i16>, 2>::from_raw(raw).round_shr_by(Fx::lit(k.into()), keep).raw().value();
+                let expected = rounded(i128::from(m), k) << (fraction - keep);
+                assert_eq!(i128::from(got), expected, "{m} by {k} keeps {keep}");
+            }
+        }
+    }
+}
+
+#[test]
+fn upper_bits_of_every_table_are_the_nearest_words() {
+    let sized = (6..=10).flat_map(|bits| [rom::reciprocal(bits), rom::inverse_root(bits)]);
+    let named: [&'static [i32]; 8] = [
+        &rom::LOG2,
+        &rom::EXP2,
+        &rom::HALF_LOG2_ONE_MINUS_RATIO,
+        &rom::HALF_LOG2_ONE_PLUS_RATIO,
+        &rom::STEP_PER_SIGMA,
+        &rom::LOG2_OF_COUNT,
+        &rom::BOX_WEIGHTS,
+        &rom::GAUSSIAN_WEIGHTS,
+    ];
+    for table in sized.chain(named) {
+        for &entry in table {
+            assert_eq!(upper(entry, 32), entry);
+            for bits in [8, 16] {
+                let nearest = rounded(entry.into(), 32 - bits);
+                assert_eq!(i128::from(upper(entry, bits)), nearest, "{entry} on {bits} bits");
+                assert!(nearest < 1 << (bits - 1), "{entry} rounds up beyond {bits} bits");
+            }
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use roughxel_core::block::{Block, MANTISSA};
 use roughxel_core::elementary::{exp2, half_reciprocal, inverse_root, short_number};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision, ProbeRule};
-use roughxel_core::rom;
+use roughxel_core::rom::{self, upper};
 use roughxel_core::signals::Axes;
 use roughxel_core::soft_core::environment_scale;
 use roughxel_core::stage::probes::{position, probes};
@@ -49,19 +49,28 @@ fn rises(table: &'static [i32]) -> impl Iterator<Item = i32> {
     table.windows(2).map(|knots| knots[1] - knots[0])
 }
 
+/// How far neighbouring knots rise on words of 16 bits.
+fn rises_on_16_bits(table: &[i32]) -> impl Iterator<Item = i32> {
+    table.windows(2).map(|knots| upper(knots[1], 16) - upper(knots[0], 16))
+}
+
 #[test]
 fn knots_of_log2_rise_by_less_than_2_to_the_minus_7() {
     assert!(rises(&rom::LOG2).all(|rise| (0..1 << 17).contains(&rise)));
+    // Narrower words: 2^−6.
+    assert!(rises_on_16_bits(&rom::LOG2).all(|rise| (0..1 << 2).contains(&rise)));
 }
 
 #[test]
 fn knots_of_exp2_rise_by_less_than_2_to_the_minus_8() {
     assert!(rises(&rom::EXP2).all(|rise| (0..1 << 22).contains(&rise)));
+    assert!(rises_on_16_bits(&rom::EXP2).all(|rise| (0..1 << 7).contains(&rise)));
 }
 
 #[test]
 fn knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9() {
     assert!(rises(&rom::HALF_LOG2_ONE_MINUS_RATIO).all(|rise| (0..1 << 17).contains(&rise)));
+    assert!(rises_on_16_bits(&rom::HALF_LOG2_ONE_MINUS_RATIO).all(|rise| (0..1 << 2).contains(&rise)));
 }
 
 /// A power of a cosine is 2^−x for x ≥ 0: at x = 0 it is ½·2, elsewhere a mantissa of at most 1 with an exponent of at most
@@ -86,6 +95,7 @@ fn a_peak_gives_64_at_most() {
 #[test]
 fn knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9() {
     assert!(rises(&rom::HALF_LOG2_ONE_PLUS_RATIO).all(|rise| (0..1 << 17).contains(&-rise)));
+    assert!(rises_on_16_bits(&rom::HALF_LOG2_ONE_PLUS_RATIO).all(|rise| (0..1 << 2).contains(&-rise)));
 }
 
 /// |numerator| ≤ m for the largest component m, so |numerator·(1/2m)| is largest at m itself. A block of zeros has

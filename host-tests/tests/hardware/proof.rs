@@ -3,6 +3,7 @@
 mod evaluation;
 mod mutations;
 mod rules;
+mod widths;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -13,7 +13,7 @@ pub(super) struct Lookup(pub NodeId, pub Table);
 
 impl Lookup {
     fn entry(&self, index: i64) -> Option<i32> {
-        usize::try_from(index).ok().and_then(|index| self.1.0.get(index)).copied()
+        usize::try_from(index).ok().and_then(|index| self.1.entry(index))
     }
 }
 
@@ -26,14 +26,14 @@ impl Operation for Lookup {
     }
     fn range(&self, known: &mut Known, id: NodeId) -> Exact {
         let index = known.range(self.0);
-        let last = self.1.0.len() as i128 - 1;
+        let last = self.1.entries.len() as i128 - 1;
         if index.low < 0 || index.high > last {
             known.violation(id, format!("lookup at {} … {} in a table of {}", index.low, index.high, last + 1));
         }
         let (first, last) = (index.low.clamp(0, last) as usize, index.high.clamp(0, last) as usize);
-        let entries = &self.1.0[first..=last];
-        let zeros = entries.iter().filter(|entry| **entry != 0).map(|entry| entry.trailing_zeros()).min();
-        Exact::corners(entries.iter().map(|&entry| entry.into()), zeros.unwrap_or(63))
+        let entries = self.1.on_words().skip(first).take(last - first + 1);
+        let zeros = entries.clone().filter(|entry| *entry != 0).map(i32::trailing_zeros).min();
+        Exact::corners(entries.map(i128::from), zeros.unwrap_or(63))
     }
     fn unit(&self, ranges: &Ranges, _: NodeId) -> Unit {
         let index = ranges.of(self.0);

@@ -38,35 +38,34 @@ impl Rom {
         });
         let named = named.into_iter().map(|(name, entries)| (name, None, entries));
         let all = named.chain(sized.map(|(name, bits, entries)| (name, Some(bits), entries)));
-        let found = all.into_iter().find(|(.., entries)| Table(entries) == table);
+        let found = all.into_iter().find(|(.., entries)| std::ptr::eq(*entries, table.entries));
         found.map(|(name, size, _)| Self { name, size, table })
     }
 
-    /// `rom_reciprocal_8`.
+    /// `rom_reciprocal_8`; of words of other than 32 bits `rom_reciprocal_8_w16`.
     pub fn name(&self) -> String {
-        match self.size {
-            Some(bits) => format!("rom_{}_{bits}", self.name),
-            None => format!("rom_{}", self.name),
-        }
+        let size = self.size.map_or_else(String::new, |bits| format!("_{bits}"));
+        let width = if self.table.bits == 32 { String::new() } else { format!("_w{}", self.table.bits) };
+        format!("rom_{}{size}{width}", self.name)
     }
 
     /// Bits of the index.
     pub fn index_bits(&self) -> u32 {
-        count_bits(self.table.0.len() as u32 - 1)
+        count_bits(self.table.entries.len() as u32 - 1)
     }
 
     /// How an entry is stored.
     pub fn format(table: Table) -> Format {
-        let low = table.0.iter().copied().min().unwrap_or(0).into();
-        let high = table.0.iter().copied().max().unwrap_or(0).into();
-        let zeros = table.0.iter().filter(|entry| **entry != 0).map(|entry| entry.trailing_zeros()).min();
+        let low = table.on_words().min().unwrap_or(0).into();
+        let high = table.on_words().max().unwrap_or(0).into();
+        let zeros = table.on_words().filter(|entry| *entry != 0).map(i32::trailing_zeros).min();
         Format::new(Range { low, high, zeros: zeros.unwrap_or(0) }, 0, false)
     }
 
     fn entries(&self) -> impl Iterator<Item = u64> {
         let format = Self::format(self.table);
         // The format is that of these entries.
-        self.table.0.iter().map(move |&entry| format.pack(entry.into()).unwrap_or(0))
+        self.table.on_words().map(move |entry| format.pack(entry.into()).unwrap_or(0))
     }
 
     /// The module.
@@ -76,7 +75,7 @@ impl Rom {
         let about = [
             format!(
                 "Table of the datapath, {} entries; entry = integer of the table >> {}.",
-                self.table.0.len(),
+                self.table.entries.len(),
                 format.zeros
             ),
             format!("The same entries for $readmemh: rom/{name}.hex."),
@@ -108,7 +107,7 @@ impl Rom {
         let mut text = format!(
             "// {}: {} entries of {} bits; entry = integer of the table >> {}\n",
             self.name(),
-            self.table.0.len(),
+            self.table.entries.len(),
             format.width(),
             format.zeros
         );
@@ -123,7 +122,7 @@ impl Rom {
         let format = Self::format(self.table);
         RomDescription {
             name: self.name(),
-            entries: self.table.0.len(),
+            entries: self.table.entries.len(),
             index_bits: self.index_bits(),
             width: format.width(),
             signed: format.signed(),

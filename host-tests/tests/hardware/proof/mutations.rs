@@ -131,7 +131,8 @@ fn mutants(net: &Net) -> Vec<Mutant> {
             }
             // 1 − w, the weight of what w leaves.
             Op::Sub(one, weight)
-                if node.kind == Kind::Word && ["filter.rs", "blend.rs"].iter().any(|file| line(id).contains(file)) =>
+                if node.kind == Kind::Wire(32)
+                    && ["filter.rs", "blend.rs"].iter().any(|file| line(id).contains(file)) =>
             {
                 if matches!(op(one), Op::Lit(value) if value.count_ones() == 1) {
                     add(Sort::WeightsDoNotSum, id, without(net, id, weight));

@@ -23,8 +23,8 @@ impl Small {
         let id = self.net.nodes.len() as NodeId;
         self.net.nodes.push(Node { op, kind, stage: None, at: Location::caller() });
         match kind {
-            Kind::Word => self.words.push(id),
-            Kind::Wide => self.wides.push(id),
+            Kind::Wire(32) => self.words.push(id),
+            Kind::Wire(_) => self.wides.push(id),
             Kind::Flag => self.flags.push(id),
         }
         id
@@ -32,12 +32,12 @@ impl Small {
 
     fn port(&mut self, low: i64, high: i64) -> NodeId {
         let number = self.net.ports.len() as u32;
-        let node = self.node(Op::Port(number), Kind::Word);
+        let node = self.node(Op::Port(number), Kind::Wire(32));
         let name = format!("p{number}");
         self.net.ports.push(Port {
             name,
             path: Vec::new(),
-            kind: Kind::Word,
+            kind: Kind::Wire(32),
             mantissa: false,
             fraction_bits: 0,
             low,
@@ -83,7 +83,7 @@ impl Small {
     fn grow(&mut self, code: u8, pick: [u16; 3]) {
         let one_of = |list: &[NodeId], pick: u16| list[usize::from(pick) % list.len()];
         let wide = pick[2] % 2 == 1 && !self.wides.is_empty();
-        let kind = if wide { Kind::Wide } else { Kind::Word };
+        let kind = if wide { Kind::Wire(64) } else { Kind::Wire(32) };
         let list = if wide { &self.wides } else { &self.words };
         let (a, b) = (one_of(list, pick[0]), one_of(list, pick[1]));
         let [x, y, z] = pick.map(|pick| one_of(&self.words, pick));
@@ -93,7 +93,7 @@ impl Small {
             0 => self.lit(i64::from(pick[0] as i16) >> (pick[1] % 16), kind),
             1 => self.node(Op::Add(a, b), kind),
             2 => self.node(Op::Sub(a, b), kind),
-            3 => self.node(Op::Mul(x, y), Kind::Wide),
+            3 => self.node(Op::Mul(x, y), Kind::Wire(64)),
             4 => self.node(Op::Shl(a, places), kind),
             5 => self.node(Op::Sar(a, places), kind),
             6 | 7 => {
@@ -104,9 +104,9 @@ impl Small {
             9 => self.node(Op::Or(a, b), kind),
             10 => self.node(Op::Xor(a, b), kind),
             11 => self.node(Op::Lt(a, b), Kind::Flag),
-            12 => self.node(Op::LeadingZeros(a), Kind::Word),
-            13 => self.node(Op::Widen(x), Kind::Wide),
-            14 if wide => self.node(Op::Narrow(a), Kind::Word),
+            12 => self.node(Op::LeadingZeros(a), Kind::Wire(32)),
+            13 => self.node(Op::Widen(x), Kind::Wire(64)),
+            14 if wide => self.node(Op::Narrow(a), Kind::Wire(32)),
             15 => self.smaller(a, b, pick[2] % 4 < 2),
             16 => self.absolute(a),
             17 => self.magnitude(a),
@@ -119,36 +119,36 @@ impl Small {
                 // Block normalisation of two wires.
                 let [m, n] = [a, b].map(|of| self.magnitude(of));
                 let either = self.node(Op::Or(m, n), kind);
-                let zeros = self.node(Op::LeadingZeros(either), Kind::Word);
-                let one = self.lit(1, Kind::Word);
-                let count = self.node(Op::Sub(zeros, one), Kind::Word);
+                let zeros = self.node(Op::LeadingZeros(either), Kind::Wire(32));
+                let one = self.lit(1, Kind::Wire(32));
+                let count = self.node(Op::Sub(zeros, one), Kind::Wire(32));
                 self.node(Op::ShlBy(a, count), kind);
                 self.node(Op::ShlBy(b, count), kind)
             }
             20 => {
                 // Interpolation with weights w and 8 − w.
                 let weight = self.saturate(z, 0, 8);
-                let eight = self.lit(8, Kind::Word);
-                let rest = self.node(Op::Sub(eight, weight), Kind::Word);
+                let eight = self.lit(8, Kind::Wire(32));
+                let rest = self.node(Op::Sub(eight, weight), Kind::Wire(32));
                 let (first, second) =
-                    (self.node(Op::Mul(x, weight), Kind::Wide), self.node(Op::Mul(rest, y), Kind::Wide));
-                self.node(Op::Add(first, second), Kind::Wide)
+                    (self.node(Op::Mul(x, weight), Kind::Wire(64)), self.node(Op::Mul(rest, y), Kind::Wire(64)));
+                self.node(Op::Add(first, second), Kind::Wire(64))
             }
             21 => {
                 // Two entries of a table, beyond its ends, too.
                 let index = self.saturate(x, i64::from(pick[1] % 3) - 1, 20);
-                let step = self.lit(i64::from(pick[2] % 4), Kind::Word);
-                let upper = self.node(Op::Add(index, step), Kind::Word);
-                let table = Table(&rom::LOG2);
-                let [next, entry] = [upper, index].map(|index| self.node(Op::Lookup(index, table), Kind::Word));
-                self.node(Op::Sub(next, entry), Kind::Word)
+                let step = self.lit(i64::from(pick[2] % 4), Kind::Wire(32));
+                let upper = self.node(Op::Add(index, step), Kind::Wire(32));
+                let table = Table { entries: &rom::LOG2, bits: 32 };
+                let [next, entry] = [upper, index].map(|index| self.node(Op::Lookup(index, table), Kind::Wire(32)));
+                self.node(Op::Sub(next, entry), Kind::Wire(32))
             }
             22 => {
                 // x where |x| ≤ y, else z.
                 let (size, limit) = (self.absolute(x), self.absolute(y));
                 let above = self.node(Op::Lt(limit, size), Kind::Flag);
                 let inside = self.node(Op::Not(above), Kind::Flag);
-                self.node(Op::Select(inside, x, z), Kind::Word)
+                self.node(Op::Select(inside, x, z), Kind::Wire(32))
             }
             23 => {
                 let Some([flag, ..]) = flags else { return };
@@ -253,13 +253,13 @@ proptest! {
 fn the_range_of_one_operation_is_exactly_what_occurs() {
     let spans = [(-5, 6), (-9, -2), (3, 8), (0, 7), (-1, 0), (4, 4)];
     let operations: [fn(&mut Small, NodeId, NodeId) -> NodeId; 12] = [
-        |net, a, b| net.node(Op::Add(a, b), Kind::Word),
-        |net, a, b| net.node(Op::Sub(a, b), Kind::Word),
-        |net, a, b| net.node(Op::Mul(a, b), Kind::Wide),
-        |net, a, _| net.node(Op::Shl(a, 3), Kind::Word),
-        |net, a, _| net.node(Op::Sar(a, 2), Kind::Word),
+        |net, a, b| net.node(Op::Add(a, b), Kind::Wire(32)),
+        |net, a, b| net.node(Op::Sub(a, b), Kind::Wire(32)),
+        |net, a, b| net.node(Op::Mul(a, b), Kind::Wire(64)),
+        |net, a, _| net.node(Op::Shl(a, 3), Kind::Wire(32)),
+        |net, a, _| net.node(Op::Sar(a, 2), Kind::Wire(32)),
         |net, a, b| net.node(Op::Lt(a, b), Kind::Flag),
-        |net, a, _| net.node(Op::LeadingZeros(a), Kind::Word),
+        |net, a, _| net.node(Op::LeadingZeros(a), Kind::Wire(32)),
         |net, a, b| net.smaller(a, b, false),
         |net, a, b| net.smaller(a, b, true),
         |net, a, _| net.saturate(a, -3, 4),
@@ -298,8 +298,8 @@ impl Small {
 fn dropping_dead_wires_keeps_every_output() {
     let mut small = Small::default();
     let (a, b) = (small.port(-3, 4), small.port(0, 5));
-    small.node(Op::Mul(a, a), Kind::Wide);
-    let sum = small.node(Op::Add(a, b), Kind::Word);
+    small.node(Op::Mul(a, a), Kind::Wire(64));
+    let sum = small.node(Op::Add(a, b), Kind::Wire(32));
     let tap = |node| Tap { stage: None, name: "sum".into(), path: Vec::new(), mantissa: false, fraction_bits: 0, node };
     let mut net = small.net;
     net.outputs = vec![tap(sum)];

@@ -1,0 +1,74 @@
+//! Words of other widths: every design on words of 16 bits is proven, and all readings of that width agree.
+
+use rayon::prelude::*;
+use roughxel_core::design::Design;
+use roughxel_core::plan::Effects;
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule};
+use roughxel_emulator::cases::random_fragment;
+use roughxel_emulator::cases::stimulus::port_values;
+use roughxel_emulator::net::graph::Net;
+use roughxel_emulator::net::interval::Ranges;
+use roughxel_emulator::net::observe::Observed;
+use roughxel_emulator::net::record::NetWire;
+use roughxel_emulator::random::SplitMix64;
+use roughxel_host_tests::checked::{CheckedWire, Integers};
+use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::space::whole_or;
+
+use super::effects_of;
+
+/// Precisions of which a word of 16 bits has every bit that they keep.
+fn narrow_precisions() -> Vec<Precision> {
+    let newton = Newton { seed_bits: 8, steps: 1 };
+    let base = Precision { reciprocal: newton, inverse_root: newton, ..Precision::COMPACT };
+    let coarse = Precision { direction: AxisDirection::Table { steps: 10 }, probe_rule: ProbeRule::PowerOfTwo, ..base };
+    let kept = [12, 13, 14].map(|fraction_bits| [base, coarse].map(|p| Precision { fraction_bits, ..p }));
+    kept.into_iter().flatten().collect()
+}
+
+#[test]
+fn no_wire_of_any_design_can_leave_words_of_16_bits() {
+    for p in narrow_precisions() {
+        for &design in Design::ALL {
+            for effects in effects_of(design) {
+                let net = Net::on_words::<NetWire<16>>(design, &effects, &p);
+                let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
+                assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name(), violations.join("\n"));
+            }
+        }
+    }
+}
+
+/// Ports of a net on words of 16 bits, from those on 32: the upper halves of what carries mantissas.
+fn upper_halves(net: &Net, ports: &[i64]) -> Vec<i64> {
+    net.ports.iter().zip(ports).map(|(port, &value)| if port.mantissa { value >> 16 } else { value }).collect()
+}
+
+#[test]
+fn readings_of_16_bits_agree() {
+    narrow_precisions().into_par_iter().for_each(|p| {
+        for &design in Design::ALL {
+            let wide = Net::of(design, &Effects::ALL, &p);
+            let net = Net::on_words::<NetWire<16>>(design, &Effects::ALL, &p);
+            let ranges = Ranges::new(&net);
+            let mut seen = Observed::new(&net);
+            for index in 0..whole_or(4000, 200) {
+                let fragment = random_fragment("widths", index, &p);
+                let mut random = SplitMix64::for_element(design.name(), index);
+                for ports in port_values(design, &wide, &fragment, &Effects::ALL, &p, &mut random) {
+                    let ports = upper_halves(&net, &ports);
+                    let wires = seen.evaluate(&net, &ports);
+                    let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
+                    let outputs = Integers(outputs.collect());
+                    let name = design.name();
+                    assert_eq!(outputs, outcome::<i16>(design, &ports, &Effects::ALL, &p), "{name} of {ports:?}");
+                    let checked = outcome::<CheckedWire<i16>>(design, &ports, &Effects::ALL, &p);
+                    assert_eq!(outputs, checked, "{name} of {ports:?}");
+                }
+            }
+            if let Some(id) = seen.first_outside(&ranges) {
+                panic!("{}: {} is {:?}, proven {}", design.name(), net.origin(id), seen.of(id), ranges.of(id));
+            }
+        }
+    });
+}
