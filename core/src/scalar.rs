@@ -1,6 +1,6 @@
 //! The scalar reading: one integer per wire. This is the meaning of the design; every other reading equals it.
 //!
-//! A word may have 32, 16 or 8 bits; its wide companion is the integer of twice as many, and what controls is an `i32` beside each.
+//! A word has 32 or 16 bits; its wide companion is the integer of twice as many, and what controls is an `i32` beside each.
 //!
 //! No stage lets a value leave its word, so the wrapping operations below never wrap; they are written so
 //! that no build of any kind contains a panic path.
@@ -74,7 +74,6 @@ macro_rules! wire {
     };
 }
 
-wire!(i8);
 wire!(i16);
 wire!(i32);
 wire!(i64);
@@ -118,6 +117,5 @@ macro_rules! word {
     };
 }
 
-word!(i8, i16);
 word!(i16, i32);
 word!(i32, i64);

@@ -8,7 +8,7 @@
 //! here; everything between texel and pixel is a stage of `roughxel-core`.
 //!
 //! [`raster`] finds the visible fragments, [`plan`] says which stages each object needs, `prepare` has the maps and
-//! constants of the objects, `tile` asks for what is visible, `batch` takes what waits through the blocks.
+//! constants of the objects, `tile` asks for what is visible, `batch` takes what waits through the stages.
 
 mod batch;
 mod capture;

@@ -13,7 +13,7 @@ pub type NodeId = u32;
 pub enum Kind {
     /// One bit.
     Flag,
-    /// Two's complement of so many bits, 8 to 64.
+    /// Two's complement of so many bits, 16 to 64.
     Wire(u32),
 }
 

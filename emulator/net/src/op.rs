@@ -23,7 +23,7 @@ use leading_zeros::LeadingZeros;
 use logic::{And, Not, Or, Select, Xor};
 use lookup::Lookup;
 use operation::Operation;
-use same::{Claim, Narrow, Widen};
+use same::{Claim, Resized};
 use shift::{Sar, SarBy, Shl, ShlBy};
 
 /// Asks an operation, whichever it is.
@@ -46,8 +46,8 @@ macro_rules! ask {
             Op::Lt(a, b) => ask!(@ Lt(a, b), $operation => $question),
             Op::Select(flag, a, b) => ask!(@ Select(flag, a, b), $operation => $question),
             Op::LeadingZeros(a) => ask!(@ LeadingZeros(a), $operation => $question),
-            Op::Widen(a) => ask!(@ Widen(a), $operation => $question),
-            Op::Narrow(a) => ask!(@ Narrow(a), $operation => $question),
+            Op::Widen(a) => ask!(@ Resized(a), $operation => $question),
+            Op::Narrow(a) => ask!(@ Resized(a), $operation => $question),
             Op::Lookup(index, table) => ask!(@ Lookup(index, table), $operation => $question),
             Op::Claim { of, low, high, .. } => ask!(@ Claim { of, low, high }, $operation => $question),
         }

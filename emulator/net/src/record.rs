@@ -20,11 +20,11 @@ use roughxel_core::word::{WideWire, Wire, Word};
 use super::evaluate::apply_exactly;
 use super::graph::{Kind, Net, Node, NodeId, Op, Port, Run, Table, Tap};
 
-/// A wire of so many bits in the recorded reading: 8, 16 or 32 are words, of which twice the bits are the wide companion.
+/// A wire of so many bits in the recorded reading: 16 or 32 are words, of which twice the bits are the wide companion.
 #[derive(Clone, Copy, Debug)]
 pub struct NetWire<const BITS: u32>(NodeId);
 
-/// What controls in the recorded reading, and the word of the profiles that keep more than fits 16 bits.
+/// What controls in the recorded reading, and the word of every profile.
 pub type NetWord = NetWire<32>;
 
 /// A flag of the recorded reading.
@@ -267,7 +267,6 @@ macro_rules! word {
     };
 }
 
-word!(8, 16, i8);
 word!(16, 32, i16);
 word!(32, 64, i32);
 

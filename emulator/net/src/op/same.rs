@@ -7,28 +7,10 @@ use crate::range::Exact;
 use crate::verilog::body::Body;
 use crate::verilog::value::Value;
 
-/// A word as a wide wire.
-pub(super) struct Widen(pub NodeId);
+/// A word as a wide wire, or a wide wire as a word: bits of the operand.
+pub(super) struct Resized(pub NodeId);
 
-impl Operation for Widen {
-    fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
-        operand(self.0).into()
-    }
-    fn range(&self, known: &mut Known, _: NodeId) -> Exact {
-        known.range(self.0)
-    }
-    fn wiring(&self, body: &Body, _: NodeId) -> Option<Value> {
-        Some(Value::Bits(body.view(self.0)?))
-    }
-    fn reads(&self, _: &Body, bits: u128, _: u32, _: u32) -> Vec<(NodeId, u128)> {
-        vec![(self.0, bits)]
-    }
-}
-
-/// A wide wire as a word.
-pub(super) struct Narrow(pub NodeId);
-
-impl Operation for Narrow {
+impl Operation for Resized {
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         operand(self.0).into()
     }
