@@ -50,4 +50,5 @@ pub mod soft_core;
 pub mod staged;
 pub mod stage;
 pub mod status;
+pub mod width;
 pub mod word;

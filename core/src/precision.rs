@@ -194,6 +194,11 @@ impl Precision {
         }
     }
 
+    /// Bits of a word: 16 where no operand keeps more than 14 fraction bits, which with sign and integer bit is such a word, else 32.
+    pub const fn word_bits(&self) -> u32 {
+        if self.fraction_bits <= 14 { 16 } else { 32 }
+    }
+
     /// Fraction bits of an offset or a roughness: two fewer than a mantissa, for they reach ±8.
     pub const fn offset_bits(&self) -> u32 {
         self.fraction_bits - 2

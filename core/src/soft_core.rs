@@ -1,6 +1,7 @@
 //! The datapaths in the scalar reading, from `fixed` ports to `fixed` ports: what a soft core or a host calls. Each is compiled once,
 //! here, for all who call it.
 
+use crate::bundle::Value;
 use crate::datapath;
 use crate::fx::Fx;
 use crate::plan::{PeakPlan, ReflectionPlan, SurfacePlan};
@@ -12,6 +13,7 @@ use crate::precision::Precision;
 use crate::scalar::Scalar;
 use crate::signals::MapScale;
 use crate::stage::texture::TextureScale;
+use crate::width::on_words;
 
 /// Constants of a map of `size` texels for [`TextureIn::footprint`]; edges are read as 1…16384.
 ///
@@ -37,7 +39,8 @@ pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>)
 
 /// The scale of an environment whose faces have `edge` texels, read as 1…16384.
 pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
-    datapath::map_scale(Fx::from_raw(i32::from(edge)), p)
+    let edge = &Value(Fx::from_raw(i32::from(edge)));
+    on_words!(p, |edge| datapath::map_scale(edge.0, p))
 }
 
 /// The reflection datapath with the outcomes of all its stages, on an environment of that scale.
@@ -47,22 +50,22 @@ pub fn reflection(
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> datapath::Reflection<Scalar> {
-    datapath::reflection(input, map, plan, p)
+    on_words!(p, |input, map| datapath::reflection(input, map, plan, p))
 }
 
 /// The reflection datapath from ports to ports.
 pub fn fragment(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
-    datapath::fragment(input, plan, p)
+    on_words!(p, |input| datapath::fragment(input, plan, p))
 }
 
 /// The highlight datapath from ports to ports.
 pub fn highlight(input: &HighlightInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> HighlightOutput<Scalar> {
-    datapath::leave_highlight(&datapath::lit_surface(input, plan, p))
+    on_words!(p, |input| datapath::leave_highlight(&datapath::lit_surface(input, plan, p)))
 }
 
 /// One light on one peak from ports to ports.
 pub fn lit_peak(input: &PeakInput<Scalar>, plan: &PeakPlan, p: &Precision) -> PeakOutput<Scalar> {
-    datapath::lit_peak(input, plan, p)
+    on_words!(p, |input| datapath::lit_peak(input, plan, p))
 }
 
 impl ReflectionIn {
@@ -79,7 +82,8 @@ impl TextureIn {
         scale: &(TextureScale<Scalar>, MapScale<Scalar>),
         p: &Precision,
     ) -> datapath::TextureFootprint<Scalar> {
-        datapath::texture_footprint(&self.duv.wires(), &scale.0, &scale.1, p)
+        let (duv, (texture, map)) = (&self.duv.wires(), scale);
+        on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p))
     }
 }
 

@@ -1,0 +1,98 @@
+//! Words as wide as the accuracy needs: a profile of at most 14 kept bits runs on words of 16 bits, any other on words of 32.
+//!
+//! Ports, maps and frames hold mantissas on words of 32 bits whatever the profile. [`on_words!`](crate::on_words!) calls a function of
+//! the composer on words of the profile's width with those as its input, and gives back what it makes of them as words of 32
+//! bits; who calls does not know which. What controls is the same on both.
+
+use crate::bundle::{Bundle, Rewire};
+use crate::rom::upper;
+
+/// The upper half of every word, rounded to nearest, ties up; what would round up beyond the largest word stays that. Numbers that words
+/// of 16 bits have made, and [`widened`], are exact.
+#[inline(always)]
+pub fn narrowed<B: Bundle<i32>>(bundle: &B) -> B::In<i16> {
+    bundle.rewire(&mut Narrowed)
+}
+
+/// The same numbers on words of 32 bits: 16 zeros behind each.
+#[inline(always)]
+pub fn widened<B: Bundle<i16>>(bundle: &B) -> B::In<i32> {
+    bundle.rewire(&mut Widened)
+}
+
+/// `on_words!(p, |input, …| body)`: the bundle that `body`, a function of the composer, makes of bundles of the scalar reading, on words of
+/// the profile's width.
+#[macro_export]
+macro_rules! on_words {
+    ($p:expr, |$($input:ident),*| $body:expr) => {
+        if $p.word_bits() == 16 {
+            $(let $input = &$crate::width::narrowed($input);)*
+            $crate::width::widened(&$body)
+        } else {
+            $body
+        }
+    };
+}
+pub use crate::on_words;
+
+struct Narrowed;
+
+impl Rewire<i32, i16> for Narrowed {
+    #[inline(always)]
+    fn word(&mut self, wire: i32, _: u32) -> i16 {
+        const LARGEST: i32 = i32::MAX - (1 << 15);
+        upper(wire.min(LARGEST), 16) as i16
+    }
+    #[inline(always)]
+    fn control(&mut self, wire: i32, _: u32) -> i32 {
+        wire
+    }
+    #[inline(always)]
+    fn wide(&mut self, wire: i64, _: u32) -> i64 {
+        wire
+    }
+    #[inline(always)]
+    fn flag(&mut self, wire: bool) -> bool {
+        wire
+    }
+}
+
+struct Widened;
+
+impl Rewire<i16, i32> for Widened {
+    #[inline(always)]
+    fn word(&mut self, wire: i16, _: u32) -> i32 {
+        i32::from(wire) << 16
+    }
+    #[inline(always)]
+    fn control(&mut self, wire: i32, _: u32) -> i32 {
+        wire
+    }
+    #[inline(always)]
+    fn wide(&mut self, wire: i64, _: u32) -> i64 {
+        wire
+    }
+    #[inline(always)]
+    fn flag(&mut self, wire: bool) -> bool {
+        wire
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{narrowed, widened};
+    use crate::fx::Fx;
+
+    #[test]
+    fn words_are_rounded_to_their_upper_halves() {
+        let half = |raw: i32| narrowed(&Fx::<i32, 2>::from_raw(raw)).raw();
+        for word in i16::MIN..=i16::MAX {
+            assert_eq!(half(widened(&Fx::<i16, 2>::from_raw(word)).raw()), word);
+        }
+        assert_eq!([0x7fff, 0x8000, -0x8000, -0x8001].map(half), [0, 1, 0, -1]);
+        assert_eq!(
+            [i32::MAX, i32::MAX - 0x8000, i32::MAX - 0x1_8000, i32::MIN].map(half),
+            [i16::MAX, i16::MAX, i16::MAX - 1, i16::MIN]
+        );
+    }
+}
