@@ -13,10 +13,12 @@ use super::vectors::{Table, vectors};
 type Word = __m256i;
 type Wide = [__m256i; 2];
 type Flag = __m256i;
+type Short = __m256i;
+type ShortFlag = __m256i;
 
 vectors! {
     /// x86-64-v3: vectors of 256 bits.
-    Avx2: Proof, as_avx2, 8 lanes of Word, Wide, Flag;
+    Avx2: Proof, as_avx2, 8 lanes of Word, Wide, Flag, Short, ShortFlag;
 
     to {
         fn words(t, lanes: [i32; 8]) -> Word { let v: i32x8<Proof> = lanes.simd_into(t); v.into() }
@@ -43,6 +45,7 @@ vectors! {
     all {
         fn splat(t, value: i32) -> Word { _mm256_set1_epi32(value) }
         fn splat_wide(t, value: i64) -> Wide { [_mm256_set1_epi64x(value); 2] }
+        fn splat_short(t, value: i16) -> Short { _mm256_set1_epi16(value) }
     }
 
     fn not(t, a: Flag) -> Flag { _mm256_xor_si256(a, _mm256_set1_epi32(-1)) }
@@ -133,6 +136,49 @@ vectors! {
         _mm256_blend_epi32::<0xaa>(even, odd)
     }
     fn high(t, a: Wide) -> Word { _mm256_blend_epi32::<0xaa>(_mm256_srli_epi64::<32>(a[0]), a[1]) }
+
+    fn not_short(t, a: ShortFlag) -> ShortFlag { not(t, a) }
+    fn both_short(t, a: ShortFlag, b: ShortFlag) -> ShortFlag { both(t, a, b) }
+    fn either_short(t, a: ShortFlag, b: ShortFlag) -> ShortFlag { either(t, a, b) }
+    fn add_short(t, a: Short, b: Short) -> Short { _mm256_add_epi16(a, b) }
+    fn sub_short(t, a: Short, b: Short) -> Short { _mm256_sub_epi16(a, b) }
+    fn and_short(t, a: Short, b: Short) -> Short { and(t, a, b) }
+    fn or_short(t, a: Short, b: Short) -> Short { or(t, a, b) }
+    fn xor_short(t, a: Short, b: Short) -> Short { xor(t, a, b) }
+    fn shl_short(t, a: Short, k: u32) -> Short { _mm256_sll_epi16(a, count(t, k & 15)) }
+    fn sar_short(t, a: Short, k: u32) -> Short { _mm256_sra_epi16(a, count(t, k & 15)) }
+    fn shl_short_by(t, a: Short, even: Word, odd: Word) -> Short {
+        let most = _mm256_set1_epi32(15);
+        let odd = _mm256_sllv_epi32(odd_high(t, a), _mm256_and_si256(odd, most));
+        _mm256_blend_epi16::<0xaa>(_mm256_sllv_epi32(a, _mm256_and_si256(even, most)), odd)
+    }
+    fn sar_short_by(t, a: Short, even: Word, odd: Word) -> Short {
+        let most = _mm256_set1_epi32(15);
+        let even = _mm256_srav_epi32(even_high(t, a), _mm256_and_si256(even, most));
+        short_high(t, even, _mm256_srav_epi32(a, _mm256_and_si256(odd, most)))
+    }
+    fn lt_short(t, a: Short, b: Short) -> ShortFlag { _mm256_cmpgt_epi16(b, a) }
+    fn select_short(t, f: ShortFlag, a: Short, b: Short) -> Short { _mm256_blendv_epi8(b, a, f) }
+    fn even_flags(t, f: ShortFlag) -> Flag { even(t, f) }
+    fn odd_flags(t, f: ShortFlag) -> Flag { odd(t, f) }
+    fn short_flags(t, even: Flag, odd: Flag) -> ShortFlag { _mm256_blend_epi16::<0xaa>(even, odd) }
+    // Beside a zero a product is alone in its sum.
+    fn mul_even(t, a: Short, b: Short) -> Word { _mm256_madd_epi16(_mm256_and_si256(a, _mm256_set1_epi32(0xffff)), b) }
+    fn mul_odd(t, a: Short, b: Short) -> Word { _mm256_madd_epi16(odd_high(t, a), b) }
+    fn even(t, a: Short) -> Word { _mm256_srai_epi32::<16>(_mm256_slli_epi32::<16>(a)) }
+    fn odd(t, a: Short) -> Word { _mm256_srai_epi32::<16>(a) }
+    fn even_high(t, a: Short) -> Word { _mm256_slli_epi32::<16>(a) }
+    fn odd_high(t, a: Short) -> Word { _mm256_and_si256(a, _mm256_set1_epi32(-1 << 16)) }
+    fn short(t, even: Word, odd: Word) -> Short { _mm256_blend_epi16::<0xaa>(even, _mm256_slli_epi32::<16>(odd)) }
+    fn short_high(t, even: Word, odd: Word) -> Short { _mm256_blend_epi16::<0xaa>(_mm256_srli_epi32::<16>(even), odd) }
+    fn round_short_low(t, even: Word, odd: Word, drop: u32, up: u32) -> Short {
+        let half = _mm256_set1_epi32(1 << (drop + up - 1));
+        let even = _mm256_srl_epi32(_mm256_add_epi32(even, half), count(t, drop));
+        let odd = _mm256_sll_epi32(_mm256_add_epi32(odd, half), count(t, 16 - drop));
+        _mm256_blend_epi16::<0xaa>(even, odd)
+    }
+    // (a·2^(15 − drop) + 2^14)/2^15 is one instruction, with room for the sum.
+    fn round_short(t, a: Short, drop: u32) -> Short { _mm256_mulhrs_epi16(a, _mm256_set1_epi16(1 << (15 - drop))) }
 }
 
 fearless_simd::kernel! {

@@ -12,6 +12,8 @@ use super::vectors::{Table, vectors};
 
 type Word = __m512i;
 type Wide = [__m512i; 2];
+type Short = __m512i;
+type ShortFlag = __mmask32;
 
 /// All lanes of a flag, and its even and its odd lanes. Were it a few bytes, it would be taken for one integer and
 /// packed and unpacked at every use.
@@ -25,7 +27,7 @@ pub struct Flag {
 
 vectors! {
     /// AVX-512 of Ice Lake and later: vectors of 512 bits, masks, leading zeros.
-    Avx512: Proof, as_avx512, 16 lanes of Word, Wide, Flag;
+    Avx512: Proof, as_avx512, 16 lanes of Word, Wide, Flag, Short, ShortFlag;
 
     to {
         fn words(t, lanes: [i32; 16]) -> Word { let v: i32x16<Proof> = lanes.simd_into(t); v.into() }
@@ -52,6 +54,7 @@ vectors! {
     all {
         fn splat(t, value: i32) -> Word { _mm512_set1_epi32(value) }
         fn splat_wide(t, value: i64) -> Wide { [_mm512_set1_epi64(value); 2] }
+        fn splat_short(t, value: i16) -> Short { _mm512_set1_epi16(value) }
     }
 
     fn not(t, a: Flag) -> Flag { Flag { all: !a.all, even: !a.even, odd: !a.odd } }
@@ -145,6 +148,58 @@ vectors! {
         _mm512_mask_blend_epi32(0xaaaa, even, _mm512_sllv_epi64(_mm512_add_epi64(a[1], half), left))
     }
     fn high(t, a: Wide) -> Word { _mm512_mask_blend_epi32(0xaaaa, _mm512_srli_epi64::<32>(a[0]), a[1]) }
+
+    fn not_short(t, a: ShortFlag) -> ShortFlag { !a }
+    fn both_short(t, a: ShortFlag, b: ShortFlag) -> ShortFlag { a & b }
+    fn either_short(t, a: ShortFlag, b: ShortFlag) -> ShortFlag { a | b }
+    fn add_short(t, a: Short, b: Short) -> Short { _mm512_add_epi16(a, b) }
+    fn sub_short(t, a: Short, b: Short) -> Short { _mm512_sub_epi16(a, b) }
+    fn and_short(t, a: Short, b: Short) -> Short { and(t, a, b) }
+    fn or_short(t, a: Short, b: Short) -> Short { or(t, a, b) }
+    fn xor_short(t, a: Short, b: Short) -> Short { xor(t, a, b) }
+    fn shl_short(t, a: Short, k: u32) -> Short { _mm512_sllv_epi16(a, _mm512_set1_epi16((k & 15) as i16)) }
+    fn sar_short(t, a: Short, k: u32) -> Short { _mm512_srav_epi16(a, _mm512_set1_epi16((k & 15) as i16)) }
+    fn shl_short_by(t, a: Short, even: Word, odd: Word) -> Short { _mm512_sllv_epi16(a, short_counts(t, even, odd)) }
+    fn sar_short_by(t, a: Short, even: Word, odd: Word) -> Short { _mm512_srav_epi16(a, short_counts(t, even, odd)) }
+    fn lt_short(t, a: Short, b: Short) -> ShortFlag { _mm512_cmplt_epi16_mask(a, b) }
+    fn select_short(t, f: ShortFlag, a: Short, b: Short) -> Short { _mm512_mask_blend_epi16(f, b, a) }
+    fn even_flags(t, f: ShortFlag) -> Flag {
+        of_all(t, _mm512_test_epi32_mask(_mm512_movm_epi16(f), _mm512_set1_epi32(1)))
+    }
+    fn odd_flags(t, f: ShortFlag) -> Flag { of_all(t, _mm512_movepi32_mask(_mm512_movm_epi16(f))) }
+    fn short_flags(t, even: Flag, odd: Flag) -> ShortFlag {
+        let (even, odd) = (_mm512_movm_epi32(even.all), _mm512_movm_epi32(odd.all));
+        _mm512_movepi16_mask(_mm512_mask_blend_epi16(0xaaaa_aaaa, even, odd))
+    }
+    // Beside a zero a product is alone in its sum.
+    fn mul_even(t, a: Short, b: Short) -> Word { _mm512_madd_epi16(_mm512_and_si512(a, _mm512_set1_epi32(0xffff)), b) }
+    fn mul_odd(t, a: Short, b: Short) -> Word { _mm512_madd_epi16(odd_high(t, a), b) }
+    fn even(t, a: Short) -> Word { _mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(a)) }
+    fn odd(t, a: Short) -> Word { _mm512_srai_epi32::<16>(a) }
+    fn even_high(t, a: Short) -> Word { _mm512_slli_epi32::<16>(a) }
+    fn odd_high(t, a: Short) -> Word { _mm512_and_si512(a, _mm512_set1_epi32(-1 << 16)) }
+    fn short(t, even: Word, odd: Word) -> Short {
+        _mm512_mask_blend_epi16(0xaaaa_aaaa, even, _mm512_slli_epi32::<16>(odd))
+    }
+    fn short_high(t, even: Word, odd: Word) -> Short {
+        _mm512_mask_blend_epi16(0xaaaa_aaaa, _mm512_srli_epi32::<16>(even), odd)
+    }
+    fn round_short_low(t, even: Word, odd: Word, drop: u32, up: u32) -> Short {
+        let half = _mm512_set1_epi32(1 << (drop + up - 1));
+        let (right, left) = (_mm512_set1_epi32(drop.cast_signed()), _mm512_set1_epi32((16 - drop).cast_signed()));
+        let even = _mm512_srlv_epi32(_mm512_add_epi32(even, half), right);
+        _mm512_mask_blend_epi16(0xaaaa_aaaa, even, _mm512_sllv_epi32(_mm512_add_epi32(odd, half), left))
+    }
+    // (a·2^(15 − drop) + 2^14)/2^15 is one instruction, with room for the sum.
+    fn round_short(t, a: Short, drop: u32) -> Short { _mm512_mulhrs_epi16(a, _mm512_set1_epi16(1 << (15 - drop))) }
+}
+
+fearless_simd::kernel! {
+    /// Shift counts of words of 16 bits.
+    #[inline(always)]
+    fn short_counts(t: Avx512, even: Word, odd: Word) -> Short {
+        _mm512_and_si512(short(t, even, odd), _mm512_set1_epi16(15))
+    }
 }
 
 fearless_simd::kernel! {

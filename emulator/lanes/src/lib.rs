@@ -20,6 +20,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod batch;
+mod narrow;
 mod peak_list;
 mod reading;
 mod target;
@@ -35,6 +36,7 @@ use roughxel_core::word::{WideWire, Wire, Word};
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
+pub use narrow::{Halves, NARROW_LANES, NarrowFlags, NarrowLanes};
 pub use peak_list::{PackedPeak, PeakList};
 pub use reading::{Footprint, Reading, Reflecting};
 pub use target::{InstructionSet, Target};

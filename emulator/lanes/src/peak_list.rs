@@ -8,8 +8,10 @@ use roughxel_core::precision::Precision;
 use roughxel_core::signals::LocalDirection;
 use roughxel_core::word::Wire;
 
-use super::batch::spread;
-use super::{LANES, Lanes, Target};
+use super::batch::{Side, spread};
+use super::target::Target;
+use super::vectors::Vectors;
+use super::{LANES, Lanes, NARROW_LANES};
 
 /// Words of a [`PackedPeak`].
 const WORDS: usize = 3;
@@ -37,7 +39,7 @@ impl PackedPeak {
 /// A list of peaks, word by word, so that lanes load a word of sixteen peaks at once.
 #[derive(Clone, Debug, Default)]
 pub struct PeakList {
-    /// Of one length: that of the list, rounded up to a group of lanes at least.
+    /// Of one length: that of the list, rounded up to the larger group of lanes at least.
     words: [Vec<i32>; WORDS],
     /// As many words, or none: every peak counts whole.
     weights: Vec<i32>,
@@ -88,7 +90,7 @@ impl PeakList {
     }
 
     fn room(&self) -> usize {
-        self.len.next_multiple_of(LANES)
+        self.len.next_multiple_of(NARROW_LANES)
     }
 }
 
@@ -96,26 +98,31 @@ impl PeakList {
 const WHOLE: i32 = 1 << (32 - SHARE);
 
 /// Adds the light of every peak to `lights`, in their order.
-pub(super) fn lights<T: Target>(
+pub(super) fn lights<W: Side<PARTS>, const PARTS: usize>(
     half: &LocalDirection<i32>,
     peaks: &PeakList,
     p: &Precision,
     lights: &mut Vec<Control<i32, LIGHT>>,
 ) {
     let before = lights.len();
-    lights.resize(before + peaks.room(), Fx::zero());
+    lights.resize(before + peaks.len.next_multiple_of(PARTS * LANES), Fx::zero());
     let (rows, _) = lights[before..].as_chunks_mut::<LANES>();
-    T::run(
+    let (groups, _) = rows.as_chunks_mut::<PARTS>();
+    W::Set::run(
         #[inline(always)]
         || {
-            let proof = T::proof();
-            let half = spread::<T, _>(half);
+            let proof = W::Set::proof();
+            let half = spread::<W, _, _>(half);
             // What lies behind the last peak is cut off below.
-            for (group, row) in rows.iter_mut().enumerate() {
-                let load = |word: &[i32]| Lanes(proof.words(word.as_chunks().0[group]), proof);
+            for (group, rows) in groups.iter_mut().enumerate() {
+                let load = |word: &[i32]| {
+                    let parts: &[[i32; LANES]; PARTS] = &word.as_chunks().0.as_chunks().0[group];
+                    W::of_counts(each!(part in *parts => Lanes(proof.words(part), proof)))
+                };
                 let words = each!(word in places() => Fx::from_raw(load(&peaks.words[word])));
                 let weight = if peaks.weights.is_empty() { Wire::lit(WHOLE.into()) } else { load(&peaks.weights) };
-                *row = each!(light in datapath::packed_peak(&half, words, Fx::from_raw(weight), p).raw().lanes() => Fx::from_raw(light));
+                let light = datapath::packed_peak::<W>(&half, words, Fx::from_raw(weight), p);
+                *rows = each!(part in W::counts(light.raw()) => each!(light in part.lanes() => Fx::from_raw(light)));
             }
         },
     );

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use roughxel_core::bundle;
+use roughxel_core::bundle::{Value, bundle};
 use roughxel_core::datapath::{self, Reflection, Surface};
 use roughxel_core::design::Form;
 use roughxel_core::fx::Control;
@@ -12,13 +12,14 @@ use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes};
 use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
 
 use super::batch::{map, spread};
 use super::peak_list::{self, PeakList};
 use super::target::InstructionSet;
 #[cfg(target_arch = "x86_64")]
-use super::{Avx2, Avx512};
+use super::{Avx2, Avx512, Lanes, NarrowLanes};
 
 /// Peaks that are worth a group of lanes, at least. With four of them in lanes unfiltered frames take 0.92 (`denim-plane`) and 0.99
 /// (`cylinders-plane`) of the time with AVX-512, but 1.05 and 1.17 with AVX2.
@@ -63,29 +64,37 @@ pub enum Reading {
     Lanes(InstructionSet),
 }
 
-/// What a part of the datapath makes of every input: `$body` in the scalar reading, or in lanes with what is the same for all
-/// fragments spread over them.
+/// What a part of the datapath makes of every input: `$body` on words of the profile's width, in the scalar reading, or in lanes with
+/// what is the same for all fragments spread over them.
 macro_rules! each_fragment {
-    ($reading:expr, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
-        match $reading {
+    ($reading:expr, $p:expr, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
+        match ($reading, $p.word_bits()) {
             #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx2) => {
-                each_fragment!(@lanes Avx2, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+            (Self::Lanes(InstructionSet::Avx2), 16) => {
+                each_fragment!(@lanes NarrowLanes<Avx2>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx512) => {
-                each_fragment!(@lanes Avx512, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+            (Self::Lanes(InstructionSet::Avx2), _) => {
+                each_fragment!(@lanes Lanes<Avx2>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
-            _ => $results.extend($inputs.iter().map(|$input| $body)),
+            #[cfg(target_arch = "x86_64")]
+            (Self::Lanes(InstructionSet::Avx512), 16) => {
+                each_fragment!(@lanes NarrowLanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Self::Lanes(InstructionSet::Avx512), _) => {
+                each_fragment!(@lanes Lanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+            }
+            _ => $results.extend($inputs.iter().map(|$input| on_words!($p, |$input $(, $same)*| $body))),
         }
     };
-    (@lanes $set:ident, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
-        map::<$set, _, _, { words::<$in>() }, { words::<$out>() }>(
+    (@lanes $lanes:ty, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
+        map::<$lanes, _, _, _, { words::<$in>() }, { words::<$out>() }>(
             $inputs,
             $results,
             #[inline(always)]
             |$input| {
-                $(let $same = &spread::<$set, _>($same);)*
+                $(let $same = &spread::<$lanes, _, _>($same);)*
                 $body
             },
         )
@@ -113,7 +122,7 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Reflection<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input: ReflectionInput<i32>, scale => Reflection<i32>| {
+        each_fragment!(self, p, inputs, &mut results, |input: ReflectionInput<i32>, scale => Reflection<i32>| {
             datapath::reflection(input, scale, plan, p)
         });
         results
@@ -128,7 +137,7 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input: ReflectionInput<i32>, scale => Footprint<i32>| {
+        each_fragment!(self, p, inputs, &mut results, |input: ReflectionInput<i32>, scale => Footprint<i32>| {
             Footprint::of(&datapath::reflection(input, scale, plan, p))
         });
         results
@@ -137,7 +146,7 @@ impl Reading {
     /// The surface of every fragment, in their order.
     pub fn surfaces(self, inputs: &[SurfaceInput<i32>], plan: &SurfacePlan, p: &Precision) -> Vec<Surface<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input: SurfaceInput<i32> => Surface<i32>| {
+        each_fragment!(self, p, inputs, &mut results, |input: SurfaceInput<i32> => Surface<i32>| {
             datapath::surface(input, plan, p)
         });
         results
@@ -152,7 +161,7 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, inputs, &mut results, |input: Reflecting<i32>, scale => Footprint<i32>| {
+        each_fragment!(self, p, inputs, &mut results, |input: Reflecting<i32>, scale => Footprint<i32>| {
             let Reflecting { surface, dview, dnormal } = input;
             Footprint::of(&datapath::reflection_of(surface, [dview, dnormal], scale, plan, p))
         });
@@ -167,7 +176,7 @@ impl Reading {
         p: &Precision,
         probes: &mut Vec<Probes<i32>>,
     ) {
-        each_fragment!(self, derivatives, probes, |duv: [PortBlock<i32, 2>; 2], texture, scale => Probes<i32>| {
+        each_fragment!(self, p, derivatives, probes, |duv: [PortBlock<i32, 2>; 2], texture, scale => Probes<i32>| {
             datapath::texture_footprint(duv, texture, scale, p).probes
         });
     }
@@ -180,16 +189,28 @@ impl Reading {
         p: &Precision,
         lights: &mut Vec<Control<i32, LIGHT>>,
     ) {
-        match self {
+        match (self, p.word_bits()) {
             #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx2) if peaks.len() >= FEW => {
-                peak_list::lights::<Avx2>(half, peaks, p, lights);
+            (Self::Lanes(InstructionSet::Avx2), 16) if peaks.len() >= FEW => {
+                peak_list::lights::<NarrowLanes<Avx2>, _>(half, peaks, p, lights);
             }
             #[cfg(target_arch = "x86_64")]
-            Self::Lanes(InstructionSet::Avx512) if peaks.len() >= FEW => {
-                peak_list::lights::<Avx512>(half, peaks, p, lights);
+            (Self::Lanes(InstructionSet::Avx2), _) if peaks.len() >= FEW => {
+                peak_list::lights::<Lanes<Avx2>, _>(half, peaks, p, lights);
             }
-            _ => lights.extend(peaks.iter().map(|(words, weight)| datapath::packed_peak(half, words, weight, p))),
+            #[cfg(target_arch = "x86_64")]
+            (Self::Lanes(InstructionSet::Avx512), 16) if peaks.len() >= FEW => {
+                peak_list::lights::<NarrowLanes<Avx512>, _>(half, peaks, p, lights);
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Self::Lanes(InstructionSet::Avx512), _) if peaks.len() >= FEW => {
+                peak_list::lights::<Lanes<Avx512>, _>(half, peaks, p, lights);
+            }
+            _ => lights.extend(
+                peaks
+                    .iter()
+                    .map(|(words, weight)| on_words!(p, |half| Value(datapath::packed_peak(half, words, weight, p))).0),
+            ),
         }
     }
 }

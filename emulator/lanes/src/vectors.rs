@@ -10,7 +10,7 @@ pub(crate) type Table = &'static [i32];
 macro_rules! vectors_trait {
     ($($name:ident($($a:ident: $ty:ident),*) -> $out:ident;)*) => {
         /// The operations of [`Wire`](roughxel_core::word::Wire) and [`Word`](roughxel_core::word::Word); those of wide wires
-        /// are called `_wide`. A value proves that the machine has the instruction set.
+        /// are called `_wide`, those of words of 16 bits `_short`. A value proves that the machine has the instruction set.
         pub trait Vectors: Copy + Debug + Send + Sync + 'static {
             /// Words.
             type Words: Copy + Debug;
@@ -18,6 +18,10 @@ macro_rules! vectors_trait {
             type Wides: Copy + Debug;
             /// Flags.
             type Flags: Copy + Debug;
+            /// Words of 16 bits, two in the place of each of [`Self::Words`]: the even and the odd lanes of twice as many fragments.
+            type Shorts: Copy + Debug;
+            /// Flags of them.
+            type ShortFlags: Copy + Debug;
 
             /// The proof. Panics where the machine does not have the instruction set.
             fn detect() -> Self;
@@ -32,6 +36,8 @@ macro_rules! vectors_trait {
     (@type Words) => { Self::Words };
     (@type Wides) => { Self::Wides };
     (@type Flags) => { Self::Flags };
+    (@type Shorts) => { Self::Shorts };
+    (@type ShortFlags) => { Self::ShortFlags };
     (@type WordLanes) => { [i32; LANES] };
     (@type WideLanes) => { [i64; LANES] };
     (@type FlagLanes) => { [bool; LANES] };
@@ -80,6 +86,34 @@ vectors_trait! {
     narrow(a: Wides) -> Words;
     high(a: Wides) -> Words;
     round_low(a: Wides, drop: u32, up: u32) -> Words;
+    splat_short(value: i16) -> Shorts;
+    not_short(a: ShortFlags) -> ShortFlags;
+    both_short(a: ShortFlags, b: ShortFlags) -> ShortFlags;
+    either_short(a: ShortFlags, b: ShortFlags) -> ShortFlags;
+    add_short(a: Shorts, b: Shorts) -> Shorts;
+    sub_short(a: Shorts, b: Shorts) -> Shorts;
+    and_short(a: Shorts, b: Shorts) -> Shorts;
+    or_short(a: Shorts, b: Shorts) -> Shorts;
+    xor_short(a: Shorts, b: Shorts) -> Shorts;
+    shl_short(a: Shorts, k: u32) -> Shorts;
+    sar_short(a: Shorts, k: u32) -> Shorts;
+    shl_short_by(a: Shorts, even: Words, odd: Words) -> Shorts;
+    sar_short_by(a: Shorts, even: Words, odd: Words) -> Shorts;
+    lt_short(a: Shorts, b: Shorts) -> ShortFlags;
+    select_short(f: ShortFlags, a: Shorts, b: Shorts) -> Shorts;
+    even_flags(f: ShortFlags) -> Flags;
+    odd_flags(f: ShortFlags) -> Flags;
+    short_flags(even: Flags, odd: Flags) -> ShortFlags;
+    mul_even(a: Shorts, b: Shorts) -> Words;
+    mul_odd(a: Shorts, b: Shorts) -> Words;
+    even(a: Shorts) -> Words;
+    odd(a: Shorts) -> Words;
+    even_high(a: Shorts) -> Words;
+    odd_high(a: Shorts) -> Words;
+    short(even: Words, odd: Words) -> Shorts;
+    short_high(even: Words, odd: Words) -> Shorts;
+    round_short_low(even: Words, odd: Words, drop: u32, up: u32) -> Shorts;
+    round_short(a: Shorts, drop: u32) -> Shorts;
 }
 
 /// Implements [`Vectors`] and [`Target`](super::Target) with the vectors of an instruction set: what is written for one
@@ -88,7 +122,7 @@ vectors_trait! {
 macro_rules! vectors {
     (
         $(#[$doc:meta])*
-        $target:ident: $proof:ident, $detected:ident, $width:literal lanes of $Word:ident, $Wide:ident, $Flag:ident;
+        $target:ident: $proof:ident, $detected:ident, $width:literal lanes of $Word:ident, $Wide:ident, $Flag:ident, $Short:ident, $ShortFlag:ident;
         to { $(fn $to:ident($t0:ident, $a0:ident: $lanes0:ty) -> $out0:ident $body0:block)* }
         from { $(fn $from:ident($t1:ident, $a1:ident: $ty1:ident) -> $lanes1:ty $body1:block)* }
         all { $(fn $all:ident($t2:ident, $a2:ident: $ty2:ident) -> $out2:ident $body2:block)* }
@@ -141,6 +175,8 @@ macro_rules! vectors {
             type Words = [$Word; VECTORS];
             type Wides = [$Wide; VECTORS];
             type Flags = [$Flag; VECTORS];
+            type Shorts = [$Short; VECTORS];
+            type ShortFlags = [$ShortFlag; VECTORS];
 
             #[inline(always)]
             fn detect() -> Self {
@@ -185,6 +221,8 @@ macro_rules! vectors {
     (@vectors Word) => { Self::Words };
     (@vectors Wide) => { Self::Wides };
     (@vectors Flag) => { Self::Flags };
+    (@vectors Short) => { Self::Shorts };
+    (@vectors ShortFlag) => { Self::ShortFlags };
     (@vectors u32) => { u32 };
     (@vectors Table) => { Table };
     (@vector u32, $a:ident, $v:ident) => { $a };

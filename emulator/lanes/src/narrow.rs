@@ -1,0 +1,369 @@
+//! Words of 16 bits, for [`NARROW_LANES`] fragments at once: twice as many as of 32 bits in the same vectors.
+//!
+//! What has 32 bits, a wide wire of such words as well as a count, is two wires of [`LANES`] fragments, the even and the odd ones, so
+//! that the operations are those that there are, and a count that comes of a wide wire needs no conversion. A flag is kept
+//! for words and for both halves; the optimiser drops what nobody asks for.
+
+use std::ops::{BitAnd, BitOr, Not};
+
+use roughxel_core::bundle::Bundle;
+use roughxel_core::each::{each, places};
+use roughxel_core::staged::Staged;
+use roughxel_core::word::{WideWire, Wire, Word};
+
+use super::batch::Side;
+use super::{FlagLanes, LANES, Lanes, Target, WideLanes, stage};
+
+/// Fragments side by side on words of 16 bits.
+pub const NARROW_LANES: usize = 2 * LANES;
+
+/// A word of 16 bits of [`NARROW_LANES`] fragments, for the instruction set `T`.
+#[derive(Clone, Copy, Debug)]
+pub struct NarrowLanes<T: Target>(T::Shorts, T);
+
+/// A wire of [`NARROW_LANES`] fragments as two, of the even and of the odd ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Halves<X>([X; 2]);
+
+/// A flag of [`NARROW_LANES`] fragments.
+#[derive(Clone, Copy, Debug)]
+pub struct NarrowFlags<T: Target> {
+    words: T::ShortFlags,
+    halves: [FlagLanes<T>; 2],
+}
+
+impl<T: Target> NarrowLanes<T> {
+    /// The wire with these values, lane 0 first.
+    #[inline(always)]
+    pub fn of(lanes: [i16; NARROW_LANES]) -> Self {
+        Self::narrow(Halves::<Lanes<T>>::of(lanes.map(i32::from)))
+    }
+
+    /// The values, lane 0 first.
+    #[inline(always)]
+    pub fn lanes(self) -> [i16; NARROW_LANES] {
+        self.widen().lanes().map(|lane| lane as i16)
+    }
+
+    /// The upper halves of words of 32 bits.
+    #[inline(always)]
+    fn of_high(Halves([even, odd]): Halves<Lanes<T>>) -> Self {
+        Self(even.1.short_high(even.0, odd.0), even.1)
+    }
+
+    /// The words of 32 bits with these upper halves, zeros behind.
+    #[inline(always)]
+    fn high(self) -> Halves<Lanes<T>> {
+        Halves([Lanes(self.1.even_high(self.0), self.1), Lanes(self.1.odd_high(self.0), self.1)])
+    }
+}
+
+macro_rules! halves {
+    ($lanes:ident, $int:ty) => {
+        impl<T: Target> Halves<$lanes<T>> {
+            /// The wire with these values, lane 0 first.
+            #[inline(always)]
+            pub fn of(lanes: [$int; NARROW_LANES]) -> Self {
+                Self(each!(half in [0, 1] => $lanes::of(each!(i in places() => lanes[2 * i + half]))))
+            }
+
+            /// The values, lane 0 first.
+            #[inline(always)]
+            pub fn lanes(self) -> [$int; NARROW_LANES] {
+                let halves = each!(half in self.0 => half.lanes());
+                each!(i in places() => halves[i % 2][i / 2])
+            }
+        }
+    };
+}
+
+halves!(Lanes, i32);
+halves!(WideLanes, i64);
+
+impl<T: Target> NarrowFlags<T> {
+    /// The flag with these values, lane 0 first.
+    pub fn of(lanes: [bool; NARROW_LANES]) -> Self {
+        Self::of_halves([0, 1].map(|half| FlagLanes::of(core::array::from_fn(|i| lanes[2 * i + half]))))
+    }
+
+    /// The values, lane 0 first.
+    pub fn lanes(self) -> [bool; NARROW_LANES] {
+        let halves = self.halves.map(FlagLanes::lanes);
+        core::array::from_fn(|i| halves[i % 2][i / 2])
+    }
+
+    #[inline(always)]
+    fn of_halves(halves: [FlagLanes<T>; 2]) -> Self {
+        let [even, odd] = halves;
+        Self { words: even.1.short_flags(even.0, odd.0), halves }
+    }
+
+    #[inline(always)]
+    fn of_words(words: T::ShortFlags, proof: T) -> Self {
+        let halves = [FlagLanes(proof.even_flags(words), proof), FlagLanes(proof.odd_flags(words), proof)];
+        Self { words, halves }
+    }
+
+    #[inline(always)]
+    fn proof(self) -> T {
+        self.halves[0].1
+    }
+}
+
+impl<T: Target> Not for NarrowFlags<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self { words: self.proof().not_short(self.words), halves: each!(half in self.halves => !half) }
+    }
+}
+
+impl<T: Target> BitAnd for NarrowFlags<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self {
+            words: self.proof().both_short(self.words, other.words),
+            halves: each!(half in [0, 1] => self.halves[half] & other.halves[half]),
+        }
+    }
+}
+
+impl<T: Target> BitOr for NarrowFlags<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self {
+            words: self.proof().either_short(self.words, other.words),
+            halves: each!(half in [0, 1] => self.halves[half] | other.halves[half]),
+        }
+    }
+}
+
+impl<T: Target, X: Wire<Flag = FlagLanes<T>, Count = Lanes<T>>> Wire for Halves<X> {
+    type Flag = NarrowFlags<T>;
+    type Count = Halves<Lanes<T>>;
+    const BITS: u32 = X::BITS;
+    #[inline(always)]
+    fn lit(value: i64) -> Self {
+        Self([X::lit(value); 2])
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].add(other.0[half])))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].sub(other.0[half])))
+    }
+    #[inline(always)]
+    fn shl(self, k: u32) -> Self {
+        Self(each!(half in self.0 => half.shl(k)))
+    }
+    #[inline(always)]
+    fn sar(self, k: u32) -> Self {
+        Self(each!(half in self.0 => half.sar(k)))
+    }
+    #[inline(always)]
+    fn shl_by(self, k: Self::Count) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].shl_by(k.0[half])))
+    }
+    #[inline(always)]
+    fn sar_by(self, k: Self::Count) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].sar_by(k.0[half])))
+    }
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].and(other.0[half])))
+    }
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].or(other.0[half])))
+    }
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        Self(each!(half in [0, 1] => self.0[half].xor(other.0[half])))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> NarrowFlags<T> {
+        NarrowFlags::of_halves(each!(half in [0, 1] => self.0[half].lt(other.0[half])))
+    }
+    #[inline(always)]
+    fn select(flag: NarrowFlags<T>, a: Self, b: Self) -> Self {
+        Self(each!(half in [0, 1] => X::select(flag.halves[half], a.0[half], b.0[half])))
+    }
+    #[inline(always)]
+    fn leading_zeros(self) -> Self::Count {
+        Halves(each!(half in self.0 => half.leading_zeros()))
+    }
+}
+
+impl<T: Target> Word for Halves<Lanes<T>> {
+    type Wide = Halves<WideLanes<T>>;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self::Wide {
+        Halves(each!(half in [0, 1] => self.0[half].mul(other.0[half])))
+    }
+    #[inline(always)]
+    fn widen(self) -> Self::Wide {
+        Halves(each!(half in self.0 => half.widen()))
+    }
+    #[inline(always)]
+    fn narrow(wide: Self::Wide) -> Self {
+        Self(each!(half in wide.0 => Lanes::narrow(half)))
+    }
+    #[inline(always)]
+    fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
+        Self(each!(half in wide.0 => Lanes::round(half, drop, up)))
+    }
+    #[inline(always)]
+    fn lookup(index: Self, table: &'static [i32]) -> Self {
+        Self(each!(half in index.0 => Lanes::lookup(half, table)))
+    }
+    #[inline(always)]
+    fn to_count(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn of_count(count: Self) -> Self {
+        count
+    }
+}
+
+impl<T: Target> WideWire for Halves<WideLanes<T>> {
+    type Word = Halves<Lanes<T>>;
+}
+
+impl<T: Target> Wire for NarrowLanes<T> {
+    type Flag = NarrowFlags<T>;
+    type Count = Halves<Lanes<T>>;
+    const BITS: u32 = i16::BITS;
+    #[inline(always)]
+    fn lit(value: i64) -> Self {
+        let proof = T::proof();
+        Self(proof.splat_short(value as i16), proof)
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.1.add_short(self.0, other.0), self.1)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.1.sub_short(self.0, other.0), self.1)
+    }
+    #[inline(always)]
+    fn shl(self, k: u32) -> Self {
+        Self(self.1.shl_short(self.0, k), self.1)
+    }
+    #[inline(always)]
+    fn sar(self, k: u32) -> Self {
+        Self(self.1.sar_short(self.0, k), self.1)
+    }
+    #[inline(always)]
+    fn shl_by(self, Halves([even, odd]): Self::Count) -> Self {
+        Self(self.1.shl_short_by(self.0, even.0, odd.0), self.1)
+    }
+    #[inline(always)]
+    fn sar_by(self, Halves([even, odd]): Self::Count) -> Self {
+        Self(self.1.sar_short_by(self.0, even.0, odd.0), self.1)
+    }
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        Self(self.1.and_short(self.0, other.0), self.1)
+    }
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        Self(self.1.or_short(self.0, other.0), self.1)
+    }
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        Self(self.1.xor_short(self.0, other.0), self.1)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> NarrowFlags<T> {
+        NarrowFlags::of_words(self.1.lt_short(self.0, other.0), self.1)
+    }
+    #[inline(always)]
+    fn select(flag: NarrowFlags<T>, a: Self, b: Self) -> Self {
+        Self(a.1.select_short(flag.words, a.0, b.0), a.1)
+    }
+    #[inline(always)]
+    fn leading_zeros(self) -> Self::Count {
+        // In the upper half of a word of 32 bits, with a one behind it.
+        self.high().or(Wire::lit(1 << 15)).leading_zeros()
+    }
+}
+
+impl<T: Target> Word for NarrowLanes<T> {
+    type Wide = Halves<Lanes<T>>;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self::Wide {
+        let (even, odd) = (self.1.mul_even(self.0, other.0), self.1.mul_odd(self.0, other.0));
+        Halves([Lanes(even, self.1), Lanes(odd, self.1)])
+    }
+    #[inline(always)]
+    fn widen(self) -> Self::Wide {
+        Halves([Lanes(self.1.even(self.0), self.1), Lanes(self.1.odd(self.0), self.1)])
+    }
+    #[inline(always)]
+    fn narrow(Halves([even, odd]): Self::Wide) -> Self {
+        Self(even.1.short(even.0, odd.0), even.1)
+    }
+    #[inline(always)]
+    fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
+        if drop > 16 {
+            // The lower half is dropped whole: the rest is done on words, of which a vector holds twice as many.
+            let high = Self::of_high(wide);
+            return Self(high.1.round_short(high.0, drop + up - 16), high.1).shl(up);
+        }
+        // Where a sum wraps, the shift up or the narrowing drops what differs from the exact one.
+        let Halves([even, odd]) = wide;
+        Self(even.1.round_short_low(even.0, odd.0, drop, up), even.1).and(Self::lit(-1 << up))
+    }
+    #[inline(always)]
+    fn lookup(index: Self::Count, table: &'static [i32]) -> Self {
+        Self::round(Halves::lookup(index, table), 16, 0)
+    }
+    #[inline(always)]
+    fn to_count(self) -> Self::Count {
+        self.widen()
+    }
+    #[inline(always)]
+    fn of_count(count: Self::Count) -> Self {
+        Self::narrow(count)
+    }
+}
+
+impl<T: Target> WideWire for Halves<Lanes<T>> {
+    type Word = NarrowLanes<T>;
+}
+
+impl<T: Target> Staged for NarrowLanes<T> {
+    #[inline(always)]
+    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
+        stage::<T, B>(body)
+    }
+}
+
+impl<T: Target> Side<2> for NarrowLanes<T> {
+    type Set = T;
+    #[inline(always)]
+    fn of_mantissas(words: [Lanes<T>; 2]) -> Self {
+        // As `width::narrowed`: what would round up beyond the largest word stays that.
+        let largest = Halves::lit(i64::from(i32::MAX) - (1 << 15));
+        let words = Halves(words);
+        Self::of_high(Halves::select(words.lt(largest), words, largest).add(Wire::lit(1 << 15)))
+    }
+    #[inline(always)]
+    fn mantissas(self) -> [Lanes<T>; 2] {
+        self.high().0
+    }
+    #[inline(always)]
+    fn of_counts(words: [Lanes<T>; 2]) -> Halves<Lanes<T>> {
+        Halves(words)
+    }
+    #[inline(always)]
+    fn counts(count: Halves<Lanes<T>>) -> [Lanes<T>; 2] {
+        count.0
+    }
+}
