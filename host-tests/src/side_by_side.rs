@@ -4,12 +4,14 @@ use roughxel_core::bundle::{Bundle, End, Rewire};
 use roughxel_core::design::{Design, HorizonInput, LocalInput, Recorded, StoredPeakInput, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
+use roughxel_core::staged::Staged;
+use roughxel_core::width::narrowed;
 use roughxel_core::word::{Wire, Word};
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
-use roughxel_emulator::lanes::{FlagLanes, InstructionSet, LANES, Lanes, Target, WideLanes};
+use roughxel_emulator::lanes::{Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
 
-use crate::checked::{Checked, Integers, first_difference};
+use crate::checked::{CheckedWire, Integers, Visible, first_difference};
 use crate::designs::outcome;
 
 /// Inputs of one of the designs that have no fragment of their own.
@@ -33,40 +35,53 @@ impl DesignInput {
         }
     }
 
-    /// Integers of its ports.
-    pub fn ports(&self) -> Vec<i64> {
+    /// Integers of its ports, on words of the profile's width.
+    pub fn ports(&self, p: &Precision) -> Vec<i64> {
+        fn integers<B: Bundle<i32>>(input: &B, p: &Precision) -> Integers {
+            if p.word_bits() == 16 { Integers::of(&narrowed(input)) } else { Integers::of(input) }
+        }
         let integers = match self {
-            Self::Local(input) => Integers::of(input),
-            Self::Peak(input) => Integers::of(input),
-            Self::Horizon(input) => Integers::of(input),
+            Self::Local(input) => integers(input, p),
+            Self::Peak(input) => integers(input, p),
+            Self::Horizon(input) => integers(input, p),
         };
         integers.0.into_iter().map(|(_, value)| value).collect()
     }
 }
 
-/// Runs inputs of one design in every reading.
+/// Runs inputs of one design in every reading, on words of the profile's width.
 ///
 /// # Panics
 /// Where two readings differ, with the first wire that does, or where inputs of different designs are mixed.
 pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
-    for group in inputs.chunks(LANES) {
-        let ports: Vec<Vec<i64>> = group.iter().map(DesignInput::ports).collect();
+    for group in inputs.chunks(NARROW_LANES) {
+        let ports: Vec<Vec<i64>> = group.iter().map(|input| input.ports(p)).collect();
         let design = group[0].design();
         let name = design.name();
         assert!(group.iter().all(|input| input.design() == design), "inputs of one design");
-        let scalar: Vec<Integers> = ports.iter().map(|ports| outcome::<i32>(design, ports, &Effects::ALL, p)).collect();
+        let narrow = p.word_bits() == 16;
+        let [scalar, checked] = if narrow {
+            [outcome::<i16>, outcome::<CheckedWire<i16>>]
+        } else {
+            [outcome::<i32>, outcome::<CheckedWire<i32>>]
+        };
+        let scalar: Vec<Integers> = ports.iter().map(|ports| scalar(design, ports, &Effects::ALL, p)).collect();
         for (ports, expected) in ports.iter().zip(&scalar) {
-            let checked = outcome::<Checked>(design, ports, &Effects::ALL, p);
+            let checked = checked(design, ports, &Effects::ALL, p);
             assert_eq!(*expected, checked, "{name} of {ports:?}: {:?}", first_difference(expected, &checked));
         }
         for set in InstructionSet::available() {
-            let lanes = match set {
+            let lanes = match (set, narrow) {
                 #[cfg(target_arch = "x86_64")]
-                InstructionSet::Avx2 => in_lanes::<Avx2>(design, &ports, p),
+                (InstructionSet::Avx2, false) => in_lanes::<Lanes<Avx2>>(design, &ports, p),
                 #[cfg(target_arch = "x86_64")]
-                InstructionSet::Avx512 => in_lanes::<Avx512>(design, &ports, p),
+                (InstructionSet::Avx2, true) => in_lanes::<NarrowLanes<Avx2>>(design, &ports, p),
+                #[cfg(target_arch = "x86_64")]
+                (InstructionSet::Avx512, false) => in_lanes::<Lanes<Avx512>>(design, &ports, p),
+                #[cfg(target_arch = "x86_64")]
+                (InstructionSet::Avx512, true) => in_lanes::<NarrowLanes<Avx512>>(design, &ports, p),
                 #[cfg(not(target_arch = "x86_64"))]
-                set => panic!("{set} is of another machine"),
+                (set, _) => panic!("{set} is of another machine"),
             };
             for ((ports, expected), got) in ports.iter().zip(&scalar).zip(&lanes) {
                 assert_eq!(expected, got, "{set}: {name} of {ports:?}: {:?}", first_difference(expected, got));
@@ -75,26 +90,74 @@ pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
     }
 }
 
-/// The outcome of each of up to [`LANES`] inputs that lie side by side.
-fn in_lanes<T: Target>(design: Design, ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
-    struct Run<'a, T> {
+/// Words of several fragments, into which integers can be put and of which they can be seen.
+trait SideBySide: Staged {
+    /// The instruction set.
+    type Set: Target;
+    /// The word of one fragment.
+    type Scalar: Visible<Flag = bool>;
+    /// Fragments side by side, at most [`NARROW_LANES`].
+    const COUNT: usize;
+    fn of(values: &[i64]) -> Self;
+    fn count_of(values: &[i64]) -> Self::Count;
+    fn wide_of(values: &[i64]) -> <Self::Count as Word>::Wide;
+    fn at(self, lane: usize) -> i64;
+    fn count_at(count: Self::Count, lane: usize) -> i64;
+    fn wide_at(wide: <Self::Count as Word>::Wide, lane: usize) -> i64;
+}
+
+macro_rules! side_by_side {
+    ($words:ty, $scalar:ty, $counts:ty, $wides:ty, $count:expr) => {
+        impl<T: Target> SideBySide for $words {
+            type Set = T;
+            type Scalar = $scalar;
+            const COUNT: usize = $count;
+            fn of(values: &[i64]) -> Self {
+                Self::of(core::array::from_fn(|lane| values[lane] as $scalar))
+            }
+            fn count_of(values: &[i64]) -> $counts {
+                <$counts>::of(core::array::from_fn(|lane| values[lane] as i32))
+            }
+            fn wide_of(values: &[i64]) -> $wides {
+                <$wides>::of(core::array::from_fn(|lane| values[lane]))
+            }
+            fn at(self, lane: usize) -> i64 {
+                self.lanes()[lane].into()
+            }
+            fn count_at(count: $counts, lane: usize) -> i64 {
+                count.lanes()[lane].into()
+            }
+            fn wide_at(wide: $wides, lane: usize) -> i64 {
+                wide.lanes()[lane]
+            }
+        }
+    };
+}
+
+side_by_side!(Lanes<T>, i32, Lanes<T>, WideLanes<T>, LANES);
+side_by_side!(NarrowLanes<T>, i16, Halves<Lanes<T>>, Halves<WideLanes<T>>, NARROW_LANES);
+
+/// The outcome of each of the inputs, as many side by side as there are lanes.
+fn in_lanes<W: SideBySide>(design: Design, ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
+    struct Run<'a, W> {
         ports: &'a [Vec<i64>],
         p: &'a Precision,
-        set: core::marker::PhantomData<T>,
+        words: core::marker::PhantomData<W>,
     }
-    impl<T: Target> Visitor for Run<'_, T> {
+    impl<W: SideBySide> Visitor for Run<'_, W> {
         type Outcome = Vec<Integers>;
         fn visit<D: Recorded>(self) -> Vec<Integers> {
-            let input = D::Input::limit::<i32>(End::Low).rewire(&mut Load { ports: self.ports, next: 0 });
-            let run = T::run(
+            let input = D::Input::limit::<i32>(End::Low).rewire::<W, _>(&mut Load { ports: self.ports, next: 0 });
+            let run = W::Set::run(
                 #[inline(always)]
-                || D::run::<Lanes<T>>(&input, &Effects::ALL, self.p),
+                || D::run::<W>(&input, &Effects::ALL, self.p),
             );
-            let lane = |lane| Integers::of::<i32, _>(&run.rewire::<i32, _>(&mut Lane(lane)));
+            let lane = |lane| Integers::of::<W::Scalar, _>(&run.rewire::<W::Scalar, _>(&mut Lane(lane)));
             (0..self.ports.len()).map(lane).collect()
         }
     }
-    design.visit(Run::<T> { ports, p, set: core::marker::PhantomData })
+    let group = |ports| design.visit(Run::<W> { ports, p, words: core::marker::PhantomData });
+    ports.chunks(W::COUNT).flat_map(group).collect()
 }
 
 /// Puts the ports of several inputs side by side; what is missing repeats the first.
@@ -104,41 +167,43 @@ struct Load<'a> {
 }
 
 impl Load<'_> {
-    fn next(&mut self) -> [i64; LANES] {
+    fn next(&mut self) -> [i64; NARROW_LANES] {
         self.next += 1;
         std::array::from_fn(|lane| self.ports[if lane < self.ports.len() { lane } else { 0 }][self.next - 1])
     }
 }
 
-impl<T: Target> Rewire<i32, Lanes<T>> for Load<'_> {
-    fn word(&mut self, _: i32, _: u32) -> Lanes<T> {
-        Lanes::of(self.next().map(|value| value as i32))
+impl<W: SideBySide> Rewire<i32, W> for Load<'_> {
+    fn word(&mut self, _: i32, _: u32) -> W {
+        W::of(&self.next())
     }
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> Lanes<T> {
-        self.word(wire, fraction_bits)
+    fn control(&mut self, _: i32, _: u32) -> W::Count {
+        W::count_of(&self.next())
     }
-    fn wide(&mut self, _: i64, _: u32) -> WideLanes<T> {
-        WideLanes::of(self.next())
+    fn wide(&mut self, _: i64, _: u32) -> <W::Count as Word>::Wide {
+        W::wide_of(&self.next())
     }
-    fn flag(&mut self, _: bool) -> FlagLanes<T> {
-        Lanes::<T>::lit(0).lt(Lanes::of(self.next().map(|value| value as i32)))
+    fn flag(&mut self, _: bool) -> W::Flag {
+        let count = W::count_of(&self.next());
+        W::Count::lit(0).lt(count)
     }
 }
 
 /// One lane of every wire.
 struct Lane(usize);
 
-impl<T: Target> Rewire<Lanes<T>, i32> for Lane {
-    fn word(&mut self, wire: Lanes<T>, _: u32) -> i32 {
-        wire.lanes()[self.0]
+impl<W: SideBySide> Rewire<W, W::Scalar> for Lane {
+    fn word(&mut self, wire: W, _: u32) -> W::Scalar {
+        Wire::lit(wire.at(self.0))
     }
-    fn control(&mut self, wire: Lanes<T>, fraction_bits: u32) -> i32 {
-        self.word(wire, fraction_bits)
+    fn control(&mut self, wire: W::Count, _: u32) -> <W::Scalar as Wire>::Count {
+        Wire::lit(W::count_at(wire, self.0))
     }
-    fn wide(&mut self, wire: <Lanes<T> as Word>::Wide, _: u32) -> i64 {
-        wire.lanes()[self.0]
+    fn wide(&mut self, wire: <W::Count as Word>::Wide, _: u32) -> <<W::Scalar as Wire>::Count as Word>::Wide {
+        Wire::lit(W::wide_at(wire, self.0))
     }
-    fn flag(&mut self, wire: FlagLanes<T>) -> bool {
-        wire.lanes()[self.0]
+    fn flag(&mut self, wire: W::Flag) -> bool {
+        let count: W::Count = Wire::select(wire, Wire::lit(1), Wire::lit(0));
+        W::count_at(count, self.0) != 0
     }
 }

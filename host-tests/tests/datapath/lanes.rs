@@ -4,21 +4,23 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_core::bundle::{Bundle, Rewire};
+use roughxel_core::bundle::{Bundle, Rewire, Value};
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SHARE};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::{LocalDirection, MapScale, Probes};
-use roughxel_core::soft_core::{environment_scale, texture_scale};
+use roughxel_core::soft_core::{self, environment_scale, texture_scale};
+use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    Footprint, InstructionSet, LANES, Lanes, PackedPeak, PeakList, Reading, Reflecting, Target, WideLanes,
+    Footprint, Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, PackedPeak, PeakList, Reading,
+    Reflecting, Target, WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -26,7 +28,21 @@ use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
-use roughxel_host_tests::space::{plans, profiles, sweep, whole_or};
+use roughxel_host_tests::space::{plans, sweep, whole_or};
+
+/// A profile on words of 16 bits.
+const NARROW: Precision = Precision { fraction_bits: 14, ..Precision::COMPACT };
+
+/// The named profiles, and words of 16 bits with every bit kept and with as few as a profile may.
+fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
+    let narrow = [("narrow", NARROW), ("narrowest", Precision { fraction_bits: 12, ..NARROW })];
+    roughxel_host_tests::space::profiles().into_iter().chain(narrow)
+}
+
+/// A wide wire of words of 16 bits, and a count beside them.
+type NarrowWides<T> = Halves<Lanes<T>>;
+/// A wide wire of such counts.
+type NarrowWideCounts<T> = Halves<WideLanes<T>>;
 
 /// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar reading.
 fn instruction_sets() -> Vec<InstructionSet> {
@@ -66,13 +82,13 @@ fn corner(random: &mut SplitMix64) -> i64 {
 
 /// Every operation that words and wide wires share, on all lanes, beside the scalar reading.
 macro_rules! shared_operations {
-    ($name:ident, $lanes:ident, $int:ty) => {
+    ($name:ident, $count:literal of $lanes:ident, $int:ty, $counts:ident) => {
         fn $name<T: Target>(random: &mut SplitMix64) {
             let mut lane = || core::array::from_fn(|_| corner(random) as $int);
-            let [a, b]: [[$int; LANES]; 2] = [lane(), lane()];
-            let counts: [i32; LANES] = core::array::from_fn(|_| corner(random) as i32);
+            let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
+            let counts: [i32; $count] = core::array::from_fn(|_| corner(random) as i32);
             let (value, k) = (corner(random) as $int, random.below(u64::from(<$int>::BITS)) as u32);
-            let (x, y, n) = ($lanes::<T>::of(a), $lanes::<T>::of(b), Lanes::<T>::of(counts));
+            let (x, y, n) = ($lanes::<T>::of(a), $lanes::<T>::of(b), $counts::<T>::of(counts));
             let (below, positive) = (x.lt(y), $lanes::lit(0).lt(x));
             macro_rules! same {
                 ($lanes_operation:expr, |$i:ident| $scalar:expr) => {
@@ -100,87 +116,73 @@ macro_rules! shared_operations {
             same!(x.xor(y), |i| a[i].xor(b[i]));
             same!(x.lt(y), |i| a[i].lt(b[i]));
             same!(!below, |i| !a[i].lt(b[i]));
-            same!(below & positive, |i| a[i].lt(b[i]) & 0.lt(a[i]));
-            same!(below | positive, |i| a[i].lt(b[i]) | 0.lt(a[i]));
+            same!(below & positive, |i| a[i].lt(b[i]) & <$int>::lit(0).lt(a[i]));
+            same!(below | positive, |i| a[i].lt(b[i]) | <$int>::lit(0).lt(a[i]));
             same!(Wire::select(below, x, y), |i| if a[i].lt(b[i]) { a[i] } else { b[i] });
             same!(x.leading_zeros(), |i| a[i].leading_zeros() as i32);
         }
     };
 }
 
-shared_operations!(operations_of_words_and_wide_wires, Lanes, i32);
-shared_operations!(operations_of_wide_wires, WideLanes, i64);
+shared_operations!(operations_of_words_and_wide_wires, 16 of Lanes, i32, Lanes);
+shared_operations!(operations_of_wide_wires, 16 of WideLanes, i64, Lanes);
+shared_operations!(operations_of_narrow_words_and_wide_wires, 32 of NarrowLanes, i16, NarrowWides);
+shared_operations!(operations_of_narrow_wide_wires_and_counts, 32 of NarrowWides, i32, NarrowWides);
+shared_operations!(operations_of_narrow_wide_counts, 32 of NarrowWideCounts, i64, NarrowWides);
+
+static TABLE: [i32; 1100] = {
+    let mut table = [0; 1100];
+    let mut place = 0;
+    while place < table.len() {
+        table[place] = (place as i32 + 1).wrapping_mul(-0x61c8_8647);
+        place += 1;
+    }
+    table
+};
 
 /// The operations of words alone.
-fn operations_of_words<T: Target>(random: &mut SplitMix64) {
-    static TABLE: [i32; 1100] = {
-        let mut table = [0; 1100];
-        let mut place = 0;
-        while place < table.len() {
-            table[place] = (place as i32 + 1).wrapping_mul(-0x61c8_8647);
-            place += 1;
+macro_rules! operations_of_words {
+    ($name:ident, $count:literal of $words:ident, $int:ty, $wides:ident, $wide:ty, $counts:ident) => {
+        fn $name<T: Target>(random: &mut SplitMix64) {
+            // No whole vector of entries; whole ones; a page of 256 and more.
+            let table = &TABLE[..[5, 32, 77, 192, 256, 257, 768, 1024, 1100][random.below(9) as usize]];
+            let mut lane = || core::array::from_fn(|_| corner(random) as $int);
+            let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
+            let wide: [$wide; $count] = core::array::from_fn(|_| corner(random) as $wide);
+            let places: [i32; $count] = core::array::from_fn(|_| random.below(table.len() as u64 + 40) as i32 - 1);
+            let [x, y] = [a, b].map($words::<T>::of);
+            let (w, place) = ($wides::<T>::of(wide), $counts::<T>::of(places));
+            macro_rules! same {
+                ($operation:expr, $got:expr, |$i:ident| $scalar:expr) => {
+                    let got = T::run(
+                        #[inline(always)]
+                        || $got,
+                    );
+                    for ($i, got) in got.lanes().into_iter().enumerate() {
+                        let operands = (a[$i], b[$i], wide[$i], places[$i]);
+                        assert_eq!(got, $scalar, "{} of {operands:?}", $operation);
+                    }
+                };
+            }
+            same!("mul", x.mul(y), |i| a[i].mul(b[i]));
+            same!("widen", x.widen(), |i| a[i].widen());
+            same!("narrow", $words::<T>::narrow(w), |i| <$int>::narrow(wide[i]));
+            same!("lookup", $words::<T>::lookup(place, table), |i| <$int>::lookup(places[i], table));
+            same!("to_count", x.to_count(), |i| a[i].to_count());
+            same!("of_count", $words::<T>::of_count(place), |i| <$int>::of_count(places[i]));
+            for drop in 1..<$wide>::BITS {
+                for up in (0..<$int>::BITS).take_while(|up| drop + up < <$wide>::BITS) {
+                    let name = format!("round by {drop} + {up}");
+                    same!(name, $words::<T>::round(w, drop, up), |i| <$int>::round(wide[i], drop, up));
+                }
+            }
         }
-        table
     };
-    // No whole vector of entries; whole ones; a page of 256 and more.
-    let table = &TABLE[..[5, 32, 77, 192, 256, 257, 768, 1024, 1100][random.below(9) as usize]];
-    let mut lane = || core::array::from_fn(|_| corner(random) as i32);
-    let [a, b]: [[i32; LANES]; 2] = [lane(), lane()];
-    let wide: [i64; LANES] = core::array::from_fn(|_| corner(random));
-    let places: [i32; LANES] = core::array::from_fn(|_| random.below(table.len() as u64 + 40) as i32 - 1);
-    let [x, y, place] = [a, b, places].map(Lanes::<T>::of);
-    let w = WideLanes::<T>::of(wide);
-    let run = |name: &str, got: [i64; LANES], scalar: &dyn Fn(usize) -> i64| {
-        for (i, got) in got.into_iter().enumerate() {
-            assert_eq!(got, scalar(i), "{name} of {}, {}, {}, {}", a[i], b[i], wide[i], places[i]);
-        }
-    };
-    let of_words = |words: Lanes<T>| words.lanes().map(i64::from);
-    run(
-        "mul",
-        T::run(
-            #[inline(always)]
-            || x.mul(y),
-        )
-        .lanes(),
-        &|i| a[i].mul(b[i]),
-    );
-    run(
-        "widen",
-        T::run(
-            #[inline(always)]
-            || x.widen(),
-        )
-        .lanes(),
-        &|i| a[i].widen(),
-    );
-    run(
-        "narrow",
-        of_words(T::run(
-            #[inline(always)]
-            || Word::narrow(w),
-        )),
-        &|i| i32::narrow(wide[i]).into(),
-    );
-    run(
-        "lookup",
-        of_words(T::run(
-            #[inline(always)]
-            || Word::lookup(place, table),
-        )),
-        &|i| i32::lookup(places[i], table).into(),
-    );
-    for drop in 1..64 {
-        for up in (0..32).take_while(|up| drop + up < 64) {
-            let rounded: Lanes<T> = T::run(
-                #[inline(always)]
-                || Word::round(w, drop, up),
-            );
-            let name = format!("round by {drop} + {up}");
-            run(&name, of_words(rounded), &|i| i32::round(wide[i], drop, up).into());
-        }
-    }
 }
+
+operations_of_words!(operations_of_words, 16 of Lanes, i32, WideLanes, i64, Lanes);
+operations_of_words!(operations_of_narrow_words, 32 of NarrowLanes, i16, NarrowWides, i32, NarrowWides);
+operations_of_words!(operations_of_narrow_counts, 32 of NarrowWides, i32, NarrowWideCounts, i64, NarrowWides);
 
 #[test]
 fn every_operation_gives_the_bits_of_the_scalar_reading() {
@@ -190,6 +192,11 @@ fn every_operation_gives_the_bits_of_the_scalar_reading() {
             check!(set => operations_of_words_and_wide_wires(random));
             check!(set => operations_of_wide_wires(random));
             check!(set => operations_of_words(random));
+            check!(set => operations_of_narrow_words_and_wide_wires(random));
+            check!(set => operations_of_narrow_wide_wires_and_counts(random));
+            check!(set => operations_of_narrow_wide_counts(random));
+            check!(set => operations_of_narrow_words(random));
+            check!(set => operations_of_narrow_counts(random));
         });
     }
 }
@@ -213,6 +220,18 @@ fn leading_zeros_are_those_of_every_word() {
     let upper: Vec<u16> = upper.collect();
     for set in instruction_sets() {
         upper.par_iter().for_each(|&upper| check!(set => leading_zeros_below(upper)));
+        check!(set => leading_zeros_of_narrow_words());
+    }
+}
+
+fn leading_zeros_of_narrow_words<T: Target>() {
+    for first in (0..=u16::MAX).step_by(NARROW_LANES) {
+        let words = core::array::from_fn(|lane| (first + lane as u16) as i16);
+        let zeros = T::run(
+            #[inline(always)]
+            || NarrowLanes::<T>::of(words).leading_zeros(),
+        );
+        assert_eq!(zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
     }
 }
 
@@ -254,7 +273,7 @@ fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
 ///
 /// The surface is made on its own, too, and the reflection of what was made.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
-    let scalar: Vec<_> = inputs.iter().map(|input| datapath::reflection(input, scale, plan, p)).collect();
+    let scalar: Vec<_> = inputs.iter().map(|input| soft_core::reflection(input, scale, plan, p)).collect();
     let surface_inputs: Vec<_> = inputs.iter().map(|input| input.surface).collect();
     for set in InstructionSet::available() {
         let reading = Reading::Lanes(set);
@@ -372,11 +391,12 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
 
 #[test]
 fn batches_of_any_length_come_back_in_order() {
-    let p = Precision::STANDARD;
-    let fragments: Vec<_> = (0..50).map(|index| random_fragment("length", index, &p)).collect();
-    let inputs = wires(&fragments);
-    for length in 0..=inputs.len() {
-        compare(&inputs[..length], &scale_of(&inputs, &p), &ReflectionPlan::FULL, &p);
+    for p in [Precision::STANDARD, NARROW] {
+        let fragments: Vec<_> = (0..100).map(|index| random_fragment("length", index, &p)).collect();
+        let inputs = wires(&fragments);
+        for length in 0..=inputs.len() {
+            compare(&inputs[..length], &scale_of(&inputs, &p), &ReflectionPlan::FULL, &p);
+        }
     }
 }
 
@@ -398,7 +418,10 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                 PortBlock { exponent: Fx::from_raw(exponent), ..any }
             };
             let derivatives: Vec<_> = (0..index % 50).map(|_| [derivative(), derivative()]).collect();
-            let scalar = derivatives.iter().map(|duv| datapath::texture_footprint(duv, &scale.0, &scale.1, &p).probes);
+            let (texture, map) = (&scale.0, &scale.1);
+            let scalar = derivatives.iter().map(|duv| {
+                on_words!(&p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, &p).probes)
+            });
             let scalar: Vec<Probes<i32>> = scalar.collect();
             for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
                 let mut probes = Vec::new();
@@ -434,8 +457,8 @@ fn peaks_in_lanes_are_those_of_the_scalar_reading() {
                 list.weigh(weights.iter().copied());
             }
             let expected = indices.iter().zip(&weights).map(|(&index, &weight)| {
-                let light = datapath::peak(&half, &map[index as usize], weight, &p);
-                light.raw()
+                let (half, peak) = (&half, &map[index as usize]);
+                on_words!(&p, |half, peak| Value(datapath::peak(half, peak, weight, &p))).0.raw()
             });
             let expected: Vec<i32> = expected.collect();
             for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
