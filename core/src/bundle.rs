@@ -140,6 +140,22 @@ impl<W: Word, B: Bundle<W>, const N: usize> Bundle<W> for [B; N] {
     }
 }
 
+/// A part that a plan may leave out.
+impl<W: Word, B: Bundle<W>> Bundle<W> for Option<B> {
+    type In<V: Word> = Option<B::In<V>>;
+    const WORDS: usize = B::WORDS;
+    #[inline(always)]
+    fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Option<B::In<V>> {
+        self.as_ref().map(
+            #[inline(always)]
+            |part| part.rewire(with),
+        )
+    }
+    fn limit<V: Word>(end: End) -> Option<B::In<V>> {
+        Some(B::limit(end))
+    }
+}
+
 /// One number that controls, as the outcome of a stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Value<W: Word, const INT: u32>(pub Control<W, INT>);

@@ -8,7 +8,7 @@
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, dot, number, of_control, places_below};
 use crate::each::each;
-use crate::fx::{Fx, Int, Wide};
+use crate::fx::{Control, Fx, Int, Wide};
 use crate::precision::{Newton, Precision};
 use crate::rom;
 use crate::word::{Wire, Word};
@@ -111,25 +111,33 @@ pub fn over_length<W: Word, const N: usize>(a: &Block<W, N>, p: &Precision) -> [
     })
 }
 
-/// The power of two that neighbouring knots stay below, given that of knots on words of 32 bits: on narrower ones they are rounded, by
-/// which two may come a place further apart.
-const fn knots_apart<W: Wire>(e: i32) -> i32 {
-    if W::BITS < 32 { e + 1 } else { e }
+/// `difference · fraction` between neighbouring knots of a table, which are counts. Range: difference in [0, 2^`e`), fraction in [0, 1].
+///
+/// A narrow word holds the difference alone: its leading zeros are shifted out, and in again behind the product.
+#[inline(always)]
+fn between<W: Word, const INT: u32, const OUT: u32>(
+    difference: Control<W, INT>,
+    e: i32,
+    fraction: Mantissa<W>,
+) -> Wide<W, OUT> {
+    let places = if W::BITS < W::Count::BITS { INT - 1 + e.unsigned_abs() } else { 0 };
+    let operand: Fx<W, INT> = Fx::of_control(difference.shl(places));
+    operand.mul::<MANTISSA, OUT>(fraction).floor_shr(places)
 }
 
 /// `log₂ m` for a mantissa m in [½, 1], in [−1, 0], 24 fraction bits. m below ½ reads as ½.
 #[inline(always)]
-pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Fx<W, LOGARITHM> {
+pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Control<W, LOGARITHM> {
     // m = (1 + (i + f)/256)/2.
     let above = (m - Fx::number(1, -1)).saturate(Fx::int(0), Fx::number(1, -1) - Fx::lit(1));
     let index = above.index(rom::LOG_BITS + 1);
     let within = above - Fx::of_index(index, rom::LOG_BITS + 1);
     let fraction: Mantissa<W> = within.shl(rom::LOG_BITS + 1).keep(p.fraction_bits);
-    let knot: Fx<W, LOGARITHM> = Fx::lookup(index, &rom::LOG2);
-    let next: Fx<W, LOGARITHM> = Fx::lookup(index + Fx::int(1), &rom::LOG2);
-    let rise = (next - knot).claim_below(knots_apart::<W>(-7), "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
-    let rise: Wide<W, { LOGARITHM + MANTISSA }> = rise.mul(fraction);
-    let value: Fx<W, LOGARITHM> = (knot.widen::<{ LOGARITHM + MANTISSA }>() + rise).round_to(24);
+    let knot: Control<W, LOGARITHM> = Fx::lookup(index, &rom::LOG2);
+    let next: Control<W, LOGARITHM> = Fx::lookup(index + Fx::int(1), &rom::LOG2);
+    let rise = (next - knot).claim_below(-7, "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
+    let rise: Wide<W, { LOGARITHM + MANTISSA }> = between(rise, -7, fraction);
+    let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot) + rise).round_to_control(24);
     // 1 itself lies beyond the last interval by one bit of the kept fraction: log₂ 1 = 0 exactly.
     let whole = !m.lt(Fx::int(1));
     Fx::select(whole, Fx::zero(), value - Fx::int(1))
@@ -137,19 +145,18 @@ pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Fx<W, LOGARITHM> {
 
 /// `2^x` for any |x| < 64, as a block.
 #[inline(always)]
-pub fn exp2<W: Word>(x: Fx<W, LOGARITHM>, p: &Precision) -> Number<W> {
+pub fn exp2<W: Word>(x: Control<W, LOGARITHM>, p: &Precision) -> Number<W> {
     let whole = x.index(0);
     let within = x - Fx::of_index(whole, 0);
     let index = within.index(rom::LOG_BITS);
     let step = within - Fx::of_index(index, rom::LOG_BITS);
-    let fraction: Mantissa<W> =
-        step.reread::<MANTISSA>().shl(LOGARITHM - MANTISSA + rom::LOG_BITS).keep(p.fraction_bits);
-    let knot: Mantissa<W> = Fx::lookup(index, &rom::EXP2);
-    let next: Mantissa<W> = Fx::lookup(index + Fx::int(1), &rom::EXP2);
-    let rise = (next - knot).claim_below(knots_apart::<W>(-8), "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
+    let fraction = step.reread::<MANTISSA>().shl(LOGARITHM - MANTISSA + rom::LOG_BITS).keep(p.fraction_bits);
+    let knot: Control<W, MANTISSA> = Fx::lookup(index, &rom::EXP2);
+    let next: Control<W, MANTISSA> = Fx::lookup(index + Fx::int(1), &rom::EXP2);
+    let rise = (next - knot).claim_below(-8, "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
     // 24 fraction bits of a rise fit an operand of 18 bits; the rest would be 2^−25.
-    let rise: Product<W> = rise.keep(24).mul(fraction);
-    let mantissa = (knot.widen::<PRODUCT>() + rise).round_to(p.fraction_bits);
+    let rise: Product<W> = between(rise.keep(24), -8, Mantissa::<W>::of_control(fraction));
+    let mantissa = (Product::<W>::wide_of_control(knot) + rise).round_to(p.fraction_bits);
     Block { m: [mantissa], e: whole + Fx::int(1) }
 }
 
@@ -172,18 +179,17 @@ pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Numb
     let index = below_half.index(rom::LOG_BITS + 1);
     let within = below_half - Fx::of_index(index, rom::LOG_BITS + 1);
     let fraction = within.shl(rom::LOG_BITS + 1).keep(keep);
-    let knot: Fx<W, RATIO> = Fx::lookup(index, &rom::HALF_LOG2_ONE_MINUS_RATIO);
-    let next: Fx<W, RATIO> = Fx::lookup(index + Fx::int(1), &rom::HALF_LOG2_ONE_MINUS_RATIO);
-    let rise =
-        (next - knot).claim_below(knots_apart::<W>(-9), "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
-    let rise: Wide<W, { RATIO + MANTISSA }> = rise.mul(fraction);
-    let half_ratio: Mantissa<W> = (knot.widen::<{ RATIO + MANTISSA }>() + rise).round_to(keep);
+    let knot: Control<W, RATIO> = Fx::lookup(index, &rom::HALF_LOG2_ONE_MINUS_RATIO);
+    let next: Control<W, RATIO> = Fx::lookup(index + Fx::int(1), &rom::HALF_LOG2_ONE_MINUS_RATIO);
+    let rise = (next - knot).claim_below(-9, "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
+    let rise: Wide<W, { RATIO + MANTISSA }> = between(rise, -9, fraction);
+    let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) + rise).round_to(keep);
     let near: Product<W> = scaled.m[0].mul(half_ratio);
 
     let rest = number((one - y).max(Fx::zero()), Fx::int(0), keep);
     let log = log2(rest.m[0], p) + Fx::of_index(rest.e.saturate(Fx::int(-63), Fx::int(0)), 0);
     // At most 64: 2^12 above the binary point of a product leaves it in [−1, 1].
-    let far: Product<W> = (-log).widen::<{ PRODUCT + 12 }>().reread();
+    let far: Product<W> = Wide::<W, { PRODUCT + 12 }>::wide_of_control(-log).reread();
 
     let is_far = y.ge(half);
     number(Fx::select(is_far, far, near), Fx::select(is_far, Fx::int(12), scaled.e + Fx::int(1)), keep)
@@ -200,8 +206,8 @@ pub fn cosine_power<W: Word>(y: Wide<W, VERSINE>, n: Number<W>, p: &Precision) -
     let e = log.e + n.e;
     // n.m ≥ ½ where n.e > 0 and log.m ≥ ½: with an exponent above 6 the product is 32 at least.
     let at_64: Wide<W, { PRODUCT + 6 }> = product.at_exponent(e);
-    let last: Fx<W, LOGARITHM> = Fx::int(63);
-    let x = Fx::select(Fx::int(6).lt(e), last, at_64.round_to::<LOGARITHM>(24).min(last));
+    let last: Control<W, LOGARITHM> = Fx::int(63);
+    let x = Fx::select(Fx::int(6).lt(e), last, at_64.round_to_control::<LOGARITHM>(24).min(last));
     Block::select(y.ge(Fx::int(1)), Block::zero(), exp2(-x, p))
 }
 
@@ -239,18 +245,17 @@ pub fn log2_one_plus<W: Word>(x: Number<W>, p: &Precision) -> Number<W> {
     let within = place - Fx::of_index(index, rom::LOG_BITS);
     let fraction = within.shl(rom::LOG_BITS).keep(keep);
     let table = &rom::HALF_LOG2_ONE_PLUS_RATIO;
-    let knot: Fx<W, RATIO> = Fx::lookup(index, table);
-    let next: Fx<W, RATIO> = Fx::lookup(index + Fx::int(1), table);
-    let fall =
-        (knot - next).claim_below(knots_apart::<W>(-9), "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
-    let fall: Wide<W, { RATIO + MANTISSA }> = fall.mul(fraction);
-    let half_ratio: Mantissa<W> = (knot.widen::<{ RATIO + MANTISSA }>() - fall).round_to(keep);
+    let knot: Control<W, RATIO> = Fx::lookup(index, table);
+    let next: Control<W, RATIO> = Fx::lookup(index + Fx::int(1), table);
+    let fall = (knot - next).claim_below(-9, "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
+    let fall: Wide<W, { RATIO + MANTISSA }> = between(fall, -9, fraction);
+    let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) - fall).round_to(keep);
     let below_one = number(x.m[0].mul::<MANTISSA, PRODUCT>(half_ratio), x.e + Fx::int(1), keep);
 
     // Every bit of the sum addresses the table; log₂ keeps p of what is left.
     let sum = one_plus(x, Mantissa::<W>::FRACTION);
     // Any exponent with 24 fraction bits needs a wide wire.
-    let from_one = sum.e.widen::<40>() + log2(sum.m[0], p).to_control::<LOGARITHM>().widen();
+    let from_one = sum.e.widen::<40>() + log2(sum.m[0], p).widen();
     let from_one = of_control(number(from_one, Fx::int(0), keep));
     Block::select(x.e.lt(Fx::int(1)), below_one, from_one)
 }

@@ -293,6 +293,33 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
         Fx(X::Word::round(self.0, Self::FRACTION - fraction, fraction - keep))
     }
 
+    /// The same narrowing to a number that controls, with as many of its fraction bits as the wide wire has: on narrow words more than
+    /// a word would.
+    #[inline(always)]
+    #[track_caller]
+    pub fn round_to_control<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
+        if X::Word::BITS == X::Count::BITS {
+            return self.round_to::<OUT>(keep).to_control();
+        }
+        let (from, to) = (Self::FRACTION, X::Count::BITS - OUT);
+        if from <= keep {
+            return Fx(self.0.wide_to_count().shl(to - from));
+        }
+        Fx(self.0.sar(from - keep - 1).add(X::lit(1)).sar(1).wide_to_count().shl(to - keep))
+    }
+
+    /// A number that controls on the wide wire, floored to its last place. Range: it fits.
+    #[inline(always)]
+    #[track_caller]
+    pub fn wide_of_control<const FROM: u32>(count: Fx<X::Count, FROM>) -> Self {
+        let (from, to) = (X::Count::BITS - FROM, Self::FRACTION);
+        if to >= from {
+            Self(X::wide_of_count(count.raw()).shl(to - from))
+        } else {
+            Self(X::wide_of_count(count.raw().sar(from - to)))
+        }
+    }
+
     /// `self · 2^e` with `OUT` bits before the point, floored to the last place. Range: `e ≤ OUT − INT`; more counts as that.
     #[inline(always)]
     #[track_caller]

@@ -12,6 +12,7 @@ use crate::rom::MAX_PROBES;
 use crate::scalar::Scalar;
 use crate::signals::{CubePoint, FaceProbe, Probes, TexturePosition, TextureProbe};
 use crate::stage::texture::TextureScale;
+use crate::width::on_words;
 
 /// At most [`MAX_PROBES`] probes.
 pub type ProbeList<P> = Vec<P, MAX_PROBES>;
@@ -33,7 +34,7 @@ pub fn environment_probes(
     probes: &Probes<Scalar>,
     p: &Precision,
 ) -> ProbeList<FaceProbe<Scalar>> {
-    list(probes, |index| datapath::environment_probe(point, probes, index, p))
+    list(probes, |index| on_words!(p, |point, probes| datapath::environment_probe(point, probes, index, p)))
 }
 
 /// Probes in a repeated map.
@@ -43,5 +44,6 @@ pub fn texture_probes(
     map: &TextureScale<Scalar>,
     p: &Precision,
 ) -> ProbeList<TextureProbe<Scalar>> {
+    // Of nothing but numbers that control: the same on words of any width.
     list(probes, |index| datapath::texture_probe(centre, probes, index, map, p))
 }

@@ -111,6 +111,14 @@ macro_rules! word {
 
         impl WideWire for $wide {
             type Word = $word;
+            #[inline(always)]
+            fn wide_to_count(self) -> i32 {
+                self as i32
+            }
+            #[inline(always)]
+            fn wide_of_count(count: i32) -> Self {
+                count as $wide
+            }
         }
 
         impl Staged for $word {}

@@ -72,4 +72,8 @@ pub trait Word: Wire {
 pub trait WideWire: Wire {
     /// The word.
     type Word: Word<Wide = Self, Flag = Self::Flag, Count = Self::Count>;
+    /// The same integer as a count. It fits.
+    fn wide_to_count(self) -> Self::Count;
+    /// The same integer on a wide wire. It fits.
+    fn wide_of_count(count: Self::Count) -> Self;
 }

@@ -39,7 +39,7 @@ use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
-use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::designs::scalar;
 use roughxel_host_tests::float_datapath::{Environment, Footprint, FootprintBlock, Fragment, FragmentBlock};
 use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
@@ -182,7 +182,7 @@ impl Model {
                 ports.into_iter().next().expect("a fragment is a vector")
             };
             let inputs: Vec<_> = set.fragments.iter().map(&mut ports).collect();
-            let wires = |ports: &Vec<i64>| outcome::<Scalar>(Self::DESIGN, ports, &Effects::ALL, &PROFILE).0;
+            let wires = |ports: &Vec<i64>| scalar(Self::DESIGN, ports, &Effects::ALL, &PROFILE).0;
             let integers = |ports| wires(ports).into_iter().map(|(_, integer)| integer).collect();
             let outputs: Vec<Vec<i64>> = inputs.iter().map(integers).collect();
             let top = model.verilog.top.as_ref().expect("the datapath has a top");

@@ -29,6 +29,7 @@ pub const FILTERED_SCENES: [&str; 2] = ["lake", "zebra"];
 /// Least PSNR of a frame against the same filter in float64, dB; `None` for the profile that has no bar.
 pub fn arithmetic_bar(profile: &str) -> Option<f64> {
     match profile {
+        "narrow" => Some(40.0),
         "compact" => Some(45.0),
         "standard" => Some(55.0),
         "precise" => Some(60.0),
@@ -40,7 +41,7 @@ pub fn arithmetic_bar(profile: &str) -> Option<f64> {
 /// between n_mod and h is what errs, and the steepest slope of cos^m is 0.61·√m.
 pub fn highlight_bar(profile: &str) -> Option<f64> {
     let column = Profile::NAMES.iter().position(|name| *name == profile)?;
-    [-13, -13, -17, -19].get(column).map(|&power| 2.0_f64.powi(power))
+    [-11, -13, -13, -17, -19].get(column).map(|&power| 2.0_f64.powi(power))
 }
 
 /// Least PSNR in dB of a highlight in one pixel by its ellipse, and what averaged bumps reach (scenes, picture bars).
@@ -60,7 +61,8 @@ pub const CUBE_EDGE_BAR: f64 = 0.02;
 /// vector and local direction together), times the sine between n and h and times |l̂ + v̂|/2, which say how well either is
 /// defined; and of its light at the direction and the visibility that the datapath has, as a share of the amplitude. Measured
 /// −14.2, −18.1, −24.3 and −15.9, −19.8, −19.6.
-pub const LIT_PEAK_BARS: [[f64; 2]; 4] = [[-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.5], [-24.0, -19.5]];
+pub const LIT_PEAK_BARS: [[f64; 2]; 5] =
+    [[-12.0, -13.5], [-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.5], [-24.0, -19.5]];
 
 /// Largest errors of peaks and horizons in one profile, against the reference fed with the same ports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +90,7 @@ pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
         visibility: visibility.exp2(),
     };
     match profile {
+        "narrow" => Some(bars([-11.5, -7.0, -10.5, -15.0])),
         "paper" | "compact" => Some(bars([-13.5, -9.0, -12.5, -15.0])),
         "standard" => Some(bars([-17.5, -13.0, -16.5, -15.0])),
         "precise" => Some(bars([-24.0, -14.5, -22.5, -15.0])),

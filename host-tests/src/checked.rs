@@ -285,6 +285,12 @@ macro_rules! word {
 
         impl WideWire for CheckedWire<$wide> {
             type Word = CheckedWire<$word>;
+            fn wide_to_count(self) -> Checked {
+                Checked::fit(Operation::Narrow, self.integer().into(), [self.integer(), 0])
+            }
+            fn wide_of_count(count: Checked) -> Self {
+                Self::fit(Operation::Widen, count.integer().into(), [count.integer(), 0])
+            }
         }
 
         impl Staged for CheckedWire<$word> {
@@ -308,6 +314,13 @@ macro_rules! word {
             }
             fn wide_integer(wire: CheckedWide) -> i64 {
                 wire.0
+            }
+        }
+
+        impl Scalar for $word {
+            type Checked = CheckedWire<Self>;
+            fn checked(self) -> CheckedWire<Self> {
+                CheckedWire(self)
             }
         }
 
@@ -338,21 +351,29 @@ pub trait Visible: Staged {
     fn wide_integer(wire: <Self::Count as Word>::Wide) -> i64;
 }
 
-/// Puts the same integers on the wires of another reading.
+/// A word of the scalar reading that has a checked one.
+pub trait Scalar: Visible<Count = i32, Flag = bool> {
+    /// The checked reading of the same width.
+    type Checked: Visible<Count = Checked, Flag = bool>;
+    /// The same integer in it.
+    fn checked(self) -> Self::Checked;
+}
+
+/// Puts the same integers on the wires of the checked reading.
 struct SameIntegers;
 
-impl<V: Visible> Rewire<i32, V> for SameIntegers {
-    fn word(&mut self, wire: i32, _: u32) -> V {
-        V::lit(wire.into())
+impl<T: Scalar> Rewire<T, T::Checked> for SameIntegers {
+    fn word(&mut self, wire: T, _: u32) -> T::Checked {
+        wire.checked()
     }
-    fn control(&mut self, wire: i32, _: u32) -> V::Count {
-        V::Count::lit(wire.into())
+    fn control(&mut self, wire: i32, _: u32) -> Checked {
+        Checked::lit(wire.into())
     }
-    fn wide(&mut self, wire: i64, _: u32) -> <V::Count as Word>::Wide {
+    fn wide(&mut self, wire: i64, _: u32) -> CheckedWide {
         Wire::lit(wire)
     }
-    fn flag(&mut self, wire: bool) -> V::Flag {
-        V::lit(0).lt(V::lit(i64::from(wire)))
+    fn flag(&mut self, wire: bool) -> bool {
+        wire
     }
 }
 
@@ -388,8 +409,8 @@ pub fn filled<V: Visible, B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<V
     bundle
 }
 
-/// The same bundle in another reading.
-pub fn reread<V: Visible, B: Bundle<i32>>(bundle: &B) -> B::In<V> {
+/// The same bundle in the checked reading.
+pub fn reread<T: Scalar, B: Bundle<T>>(bundle: &B) -> B::In<T::Checked> {
     bundle.rewire(&mut SameIntegers)
 }
 

@@ -7,12 +7,28 @@ use roughxel_core::design::{Design, Recorded, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 
-use crate::checked::{Integers, Visible, filled};
+use crate::checked::{Checked, CheckedWire, Integers, Visible, filled};
 
-/// What a design comes to in a reading of which integers can be seen: the scalar one, or the checked one.
+/// What a design comes to in the scalar reading, on words of the profile's width.
+pub fn scalar(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
+    match p.word_bits() {
+        16 => outcome::<i16>(design, ports, effects, p),
+        _ => outcome::<i32>(design, ports, effects, p),
+    }
+}
+
+/// The same in the checked one.
+pub fn checked(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
+    match p.word_bits() {
+        16 => outcome::<CheckedWire<i16>>(design, ports, effects, p),
+        _ => outcome::<Checked>(design, ports, effects, p),
+    }
+}
+
+/// What a design comes to in a reading of which integers can be seen.
 ///
 /// `ports` are the integers of the design's ports in the order of their bundle. Panics where there are fewer or more.
-pub fn outcome<W: Visible>(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
+fn outcome<W: Visible>(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
     struct Run<'a, W> {
         ports: &'a [i64],
         effects: &'a Effects,

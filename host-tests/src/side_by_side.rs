@@ -11,8 +11,8 @@ use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
 
-use crate::checked::{CheckedWire, Integers, Visible, first_difference};
-use crate::designs::outcome;
+use crate::checked::{Integers, Visible, first_difference};
+use crate::designs::{checked, scalar};
 
 /// Inputs of one of the designs that have no fragment of their own.
 #[derive(Clone, Copy, Debug)]
@@ -60,11 +60,6 @@ pub fn same_in_every_reading(inputs: &[DesignInput], p: &Precision) {
         let name = design.name();
         assert!(group.iter().all(|input| input.design() == design), "inputs of one design");
         let narrow = p.word_bits() == 16;
-        let [scalar, checked] = if narrow {
-            [outcome::<i16>, outcome::<CheckedWire<i16>>]
-        } else {
-            [outcome::<i32>, outcome::<CheckedWire<i32>>]
-        };
         let scalar: Vec<Integers> = ports.iter().map(|ports| scalar(design, ports, &Effects::ALL, p)).collect();
         for (ports, expected) in ports.iter().zip(&scalar) {
             let checked = checked(design, ports, &Effects::ALL, p);

@@ -25,8 +25,13 @@ pub fn in_turn(index: usize, profile: &str) -> bool {
 }
 
 /// Every named profile.
-pub fn profiles() -> [(&'static str, Precision); 4] {
+pub fn profiles() -> [(&'static str, Precision); Profile::ALL.len()] {
     Profile::ALL.map(|profile| (profile.name(), profile.precision()))
+}
+
+/// Those whose words have 32 bits.
+pub fn wide_profiles() -> Vec<(&'static str, Precision)> {
+    profiles().into_iter().filter(|(_, p)| p.word_bits() == 32).collect()
 }
 
 /// Every combination of the effects of a reflection: 72 plans.

@@ -187,9 +187,9 @@ fn the_algebra_fits_a_screen() {
     let files = core_files();
     let (_, source, tokens) = files.iter().find(|(name, _, _)| name == "word.rs").expect("the algebra");
     let operations = tokens.iter().filter(|token| token.text == "fn").count();
-    // 17 operations, a claim, a rounding made of three of them, two ways between mantissas and what controls. The lines are those of
-    // three traits: words alone multiply and look up, and a step that takes a wide wire names its word.
-    assert!(operations <= 21, "{operations} operations");
+    // 17 operations, a claim, a rounding made of three of them, two ways between mantissas and what controls, two between wide wires
+    // and it. The lines are those of three traits: words alone multiply and look up, and a step that takes a wide wire names its word.
+    assert!(operations <= 23, "{operations} operations");
     assert!(source.lines().count() <= 90, "{} lines", source.lines().count());
 }
 

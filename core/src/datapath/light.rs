@@ -113,13 +113,14 @@ pub fn horizon<W: Staged>(
     control_stage!("horizon.product", horizon::product::<W>(lit, seen))
 }
 
-/// What all highlights of a fragment share: the exponent of its material and the spread of its surface.
-#[derive(Clone, Copy, Debug)]
-pub struct Gloss<W: Word> {
-    /// m.
-    pub shininess: Shininess<W>,
-    /// `None` where the plan has no roughness.
-    pub spread: Option<Spread<W>>,
+bundle! {
+    /// What all highlights of a fragment share: the exponent of its material and the spread of its surface.
+    pub struct Gloss<W> {
+        /// m.
+        shininess: Shininess<W>,
+        /// `None` where the plan has no roughness.
+        spread: Option<Spread<W>>,
+    }
 }
 
 /// The material of one fragment, made once for all its lights.

@@ -1,7 +1,7 @@
 //! From a probe to the sample of a map: addresses, then, behind the memory, filters, sums and means. One channel at a time.
 
 use crate::block::{Block, of_control};
-use crate::bundle::bundle;
+use crate::bundle::{Value, bundle};
 use crate::each::each;
 use crate::fx::{Control, Fx, Int};
 use crate::ports::{LOD, OFFSET, SHARE};
@@ -221,19 +221,23 @@ pub fn bump<W: Staged>(mean: &BumpMoments<W>, scale: &BumpScale<W>, kind: Roughn
             Some(match kind {
                 RoughnessKind::Isotropic => {
                     let axes = stage!("axes", axes::axes(&Ellipse { k, det: Block::zero() }, p));
-                    [stage!("moments.isotropic", moments::to_roughness(axes.major)), Fx::zero(), Fx::zero()]
+                    [control_stage!("moments.isotropic", moments::to_roughness(axes.major)), Fx::zero(), Fx::zero()]
                 }
-                _ => stage!("moments.decompose", moments::decompose(&k, p)),
+                _ => {
+                    let d = stage!("moments.decompose", each!(d in moments::decompose(&k, p) => Value(d)));
+                    each!(Value(d) in d => d)
+                }
             })
         }
     };
     stage!("pixel.bump", {
+        let keep = Fx::<W, OFFSET>::FRACTION;
         // A mantissa has two fraction bits more than a port.
         let e = scale.exponent - Fx::int(2);
-        let offset = each!(b in mean.offset => Fx::of_control::<OFFSET>(pixel::bump(b, e)));
+        let offset = each!(b in mean.offset => Fx::of_control::<OFFSET>(pixel::bump(b, e, keep)));
         let roughness = match d {
             None => [Fx::zero(); 3],
-            Some(d) => each!(d in d => Fx::of_control::<OFFSET>(pixel::bump(d.to_control::<OFFSET>(), scale.exponent))),
+            Some(d) => each!(d in d => Fx::of_control::<OFFSET>(pixel::bump(d, scale.exponent, keep))),
         };
         Bump { offset, roughness }
     })

@@ -102,7 +102,7 @@ pub fn lobe<W: Word>(
     let fall: Wide<W, { PRODUCT + 8 }> = fall.at_exponent(e);
     let most = Fx::int(63);
     let fall = Fx::select(Fx::int(8).lt(e), most, fall.saturate(Fx::zero(), most));
-    let power = exp2(-fall.round_to::<LOGARITHM>(24), p);
+    let power = exp2(-fall.round_to_control::<LOGARITHM>(24), p);
 
     let (level, e): (Product<W>, _) = match spread {
         None => (power.m[0].widen(), power.e),
@@ -110,7 +110,7 @@ pub fn lobe<W: Word>(
     };
     // The amplitude is at most 1, the power 1/2 · 2^1: e ≤ 2.
     let level: Wide<W, { PRODUCT + 2 }> = level.at_exponent(e);
-    let f = level.round_to::<LIGHT>(24).to_control::<LIGHT>().min(Fx::int(1));
+    let f = level.round_to_control::<LIGHT>(24).min(Fx::int(1));
     Lobe { f: Fx::select(light_below | half_below, Fx::zero(), f), light_below, half_below }
 }
 

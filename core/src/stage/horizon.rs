@@ -8,8 +8,8 @@
 use crate::block::{Block, MANTISSA, PRODUCT, Product, number};
 use crate::each::each;
 use crate::elementary::{half_reciprocal, short_number};
-use crate::fx::{Control, Fx, Wide};
-use crate::ports::{Horizon, SHARE, SLOPE};
+use crate::fx::{Control, Fx, Wide, WideControl};
+use crate::ports::{Horizon, SHARE, SLOPE, STORED_SLOPE};
 use crate::precision::Precision;
 use crate::signals::AxisSlope;
 use crate::word::Word;
@@ -37,7 +37,10 @@ pub fn slopes<W: Word>(local: &Block<W, 3>, p: &Precision) -> [AxisSlope<W>; 2] 
     })
 }
 
-/// Kept fraction bits of a slope: the difference of two slopes is below 32.
+/// Fraction bits of a stored slope.
+const STORED: u32 = 32 - STORED_SLOPE;
+
+/// Kept fraction bits of a slope, two fewer than an offset has.
 const fn slope_bits(p: &Precision) -> u32 {
     p.fraction_bits - 4
 }
@@ -50,12 +53,13 @@ pub fn visibility<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: 
         let AxisSlope { slope, negative, upright } = slopes[axis];
         let low = Fx::select(negative, horizon.low[2 * axis], horizon.low[2 * axis + 1]);
         let code = Fx::select(negative, horizon.inverse_width[2 * axis], horizon.inverse_width[2 * axis + 1]);
-        let above: Fx<W, SLOPE> = slope - Fx::of_control(low);
+        // In counts: on a narrow word a stored slope would lose places, and a ramp, up to 2^13 times as steep, all of them.
+        let above = slope.to_control::<SLOPE>() - Fx::<W::Count, SLOPE>::of_control(low);
         // Codes count in 2^−14: 1/width = m·2^(e − 1), e ≤ 14.
-        let inverse = short_number::<W>(code);
-        let product: Wide<W, { SLOPE + MANTISSA }> = above.keep(slope_bits(p)).mul(inverse.m[0]);
-        let ramp: Wide<W, { SLOPE + MANTISSA + 13 }> = product.reread().floor_shr_by(Fx::int(14) - inverse.e);
-        let ramp = ramp.saturate(Fx::zero(), Fx::int(1)).round_to::<SHARE>(16).to_control::<SHARE>();
+        let inverse = short_number::<W::Count>(code);
+        let product: WideControl<W, { SLOPE + MANTISSA }> = above.keep(slope_bits(p).max(STORED)).mul(inverse.m[0]);
+        let ramp: WideControl<W, { SLOPE + MANTISSA + 13 }> = product.reread().floor_shr_by(Fx::int(14) - inverse.e);
+        let ramp = ramp.saturate(Fx::zero(), Fx::int(1)).round_to::<SHARE>(16);
         let step = Fx::select(above.lt(Fx::zero()), Fx::zero(), one);
         Fx::select(upright, one, Fx::select(code.is_zero(), step, ramp))
     });

@@ -11,7 +11,7 @@
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number};
 use crate::elementary::root_and_inverse;
-use crate::fx::{Fx, Wide};
+use crate::fx::{Control, Fx, Wide};
 use crate::ports::OFFSET;
 use crate::precision::Precision;
 use crate::word::Word;
@@ -75,7 +75,7 @@ pub fn covariance<W: Word>(moments: &Moments<W>, p: &Precision) -> Block<W, 3> {
 /// D with K = D Dᵀ in units of the map's scale. `K` from [`covariance`]; a negative determinant (rounding of
 /// a rank-1 K) counts as zero.
 #[inline(always)]
-pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Fx<W, OFFSET>; 3] {
+pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Control<W, OFFSET>; 3] {
     let keep = p.fraction_bits;
     let [a, b, c] = k.m;
     let element = |m: Mantissa<W>| number(m.widen::<PRODUCT>(), k.e, keep);
@@ -92,10 +92,10 @@ pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Fx<W, OFFSET>; 3] 
 
 /// A number of size ≤ 4 as a roughness, saturated to ±4 (noise of b/√c where c is one last bit).
 #[inline(always)]
-pub fn to_roughness<W: Word>(x: Number<W>) -> Fx<W, OFFSET> {
+pub fn to_roughness<W: Word>(x: Number<W>) -> Control<W, OFFSET> {
     let above = Fx::int(2).lt(x.e);
     let at_four: Wide<W, { PRODUCT + 2 }> = x.at_point();
-    let value: Fx<W, OFFSET> = at_four.round_to(Fx::<W, OFFSET>::FRACTION);
+    let value: Control<W, OFFSET> = at_four.round_to_control(28);
     let limit = Fx::int(4).negate_if(x.m[0].lt(Fx::zero()));
     Fx::select(above, limit, value)
 }

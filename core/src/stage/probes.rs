@@ -104,7 +104,7 @@ fn step<W: Word>(
     let product = normalise(each!(d in *direction => d.mul::<MANTISSA, PRODUCT>(length.m[0])), length.e, keep);
     each!(m in product.m => {
         let at_eight: Wide<W, { PRODUCT + 3 }> = m.widen::<PRODUCT>().at_exponent(product.e);
-        at_eight.claim(-7, 7, 0, "a_step_is_below_seven_map_units").round_to::<POSITION>(28).to_control()
+        at_eight.claim(-7, 7, 0, "a_step_is_below_seven_map_units").round_to_control(28)
     })
 }
 
@@ -119,7 +119,7 @@ fn level_of_detail<W: Word>(
 ) -> Control<W, LOD> {
     // ±2^13 levels are beyond every map; the saturated exponent fits beside 16 fraction bits.
     let whole = sigma.e.saturate(Fx::int(-(1 << 13)), Fx::int(1 << 13)).to_control::<LOD>();
-    let fraction: Fx<W, LOGARITHM> = log2(sigma.m[0], p);
+    let fraction: Control<W, LOGARITHM> = log2(sigma.m[0], p);
     let divided: Control<W, LOD> = Fx::lookup(count, &rom::LOG2_OF_COUNT);
     let diameter = whole + fraction.to_control() + Fx::entry(rom::LOG2_DIAMETER) + map.log2_texels;
     let raised = diameter - Fx::select(raised, divided, Fx::zero());

@@ -3,6 +3,7 @@
 //! The surface is made once a fragment, what depends on the light once a light. Peaks of a map are texels whose value is
 //! the light they return: they are summed in the texel and filtered like any other, never averaged themselves (F92 §2.4).
 
+use roughxel_core::bundle::Value;
 use roughxel_core::datapath::{self, Surface, pixel, texel};
 use roughxel_core::each::{each, places};
 use roughxel_core::fx::Fx;
@@ -11,6 +12,7 @@ use roughxel_core::ports::{BlockVector, Horizon, Port, ShininessPort, StoredHori
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak};
 use roughxel_core::signals::{LocalDirection, PeakSum};
+use roughxel_core::width::on_words;
 
 use crate::plan::ObjectPlan;
 use crate::raster::{PointFromTriangle, Triangle};
@@ -286,9 +288,12 @@ impl Lighting {
         };
         match &self.lobes {
             Lobes::Highlight(shininess) => {
-                let gloss = datapath::gloss(surface, shininess, &self.plan, p);
+                let gloss = &on_words!(p, |surface, shininess| datapath::gloss(surface, shininess, &self.plan, p));
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    add(light, datapath::highlight(surface, &gloss, &direction.wires(), p).f);
+                    let direction = &direction.wires();
+                    let lit =
+                        on_words!(p, |surface, gloss, direction| datapath::highlight(surface, gloss, direction, p));
+                    add(light, lit.f);
                 }
             }
             Lobes::Printed(exponent) => {
@@ -298,7 +303,8 @@ impl Lighting {
             }
             Lobes::Given(peaks) => {
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    let lit = datapath::peak_light(surface, &direction.wires(), p);
+                    let direction = &direction.wires();
+                    let lit = on_words!(p, |surface, direction| datapath::peak_light(surface, direction, p));
                     if !lit.side.below {
                         add(light, read.given(&lit.direction, peaks, reading, p));
                     }
@@ -308,17 +314,23 @@ impl Lighting {
                 let taps = reads.take(&map.map);
                 read.read(map, taps);
                 let eye = (!map.horizons.is_empty()).then(|| {
-                    let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
-                    datapath::horizon_slopes(&eye, p)
+                    on_words!(p, |surface| {
+                        let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
+                        datapath::horizon_slopes(&eye, p)
+                    })
                 });
                 for (light, direction) in self.lights.iter().zip(directions) {
-                    let lit = datapath::peak_light(surface, &direction.wires(), p);
+                    let direction = &direction.wires();
+                    let lit = on_words!(p, |surface, direction| datapath::peak_light(surface, direction, p));
                     if lit.side.below {
                         continue;
                     }
                     if let Some(eye) = &eye {
-                        let slopes = datapath::horizon_slopes(&lit.light, p);
-                        let visible = |horizon| datapath::horizon(&slopes, eye, horizon, p);
+                        let local = &lit.light;
+                        let slopes = &on_words!(p, |local| datapath::horizon_slopes(local, p));
+                        let visible = |horizon| {
+                            on_words!(p, |slopes, eye, horizon| Value(datapath::horizon(slopes, eye, horizon, p))).0
+                        };
                         read.peaks.weigh(read.horizons.iter().map(visible));
                     }
                     read.light(&lit.direction, reading, p);

@@ -10,6 +10,7 @@ use roughxel_core::signals::{MapScale, Probes, TexturePosition, TextureProbe};
 use roughxel_core::soft_core::texture_scale;
 use roughxel_core::stage::filter::{LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
 use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::width::on_words;
 
 use crate::raster::FragmentAttributes;
 use roughxel_lanes::Reading;
@@ -346,6 +347,7 @@ impl BumpMap {
     pub(super) fn sample(&self, reads: &mut MapReads<'_>, kind: RoughnessKind, p: &Precision) -> Bump<i32> {
         let moments = |sample| texel::bump_probe(&BumpSample::<i32>::of_words(sample)).words();
         let mean = reads.of(&self.map).mean(&self.texels, texel::word_sample::<i32>, moments);
-        texel::bump(&BumpMoments::<i32>::of_words(mean), &self.scale, kind, p)
+        let (mean, scale) = (&BumpMoments::<i32>::of_words(mean), &self.scale);
+        on_words!(p, |mean, scale| texel::bump(mean, scale, kind, p))
     }
 }

@@ -239,6 +239,14 @@ impl<T: Target> Word for Lanes<T> {
 
 impl<T: Target> WideWire for WideLanes<T> {
     type Word = Lanes<T>;
+    #[inline(always)]
+    fn wide_to_count(self) -> Lanes<T> {
+        Lanes::narrow(self)
+    }
+    #[inline(always)]
+    fn wide_of_count(count: Lanes<T>) -> Self {
+        count.widen()
+    }
 }
 
 impl<T: Target> Staged for Lanes<T> {

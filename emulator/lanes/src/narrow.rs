@@ -232,6 +232,14 @@ impl<T: Target> Word for Halves<Lanes<T>> {
 
 impl<T: Target> WideWire for Halves<WideLanes<T>> {
     type Word = Halves<Lanes<T>>;
+    #[inline(always)]
+    fn wide_to_count(self) -> Halves<Lanes<T>> {
+        Word::narrow(self)
+    }
+    #[inline(always)]
+    fn wide_of_count(count: Halves<Lanes<T>>) -> Self {
+        count.widen()
+    }
 }
 
 impl<T: Target> Wire for NarrowLanes<T> {
@@ -336,6 +344,14 @@ impl<T: Target> Word for NarrowLanes<T> {
 
 impl<T: Target> WideWire for Halves<Lanes<T>> {
     type Word = NarrowLanes<T>;
+    #[inline(always)]
+    fn wide_to_count(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn wide_of_count(count: Self) -> Self {
+        count
+    }
 }
 
 impl<T: Target> Staged for NarrowLanes<T> {

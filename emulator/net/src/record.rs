@@ -15,6 +15,7 @@ use roughxel_core::design::{Design, Form, In, Recorded, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::staged::Staged;
+use roughxel_core::width::narrowed;
 use roughxel_core::word::{WideWire, Wire, Word};
 
 use super::evaluate::apply_exactly;
@@ -247,6 +248,14 @@ macro_rules! word {
 
         impl WideWire for NetWire<$wide> {
             type Word = NetWire<$bits>;
+            #[track_caller]
+            fn wide_to_count(self) -> NetWord {
+                NetWire(resized(self.0, $wide, 32))
+            }
+            #[track_caller]
+            fn wide_of_count(count: NetWord) -> Self {
+                Self(resized(count.0, 32, $wide))
+            }
         }
 
         impl Staged for NetWire<$bits> {
@@ -398,8 +407,13 @@ pub fn integers<B: Bundle<i32>>(bundle: &B) -> Vec<i64> {
     integers_on::<i32, B>(bundle)
 }
 
+/// The same on words of the profile's width, as nets of that profile have them.
+pub fn integers_at<B: Form>(bundle: &B, p: &Precision) -> Vec<i64> {
+    if p.word_bits() == 16 { integers_on::<i16, _>(&narrowed(bundle)) } else { integers(bundle) }
+}
+
 /// The same on words of another width.
-pub fn integers_on<S: Word<Count = i32, Flag = bool> + Into<i64>, B: Bundle<S>>(bundle: &B) -> Vec<i64> {
+fn integers_on<S: Word<Count = i32, Flag = bool> + Into<i64>, B: Bundle<S>>(bundle: &B) -> Vec<i64> {
     let mut values = Values::default();
     bundle.rewire::<S, _>(&mut values);
     values.0
@@ -506,14 +520,13 @@ pub fn record<W: NetReading, I: Form, O: Bundle<W>>(body: impl FnOnce(&In<I, W>)
 }
 
 impl Net {
-    /// Records a design with those of the effects that it has.
+    /// Records a design with those of the effects that it has, on words of the profile's width.
     pub fn of(design: Design, effects: &Effects, p: &Precision) -> Self {
-        Self::on_words::<NetWord>(design, effects, p)
-    }
-
-    /// The same on words of another width.
-    pub fn on_words<W: NetReading>(design: Design, effects: &Effects, p: &Precision) -> Self {
-        design.visit(Record::<W> { effects, p, words: PhantomData })
+        if p.word_bits() == 16 {
+            design.visit(Record::<NetWire<16>> { effects, p, words: PhantomData })
+        } else {
+            design.visit(Record::<NetWord> { effects, p, words: PhantomData })
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! fragment decides is random and favours the ends of its range.
 
 use glam::DVec3;
-use roughxel_core::datapath;
+use roughxel_core::datapath::{self, Surface};
 use roughxel_core::design::{
     Design, Edge, EnvironmentProbeInput, FaceAddressInput, FaceTexelsInput, HorizonInput, LevelsInput, LocalInput,
     MapFootprintInput, RepeatAddressInput, ScaledReflectionInput, StoredPeakInput, TextureProbeInput,
@@ -17,10 +17,11 @@ use roughxel_core::setup::{self, stored_horizon, stored_peak};
 use roughxel_core::signals::{PeakSum, TexturePosition};
 use roughxel_core::soft_core::{environment_scale, reflection, texture_scale};
 use roughxel_core::stage::enter::enter;
+use roughxel_core::width::on_words;
 
 use crate::lanes::PackedPeak;
 use crate::net::graph::Net;
-use crate::net::record::integers;
+use crate::net::record::integers_at;
 use crate::random::SplitMix64;
 
 /// Integers for the ports of a design, in the order of [`Net::ports`]: those a fragment leads to (a list for every probe and
@@ -50,12 +51,12 @@ pub fn port_values(
     };
     let share = |random: &mut SplitMix64, most: u64| Control::<i32, SHARE>::lit(random.below(most) as i64);
     match design {
-        Design::Fragment => vec![integers(&wires)],
-        Design::Reflection => vec![integers(&ScaledReflectionInput { fragment: wires, map })],
+        Design::Fragment => vec![integers_at(&wires, p)],
+        Design::Reflection => vec![integers_at(&ScaledReflectionInput { fragment: wires, map }, p)],
         // A light has any direction: that of the first derivative is as good as another.
         Design::Highlight => {
             let shininess = setup::shininess(random.uniform(0.0, 13.0).exp2()).wires();
-            vec![integers(&HighlightInput { surface: wires.surface, light: wires.dview[0], shininess })]
+            vec![integers_at(&HighlightInput { surface: wires.surface, light: wires.dview[0], shininess }, p)]
         }
         Design::LitPeak => {
             let mut any = |low, high| random.uniform(low, high);
@@ -64,67 +65,81 @@ pub fn port_values(
             let mut four = |low, high| [(); 4].map(|()| any(low, high));
             let horizon = stored_horizon(four(-1.0, 2.0), four(-0.2, 0.6)).wires();
             let weight = share(random, 1 << 17);
-            vec![integers(&PeakInput { surface: wires.surface, light: wires.dview[0], peak, horizon, weight })]
+            vec![integers_at(&PeakInput { surface: wires.surface, light: wires.dview[0], peak, horizon, weight }, p)]
         }
-        Design::MapScale => vec![integers(&Edge { edge_texels: Fx::int(fragment.edge_texels.clamp(1, 16384).into()) })],
-        Design::Texture => vec![integers(&MapFootprintInput { duv, texture, map: texture_map })],
+        Design::MapScale => {
+            vec![integers_at(&Edge { edge_texels: Fx::int(fragment.edge_texels.clamp(1, 16384).into()) }, p)]
+        }
+        Design::Texture => vec![integers_at(&MapFootprintInput { duv, texture, map: texture_map }, p)],
         Design::TextureProbe | Design::RepeatAddress => {
-            let probes = datapath::texture_footprint(&duv, &texture, &texture_map, p).probes;
+            let (duv, texture, map) = (&duv, &texture, &texture_map);
+            let probes = on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p)).probes;
             let centre = TexturePosition { uv: [0; 2].map(|_| Fx::lit(random.below(1 << 32) as i64)) };
             let indices = (0..probes.count.raw()).map(Fx::from_raw);
             if design == Design::TextureProbe {
-                let input = |index| TextureProbeInput { centre, probes, index, texture };
-                return indices.map(|index| integers(&input(index))).collect();
+                let input = |index| TextureProbeInput { centre, probes, index, texture: *texture };
+                return indices.map(|index| integers_at(&input(index), p)).collect();
             }
             let level = probes.lod.index(0).raw();
             let size = texture.size.map(|edge| Fx::from_raw((edge.raw() >> level).max(1)));
-            let place = |index| datapath::texture_probe(&centre, &probes, index, &texture, p).place;
-            indices.map(|index| integers(&RepeatAddressInput { place: place(index), size })).collect()
+            let place = |index| datapath::texture_probe(&centre, &probes, index, texture, p).place;
+            indices.map(|index| integers_at(&RepeatAddressInput { place: place(index), size }, p)).collect()
         }
         Design::EnvironmentProbe | Design::FaceAddress | Design::FaceTexels | Design::Levels => {
             let stages = reflection(&wires, &map, plan, p);
             let (point, probes) = (stages.point, stages.probes);
             if design == Design::Levels {
-                return vec![integers(&LevelsInput { lod: probes.lod, rough: plan.roughness != RoughnessKind::None })];
+                return vec![integers_at(
+                    &LevelsInput { lod: probes.lod, rough: plan.roughness != RoughnessKind::None },
+                    p,
+                )];
             }
             let indices = (0..probes.count.raw()).map(Fx::from_raw);
             if design == Design::EnvironmentProbe {
-                return indices.map(|index| integers(&EnvironmentProbeInput { point, probes, index })).collect();
+                return indices.map(|index| integers_at(&EnvironmentProbeInput { point, probes, index }, p)).collect();
             }
             let edge = edge(probes.lod);
-            let place = |index| datapath::environment_probe(&point, &probes, index, p).place;
+            let (point, probes) = (&point, &probes);
+            let place =
+                |index| on_words!(p, |point, probes| datapath::environment_probe(point, probes, index, p)).place;
             let input = |index| {
                 let place = place(index);
                 if design == Design::FaceAddress {
-                    return integers(&FaceAddressInput { place, edge });
+                    return integers_at(&FaceAddressInput { place, edge }, p);
                 }
                 let address = datapath::texel::face_address::<i32>(&place, edge, p);
-                integers(&FaceTexelsInput { face: place.face, address, edge })
+                integers_at(&FaceTexelsInput { face: place.face, address, edge }, p)
             };
             indices.map(input).collect()
         }
         // Light and eye have any direction: the view and its derivatives are as good as others.
         Design::Local | Design::Peak | Design::Horizon => {
-            let surface = reflection(&wires, &map, plan, p).surface;
-            let (frame, normal) = (surface.frame, surface.normal);
-            let directions = [surface.view, enter(&wires.dview[0], p), enter(&wires.dview[1], p)];
+            let surface = &reflection(&wires, &map, plan, p).surface;
+            let Surface { frame, normal, view, .. } = *surface;
+            let [first, second] = &wires.dview;
+            let [first, second] = on_words!(p, |first, second| [enter(first, p), enter(second, p)]);
+            let directions = &[view, first, second];
             if design == Design::Local {
-                return directions.map(|direction| integers(&LocalInput { direction, frame, normal })).into();
+                return directions.map(|direction| integers_at(&LocalInput { direction, frame, normal }, p)).into();
             }
-            let [_, light, eye] = directions.map(|d| datapath::local_components(&d, &frame, &normal, p));
+            let [_, light, eye] = on_words!(p, |surface, directions| {
+                directions.map(|d| datapath::local_components(&d, &surface.frame, &surface.normal, p))
+            });
             if design == Design::Horizon {
                 let mut four = |low, high| [(); 4].map(|()| random.uniform(low, high));
                 let horizon = stored_horizon(four(-1.0, 2.0), four(-0.2, 0.6)).wires();
-                return vec![integers(&HorizonInput { light, eye, horizon })];
+                return vec![integers_at(&HorizonInput { light, eye, horizon }, p)];
             }
-            let half = datapath::local_direction(&directions[0], &frame, &normal, p);
+            let half = on_words!(p, |surface| {
+                datapath::local_direction(&surface.view, &surface.frame, &surface.normal, p)
+            });
             let exponent = random.uniform(0.0, 13.0).exp2();
             let near = DVec3::from_array(half.unit.map(|m| f64::from(m.raw()) + random.uniform(-1e8, 1e8)));
             let peak = stored_peak(near, random.uniform(-10.0, 6.0).exp2(), exponent).wires();
             let light = Control::<i32, LIGHT>::lit(random.below(64 << 24) as i64);
             let sum = PeakSum { light, saturated: random.below(2) == 1 };
             let words = PackedPeak::from(&peak).words();
-            vec![integers(&StoredPeakInput { half, words, weight: share(random, (1 << 16) + 1), sum })]
+            vec![integers_at(&StoredPeakInput { half, words, weight: share(random, (1 << 16) + 1), sum }, p)]
         }
         Design::BumpTexel
         | Design::BumpProbe

@@ -1,7 +1,7 @@
 //! Accuracy of the integer datapath against the independent float64 reference, fed with the same port values.
 //!
 //! One table of bars for reports and tests alike. What a bar means where an input is ill-conditioned:
-//! *face coordinates* count where the reference is further than [`TIE_MARGIN`] from a tie of two faces (beyond it
+//! *face coordinates* count where the reference is further than [`tie_margin`] from a tie of two faces (beyond it
 //! either face is right); *footprint* figures are relative to λ₁, but not less than 1/[`CANCELLATION`] of the
 //! size of the terms before they cancel: dr is a difference of products rounded to p bits, its error is
 //! proportional to the terms whatever is left of them.
@@ -16,8 +16,11 @@ use roughxel_reference::linear::{axis_angle, norm};
 
 use crate::cases::{hard_case_sets, random_fragment};
 
-/// Relative difference of the two largest components of r below which the face is a matter of rounding.
-pub const TIE_MARGIN: f64 = 1.0 / 4096.0;
+/// Relative difference of the two largest components of r below which the face is a matter of rounding: the bar of s and t, which
+/// are ±1 there, and at least 2^−12.
+pub fn tie_margin(p: &Precision) -> f64 {
+    2.0_f64.powi(4 - p.fraction_bits as i32).max(1.0 / 4096.0)
+}
 
 /// How much of a footprint may cancel before its errors are judged against the terms instead of the rest.
 pub const CANCELLATION: f64 = 16.0;
@@ -55,11 +58,11 @@ impl Figure {
         let column = Profile::NAMES.iter().position(|name| *name == profile)?;
         let two = |power: i32| 2.0_f64.powi(power);
         let row = match self {
-            Self::Coordinates => [two(-12), two(-12), two(-15), two(-20)],
-            Self::Frame => [two(-12), two(-12), two(-16), two(-21)],
-            Self::MajorAxis => [two(-6), two(-6), two(-9), two(-12)],
-            Self::LevelOfDetail => [two(-4), two(-5), two(-8), two(-10)],
-            Self::Direction => [4.6, 1.0, 0.1, 0.02],
+            Self::Coordinates => [two(-10), two(-12), two(-12), two(-15), two(-20)],
+            Self::Frame => [two(-10), two(-12), two(-12), two(-16), two(-21)],
+            Self::MajorAxis => [two(-6), two(-6), two(-6), two(-9), two(-12)],
+            Self::LevelOfDetail => [two(-5), two(-4), two(-5), two(-8), two(-10)],
+            Self::Direction => [1.0, 4.6, 1.0, 0.1, 0.02],
             Self::Reflected => return None,
         };
         row.get(column).copied()
@@ -233,7 +236,7 @@ fn compare(fragment: &ReflectionIn, got: &ReflectionOut, plan: &ReflectionPlan, 
 
     let same_face = usize::from(got.face) == want.selection.face;
     if !same_face {
-        sample.wrong_face = want.tie_margin > TIE_MARGIN;
+        sample.wrong_face = want.tie_margin > tie_margin(p);
         return sample;
     }
     let [s, t] = got.st.map(|x| f64::from(x.to_bits()) / f64::from(1 << 30));

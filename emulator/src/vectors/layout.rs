@@ -208,27 +208,31 @@ pub(super) struct Column {
 
 /// Every port and every output of a datapath's design, in the order of its bundles.
 pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Column> {
+    // The integers are those of the soft core's ports: of narrower words the upper bits.
+    let below = 32 - p.word_bits();
     let read = net.ports_read();
     let ports = net.ports.iter().zip(read).enumerate().map(|(place, (port, read))| {
         let mantissas = mantissas(&port.path, net.ports.iter().map(|port| &port.path[..]));
+        let below = if port.mantissa { below } else { 0 };
         let wire = Wire {
             path: &port.path,
             port: &port.name,
             mantissa: port.mantissa,
-            fraction_bits: port.fraction_bits,
-            limits: (port.low, port.high),
+            fraction_bits: port.fraction_bits + below,
+            limits: (port.low << below, port.high << below),
             mantissas,
         };
         wire.column(Source::Port(place), read, datapath, p)
     });
-    let outputs = net.outputs.iter().zip(&net.limits).enumerate().map(|(place, (output, &limits))| {
+    let outputs = net.outputs.iter().zip(&net.limits).enumerate().map(|(place, (output, &(low, high)))| {
         let mantissas = mantissas(&output.path, net.outputs.iter().map(|output| &output.path[..]));
+        let below = if output.mantissa { below } else { 0 };
         let wire = Wire {
             path: &output.path,
             port: &output.name,
             mantissa: output.mantissa,
-            fraction_bits: output.fraction_bits,
-            limits,
+            fraction_bits: output.fraction_bits + below,
+            limits: (low << below, high << below),
             mantissas,
         };
         wire.column(Source::Output(place), net.constant(output).is_none(), datapath, p)

@@ -63,7 +63,7 @@ fn quantised_inputs_go_through_unchanged() {
                   dv_dx_x,dv_dx_y,dv_dx_z,dv_dy_x,dv_dy_y,dv_dy_z,dn_dx_x,dn_dx_y,dn_dx_z,dn_dy_x,dn_dy_y,dn_dy_z";
     let row = "0.1,-0.7,3,1e-5,2,1e3,.3,.2,-.9,.123,-.456,.01,-.02,.03,\
                1e-3,-2e-3,3e-7,4e-3,5e-3,-6e-3,1e-4,2e-9,3e-4,-4e-4,5e-4,6e-4";
-    for profile in ["paper", "compact", "standard", "precise"] {
+    for profile in ["narrow", "paper", "compact", "standard", "precise"] {
         let first = eval(&["--profile", profile], &format!("{header}\n{row}\n"));
         let values = table(&first);
         let again: Vec<_> = header.split(',').map(|name| format!("{:e}", values[&format!("q_{name}")][0])).collect();

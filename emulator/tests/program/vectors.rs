@@ -116,7 +116,7 @@ impl Word {
 #[test]
 fn every_set_verifies_under_every_profile() {
     let directory = tempfile::tempdir().unwrap();
-    for profile in ["paper", "compact", "standard", "precise"] {
+    for profile in ["narrow", "paper", "compact", "standard", "precise"] {
         let p = Profile::by_name(profile).unwrap().precision();
         for set in hard_sets(&p) {
             let datapath = set.cases.datapath();
@@ -272,7 +272,8 @@ fn resizing_a_set_changes_no_vector_that_stays() {
 
 #[test]
 fn fields_tile_the_word_and_have_unique_names() {
-    let profiles = ["paper", "compact", "standard", "precise"].map(|name| Profile::by_name(name).unwrap().precision());
+    let profiles =
+        ["narrow", "paper", "compact", "standard", "precise"].map(|name| Profile::by_name(name).unwrap().precision());
     let layouts = profiles.iter().flat_map(|p| {
         let effects = [Effects::ALL, Effects::NONE].into_iter();
         effects.flat_map(move |effects| Datapath::ALL.map(|datapath| Layout::new(datapath, &effects, p)))

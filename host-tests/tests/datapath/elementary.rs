@@ -19,6 +19,9 @@ use roughxel_emulator::random::SplitMix64;
 const FRACTION: u32 = i32::BITS - MANTISSA;
 const ONE: i32 = 1 << FRACTION;
 
+/// Profiles on words of 32 bits.
+const NAMES: [&str; 4] = ["paper", "compact", "standard", "precise"];
+
 /// log₂ of the worst error of a profile, for [`FUNCTIONS`]. 1/2x, 1/2√x and log₂ absolute, the others relative.
 type Bounds = [f64; 5];
 
@@ -33,7 +36,7 @@ const BOUNDS: [Bounds; 4] = [
 ];
 
 fn profile(index: usize) -> Precision {
-    Profile::by_name(Profile::NAMES[index]).map(Profile::precision).expect("a listed profile exists")
+    Profile::by_name(NAMES[index]).map(Profile::precision).expect("a listed profile exists")
 }
 
 fn mantissa(x: i32) -> f64 {
@@ -69,16 +72,16 @@ fn exp2_error(x: i32, p: &Precision) -> f64 {
 
 fn holds(profile: usize, function: usize, worst: (f64, i32)) {
     let found = worst.0.log2();
-    println!("{:8} {:6} 2^{found:.4} at {:#010x}", Profile::NAMES[profile], FUNCTIONS[function], worst.1);
+    println!("{:8} {:6} 2^{found:.4} at {:#010x}", NAMES[profile], FUNCTIONS[function], worst.1);
     let bound = BOUNDS[profile][function];
-    assert!(found <= bound, "{} of {}: 2^{found:.4} at {:#x}", FUNCTIONS[function], Profile::NAMES[profile], worst.1);
+    assert!(found <= bound, "{} of {}: 2^{found:.4} at {:#x}", FUNCTIONS[function], NAMES[profile], worst.1);
     // A bound that nothing meets is a bound that nobody measured.
-    assert!(found > bound - 0.01, "{} of {} is 2^{found:.4}", FUNCTIONS[function], Profile::NAMES[profile]);
+    assert!(found > bound - 0.01, "{} of {} is 2^{found:.4}", FUNCTIONS[function], NAMES[profile]);
 }
 
 #[test]
 fn reciprocal_holds_its_bound_at_every_mantissa() {
-    for index in 0..Profile::NAMES.len() {
+    for index in 0..NAMES.len() {
         let p = profile(index);
         holds(index, 0, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| reciprocal_error(x, &p)));
     }
@@ -86,7 +89,7 @@ fn reciprocal_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn inverse_root_holds_its_bound_at_every_mantissa() {
-    for index in 0..Profile::NAMES.len() {
+    for index in 0..NAMES.len() {
         let p = profile(index);
         holds(index, 1, worst_over_mantissas(ONE / 4, p.fraction_bits, |x| inverse_root_error(x, &p)));
     }
@@ -94,7 +97,7 @@ fn inverse_root_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn logarithm_holds_its_bound_at_every_mantissa() {
-    for index in 0..Profile::NAMES.len() {
+    for index in 0..NAMES.len() {
         let p = profile(index);
         holds(index, 2, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| log2_error(x, &p)));
     }
@@ -102,7 +105,7 @@ fn logarithm_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn exponential_holds_its_bound_at_every_fraction() {
-    for index in 0..Profile::NAMES.len() {
+    for index in 0..NAMES.len() {
         let p = profile(index);
         let worst = (0..1 << 24)
             .into_par_iter()
@@ -124,7 +127,7 @@ fn log2_one_plus_error(x: i32, e: i32, p: &Precision) -> f64 {
 
 #[test]
 fn logarithm_of_one_plus_holds_its_relative_bound_at_every_mantissa() {
-    for index in 0..Profile::NAMES.len() {
+    for index in 0..NAMES.len() {
         let p = profile(index);
         let over = |e: i32| worst_over_mantissas(ONE / 2, p.fraction_bits, |x| log2_one_plus_error(x, e, &p));
         let worst = LOG2_ONE_PLUS_EXPONENTS.map(over);
@@ -175,7 +178,7 @@ fn every_seed_and_step_count_holds_the_bound_by_its_formula() {
 #[test]
 fn ends_of_the_domains_are_right_and_zero_is_bounded() {
     let fx = Fx::<i32, 2>::from_raw;
-    for name in Profile::NAMES {
+    for name in NAMES {
         let p = Profile::by_name(name).map(Profile::precision).expect("a listed profile exists");
         // 0 is no mantissa of a block but of a block of zeros: the result is bounded, and meets a factor 0.
         assert_eq!(half_reciprocal(fx(0), &p), fx(ONE));
@@ -202,7 +205,7 @@ fn ends_of_the_domains_are_right_and_zero_is_bounded() {
 
 #[test]
 fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
-    for (index, name) in Profile::NAMES.iter().enumerate() {
+    for (index, name) in NAMES.iter().enumerate() {
         let p = profile(index);
         let mut random = SplitMix64::for_element("roots of blocks", index as u64);
         for round in 0..20_000 {

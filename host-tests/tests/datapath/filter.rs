@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::fx::Fx;
-use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::precision::Precision;
 use roughxel_core::signals::TexturePosition;
 use roughxel_core::stage::blend::blend;
 use roughxel_core::stage::filter::{self, Patch, ProbeSum, corner, face_address, levels, repeat_address};
@@ -13,10 +13,7 @@ use roughxel_core::stage::moments::{Moments, covariance, decompose, of_isotropic
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
 use roughxel_host_tests::reference::roughness::{self, compose, isotropic};
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    Profile::NAMES.map(|name| (name, Profile::by_name(name).map(Profile::precision).expect("a listed profile exists")))
-}
+use roughxel_host_tests::space::profiles;
 
 fn config() -> ProptestConfig {
     ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(8), ..Default::default() }

@@ -2,36 +2,52 @@
 
 use rayon::prelude::*;
 use roughxel_core::block::Block;
+use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::design::HorizonInput;
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::{BlockVector, Port, StoredHorizon};
-use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::ports::{BlockVector, Horizon, Port, SHARE, StoredHorizon};
+use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, real_horizon, real_vector, stored_horizon};
 use roughxel_core::signals::AxisSlope;
 use roughxel_core::stage::enter::enter;
-use roughxel_core::stage::horizon::{product, visibility};
+use roughxel_core::stage::horizon::{self, product};
+use roughxel_core::width::on_words;
 use roughxel_emulator::cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
+use roughxel_host_tests::space::profiles;
 
 /// Cases of a random set.
 const CASES: u64 = 200_000;
 /// A visibility of 1.
 const CLEAR: i32 = 1 << 16;
 
-fn profiles() -> [(&'static str, Precision); 4] {
-    Profile::NAMES.map(|name| (name, Profile::by_name(name).map(Profile::precision).expect("a listed profile exists")))
-}
-
 fn block(direction: &BlockVector, p: &Precision) -> Block<i32, 3> {
-    enter(&direction.wires(), p)
+    let direction = &direction.wires();
+    on_words!(p, |direction| enter(direction, p))
 }
 
 fn slopes(direction: &BlockVector, p: &Precision) -> [AxisSlope<i32>; 2] {
-    datapath::horizon_slopes(&block(direction, p), p)
+    let local = &block(direction, p);
+    on_words!(p, |local| datapath::horizon_slopes(local, p))
+}
+
+/// What light and eye both clear.
+fn clear(
+    light: &[AxisSlope<i32>; 2],
+    eye: &[AxisSlope<i32>; 2],
+    stored: &Horizon<i32>,
+    p: &Precision,
+) -> Fx<i32, SHARE> {
+    on_words!(p, |light, eye, stored| Value(datapath::horizon(light, eye, stored, p))).0
+}
+
+/// What one direction clears.
+fn visibility(slopes: &[AxisSlope<i32>; 2], stored: &Horizon<i32>, p: &Precision) -> Fx<i32, SHARE> {
+    on_words!(p, |slopes, stored| Value(horizon::visibility(slopes, stored, p))).0
 }
 
 fn real_slope(slope: &AxisSlope<i32>) -> f64 {
@@ -85,7 +101,7 @@ fn visibility_holds_its_bar_at_the_slopes_of_the_datapath() {
         let bar = shading_bars(name).expect("a profile has bars").visibility;
         let error = |case: &HorizonCase| {
             let (light, eye) = (slopes(&case.light, &p), slopes(&case.eye, &p));
-            let got = share(datapath::horizon(&light, &eye, &case.horizon.wires(), &p));
+            let got = share(clear(&light, &eye, &case.horizon.wires(), &p));
             let sides = sides(&case.horizon);
             let want: f64 = [light, eye]
                 .iter()
@@ -124,7 +140,7 @@ fn visibility_errs_by_the_slope_over_the_width_of_the_ramp() {
                 }
             }
             let (light, eye) = (slopes(&case.light, &p), slopes(&case.eye, &p));
-            let got = share(datapath::horizon(&light, &eye, &case.horizon.wires(), &p));
+            let got = share(clear(&light, &eye, &case.horizon.wires(), &p));
             assert!((got - want).abs() <= allowed, "{name}: {got} for {want}, {case:?}");
             allowed
         };
@@ -141,7 +157,7 @@ fn a_light_on_a_step_is_visible_and_one_bit_below_it_is_not() {
             let horizon = stored_horizon([slope; 4], [0.0; 4]).wires();
             for x in [1.0, -1.0] {
                 let exact = block_vector(glam::dvec3(x, 0.0, slope), &p);
-                let lit = |direction: &BlockVector| datapath::horizon(&slopes(direction, &p), &eye, &horizon, &p).raw();
+                let lit = |direction: &BlockVector| clear(&slopes(direction, &p), &eye, &horizon, &p).raw();
                 assert_eq!(lit(&exact), CLEAR, "{name} {slope}");
                 // A last place of the slope, which is above that of the mantissa.
                 for (step, expected) in [(-1, 0), (1, CLEAR)] {
@@ -160,7 +176,7 @@ fn an_open_horizon_changes_no_bit_of_a_weight() {
     for (name, p) in profiles() {
         for (index, case) in cases(name, &p).iter().enumerate().take(50_000) {
             let (light, eye) = (slopes(&case.light, &p), slopes(&case.eye, &p));
-            let open = datapath::horizon(&light, &eye, &StoredHorizon::OPEN.wires(), &p);
+            let open = clear(&light, &eye, &StoredHorizon::OPEN.wires(), &p);
             assert_eq!(open.raw(), CLEAR, "{name} {index}");
         }
         for weight in 0..=CLEAR {

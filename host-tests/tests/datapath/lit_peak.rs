@@ -3,13 +3,16 @@
 
 use fixed::types::I16F16;
 use rayon::prelude::*;
+use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
-use roughxel_core::fx::Fx;
+use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FrameSystem, PeakPlan};
-use roughxel_core::ports::{BlockVector, PeakIn, PeakOut, Port};
+use roughxel_core::ports::{BlockVector, LIGHT, PeakIn, PeakInput, PeakOut, Port};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{real_peak, real_vector};
+use roughxel_core::staged::Staged;
 use roughxel_core::status::StatusBit;
+use roughxel_core::width::on_words;
 use roughxel_emulator::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
 use roughxel_host_tests::bars::{LIT_PEAK_BARS, shading_bars};
 use roughxel_host_tests::reference::horizon::{Side, ramp};
@@ -151,17 +154,25 @@ fn what_has_no_light_gives_none_and_a_bit_says_why() {
 
 /// The light of a case from the parts that a frame calls: what is below is not looked at, a weight is a visibility.
 fn from_parts(case: &PeakIn, plan: &PeakPlan, p: &Precision) -> i32 {
-    let input = case.wires();
+    let input = &case.wires();
+    on_words!(p, |input| Value(light_of_parts(input, plan, p))).0.raw()
+}
+
+fn light_of_parts<W: Staged<Count = i32, Flag = bool>>(
+    input: &PeakInput<W>,
+    plan: &PeakPlan,
+    p: &Precision,
+) -> Control<W, LIGHT> {
     let surface = datapath::surface(&input.surface, &plan.surface(), p);
     let lit = datapath::peak_light(&surface, &input.light, p);
     if lit.side.below {
-        return 0;
+        return Fx::zero();
     }
     let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
     let slopes = [lit.light, eye].map(|local| datapath::horizon_slopes(&local, p));
     let visibility =
         if plan.horizon { datapath::horizon(&slopes[0], &slopes[1], &input.horizon, p) } else { Fx::lit(1 << 16) };
-    datapath::peak(&lit.direction, &input.peak, visibility, p).raw()
+    datapath::peak(&lit.direction, &input.peak, visibility, p)
 }
 
 #[test]

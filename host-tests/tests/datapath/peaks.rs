@@ -5,16 +5,18 @@ use fixed::types::I1F15;
 use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 use roughxel_core::block::Block;
+use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::design::StoredPeakInput;
 use roughxel_core::elementary::{VERSINE, cosine_power, minus_log2_one_minus, short_number};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockVector, LIGHT, Port, StoredPeak};
-use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::precision::Precision;
 use roughxel_core::setup::{real_peak, real_vector, stored_peak};
 use roughxel_core::signals::{LocalDirection, PeakSum};
 use roughxel_core::stage::filter::{self, Patch};
 use roughxel_core::stage::peaks;
+use roughxel_core::width::on_words;
 use roughxel_emulator::cases::CaseSet;
 use roughxel_emulator::cases::peak_and_horizon::{LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case};
 use roughxel_emulator::lanes::PackedPeak;
@@ -23,16 +25,13 @@ use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
+use roughxel_host_tests::space::{profiles, wide_profiles};
 
 /// Fraction bits of a versine.
 const FRACTION: u32 = i64::BITS - VERSINE;
 
 /// Cases of a random set.
 const CASES: u64 = 200_000;
-
-fn profiles() -> [(&'static str, Precision); 4] {
-    Profile::NAMES.map(|name| (name, Profile::by_name(name).map(Profile::precision).expect("a listed profile exists")))
-}
 
 fn number(x: Block<i32, 1>) -> f64 {
     f64::from(x.m[0].raw()) * f64::from(x.e.raw().max(-2000) - 30).exp2()
@@ -47,16 +46,20 @@ fn light(sum: Fx<i32, LIGHT>) -> f64 {
 }
 
 fn local(half: &LocalCase, p: &Precision) -> LocalDirection<i32> {
-    let input = half.wires(p);
-    datapath::local_direction(&input.direction, &input.frame, &input.normal, p)
+    let input = &half.wires(p);
+    on_words!(p, |input| datapath::local_direction(&input.direction, &input.frame, &input.normal, p))
+}
+
+/// The light of a peak.
+fn lit(h: &LocalDirection<i32>, peak: &StoredPeak, weight: u32, p: &Precision) -> Fx<i32, LIGHT> {
+    let (peak, weight) = (&peak.wires(), Fx::from_raw(weight as i32));
+    on_words!(p, |h, peak| Value(datapath::peak(h, peak, weight, p))).0
 }
 
 /// The datapath's sum over the peaks of a case.
 fn sum(case: &PeakCase, p: &Precision) -> (LocalDirection<i32>, PeakSum<i32>) {
     let h = local(&case.half, p);
-    let add = |sum, (peak, weight): &(StoredPeak, u32)| {
-        datapath::peak_sum(&sum, datapath::peak(&h, &peak.wires(), Fx::from_raw(*weight as i32), p))
-    };
+    let add = |sum, (peak, weight): &(StoredPeak, u32)| datapath::peak_sum(&sum, lit(&h, peak, *weight, p));
     (h, case.peaks.iter().fold(peaks::none(), add))
 }
 
@@ -72,7 +75,7 @@ fn length(a: [f64; 3], b: [f64; 3]) -> f64 {
     DVec3::from_array(a).distance(DVec3::from_array(b))
 }
 
-/// log₂ of the worst errors of a profile: −log₂(1 − y) relative, cosⁿ absolute.
+/// log₂ of the worst errors of a profile on words of 32 bits: −log₂(1 − y) relative, cosⁿ absolute.
 const BOUNDS: [[f64; 2]; 4] = [[-14.74, -15.75], [-14.74, -15.75], [-18.42, -19.28], [-19.45, -20.02]];
 
 /// Whether `found` holds a bound and comes near it: a bound that nothing meets is a bound that nobody measured.
@@ -84,7 +87,7 @@ fn holds(name: &str, what: &str, found: f64, bound: f64) {
 
 #[test]
 fn logarithm_of_a_cosine_holds_its_bound_at_every_mantissa() {
-    for ((name, p), [bound, _]) in profiles().into_iter().zip(BOUNDS) {
+    for ((name, p), [bound, _]) in wide_profiles().into_iter().zip(BOUNDS) {
         // Every mantissa that is kept and every one half way between, which rounding moves most, for y in [½, 1) and [¼, ½),
         // where the table bends most; below, where 2^27 of them would take minutes, up to 20 bits.
         let kept = 1_i32 << p.fraction_bits..2 << p.fraction_bits;
@@ -104,7 +107,7 @@ fn logarithm_of_a_cosine_holds_its_bound_at_every_mantissa() {
 
 #[test]
 fn powers_of_a_cosine_hold_their_bound_for_every_exponent() {
-    for ((name, p), [_, bound]) in profiles().into_iter().zip(BOUNDS) {
+    for ((name, p), [_, bound]) in wide_profiles().into_iter().zip(BOUNDS) {
         // Every octave of n, its ends and 64 between; powers from 1 down to 2^−28 by the share of the way.
         let codes = (8192..=61_440_u16).into_par_iter().step_by(61).chain([8193, 20_479, 61_439]);
         let worst = codes.map(|code| {
@@ -123,7 +126,7 @@ fn powers_of_a_cosine_hold_their_bound_for_every_exponent() {
 
 #[test]
 fn a_power_is_1_on_its_peak_and_0_from_a_right_angle_on() {
-    for (_, p) in profiles() {
+    for (_, p) in wide_profiles() {
         for code in [0, 1, 4096, 8192, 30_000, 61_440, u16::MAX] {
             let n = short_number(Fx::<i32, 32>::from_raw(code.into()));
             assert_eq!(number(cosine_power(Fx::zero(), n, &p)), 1.0);
@@ -140,8 +143,8 @@ fn a_power_is_1_on_its_peak_and_0_from_a_right_angle_on() {
 
 #[test]
 fn a_power_falls_with_the_angle() {
-    for (name, p) in profiles() {
-        let slack = BOUNDS[Profile::NAMES.iter().position(|other| *other == name).unwrap_or(0)][1].exp2();
+    for ((name, p), [_, bound]) in wide_profiles().into_iter().zip(BOUNDS) {
+        let slack = bound.exp2();
         for code in [8192, 12_000, 20_480, 40_000, 61_440] {
             let n = short_number(Fx::<i32, 32>::from_raw(code));
             let power = |step: i64| number(cosine_power(Fx::from_raw(step << 48), n, &p));
@@ -173,7 +176,7 @@ fn peak_error(case: &PeakCase, p: &Precision) -> f64 {
         let (normal, a, n) = real_peak(peak);
         let scale = a * f64::from(*weight) / f64::from(WHOLE);
         let want = exact.map_or(0.0, |h| reference::peak(h, normal.to_array(), 1.0, n));
-        let got = light(datapath::peak(&h, &peak.wires(), Fx::from_raw(*weight as i32), p));
+        let got = light(lit(&h, peak, *weight, p));
         let error = (got - scale * want).abs() - 2.0_f64.powi(-25);
         if error <= 0.0 { 0.0 } else { error / scale }
     };
@@ -244,12 +247,7 @@ fn sums_of_0_7_and_56_peaks_are_those_of_the_reference() {
             counts.push(case.peaks.len());
             let all_equal = case.peaks.windows(2).all(|pair| pair[0] == pair[1]);
             if all_equal && case.peaks.len() > 1 {
-                let one = datapath::peak(
-                    &local(&case.half, &p),
-                    &case.peaks[0].0.wires(),
-                    Fx::from_raw(case.peaks[0].1 as i32),
-                    &p,
-                );
+                let one = lit(&local(&case.half, &p), &case.peaks[0].0, case.peaks[0].1, &p);
                 assert_eq!(sum.light.raw(), one.raw() * case.peaks.len() as i32, "equal peaks count alike");
             }
         }
@@ -300,13 +298,7 @@ fn any_codes_give_a_bounded_sum_that_says_when_it_is_cut() {
         for case in set(&peak_hard_sets(&p), "peak_codes") {
             let (h, sum) = sum(case, &p);
             assert!((0..64 << 24).contains(&sum.light.raw()));
-            let parts: i64 = case
-                .peaks
-                .iter()
-                .map(|(peak, weight)| {
-                    i64::from(datapath::peak(&h, &peak.wires(), Fx::from_raw(*weight as i32), &p).raw())
-                })
-                .sum();
+            let parts: i64 = case.peaks.iter().map(|(peak, weight)| i64::from(lit(&h, peak, *weight, &p).raw())).sum();
             assert_eq!(i64::from(sum.light.raw()), parts.min((64 << 24) - 1));
             assert_eq!(sum.saturated, parts >= 64 << 24);
             cut += usize::from(sum.saturated);

@@ -13,34 +13,55 @@ use roughxel_core::datapath;
 use roughxel_core::elementary;
 use roughxel_core::fx::{Fx, Int};
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::{BlockPair, BlockVector, Port, ReflectionIn, SurfaceIn, TextureIn};
+use roughxel_core::ports::{
+    BlockPair, BlockVector, Port, PortBlock, ReflectionIn, ReflectionInput, SurfaceIn, TextureIn,
+};
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
-use roughxel_core::signals::{Probes, TexturePosition};
+use roughxel_core::signals::{MapScale, Probes, TexturePosition};
 use roughxel_core::soft_core::{environment_scale, texture_scale};
 use roughxel_core::stage::filter::Patch;
+use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{blend, filter, moments, probes};
+use roughxel_core::width::narrowed;
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::random::SplitMix64;
-use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, counted, first_difference, reread};
+use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, Scalar, counted, first_difference, reread};
 use roughxel_host_tests::space::{plans, profiles, whole_or};
 
-/// Runs both readings, probe places included, and compares every integer of every stage.
+/// Runs both readings on words of the profile's width, probe places included, and compares every integer of every stage.
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {
-    let edge = Fx::lit(i64::from(fragment.edge_texels.clamp(1, 16384)));
-    let map = environment_scale(fragment.edge_texels, p);
-    let checked_map = probes::face_scale::<Checked>(edge, p);
-    assert_eq!(Integers::of(&[map.log2_texels]), Integers::of(&[checked_map.log2_texels]));
-    assert_eq!(Integers::of(&[map.last_level]), Integers::of(&[checked_map.last_level]));
+    let wires = fragment.wires();
+    match p.word_bits() {
+        16 => compare_on::<i16>(&narrowed(&wires), fragment, plan, p),
+        _ => compare_on::<i32>(&wires, fragment, plan, p),
+    }
+}
 
-    let input = fragment.wires();
-    let scalar = datapath::reflection(&input, &map, plan, p);
-    let (checked, counts) = counted(|| datapath::reflection(&reread::<Checked, _>(&input), &checked_map, plan, p));
-    let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
+fn compare_on<T: Scalar>(
+    input: &ReflectionInput<T>,
+    fragment: &ReflectionIn,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> OperationCounts {
+    let edge = fragment.edge_texels.clamp(1, 16384);
+    let map = probes::face_scale::<T>(Fx::lit(edge.into()), p);
+    let checked_map = probes::face_scale::<T::Checked>(Fx::lit(edge.into()), p);
+    assert_eq!(Integers::of::<T, _>(&map), Integers::of::<T::Checked, _>(&checked_map));
+    let soft_core = environment_scale(edge, p);
+    assert_eq!((map.log2_texels, map.last_level), (soft_core.log2_texels, soft_core.last_level));
+
+    let scalar = datapath::reflection(input, &map, plan, p);
+    let (checked, counts) = counted(|| datapath::reflection(&reread(input), &checked_map, plan, p));
+    let (expected, got) = (Integers::of::<T, _>(&scalar), Integers::of::<T::Checked, _>(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
     for index in 0..i64::from(scalar.probes.count.raw()) {
         let expected = datapath::environment_probe(&scalar.point, &scalar.probes, Fx::lit(index), p);
         let got = datapath::environment_probe(&checked.point, &checked.probes, Fx::lit(index), p);
-        assert_eq!(Integers::of(&expected), Integers::of(&got), "probe {index} of {fragment:?}");
+        assert_eq!(
+            Integers::of::<T, _>(&expected),
+            Integers::of::<T::Checked, _>(&got),
+            "probe {index} of {fragment:?}"
+        );
     }
     counts
 }
@@ -48,28 +69,44 @@ fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Ope
 /// Runs the texture footprint and the places of its probes in both readings.
 fn compare_texture(fragment: &TextureIn, size: [u16; 2], p: &Precision) {
     let (texture, map) = texture_scale(size);
-    let (checked_texture, checked_map) = (reread::<Checked, _>(&texture), reread::<Checked, _>(&map));
     let ports = fragment.duv.wires();
-    let scalar = fragment.footprint(&(texture, map), p);
-    let checked = datapath::texture_footprint(&reread(&ports), &checked_texture, &checked_map, p);
-    let (expected, got) = (Integers::of(&scalar), Integers::of(&checked));
+    match p.word_bits() {
+        16 => compare_texture_on::<i16>(&narrowed(&ports), (&narrowed(&texture), &narrowed(&map)), fragment, p),
+        _ => compare_texture_on::<i32>(&ports, (&texture, &map), fragment, p),
+    }
+}
+
+fn compare_texture_on<T: Scalar>(
+    ports: &[PortBlock<T, 2>; 2],
+    (texture, map): (&TextureScale<T>, &MapScale<T>),
+    fragment: &TextureIn,
+    p: &Precision,
+) {
+    let (checked_texture, checked_map) = (reread(texture), reread(map));
+    let scalar = datapath::texture_footprint(ports, texture, map, p);
+    let checked = datapath::texture_footprint(&reread(ports), &checked_texture, &checked_map, p);
+    let (expected, got) = (Integers::of::<T, _>(&scalar), Integers::of::<T::Checked, _>(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
 
-    let centre = TexturePosition { uv: fragment.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
+    let centre = TexturePosition::<T> { uv: fragment.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
     for index in 0..i64::from(scalar.probes.count.raw()) {
-        let expected = datapath::texture_probe(&centre, &scalar.probes, Fx::lit(index), &texture, p);
+        let expected = datapath::texture_probe(&centre, &scalar.probes, Fx::lit(index), texture, p);
         let got = datapath::texture_probe(&reread(&centre), &checked.probes, Fx::lit(index), &checked_texture, p);
-        assert_eq!(Integers::of(&expected), Integers::of(&got), "probe {index} of {fragment:?}");
+        assert_eq!(
+            Integers::of::<T, _>(&expected),
+            Integers::of::<T::Checked, _>(&got),
+            "probe {index} of {fragment:?}"
+        );
         let inside = expected.place.uv.iter().all(|u| (0..1 << 32).contains(&u.raw()));
         assert!(inside, "a position is a fraction: {expected:?}");
 
         // Levels of that shape, and the addresses of the probe on each.
         for level in 0..=map.last_level.raw() as u32 {
             let extent = texture.size.map(|edge| (edge.raw() >> level).max(1));
-            let scalar = filter::repeat_address::<i32>(&expected.place, extent.map(Fx::from_raw), p);
+            let scalar = filter::repeat_address::<T>(&expected.place, extent.map(Fx::from_raw), p);
             let checked =
-                filter::repeat_address::<Checked>(&got.place, extent.map(|e| Fx::from_raw(Checked::new(e))), p);
-            assert_eq!(Integers::of(&scalar), Integers::of(&checked));
+                filter::repeat_address::<T::Checked>(&got.place, extent.map(|e| Fx::from_raw(Checked::new(e))), p);
+            assert_eq!(Integers::of::<T, _>(&scalar), Integers::of::<T::Checked, _>(&checked));
         }
     }
 }
@@ -265,8 +302,8 @@ fn elementary_functions_stay_on_their_wires_at_and_beyond_the_ends_of_their_doma
             }
             // ±64 with 24 fraction bits.
             let exponent = x.clamp(-one, one);
-            let expected = elementary::exp2(Fx::<i32, 8>::from_raw(exponent), &p);
-            let got = elementary::exp2(Fx::from_raw(Checked::new(exponent)), &p);
+            let expected = elementary::exp2::<i32>(Fx::from_raw(exponent), &p);
+            let got = elementary::exp2::<Checked>(Fx::from_raw(Checked::new(exponent)), &p);
             assert_eq!(Integers::of(&expected), Integers::of(&got));
         }
     });
@@ -286,7 +323,7 @@ fn trilinear(fine: [i32; 4], coarse: [i32; 4], weights: [i32; 5], extra: u32) ->
     };
     let (a, b) = (patch(fine, [x0, y0]), patch(coarse, [x1, y1]));
     let expected = filter::trilinear(&a, &b, Fx::from_raw(level), extra).raw();
-    let (a, b) = (reread::<Checked, _>(&a), reread::<Checked, _>(&b));
+    let (a, b) = (reread(&a), reread(&b));
     let got = filter::trilinear(&a, &b, Fx::from_raw(Checked::new(level)), extra).raw();
     assert_eq!(expected, got.value(), "{fine:?} {coarse:?} {weights:?}");
     expected
@@ -379,10 +416,10 @@ fn moments_agree_over_their_whole_ranges() {
         assert_eq!(Integers::of(&k), Integers::of(&checked_k));
         let b = offset.map(Fx::<i32, 2>::from_raw);
         let second = moments::of_probe(&b, &k);
-        let checked = moments::of_probe(&reread::<Checked, _>(&b), &checked_k);
+        let checked = moments::of_probe(&reread(&b), &checked_k);
         assert_eq!(Integers::of(&second), Integers::of(&checked));
         let decomposed = |moments: moments::Moments<i32>| {
-            let checked = (reread::<Checked, _>(&moments.0), reread::<Checked, _>(&moments.1));
+            let checked = (reread(&moments.0), reread(&moments.1));
             let (k, checked_k) = (moments::covariance(&moments, &p), moments::covariance(&checked, &p));
             assert_eq!(Integers::of(&k), Integers::of(&checked_k));
             let (d, checked_d) = (moments::decompose(&k, &p), moments::decompose(&checked_k, &p));
@@ -400,7 +437,7 @@ fn moments_agree_over_their_whole_ranges() {
         let exponent = i64::from(corner_exponent(&mut random));
         let mantissa = corner_word(&mut random).clamp(-end, end);
         let block = Block::<i32, 1> { m: [Fx::from_raw(mantissa)], e: Fx::lit(exponent) };
-        let checked = reread::<Checked, _>(&block);
+        let checked = reread(&block);
         let (expected, got) = (moments::to_roughness(block), moments::to_roughness(checked));
         assert_eq!(expected.raw(), got.raw().value());
     });

@@ -23,7 +23,7 @@ use roughxel_emulator::net::verilog::{Interface, Options, PortDescription, Veril
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::vectors::{Direction, Field, Manifest, manifests_in};
-use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::designs::scalar;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
 use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
 use tempfile::TempDir;
@@ -206,7 +206,7 @@ fn keep_runtime(objects: &Path) {
 
 /// Integers of the outputs, by the scalar reading.
 fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
-    outcome::<i32>(design, ports, effects, p).0.into_iter().map(|(_, value)| value).collect()
+    scalar(design, ports, effects, p).0.into_iter().map(|(_, value)| value).collect()
 }
 
 /// A design with vectors and what the scalar reading makes of them.

@@ -320,7 +320,7 @@ fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, edge: u16, p: &Pre
     let (texture, map) = (reread(&texture), reread(&map));
     let duv = input.dview.map(|d| PortBlock { mantissa: [d.mantissa[0], d.mantissa[1]], exponent: d.exponent });
     let probes = datapath::texture_footprint(&duv, &texture, &map, p).probes;
-    let centre = reread::<Checked, _>(&TexturePosition::<i32> { uv: [Fx::from_raw(1 << 30); 2] });
+    let centre = reread(&TexturePosition::<i32> { uv: [Fx::from_raw(1 << 30); 2] });
     for index in 0..probes.count.raw().value() {
         datapath::texture_probe(&centre, &probes, Fx::lit(i64::from(index)), &texture, p);
     }
@@ -329,8 +329,8 @@ fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, edge: u16, p: &Pre
 /// One random fragment, with a light, through the blocks of a plan, part by part as the renderer calls them.
 fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
     let fragment = random_fragment("plan", index, p);
-    let input = reread::<Checked, _>(&fragment.wires());
-    let scale = reread::<Checked, _>(&environment_scale(fragment.edge_texels, p));
+    let input = reread(&fragment.wires());
+    let scale = reread(&environment_scale(fragment.edge_texels, p));
     let lit = random_light("plan", index, p);
     let (light, shininess) = (reread(&lit.light.wires()), reread(&lit.shininess.wires()));
     if plan.colour_map {

@@ -13,8 +13,8 @@ use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::observe::Observed;
 use roughxel_emulator::net::record::integers;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_host_tests::checked::{Checked, Integers, Trace, traced};
-use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::checked::{Integers, Trace, traced};
+use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::{any_vectors, any_word, whole_or};
 
 use super::{effects, profiles};
@@ -30,11 +30,11 @@ fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
 /// Compares outputs with the scalar reading and taps with the checked one. Says how many taps were compared.
 fn compare(design: Design, net: &Net, wires: &[i64], ports: &[i64], effects: &Effects, p: &Precision) -> usize {
     let name = design.name();
-    let scalar = outcome::<i32>(design, ports, effects, p);
+    let scalar = scalar(design, ports, effects, p);
     let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
     let outputs = Integers(outputs.collect());
     assert_eq!(outputs, scalar, "{name} of {ports:?}");
-    let (checked, trace) = traced(|| outcome::<Checked>(design, ports, effects, p));
+    let (checked, trace) = traced(|| checked(design, ports, effects, p));
     assert_eq!(checked, scalar);
     let taps = net.taps.iter().filter_map(|tap| Some((tap, in_trace(net, &trace, tap)?)));
     let differing = |(tap, value): (_, i64)| {

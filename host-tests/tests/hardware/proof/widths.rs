@@ -9,10 +9,9 @@ use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::observe::Observed;
-use roughxel_emulator::net::record::NetWire;
 use roughxel_emulator::random::SplitMix64;
-use roughxel_host_tests::checked::{CheckedWire, Integers};
-use roughxel_host_tests::designs::outcome;
+use roughxel_host_tests::checked::Integers;
+use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::whole_or;
 
 use super::effects_of;
@@ -31,7 +30,7 @@ fn no_wire_of_any_design_can_leave_words_of_16_bits() {
     for p in narrow_precisions() {
         for &design in Design::ALL {
             for effects in effects_of(design) {
-                let net = Net::on_words::<NetWire<16>>(design, &effects, &p);
+                let net = Net::of(design, &effects, &p);
                 let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
                 assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name(), violations.join("\n"));
             }
@@ -39,30 +38,23 @@ fn no_wire_of_any_design_can_leave_words_of_16_bits() {
     }
 }
 
-/// Ports of a net on words of 16 bits, from those on 32: the upper halves of what carries mantissas.
-fn upper_halves(net: &Net, ports: &[i64]) -> Vec<i64> {
-    net.ports.iter().zip(ports).map(|(port, &value)| if port.mantissa { value >> 16 } else { value }).collect()
-}
-
 #[test]
 fn readings_of_16_bits_agree() {
     narrow_precisions().into_par_iter().for_each(|p| {
         for &design in Design::ALL {
-            let wide = Net::of(design, &Effects::ALL, &p);
-            let net = Net::on_words::<NetWire<16>>(design, &Effects::ALL, &p);
+            let net = Net::of(design, &Effects::ALL, &p);
             let ranges = Ranges::new(&net);
             let mut seen = Observed::new(&net);
             for index in 0..whole_or(4000, 200) {
                 let fragment = random_fragment("widths", index, &p);
                 let mut random = SplitMix64::for_element(design.name(), index);
-                for ports in port_values(design, &wide, &fragment, &Effects::ALL, &p, &mut random) {
-                    let ports = upper_halves(&net, &ports);
+                for ports in port_values(design, &net, &fragment, &Effects::ALL, &p, &mut random) {
                     let wires = seen.evaluate(&net, &ports);
                     let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
                     let outputs = Integers(outputs.collect());
                     let name = design.name();
-                    assert_eq!(outputs, outcome::<i16>(design, &ports, &Effects::ALL, &p), "{name} of {ports:?}");
-                    let checked = outcome::<CheckedWire<i16>>(design, &ports, &Effects::ALL, &p);
+                    assert_eq!(outputs, scalar(design, &ports, &Effects::ALL, &p), "{name} of {ports:?}");
+                    let checked = checked(design, &ports, &Effects::ALL, &p);
                     assert_eq!(outputs, checked, "{name} of {ports:?}");
                 }
             }
