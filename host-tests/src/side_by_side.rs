@@ -1,7 +1,7 @@
 //! Designs in every reading that exists: scalar, checked, and lanes with every instruction set of this machine.
 
 use roughxel_core::bundle::{Bundle, End, Rewire};
-use roughxel_core::design::{Design, HorizonInput, LocalInput, Recorded, StoredPeakInput, Visitor};
+use roughxel_core::design::{Design, HorizonInput, LocalInput, Of, Recorded, StoredPeakInput};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::staged::Staged;
@@ -132,27 +132,27 @@ macro_rules! side_by_side {
 side_by_side!(Lanes<T>, i32, Lanes<T>, WideLanes<T>, LANES);
 side_by_side!(NarrowLanes<T>, i16, Halves<Lanes<T>>, Halves<WideLanes<T>>, NARROW_LANES);
 
-/// The outcome of each of the inputs, as many side by side as there are lanes.
+/// The outcome of each of the inputs, as many side by side as there are lanes. Only of the designs that [`DesignInput`] has: all 28
+/// in all kinds of lanes take minutes to compile.
 fn in_lanes<W: SideBySide>(design: Design, ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
-    struct Run<'a, W> {
-        ports: &'a [Vec<i64>],
-        p: &'a Precision,
-        words: core::marker::PhantomData<W>,
-    }
-    impl<W: SideBySide> Visitor for Run<'_, W> {
-        type Outcome = Vec<Integers>;
-        fn visit<D: Recorded>(self) -> Vec<Integers> {
-            let input = D::Input::limit::<i32>(End::Low).rewire::<W, _>(&mut Load { ports: self.ports, next: 0 });
-            let run = W::Set::run(
-                #[inline(always)]
-                || D::run::<W>(&input, &Effects::ALL, self.p),
-            );
-            let lane = |lane| Integers::of::<W::Scalar, _>(&run.rewire::<W::Scalar, _>(&mut Lane(lane)));
-            (0..self.ports.len()).map(lane).collect()
-        }
-    }
-    let group = |ports| design.visit(Run::<W> { ports, p, words: core::marker::PhantomData });
-    ports.chunks(W::COUNT).flat_map(group).collect()
+    let run = match design {
+        Design::Local => group::<W, Of<{ Design::Local as usize }>>,
+        Design::Peak => group::<W, Of<{ Design::Peak as usize }>>,
+        Design::Horizon => group::<W, Of<{ Design::Horizon as usize }>>,
+        _ => panic!("{} has a fragment of its own", design.name()),
+    };
+    ports.chunks(W::COUNT).flat_map(|ports| run(ports, p)).collect()
+}
+
+/// The outcome of each of at most as many inputs as there are lanes.
+fn group<W: SideBySide, D: Recorded>(ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
+    let input = D::Input::limit::<i32>(End::Low).rewire::<W, _>(&mut Load { ports, next: 0 });
+    let run = W::Set::run(
+        #[inline(always)]
+        || D::run::<W>(&input, &Effects::ALL, p),
+    );
+    let lane = |lane| Integers::of::<W::Scalar, _>(&run.rewire::<W::Scalar, _>(&mut Lane(lane)));
+    (0..ports.len()).map(lane).collect()
 }
 
 /// Puts the ports of several inputs side by side; what is missing repeats the first.
