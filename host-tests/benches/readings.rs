@@ -6,7 +6,8 @@
 //! missed. With a filter or an option criterion alone runs, for a part has no ratios.
 //!
 //! All write what a sampler needs (face, s, t, N, step, LOD, status), from inputs in their own format. *Lanes* include
-//! putting fragments side by side, as the renderer does; the bars take the widest vectors of the machine. *f32* is what a
+//! putting fragments side by side, as the renderer does; the bars take the widest vectors of the machine. *Narrow* is the same reading
+//! of the same fragments with a profile on words of 16 bits. *f32* is what a
 //! user would write instead: plain, compiled as by default, and batched, from fragments that lie side by side, with the
 //! widest vectors of the machine. *Verilated* is the top of `roughxel verilog`, a fragment a cycle, every output compared;
 //! where Verilator is missing it is not measured.
@@ -19,14 +20,14 @@ use std::time::{Duration, Instant};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use criterion::{Criterion, Throughput};
 use fearless_simd::Level;
-use roughxel_core::datapath::{Reflection, reflection};
+use roughxel_core::datapath::Reflection;
 use roughxel_core::design::Design;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{Effects, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::scalar::Scalar;
-use roughxel_core::soft_core::environment_scale;
+use roughxel_core::soft_core::{environment_scale, reflection};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::frame::Prepared;
@@ -59,6 +60,9 @@ const LEAST: Duration = Duration::from_millis(1);
 
 const PROFILE: Precision = Precision::STANDARD;
 
+/// The profile on words of 16 bits, from the same fragments.
+const NARROW: Precision = Precision { fraction_bits: 14, ..Precision::COMPACT };
+
 /// A mirror without bumps, roughness or curvature: the least plan with a footprint.
 const MIRROR: ReflectionPlan =
     ReflectionPlan { bump: false, roughness: RoughnessKind::None, curvature: false, ..ReflectionPlan::FULL };
@@ -72,13 +76,25 @@ struct Bar {
     reason: &'static str,
 }
 
-const BARS: [Bar; 4] = [
+const NARROW_REASON: &str = "mantissas and their products take half the vectors, but counts keep their 32 bits, and each fragment is \
+                             put into its lane and taken out of it one word after the other";
+
+const BARS: [Bar; 8] = [
     Bar {
         of: "lanes",
         over: "scalar",
         least: 3.0,
         reason: "vectors of this machine are too narrow, or something ran beside",
     },
+    Bar {
+        of: "scalar, narrow",
+        over: "scalar",
+        least: 1.0,
+        reason: "words of 16 bits save a scalar processor nothing",
+    },
+    Bar { of: "lanes, narrow", over: "lanes", least: 2.0, reason: NARROW_REASON },
+    Bar { of: "lanes, avx2, narrow", over: "lanes, avx2", least: 2.2, reason: NARROW_REASON },
+    Bar { of: "lanes, narrow", over: "f32 plain", least: 1.0, reason: NARROW_REASON },
     Bar {
         of: "lanes",
         over: "f32 plain",
@@ -216,10 +232,10 @@ impl Model {
 /// Every contender of a set with its inputs and outputs in memory.
 fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> {
     let ports = &set.fragments;
-    let scale = environment_scale(set.edge_texels, &PROFILE);
     // Data here as in the emulator: a profile known to the compiler makes the scalar reading 1.25 times as fast.
-    let profile = black_box(PROFILE);
-    let scalar = |name, plan: ReflectionPlan| {
+    let [profile, narrow] = [PROFILE, NARROW].map(black_box);
+    let scalar = |name, plan: ReflectionPlan, profile: Precision| {
+        let scale = environment_scale(set.edge_texels, &profile);
         let mut sampled = vec![[0; 8]; ports.len()];
         Contender::new(name, move || {
             for (fragment, sampled) in ports.iter().zip(&mut sampled) {
@@ -229,7 +245,9 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
         })
     };
 
-    let lanes = |name, set| {
+    let edge_texels = set.edge_texels;
+    let lanes = |name, set, profile: Precision| {
+        let scale = environment_scale(edge_texels, &profile);
         let mut inputs = Vec::with_capacity(BATCH);
         Contender::new(name, move || {
             for fragments in ports.chunks(BATCH) {
@@ -269,19 +287,21 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     };
 
     let mut contenders = vec![
-        scalar("scalar", ReflectionPlan::FULL),
-        scalar("scalar, mirror plan", MIRROR),
+        scalar("scalar", ReflectionPlan::FULL, profile),
+        scalar("scalar, narrow", ReflectionPlan::FULL, narrow),
+        scalar("scalar, mirror plan", MIRROR, profile),
         Contender::new("float64 reference", reference),
         Contender::new("f32 plain", plain),
         Contender::new("f32 batched", batched),
     ];
     for set in InstructionSet::available() {
-        let name = match set {
-            set if Some(set) == InstructionSet::best() => "lanes",
-            InstructionSet::Avx2 => "lanes, avx2",
-            InstructionSet::Avx512 => "lanes, avx512",
+        let (standard, narrower) = match set {
+            set if Some(set) == InstructionSet::best() => ("lanes", "lanes, narrow"),
+            InstructionSet::Avx2 => ("lanes, avx2", "lanes, avx2, narrow"),
+            InstructionSet::Avx512 => ("lanes, avx512", "lanes, avx512, narrow"),
         };
-        contenders.push(lanes(name, set));
+        contenders.push(lanes(standard, set, profile));
+        contenders.push(lanes(narrower, set, narrow));
     }
     if let Some(model) = model {
         contenders.push(Contender { name: "verilated", passes: Box::new(|count| model.passes(set, count)) });

@@ -65,10 +65,23 @@ vectors! {
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm256_blendv_epi8(b, a, f) }
     fn leading_zeros(t, a: Word) -> Word { zeros(t, a) }
 
-    // Through memory, one store: taken out of the vector one by one, places and values compete for the same port.
+    // Through memory, one store: taken out of the vector one by one, places and values compete for the same port. In a table of
+    // 256 entries, or of 256 intervals between its entries, no place has to be compared with its end.
     fn lookup(t, places: Word, table: Table) -> Word {
-        let places = std::hint::black_box(word_lanes(t, places));
-        words(t, each!(place in places => table.get(place as usize).copied().unwrap_or(0)))
+        let lanes = std::hint::black_box(word_lanes(t, places));
+        let ([page], rest @ ([] | [_])) = table.as_chunks::<256>() else {
+            return words(t, each!(place in lanes => table.get(place as usize).copied().unwrap_or(0)));
+        };
+        let values = words(t, each!(place in lanes => page[(place & 255) as usize]));
+        let inside = _mm256_cmpeq_epi32(_mm256_srli_epi32::<8>(places), _mm256_setzero_si256());
+        let values = _mm256_and_si256(values, inside);
+        match rest {
+            [last] => {
+                let here = _mm256_cmpeq_epi32(places, _mm256_set1_epi32(256));
+                _mm256_blendv_epi8(values, _mm256_set1_epi32(*last), here)
+            }
+            _ => values,
+        }
     }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_add_epi64(a[0], b[0]), _mm256_add_epi64(a[1], b[1])] }
@@ -179,6 +192,9 @@ vectors! {
     }
     // (a·2^(15 − drop) + 2^14)/2^15 is one instruction, with room for the sum.
     fn round_short(t, a: Short, drop: u32) -> Short { _mm256_mulhrs_epi16(a, _mm256_set1_epi16(1 << (15 - drop))) }
+    fn lookup_short(t, even: Word, odd: Word, table: Table) -> Short {
+        round_short_low(t, lookup(t, even, table), lookup(t, odd, table), 16, 0)
+    }
 }
 
 fearless_simd::kernel! {

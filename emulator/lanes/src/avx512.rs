@@ -7,6 +7,7 @@ use fearless_simd::x86::Avx512 as Proof;
 use fearless_simd::{SimdInto, i32x16, i64x8};
 
 use roughxel_core::each::{each, places};
+use roughxel_core::rom::upper;
 
 use super::vectors::{Table, vectors};
 
@@ -23,6 +24,39 @@ pub struct Flag {
     all: __mmask16,
     even: __mmask8,
     odd: __mmask8,
+}
+
+/// Entries of a table at the places of a vector. Every 32 entries are one permutation of two vectors; among the eight of 256
+/// entries three bits of the place choose.
+macro_rules! look_up {
+    (
+        $places:ident in $table:ident, $int:ty, $test:ident, $splat:ident, $blend:ident, $mov:ident, $equal:ident, $srl:ident,
+        $of_part:ident($t:ident), |$entry:ident| $of_entry:expr
+    ) => {{
+        let (pages, rest) = $table.as_chunks::<256>();
+        let (parts, entries) = rest.as_chunks::<32>();
+        let [bit_5, bit_6, bit_7] = each!(bit in [5, 6, 7] => $test($places, $splat(1 << bit)));
+        let mut values = _mm512_setzero_si512();
+        let (page_of, part_of) = ($srl::<8>($places), $srl::<5>($places));
+        for (index, page) in pages.iter().enumerate() {
+            let parts = page.as_chunks().0;
+            let eight = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => $of_part($t, $places, &parts[i]));
+            let four = each!(i in [0, 2, 4, 6] => $blend(bit_5, eight[i], eight[i + 1]));
+            let two = each!(i in [0, 2] => $blend(bit_6, four[i], four[i + 1]));
+            let here = $equal(page_of, $splat(index as $int));
+            values = $mov(values, here, $blend(bit_7, two[0], two[1]));
+        }
+        for (index, part) in parts.iter().enumerate() {
+            let here = $equal(part_of, $splat((8 * pages.len() + index) as $int));
+            values = $mov(values, here, $of_part($t, $places, part));
+        }
+        for (index, &$entry) in entries.iter().enumerate() {
+            let place = $table.len() - entries.len() + index;
+            let here = $equal($places, $splat(place as $int));
+            values = $mov(values, here, $splat($of_entry));
+        }
+        values
+    }};
 }
 
 vectors! {
@@ -73,31 +107,9 @@ vectors! {
     fn lt(t, a: Word, b: Word) -> Flag { of_all(t, _mm512_cmplt_epi32_mask(a, b)) }
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm512_mask_blend_epi32(f.all, b, a) }
     fn leading_zeros(t, a: Word) -> Word { _mm512_lzcnt_epi32(a) }
-    // Every 32 entries are one permutation of two vectors; among the eight of 256 entries three bits of the place choose.
     fn lookup(t, places: Word, table: Table) -> Word {
-        let (pages, rest) = table.as_chunks::<256>();
-        let (parts, entries) = rest.as_chunks::<32>();
-        let [bit_5, bit_6, bit_7] = each!(bit in [5, 6, 7] => _mm512_test_epi32_mask(places, _mm512_set1_epi32(1 << bit)));
-        let mut values = _mm512_setzero_si512();
-        let (page_of, part_of) = (_mm512_srli_epi32::<8>(places), _mm512_srli_epi32::<5>(places));
-        for (index, page) in pages.iter().enumerate() {
-            let parts = page.as_chunks().0;
-            let eight = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => of_part(t, places, &parts[i]));
-            let four = each!(i in [0, 2, 4, 6] => _mm512_mask_blend_epi32(bit_5, eight[i], eight[i + 1]));
-            let two = each!(i in [0, 2] => _mm512_mask_blend_epi32(bit_6, four[i], four[i + 1]));
-            let here = _mm512_cmpeq_epi32_mask(page_of, _mm512_set1_epi32(index as i32));
-            values = _mm512_mask_mov_epi32(values, here, _mm512_mask_blend_epi32(bit_7, two[0], two[1]));
-        }
-        for (index, part) in parts.iter().enumerate() {
-            let here = _mm512_cmpeq_epi32_mask(part_of, _mm512_set1_epi32((8 * pages.len() + index) as i32));
-            values = _mm512_mask_mov_epi32(values, here, of_part(t, places, part));
-        }
-        for (index, entry) in entries.iter().enumerate() {
-            let place = table.len() - entries.len() + index;
-            let here = _mm512_cmpeq_epi32_mask(places, _mm512_set1_epi32(place as i32));
-            values = _mm512_mask_mov_epi32(values, here, _mm512_set1_epi32(*entry));
-        }
-        values
+        look_up!(places in table, i32, _mm512_test_epi32_mask, _mm512_set1_epi32, _mm512_mask_blend_epi32, _mm512_mask_mov_epi32,
+            _mm512_cmpeq_epi32_mask, _mm512_srli_epi32, of_part(t), |entry| entry)
     }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_add_epi64(a[0], b[0]), _mm512_add_epi64(a[1], b[1])] }
@@ -192,6 +204,11 @@ vectors! {
     }
     // (a·2^(15 − drop) + 2^14)/2^15 is one instruction, with room for the sum.
     fn round_short(t, a: Short, drop: u32) -> Short { _mm512_mulhrs_epi16(a, _mm512_set1_epi16(1 << (15 - drop))) }
+    fn lookup_short(t, even: Word, odd: Word, table: Table) -> Short {
+        let places = short(t, even, odd);
+        look_up!(places in table, i16, _mm512_test_epi16_mask, _mm512_set1_epi16, _mm512_mask_blend_epi16, _mm512_mask_mov_epi16,
+            _mm512_cmpeq_epi16_mask, _mm512_srli_epi16, of_short_part(t), |entry| upper(entry, 16) as i16)
+    }
 }
 
 fearless_simd::kernel! {
@@ -217,6 +234,17 @@ fearless_simd::kernel! {
     fn of_part(t: Avx512, places: Word, part: &[i32; 32]) -> Word {
         let [low, high] = each!(half in [0, 1] => words(t, part.as_chunks().0[half]));
         _mm512_permutex2var_epi32(low, places, high)
+    }
+}
+
+fearless_simd::kernel! {
+    /// The entries at the places modulo 32, rounded to their upper halves: every second word of two vectors.
+    #[inline(always)]
+    fn of_short_part(t: Avx512, places: Short, part: &[i32; 32]) -> Short {
+        let half = _mm512_set1_epi32(1 << 15);
+        let [low, high] = each!(i in [0, 1] => _mm512_add_epi32(words(t, part.as_chunks().0[i]), half));
+        let places = _mm512_or_si512(_mm512_slli_epi16::<1>(places), _mm512_set1_epi16(1));
+        _mm512_permutex2var_epi16(low, places, high)
     }
 }
 

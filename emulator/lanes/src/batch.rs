@@ -113,7 +113,7 @@ struct Store<'a, const PARTS: usize, const WORDS: usize> {
 impl<const PARTS: usize, const WORDS: usize> Rewire<i32, i32> for Store<'_, PARTS, WORDS> {
     #[inline(always)]
     fn word(&mut self, wire: i32, _: u32) -> i32 {
-        self.group[self.next][self.lane % PARTS][self.lane / PARTS] = wire;
+        self.group[self.next][self.lane % PARTS][self.lane / PARTS % LANES] = wire;
         self.next += 1;
         wire
     }
@@ -246,7 +246,7 @@ impl<const PARTS: usize, const WORDS: usize> Rewire<i32, i32> for Lane<'_, PARTS
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> i32 {
         self.next += 1;
-        self.group[self.next - 1][self.lane % PARTS][self.lane / PARTS]
+        self.group[self.next - 1][self.lane % PARTS][self.lane / PARTS % LANES]
     }
     #[inline(always)]
     fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {

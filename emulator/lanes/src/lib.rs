@@ -1,4 +1,5 @@
-//! The lanes reading: the datapath for [`LANES`] fragments at once, the bits of the scalar reading.
+//! The lanes reading: the datapath for [`LANES`] fragments at once, or [`NARROW_LANES`] on words of 16 bits, the bits of the scalar
+//! reading.
 //!
 //! Explicit vectors, the even and the odd lanes of a wide wire apart: a product is one instruction and rounding packs
 //! nothing. The candidates when that was chosen, the whole datapath in times of the scalar reading in one run of each, on one
@@ -41,7 +42,7 @@ pub use peak_list::{PackedPeak, PeakList};
 pub use reading::{Footprint, Reading, Reflecting};
 pub use target::{InstructionSet, Target};
 
-/// Fragments side by side, whatever the instruction set.
+/// Fragments side by side on words of 32 bits, whatever the instruction set.
 pub const LANES: usize = 16;
 
 macro_rules! carrier {

@@ -329,8 +329,8 @@ impl<T: Target> Word for NarrowLanes<T> {
         Self(even.1.round_short_low(even.0, odd.0, drop, up), even.1).and(Self::lit(-1 << up))
     }
     #[inline(always)]
-    fn lookup(index: Self::Count, table: &'static [i32]) -> Self {
-        Self::round(Halves::lookup(index, table), 16, 0)
+    fn lookup(Halves([even, odd]): Self::Count, table: &'static [i32]) -> Self {
+        Self(even.1.lookup_short(even.0, odd.0, table), even.1)
     }
     #[inline(always)]
     fn to_count(self) -> Self::Count {

@@ -36,7 +36,7 @@ impl PackedPeak {
     }
 }
 
-/// A list of peaks, word by word, so that lanes load a word of sixteen peaks at once.
+/// A list of peaks, word by word, so that lanes load a word of as many peaks as they are at once.
 #[derive(Clone, Debug, Default)]
 pub struct PeakList {
     /// Of one length: that of the list, rounded up to the larger group of lanes at least.

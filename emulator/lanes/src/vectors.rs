@@ -114,6 +114,7 @@ vectors_trait! {
     short_high(even: Words, odd: Words) -> Shorts;
     round_short_low(even: Words, odd: Words, drop: u32, up: u32) -> Shorts;
     round_short(a: Shorts, drop: u32) -> Shorts;
+    lookup_short(even: Words, odd: Words, table: Table) -> Shorts;
 }
 
 /// Implements [`Vectors`] and [`Target`](super::Target) with the vectors of an instruction set: what is written for one
@@ -198,7 +199,9 @@ macro_rules! vectors {
                 #[inline(always)]
                 fn $from(self, a: vectors!(@vectors $ty1)) -> vectors!(@lanes $ty1) {
                     let vectors: [$lanes1; VECTORS] = each!(v in places() => $from(self.0, a[v]));
-                    each!(i in places() => vectors[i / $width][i % $width])
+                    // As a whole: element by element it is a loop through memory.
+                    let Some(&lanes) = vectors.as_flattened().first_chunk() else { $crate::vectors::outside() };
+                    lanes
                 }
             )*
             $(
