@@ -111,10 +111,27 @@ pub fn over_length<W: Word, const N: usize>(a: &Block<W, N>, p: &Precision) -> [
     })
 }
 
-/// The power of two that neighbouring knots stay below, given that of knots on words of 32 bits: on narrower ones they are rounded, by
-/// which two may come a place further apart.
-const fn knots_apart<W: Wire>(e: i32) -> i32 {
-    if W::BITS < 32 { e + 1 } else { e }
+/// The power of two that neighbouring knots with `int` bits before the point stay below, given that of knots on words of 32 bits: on
+/// narrower ones they are rounded, by which two may come a place further apart.
+const fn knots_apart<W: Wire>(e: i32, int: u32) -> i32 {
+    let a_place = 1 - (W::BITS - int) as i32;
+    if W::BITS == 32 {
+        e
+    } else if a_place > e {
+        a_place
+    } else {
+        e + 1
+    }
+}
+
+/// Which share of the interval behind its knot a number covers, in [0, 1), for 2^`places` intervals a unit; 0 on words without a
+/// bit behind these places.
+#[inline(always)]
+fn share_of_interval<W: Word, const INT: u32>(within: Fx<W, INT>, places: u32, keep: u32) -> Mantissa<W> {
+    if Fx::<W, INT>::FRACTION < places {
+        return Fx::zero();
+    }
+    within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(keep)
 }
 
 /// `log₂ m` for a mantissa m in [½, 1], in [−1, 0], 24 fraction bits. m below ½ reads as ½.
@@ -124,10 +141,11 @@ pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Fx<W, LOGARITHM> {
     let above = (m - Fx::number(1, -1)).saturate(Fx::int(0), Fx::number(1, -1) - Fx::lit(1));
     let index = above.index(rom::LOG_BITS + 1);
     let within = above - Fx::of_index(index, rom::LOG_BITS + 1);
-    let fraction: Mantissa<W> = within.shl(rom::LOG_BITS + 1).keep(p.fraction_bits);
+    let fraction = share_of_interval(within, rom::LOG_BITS + 1, p.fraction_bits);
     let knot: Fx<W, LOGARITHM> = Fx::lookup(index, &rom::LOG2);
     let next: Fx<W, LOGARITHM> = Fx::lookup(index + Fx::int(1), &rom::LOG2);
-    let rise = (next - knot).claim_below(knots_apart::<W>(-7), "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
+    let rise =
+        (next - knot).claim_below(knots_apart::<W>(-7, LOGARITHM), "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
     let rise: Wide<W, { LOGARITHM + MANTISSA }> = rise.mul(fraction);
     let value: Fx<W, LOGARITHM> = (knot.widen::<{ LOGARITHM + MANTISSA }>() + rise).round_to(24);
     // 1 itself lies beyond the last interval by one bit of the kept fraction: log₂ 1 = 0 exactly.
@@ -142,11 +160,11 @@ pub fn exp2<W: Word>(x: Fx<W, LOGARITHM>, p: &Precision) -> Number<W> {
     let within = x - Fx::of_index(whole, 0);
     let index = within.index(rom::LOG_BITS);
     let step = within - Fx::of_index(index, rom::LOG_BITS);
-    let fraction: Mantissa<W> =
-        step.reread::<MANTISSA>().shl(LOGARITHM - MANTISSA + rom::LOG_BITS).keep(p.fraction_bits);
+    let fraction = share_of_interval(step, rom::LOG_BITS, p.fraction_bits);
     let knot: Mantissa<W> = Fx::lookup(index, &rom::EXP2);
     let next: Mantissa<W> = Fx::lookup(index + Fx::int(1), &rom::EXP2);
-    let rise = (next - knot).claim_below(knots_apart::<W>(-8), "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
+    let rise =
+        (next - knot).claim_below(knots_apart::<W>(-8, MANTISSA), "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
     // 24 fraction bits of a rise fit an operand of 18 bits; the rest would be 2^−25.
     let rise: Product<W> = rise.keep(24).mul(fraction);
     let mantissa = (knot.widen::<PRODUCT>() + rise).round_to(p.fraction_bits);
@@ -171,11 +189,11 @@ pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Numb
     let below_half: Mantissa<W> = Fx::from_raw(W::narrow(below_half.raw()));
     let index = below_half.index(rom::LOG_BITS + 1);
     let within = below_half - Fx::of_index(index, rom::LOG_BITS + 1);
-    let fraction = within.shl(rom::LOG_BITS + 1).keep(keep);
+    let fraction = share_of_interval(within, rom::LOG_BITS + 1, keep);
     let knot: Fx<W, RATIO> = Fx::lookup(index, &rom::HALF_LOG2_ONE_MINUS_RATIO);
     let next: Fx<W, RATIO> = Fx::lookup(index + Fx::int(1), &rom::HALF_LOG2_ONE_MINUS_RATIO);
-    let rise =
-        (next - knot).claim_below(knots_apart::<W>(-9), "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
+    let rise = (next - knot)
+        .claim_below(knots_apart::<W>(-9, RATIO), "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
     let rise: Wide<W, { RATIO + MANTISSA }> = rise.mul(fraction);
     let half_ratio: Mantissa<W> = (knot.widen::<{ RATIO + MANTISSA }>() + rise).round_to(keep);
     let near: Product<W> = scaled.m[0].mul(half_ratio);
@@ -237,12 +255,12 @@ pub fn log2_one_plus<W: Word>(x: Number<W>, p: &Precision) -> Number<W> {
     let place = place.saturate(Fx::zero(), Fx::below(1));
     let index = place.index(rom::LOG_BITS);
     let within = place - Fx::of_index(index, rom::LOG_BITS);
-    let fraction = within.shl(rom::LOG_BITS).keep(keep);
+    let fraction = share_of_interval(within, rom::LOG_BITS, keep);
     let table = &rom::HALF_LOG2_ONE_PLUS_RATIO;
     let knot: Fx<W, RATIO> = Fx::lookup(index, table);
     let next: Fx<W, RATIO> = Fx::lookup(index + Fx::int(1), table);
-    let fall =
-        (knot - next).claim_below(knots_apart::<W>(-9), "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
+    let fall = (knot - next)
+        .claim_below(knots_apart::<W>(-9, RATIO), "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
     let fall: Wide<W, { RATIO + MANTISSA }> = fall.mul(fraction);
     let half_ratio: Mantissa<W> = (knot.widen::<{ RATIO + MANTISSA }>() - fall).round_to(keep);
     let below_one = number(x.m[0].mul::<MANTISSA, PRODUCT>(half_ratio), x.e + Fx::int(1), keep);

@@ -142,7 +142,7 @@ macro_rules! integer {
     };
 }
 
-integer!(i16, i32, i64);
+integer!(i8, i16, i32, i64);
 
 impl<T: Integer> CheckedWire<T> {
     /// A wire that carries `value`.
@@ -325,6 +325,7 @@ macro_rules! word {
     };
 }
 
+word!(i8, i16);
 word!(i16, i32);
 word!(i32, i64);
 
