@@ -37,7 +37,7 @@ fn seed_index<W: Word>(x: Mantissa<W>, low: i32, bits: u32, last: i64) -> Int<W>
     (x - Fx::number(1, low)).index(bits).saturate(Fx::int(0), Fx::int(last))
 }
 
-/// `1/(2x)` for x in [½, 1], in [½, 1]. x = 0 gives 1 (a caller multiplies it by zero).
+/// `1/(2x)` for x in [½, 1], in [½, 1]. x = 0 gives 1, without a Newton step the first seed (a caller multiplies it by zero).
 #[inline(always)]
 pub fn half_reciprocal<W: Word>(x: Mantissa<W>, p: &Precision) -> Mantissa<W> {
     let Newton { seed_bits, steps } = p.reciprocal;

@@ -1,7 +1,12 @@
 //! What roundings can amount to, from the text of the elementary functions: half a place for each rounding, a place for each floor,
 //! and what a seed errs by, squared with every Newton step.
 
+use std::f64::consts::LOG2_E;
+
+use roughxel_core::block::MANTISSA;
+use roughxel_core::elementary::LOGARITHM;
 use roughxel_core::precision::{Newton, Precision};
+use roughxel_core::rom::LOG_BITS;
 
 /// Bounds of a precision on words whose mantissas have `fraction` fraction bits.
 #[derive(Clone, Copy)]
@@ -21,7 +26,7 @@ impl Bounds {
     }
 
     /// A place of a product of two mantissas.
-    fn product_place(&self) -> f64 {
+    pub(crate) fn product_place(&self) -> f64 {
         (-2.0 * f64::from(self.fraction)).exp2()
     }
 
@@ -94,5 +99,53 @@ impl Bounds {
             steps.map(|(m, odd)| bound(self, f64::from(m) / 1024.0, odd)).fold(0.0, f64::max)
         };
         [all(Self::inverse_root), all(Self::root)]
+    }
+
+    /// Half a place of a word with `int` bits before its point.
+    fn half_place_of(&self, int: u32) -> f64 {
+        let bits = self.fraction + MANTISSA;
+        (f64::from(int) - f64::from(bits) - 1.0).exp2()
+    }
+
+    /// log₂ of a mantissa, absolute: the rounding of knots and, with bits between them, of the result.
+    pub(crate) fn log2(&self) -> f64 {
+        let half = self.half_place_of(LOGARITHM);
+        if self.fraction > LOG_BITS { 2.0 * half + (-18.4_f64).exp2() } else { half }
+    }
+
+    /// 2^x, relative to mantissas of ½ at least: the rounding of a knot to a word, and that of the result where it keeps less.
+    pub(crate) fn exp2(&self) -> f64 {
+        let kept = if self.p.fraction_bits < self.fraction { self.half_place() } else { 0.0 };
+        2.0 * (self.half_place_of(MANTISSA) + kept)
+    }
+
+    /// A tabulated ratio of `least` or more, relative: knots with 6 bits before the point, the place of an argument that is floored to a
+    /// word, at the steepest `slope` of the ratio, and the rounding of the result.
+    fn ratio(&self, least: f64, slope: f64) -> f64 {
+        let floored = slope * 2.0 * self.half_place_of(MANTISSA);
+        (self.half_place_of(6) + (-19.8_f64).exp2() + floored + self.half_place()) / least
+    }
+
+    /// log₂(1 + x), relative: below 1 the ratio times x, from 1 on, where it is 1 at least, a rounded sum and its logarithm.
+    pub(crate) fn log2_one_plus(&self, below_one: bool) -> f64 {
+        let rounding = 1.0 + 2.0 * self.half_place();
+        let before = if below_one {
+            self.ratio(0.5, 0.361)
+        } else {
+            LOG2_E * (4.0 * self.half_place_of(MANTISSA)) + self.log2()
+        };
+        (1.0 + before) * rounding - 1.0
+    }
+
+    /// −log₂(1 − y), relative: y times the ratio, or, where it is 1 at least, the logarithm of 1 − y rounded.
+    pub(crate) fn minus_log2_one_minus(&self, below_half: bool) -> f64 {
+        let rounding = 1.0 + 2.0 * self.half_place();
+        if below_half {
+            (1.0 + self.ratio(0.7213, 0.886)) * rounding * rounding - 1.0
+        } else {
+            // Downwards a logarithm is steeper.
+            let rest = -(1.0 - 2.0 * self.half_place()).log2();
+            (1.0 + rest + self.log2()) * rounding - 1.0
+        }
     }
 }

@@ -5,8 +5,12 @@
 //! 16 bits a function of one operand has. Each test prints and asserts how many inputs it tried, and which share of its bar the worst
 //! error takes; bars are sums of the roundings in [`bounds`], none is fitted to what was measured.
 
+mod axes;
 mod bounds;
 mod cube_face;
+mod elementary;
+mod ellipse;
+mod probes;
 
 use std::fmt::Debug;
 use std::ops::AddAssign;
@@ -50,16 +54,17 @@ fn normalised(p: &Precision) -> impl Iterator<Item = i64> + Clone + use<> {
     mantissas(p).filter(|&m| m >= ONE / 2)
 }
 
-/// How many inputs were tried, and the largest share of each of `N` bars that an error took.
+/// How many inputs were tried, the largest of `N` errors, and the largest share of its bar that each took.
 #[derive(Clone, Copy)]
 struct Tried<const N: usize> {
     inputs: u64,
+    errors: [f64; N],
     shares: [f64; N],
 }
 
 impl<const N: usize> Tried<N> {
     fn none() -> Self {
-        Self { inputs: 0, shares: [0.0; N] }
+        Self { inputs: 0, errors: [0.0; N], shares: [0.0; N] }
     }
 
     /// Asserts that an error keeps within its bar.
@@ -67,6 +72,7 @@ impl<const N: usize> Tried<N> {
     fn hold(&mut self, figure: usize, error: f64, bar: f64, input: impl Debug) {
         assert!(error <= bar, "{figure}: {error} beyond {bar} at {input:?}");
         if error > 0.0 {
+            self.errors[figure] = self.errors[figure].max(error);
             self.shares[figure] = self.shares[figure].max(error / bar);
         }
     }
@@ -75,8 +81,8 @@ impl<const N: usize> Tried<N> {
     #[track_caller]
     fn report(&self, name: &str, figures: [&str; N], inputs: u64) {
         eprintln!("{name}: {} inputs", self.inputs);
-        for (figure, share) in figures.iter().zip(self.shares) {
-            eprintln!("{name}: {figure} takes {share:.3} of its bar at worst");
+        for ((figure, share), error) in figures.iter().zip(self.shares).zip(self.errors) {
+            eprintln!("{name}: {figure} errs by 2^{:.3} at worst, and takes {share:.3} of its bar", error.log2());
         }
         assert_eq!(self.inputs, inputs, "inputs of {name}");
     }
@@ -85,8 +91,9 @@ impl<const N: usize> Tried<N> {
 impl<const N: usize> AddAssign for Tried<N> {
     fn add_assign(&mut self, other: Self) {
         self.inputs += other.inputs;
-        for (share, other) in self.shares.iter_mut().zip(other.shares) {
-            *share = share.max(other);
+        for i in 0..N {
+            self.errors[i] = self.errors[i].max(other.errors[i]);
+            self.shares[i] = self.shares[i].max(other.shares[i]);
         }
     }
 }
