@@ -2,7 +2,7 @@
 
 use roughxel_core::block::{Block, Number, PRODUCT, number};
 use roughxel_core::fx::{Fx, Wide};
-use roughxel_core::precision::{AxisDirection, Precision};
+use roughxel_core::precision::{AxisDirection, Precision, Profile};
 use roughxel_core::signals::Ellipse;
 use roughxel_core::stage::axes::axes;
 use roughxel_core::word::Wire;
@@ -95,7 +95,7 @@ fn hold(tried: &mut Tried<4>, k: [i64; 3], e: i64, det: i64, bars: &[f64; 4], p:
         return;
     }
     assert!(x.abs() <= ONE && y.abs() <= ONE, "{input:?}");
-    // The larger component is positive, beside 45°, where roundings decide which one is; the two have the sign of b between them.
+    // The larger component is positive but at 45°, where roundings decide which one is; the two have the sign of b between them.
     assert!(real(x.max(y)) >= -real(x.min(y)) - 2.0_f64.sqrt() * bars[2], "{input:?}: {direction:?}");
     assert!(x == 0 || y == 0 || ((x < 0) != (y < 0)) == (b < 0.0), "{input:?}: {direction:?}");
     let direction = direction.map(real);
@@ -155,4 +155,25 @@ fn axes_of_every_covariance_are_right() {
         }
     }
     eprintln!("axes: {inputs} inputs");
+}
+
+/// a = c and b < 0: (√½, −√½), of which h and |2b| are the larger and the smaller one by a formula whose roundings can exchange them. h errs
+/// by four last places (a square length, its root from an inverse root, relative to ½), which is 2√2 of a component, and two roundings
+/// follow.
+#[test]
+fn at_45_degrees_downwards_the_negative_component_is_larger_by_5_places_at_most() {
+    for p in Profile::ALL.map(Profile::precision) {
+        let place = 1 << (30 - p.fraction_bits);
+        // The mantissas of 16 bits.
+        let excesses = (1..=1 << 16).map(|b| {
+            let k = Block::<i32, 3> { m: [1 << 30, -(b << 14), 1 << 30].map(Fx::from_raw), e: Fx::int(0) };
+            let [x, y] = axes(&Ellipse { k, det: Block::zero() }, &p).direction.map(Fx::raw);
+            (-y - x) / place
+        });
+        let (inputs, most) = excesses.fold((0, 0), |(inputs, most), excess| (inputs + 1, most.max(excess)));
+        eprintln!("45° downwards, p {}: {inputs} inputs, {most} places at most", p.fraction_bits);
+        assert_eq!(inputs, 65_536);
+        // A table has the two as its last entry.
+        assert!(most <= if p.direction == AxisDirection::Exact { 5 } else { 0 }, "p {}: {most}", p.fraction_bits);
+    }
 }
