@@ -157,11 +157,12 @@ fn axes_of_every_covariance_are_right() {
     eprintln!("axes: {inputs} inputs");
 }
 
-/// a = c and b < 0: (√½, −√½), of which h and |2b| are the larger and the smaller one by a formula whose roundings can exchange them. h errs
-/// by four last places (a square length, its root from an inverse root, relative to ½), which is 2√2 of a component, and two roundings
-/// follow.
+/// a = c and b < 0: (√½, −√½), of which h and |2b| are the larger and the smaller one by a formula whose roundings can exchange them.
+///
+/// In places of 2^−p: h errs by 4.6 (twice what 1/2√x does), 1 (the root) and ½ (the square length) of itself, which is 4.3 of a component;
+/// its two roundings with |2b| come to 1.4 and 1 more. Measured: 3.
 #[test]
-fn at_45_degrees_downwards_the_negative_component_is_larger_by_5_places_at_most() {
+fn at_45_degrees_downwards_the_negative_component_is_larger_by_7_places_at_most() {
     for p in Profile::ALL.map(Profile::precision) {
         let place = 1 << (30 - p.fraction_bits);
         // The mantissas of 16 bits.
@@ -174,6 +175,6 @@ fn at_45_degrees_downwards_the_negative_component_is_larger_by_5_places_at_most(
         eprintln!("45° downwards, p {}: {inputs} inputs, {most} places at most", p.fraction_bits);
         assert_eq!(inputs, 65_536);
         // A table has the two as its last entry.
-        assert!(most <= if p.direction == AxisDirection::Exact { 5 } else { 0 }, "p {}: {most}", p.fraction_bits);
+        assert!(most <= if p.direction == AxisDirection::Exact { 7 } else { 0 }, "p {}: {most}", p.fraction_bits);
     }
 }
