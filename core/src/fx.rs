@@ -248,14 +248,24 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
     #[inline(always)]
     #[track_caller]
     pub fn index(self, places: u32) -> Fx<W::Count, 32> {
-        Fx(self.0.sar(Self::FRACTION - places).to_count())
+        let fraction = Self::FRACTION;
+        if fraction >= places {
+            Fx(self.0.sar(fraction - places).to_count())
+        } else {
+            Fx(self.0.to_count().shl(places - fraction))
+        }
     }
 
-    /// `index / 2^places`, exact: the inverse of [`Self::index`].
+    /// `index / 2^places`, the inverse of [`Self::index`]; exact where the word has that many fraction bits, else floored to its last place.
     #[inline(always)]
     #[track_caller]
     pub fn of_index(index: Fx<W::Count, 32>, places: u32) -> Self {
-        Self(W::of_count(index.raw()).shl(Self::FRACTION - places))
+        let fraction = Self::FRACTION;
+        if fraction >= places {
+            Self(W::of_count(index.raw()).shl(fraction - places))
+        } else {
+            Self(W::of_count(index.raw().sar(places - fraction)))
+        }
     }
 
     /// The same value as a number that controls, floored to its last place.

@@ -1,6 +1,7 @@
 //! The scalar reading: one integer per wire. This is the meaning of the design; every other reading equals it.
 //!
-//! A word has 32 or 16 bits; its wide companion is the integer of twice as many, and what controls is an `i32` beside each.
+//! A word has 32 or 16 bits; its wide companion is the integer of twice as many, and what controls is an `i32` beside each. Words of 8
+//! bits are for tests alone: few enough inputs to try them all.
 //!
 //! No stage lets a value leave its word, so the wrapping operations below never wrap; they are written so
 //! that no build of any kind contains a panic path.
@@ -74,6 +75,7 @@ macro_rules! wire {
     };
 }
 
+wire!(i8);
 wire!(i16);
 wire!(i32);
 wire!(i64);
@@ -125,5 +127,6 @@ macro_rules! word {
     };
 }
 
+word!(i8, i16);
 word!(i16, i32);
 word!(i32, i64);

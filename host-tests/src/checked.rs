@@ -66,15 +66,11 @@ enum Operation {
 }
 
 thread_local! {
-    static COUNTS: Cell<[u64; OPERATIONS.len()]> = const { Cell::new([0; OPERATIONS.len()]) };
+    static COUNTS: [Cell<u64>; OPERATIONS.len()] = const { [const { Cell::new(0) }; OPERATIONS.len()] };
 }
 
 fn count(operation: Operation) {
-    COUNTS.with(|counts| {
-        let mut now = counts.get();
-        now[operation as usize] += 1;
-        counts.set(now);
-    });
+    COUNTS.with(|counts| counts[operation as usize].update(|count| count + 1));
 }
 
 /// How often each operation ran.
@@ -108,9 +104,10 @@ impl fmt::Display for OperationCounts {
 
 /// Runs `work` and says which operations it took on this thread.
 pub fn counted<T>(work: impl FnOnce() -> T) -> (T, OperationCounts) {
-    let before = COUNTS.get();
+    let now = || COUNTS.with(|counts| counts.each_ref().map(Cell::get));
+    let before = now();
     let result = work();
-    let after = COUNTS.get();
+    let after = now();
     (result, OperationCounts(std::array::from_fn(|i| after[i] - before[i])))
 }
 
@@ -142,7 +139,7 @@ macro_rules! integer {
     };
 }
 
-integer!(i16, i32, i64);
+integer!(i8, i16, i32, i64);
 
 impl<T: Integer> CheckedWire<T> {
     /// A wire that carries `value`.
@@ -338,6 +335,7 @@ macro_rules! word {
     };
 }
 
+word!(i8, i16);
 word!(i16, i32);
 word!(i32, i64);
 

@@ -3,7 +3,8 @@
 //! λ₁² = ½(a + c + √((c − a)² + 4b²)) (W97 (16)); λ₂² = det/λ₁² (erratum 12). The direction belongs to λ₁ for
 //! r₁ = (cos α, −sin α) where c − a < 0 (erratum 2), tan 2α = 2b/(c − a), |α| ≤ 45° (W97 (18)–(20)): exactly by
 //! (h + |a − c|, 2b), the branch that does not cancel, or by a table of a few angles (erratum 18).
-//! Sign: the larger component is positive. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
+//! Sign: the larger component is positive; at 45° downwards, where the two differ by roundings alone, it may be the smaller one by 7 last
+//! places at most. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number, places_below};
 use crate::each::each;

@@ -1,0 +1,151 @@
+//! What roundings can amount to, from the text of the elementary functions: half a place for each rounding, a place for each floor,
+//! and what a seed errs by, squared with every Newton step.
+
+use std::f64::consts::LOG2_E;
+
+use roughxel_core::block::MANTISSA;
+use roughxel_core::elementary::LOGARITHM;
+use roughxel_core::precision::{Newton, Precision};
+use roughxel_core::rom::LOG_BITS;
+
+/// Bounds of a precision on words whose mantissas have `fraction` fraction bits.
+#[derive(Clone, Copy)]
+pub(crate) struct Bounds {
+    p: Precision,
+    fraction: u32,
+}
+
+impl Bounds {
+    pub(crate) fn new(p: Precision, fraction: u32) -> Self {
+        Self { p, fraction }
+    }
+
+    /// Half a place of what p bits keep.
+    pub(crate) fn half_place(&self) -> f64 {
+        (-f64::from(self.p.fraction_bits) - 1.0).exp2()
+    }
+
+    /// A place of a product of two mantissas.
+    pub(crate) fn product_place(&self) -> f64 {
+        (-2.0 * f64::from(self.fraction)).exp2()
+    }
+
+    /// The roundings of a seed of `bits` index bits: that of the table, which has two more, and that of a word with fewer.
+    fn seed_rounding(&self, bits: u32) -> f64 {
+        let table = (-f64::from(bits) - 3.0).exp2();
+        if self.fraction < bits + 2 { table + (-f64::from(self.fraction) - 1.0).exp2() } else { table }
+    }
+
+    /// Scales of the residual, a Newton step each.
+    fn scales(&self, newton: Newton) -> impl Iterator<Item = f64> + use<> {
+        let most = self.fraction - 2;
+        let scales = std::iter::successors(Some(newton.seed_bits - 3), move |scale| Some((2 * scale).min(most)));
+        scales.take(newton.steps as usize).map(|scale| f64::from(scale).exp2())
+    }
+
+    /// 1/(2x) at x in [½, 1], absolute.
+    ///
+    /// Seed: half an interval, 2^−(k+2), times the steepest slope on the way to its middle, 1/(2x²). A step leaves 2x·e² and rounds the
+    /// residual, the correction (a floor) and the result.
+    pub(crate) fn half_reciprocal(&self, x: f64) -> f64 {
+        let newton = self.p.reciprocal;
+        let half_interval = (-f64::from(newton.seed_bits) - 2.0).exp2();
+        let steepest = (x - half_interval).max(0.5);
+        let mut error = half_interval / (2.0 * steepest * steepest) + self.seed_rounding(newton.seed_bits);
+        for scale in self.scales(newton) {
+            let residual = self.half_place() / scale * (0.5 / x + error);
+            error = 2.0 * x * error * error + residual + self.product_place() + self.half_place();
+        }
+        error
+    }
+
+    /// 1/(2√x) at x in [¼, 1], absolute.
+    ///
+    /// As above with half an interval of 2^−(k+1) and the slope 1/(4x√x); a step leaves y·(1.5δ² + ½δ³) of a relative error δ, and
+    /// half of y times the error of 1 − 4x·y², whose y² is rounded, too.
+    pub(crate) fn half_inverse_root(&self, x: f64) -> f64 {
+        let newton = self.p.inverse_root;
+        let y = 0.5 / x.sqrt();
+        let half_interval = (-f64::from(newton.seed_bits) - 1.0).exp2();
+        let steepest = (x - half_interval).max(0.25);
+        let mut error = half_interval / (4.0 * steepest * steepest.sqrt()) + self.seed_rounding(newton.seed_bits);
+        for scale in self.scales(newton) {
+            let delta = error / y;
+            let residual = self.half_place() * (4.0 * x + 1.0 / scale) * (y + error) / 2.0;
+            let newton = y * delta * delta * (1.5 + 0.5 * delta);
+            error = newton + residual + self.product_place() + self.half_place();
+        }
+        error
+    }
+
+    /// 1/√ of a number with mantissa m in [½, 1], relative: where its exponent is odd half of m is rounded first.
+    pub(crate) fn inverse_root(&self, m: f64, odd: bool) -> f64 {
+        let (x, rounding) = if odd { (m / 2.0, self.half_place()) } else { (m, 0.0) };
+        let from = (x - rounding).max(0.25);
+        // x is off by a share of rounding/x, so its root by half of that, a little more downwards.
+        let moved = (1.0 - rounding / x).powf(-0.5) - 1.0;
+        (1.0 + moved) * (1.0 + self.half_inverse_root(from) * 2.0 * from.sqrt()) - 1.0
+    }
+
+    /// √ of a number, relative: times the number, rounded to a mantissa of at least ½.
+    pub(crate) fn root(&self, m: f64, odd: bool) -> f64 {
+        (1.0 + self.inverse_root(m, odd)) * (1.0 + 2.0 * self.half_place()) - 1.0
+    }
+
+    /// The worst of [`Self::inverse_root`] and [`Self::root`] over all numbers, relative: both fall with the mantissa.
+    pub(crate) fn worst_roots(&self) -> [f64; 2] {
+        let all = |bound: fn(&Self, f64, bool) -> f64| {
+            let steps = (512..=1024).flat_map(|m| [(m, false), (m, true)]);
+            steps.map(|(m, odd)| bound(self, f64::from(m) / 1024.0, odd)).fold(0.0, f64::max)
+        };
+        [all(Self::inverse_root), all(Self::root)]
+    }
+
+    /// Half a place of a word with `int` bits before its point.
+    fn half_place_of(&self, int: u32) -> f64 {
+        let bits = self.fraction + MANTISSA;
+        (f64::from(int) - f64::from(bits) - 1.0).exp2()
+    }
+
+    /// log₂ of a mantissa, absolute: the rounding of knots and, with bits between them, of the result.
+    pub(crate) fn log2(&self) -> f64 {
+        let half = self.half_place_of(LOGARITHM);
+        if self.fraction > LOG_BITS { 2.0 * half + (-18.4_f64).exp2() } else { half }
+    }
+
+    /// 2^x, relative to mantissas of ½ at least: the rounding of a knot to a word, and that of the result where it keeps less.
+    pub(crate) fn exp2(&self) -> f64 {
+        let kept = if self.p.fraction_bits < self.fraction { self.half_place() } else { 0.0 };
+        2.0 * (self.half_place_of(MANTISSA) + kept)
+    }
+
+    /// A tabulated ratio of `least` or more, relative: knots with 6 bits before the point, the place of an argument that is floored to a
+    /// word, at the steepest `slope` of the ratio, and the rounding of the result.
+    fn ratio(&self, least: f64, slope: f64) -> f64 {
+        let floored = slope * 2.0 * self.half_place_of(MANTISSA);
+        (self.half_place_of(6) + (-19.8_f64).exp2() + floored + self.half_place()) / least
+    }
+
+    /// log₂(1 + x), relative: below 1 the ratio times x, from 1 on, where it is 1 at least, a rounded sum and its logarithm.
+    pub(crate) fn log2_one_plus(&self, below_one: bool) -> f64 {
+        let rounding = 1.0 + 2.0 * self.half_place();
+        let before = if below_one {
+            self.ratio(0.5, 0.361)
+        } else {
+            LOG2_E * (4.0 * self.half_place_of(MANTISSA)) + self.log2()
+        };
+        (1.0 + before) * rounding - 1.0
+    }
+
+    /// −log₂(1 − y), relative: y times the ratio, or, where it is 1 at least, the logarithm of 1 − y rounded.
+    pub(crate) fn minus_log2_one_minus(&self, below_half: bool) -> f64 {
+        let rounding = 1.0 + 2.0 * self.half_place();
+        if below_half {
+            (1.0 + self.ratio(0.7213, 0.886)) * rounding * rounding - 1.0
+        } else {
+            // Downwards a logarithm is steeper.
+            let rest = -(1.0 - 2.0 * self.half_place()).log2();
+            (1.0 + rest + self.log2()) * rounding - 1.0
+        }
+    }
+}
