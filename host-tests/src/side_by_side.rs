@@ -1,7 +1,7 @@
 //! Designs in every reading that exists: scalar, checked, and lanes with every instruction set of this machine.
 
 use roughxel_core::bundle::{Bundle, End, Rewire};
-use roughxel_core::design::{Design, HorizonInput, LocalInput, Recorded, StoredPeakInput, Visitor};
+use roughxel_core::design::{Design, HorizonInput, LocalInput, Of, Recorded, StoredPeakInput, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::staged::Staged;
@@ -156,7 +156,16 @@ fn in_lanes<W: SideBySide>(design: Design, ports: &[Vec<i64>], p: &Precision) ->
             (0..self.ports.len()).map(lane).collect()
         }
     }
-    let group = |ports| design.visit(Run::<W> { ports, p, words: core::marker::PhantomData });
+    // Not `Design::visit`: every design there is would be compiled for every kind of lanes.
+    let group = |ports| {
+        let run = Run::<W> { ports, p, words: core::marker::PhantomData };
+        match design {
+            Design::Local => run.visit::<Of<{ Design::Local as usize }>>(),
+            Design::Peak => run.visit::<Of<{ Design::Peak as usize }>>(),
+            Design::Horizon => run.visit::<Of<{ Design::Horizon as usize }>>(),
+            other => unreachable!("{} is no design of an input", other.name()),
+        }
+    };
     ports.chunks(W::COUNT).flat_map(group).collect()
 }
 
