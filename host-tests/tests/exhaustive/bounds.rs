@@ -107,23 +107,33 @@ impl Bounds {
         (f64::from(int) - f64::from(bits) - 1.0).exp2()
     }
 
-    /// log₂ of a mantissa, absolute: the rounding of knots and, with bits between them, of the result.
+    /// A last place of a wide wire with `int` bits before its point.
+    fn wide_place_of(&self, int: u32) -> f64 {
+        let bits = 2 * (self.fraction + MANTISSA);
+        (f64::from(int) - f64::from(bits)).exp2()
+    }
+
+    /// log₂ of a mantissa, absolute: a knot, a rise and their product floored to a wide wire, the rounding of the result, and where there
+    /// are bits between knots, the line between them.
     pub(crate) fn log2(&self) -> f64 {
-        let half = self.half_place_of(LOGARITHM);
-        if self.fraction > LOG_BITS { 2.0 * half + (-18.4_f64).exp2() } else { half }
+        let line = if self.fraction > LOG_BITS { (-18.4_f64).exp2() } else { 0.0 };
+        3.0 * self.wide_place_of(LOGARITHM + MANTISSA) + line + (-25.0_f64).exp2()
     }
 
-    /// 2^x, relative to mantissas of ½ at least: the rounding of a knot to a word, and that of the result where it keeps less.
+    /// 2^x, relative to mantissas of ½ at least: the rounding of the result; beside it the line between knots that rise by less than
+    /// 2^−8, the share of x, rounded, and the rise on a word, floored.
     pub(crate) fn exp2(&self) -> f64 {
-        let kept = if self.p.fraction_bits < self.fraction { self.half_place() } else { 0.0 };
-        2.0 * (self.half_place_of(MANTISSA) + kept)
+        let share = (-8.0_f64).exp2() * (self.half_place() + self.half_place_of(MANTISSA));
+        2.0 * (self.half_place() + (-20.0_f64).exp2() + share + 2.0 * self.wide_place_of(PRODUCT))
     }
 
-    /// A tabulated ratio of `least` or more, relative: knots with 6 bits before the point, the place of an argument that is floored to a
-    /// word, at the steepest `slope` of the ratio, and the rounding of the result.
+    /// A tabulated ratio of `least` or more, relative: a knot, a rise and their product floored to a wide wire with 8 bits before the point,
+    /// the line between knots, the share of the argument in its interval, which rises by less than 2^−9, rounded, the argument itself
+    /// floored to a word, at the steepest `slope` of the ratio, and the rounding of the result.
     fn ratio(&self, least: f64, slope: f64) -> f64 {
         let floored = slope * 2.0 * self.half_place_of(MANTISSA);
-        (self.half_place_of(6) + (-19.8_f64).exp2() + floored + self.half_place()) / least
+        let line = (-19.8_f64).exp2() + (-9.0_f64).exp2() * self.half_place();
+        (3.0 * self.wide_place_of(6 + MANTISSA) + line + floored + self.half_place()) / least
     }
 
     /// log₂(1 + x), relative: below 1 the ratio times x, from 1 on, where it is 1 at least, a rounded sum and its logarithm.
@@ -145,7 +155,9 @@ impl Bounds {
         } else {
             // Downwards a logarithm is steeper.
             let rest = -(1.0 - 2.0 * self.half_place()).log2();
-            (1.0 + rest + self.log2()) * rounding - 1.0
+            // It stands 12 bits above the point of a product, floored.
+            let floored = self.wide_place_of(PRODUCT + 12);
+            (1.0 + rest + self.log2() + floored) * rounding - 1.0
         }
     }
 }

@@ -70,11 +70,11 @@ fn roots<W: Visible>(x: (i64, i64), p: &Precision) -> [(i64, i64); 2] {
 }
 
 fn logarithm<W: Visible>(m: i64, p: &Precision) -> i64 {
-    log2::<W>(Fx::lit(m), p).raw().integer()
+    W::count_integer(log2::<W>(Fx::lit(m), p).raw())
 }
 
 fn exponential<W: Visible>(x: i64, p: &Precision) -> (i64, i64) {
-    pair(exp2::<W>(Fx::lit(x), p))
+    pair(exp2::<W>(Fx::lit(x << (32 - LOGARITHM - POWER_PLACES)), p))
 }
 
 fn logarithm_of_one_plus<W: Visible>(x: (i64, i64), p: &Precision) -> (i64, i64) {
@@ -85,6 +85,9 @@ fn short<W: Visible>(code: i64) -> (i64, i64) {
     pair(short_number::<W>(Fx::int(code)))
 }
 
+/// Fraction bits of the powers of two that are tried: every |x| < 64 that has no more.
+const POWER_PLACES: u32 = 14;
+
 const FIGURES: [&str; 8] =
     ["1/2x", "1/2√x", "1/√x", "√x", "log2", "exp2", "log2(1 + x), x below 1", "log2(1 + x), x from 1 on"];
 
@@ -93,7 +96,6 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
     let fraction = fraction::<C>();
     let bounds = Bounds::new(*p, fraction);
     let one = 1_i64 << fraction;
-    let places = i64::from(C::BITS - LOGARITHM);
     let mut tried = try_all(kept::<C>(-2, p), |tried: &mut Tried<8>, m| {
         let x = value((m, 0), fraction);
         tried.inputs += 1;
@@ -108,8 +110,8 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
         assert!((one / 2..=one).contains(&got), "1/2x of {m}: {got}");
         tried.hold(0, (value((got, 0), fraction) - 0.5 / x).abs(), bounds.half_reciprocal(x), m);
         let got = in_both!(C, S, logarithm(m, p));
-        assert!((-1 << places..=0).contains(&got) && (m < one || got == 0), "log₂ of {m}: {got}");
-        tried.hold(4, (value((got, 0), C::BITS - LOGARITHM) - x.log2()).abs(), bounds.log2(), m);
+        assert!((-1 << (32 - LOGARITHM)..=0).contains(&got) && (m < one || got == 0), "log₂ of {m}: {got}");
+        tried.hold(4, (value((got, 0), 32 - LOGARITHM) - x.log2()).abs(), bounds.log2(), m);
         for e in (-20..=20_i64).chain([-16384, -16383, 16383, 16384]) {
             tried.inputs += 1;
             let odd = e.rem_euclid(2);
@@ -139,13 +141,12 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
             tried.hold(figure, (value((got, got_e - unit), fraction) / want - 1.0).abs(), bar, (m, e));
         }
     });
-    // Every x with |x| < 64.
-    let end = 64_i64 << places;
+    let end = 64_i64 << POWER_PLACES;
     for x in -end + 1..end {
         tried.inputs += 1;
         let (got, e) = in_both!(C, S, exponential(x, p));
         assert!((one / 2..=one).contains(&got), "2^x of {x}: {got}");
-        let exact = x as f64 / (places as f64).exp2();
+        let exact = x as f64 / f64::from(POWER_PLACES).exp2();
         tried.hold(5, (value((got, e), fraction) / exact.exp2() - 1.0).abs(), bounds.exp2(), x);
     }
     let zero = (0, ZERO_EXPONENT);
