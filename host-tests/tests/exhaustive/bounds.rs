@@ -3,7 +3,7 @@
 
 use std::f64::consts::LOG2_E;
 
-use roughxel_core::block::MANTISSA;
+use roughxel_core::block::{MANTISSA, PRODUCT};
 use roughxel_core::elementary::LOGARITHM;
 use roughxel_core::precision::{Newton, Precision};
 use roughxel_core::rom::LOG_BITS;

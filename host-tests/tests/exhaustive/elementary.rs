@@ -162,7 +162,7 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
 /// How many inputs that were for p bits of a word.
 fn of_a_mantissa<W: Word>(p: &Precision) -> u64 {
     let unit = 1 << p.fraction_bits;
-    (unit - unit / 4 + 1) + (unit / 2 + 1) * (2 + 45 + 83) + (128_u64 << (W::BITS - LOGARITHM)) - 1
+    (unit - unit / 4 + 1) + (unit / 2 + 1) * (2 + 45 + 83) + (128_u64 << POWER_PLACES) - 1
 }
 
 #[test]
@@ -183,10 +183,10 @@ fn stated_on_16_bits(p: &Precision) -> [f64; 8] {
         root,
         1.0,
         1.0,
-        2.0_f64.powi(-8),
-        (-kept).exp2() + 2.0_f64.powi(-14),
-        2.0_f64.powf(-9.3),
-        2.0_f64.powf(-7.8),
+        2.0_f64.powi(-18),
+        (-kept).exp2() + 2.0_f64.powi(-18),
+        (1.5 - kept).exp2(),
+        (2.0 - kept).exp2(),
     ]
 }
 
@@ -333,12 +333,12 @@ fn every_power_of_a_cosine_of_8_bits_is_within_its_roundings() {
                     assert_eq!(got, 0.0, "{y} {n:?}");
                     continue;
                 }
-                // An exponent of two comes without a fraction bit, from 6 of them.
+                // An exponent of two comes from 6 fraction bits.
                 let exact = log * value(n, FRACTION);
-                let moved = exact * relative + 2.0_f64.powi(-6) + 0.5;
+                let moved = exact * relative + 2.0_f64.powi(-6);
                 let want = (-exact).exp2();
                 let above = (moved - exact).exp2().min(1.0) - want;
-                let bar = above.max(want - (-exact - moved).exp2()) + 2.0_f64.powi(-63);
+                let bar = above.max(want - (-exact - moved).exp2()) + bounds.exp2() + 2.0_f64.powi(-63);
                 tried.hold(1, (got - want).abs(), bar, (y, n));
                 assert!(got <= 1.0 && (y > 0 || got == 1.0), "{y} {n:?}: {got}");
             }
