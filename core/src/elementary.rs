@@ -6,9 +6,9 @@
 //! 1/2x errs by at most 2^−(p+0.8) + 2^−(2^n·(k+0.7)), 1/2√x by 2^−p + ⅔·2^−(2^n·(k−0.76)), log₂ by 2^−18.4,
 //! exp₂ by 2^−p + 2^−20 and log₂(1 + x) by 2^−(p−0.9) + 2^−18.4 (relative).
 //!
-//! On words of 16 bits 1/2x and 1/2√x have the same bounds. Knots lose bits: log₂ errs by 2^−8 (measured 2^−8.05), exp₂ by
-//! 2^−p + 2^−14 (2^−14.06 at p = 14), log₂(1 + x) by 2^−9.3 below x = 1 and 2^−7.8 from there on (2^−9.73, 2^−8.33), relative; proven the
-//! same way in `host-tests/tests/exhaustive/elementary.rs`, where words of 8 bits are, too.
+//! On words of 16 bits 1/2x and 1/2√x have the same bounds; log₂ errs by 2^−18, exp₂ by 2^−p + 2^−18, log₂(1 + x) by 2^−(p−1.5) below
+//! x = 1 and 2^−(p−2) from there on, relative: tables and logarithms are counts. Proven the same way in
+//! `host-tests/tests/exhaustive/elementary.rs`, where words of 8 bits are, too.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, dot, number, of_control, places_below};
 use crate::each::each;
@@ -115,7 +115,7 @@ pub fn over_length<W: Word, const N: usize>(a: &Block<W, N>, p: &Precision) -> [
     })
 }
 
-/// `difference · fraction` between neighbouring knots of a table, which are counts. Range: difference in [0, 2^`e`), fraction in [0, 1].
+/// `difference · fraction` between neighbouring knots of a table, which are counts. Range: difference in [0, 2^`e`], fraction in [0, 1].
 ///
 /// A narrow word holds the difference alone: its leading zeros are shifted out, and in again behind the product.
 #[inline(always)]
@@ -124,7 +124,7 @@ fn between<W: Word, const INT: u32, const OUT: u32>(
     e: i32,
     fraction: Mantissa<W>,
 ) -> Wide<W, OUT> {
-    let places = if W::BITS < W::Count::BITS { INT - 1 + e.unsigned_abs() } else { 0 };
+    let places = if W::BITS < W::Count::BITS { INT - 2 + e.unsigned_abs() } else { 0 };
     let operand: Fx<W, INT> = Fx::of_control(difference.shl(places));
     operand.mul::<MANTISSA, OUT>(fraction).floor_shr(places)
 }

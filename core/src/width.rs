@@ -77,22 +77,3 @@ impl Rewire<i16, i32> for Widened {
         wire
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{narrowed, widened};
-    use crate::fx::Fx;
-
-    #[test]
-    fn words_are_rounded_to_their_upper_halves() {
-        let half = |raw: i32| narrowed(&Fx::<i32, 2>::from_raw(raw)).raw();
-        for word in i16::MIN..=i16::MAX {
-            assert_eq!(half(widened(&Fx::<i16, 2>::from_raw(word)).raw()), word);
-        }
-        assert_eq!([0x7fff, 0x8000, -0x8000, -0x8001].map(half), [0, 1, 0, -1]);
-        assert_eq!(
-            [i32::MAX, i32::MAX - 0x8000, i32::MAX - 0x1_8000, i32::MIN].map(half),
-            [i16::MAX, i16::MAX, i16::MAX - 1, i16::MIN]
-        );
-    }
-}

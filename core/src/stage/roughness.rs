@@ -10,7 +10,7 @@ use crate::ports::OFFSET;
 use crate::precision::Precision;
 use crate::word::{Wire, Word};
 
-/// Bits before the point of a roughness times a tangent.
+/// Bits before the point of a roughness times a tangent, at most 8, and of the sum of two.
 const TERM: u32 = OFFSET + MANTISSA;
 
 /// A number times a tangent.
@@ -33,12 +33,11 @@ pub fn anisotropic<W: Word>(
     let most = <W::Wide as Wire>::BITS - 1;
     let (places_1, places_2) = (places_below(e_1, top, most), places_below(e_2, top, most));
     let sum = each!(i in [0, 1, 2] => {
-        // Each product is at most 8; halved, their sum stays below 16.
         let first: Wide<W, TERM> = d[1].mul(e1.m[i]);
         let second: Wide<W, TERM> = d[2].mul(e2.m[i]);
-        first.floor_shr(1).floor_shr_by(places_1) + second.floor_shr(1).floor_shr_by(places_2)
+        first.floor_shr_by(places_1) + second.floor_shr_by(places_2)
     });
-    [times(d[0], e1, p.fraction_bits), normalise(sum, top + Fx::int(1), p.fraction_bits)]
+    [times(d[0], e1, p.fraction_bits), normalise(sum, top, p.fraction_bits)]
 }
 
 /// I₁E₁ and I₁E₂.

@@ -10,6 +10,7 @@ use roughxel_core::block::{Block, MANTISSA, ZERO_EXPONENT, align, cross, dot, no
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
 use roughxel_core::rom::{self, upper};
+use roughxel_core::width::{narrowed, widened};
 use roughxel_host_tests::checked::{Checked, CheckedWide, CheckedWire};
 use roughxel_host_tests::space::whole_or;
 
@@ -408,4 +409,15 @@ fn a_knob_beyond_its_limits_is_named() {
             assert_eq!(p.checked(), Err(knob), "{p:?}");
         }
     }
+}
+
+#[test]
+fn words_become_narrow_by_rounding_to_their_upper_halves() {
+    let half = |raw: i32| narrowed(&Fx::<i32, 2>::from_raw(raw)).raw();
+    for word in i16::MIN..=i16::MAX {
+        assert_eq!(half(widened(&Fx::<i16, 2>::from_raw(word)).raw()), word);
+    }
+    assert_eq!([0x7fff, 0x8000, -0x8000, -0x8001].map(half), [0, 1, 0, -1]);
+    let last = i32::MAX - 0x8000;
+    assert_eq!([i32::MAX, last, last - 0x1_0000, i32::MIN].map(half), [i16::MAX, i16::MAX, i16::MAX - 1, i16::MIN]);
 }

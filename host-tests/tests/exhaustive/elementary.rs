@@ -160,7 +160,7 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
 }
 
 /// How many inputs that were for p bits of a word.
-fn of_a_mantissa<W: Word>(p: &Precision) -> u64 {
+fn of_a_mantissa(p: &Precision) -> u64 {
     let unit = 1 << p.fraction_bits;
     (unit - unit / 4 + 1) + (unit / 2 + 1) * (2 + 45 + 83) + (128_u64 << POWER_PLACES) - 1
 }
@@ -170,7 +170,7 @@ fn functions_of_every_mantissa_of_8_bits_hold_their_bounds() {
     for p in tiny_precisions() {
         let tried = functions_of_a_mantissa::<Checked8, i8>(&p);
         let name = format!("functions on 8 bits, p {}, {:?}", p.fraction_bits, p.reciprocal);
-        tried.report(&name, FIGURES, of_a_mantissa::<i8>(&p));
+        tried.report(&name, FIGURES, of_a_mantissa(&p));
     }
 }
 
@@ -203,7 +203,7 @@ fn functions_of_every_mantissa_of_16_bits_hold_their_bounds() {
         let newton = Newton { seed_bits: 8, steps: 1 };
         let p = Precision { fraction_bits, reciprocal: newton, inverse_root: newton, ..Precision::COMPACT };
         let tried = functions_of_a_mantissa::<Checked16, i16>(&p);
-        tried.report(&format!("functions on 16 bits, p {fraction_bits}"), FIGURES, of_a_mantissa::<i16>(&p));
+        tried.report(&format!("functions on 16 bits, p {fraction_bits}"), FIGURES, of_a_mantissa(&p));
         for ((worst, stated), figure) in tried.errors.into_iter().zip(stated_on_16_bits(&p)).zip(FIGURES) {
             assert!(worst <= stated, "{figure}, p {fraction_bits}: 2^{:.3}", worst.log2());
         }
