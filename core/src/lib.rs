@@ -14,7 +14,7 @@
 //!    [`staged`] says where a stage begins and ends, [`mod@each`] loops over arrays of wires.
 //!
 //! [`soft_core`] runs the datapaths from ports to ports in the scalar reading; [`probe_list`] is a footprint unrolled for it.
-//! [`precision`] holds the accuracy knobs and the four named profiles; [`rom`] the tables; [`status`] the sticky bits of degenerate
+//! [`precision`] holds the accuracy knobs and the five named profiles, [`width`] the words that each runs on; [`rom`] the tables; [`status`] the sticky bits of degenerate
 //! inputs. With the feature `setup`, `setup` makes ports of floating-point numbers.
 //!
 //! ```

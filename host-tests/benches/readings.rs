@@ -61,7 +61,7 @@ const LEAST: Duration = Duration::from_millis(1);
 const PROFILE: Precision = Precision::STANDARD;
 
 /// The profile on words of 16 bits, from the same fragments.
-const NARROW: Precision = Precision { fraction_bits: 14, ..Precision::COMPACT };
+const NARROW: Precision = Precision::NARROW;
 
 /// A mirror without bumps, roughness or curvature: the least plan with a footprint.
 const MIRROR: ReflectionPlan =

@@ -17,7 +17,7 @@ Units and formats:
   lambda, step in units of s, t (half faces); K in half faces squared; lod in levels
   mantissas    I2F30 (two's complement, 30 fraction bits) times 2^exponent (16-bit integer)
   offsets      b, d, step: I4F28, -8 to 8; lod: I16F16
-  profiles     paper, compact (both keep 16 fraction bits), standard (20), precise (26)
+  profiles     narrow (14 kept fraction bits, on words of 16), paper, compact (both 16), standard (20), precise (26)
 
 Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";

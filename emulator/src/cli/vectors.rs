@@ -76,7 +76,7 @@ pub(super) struct ExportArgs {
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
     /// The smoke sets kept in the repository: hard cases and 256 random vectors of each datapath under `standard`, 256
-    /// random vectors of each under `compact`.
+    /// random vectors of each under `compact` and `narrow`.
     #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
     /// Summary as JSON.
@@ -246,7 +246,7 @@ fn chosen(
 /// The sets kept in the repository.
 fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
     let mut add = |manifest| written.push((directory.to_path_buf(), manifest));
-    for name in ["standard", "compact"] {
+    for name in ["standard", "compact", "narrow"] {
         let profile = &parse_profile(name).map_err(Failure::Usage)?;
         let export = Export { profile, effects: None, frame: None, directory };
         for set in hard_sets(&profile.precision).iter().filter(|_| name == "standard") {

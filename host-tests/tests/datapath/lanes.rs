@@ -30,13 +30,10 @@ use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::{plans, sweep, whole_or};
 
-/// A profile on words of 16 bits.
-const NARROW: Precision = Precision { fraction_bits: 14, ..Precision::COMPACT };
-
-/// The named profiles, and words of 16 bits with every bit kept and with as few as a profile may.
+/// The named profiles, and words of 16 bits with as few kept as a profile may.
 fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
-    let narrow = [("narrow", NARROW), ("narrowest", Precision { fraction_bits: 12, ..NARROW })];
-    roughxel_host_tests::space::profiles().into_iter().chain(narrow)
+    let narrowest = ("narrowest", Precision { fraction_bits: 12, ..Precision::NARROW });
+    roughxel_host_tests::space::profiles().into_iter().chain([narrowest])
 }
 
 /// A wide wire of words of 16 bits, and a count beside them.
@@ -391,7 +388,7 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
 
 #[test]
 fn batches_of_any_length_come_back_in_order() {
-    for p in [Precision::STANDARD, NARROW] {
+    for p in [Precision::STANDARD, Precision::NARROW] {
         let fragments: Vec<_> = (0..100).map(|index| random_fragment("length", index, &p)).collect();
         let inputs = wires(&fragments);
         for length in 0..=inputs.len() {

@@ -433,10 +433,10 @@ fn steps_cover_the_major_diameter() {
             let [x, y] = out.step.map(|step| f64::from(step.to_bits()) / f64::from(1 << 28));
             let length = f64::from(out.probes) * x.hypot(y);
             let major = real_number(&out.major).min(2.0);
-            // Error of the step: 2^−(p−4) relative (table entry and length of the direction), and its own last place, of a wide wire with 7
-            // bits before its point where that has fewer.
+            // Error of the step: 2^−(p−4) relative (table entry and length of the direction), and its own last place, floored
+            // on a wide wire with 7 bits before its point where that has fewer.
             let diameter = 12_f64.sqrt() * major;
-            let places = (2 * p.word_bits() - 7).min(28);
+            let places = (2 * p.word_bits() - 8).min(28);
             let bound = diameter * (4.0 - f64::from(p.fraction_bits)).exp2() + 16.0 * (-f64::from(places)).exp2();
             assert!((length - diameter).abs() <= bound, "{length} for {diameter} of {fragment:?}");
         });

@@ -183,6 +183,11 @@ fn is_normalised(net: &Net, tree: NodeId) -> bool {
     }
 }
 
+/// Whether mantissas come on words of 16 bits.
+fn has_narrow_words(net: &Net) -> bool {
+    net.ports.iter().any(|port| port.mantissa && port.kind == Kind::Wire(16))
+}
+
 /// Why ranges cannot see a mutation; `None` where they must.
 fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Option<&'static str> {
     let id = mutant.node;
@@ -197,23 +202,28 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Opti
         (Sort::ResidualUnclamped | Sort::ShiftCountUnclamped | Sort::OtherClampDropped, Op::Select(_, a, b)) => {
             let operand = if matches!(net.node(a).op, Op::Lit(_)) { b } else { a };
             let (with, without) = (ranges.of(id), ranges.of(operand));
+            // `Fx::round_shr_by` on words without a spare bit.
+            let again = mutant.sort == Sort::ShiftCountUnclamped && has_narrow_words(net);
             if with.low <= without.low && without.high <= with.high {
                 Some("the walk has bounded the operand already")
+            } else if again && without.high <= with.high {
+                Some("the count is clamped from below once more where it is used")
             } else {
                 (mutant.sort == Sort::OtherClampDropped).then_some("bounds an error or a meaning, not a word")
             }
         }
         (Sort::RoundingOnePlaceShort, _) => {
-            let fits = at("core/src/elementary.rs", "let fraction: Mantissa<W> = within")
-                || at("core/src/elementary.rs", "let value: Fx<W, LOGARITHM> = (knot")
-                || at("core/src/stage/blend.rs", ".round_to(24)")
-                || at("core/src/stage/moments.rs", "(b[y]).round_to(Fx::<W, MOMENT>::FRACTION)")
-                || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
-                || at(
-                    "core/src/stage/probes.rs",
-                    "raised.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
-                )
-                || design == Design::ColourSample;
+            let fits =
+                at("core/src/elementary.rs", "within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(keep)")
+                    || at("core/src/elementary.rs", "let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot)")
+                    || at("core/src/stage/blend.rs", ".round_to(24)")
+                    || at("core/src/stage/moments.rs", "(b[y]).round_to(Fx::<W, MOMENT>::FRACTION)")
+                    || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
+                    || at(
+                        "core/src/stage/probes.rs",
+                        "raised.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
+                    )
+                    || design == Design::ColourSample;
             fits.then_some("twice the value still fits")
         }
         (Sort::MagnitudeNotCounted, Op::Or(a, b)) => {
