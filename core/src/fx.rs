@@ -208,7 +208,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
     #[inline(always)]
     #[track_caller]
     pub fn keep(self, keep: u32) -> Self {
-        if keep >= Self::FRACTION {
+        if W::WHOLE || keep >= Self::FRACTION {
             return self;
         }
         let drop = Self::FRACTION - keep;
@@ -220,7 +220,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
     #[inline(always)]
     #[track_caller]
     pub fn round_shr_by(self, k: Fx<W::Count, 32>, keep: u32) -> Self {
-        if keep >= Self::FRACTION {
+        if W::WHOLE || keep >= Self::FRACTION {
             // No bit is free for doubling: one place less is shifted first.
             let before = self.0.sar_by((k - Fx::int(1)).max(Fx::zero()).raw());
             return Self::select(k.is_zero(), self, Self(before.add(W::lit(1)).sar(1)));
@@ -299,7 +299,7 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
     pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Word, OUT> {
         let fraction = Fx::<X::Word, OUT>::FRACTION;
         const { assert!(Self::FRACTION > Fx::<X::Word, OUT>::FRACTION, "rounding drops at least one bit") }
-        let keep = if keep < fraction { keep } else { fraction };
+        let keep = if X::Word::WHOLE || keep >= fraction { fraction } else { keep };
         Fx(X::Word::round(self.0, Self::FRACTION - fraction, fraction - keep))
     }
 

@@ -47,6 +47,8 @@ pub trait Wire: Copy + Debug {
 }
 /// A wire for mantissas, or, where it is its own [`Wire::Count`], for what controls.
 pub trait Word: Wire {
+    /// Whether every profile that is read with these words keeps all their bits: then no rounding need look how many.
+    const WHOLE: bool = false;
     /// The companion of twice the bits.
     type Wide: WideWire<Flag = Self::Flag, Count = Self::Count, Word = Self>;
     /// Exact product.

@@ -37,7 +37,7 @@ use roughxel_core::word::{WideWire, Wire, Word};
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
-pub use narrow::{Halves, NARROW_LANES, NarrowFlags, NarrowLanes};
+pub use narrow::{Halves, KEPT, NARROW_LANES, NarrowFlags, NarrowLanes};
 pub use peak_list::{PackedPeak, PeakList};
 pub use reading::{Footprint, Reading, Reflecting};
 pub use target::{InstructionSet, Target};

@@ -14,10 +14,13 @@ use roughxel_core::word::{WideWire, Wire, Word};
 use super::batch::Side;
 use super::{FlagLanes, LANES, Lanes, Target, WideLanes, stage};
 
+/// Kept fraction bits of the profiles that run in narrow lanes: all that a word of 16 bits has.
+pub const KEPT: u32 = 14;
+
 /// Fragments side by side on words of 16 bits.
 pub const NARROW_LANES: usize = 2 * LANES;
 
-/// A word of 16 bits of [`NARROW_LANES`] fragments, for the instruction set `T`.
+/// A word of 16 bits of [`NARROW_LANES`] fragments, for the instruction set `T`, of profiles that keep [`KEPT`] bits.
 #[derive(Clone, Copy, Debug)]
 pub struct NarrowLanes<T: Target>(T::Shorts, T);
 
@@ -303,6 +306,8 @@ impl<T: Target> Wire for NarrowLanes<T> {
 }
 
 impl<T: Target> Word for NarrowLanes<T> {
+    // So all counts of places but those of tables are known when a stage is compiled, and roundings need no mask.
+    const WHOLE: bool = true;
     type Wide = Halves<Lanes<T>>;
     #[inline(always)]
     fn mul(self, other: Self) -> Self::Wide {

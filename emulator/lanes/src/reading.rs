@@ -16,6 +16,7 @@ use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
 
 use super::batch::{map, spread};
+use super::narrow::KEPT;
 use super::peak_list::{self, PeakList};
 use super::target::InstructionSet;
 #[cfg(target_arch = "x86_64")]
@@ -64,25 +65,41 @@ pub enum Reading {
     Lanes(InstructionSet),
 }
 
+/// Words that lanes have.
+enum Width {
+    /// Of 16 bits, all kept.
+    Narrow,
+    /// Of 32 bits.
+    Full,
+}
+
+/// The lanes of a profile; `None` of 12 and 13 kept bits, which no named one has and the scalar reading runs.
+fn lanes_of(p: &Precision) -> Option<Width> {
+    match p.word_bits() {
+        16 => (p.fraction_bits == KEPT).then_some(Width::Narrow),
+        _ => Some(Width::Full),
+    }
+}
+
 /// What a part of the datapath makes of every input: `$body` on words of the profile's width, in the scalar reading, or in lanes with
 /// what is the same for all fragments spread over them.
 macro_rules! each_fragment {
     ($reading:expr, $p:expr, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
-        match ($reading, $p.word_bits()) {
+        match ($reading, lanes_of($p)) {
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), 16) => {
+            (Self::Lanes(InstructionSet::Avx2), Some(Width::Narrow)) => {
                 each_fragment!(@lanes NarrowLanes<Avx2>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), _) => {
+            (Self::Lanes(InstructionSet::Avx2), Some(Width::Full)) => {
                 each_fragment!(@lanes Lanes<Avx2>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), 16) => {
+            (Self::Lanes(InstructionSet::Avx512), Some(Width::Narrow)) => {
                 each_fragment!(@lanes NarrowLanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), _) => {
+            (Self::Lanes(InstructionSet::Avx512), Some(Width::Full)) => {
                 each_fragment!(@lanes Lanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
             _ => $results.extend($inputs.iter().map(|$input| on_words!($p, |$input $(, $same)*| $body))),
@@ -189,21 +206,21 @@ impl Reading {
         p: &Precision,
         lights: &mut Vec<Control<i32, LIGHT>>,
     ) {
-        match (self, p.word_bits()) {
+        match (self, lanes_of(p)) {
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), 16) if peaks.len() >= FEW => {
+            (Self::Lanes(InstructionSet::Avx2), Some(Width::Narrow)) if peaks.len() >= FEW => {
                 peak_list::lights::<NarrowLanes<Avx2>, _>(half, peaks, p, lights);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), _) if peaks.len() >= FEW => {
+            (Self::Lanes(InstructionSet::Avx2), Some(Width::Full)) if peaks.len() >= FEW => {
                 peak_list::lights::<Lanes<Avx2>, _>(half, peaks, p, lights);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), 16) if peaks.len() >= FEW => {
+            (Self::Lanes(InstructionSet::Avx512), Some(Width::Narrow)) if peaks.len() >= FEW => {
                 peak_list::lights::<NarrowLanes<Avx512>, _>(half, peaks, p, lights);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), _) if peaks.len() >= FEW => {
+            (Self::Lanes(InstructionSet::Avx512), Some(Width::Full)) if peaks.len() >= FEW => {
                 peak_list::lights::<Lanes<Avx512>, _>(half, peaks, p, lights);
             }
             _ => lights.extend(
