@@ -5,7 +5,8 @@
 //! from. This is the only file of the datapath that names `fixed`. Every bit pattern of every input port has one
 //! documented result. A direction or a derivative is a [`BlockVector`]: three mantissas and one exponent, so that
 //! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
-//! bits are rounded away on entry.
+//! bits are rounded away on entry. Where its words have 16 bits, the hardware's ports have as many: of a `fixed` port it reads the upper half,
+//! rounded to nearest ([`crate::width`]).
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I6F26, I8F24, I16F16, U0F32};
 
