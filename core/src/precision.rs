@@ -1,8 +1,7 @@
 //! Precision as data: every accuracy knob of the datapath in one plain value.
 //!
-//! A narrower profile is the same datapath with low bits rounded away. Multiplier operands are mantissas of
-//! `fraction_bits + 2` bits (sign, one integer bit, fraction), so with `fraction_bits = 16` the
-//! reflection datapath and the texture footprint fit 18×18 multipliers (`roughxel cost`); texels, weights and addresses have widths
+//! A narrower profile is the same datapath with low bits rounded away, from 14 kept bits down on words of 16 bits. Multiplier operands
+//! are mantissas of `fraction_bits + 2` bits (sign, one integer bit, fraction), so with `fraction_bits = 16` the reflection datapath and the texture footprint fit 18×18 multipliers (`roughxel cost`); texels, weights and addresses have widths
 //! of their own.
 
 /// How the direction of the major axis is found.
@@ -151,9 +150,11 @@ impl Precision {
         ..Self::PAPER
     };
 
-    /// Words of 16 bits, whose every bit a multiplier operand has. What else a footprint costs follows from that: a direction is as good
-    /// as its columns at 0.2° (a table of ten steps would err by 4.5° and save an inverse root), one step from 8-bit seeds is within
-    /// the last place (without a step faces are wrong, with 7 bits two of 200 000), log2 has 8 fraction bits, so a level has 6.
+    /// Words of 16 bits, whose every bit a multiplier operand has. The other knobs by what they change of a frame's distance from the same
+    /// filter in float64, 58 to 74 dB (four scenes, 160×120): a table of ten directions costs 8 to 24 dB and saves an inverse root;
+    /// powers of two as probe counts cost nothing but a quarter more texels; 4 bits of a weight cost 6 to 11 dB, 6 up to 2, 10 gain 0.2;
+    /// 5 bits of a level cost up to 6, 8 gain up to 9 where nothing else is left, beyond the 2^−6 to which a level is right. Seeds of 8
+    /// bits with one step are within the last place; without a step, or with 7 bits, some faces of 200 000 fragments are wrong.
     pub const NARROW: Self = Self { fraction_bits: 14, ..Self::COMPACT };
 
     /// The default.
