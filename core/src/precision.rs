@@ -1,8 +1,8 @@
 //! Precision as data: every accuracy knob of the datapath in one plain value.
 //!
 //! A narrower profile is the same datapath with low bits rounded away, from 14 kept bits down on words of 16 bits. Multiplier operands
-//! are mantissas of `fraction_bits + 2` bits (sign, one integer bit, fraction), so with `fraction_bits = 16` the reflection datapath and the texture footprint fit 18×18 multipliers (`roughxel cost`); texels, weights and addresses have widths
-//! of their own.
+//! are mantissas of `fraction_bits + 2` bits (sign, one integer bit, fraction), so with `fraction_bits = 16` the reflection datapath and
+//! the texture footprint fit 18×18 multipliers, with 14 16×16 (`roughxel cost`); texels, weights and addresses have widths of their own.
 
 /// How the direction of the major axis is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
