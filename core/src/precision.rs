@@ -154,7 +154,7 @@ impl Precision {
     /// filter in float64, 58 to 74 dB (four scenes, 160×120): a table of ten directions costs 8 to 24 dB and saves an inverse root;
     /// powers of two as probe counts cost nothing but a quarter more texels; 4 bits of a weight cost 6 to 11 dB, 6 up to 2, 10 gain 0.2;
     /// 5 bits of a level cost up to 6, 8 gain up to 9 where nothing else is left, beyond the 2^−6 to which a level is right. Seeds of 8
-    /// bits with one step are within the last place; without a step, or with 7 bits, some faces of 200 000 fragments are wrong.
+    /// bits with one step are within the last place; of 10 without a step they cost up to 0.7.
     pub const NARROW: Self = Self { fraction_bits: 14, ..Self::COMPACT };
 
     /// The default.
