@@ -8,7 +8,8 @@
 use crate::bundle::bundle;
 use crate::each::each;
 use crate::fx::{Fx, Int, Wide};
-use crate::word::{WideWire, Word};
+use crate::shortcut::WideShortcut;
+use crate::word::Word;
 
 /// Bits of a mantissa before its binary point.
 pub const MANTISSA: u32 = 2;
@@ -125,7 +126,7 @@ pub fn of_control<W: Word, const N: usize>(block: Block<W::Count, N>) -> Block<W
 
 /// A single number on a wide wire as mantissa and exponent.
 #[inline(always)]
-pub fn number<X: WideWire, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
+pub fn number<X: WideShortcut, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
     normalise([wide], e, keep)
 }
 
@@ -134,24 +135,17 @@ pub fn number<X: WideWire, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>
 ///
 /// Range: any input. The largest mantissa may round up to 1; −1 occurs exactly, too.
 #[inline(always)]
-pub fn normalise<X: WideWire, const N: usize, const INT: u32>(
+pub fn normalise<X: WideShortcut, const N: usize, const INT: u32>(
     wide: [Fx<X, INT>; N],
     e: Fx<X::Count, 32>,
     keep: u32,
 ) -> Block<X::Word, N> {
-    // One's complement magnitude: −2^k counts as the octave below, which is what lets −1 occur.
-    // As many leading zeros as there are bits are not enough for a block of zeros: −1 has them, too, but is negative.
-    let (mut magnitude, mut bits) = (X::lit(0), X::lit(0));
-    for w in &wide {
-        magnitude = magnitude.or(w.raw().xor(w.raw().sar(X::BITS - 1)));
-        bits = bits.or(w.raw());
-    }
-    let zeros = Fx::<X::Count, 32>::from_raw(magnitude.leading_zeros());
-    let all_zero = zeros.ge(Fx::int(X::BITS.into())) & !bits.lt(X::lit(0));
-    let shift = zeros - Fx::int(1);
+    // Shifted, with one bit before the point, the largest is in [½, 1].
+    let (drop, up) = Fx::<X, 1>::places_to_round::<MANTISSA>(keep);
+    let (m, zeros, all_zero) = X::normalised(each!(w in wide => w.raw()), drop, up);
+    let zeros = Fx::<X::Count, 32>::from_raw(zeros);
     Block {
-        // |wide · 2^shift| has its highest bit behind the sign: with one bit before the point it is in [½, 1].
-        m: each!(w in wide => Fx::<X, 1>::from_raw(w.raw().shl_by(shift.raw())).round_to::<MANTISSA>(keep)),
+        m: each!(m in m => Fx::from_raw(m)),
         e: Fx::select(all_zero, Fx::int(ZERO_EXPONENT), e + Fx::int(INT.into()) - zeros),
     }
 }

@@ -297,10 +297,17 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
     #[inline(always)]
     #[track_caller]
     pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Word, OUT> {
+        let (drop, up) = Self::places_to_round::<OUT>(keep);
+        Fx(X::Word::round(self.0, drop, up))
+    }
+
+    /// How many places narrowing drops and how many of the word's it then clears, as [`Word::round`] takes them.
+    #[inline(always)]
+    pub fn places_to_round<const OUT: u32>(keep: u32) -> (u32, u32) {
         let fraction = Fx::<X::Word, OUT>::FRACTION;
         const { assert!(Self::FRACTION > Fx::<X::Word, OUT>::FRACTION, "rounding drops at least one bit") }
         let keep = if X::Word::WHOLE || keep >= fraction { fraction } else { keep };
-        Fx(X::Word::round(self.0, Self::FRACTION - fraction, fraction - keep))
+        (Self::FRACTION - fraction, fraction - keep)
     }
 
     /// The same narrowing to a number that controls, with as many of its fraction bits as the wide wire has: on narrow words more than

@@ -45,7 +45,9 @@ pub mod rom;
 pub mod scalar;
 #[cfg(feature = "setup")]
 pub mod setup;
+pub mod shortcut;
 pub mod signals;
+pub mod small;
 pub mod soft_core;
 pub mod staged;
 pub mod stage;

@@ -5,6 +5,8 @@
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
 
+use crate::shortcut::{WideShortcut, WordShortcut};
+
 /// Operations common to words and wide wires. Shift counts are `0 ≤ k <` the width of the wire.
 pub trait Wire: Copy + Debug {
     /// One-bit wire, the outcome of a comparison.
@@ -46,11 +48,11 @@ pub trait Wire: Copy + Debug {
     }
 }
 /// A wire for mantissas, or, where it is its own [`Wire::Count`], for what controls.
-pub trait Word: Wire {
+pub trait Word: WordShortcut {
     /// Whether every profile that is read with these words keeps all their bits: then no rounding need look how many.
     const WHOLE: bool = false;
     /// The companion of twice the bits.
-    type Wide: WideWire<Flag = Self::Flag, Count = Self::Count, Word = Self>;
+    type Wide: WideShortcut<Flag = Self::Flag, Count = Self::Count, Word = Self>;
     /// Exact product.
     fn mul(self, other: Self) -> Self::Wide;
     /// The same integer on the wide wire.

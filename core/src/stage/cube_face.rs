@@ -43,12 +43,20 @@ pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &MapOffset<W>, p: &Pr
     let moved = each!(i in [0, 1] => point.st[i].to_control::<POSITION>() + offset.offset[i]);
     let one: Control<W, POSITION> = Fx::int(1);
     let inside = !one.lt(moved[0].abs()) & !one.lt(moved[1].abs());
-    let direction = point.select.from_face([moved[0], moved[1], one]);
-    let direction = normalise(each!(x in direction => x.widen::<6>()), Fx::int(0), p.fraction_bits);
-    let across = cube_face::<W>(&of_control(direction), p);
-    let across_st = each!(s in across.st => s.to_control::<POSITION>());
+    let here = FacePosition::<W> { face: point.select.index(), st: moved };
+    let across = W::unless(
+        inside,
+        here,
+        #[inline(always)]
+        || {
+            let direction = point.select.from_face([moved[0], moved[1], one]);
+            let direction = normalise(each!(x in direction => x.widen::<6>()), Fx::int(0), p.fraction_bits);
+            let across = cube_face::<W>(&of_control(direction), p);
+            FacePosition { face: across.select.index(), st: each!(s in across.st => s.to_control::<POSITION>()) }
+        },
+    );
     FacePosition {
-        face: Fx::select(inside, point.select.index(), across.select.index()),
-        st: each!(i in [0, 1] => Fx::select(inside, moved[i], across_st[i])),
+        face: Fx::select(inside, here.face, across.face),
+        st: each!(i in [0, 1] => Fx::select(inside, here.st[i], across.st[i])),
     }
 }

@@ -23,7 +23,12 @@ pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) 
     let keep = p.fraction_bits;
     let h_cross_n = cross(&h.m, &n.m);
     let pole = normalise(h_cross_n, Fx::int(0), keep).is_zero();
-    let stand_in = axis_cross_n(&n.m);
+    let stand_in = W::unless(
+        !pole,
+        [Fx::zero(); 3],
+        #[inline(always)]
+        || axis_cross_n(&n.m),
+    );
     let tangent = each!(i in [0, 1, 2] => Fx::select(pole, stand_in[i], h_cross_n[i]));
     let c = normalise(tangent, Fx::int(0), keep);
     let d = normalise(cross(&n.m, &c.m), c.e, keep);

@@ -6,6 +6,7 @@
 //! Error: LOD 2^−(lod_bits + 1) from its own rounding; step 2^−(p−4), relative.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, normalise, number, of_control};
+use crate::bundle::never;
 use crate::each::each;
 use crate::elementary::{LOGARITHM, log2};
 use crate::fx::{Control, Fx, Int, Wide, WideControl};
@@ -48,10 +49,32 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
         each!(sigma in [major, minor] => sigma.m[0].widen::<PRODUCT>().reread::<MULTIPLE>().floor_shr(2));
     let minor_at_major = minor_wide.floor_shr_by(places);
     let threshold = major_wide - major_wide.floor_shr(p.fraction_bits - 4);
+    let round = !minor_at_major.lt(threshold);
+    let (count, capped) = W::unless(
+        round,
+        (Fx::int(1), never::<W>()),
+        #[inline(always)]
+        || count::<W>(minor_at_major, threshold, p),
+    );
+
+    let (drawn, saturated) = cut(major);
+    Probes {
+        count,
+        step: step(&drawn, direction, count, p),
+        lod: level_of_detail(&Block::select(capped, *major, *minor), capped, count, map, p),
+        empty: major.is_zero(),
+        saturated,
+        capped,
+    }
+}
+
+/// N, and whether it would be more than the profile has.
+#[inline(always)]
+fn count<W: Word>(minor: Wide<W, MULTIPLE>, threshold: Wide<W, MULTIPLE>, p: &Precision) -> (Int<W>, W::Flag) {
     // Multiples of λ₂ up to 16, by seven adders; below 16.
-    let mut multiples = [minor_at_major; MAX_PROBES + 1];
+    let mut multiples = [minor; MAX_PROBES + 1];
     for n in 2..=MAX_PROBES {
-        multiples[n] = if n & 1 == 0 { multiples[n >> 1].shl(1) } else { multiples[n - 1] + minor_at_major };
+        multiples[n] = if n & 1 == 0 { multiples[n >> 1].shl(1) } else { multiples[n - 1] + minor };
     }
     let mut count = Fx::int(1);
     let capped = match p.probe_rule {
@@ -69,16 +92,7 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
             exceeds::<W>(&multiples, 1 << doublings, threshold)
         }
     };
-
-    let (drawn, saturated) = cut(major);
-    Probes {
-        count,
-        step: step(&drawn, direction, count, p),
-        lod: level_of_detail(&Block::select(capped, *major, *minor), capped, count, map, p),
-        empty: major.is_zero(),
-        saturated,
-        capped,
-    }
+    (count, capped)
 }
 
 /// Whether the threshold is above the n-th multiple, n ≤ 16.

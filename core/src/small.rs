@@ -1,0 +1,341 @@
+//! The scalar reading on a small processor: registers of 32 bits, no leading zeros, no vectors, branches that are cheap.
+//!
+//! The same bits as [`crate::scalar`], in fewer instructions: a narrow word lies in a whole register, so that nothing has to bring its
+//! sign back after every operation; leading zeros come from a table; what is shifted by as many places as others beside it decides
+//! once where it lies; what is not used is not worked out. Where there is no multiplier, products of narrow words come from a table
+//! of quarters of squares, and those of wide words from adds.
+
+use crate::each::each;
+use crate::rom::upper;
+use crate::shortcut::{WideShortcut, WordShortcut};
+use crate::staged::Staged;
+use crate::word::{WideWire, Wire, Word};
+
+/// The leading zeros of 8 bits; 8 of 0.
+static LEADING_ZEROS: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        table[byte] = (byte as u8).leading_zeros() as u8;
+        byte += 1;
+    }
+    table
+};
+
+/// The leading zeros of 32 bits by a table; 32 of 0.
+#[inline(always)]
+pub fn leading_zeros_by_table(x: u32) -> u32 {
+    if x >> 24 != 0 { u32::from(LEADING_ZEROS[(x >> 24) as u8 as usize]) } else { leading_zeros_below(x) }
+}
+
+/// The same below 2^24.
+#[inline(never)]
+#[cold]
+fn leading_zeros_below(x: u32) -> u32 {
+    let (places, byte) = if x >> 16 != 0 {
+        (8, x >> 16)
+    } else if x >> 8 != 0 {
+        (16, x >> 8)
+    } else {
+        (24, x)
+    };
+    places + u32::from(LEADING_ZEROS[byte as u8 as usize])
+}
+
+/// The leading zeros of 32 bits; 32 of 0. An instruction where there is one.
+#[inline(always)]
+fn leading_zeros(x: u32) -> u32 {
+    if cfg!(all(target_arch = "riscv32", not(target_feature = "zbb"))) {
+        leading_zeros_by_table(x)
+    } else {
+        x.leading_zeros()
+    }
+}
+
+/// ⌊n²/4⌋ at the place n + 1024: x·y is the difference of those of x + y and x − y.
+static QUARTERS_OF_SQUARES: [u32; 2048] = {
+    let mut table = [0; 2048];
+    let mut place = 0;
+    while place < 2048 {
+        let n = place as i32 - 1024;
+        table[place] = ((n * n) >> 2) as u32;
+        place += 1;
+    }
+    table
+};
+
+/// The product of two numbers of 16 bits with sign, three products of their halves by [`QUARTERS_OF_SQUARES`] (Karatsuba).
+#[inline(never)]
+pub fn product_by_table(a: i32, b: i32) -> i32 {
+    // Both factors within ±383: their sum and difference are inside the table.
+    let product = |x: i32, y: i32| {
+        let quarter = |n: i32| QUARTERS_OF_SQUARES[((n + 1024) & 2047) as usize];
+        quarter(x + y).wrapping_sub(quarter(x - y)) as i32
+    };
+    let (a_high, a_low) = (i32::from((a >> 8) as i8), i32::from(a as u8));
+    let (b_high, b_low) = (i32::from((b >> 8) as i8), i32::from(b as u8));
+    let (highs, lows) = (product(a_high, b_high), product(a_low, b_low));
+    let across = highs + lows - product(a_high - a_low, b_high - b_low);
+    (highs << 16).wrapping_add(across << 8).wrapping_add(lows)
+}
+
+/// The product of two numbers of 32 bits, by as many adds as one of them has bits.
+#[inline(never)]
+pub fn product_by_adds(a: i32, b: i32) -> i64 {
+    let factor = a.unsigned_abs();
+    // Bits of the other factor leave below as those of the product come in above.
+    let (mut top, mut bottom) = (0_u32, b.unsigned_abs());
+    for _ in 0..32 {
+        // The factor is 2^31 at most and the sum so far below it.
+        let sum = if bottom & 1 == 0 { top } else { top.wrapping_add(factor) };
+        bottom = bottom >> 1 | sum << 31;
+        top = sum >> 1;
+    }
+    let product = (u64::from(top) << 32 | u64::from(bottom)) as i64;
+    if (a ^ b) < 0 { product.wrapping_neg() } else { product }
+}
+
+/// Whether products are made by an instruction.
+const MULTIPLIER: bool = !cfg!(all(target_arch = "riscv32", not(target_feature = "m")));
+
+/// The upper half of a register pair.
+#[inline(always)]
+fn high(x: i64) -> i32 {
+    (x >> 32) as i32
+}
+
+/// The lower half.
+#[inline(always)]
+fn low(x: i64) -> u32 {
+    x as u32
+}
+
+/// A word of 16 bits in a register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Half(pub i32);
+
+/// A word of 32 bits, or what controls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Full(pub i32);
+
+/// The wide companion of [`Half`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WideHalf(pub i32);
+
+/// The wide companion of [`Full`], a pair of registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WideFull(pub i64);
+
+macro_rules! wire {
+    ($wire:ident, $int:ty, $bits:literal, |$x:ident| $leading_zeros:expr) => {
+        impl Wire for $wire {
+            type Flag = bool;
+            type Count = Full;
+            const BITS: u32 = $bits;
+            #[inline(always)]
+            fn lit(value: i64) -> Self {
+                Self(value as $int)
+            }
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                Self(self.0.wrapping_add(other.0))
+            }
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                Self(self.0.wrapping_sub(other.0))
+            }
+            #[inline(always)]
+            fn shl(self, k: u32) -> Self {
+                Self(self.0.wrapping_shl(k))
+            }
+            #[inline(always)]
+            fn sar(self, k: u32) -> Self {
+                Self(self.0.wrapping_shr(k))
+            }
+            #[inline(always)]
+            fn shl_by(self, k: Full) -> Self {
+                Self(self.0.wrapping_shl(k.0 as u32))
+            }
+            #[inline(always)]
+            fn sar_by(self, k: Full) -> Self {
+                Self(self.0.wrapping_shr(k.0 as u32))
+            }
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                Self(self.0 & other.0)
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                Self(self.0 | other.0)
+            }
+            #[inline(always)]
+            fn xor(self, other: Self) -> Self {
+                Self(self.0 ^ other.0)
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self.0 < other.0
+            }
+            #[inline(always)]
+            fn select(flag: bool, a: Self, b: Self) -> Self {
+                if flag { a } else { b }
+            }
+            #[inline(always)]
+            fn leading_zeros(self) -> Full {
+                let $x = self.0;
+                Full($leading_zeros as i32)
+            }
+        }
+    };
+}
+
+wire!(Half, i32, 16, |x| leading_zeros((x as u32) << 16 | 0x8000));
+wire!(Full, i32, 32, |x| leading_zeros(x as u32));
+wire!(WideHalf, i32, 32, |x| leading_zeros(x as u32));
+wire!(WideFull, i64, 64, |x| { if high(x) != 0 { leading_zeros(high(x) as u32) } else { 32 + leading_zeros(low(x)) } });
+
+macro_rules! word {
+    ($word:ident, $wide:ident, $int:ty, $product:ident) => {
+        impl Word for $word {
+            type Wide = $wide;
+            #[inline(always)]
+            fn mul(self, other: Self) -> $wide {
+                $wide(if MULTIPLIER {
+                    <$int>::from(self.0).wrapping_mul(<$int>::from(other.0))
+                } else {
+                    $product(self.0, other.0)
+                })
+            }
+            #[inline(always)]
+            fn widen(self) -> $wide {
+                $wide(<$int>::from(self.0))
+            }
+            #[inline(always)]
+            fn narrow(wide: $wide) -> Self {
+                Self(wide.0 as i32)
+            }
+            #[inline(always)]
+            fn round(wide: $wide, drop: u32, up: u32) -> Self {
+                Self(wide.floor(drop + up - 1).wrapping_add(1) >> 1).shl(up)
+            }
+            #[inline(always)]
+            fn lookup(index: Full, table: &'static [i32]) -> Self {
+                // A stage never asks outside the table; 0 keeps the function total without a panic path.
+                Self(upper(table.get(index.0 as usize).copied().unwrap_or(0), Self::BITS))
+            }
+            #[inline(always)]
+            fn to_count(self) -> Full {
+                Full(self.0)
+            }
+            #[inline(always)]
+            fn of_count(count: Full) -> Self {
+                Self(count.0)
+            }
+        }
+
+        impl WideWire for $wide {
+            type Word = $word;
+            #[inline(always)]
+            fn wide_to_count(self) -> Full {
+                Full(self.0 as i32)
+            }
+            #[inline(always)]
+            fn wide_of_count(count: Full) -> Self {
+                Self(count.0.into())
+            }
+        }
+
+        impl Staged for $word {}
+
+        impl WordShortcut for $word {
+            #[inline(always)]
+            fn unless<T>(unused: bool, instead: T, body: impl FnOnce() -> T) -> T {
+                if unused { instead } else { body() }
+            }
+        }
+    };
+}
+
+word!(Half, WideHalf, i32, product_by_table);
+word!(Full, WideFull, i64, product_by_adds);
+
+impl WideHalf {
+    /// `⌊self / 2^k⌋`.
+    #[inline(always)]
+    fn floor(self, k: u32) -> i32 {
+        self.0 >> k
+    }
+}
+
+impl WideFull {
+    /// `⌊self / 2^k⌋`, which fits a register.
+    #[inline(always)]
+    fn floor(self, k: u32) -> i32 {
+        if k >= 32 { high(self.0) >> (k - 32) } else { (self.0 >> k) as i32 }
+    }
+}
+
+impl WideShortcut for WideHalf {
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Half; N], Full, bool) {
+        let mut magnitude = 0;
+        for wire in &wires {
+            magnitude |= wire.0 ^ (wire.0 >> 31);
+        }
+        let zeros = leading_zeros(magnitude as u32);
+        // Left and right in one shift, unless left is further.
+        let Some(right) = (drop + up).checked_sub(zeros) else { return far_left(wires, zeros, drop, up) };
+        let words = each!(wire in wires => Half(((wire.0 >> right) + 1) >> 1).shl(up));
+        (words, Full(zeros as i32), false)
+    }
+}
+
+/// [`WideShortcut::normalised`] where a shift to the left leaves nothing to be rounded. A call of its own: products of mantissas come
+/// here where half of their bits or more are lost.
+#[cold]
+#[inline(never)]
+fn far_left<const N: usize>(wires: [WideHalf; N], zeros: u32, drop: u32, up: u32) -> ([Half; N], Full, bool) {
+    let all_zero = zeros == 32 && wires.iter().all(|wire| wire.0 == 0);
+    (each!(wire in wires => Half(wire.0 << (zeros - 1 - drop - up)).shl(up)), Full(zeros as i32), all_zero)
+}
+
+impl WideShortcut for WideFull {
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Full; N], Full, bool) {
+        let mut magnitude = 0;
+        for wire in &wires {
+            magnitude |= high(wire.0) ^ (high(wire.0) >> 31);
+        }
+        let zeros = leading_zeros(magnitude as u32);
+        // Where the upper registers hold all that is kept: left and right in one shift.
+        let Some(right) = (drop + up - 32).checked_sub(zeros) else { return from_both(wires, zeros, drop, up) };
+        let words = each!(wire in wires => Full((high(wire.0) >> right).wrapping_add(1) >> 1).shl(up));
+        (words, Full(zeros as i32), false)
+    }
+}
+
+/// [`WideShortcut::normalised`] where the lower registers count, too. A call of its own: products of mantissas come here where a third of
+/// their bits or more are lost, and inlined it would be most of the code.
+#[cold]
+#[inline(never)]
+fn from_both<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u32) -> ([Full; N], Full, bool) {
+    // All that is kept lies in the upper register behind the shift.
+    let round = |top: i32| Full((top >> (drop + up - 33)).wrapping_add(1) >> 1).shl(up);
+    if zeros < 32 {
+        let (shift, back) = (zeros - 1, 32 - zeros);
+        let words = each!(wire in wires => round((high(wire.0) << shift) | (low(wire.0) >> 1 >> back) as i32));
+        return (words, Full(zeros as i32), false);
+    }
+    // The upper registers hold signs alone.
+    let mut magnitude = 0;
+    for wire in &wires {
+        magnitude |= low(wire.0) ^ high(wire.0) as u32;
+    }
+    let zeros = leading_zeros(magnitude);
+    let all_zero = magnitude == 0 && wires.iter().all(|wire| wire.0 == 0);
+    // One place less than all of them may lie between both registers.
+    let words = each!(wire in wires => {
+        round(if zeros == 0 { (wire.0 >> 1) as i32 } else { (low(wire.0) << (zeros - 1)) as i32 })
+    });
+    (words, Full(32 + zeros as i32), all_zero)
+}
