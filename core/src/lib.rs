@@ -36,13 +36,16 @@ pub mod datapath;
 pub mod design;
 pub mod each;
 pub mod elementary;
+pub mod firmware;
 pub mod fx;
 pub mod plan;
 pub mod ports;
 pub mod precision;
 pub mod probe_list;
 pub mod rom;
+pub mod sampler;
 pub mod scalar;
+pub mod scanline;
 #[cfg(feature = "setup")]
 pub mod setup;
 pub mod shortcut;

@@ -554,3 +554,30 @@ bundle! {
         status: Int<W>,
     }
 }
+
+/// A probe of a footprint on an environment: where it reads, and how much that counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CubeProbe {
+    /// Face 0 to 5: +x, −x, +y, −y, +z, −z.
+    pub face: u8,
+    /// s (to the right) and t (down) on it, −1 to 1, half faces.
+    pub st: [I4F28; 2],
+    /// Share of the footprint; those of one footprint sum to exactly 1.
+    pub weight: I16F16,
+}
+
+/// A probe of a footprint in a repeated map: where it reads, and how much that counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapProbe {
+    /// Texture coordinates in repeats, modulo 1.
+    pub uv: [U0F32; 2],
+    /// Share of the footprint; those of one footprint sum to exactly 1.
+    pub weight: I16F16,
+}
+
+/// Linear light of three channels.
+pub type Light = [I8F24; 3];
+/// A place on a face of an environment, s and t.
+pub type FacePlace = [I2F30; 2];
+/// A level of detail.
+pub type Level = I16F16;

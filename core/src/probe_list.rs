@@ -5,6 +5,7 @@
 
 use heapless::Vec;
 
+use crate::bundle::Value;
 use crate::datapath;
 use crate::fx::{Fx, Int};
 use crate::precision::Precision;
@@ -34,7 +35,10 @@ pub fn environment_probes(
     probes: &Probes<Scalar>,
     p: &Precision,
 ) -> ProbeList<FaceProbe<Scalar>> {
-    list(probes, |index| on_words!(p, |point, probes| datapath::environment_probe(point, probes, index, p)))
+    list(probes, |index| {
+        let index = &Value(index);
+        on_words!(p, |point, probes, index| datapath::environment_probe(point, probes, index.0, p))
+    })
 }
 
 /// Probes in a repeated map.

@@ -5,6 +5,8 @@
 //! Each face is filtered for itself: a texel next to an edge holds its own side only, and the filter looks across the
 //! edge (the stage `edge` of the datapath).
 
+use roughxel_core::sampler::CubeMemory;
+
 use crate::mip::{Level, colour_levels, quantise, smallest_exponent};
 use roughxel_scene::picture::Picture;
 
@@ -49,6 +51,22 @@ impl CubePyramid {
             levels.push([a, b, c, d, e, f]);
         }
         Self { edge, levels, exponent }
+    }
+}
+
+impl CubeMemory for CubePyramid {
+    #[inline(always)]
+    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
+        self.levels[level as usize][face as usize].texel(column, row)
+    }
+
+    /// Side by side in memory.
+    #[inline(always)]
+    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
+        let level = &self.levels[level as usize][face as usize];
+        let first = row as usize * level.width as usize + column as usize;
+        [first, first + 1, first + level.width as usize, first + level.width as usize + 1]
+            .map(|index| level.texels[index])
     }
 }
 

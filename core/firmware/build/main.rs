@@ -1,0 +1,41 @@
+//! What the programs are linked with: the memory of their machine, the golden vectors as tables, and the plan that is priced.
+
+mod plan;
+mod sets;
+
+use std::env;
+use std::fs;
+use std::path::PathBuf;
+
+/// Code, data and stack of QEMU's `virt` machine lie in its one memory.
+const RISCV_MEMORY: &str = "MEMORY { RAM : ORIGIN = 0x80000000, LENGTH = 64M }
+REGION_ALIAS(\"REGION_TEXT\", RAM);
+REGION_ALIAS(\"REGION_RODATA\", RAM);
+REGION_ALIAS(\"REGION_DATA\", RAM);
+REGION_ALIAS(\"REGION_BSS\", RAM);
+REGION_ALIAS(\"REGION_HEAP\", RAM);
+REGION_ALIAS(\"REGION_STACK\", RAM);
+";
+
+/// The first two memories of QEMU's `mps2-an385`.
+const CORTEX_M_MEMORY: &str = "MEMORY {
+    FLASH : ORIGIN = 0x00000000, LENGTH = 4M
+    RAM : ORIGIN = 0x20000000, LENGTH = 4M
+}
+";
+
+fn main() {
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo names a folder"));
+    let target = |name: &str| env::var(format!("CARGO_CFG_TARGET_{name}")).expect("cargo describes the target");
+    if target("OS") == "none" {
+        let riscv = target("ARCH") == "riscv32";
+        fs::write(out.join("memory.x"), if riscv { RISCV_MEMORY } else { CORTEX_M_MEMORY }).expect("it can be written");
+        println!("cargo:rustc-link-search={}", out.display());
+        if riscv {
+            println!("cargo:rustc-link-arg=-Tmemory.x");
+        }
+        println!("cargo:rustc-link-arg=-Tlink.x");
+    }
+    sets::write(&out);
+    plan::write(&out);
+}

@@ -1,0 +1,167 @@
+//! The golden vectors of `vectors/smoke` as tables: of each set its integers, and where they belong among those of its ports.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use roughxel_core::bundle::{Bundle, End, Rewire, Step};
+use roughxel_core::ports::{
+    HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput,
+};
+use serde_json::Value;
+
+/// Where the vectors are.
+const FOLDER: &str = "../../vectors/smoke";
+
+/// A number of a bundle: its path and its fraction bits.
+struct Place {
+    path: String,
+    fraction_bits: u32,
+}
+
+/// The numbers of a bundle in the order of its walk.
+#[derive(Default)]
+struct Places {
+    path: Vec<String>,
+    found: Vec<Place>,
+}
+
+impl Places {
+    fn of<B: Bundle<i32>>() -> Vec<Place>
+    where
+        B::In<i32>: Bundle<i32>,
+    {
+        let mut places = Self::default();
+        B::limit::<i32>(End::Low).rewire::<i32, _>(&mut places);
+        places.found
+    }
+
+    fn add(&mut self, fraction_bits: u32) {
+        self.found.push(Place { path: self.path.concat().trim_start_matches('.').to_string(), fraction_bits });
+    }
+}
+
+impl Rewire<i32, i32> for Places {
+    fn enter(&mut self, step: Step) {
+        self.path.push(match step {
+            Step::Field(field) => format!(".{}", field.name),
+            Step::Index(index) => format!("[{index}]"),
+        });
+    }
+    fn leave(&mut self) {
+        self.path.pop();
+    }
+    fn word(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.add(fraction_bits);
+        wire
+    }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.add(fraction_bits);
+        wire
+    }
+    fn wide(&mut self, wire: i64, _: u32) -> i64 {
+        wire
+    }
+    fn flag(&mut self, wire: bool) -> bool {
+        wire
+    }
+}
+
+/// A field of a set: its place among the numbers of its bundle, and how its digits become that number.
+struct Column {
+    place: usize,
+    width: u32,
+    signed: bool,
+    up: u32,
+}
+
+/// Writes `sets.rs` and the integers that it includes.
+pub fn write(out: &Path) {
+    println!("cargo:rerun-if-changed={FOLDER}");
+    let mut names: Vec<_> = fs::read_dir(FOLDER)
+        .expect("the vectors are beside the core")
+        .map(|entry| entry.expect("a folder can be read").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .collect();
+    names.sort();
+    let mut text = String::from("&[\n");
+    for path in names {
+        let name = path.file_stem().expect("it has a name").to_string_lossy().into_owned();
+        let manifest = fs::read_to_string(&path).expect("a manifest can be read");
+        let manifest: Value = serde_json::from_str(&manifest).unwrap_or_else(|error| panic!("{name}.json: {error}"));
+        let words = fs::read_to_string(path.with_extension("hex")).expect("its words are beside it");
+        set(&name, &manifest, &words, out, &mut text);
+    }
+    text.push(']');
+    fs::write(out.join("sets.rs"), text).expect("it can be written");
+}
+
+fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String) {
+    let (datapath, inputs, outputs) = match manifest["datapath"].as_str() {
+        Some("reflection") => {
+            ("Reflection", Places::of::<ReflectionInput<i32>>(), Places::of::<ReflectionOutput<i32>>())
+        }
+        Some("highlight") => ("Highlight", Places::of::<HighlightInput<i32>>(), Places::of::<HighlightOutput<i32>>()),
+        Some("peak") => ("Peak", Places::of::<PeakInput<i32>>(), Places::of::<PeakOutput<i32>>()),
+        other => panic!("{name}.json: no datapath is named {other:?}"),
+    };
+    let fields = manifest["fields"].as_array().expect("a manifest has fields");
+    let columns: Vec<(bool, Column)> = fields
+        .iter()
+        .filter(|field| field["direction"] != "check")
+        .map(|field| {
+            let input = field["direction"] == "in";
+            let (places, port) = (if input { &inputs } else { &outputs }, field["port"].as_str().expect("a path"));
+            let place = places.iter().position(|place| place.path == port);
+            let place = place.unwrap_or_else(|| panic!("{name}.json: the core has no port {port}"));
+            let number = |key: &str| field[key].as_u64().expect("a number") as u32;
+            let up = places[place].fraction_bits - number("fraction_bits");
+            (input, Column { place, width: number("width"), signed: field["signed"] == true, up })
+        })
+        .collect();
+
+    // Row by row the integers of the fields, little end first.
+    let mut integers = Vec::new();
+    let mut count = 0;
+    for line in words.lines().filter(|line| !line.starts_with("//")) {
+        count += 1;
+        for ((_, column), digits) in columns.iter().zip(line.split('_')) {
+            let bits = u32::from_str_radix(digits, 16).unwrap_or_else(|error| panic!("{name}.hex: {error}"));
+            let spare = 32 - column.width;
+            let integer = if column.signed { (bits << spare) as i32 >> spare } else { bits as i32 };
+            integers.extend((integer << column.up).to_le_bytes());
+        }
+    }
+    assert_eq!(manifest["count"], count, "{name}: another number of words than its manifest says");
+    fs::write(out.join(format!("{name}.bin")), integers).expect("it can be written");
+
+    let list = |input: bool| {
+        let places = columns.iter().filter(|(is_input, _)| *is_input == input);
+        places.map(|(_, column)| column.place.to_string()).collect::<Vec<_>>().join(", ")
+    };
+    assert!(columns.is_sorted_by_key(|(input, _)| !input), "{name}.json: inputs stand before outcomes");
+    let paths: Vec<&str> = outputs.iter().map(|place| &place.path[..]).collect();
+    let effects = &manifest["effects"];
+    writeln!(
+        text,
+        "    Set {{ name: {name:?}, datapath: Datapath::{datapath}, profile: Profile::{}, effects: Effects {{ bump: {}, frame: \
+         FrameSystem::{}, roughness: RoughnessKind::{}, curvature: {}, footprint: {}, horizon: {} }}, inputs: &[{}], outputs: \
+         &[{}], names: &{paths:?}, integers: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.bin\")) }},",
+        camel(&manifest["profile"]["name"]),
+        effects["bump"],
+        camel(&effects["frame"]),
+        camel(&effects["roughness"]),
+        effects["curvature"],
+        effects["footprint"],
+        effects["horizon"],
+        list(true),
+        list(false),
+    )
+    .expect("a text grows");
+}
+
+/// `main_direction` as `MainDirection`.
+fn camel(name: &Value) -> String {
+    let words = name.as_str().expect("a name").split('_');
+    words.map(|word| word[..1].to_uppercase() + &word[1..]).collect()
+}

@@ -1,0 +1,113 @@
+//! What differs between machines: the way in and out, the counter of instructions, the stack.
+
+#[cfg(target_os = "none")]
+pub use semihosting::println;
+#[cfg(not(target_os = "none"))]
+pub use std::println;
+
+/// Ends the program: 0 is success.
+pub fn exit(code: i32) -> ! {
+    #[cfg(target_os = "none")]
+    semihosting::process::exit(code);
+    #[cfg(not(target_os = "none"))]
+    std::process::exit(code);
+}
+
+/// `entry!(run)`: the program calls `run`, which gives its exit code.
+#[macro_export]
+macro_rules! entry {
+    ($run:ident) => {
+        #[cfg(all(target_os = "none", target_arch = "riscv32"))]
+        #[$crate::riscv_rt::entry]
+        fn main() -> ! {
+            $crate::machine::exit($run())
+        }
+        #[cfg(all(target_os = "none", target_arch = "arm"))]
+        #[$crate::cortex_m_rt::entry]
+        fn main() -> ! {
+            $crate::machine::start_counter();
+            $crate::machine::exit($run())
+        }
+        #[cfg(not(target_os = "none"))]
+        fn main() {
+            $crate::machine::exit($run())
+        }
+    };
+}
+pub use crate::entry;
+
+/// Instructions since some moment.
+///
+/// RISC-V counts them. The Cortex-M of QEMU has a timer at 25 MHz, and with `-icount shift=0` every instruction takes 1 ns of its time:
+/// it counts in steps of 40, up to 2^24 of them. On a host there is nothing to count with.
+#[inline(always)]
+pub fn instructions() -> u32 {
+    #[cfg(all(target_os = "none", target_arch = "riscv32"))]
+    return riscv::register::minstret::read() as u32;
+    #[cfg(all(target_os = "none", target_arch = "arm"))]
+    return (TICKS - cortex_m::peripheral::SYST::get_current()) * INSTRUCTIONS_PER_TICK;
+    #[cfg(not(target_os = "none"))]
+    return 0;
+}
+
+/// Instructions between two readings of the counter, the second one later by less than it holds.
+#[inline(always)]
+pub fn between(before: u32, after: u32) -> u32 {
+    if cfg!(all(target_os = "none", target_arch = "arm")) && after < before {
+        // It starts again from 0 after its last tick.
+        return after + (TICKS + 1) * INSTRUCTIONS_PER_TICK - before;
+    }
+    after.wrapping_sub(before)
+}
+
+/// The last tick of the timer of a Cortex-M.
+const TICKS: u32 = 0xff_ffff;
+/// At 25 MHz, of a nanosecond each.
+const INSTRUCTIONS_PER_TICK: u32 = 40;
+
+/// Starts the timer.
+#[cfg(all(target_os = "none", target_arch = "arm"))]
+pub fn start_counter() {
+    use cortex_m::peripheral::syst::SystClkSource;
+    if let Some(mut peripherals) = cortex_m::Peripherals::take() {
+        peripherals.SYST.set_clock_source(SystClkSource::Core);
+        peripherals.SYST.set_reload(TICKS);
+        peripherals.SYST.clear_current();
+        peripherals.SYST.enable_counter();
+    }
+}
+
+/// Bytes of stack that a call takes, those of what it calls among them; 0 on a host.
+#[inline(never)]
+pub fn stack_of(call: impl FnOnce()) -> u32 {
+    #[cfg(target_os = "none")]
+    {
+        let here = 0_u32;
+        let top = core::ptr::from_ref(&here) as usize & !3;
+        // Beyond what this function itself has below its variable.
+        let first = top - PAINTED;
+        for address in (first..top - RESERVE).step_by(4) {
+            // SAFETY: below the stack pointer by a reserve, and above everything linked: the memories of both machines leave more than
+            // that free. No interrupt is on.
+            unsafe { core::ptr::write_volatile(address as *mut u32, PAINT) };
+        }
+        call();
+        let untouched = (first..top).step_by(4).find(|&address| {
+            // SAFETY: as above.
+            unsafe { core::ptr::read_volatile(address as *const u32) != PAINT }
+        });
+        (top - untouched.unwrap_or(top)) as u32
+    }
+    #[cfg(not(target_os = "none"))]
+    {
+        call();
+        0
+    }
+}
+
+#[cfg(target_os = "none")]
+const PAINTED: usize = 1 << 16;
+#[cfg(target_os = "none")]
+const RESERVE: usize = 256;
+#[cfg(target_os = "none")]
+const PAINT: u32 = 0x5afe_5afe;

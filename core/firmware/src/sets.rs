@@ -1,0 +1,38 @@
+//! The golden vectors that are linked in.
+
+use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::precision::{Profile, RoughnessKind};
+
+/// A set of vectors.
+#[derive(Debug)]
+pub struct Set {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is of.
+    pub datapath: Datapath,
+    /// How accurate.
+    pub profile: Profile,
+    /// The effects that are on.
+    pub effects: Effects,
+    /// Places of its inputs among the numbers of the datapath's input, in the order of a walk.
+    pub inputs: &'static [u16],
+    /// Places of its outcomes among those of the output.
+    pub outputs: &'static [u16],
+    /// Paths of the numbers of the output.
+    pub names: &'static [&'static str],
+    /// Row by row inputs and outcomes as integers of the ports, 32 bits, little end first.
+    pub integers: &'static [u8],
+}
+
+impl Set {
+    /// The vectors: each the integers of its inputs, then those of its outcomes.
+    pub fn vectors(&self) -> impl Iterator<Item = impl Iterator<Item = i32> + use<>> + use<> {
+        let row = 4 * (self.inputs.len() + self.outputs.len());
+        self.integers.chunks_exact(row).map(|row| {
+            row.chunks_exact(4).map(|bytes| bytes.iter().rfold(0, |integer, byte| integer << 8 | i32::from(*byte)))
+        })
+    }
+}
+
+/// All of them.
+pub static SETS: &[Set] = include!(concat!(env!("OUT_DIR"), "/sets.rs"));

@@ -1,0 +1,135 @@
+//! From the probes of a footprint to its colour, on a processor with a memory: frames of the emulator and pixels of firmware alike.
+//!
+//! Arithmetic is that of the composer ([`texel`], [`pixel`]); here are the loops around it and the fetches.
+
+use crate::bundle::Value;
+use crate::datapath::{environment_probe, pixel, texel};
+use crate::each::each;
+use crate::fx::{Fx, Int};
+use crate::ports::LIGHT;
+use crate::precision::Precision;
+use crate::signals::{CubePoint, FacePosition, Probes};
+use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::seam::FaceTexel;
+use crate::width::{IntegerCount, IntegerWord};
+
+/// The texels of an environment: six faces in Vulkan's order, level by level.
+pub trait CubeMemory {
+    /// Three channels at a place of a face, codes of 16 bits: of `max(1, edge >> level)` columns and rows, 0 … 5 faces.
+    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3];
+
+    /// The same at (column, row), to its right, below it, and to the right of that: all four on the face. For a memory in which they
+    /// are found faster together.
+    #[inline(always)]
+    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| self.texel(level, face, column + right, row + down))
+    }
+}
+
+/// An environment in a memory.
+#[derive(Debug)]
+pub struct Cube<'a, M> {
+    /// Its texels.
+    pub memory: &'a M,
+    /// Texels along the edge of a face at level 0, 1…16384.
+    pub edge: u32,
+    /// The last level that the memory has: 0 where nothing is filtered.
+    pub last_level: u32,
+    /// A code is code/65536 · 2^exponent of linear light.
+    pub exponent: i32,
+}
+
+// A cube is a reference and three numbers whatever the memory is.
+impl<M> Clone for Cube<'_, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<M> Copy for Cube<'_, M> {}
+
+/// Four texels of a level as integers, with the weights of the right and of the lower ones.
+type FacePatch<C> = ([[Fx<C, 32>; 3]; 4], [Fx<C, WEIGHT>; 2]);
+
+/// The mean colour of a footprint, I8F24: trilinear probes along its major axis; a rough one is sampled with the roughness bias.
+#[inline(always)]
+pub fn environment<W: IntegerWord, M: CubeMemory>(
+    point: &CubePoint<W>,
+    probes: &Probes<W>,
+    rough: bool,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> [Value<W, LIGHT>; 3] {
+    let pair = texel::levels::<W>(probes.lod, rough, p);
+    let mut sums = [ProbeSum::<W>::zero(); 3];
+    for index in 0..probes.count.raw().integer() {
+        let probe = environment_probe(point, probes, int::<W>(index), p);
+        for (sum, channel) in sums.iter_mut().zip(trilinear::<W, M>(&probe.place, &pair, cube, p)) {
+            *sum = texel::probe_sum(sum, channel, probe.weight);
+        }
+    }
+    each!(sum in sums => Value(pixel::colour::<W>(texel::probe_mean(&sum), int::<W>(cube.exponent))))
+}
+
+#[inline(always)]
+fn int<W: IntegerWord>(integer: i32) -> Int<W> {
+    Fx::from_raw(W::Count::of_integer(integer))
+}
+
+#[inline(always)]
+fn trilinear<W: IntegerWord, M: CubeMemory>(
+    place: &FacePosition<W>,
+    pair: &LevelPair<W>,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> [Int<W>; 3] {
+    let fine = pair.level.raw().integer() as u32;
+    let coarse = (fine + 1).min(cube.last_level);
+    let a = face_patch::<W, M>(fine, place, cube, p);
+    let b = if pair.weight.raw().integer() == 0 { a } else { face_patch::<W, M>(coarse, place, cube, p) };
+    each!(channel in [0, 1, 2] => {
+        let [a, b] = each!((texels, weight) in [&a, &b] => {
+            Patch::<W> { texels: each!(texel in *texels => texel[channel]), weight: *weight }
+        });
+        texel::colour_sample(&a, &b, pair.weight)
+    })
+}
+
+/// What a bilinear sample of a level reads; what lies beyond the face comes from its neighbours.
+#[inline(always)]
+fn face_patch<W: IntegerWord, M: CubeMemory>(
+    level: u32,
+    place: &FacePosition<W>,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> FacePatch<W::Count> {
+    let edge = (cube.edge >> level.min(31)).max(1);
+    let address = texel::face_address::<W>(place, int::<W>(edge as i32), p);
+    let index = address.index.map(|index| index.raw().integer());
+    let texels = if index.iter().all(|index| (0..edge as i32 - 1).contains(index)) {
+        cube.memory.patch(level, place.face.raw().integer() as u32, index[0] as u32, index[1] as u32)
+    } else {
+        seam_texels(level, place.face.raw().integer(), index, edge, cube.memory)
+    };
+    (each!(texel in texels => each!(channel in texel => int::<W>(channel.into()))), address.weight)
+}
+
+/// The same beside an edge. A call of its own: few probes come here, and inlined it leaves no registers for all others. What it works
+/// out controls alone, so words of any width have the same.
+#[inline(never)]
+fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32, memory: &M) -> [[u16; 3]; 4] {
+    let read = |texel: FaceTexel<i32>| {
+        let [column, row] = texel.index.map(|index| index.raw() as u32);
+        memory.texel(level, texel.face.raw() as u32, column, row)
+    };
+    let address = Address::<i32> { index: index.map(Fx::from_raw), weight: [Fx::zero(); 2] };
+    texel::face_texels(Fx::from_raw(face), &address, Fx::from_raw(edge as i32)).map(|texel| {
+        let own = read(texel.texel);
+        if !texel.corner {
+            return own;
+        }
+        let [s, t] = texel.across.map(read);
+        core::array::from_fn(|channel| {
+            texel::corner::<i32>(&[own, s, t].map(|texel| Fx::from_raw(texel[channel].into()))).raw() as u16
+        })
+    })
+}

@@ -1,0 +1,473 @@
+//! Fragments of a triangle, row by row, for processors without floats: integers, no division.
+//!
+//! Set up a [`Triangle`] from three [`ScreenVertex`], give its corners [`Attributes`], walk the [`Fragments::row`]s. `setup` is the
+//! same work in floating point for whoever has it.
+//!
+//! An attribute a is perspective-correct as A/W with A = Σ eᵢqᵢaᵢ and W = Σ eᵢqᵢ: eᵢ is the edge function opposite to vertex i, qᵢ its 1/w, and both
+//! sums are linear in x and y, so a pixel costs additions. Nobody divides where a length means nothing:
+//! - view: V with its constant derivatives, for a footprint ignores what of dv is along v;
+//! - main direction: H;
+//! - normal: N·W with dN·W − N·dW, which are n and dn times W², so that bump offsets meet a dn without a part along n;
+//! - texture coordinates alone need 1/W, by [`half_reciprocal`].
+//!
+//! Errors, relative to the largest qᵢ|aᵢ| of the corners: 2^−39 by rounding them, 2^−44 by coefficients; where a pixel's W is R times less than
+//! that of the nearest corner, R times as much. Then one rounding of 2^−31 of a mantissa. Directions are within 2^−27 rad to R = 64
+//! and lose a bit for each doubling from about R = 1000 on; where corners point away from each other, A cancels and loses as many bits
+//! as it is short of them. Derivatives: 2^−27 of |dn| + |n|·|dW|/W. Texture coordinates: 2^−27·max(1, |u|, |v|) repeats, so
+//! keep them near 0; their derivatives 2^−26 of |du| + |u|·|dW|/W. `host-tests/tests/datapath/scanline.rs` measures all.
+
+use core::ops::Range;
+
+use crate::block::{Block, MANTISSA, MAX_EXPONENT, Number, PRODUCT, align, normalise};
+use crate::each::{each, places};
+use crate::elementary::half_reciprocal;
+use crate::fx::{Fx, Wide};
+use crate::ports::{BlockPair, BlockPort, BlockVector, Port, ReflectionIn, TextureIn};
+use crate::precision::Precision;
+use crate::scalar::Scalar;
+use crate::stage::leave::leave;
+
+/// Bits of a position behind the point: 1/256 pixel.
+pub const SUBPIXEL_BITS: u32 = 8;
+/// Largest coordinate of a vertex either way, in 1/256 pixel: 4096 pixels.
+pub const MAX_POSITION: i32 = 1 << 20;
+/// Largest `inverse_w`.
+pub const MAX_INVERSE_W: u32 = i32::MAX as u32;
+
+/// Bits of the qᵢaᵢ of corners, brought to one scale.
+const CORNER_BITS: i32 = 40;
+/// Bits of a plane's value inside the triangle; one more would do, this one is for rounding.
+const VALUE_BITS: u32 = 62;
+/// What blocks keep here: all fraction bits of a mantissa.
+const KEEP: u32 = 30;
+/// The reciprocal of W: as many bits as a [`Precision`] may keep, two Newton steps. Error: 2^−28.5.
+const RECIPROCAL: Precision = Precision { fraction_bits: 28, ..Precision::PRECISE };
+
+/// A corner on the screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ScreenVertex {
+    /// To the right, in 1/256 pixel: pixel x has its centre at 256x + 128. At most [`MAX_POSITION`] either way.
+    pub x: i32,
+    /// Down, likewise.
+    pub y: i32,
+    /// 1/w in any unit that the three share, from 1 to [`MAX_INVERSE_W`]. Use the upper bits: q = 1 is not a precise one.
+    pub inverse_w: u32,
+}
+
+/// The side of an edge: not negative inside, for an edge that runs clockwise on the screen (y down).
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    /// In square sub-pixels at the corner of pixel (0, 0); one less for an edge that does not own its points. Below 2^42 + 2.
+    constant: i64,
+    /// Per sub-pixel to the right and down, at most 2^21.
+    gradient: [i64; 2],
+}
+
+impl Edge {
+    fn new(a: &ScreenVertex, b: &ScreenVertex) -> Self {
+        let [right, down] = [i64::from(b.x - a.x), i64::from(b.y - a.y)];
+        // Points on a left edge (it runs up) and on a top edge (it runs to the right) are inside.
+        let owns_points = down < 0 || (down == 0 && right > 0);
+        let constant = down * i64::from(a.x) - right * i64::from(a.y);
+        Self { constant: constant - i64::from(!owns_points), gradient: [-down, right] }
+    }
+
+    /// At a pixel's centre. Range: within [`MAX_POSITION`]; below 2^43 + 2.
+    fn at(&self, x: i32, y: i32) -> i64 {
+        let [across, down] = self.gradient;
+        self.constant + across * i64::from(centre(x)) + down * i64::from(centre(y))
+    }
+}
+
+/// The centre of a pixel in sub-pixels.
+fn centre(pixel: i32) -> i32 {
+    (pixel << SUBPIXEL_BITS) + (1 << (SUBPIXEL_BITS - 1))
+}
+
+/// The first pixel whose centre is at a position or beyond it.
+fn first_centre(position: i32) -> i32 {
+    (position + (1 << (SUBPIXEL_BITS - 1)) - 1) >> SUBPIXEL_BITS
+}
+
+/// The first of `columns` from which on something holds; their end where it never does.
+fn first_column(columns: Range<i32>, holds: impl Fn(i32) -> bool) -> i32 {
+    let Range { mut start, mut end } = columns;
+    while start < end {
+        let middle = start + ((end - start) >> 1);
+        if holds(middle) {
+            end = middle;
+        } else {
+            start = middle + 1;
+        }
+    }
+    start
+}
+
+/// `x · 2^places`, to nearest or modulo 2^64. Range: |x| ≤ 2^62.
+fn shifted(x: i64, places: i32) -> i64 {
+    match places {
+        64.. => 0,
+        0..64 => x << places,
+        -62..0 => ((x >> (-1 - places)) + 1) >> 1,
+        _ => 0,
+    }
+}
+
+/// Where [`scaled`] splits a factor.
+const SPLIT: u32 = 21;
+
+/// `⌊a·b / 2^shift⌋` modulo 2^64. Range: |b| ≤ 2^40, `shift` ≤ [`SPLIT`].
+fn scaled(a: i64, b: i64, shift: u32) -> i64 {
+    let low = a & ((1 << SPLIT) - 1);
+    // The lower part is below 2^61; the upper one may wrap, as whoever calls says.
+    ((a >> SPLIT).wrapping_mul(b) << (SPLIT - shift)).wrapping_add((low * b) >> shift)
+}
+
+/// A triangle on the screen.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Edge i is opposite to vertex i.
+    edges: [Edge; 3],
+    /// Twice its area in square sub-pixels, from 1 to 2^42: what the edge functions add up to.
+    area: i64,
+    /// Places by which planes are shifted down: their values are below 2^42 · 2^40 before, below 2^62 after.
+    shift: u32,
+    /// Position of vertex 0.
+    origin: [i32; 2],
+    inverse_w: [u32; 3],
+    /// First pixel and the one behind the last whose centres are within the bounds.
+    columns: [i32; 2],
+    rows: [i32; 2],
+}
+
+impl Triangle {
+    /// A triangle whose corners run clockwise on the screen (y down).
+    ///
+    /// `None`: no area or the other way round (seen from behind), a position or an `inverse_w` out of its range. Cut triangles at a near plane
+    /// and to ±4096 pixels first; smaller windows are what `columns` of [`Self::span`] are for.
+    pub fn new(vertices: &[ScreenVertex; 3]) -> Option<Self> {
+        let in_range = |position: i32| (-MAX_POSITION..=MAX_POSITION).contains(&position);
+        let valid = |v: &ScreenVertex| in_range(v.x) && in_range(v.y) && (1..=MAX_INVERSE_W).contains(&v.inverse_w);
+        if !vertices.iter().all(valid) {
+            return None;
+        }
+        let [a, b, c] = vertices;
+        let edges = [Edge::new(b, c), Edge::new(c, a), Edge::new(a, b)];
+        let [[_, _], [p, q], [r, s]] = each!(edge in edges => edge.gradient);
+        // Differences are at most 2^21, and the triangle at most half of its bounds.
+        let area = p * s - q * r;
+        if area <= 0 {
+            return None;
+        }
+        let bounds = |[a, b, c]: [i32; 3]| {
+            let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+            [first_centre(least), first_centre(most + 1)]
+        };
+        Some(Self {
+            edges,
+            area,
+            shift: (i64::BITS - area.leading_zeros()).saturating_sub(VALUE_BITS - CORNER_BITS as u32),
+            origin: [a.x, a.y],
+            inverse_w: [a.inverse_w, b.inverse_w, c.inverse_w],
+            columns: bounds([a.x, b.x, c.x]),
+            rows: bounds([a.y, b.y, c.y]),
+        })
+    }
+
+    /// The rows of pixels that may have a centre inside.
+    pub fn rows(&self) -> Range<i32> {
+        let [start, end] = self.rows;
+        start..end
+    }
+
+    /// The pixels of row `y` among `columns` whose centres are inside. A centre on an edge is where the edge is a top or a left one, so that of two
+    /// triangles that share it one has the pixel.
+    ///
+    /// Any arguments. Some 13 steps for each edge: about as much work as a fragment.
+    pub fn span(&self, y: i32, columns: Range<i32>) -> Range<i32> {
+        let [first, behind] = self.columns;
+        let (mut start, mut end) = (first.max(columns.start), behind.min(columns.end));
+        if start >= end || !self.rows().contains(&y) {
+            return 0..0;
+        }
+        for edge in &self.edges {
+            let [across, _] = edge.gradient;
+            if across > 0 {
+                start = first_column(start..end, |x| edge.at(x, y) >= 0);
+            } else {
+                end = first_column(start..end, |x| edge.at(x, y) < 0);
+            }
+        }
+        start..end
+    }
+
+    /// An attribute over the triangle, from its values at the corners. Exponents beyond ±2^11 are read as those.
+    pub fn plane<const N: usize>(&self, corners: &[BlockPort<N>; 3]) -> Plane<N> {
+        let blocks: [Block<Scalar, N>; 3] = each!(corner in *corners => {
+            let PortWires { mantissa, exponent } = corner.wires();
+            let exponent = exponent.saturate(Fx::int(-MAX_EXPONENT), Fx::int(MAX_EXPONENT));
+            normalise(each!(m in mantissa => m.widen::<PRODUCT>()), exponent, KEEP)
+        });
+        // |qᵢaᵢ| ≤ 2^top: mantissas are at most 1.
+        let magnitude = |i: usize| blocks[i].e.raw() + (u32::BITS - self.inverse_w[i].leading_zeros()) as i32;
+        let top = magnitude(0).max(magnitude(1)).max(magnitude(2));
+        // qᵢaᵢ in units of 2^(top − 40): at most 2^40, the largest at least 2^38. The product before is below 2^61.
+        let corners = each!(i in [0, 1, 2] => {
+            let q = i64::from(self.inverse_w[i]);
+            let places = blocks[i].e.raw() - top + CORNER_BITS - KEEP as i32;
+            each!(m in blocks[i].m => shifted(i64::from(m.raw()) * q, places))
+        });
+        // Per sub-pixel: the gradients of edges add up to 2^22 at most by size, so these are at most 2^62.
+        let gradient = each!(axis in [0, 1] => each!(k in places::<N>() => {
+            let [a, b, c] = each!(i in [0, 1, 2] => self.edges[i].gradient[axis] * corners[i][k]);
+            a + b + c
+        }));
+        // At vertex 0 its own edge function is the area, the others vanish; from there to the centre of a pixel. Steps and sums may wrap
+        // on the way: modulo 2^64 they are right, and inside the triangle |A| ≤ area·2^40/2^shift < 2^62.
+        let pixel = each!(position in self.origin => position >> SUBPIXEL_BITS);
+        let [right, down] = each!(axis in [0, 1] => i64::from(centre(pixel[axis]) - self.origin[axis]));
+        let value = each!(k in places::<N>() => {
+            let corner = scaled(self.area, corners[0][k], self.shift);
+            let across = scaled(gradient[0][k], right, self.shift);
+            corner.wrapping_add(across).wrapping_add(scaled(gradient[1][k], down, self.shift))
+        });
+        // One exponent for all attributes but for what their own values bring: A/W is a.
+        let exponent = top - u32::BITS as i32;
+        let per_pixel = exponent + SUBPIXEL_BITS as i32 - self.shift as i32;
+        Plane {
+            pixel,
+            value,
+            step: each!(axis in [0, 1] => each!(g in gradient[axis] => scaled(g, 1 << SUBPIXEL_BITS, self.shift))),
+            derivative: each!(g in gradient => block(g, per_pixel)),
+            exponent,
+        }
+    }
+}
+
+type PortWires<const N: usize> = crate::ports::PortBlock<Scalar, N>;
+
+/// Values `v · 2^(e − 62)` as a block.
+fn block<const N: usize>(values: [i64; N], e: i32) -> Block<Scalar, N> {
+    let wires: [Wide<Scalar, MANTISSA>; N] = each!(value in values => Fx::from_raw(value));
+    normalise(wires, Fx::from_raw(e), KEEP)
+}
+
+fn port<const N: usize>(block: &Block<Scalar, N>) -> BlockPort<N> {
+    Port::of(&leave(block))
+}
+
+/// A = Σ eᵢqᵢaᵢ of one attribute, linear over a triangle, in a unit that all attributes of the triangle share.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane<const N: usize> {
+    /// Where `value` is: the pixel of vertex 0.
+    pixel: [i32; 2],
+    /// In units of 2^(exponent − 62), as `step`, modulo 2^64.
+    value: [i64; N],
+    /// To the next pixel, and to the next row.
+    step: [[i64; N]; 2],
+    derivative: [Block<Scalar, N>; 2],
+    exponent: i32,
+}
+
+impl<const N: usize> Plane<N> {
+    /// A from the centre of a pixel on. Range: pixels whose centres are inside the triangle; elsewhere it is some number.
+    pub fn line(&self, x: i32, y: i32) -> Line<N> {
+        let [right, down] = [x.wrapping_sub(self.pixel[0]), y.wrapping_sub(self.pixel[1])].map(i64::from);
+        let [across, below] = &self.step;
+        let value = each!(k in places::<N>() => {
+            self.value[k].wrapping_add(across[k].wrapping_mul(right)).wrapping_add(below[k].wrapping_mul(down))
+        });
+        Line { value, step: *across, exponent: self.exponent }
+    }
+
+    /// ∂A/∂x, per pixel to the right, in the unit of A.
+    pub fn dx(&self) -> BlockPort<N> {
+        port(&self.derivative[0])
+    }
+
+    /// ∂A/∂y, per pixel down.
+    pub fn dy(&self) -> BlockPort<N> {
+        port(&self.derivative[1])
+    }
+}
+
+/// A at one pixel of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line<const N: usize> {
+    value: [i64; N],
+    step: [i64; N],
+    exponent: i32,
+}
+
+impl<const N: usize> Line<N> {
+    /// One pixel to the right; the same bits as [`Plane::line`] there.
+    pub fn step(&mut self) {
+        for (value, step) in self.value.iter_mut().zip(&self.step) {
+            // Behind the last pixel of the triangle the sum may wrap; nobody looks at it there.
+            *value = value.wrapping_add(*step);
+        }
+    }
+
+    /// A here. The largest mantissa is in [½, 1] by size.
+    pub fn block(&self) -> BlockPort<N> {
+        port(&self.value())
+    }
+
+    fn value(&self) -> Block<Scalar, N> {
+        block(self.value, self.exponent)
+    }
+}
+
+/// W² times the derivative of A/W: dA·W − A·dW.
+fn derivative<const N: usize>(
+    a: &Block<Scalar, N>,
+    da: &Block<Scalar, N>,
+    w: &Number<Scalar>,
+    dw: &Number<Scalar>,
+) -> Block<Scalar, N> {
+    // The smaller term loses bits by its single factor: no more than A and dA have lost by their own rounding.
+    let ([[w], [dw]], e) = align([w.scaled(da.e), dw.scaled(a.e)], KEEP);
+    let terms: [Wide<Scalar, PRODUCT>; N] = each!(k in places::<N>() => da.m[k].mul(w) - a.m[k].mul(dw));
+    normalise(terms, e, KEEP)
+}
+
+/// What the corners of a triangle are made of. Of directions, what of corner to corner differs in length counts: give all normals one length, and views
+/// as they are, from the corner to the eye.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Attributes {
+    /// Surface normal n.
+    pub normal: [BlockVector; 3],
+    /// Vector v from the surface to the eye.
+    pub view: [BlockVector; 3],
+    /// Main direction h (system 3); leave it zero where the plan has no frame.
+    pub main_direction: [BlockVector; 3],
+    /// Texture coordinates in repeats; without them fragments have no [`TextureIn`].
+    pub uv: Option<[BlockPair; 3]>,
+}
+
+/// All fragments of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Fragments {
+    triangle: Triangle,
+    template: ReflectionIn,
+    weight: Plane<1>,
+    normal: Plane<3>,
+    view: Plane<3>,
+    main_direction: Plane<3>,
+    uv: Option<Plane<2>>,
+}
+
+impl Fragments {
+    /// Set-up, once a triangle. Of `template` fragments have the edge of the environment, offsets and roughness, and frame vector 1.
+    pub fn new(triangle: &Triangle, corners: &Attributes, template: &ReflectionIn) -> Self {
+        let one = port(&Number::one());
+        let view = triangle.plane(&corners.view);
+        Self {
+            triangle: *triangle,
+            template: ReflectionIn { dview: [view.dx(), view.dy()], ..*template },
+            weight: triangle.plane(&[one; 3]),
+            normal: triangle.plane(&corners.normal),
+            view,
+            main_direction: triangle.plane(&corners.main_direction),
+            uv: corners.uv.map(|uv| triangle.plane(&uv)),
+        }
+    }
+
+    /// The fragments of row `y` among `columns`, from left to right; none where the triangle is not.
+    pub fn row(&self, y: i32, columns: Range<i32>) -> Scanline<'_> {
+        let columns = self.triangle.span(y, columns);
+        let x = columns.start;
+        Scanline {
+            fragments: self,
+            columns,
+            weight: self.weight.line(x, y),
+            normal: self.normal.line(x, y),
+            view: self.view.line(x, y),
+            main_direction: self.main_direction.line(x, y),
+            uv: self.uv.map(|uv| uv.line(x, y)),
+        }
+    }
+}
+
+/// One pixel of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Fragment {
+    /// Its column.
+    pub x: i32,
+    /// What its reflection, and as [`ReflectionIn::surface`] its lights, take in. Normal and its derivatives are W² times those of the surface, view and its
+    /// derivatives W times; no stage depends on either.
+    pub reflection: ReflectionIn,
+    /// What its maps take in, if the triangle has texture coordinates.
+    pub texture: Option<TextureIn>,
+}
+
+/// The fragments of one row of a triangle.
+#[derive(Clone, Debug)]
+pub struct Scanline<'a> {
+    fragments: &'a Fragments,
+    columns: Range<i32>,
+    weight: Line<1>,
+    normal: Line<3>,
+    view: Line<3>,
+    main_direction: Line<3>,
+    uv: Option<Line<2>>,
+}
+
+impl Scanline<'_> {
+    fn reflection(&self, w: &Number<Scalar>) -> ReflectionIn {
+        let Fragments { normal, weight, template, .. } = self.fragments;
+        let mut reflection = *template;
+        let n = self.normal.value();
+        reflection.surface.normal = port(&n.times(w, KEEP));
+        reflection.surface.view = self.view.block();
+        reflection.surface.frame_vectors[0] = self.main_direction.block();
+        reflection.dnormal = each!(axis in [0, 1] => {
+            port(&derivative(&n, &normal.derivative[axis], w, &weight.derivative[axis]))
+        });
+        reflection
+    }
+
+    fn texture(&self, plane: &Plane<2>, line: &Line<2>, w: &Number<Scalar>) -> TextureIn {
+        let uv = line.value();
+        // 1/(m·2^e) = 2·(1/2m)·2^−e.
+        let inverse = Block { m: [half_reciprocal(w.m[0], &RECIPROCAL)], e: Fx::int(1) - w.e };
+        let square = inverse.square_length(KEEP);
+        let weight = &self.fragments.weight;
+        TextureIn {
+            uv: Port::of(&each!(m in uv.m => {
+                // 60 fraction bits at the exponent; what is left above 32 of them are whole repeats.
+                let repeats: Wide<Scalar, PRODUCT> = m.mul(inverse.m[0]);
+                Fx::from_raw(shifted(repeats.raw(), (uv.e + inverse.e).raw() + 32 - 60) & 0xffff_ffff)
+            })),
+            duv: each!(axis in [0, 1] => {
+                port(&derivative(&uv, &plane.derivative[axis], w, &weight.derivative[axis]).times(&square, KEEP))
+            }),
+        }
+    }
+}
+
+impl Iterator for Scanline<'_> {
+    type Item = Fragment;
+
+    fn next(&mut self) -> Option<Fragment> {
+        let x = self.columns.next()?;
+        let w = self.weight.value();
+        let reflection = self.reflection(&w);
+        let texture = self.fragments.uv.as_ref().zip(self.uv.as_ref());
+        let texture = texture.map(|(plane, line)| self.texture(plane, line, &w));
+        self.weight.step();
+        self.normal.step();
+        self.view.step();
+        self.main_direction.step();
+        if let Some(uv) = &mut self.uv {
+            uv.step();
+        }
+        Some(Fragment { x, reflection, texture })
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.columns.size_hint()
+    }
+}
+
+impl ExactSizeIterator for Scanline<'_> {}
