@@ -8,8 +8,7 @@
 use crate::bundle::bundle;
 use crate::each::each;
 use crate::fx::{Fx, Int, Wide};
-use crate::shortcut::WideShortcut;
-use crate::word::Word;
+use crate::word::{WideWire, Word};
 
 /// Bits of a mantissa before its binary point.
 pub const MANTISSA: u32 = 2;
@@ -126,7 +125,7 @@ pub fn of_control<W: Word, const N: usize>(block: Block<W::Count, N>) -> Block<W
 
 /// A single number on a wide wire as mantissa and exponent.
 #[inline(always)]
-pub fn number<X: WideShortcut, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
+pub fn number<X: WideWire, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
     normalise([wide], e, keep)
 }
 
@@ -135,7 +134,7 @@ pub fn number<X: WideShortcut, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count,
 ///
 /// Range: any input. The largest mantissa may round up to 1; −1 occurs exactly, too.
 #[inline(always)]
-pub fn normalise<X: WideShortcut, const N: usize, const INT: u32>(
+pub fn normalise<X: WideWire, const N: usize, const INT: u32>(
     wide: [Fx<X, INT>; N],
     e: Fx<X::Count, 32>,
     keep: u32,

@@ -101,7 +101,12 @@ pub trait Firmware: Sized {
     /// The constants of an environment whose faces have `edge` texels, read as 1…16384. Once per environment.
     #[inline]
     fn environment(edge: u16) -> Environment<Self> {
-        Environment(datapath::map_scale(int::<Self>(edge.into()), knobs::<Self>()))
+        if const { Self::EFFECTS.footprint } {
+            Environment(datapath::map_scale(int::<Self>(edge.into()), knobs::<Self>()))
+        } else {
+            // Without a footprint nobody asks for a level.
+            Environment(MapScale { log2_texels: Fx::zero(), last_level: Fx::zero() })
+        }
     }
 
     /// A fragment from its surface to the probes on an environment. `edge_texels` of the fragment is not read.

@@ -13,7 +13,10 @@
 //!    several readings implement; [`scalar`] is the meaning. [`mod@bundle`] declares structures of wires and walks them;
 //!    [`staged`] says where a stage begins and ends, [`mod@each`] loops over arrays of wires.
 //!
-//! [`soft_core`] runs the datapaths from ports to ports in the scalar reading; [`probe_list`] is a footprint unrolled for it.
+//! [`firmware`] is the way in for a program on a small processor: effects and accuracy as a type, footprints with their probes, a pixel from
+//! start to end ([`sampler`]); [`scanline`] sets its fragments up in integers, [`small`] is the reading it runs. `examples` has one of each.
+//!
+//! [`soft_core`] runs the datapaths from ports to ports in the scalar reading, plan and accuracy as values; [`probe_list`] is a footprint unrolled for it.
 //! [`precision`] holds the accuracy knobs and the five named profiles, [`width`] the words that each runs on; [`rom`] the tables; [`status`] the sticky bits of degenerate
 //! inputs. With the feature `setup`, `setup` makes ports of floating-point numbers.
 //!
@@ -48,7 +51,6 @@ pub mod scalar;
 pub mod scanline;
 #[cfg(feature = "setup")]
 pub mod setup;
-pub mod shortcut;
 pub mod signals;
 pub mod small;
 pub mod soft_core;

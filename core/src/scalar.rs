@@ -7,7 +7,6 @@
 //! that no build of any kind contains a panic path.
 
 use crate::rom::upper;
-use crate::shortcut::{WideShortcut, WordShortcut};
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
 
@@ -125,8 +124,6 @@ macro_rules! word {
         }
 
         impl Staged for $word {}
-        impl WordShortcut for $word {}
-        impl WideShortcut for $wide {}
     };
 }
 

@@ -7,7 +7,6 @@
 
 use crate::each::each;
 use crate::rom::upper;
-use crate::shortcut::{WideShortcut, WordShortcut};
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
 
@@ -83,15 +82,21 @@ pub fn product_by_table(a: i32, b: i32) -> i32 {
 #[inline(never)]
 pub fn product_by_adds(a: i32, b: i32) -> i64 {
     let factor = a.unsigned_abs();
-    // Bits of the other factor leave below as those of the product come in above.
+    // Bits of the other factor leave below as those of the product come in above; those that it has not (of a texel, of the number of a
+    // probe) come to the same by a shift at the end.
     let (mut top, mut bottom) = (0_u32, b.unsigned_abs());
-    for _ in 0..32 {
+    let bits = match bottom {
+        0..=0xff => 8,
+        0x100..=0xffff => 16,
+        _ => 32,
+    };
+    for _ in 0..bits {
         // The factor is 2^31 at most and the sum so far below it.
         let sum = if bottom & 1 == 0 { top } else { top.wrapping_add(factor) };
         bottom = bottom >> 1 | sum << 31;
         top = sum >> 1;
     }
-    let product = (u64::from(top) << 32 | u64::from(bottom)) as i64;
+    let product = ((u64::from(top) << 32 | u64::from(bottom)) >> (32 - bits)) as i64;
     if (a ^ b) < 0 { product.wrapping_neg() } else { product }
 }
 
@@ -181,6 +186,10 @@ macro_rules! wire {
                 if flag { a } else { b }
             }
             #[inline(always)]
+            fn unless<T>(flag: bool, instead: T, body: impl FnOnce() -> T) -> T {
+                if flag { instead } else { body() }
+            }
+            #[inline(always)]
             fn leading_zeros(self) -> Full {
                 let $x = self.0;
                 Full($leading_zeros as i32)
@@ -195,7 +204,7 @@ wire!(WideHalf, i32, 32, |x| leading_zeros(x as u32));
 wire!(WideFull, i64, 64, |x| { if high(x) != 0 { leading_zeros(high(x) as u32) } else { 32 + leading_zeros(low(x)) } });
 
 macro_rules! word {
-    ($word:ident, $wide:ident, $int:ty, $product:ident) => {
+    ($word:ident, $wide:ident, $int:ty, $product:ident, $normalised:ident) => {
         impl Word for $word {
             type Wide = $wide;
             #[inline(always)]
@@ -216,7 +225,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn round(wide: $wide, drop: u32, up: u32) -> Self {
-                Self(wide.floor(drop + up - 1).wrapping_add(1) >> 1).shl(up)
+                Self(wide.rounded(drop, up)).shl(up)
             }
             #[inline(always)]
             fn lookup(index: Full, table: &'static [i32]) -> Self {
@@ -243,54 +252,61 @@ macro_rules! word {
             fn wide_of_count(count: Full) -> Self {
                 Self(count.0.into())
             }
+            #[inline(always)]
+            fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([$word; N], Full, bool) {
+                $normalised(wires, drop, up)
+            }
         }
 
         impl Staged for $word {}
-
-        impl WordShortcut for $word {
-            #[inline(always)]
-            fn unless<T>(unused: bool, instead: T, body: impl FnOnce() -> T) -> T {
-                if unused { instead } else { body() }
-            }
-        }
     };
 }
 
-word!(Half, WideHalf, i32, product_by_table);
-word!(Full, WideFull, i64, product_by_adds);
+word!(Half, WideHalf, i32, product_by_table, normalised_half);
+word!(Full, WideFull, i64, product_by_adds, normalised_full);
+
+/// `⌊x/2 + ½⌋` of any register.
+#[inline(always)]
+fn half_up(x: i32) -> i32 {
+    (x >> 1) + (x & 1)
+}
 
 impl WideHalf {
-    /// `⌊self / 2^k⌋`.
+    /// `⌊self / 2^(drop + up) + ½⌋`, a word: far inside the register.
     #[inline(always)]
-    fn floor(self, k: u32) -> i32 {
-        self.0 >> k
+    fn rounded(self, drop: u32, up: u32) -> i32 {
+        ((self.0 >> (drop + up - 1)) + 1) >> 1
     }
 }
 
 impl WideFull {
-    /// `⌊self / 2^k⌋`, which fits a register.
+    /// `⌊self / 2^(drop + up) + ½⌋`, a word with `up` bits to spare: where that is none, twice the word is no register's.
     #[inline(always)]
-    fn floor(self, k: u32) -> i32 {
-        if k >= 32 { high(self.0) >> (k - 32) } else { (self.0 >> k) as i32 }
-    }
-}
-
-impl WideShortcut for WideHalf {
-    #[inline(always)]
-    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Half; N], Full, bool) {
-        let mut magnitude = 0;
-        for wire in &wires {
-            magnitude |= wire.0 ^ (wire.0 >> 31);
+    fn rounded(self, drop: u32, up: u32) -> i32 {
+        let k = drop + up - 1;
+        match (up, k) {
+            (0, _) => (((self.0 >> k) + 1) >> 1) as i32,
+            (_, 32..) => ((high(self.0) >> (k - 32)) + 1) >> 1,
+            _ => ((self.0 >> k) as i32 + 1) >> 1,
         }
-        let zeros = leading_zeros(magnitude as u32);
-        // Left and right in one shift, unless left is further.
-        let Some(right) = (drop + up).checked_sub(zeros) else { return far_left(wires, zeros, drop, up) };
-        let words = each!(wire in wires => Half(((wire.0 >> right) + 1) >> 1).shl(up));
-        (words, Full(zeros as i32), false)
     }
 }
 
-/// [`WideShortcut::normalised`] where a shift to the left leaves nothing to be rounded. A call of its own: products of mantissas come
+/// [`WideWire::normalised`].
+#[inline(always)]
+fn normalised_half<const N: usize>(wires: [WideHalf; N], drop: u32, up: u32) -> ([Half; N], Full, bool) {
+    let mut magnitude = 0;
+    for wire in &wires {
+        magnitude |= wire.0 ^ (wire.0 >> 31);
+    }
+    let zeros = leading_zeros(magnitude as u32);
+    // Left and right in one shift, unless left is further.
+    let Some(right) = (drop + up).checked_sub(zeros) else { return far_left(wires, zeros, drop, up) };
+    let words = each!(wire in wires => Half(((wire.0 >> right) + 1) >> 1).shl(up));
+    (words, Full(zeros as i32), false)
+}
+
+/// [`WideWire::normalised`] where a shift to the left leaves nothing to be rounded. A call of its own: products of mantissas come
 /// here where half of their bits or more are lost.
 #[cold]
 #[inline(never)]
@@ -299,32 +315,46 @@ fn far_left<const N: usize>(wires: [WideHalf; N], zeros: u32, drop: u32, up: u32
     (each!(wire in wires => Half(wire.0 << (zeros - 1 - drop - up)).shl(up)), Full(zeros as i32), all_zero)
 }
 
-impl WideShortcut for WideFull {
-    #[inline(always)]
-    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Full; N], Full, bool) {
-        let mut magnitude = 0;
-        for wire in &wires {
-            magnitude |= high(wire.0) ^ (high(wire.0) >> 31);
-        }
-        let zeros = leading_zeros(magnitude as u32);
-        // Where the upper registers hold all that is kept: left and right in one shift.
-        let Some(right) = (drop + up - 32).checked_sub(zeros) else { return from_both(wires, zeros, drop, up) };
-        let words = each!(wire in wires => Full((high(wire.0) >> right).wrapping_add(1) >> 1).shl(up));
-        (words, Full(zeros as i32), false)
+/// [`WideWire::normalised`].
+#[inline(always)]
+fn normalised_full<const N: usize>(wires: [WideFull; N], drop: u32, up: u32) -> ([Full; N], Full, bool) {
+    let mut magnitude = 0;
+    for wire in &wires {
+        magnitude |= high(wire.0) ^ (high(wire.0) >> 31);
     }
+    let zeros = leading_zeros(magnitude as u32);
+    if up < FEW_TO_SPARE && zeros < 32 {
+        return from_pairs(wires, zeros, drop, up);
+    }
+    // Where the upper registers hold all that is kept: left and right in one shift.
+    let Some(right) = (drop + up - 32).checked_sub(zeros) else { return from_both(wires, zeros, drop, up) };
+    // At most 31 − up bits and a sign: without one to spare the half is added behind the shift.
+    let rounded = |x: i32| if up == 0 { half_up(x) } else { (x + 1) >> 1 };
+    let words = each!(wire in wires => Full(rounded(high(wire.0) >> right)).shl(up));
+    (words, Full(zeros as i32), false)
 }
 
-/// [`WideShortcut::normalised`] where the lower registers count, too. A call of its own: products of mantissas come here where a third of
+/// Bits to spare below which a kept number reaches into the lower register as often as not: more than 24 kept bits.
+const FEW_TO_SPARE: u32 = 6;
+
+/// [`WideWire::normalised`] where neither half is empty: what is kept lies in the upper register behind the shift.
+#[inline(always)]
+fn from_pairs<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u32) -> ([Full; N], Full, bool) {
+    let (shift, back) = (zeros - 1, 32 - zeros);
+    let words = each!(wire in wires => {
+        let top = (high(wire.0) << shift) | (low(wire.0) >> 1 >> back) as i32;
+        Full(half_up(top >> (drop + up - 33))).shl(up)
+    });
+    (words, Full(zeros as i32), false)
+}
+
+/// [`WideWire::normalised`] where the lower registers count, too. A call of its own: products of mantissas come here where a third of
 /// their bits or more are lost, and inlined it would be most of the code.
 #[cold]
 #[inline(never)]
 fn from_both<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u32) -> ([Full; N], Full, bool) {
-    // All that is kept lies in the upper register behind the shift.
-    let round = |top: i32| Full((top >> (drop + up - 33)).wrapping_add(1) >> 1).shl(up);
     if zeros < 32 {
-        let (shift, back) = (zeros - 1, 32 - zeros);
-        let words = each!(wire in wires => round((high(wire.0) << shift) | (low(wire.0) >> 1 >> back) as i32));
-        return (words, Full(zeros as i32), false);
+        return from_pairs(wires, zeros, drop, up);
     }
     // The upper registers hold signs alone.
     let mut magnitude = 0;
@@ -335,7 +365,8 @@ fn from_both<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u3
     let all_zero = magnitude == 0 && wires.iter().all(|wire| wire.0 == 0);
     // One place less than all of them may lie between both registers.
     let words = each!(wire in wires => {
-        round(if zeros == 0 { (wire.0 >> 1) as i32 } else { (low(wire.0) << (zeros - 1)) as i32 })
+        let top = if zeros == 0 { (wire.0 >> 1) as i32 } else { (low(wire.0) << (zeros - 1)) as i32 };
+        Full(half_up(top >> (drop + up - 33))).shl(up)
     });
     (words, Full(32 + zeros as i32), all_zero)
 }

@@ -5,7 +5,7 @@
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
 
-use crate::shortcut::{WideShortcut, WordShortcut};
+use crate::each::each;
 
 /// Operations common to words and wide wires. Shift counts are `0 ≤ k <` the width of the wire.
 pub trait Wire: Copy + Debug {
@@ -41,6 +41,11 @@ pub trait Wire: Copy + Debug {
     fn select(flag: Self::Flag, a: Self, b: Self) -> Self;
     /// Leading zero bits; the width of the wire for 0.
     fn leading_zeros(self) -> Self::Count;
+    /// The outcome of `body`, which is `instead` or of no use where the flag is set: a reading that branches leaves the work.
+    #[inline(always)]
+    fn unless<T>(_flag: Self::Flag, _instead: T, body: impl FnOnce() -> T) -> T {
+        body()
+    }
     /// `self`, with a fact that intervals cannot find: `low ≤ self ≤ high` by the lemma of that name, a test.
     #[inline(always)]
     fn claim(self, _low: i64, _high: i64, _lemma: &'static str) -> Self {
@@ -48,11 +53,11 @@ pub trait Wire: Copy + Debug {
     }
 }
 /// A wire for mantissas, or, where it is its own [`Wire::Count`], for what controls.
-pub trait Word: WordShortcut {
+pub trait Word: Wire {
     /// Whether every profile that is read with these words keeps all their bits: then no rounding need look how many.
     const WHOLE: bool = false;
     /// The companion of twice the bits.
-    type Wide: WideShortcut<Flag = Self::Flag, Count = Self::Count, Word = Self>;
+    type Wide: WideWire<Flag = Self::Flag, Count = Self::Count, Word = Self>;
     /// Exact product.
     fn mul(self, other: Self) -> Self::Wide;
     /// The same integer on the wide wire.
@@ -80,4 +85,19 @@ pub trait WideWire: Wire {
     fn wide_to_count(self) -> Self::Count;
     /// The same integer on a wide wire. It fits.
     fn wide_of_count(count: Self::Count) -> Self;
+    /// `wires` shifted left until the highest bit of one of them is behind the sign, each rounded as by [`Word::round`], their common
+    /// leading bits, and whether all are zero; or a reading's shorter way. `drop + up` is more than the bits of a word.
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
+        // One's complement magnitude: −2^k counts as the octave below, which is what lets −1 occur.
+        // As many leading zeros as there are bits are not enough for a block of zeros: −1 has them, too, but is negative.
+        let (mut magnitude, mut bits) = (Self::lit(0), Self::lit(0));
+        for &wire in &wires {
+            (magnitude, bits) = (magnitude.or(wire.xor(wire.sar(Self::BITS - 1))), bits.or(wire));
+        }
+        let zeros = magnitude.leading_zeros();
+        let all_zero = !zeros.lt(Wire::lit(Self::BITS.into())) & !bits.lt(Self::lit(0));
+        let shift = zeros.sub(Wire::lit(1));
+        (each!(wire in wires => Self::Word::round(wire.shl_by(shift), drop, up)), zeros, all_zero)
+    }
 }

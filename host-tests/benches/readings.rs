@@ -41,7 +41,9 @@ use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_host_tests::designs::scalar;
-use roughxel_host_tests::float_datapath::{Environment, Footprint, FootprintBlock, Fragment, FragmentBlock};
+use roughxel_host_tests::float_datapath::{
+    Environment, Footprint, FootprintBlock, Fragment, FragmentBlock, Std, reflect_batch,
+};
 use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
 use tempfile::TempDir;
@@ -276,13 +278,13 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     let mut footprints = vec![Footprint::default(); fragments.len()];
     let plain = move || {
         for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
-            *footprint = environment.reflect(fragment);
+            *footprint = environment.reflect::<Std>(fragment);
         }
         black_box(&mut footprints);
     };
     let mut footprint_blocks = vec![FootprintBlock::default(); blocks.len()];
     let batched = move || {
-        environment.reflect_batch(&blocks, &mut footprint_blocks);
+        reflect_batch(&environment, &blocks, &mut footprint_blocks);
         black_box(&mut footprint_blocks);
     };
 

@@ -9,7 +9,6 @@ use std::cell::{Cell, RefCell};
 use std::fmt;
 
 use roughxel_core::bundle::{Bundle, Rewire, Step};
-use roughxel_core::shortcut::{WideShortcut, WordShortcut};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -290,9 +289,6 @@ macro_rules! word {
                 Self::fit(Operation::Widen, count.integer().into(), [count.integer(), 0])
             }
         }
-
-        impl WordShortcut for CheckedWire<$word> {}
-        impl WideShortcut for CheckedWire<$wide> {}
 
         impl Staged for CheckedWire<$word> {
             fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {

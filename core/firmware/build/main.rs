@@ -1,6 +1,7 @@
 //! What the programs are linked with: the memory of their machine, the golden vectors as tables, and the plan that is priced.
 
 mod plan;
+mod samples;
 mod sets;
 
 use std::env;
@@ -35,7 +36,11 @@ fn main() {
             println!("cargo:rustc-link-arg=-Tmemory.x");
         }
         println!("cargo:rustc-link-arg=-Tlink.x");
+    } else {
+        // Without the standard library nobody else names that of C.
+        println!("cargo:rustc-link-arg=-lc");
     }
     sets::write(&out);
     plan::write(&out);
+    samples::write(&out);
 }

@@ -5,9 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use roughxel_core::bundle::{Bundle, End, Rewire, Step};
-use roughxel_core::ports::{
-    HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput,
-};
+use roughxel_core::ports::{HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput};
 use serde_json::Value;
 
 /// Where the vectors are.

@@ -1,13 +1,17 @@
 //! The datapath on small processors: golden vectors, a tile of a picture, and what both cost there.
 //!
-//! The programs run in QEMU (`riscv32imac`, `riscv32i`, `thumbv7m`, all `unknown-none`) and, with the standard library, on any host or under
-//! its user-mode emulation. `board` builds and runs them.
-#![cfg_attr(target_os = "none", no_std)]
+//! The programs run in QEMU (`riscv32imac`, `riscv32i`, `thumbv7m`, all `unknown-none`) and, with a C library, under user-mode
+//! emulation (`aarch64`, `s390x`). `board` builds and runs them.
+#![no_std]
 
 pub mod conformance;
+#[cfg(not(target_os = "none"))]
+pub mod libc;
 pub mod machine;
 pub mod metered;
+pub mod samples;
 pub mod sets;
+pub mod tile;
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]
 #[doc(hidden)]

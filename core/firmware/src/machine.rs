@@ -1,16 +1,16 @@
 //! What differs between machines: the way in and out, the counter of instructions, the stack.
 
+#[cfg(not(target_os = "none"))]
+pub use crate::libc::println;
 #[cfg(target_os = "none")]
 pub use semihosting::println;
-#[cfg(not(target_os = "none"))]
-pub use std::println;
 
 /// Ends the program: 0 is success.
 pub fn exit(code: i32) -> ! {
     #[cfg(target_os = "none")]
     semihosting::process::exit(code);
     #[cfg(not(target_os = "none"))]
-    std::process::exit(code);
+    crate::libc::exit(code);
 }
 
 /// `entry!(run)`: the program calls `run`, which gives its exit code.
@@ -29,8 +29,9 @@ macro_rules! entry {
             $crate::machine::exit($run())
         }
         #[cfg(not(target_os = "none"))]
-        fn main() {
-            $crate::machine::exit($run())
+        #[unsafe(no_mangle)]
+        extern "C" fn main() -> i32 {
+            $run()
         }
     };
 }
@@ -82,13 +83,11 @@ pub fn start_counter() {
 pub fn stack_of(call: impl FnOnce()) -> u32 {
     #[cfg(target_os = "none")]
     {
-        let here = 0_u32;
-        let top = core::ptr::from_ref(&here) as usize & !3;
-        // Beyond what this function itself has below its variable.
+        let top = stack_pointer();
         let first = top - PAINTED;
-        for address in (first..top - RESERVE).step_by(4) {
-            // SAFETY: below the stack pointer by a reserve, and above everything linked: the memories of both machines leave more than
-            // that free. No interrupt is on.
+        for address in (first..top).step_by(4) {
+            // SAFETY: below the stack pointer, where nothing is in use, and above everything linked: the memories of both machines leave
+            // more than that free. No interrupt is on.
             unsafe { core::ptr::write_volatile(address as *mut u32, PAINT) };
         }
         call();
@@ -105,9 +104,26 @@ pub fn stack_of(call: impl FnOnce()) -> u32 {
     }
 }
 
+/// The lowest byte of the stack that is in use.
+#[cfg(target_os = "none")]
+#[inline(always)]
+fn stack_pointer() -> usize {
+    let pointer: usize;
+    // SAFETY: copies a register.
+    #[cfg(target_arch = "riscv32")]
+    unsafe {
+        core::arch::asm!("mv {}, sp", out(reg) pointer, options(nomem, nostack, preserves_flags));
+    };
+    // SAFETY: the same.
+    #[cfg(target_arch = "arm")]
+    unsafe {
+        core::arch::asm!("mov {}, sp", out(reg) pointer, options(nomem, nostack, preserves_flags))
+    };
+    pointer
+}
+
+/// Bytes that are looked at.
 #[cfg(target_os = "none")]
 const PAINTED: usize = 1 << 16;
-#[cfg(target_os = "none")]
-const RESERVE: usize = 256;
 #[cfg(target_os = "none")]
 const PAINT: u32 = 0x5afe_5afe;

@@ -3,7 +3,6 @@
 use core::marker::PhantomData;
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::each::each;
-use roughxel_core::shortcut::{WideShortcut, WordShortcut};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -11,8 +10,8 @@ use roughxel_core::word::{WideWire, Wire, Word};
 pub trait Meter: Copy + core::fmt::Debug + PartialEq + 'static {
     /// Instructions so far.
     fn now() -> u32;
-    /// A stage has taken so many.
-    fn took(stage: &'static str, instructions: u32);
+    /// A stage has run between two readings of the counter.
+    fn took(stage: &'static str, before: u32, after: u32);
 }
 
 /// A wire of another reading.
@@ -79,23 +78,12 @@ impl<X: Wire, M: Meter> Wire for Metered<X, M> {
         Self::of(X::select(flag, a.0, b.0))
     }
     #[inline(always)]
+    fn unless<T>(flag: Self::Flag, instead: T, body: impl FnOnce() -> T) -> T {
+        X::unless(flag, instead, body)
+    }
+    #[inline(always)]
     fn leading_zeros(self) -> Self::Count {
         Metered::of(self.0.leading_zeros())
-    }
-}
-
-impl<X: WordShortcut, M: Meter> WordShortcut for Metered<X, M> {
-    #[inline(always)]
-    fn unless<T>(unused: Self::Flag, instead: T, body: impl FnOnce() -> T) -> T {
-        X::unless(unused, instead, body)
-    }
-}
-
-impl<X: WideShortcut, M: Meter> WideShortcut for Metered<X, M> {
-    #[inline(always)]
-    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
-        let (words, zeros, all_zero) = X::normalised(each!(wire in wires => wire.0), drop, up);
-        (each!(word in words => Metered::of(word)), Metered::of(zeros), all_zero)
     }
 }
 
@@ -142,6 +130,11 @@ impl<X: WideWire, M: Meter> WideWire for Metered<X, M> {
     fn wide_of_count(count: Self::Count) -> Self {
         Self::of(X::wide_of_count(count.0))
     }
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
+        let (words, zeros, all_zero) = X::normalised(each!(wire in wires => wire.0), drop, up);
+        (each!(word in words => Metered::of(word)), Metered::of(zeros), all_zero)
+    }
 }
 
 impl<W: Word, M: Meter> Staged for Metered<W, M> {
@@ -149,22 +142,31 @@ impl<W: Word, M: Meter> Staged for Metered<W, M> {
     fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
         let before = M::now();
         let bundle = core::hint::black_box(body());
-        M::took(name, M::now().wrapping_sub(before));
+        M::took(name, before, M::now());
         bundle
     }
 }
 
-/// A bundle in the metered reading.
-pub struct Enter<M>(PhantomData<M>);
+/// A walk into the metered reading.
+struct Enter<M>(PhantomData<M>);
+
 impl<W: Word, M: Meter> Rewire<W, Metered<W, M>> for Enter<M> {
     #[inline(always)]
-    fn word(&mut self, wire: W, _: u32) -> Metered<W, M> { Metered::of(wire) }
+    fn word(&mut self, wire: W, _: u32) -> Metered<W, M> {
+        Metered::of(wire)
+    }
     #[inline(always)]
-    fn control(&mut self, wire: W::Count, _: u32) -> Metered<W::Count, M> { Metered::of(wire) }
+    fn control(&mut self, wire: W::Count, _: u32) -> Metered<W::Count, M> {
+        Metered::of(wire)
+    }
     #[inline(always)]
-    fn wide(&mut self, wire: <W::Count as Word>::Wide, _: u32) -> Metered<<W::Count as Word>::Wide, M> { Metered::of(wire) }
+    fn wide(&mut self, wire: <W::Count as Word>::Wide, _: u32) -> Metered<<W::Count as Word>::Wide, M> {
+        Metered::of(wire)
+    }
     #[inline(always)]
-    fn flag(&mut self, wire: W::Flag) -> W::Flag { wire }
+    fn flag(&mut self, wire: W::Flag) -> W::Flag {
+        wire
+    }
 }
 /// A bundle in the metered reading.
 pub fn metered<W: Word, M: Meter, B: Bundle<W>>(bundle: &B) -> B::In<Metered<W, M>> {

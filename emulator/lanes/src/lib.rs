@@ -30,7 +30,6 @@ mod vectors;
 use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::Bundle;
-use roughxel_core::shortcut::{WideShortcut, WordShortcut};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -250,9 +249,6 @@ impl<T: Target> WideWire for WideLanes<T> {
         count.widen()
     }
 }
-
-impl<T: Target> WordShortcut for Lanes<T> {}
-impl<T: Target> WideShortcut for WideLanes<T> {}
 
 impl<T: Target> Staged for Lanes<T> {
     #[inline(always)]

@@ -8,7 +8,6 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::Bundle;
 use roughxel_core::each::{each, places};
-use roughxel_core::shortcut::{WideShortcut, WordShortcut};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -359,11 +358,6 @@ impl<T: Target> WideWire for Halves<Lanes<T>> {
         count
     }
 }
-
-impl<T: Target> WordShortcut for NarrowLanes<T> {}
-impl<T: Target> WideShortcut for Halves<Lanes<T>> {}
-impl<T: Target> WordShortcut for Halves<Lanes<T>> {}
-impl<T: Target> WideShortcut for Halves<WideLanes<T>> {}
 
 impl<T: Target> Staged for NarrowLanes<T> {
     #[inline(always)]

@@ -14,7 +14,6 @@ use roughxel_core::bundle::{Bundle, End, Rewire, Step};
 use roughxel_core::design::{Design, Form, In, Recorded, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
-use roughxel_core::shortcut::{WideShortcut, WordShortcut};
 use roughxel_core::staged::Staged;
 use roughxel_core::width::narrowed;
 use roughxel_core::word::{WideWire, Wire, Word};
@@ -258,9 +257,6 @@ macro_rules! word {
                 Self(resized(count.0, 32, $wide))
             }
         }
-
-        impl WordShortcut for NetWire<$bits> {}
-        impl WideShortcut for NetWire<$wide> {}
 
         impl Staged for NetWire<$bits> {
             fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {

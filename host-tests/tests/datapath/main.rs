@@ -16,3 +16,6 @@ mod lit_peak;
 mod peaks;
 mod properties;
 mod readings;
+mod scanline;
+mod small;
+mod tile;

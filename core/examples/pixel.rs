@@ -1,0 +1,36 @@
+//! A pixel from start to end: a footprint, its probes, eight texels of each, filtered, with a memory of one's own.
+
+use fixed::types::I2F30;
+use roughxel_core::firmware::{Firmware, Standard};
+use roughxel_core::plan::Effects;
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
+use roughxel_core::sampler::{Cube, CubeMemory};
+
+/// A smooth mirror.
+struct Mirror;
+
+impl Firmware for Mirror {
+    type Accuracy = Standard;
+    const EFFECTS: Effects = Effects { footprint: true, ..Effects::NONE };
+}
+
+/// Six faces, each of a grey of its own: whatever holds texels is a memory.
+struct Greys([u16; 6]);
+
+impl CubeMemory for Greys {
+    fn texel(&self, _level: u32, face: u32, _column: u32, _row: u32) -> [u16; 3] {
+        [self.0[face as usize]; 3]
+    }
+}
+
+fn main() {
+    let vector = |x: f32, y: f32, z: f32| BlockVector { mantissa: [x, y, z].map(I2F30::from_num), exponent: 0 };
+    // v leans by 45°: r is on the edge between two faces.
+    let surface = SurfaceIn { normal: vector(0.0, 0.0, 0.5), view: vector(0.5, 0.0, 0.5), ..Default::default() };
+    let dview = [vector(0.01, 0.0, 0.0), vector(0.0, 0.01, 0.0)];
+    let fragment = ReflectionIn { surface, dview, ..Default::default() };
+    let greys = Greys([0x1000, 0x3000, 0x5000, 0x7000, 0x9000, 0xb000]);
+    let cube = Cube { memory: &greys, edge: 64, last_level: 6, exponent: 0 };
+    let colour = Mirror::reflect(&fragment, &Mirror::environment(64)).colour(&cube);
+    println!("linear light {colour:?}");
+}

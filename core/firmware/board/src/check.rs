@@ -1,0 +1,80 @@
+//! The same bits on every processor, and that a wrong one would be seen.
+
+use std::path::Path;
+
+use crate::Failure;
+use crate::image::Image;
+use crate::target::Target;
+
+/// The table of which one entry is made wrong: every reflection reads it.
+const WRONG_TABLE: &str = "reciprocal::T10";
+
+/// Tables that a program with environment mapping alone may hold: the seeds of a reciprocal, and what finds leading zeros.
+const SMALLEST: [&str; 2] = [WRONG_TABLE, "LEADING_ZEROS"];
+
+/// Runs everything on these targets.
+pub fn run(targets: &[Target]) -> Result<(), Failure> {
+    for &target in targets {
+        let program = target.build("check", "empty", "standard")?;
+        let (code, text) = target.run(&program)?;
+        let summary = text.lines().last().unwrap_or_default();
+        println!("{:12} {summary}", target.name());
+        match code {
+            0 => {}
+            3 => return Err(Failure::broken(format!("on {}:\n{text}", target.name()))),
+            other => return Err(Failure::trouble(format!("on {}: exit code {other}\n{text}", target.name()))),
+        }
+        wrong_entry(target, &program)?;
+        if target.is_small() {
+            smallest(target)?;
+        }
+    }
+    Ok(())
+}
+
+/// A program in whose table one entry is wrong has to say so.
+fn wrong_entry(target: Target, program: &Path) -> Result<(), Failure> {
+    let image = Image::read(program)?;
+    let Some(&(place, bytes)) = image.tables.get(WRONG_TABLE) else {
+        return Err(Failure::trouble(format!("{}: no table {WRONG_TABLE}", program.display())));
+    };
+    let mut file = std::fs::read(program).map_err(Failure::trouble)?;
+    // An entry of 32 bits in the middle, wrong by 2^−8: its square is more than the one Newton step after it leaves of an error, and of
+    // less than a seed's own error nobody could see anything.
+    let entry = (place + bytes / 2 / 4 * 4) as usize;
+    let byte = if target.big_endian() { entry + 1 } else { entry + 2 };
+    file[byte] ^= 0x40;
+    let wrong = program.with_extension("wrong");
+    std::fs::write(&wrong, file).map_err(Failure::trouble)?;
+    make_executable(program, &wrong)?;
+    let (code, text) = target.run(&wrong)?;
+    let summary = text.lines().last().unwrap_or_default();
+    println!("{:12} with a wrong entry of {WRONG_TABLE}: {summary}", "");
+    if code == 3 {
+        return Ok(());
+    }
+    Err(Failure::broken(format!("on {} nobody notices (exit code {code})", target.name())))
+}
+
+fn make_executable(like: &Path, path: &Path) -> Result<(), Failure> {
+    let permissions = std::fs::metadata(like).map_err(Failure::trouble)?.permissions();
+    std::fs::set_permissions(path, permissions).map_err(Failure::trouble)
+}
+
+/// Environment mapping alone holds no table of an effect that is off.
+fn smallest(target: Target) -> Result<(), Failure> {
+    let empty = Image::read(&target.build("plan", "empty", "standard")?)?;
+    let program = target.build("plan", "reflection", "standard")?;
+    let image = Image::read(&program)?;
+    let bytes = image.bytes - empty.bytes;
+    let tables: Vec<&str> = image.tables.keys().map(String::as_str).collect();
+    println!("{:12} environment alone: {bytes} bytes, tables {}", "", tables.join(", "));
+    if let Some(table) = tables.iter().find(|table| !SMALLEST.contains(table)) {
+        return Err(Failure::broken(format!("environment alone holds {table}")));
+    }
+    let whole = Image::read(&target.build("plan", "reflection+bump+curvature+footprint+anisotropic", "standard")?)?;
+    if bytes * 3 > whole.bytes - empty.bytes {
+        return Err(Failure::broken(format!("environment alone is {bytes} bytes of {}", whole.bytes - empty.bytes)));
+    }
+    Ok(())
+}

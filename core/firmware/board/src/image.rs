@@ -1,0 +1,48 @@
+//! A linked program: how many bytes it takes, which tables it holds.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
+
+use crate::Failure;
+
+/// What matters of a linked program.
+#[derive(Clone, Debug)]
+pub struct Image {
+    /// Bytes of code, constants and initial data.
+    pub bytes: u64,
+    /// Tables of the datapath by their names, with their place in the file and their bytes.
+    pub tables: BTreeMap<String, (u64, u64)>,
+}
+
+impl Image {
+    /// Reads a program.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let trouble = |error: &dyn std::fmt::Display| Failure::trouble(format!("{}: {error}", path.display()));
+        let file = std::fs::read(path).map_err(|error| trouble(&error))?;
+        let elf = object::File::parse(&*file).map_err(|error| trouble(&error))?;
+        let loaded = elf.sections().filter(|section| {
+            matches!(section.flags(), SectionFlags::Elf { sh_flags } if sh_flags & u64::from(elf::SHF_ALLOC) != 0)
+                && section.file_range().is_some()
+        });
+        let bytes = loaded.map(|section| section.size()).sum();
+        let mut tables = BTreeMap::new();
+        for symbol in elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Data && symbol.size() > 0) {
+            let name = symbol.name().map_err(|error| trouble(&error))?;
+            let name = format!("{:#}", rustc_demangle::demangle(name));
+            let Some(table) =
+                ["roughxel_core::rom::", "roughxel_core::small::"].iter().find_map(|module| name.strip_prefix(module))
+            else {
+                continue;
+            };
+            let section = symbol.section_index().and_then(|index| elf.section_by_index(index).ok());
+            let place =
+                section.and_then(|section| Some(section.file_range()?.0 + symbol.address() - section.address()));
+            if let Some(place) = place {
+                tables.insert(table.to_string(), (place, symbol.size()));
+            }
+        }
+        Ok(Self { bytes, tables })
+    }
+}

@@ -1,0 +1,84 @@
+//! Builds the firmware for small processors, runs it in QEMU, and tabulates what it costs. `cargo firmware --help` from the project's root.
+
+mod check;
+mod image;
+mod price;
+mod target;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use target::Target;
+
+const HELP: &str = "\
+The datapath on small processors: the same bits, and what it costs.
+
+cargo firmware check [TARGET…]
+    Golden vectors, a tile of a picture, and a table with one wrong entry that both must notice, on every target or on those named.
+cargo firmware price [--quick] [-o FILE]
+    Instructions, bytes and stack of every plan, as one table: core/firmware/PRICE.md. The same numbers every time with one compiler.
+    --quick: two profiles on one target, to standard output.
+
+Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
+Rust's targets come from rustup, or, where it has none to give, from the sources of the distribution's compiler (Debian: rustc-web
+rust-web-src). Emulators: Debian packages qemu-system-misc, qemu-system-arm, qemu-user; linkers gcc-aarch64-linux-gnu, gcc-s390x-linux-gnu.
+
+Exit codes: 0 all is right; 1 something is missing or cannot be built; 2 flags; 3 bits differ, or a program holds what it should not.";
+
+/// What went wrong, with its exit code.
+#[derive(Debug)]
+pub struct Failure(u8, String);
+
+impl Failure {
+    /// Something is missing, cannot be built or cannot be read.
+    pub fn trouble(what: impl std::fmt::Display) -> Self {
+        Self(1, what.to_string())
+    }
+    /// A promise does not hold.
+    pub fn broken(what: impl std::fmt::Display) -> Self {
+        Self(3, what.to_string())
+    }
+}
+
+fn run() -> Result<(), Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let usage = |what: String| Failure(2, format!("{what}\n\n{HELP}"));
+    match arguments.next().as_deref() {
+        Some("check") => {
+            let named: Result<Vec<Target>, Failure> = arguments
+                .map(|name| Target::by_name(&name).ok_or_else(|| usage(format!("no target is named {name}"))))
+                .collect();
+            let named = named?;
+            check::run(if named.is_empty() { &Target::ALL } else { &named })
+        }
+        Some("price") => {
+            let (mut quick, mut file) = (false, None);
+            while let Some(flag) = arguments.next() {
+                match flag.as_str() {
+                    "--quick" => quick = true,
+                    "-o" => {
+                        let name = arguments.next().ok_or_else(|| usage("-o needs a file".into()))?;
+                        file = Some(PathBuf::from(name));
+                    }
+                    other => return Err(usage(format!("price has no flag {other}"))),
+                }
+            }
+            price::run(quick, file)
+        }
+        Some("--help" | "-h") => {
+            println!("{HELP}");
+            Ok(())
+        }
+        other => Err(usage(other.map_or("what shall it do?".into(), |other| format!("no command is named {other}")))),
+    }
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure(code, what)) => {
+            eprintln!("{what}");
+            ExitCode::from(code)
+        }
+    }
+}

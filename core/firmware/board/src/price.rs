@@ -1,0 +1,209 @@
+//! What every plan costs on every processor, as one table.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::Failure;
+use crate::image::Image;
+use crate::target::Target;
+
+/// Plans, as `build/plan.rs` reads them, with what they are.
+const PLANS: [(&str, &str); 17] = [
+    ("reflection", "environment"),
+    ("reflection+bump", "environment, bump"),
+    ("reflection+footprint", "environment, footprint"),
+    ("reflection+footprint+curvature", "environment, footprint, curvature"),
+    ("reflection+footprint+isotropic", "environment, footprint, isotropic roughness"),
+    ("reflection+footprint+anisotropic", "environment, footprint, anisotropic roughness"),
+    (ALL_EFFECTS, "reflection, all effects"),
+    ("ports+bump+curvature+footprint+anisotropic", "the same with the outcome of every stage"),
+    ("pixel", "pixel of an environment: one probe, colour"),
+    ("pixel+bump+curvature+footprint+anisotropic", "pixel, all effects: probes and colour, too"),
+    ("highlight", "highlight"),
+    ("highlight+bump", "highlight, bump"),
+    ("highlight+anisotropic", "highlight, anisotropic roughness"),
+    ("highlight+bump+anisotropic", "highlight, all effects"),
+    ("peak", "peak"),
+    ("peak+horizon", "peak, horizon"),
+    ("texture", "footprint in a repeated map"),
+];
+
+/// The plan whose price is that of an accuracy.
+const ALL_EFFECTS: &str = "reflection+bump+curvature+footprint+anisotropic";
+
+/// Profiles with the bits that they keep, narrowest first.
+const PROFILES: [(&str, f64); 5] =
+    [("narrow", 14.0), ("paper", 16.0), ("compact", 16.0), ("standard", 20.0), ("precise", 26.0)];
+
+/// What one plan costs.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    instructions: u64,
+    stack: u64,
+    bytes: u64,
+}
+
+/// Lines of a program that say `NAME NUMBER`.
+type Numbers = BTreeMap<String, u64>;
+
+/// Writes the table.
+pub fn run(quick: bool, file: Option<PathBuf>) -> Result<(), Failure> {
+    let all = ["narrow", "paper", "compact", "standard", "precise"];
+    let some = ["narrow", "standard"];
+    let targets: &[(Target, &[&str])] = if quick {
+        &[(Target::Riscv32Imac, &some)]
+    } else {
+        &[(Target::Riscv32Imac, &all), (Target::Riscv32I, &some), (Target::ThumbV7M, &some)]
+    };
+    let points: usize = targets.iter().map(|(_, profiles)| profiles.len() * (PLANS.len() + 1) + 1).sum();
+    let progress = ProgressBar::new(points as u64).with_style(
+        ProgressStyle::with_template("{bar:30} {pos}/{len} programs, {eta} left: {msg}").map_err(Failure::trouble)?,
+    );
+    let mut text = String::from(
+        "# What the datapath costs on small processors\n\n\
+         Made by `cargo firmware price`; the same numbers every time with one compiler. Instructions are means over 64 fragments of the tile \
+         that `cargo firmware check` draws, counted by QEMU; with caches and waits they are no cycles. Bytes are code, constants and \
+         tables beyond a program that does nothing; stack is that of the call.\n",
+    );
+    for &(target, profiles) in targets {
+        tabulate(target, profiles, &progress, &mut text)?;
+    }
+    progress.finish_and_clear();
+    let file = match (file, quick) {
+        (Some(file), _) => file,
+        (None, true) => {
+            print!("{text}");
+            return Ok(());
+        }
+        (None, false) => Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("PRICE.md"),
+    };
+    // Whole or not at all.
+    let beside = file.with_extension("md.part");
+    std::fs::write(&beside, text).map_err(|error| Failure::trouble(format!("{}: {error}", beside.display())))?;
+    std::fs::rename(&beside, &file).map_err(|error| Failure::trouble(format!("{}: {error}", file.display())))?;
+    eprintln!("{}", file.display());
+    Ok(())
+}
+
+fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mut String) -> Result<(), Failure> {
+    let write = |text: &mut String, line: String| {
+        text.push_str(&line);
+        text.push('\n');
+    };
+    let measure = |program: &str, plan: &str, profile: &str| {
+        progress.set_message(format!("{} {plan} {profile}", target.name()));
+        let built = target.build(program, plan, profile)?;
+        let (code, output) = target.run(&built)?;
+        if code != 0 {
+            return Err(Failure::trouble(format!("{program} on {}: exit code {code}\n{output}", target.name())));
+        }
+        let image = Image::read(&built)?;
+        progress.inc(1);
+        Ok((numbers(&output), image))
+    };
+    let (_, empty) = measure("plan", "empty", "standard")?;
+    let mut costs: BTreeMap<(&str, &str), Cost> = BTreeMap::new();
+    let mut stages: BTreeMap<&str, Numbers> = BTreeMap::new();
+    let mut tables: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for &profile in profiles {
+        for (plan, _) in PLANS {
+            let (numbers, image) = measure("plan", plan, profile)?;
+            let cost = Cost {
+                instructions: numbers["instructions"],
+                stack: numbers["stack"],
+                bytes: image.bytes - empty.bytes,
+            };
+            costs.insert((plan, profile), cost);
+            if profile == "standard" {
+                tables.insert(plan, image.tables.keys().cloned().collect());
+            }
+        }
+        stages.insert(profile, measure("stages", "empty", profile)?.0);
+    }
+
+    let heading = |text: &mut String, first: &str| {
+        write(text, format!("\n| {first} | {} |", profiles.join(" | ")));
+        write(text, format!("|---|{}", "---:|".repeat(profiles.len())));
+    };
+    write(text, format!("\n## {}\n\n{}.", target.name(), target.compiler()));
+    heading(text, "plan: instructions a fragment (bytes, stack)");
+    for (plan, name) in PLANS {
+        let cells = profiles.iter().map(|profile| {
+            let Cost { instructions, stack, bytes } = costs[&(plan, *profile)];
+            format!("{instructions} ({bytes}, {stack})")
+        });
+        write(text, format!("| {name} | {} |", cells.collect::<Vec<_>>().join(" | ")));
+    }
+    heading(text, "stage, all effects: instructions");
+    let first = &stages[profiles[0]];
+    for name in first.keys().filter(|name| name.starts_with("stage ")) {
+        let cells = profiles.iter().map(|profile| stages[profile].get(name).map_or("–".into(), u64::to_string));
+        let shown = name.trim_start_matches("stage ").replacen(' ', ": ", 1);
+        write(text, format!("| {shown} | {} |", cells.collect::<Vec<_>>().join(" | ")));
+    }
+    heading(text, "around it: instructions");
+    for (name, what) in [
+        ("probe", "a probe of an environment: its place and weight"),
+        ("colour", "the same with eight texels and their filter"),
+        ("fragment", "set-up of a fragment on a scanline"),
+        ("textured", "the same with texture coordinates"),
+        ("triangle", "set-up of a triangle"),
+        ("float libm", "reflection, all effects, in f32 with libm"),
+        ("float micromath", "the same with micromath"),
+    ] {
+        let cells = profiles.iter().map(|profile| stages[profile].get(name).map_or("–".into(), u64::to_string));
+        write(text, format!("| {what} | {} |", cells.collect::<Vec<_>>().join(" | ")));
+    }
+
+    let price = |profile: &str| costs[&(ALL_EFFECTS, profile)].instructions as f64;
+    let float = |library: &str| stages[profiles[0]][&format!("float {library}")] as f64;
+    let mut say = String::new();
+    if let (Some(narrow), Some(standard)) = (profiles.first(), profiles.iter().find(|profile| **profile == "standard"))
+    {
+        let kept = |name: &str| PROFILES.iter().find(|(known, _)| *known == name).map_or(0.0, |(_, bits)| *bits);
+        let bits = kept(standard) - kept(narrow);
+        let _ = write!(
+            say,
+            "\nAll effects: `narrow` takes {:.2} of `standard`, a bit of accuracy between them {:.0} instructions",
+            price(narrow) / price(standard),
+            (price(standard) - price(narrow)) / bits,
+        );
+        if profiles.contains(&"precise") {
+            let _ = write!(
+                say,
+                ", from there to `precise` {:.0}",
+                (price("precise") - price(standard)) / (kept("precise") - kept(standard))
+            );
+        }
+        let _ = write!(
+            say,
+            ". f32 takes {:.1} (libm) and {:.1} (micromath) times as many as `standard`, {:.1} and {:.1} times as many as `narrow`. \
+             Set-up of a fragment is {:.2} of shading it in `standard`, {:.2} in `narrow`.",
+            float("libm") / price(standard),
+            float("micromath") / price(standard),
+            float("libm") / price(narrow),
+            float("micromath") / price(narrow),
+            stages["standard"]["fragment"] as f64 / price(standard),
+            stages[narrow]["fragment"] as f64 / price(narrow),
+        );
+    }
+    write(text, say);
+    if let Some(tables) = tables.get("reflection") {
+        write(text, format!("\nTables in the smallest plan in `standard`: {}.", tables.join(", ")));
+    }
+    Ok(())
+}
+
+/// The numbers of lines that end in one.
+fn numbers(output: &str) -> Numbers {
+    output
+        .lines()
+        .filter_map(|line| {
+            let (name, number) = line.rsplit_once(' ')?;
+            Some((name.to_string(), number.parse().ok()?))
+        })
+        .collect()
+}

@@ -1,0 +1,186 @@
+//! Processors: how programs are built for them and run on them.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+use crate::Failure;
+
+/// A processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// RISC-V with multiplier and compressed instructions.
+    Riscv32Imac,
+    /// RISC-V with neither.
+    Riscv32I,
+    /// Cortex-M3.
+    ThumbV7M,
+    /// 64 bits.
+    Aarch64,
+    /// 64 bits, big end first.
+    S390X,
+}
+
+/// Where the crate of the programs is.
+fn firmware() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the board is inside of it").to_path_buf()
+}
+
+/// Whether rustup gives a target. Asked once for each.
+fn rustup_has(triple: &'static str) -> bool {
+    static ASKED: Mutex<BTreeMap<&str, bool>> = Mutex::new(BTreeMap::new());
+    let mut asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
+    *asked.entry(triple).or_insert_with(|| {
+        Command::new("rustup").args(["target", "add", triple]).output().is_ok_and(|output| output.status.success())
+    })
+}
+
+impl Target {
+    /// Every one.
+    pub const ALL: [Self; 5] = [Self::Riscv32Imac, Self::Riscv32I, Self::ThumbV7M, Self::Aarch64, Self::S390X];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Riscv32Imac => "riscv32imac",
+            Self::Riscv32I => "riscv32i",
+            Self::ThumbV7M => "thumbv7m",
+            Self::Aarch64 => "aarch64",
+            Self::S390X => "s390x",
+        }
+    }
+
+    /// The target of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|target| target.name() == name)
+    }
+
+    /// Rust's name.
+    fn triple(self) -> &'static str {
+        match self {
+            Self::Riscv32Imac => "riscv32imac-unknown-none-elf",
+            Self::Riscv32I => "riscv32i-unknown-none-elf",
+            Self::ThumbV7M => "thumbv7m-none-eabi",
+            Self::Aarch64 => "aarch64-unknown-linux-gnu",
+            Self::S390X => "s390x-unknown-linux-gnu",
+        }
+    }
+
+    /// Whether it has no operating system, and its own reading.
+    pub fn is_small(self) -> bool {
+        matches!(self, Self::Riscv32Imac | Self::Riscv32I | Self::ThumbV7M)
+    }
+
+    /// Whether the highest byte of a word comes first.
+    pub fn big_endian(self) -> bool {
+        self == Self::S390X
+    }
+
+    /// What runs its programs, with the Debian package it is in.
+    fn emulator(self) -> (&'static [&'static str], &'static str) {
+        const RISCV: &[&str] = &[
+            "qemu-system-riscv32",
+            "-M",
+            "virt",
+            "-bios",
+            "none",
+            "-display",
+            "none",
+            "-serial",
+            "null",
+            "-monitor",
+            "none",
+            "-no-reboot",
+            "-icount",
+            "shift=0",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-kernel",
+        ];
+        const CORTEX_M: &[&str] = &[
+            "qemu-system-arm",
+            "-M",
+            "mps2-an385",
+            "-display",
+            "none",
+            "-serial",
+            "null",
+            "-monitor",
+            "none",
+            "-icount",
+            "shift=0",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-kernel",
+        ];
+        match self {
+            Self::Riscv32Imac | Self::Riscv32I => (RISCV, "qemu-system-misc"),
+            Self::ThumbV7M => (CORTEX_M, "qemu-system-arm"),
+            Self::Aarch64 => (&["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"], "qemu-user"),
+            Self::S390X => (&["qemu-s390x", "-L", "/usr/s390x-linux-gnu"], "qemu-user"),
+        }
+    }
+
+    /// Builds a program of the firmware for a plan; where it is.
+    pub fn build(self, program: &str, plan: &str, profile: &str) -> Result<PathBuf, Failure> {
+        let folder = firmware().join("target");
+        let mut cargo = Command::new("cargo");
+        cargo
+            .current_dir(firmware())
+            .args(["build", "--release", "--locked", "--quiet", "--bin", program, "--target-dir"])
+            .arg(&folder)
+            .env("ROUGHXEL_PLAN", plan)
+            .env("ROUGHXEL_PROFILE", profile);
+        let triple = self.triple();
+        cargo.args(["--target", triple]);
+        let key = triple.replace('-', "_").to_uppercase();
+        if !self.is_small() {
+            cargo.env(format!("CARGO_TARGET_{key}_LINKER"), format!("{}-linux-gnu-gcc", self.name()));
+        }
+        if !rustup_has(triple) {
+            // The distribution's compiler comes with the sources of `core`.
+            cargo.arg("-Zbuild-std=core").env("RUSTC", "/usr/bin/rustc").env("RUSTC_BOOTSTRAP", "1");
+            if self.is_small() {
+                cargo.env(format!("CARGO_TARGET_{key}_LINKER"), linker()?);
+            }
+        }
+        let output = cargo.output().map_err(|error| Failure::trouble(format!("cargo: {error}")))?;
+        if !output.status.success() {
+            let text = String::from_utf8_lossy(&output.stderr);
+            return Err(Failure::trouble(format!("{program} cannot be built for {}:\n{text}", self.name())));
+        }
+        Ok(folder.join(triple).join("release").join(program))
+    }
+
+    /// Runs a program: its exit code and what it printed.
+    pub fn run(self, program: &Path) -> Result<(i32, String), Failure> {
+        let (words, package) = self.emulator();
+        let mut command = Command::new(words[0]);
+        command.args(&words[1..]).arg(program);
+        let output = command.output().map_err(|error| {
+            Failure::trouble(format!("{}: {error}; it is in the Debian package {package}", words[0]))
+        })?;
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        Ok((output.status.code().unwrap_or(-1), text))
+    }
+
+    /// The compiler of its programs.
+    pub fn compiler(self) -> String {
+        let rustup = rustup_has(self.triple());
+        let version = Command::new(if rustup { "rustc" } else { "/usr/bin/rustc" }).arg("--version").output();
+        version.map_or("an unknown compiler".into(), |output| String::from_utf8_lossy(&output.stdout).trim().into())
+    }
+}
+
+/// The linker that comes with the toolchain.
+fn linker() -> Result<PathBuf, Failure> {
+    let rustc = |arguments: &[&str]| {
+        let output = Command::new("rustc").args(arguments).output().map_err(Failure::trouble)?;
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let root = rustc(&["--print", "sysroot"])?;
+    let version = rustc(&["-vV"])?;
+    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).unwrap_or_default();
+    Ok([root.trim(), "lib", "rustlib", host, "bin", "rust-lld"].iter().collect())
+}

@@ -1,0 +1,111 @@
+//! A tile of a picture: 64 × 64 pixels of a bumpy, curved triangle under a sky, all effects on. Its hash is the same on every machine.
+//!
+//! Corners come from `glam` and `micromath`, once a triangle; all else is integers. The host draws the same tile with the readings of the
+//! emulator (`host-tests/tests/datapath/tile.rs`).
+
+use fixed::types::I4F28;
+use glam::{Mat3, Vec3};
+use micromath::F32Ext;
+use roughxel_core::ports::{BlockPair, BlockVector, ReflectionIn, SurfaceIn};
+use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::sampler::CubeMemory;
+pub use roughxel_core::scanline::Attributes;
+use roughxel_core::scanline::{Fragment, Fragments, ScreenVertex, Triangle};
+use roughxel_core::setup::block_vector;
+
+/// Edge of the tile in pixels.
+pub const EDGE: i32 = 64;
+/// Edge of a face of the sky in texels.
+pub const SKY_EDGE: u16 = 64;
+/// What the tile hashes to in each profile.
+pub const HASHES: [(Profile, u32); 5] = [
+    (Profile::Narrow, 0x1d1e_9728),
+    (Profile::Paper, 0x78da_9231),
+    (Profile::Compact, 0x31c3_b004),
+    (Profile::Standard, 0xbbe5_e03c),
+    (Profile::Precise, 0x40ea_24fc),
+];
+
+/// The sky: a checkerboard of eight cells an edge on each face, darker downwards; grey where cells are below a texel.
+#[derive(Clone, Copy, Debug)]
+pub struct Sky;
+
+impl CubeMemory for Sky {
+    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
+        let shade = 0x4000 + ((row << level) << 8);
+        let checker = match level {
+            0..=3 => ((((column << level) >> 3) + ((row << level) >> 3)) & 1) * 0x8000,
+            _ => 0x4000,
+        };
+        let code = |tint: u32| (shade.wrapping_sub((shade * tint) >> 4) + checker).min(0xffff) as u16;
+        [code(face), code(5 - face), code(face & 1)]
+    }
+}
+
+/// The triangle of the tile, corners in the space of the camera, which looks along −z; and what all of its fragments have.
+pub fn corners() -> ([ScreenVertex; 3], Attributes, ReflectionIn) {
+    const FOCUS: f32 = 80.0;
+    // Tilted away from the camera, so that its far corner is three times as far as the near ones.
+    let (sin, cos) = F32Ext::sin_cos(-0.9_f32);
+    let tilt = Mat3::from_cols(Vec3::X, Vec3::new(0.0, cos, sin), Vec3::new(0.0, -sin, cos));
+    let plane = [Vec3::new(-1.6, -0.9, 0.0), Vec3::new(0.2, 2.2, 0.0), Vec3::new(1.5, -0.9, 0.0)];
+    let place = plane.map(|corner| tilt * corner + Vec3::new(0.0, 0.1, -2.4));
+    let precision = Precision::PRECISE;
+    let port = |v: Vec3| block_vector(v.as_dvec3(), &precision);
+    let vertices = place.map(|p| {
+        let scale = FOCUS / -p.z;
+        let pixel = |x: f32| ((x * scale + EDGE as f32 * 0.5) * 256.0) as i32;
+        ScreenVertex { x: pixel(p.x), y: pixel(-p.y), inverse_w: (1.0e9 / -p.z) as u32 }
+    });
+    // Curved: normals lean outwards by a fifth of the corner's distance from the middle.
+    let normal = plane.map(|corner| port(tilt * (Vec3::Z + corner * 0.2)));
+    let uv = plane.map(|corner| {
+        let BlockVector { mantissa: [u, v, _], exponent } = port(corner * 0.5);
+        BlockPair { mantissa: [u, v], exponent }
+    });
+    let attributes =
+        Attributes { normal, view: place.map(|p| port(-p)), main_direction: [port(tilt * Vec3::Y); 3], uv: Some(uv) };
+    let template = ReflectionIn {
+        surface: SurfaceIn { roughness: [0.05, 0.02, 0.03].map(I4F28::from_num), ..Default::default() },
+        edge_texels: SKY_EDGE,
+        ..Default::default()
+    };
+    (vertices, attributes, template)
+}
+
+/// Calls `pixel` with every fragment of the tile and its row, row by row.
+pub fn fragments(mut pixel: impl FnMut(i32, &Fragment)) {
+    let (vertices, attributes, template) = corners();
+    let Some(triangle) = Triangle::new(&vertices) else { return };
+    let fragments = Fragments::new(&triangle, &attributes, &template);
+    for y in 0..EDGE {
+        for mut fragment in fragments.row(y, 0..EDGE) {
+            fragment.reflection.surface.offset = bump(fragment.x, y);
+            pixel(y, &fragment);
+        }
+    }
+}
+
+/// Dents of eight pixels: offsets rise and fall along both axes, at most 1/4.
+fn bump(x: i32, y: i32) -> [I4F28; 2] {
+    [x, y].map(|place| I4F28::from_bits((((place & 7) << 1) - 7) << 23))
+}
+
+/// A hash of colours in the order in which they are added (FNV-1a, 32 bits).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hash(pub u32);
+
+impl Default for Hash {
+    fn default() -> Self {
+        Self(0x811c_9dc5)
+    }
+}
+
+impl Hash {
+    /// With one more integer, its bytes from the lowest on.
+    pub fn add(&mut self, integer: i32) {
+        for byte in integer.to_le_bytes() {
+            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        }
+    }
+}

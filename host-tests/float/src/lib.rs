@@ -1,0 +1,280 @@
+//! # roughxel-float
+//!
+//! One fragment of the reflection datapath in `f32`, what a user would write instead: the comparator, on a host and on processors
+//! without floating point alike.
+//!
+//! [`Environment::reflect`] is the mathematics of [`ReflectionPlan::FULL`] on `glam` vectors. Square roots, divisions and
+//! the logarithm are those of a library, a type parameter: each implementation of [`Math`] is a feature, `std`, `libm`,
+//! `micromath`.
+//!
+//! It has the range of `f32`, not that of the ports ([`Fragment::in_range`]).
+//!
+//! [`ReflectionPlan::FULL`]: roughxel_core::plan::ReflectionPlan::FULL
+#![no_std]
+#![forbid(unsafe_code)]
+
+// For its square root.
+#[cfg(feature = "std")]
+extern crate std;
+
+pub mod math;
+
+use glam::{Vec2, Vec3};
+use roughxel_core::ports::{BlockVector, ReflectionIn};
+use roughxel_core::setup::{real_offset, real_vector};
+use roughxel_core::status::StatusBit;
+
+use crate::math::Math;
+
+/// Most probes of a footprint, as in every named profile.
+const MAX_PROBES: f32 = 16.0;
+/// A pixel box of unit edges has this standard deviation, 1/√12.
+const BOX_SIGMA: f32 = 0.288_675_13;
+/// Diameter of a footprint of standard deviation 1, 2√3.
+const DIAMETER: f32 = 3.464_101_6;
+/// λ₁ beyond which the step is cut, map units.
+const LONGEST_SIGMA: f32 = 2.0;
+/// An aspect this close above an integer is that integer: some roundings of λ₁/λ₂, so that a circle has one probe.
+const ASPECT_SLACK: f32 = 1.0 - 8.0 * f32::EPSILON;
+
+/// Inputs of one fragment in real units; the fields are those of [`ReflectionIn`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fragment {
+    /// n.
+    pub normal: Vec3,
+    /// v, from the surface to the eye.
+    pub view: Vec3,
+    /// h.
+    pub main_direction: Vec3,
+    /// b₁, b₂.
+    pub offset: Vec2,
+    /// d₁, d₂, d₃.
+    pub roughness: Vec3,
+    /// ∂v/∂x, ∂v/∂y.
+    pub dview: [Vec3; 2],
+    /// ∂n/∂x, ∂n/∂y.
+    pub dnormal: [Vec3; 2],
+}
+
+impl From<&ReflectionIn> for Fragment {
+    /// The numbers of the ports, rounded to `f32`.
+    fn from(ports: &ReflectionIn) -> Self {
+        let vector = |v: &BlockVector| real_vector(v).as_vec3();
+        let [b1, b2] = ports.surface.offset.map(|b| real_offset(b) as f32);
+        Self {
+            normal: vector(&ports.surface.normal),
+            view: vector(&ports.surface.view),
+            main_direction: vector(&ports.surface.frame_vectors[0]),
+            offset: Vec2::new(b1, b2),
+            roughness: Vec3::from_array(ports.surface.roughness.map(|d| real_offset(d) as f32)),
+            dview: ports.dview.each_ref().map(vector),
+            dnormal: ports.dnormal.each_ref().map(vector),
+        }
+    }
+}
+
+impl Fragment {
+    /// Whether the exponents of the ports lie within ±23: no product of three inputs then leaves the range of `f32`.
+    pub fn in_range(ports: &ReflectionIn) -> bool {
+        let ReflectionIn { surface, dview, dnormal, .. } = ports;
+        [&surface.normal, &surface.view, &surface.frame_vectors[0]]
+            .into_iter()
+            .chain(dview)
+            .chain(dnormal)
+            .all(|v| v.exponent.abs() < 24)
+    }
+}
+
+/// What a sampler needs of one fragment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Footprint {
+    /// Face 0…5: +x, −x, +y, −y, +z, −z.
+    pub face: u32,
+    /// s, t in [−1, 1].
+    pub st: Vec2,
+    /// N, 1…16.
+    pub probes: u32,
+    /// From one probe to the next, in s and t.
+    pub step: Vec2,
+    /// Level of detail, 0 … the last level.
+    pub lod: f32,
+    /// Sticky bits, see [`StatusBit`].
+    pub status: u32,
+}
+
+/// What the level of detail needs of a cube map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Environment {
+    /// Texels of level 0 in one map unit, half the edge of a face.
+    texels: f32,
+    /// The last (coarsest) level.
+    last_level: f32,
+}
+
+/// How the axes of the world lie on the selected face.
+#[derive(Clone, Copy)]
+struct Face {
+    is_z: bool,
+    is_y: bool,
+    /// Of the major component, ±1.
+    sign: f32,
+}
+
+impl Face {
+    /// (s_c, t_c, m) of a vector by Vulkan's table.
+    #[inline(always)]
+    fn components(self, w: Vec3) -> Vec3 {
+        let Self { is_z, is_y, sign } = self;
+        if is_z {
+            Vec3::new(sign * w.x, -w.y, sign * w.z)
+        } else if is_y {
+            Vec3::new(w.x, sign * w.z, sign * w.y)
+        } else {
+            Vec3::new(-sign * w.z, -w.y, sign * w.x)
+        }
+    }
+}
+
+impl Environment {
+    /// A cube map whose faces have `edge_texels` texels along an edge, at least 1.
+    pub fn new(edge_texels: u32) -> Self {
+        Self { texels: 0.5 * edge_texels as f32, last_level: edge_texels.max(1).ilog2() as f32 }
+    }
+
+    /// One fragment. A call for each, as in a renderer, where its fetches come next: inlined into a loop of nothing
+    /// else the compiler would make vectors of this one, too.
+    #[inline(never)]
+    pub fn reflect<M: Math>(&self, fragment: &Fragment) -> Footprint {
+        self.datapath::<M>(fragment)
+    }
+
+    /// Frame, perturb, reflect, cube face, columns, ellipse, axes, probes: the body of a loop that is to become vectors.
+    #[inline(always)]
+    pub fn datapath<M: Math>(&self, fragment: &Fragment) -> Footprint {
+        let &Fragment { normal: n, view: v, main_direction, offset, roughness, dview, dnormal } = fragment;
+
+        // E₁ = |n|·(h×n)/|h×n|, E₂ = n×(h×n)/|h×n|; at the pole the axis on which |n| is smallest stands in for h.
+        let square = n.dot(n);
+        let across = main_direction.cross(n);
+        let pole = across.dot(across) == 0.0;
+        let size = n.abs();
+        let (least_x, least_y) = ((size.x <= size.y) & (size.x <= size.z), size.y <= size.z);
+        let axis = if least_x {
+            Vec3::X
+        } else if least_y {
+            Vec3::Y
+        } else {
+            Vec3::Z
+        };
+        let across = if pole { axis.cross(n) } else { across };
+        let across_square = across.dot(across);
+        let inverse = if across_square > 0.0 { M::inverse_sqrt(across_square) } else { 0.0 };
+        let e1 = across * (M::sqrt(square) * inverse);
+        let e2 = n.cross(across) * inverse;
+
+        // r = 2 n⟨v·n⟩ − v|n|² with n = n_mod from here on.
+        let n = n + e1 * offset.x + e2 * offset.y;
+        let (along, square) = (v.dot(n), n.dot(n));
+        let r = n * (2.0 * along) - v * square;
+
+        let size = r.abs();
+        let is_z = (size.z >= size.x) & (size.z >= size.y);
+        let is_y = !is_z & (size.y >= size.x);
+        let major = if is_z {
+            r.z
+        } else if is_y {
+            r.y
+        } else {
+            r.x
+        };
+        let second = if is_z {
+            size.x.max(size.y)
+        } else if is_y {
+            size.x.max(size.z)
+        } else {
+            size.y.max(size.z)
+        };
+        let negative = major < 0.0;
+        let face = Face { is_z, is_y, sign: if negative { -1.0 } else { 1.0 } };
+        let on_face = face.components(r);
+        let over_m = if on_face.z > 0.0 { M::quotient(1.0, on_face.z) } else { 0.0 };
+        let (s, t) = (on_face.x * over_m, on_face.y * over_m);
+
+        // q = (ds_c − s·dm, dt_c − t·dm)/m of dr = [2 n nᵀ − |n|²I]dv + 2[⟨n·v⟩I + n vᵀ − v nᵀ]dn.
+        let column = |dr: Vec3, weight: f32| {
+            let dr = face.components(dr);
+            Vec2::new(dr.x - s * dr.z, dr.y - t * dr.z) * (over_m * weight)
+        };
+        let curved = |dn: Vec3| (dn * along + n * v.dot(dn) - v * n.dot(dn)) * 2.0;
+        let pixel = |dv: Vec3, dn: Vec3| n * (2.0 * n.dot(dv)) - dv * square + curved(dn);
+        let q = [
+            column(pixel(dview[0], dnormal[0]), BOX_SIGMA),
+            column(pixel(dview[1], dnormal[1]), BOX_SIGMA),
+            column(curved(e1 * roughness.x), 1.0),
+            column(curved(e1 * roughness.y + e2 * roughness.z), 1.0),
+        ];
+
+        // K = Σ q qᵀ, det K = Σ of the squared minors.
+        let a = q[0].x * q[0].x + q[1].x * q[1].x + q[2].x * q[2].x + q[3].x * q[3].x;
+        let b = q[0].x * q[0].y + q[1].x * q[1].y + q[2].x * q[2].y + q[3].x * q[3].y;
+        let c = q[0].y * q[0].y + q[1].y * q[1].y + q[2].y * q[2].y + q[3].y * q[3].y;
+        let minor_square = |i: usize, j: usize| {
+            let minor = q[i].x * q[j].y - q[i].y * q[j].x;
+            minor * minor
+        };
+        let det = minor_square(0, 1)
+            + minor_square(0, 2)
+            + minor_square(0, 3)
+            + minor_square(1, 2)
+            + minor_square(1, 3)
+            + minor_square(2, 3);
+
+        // λ₁² = ½(a + c + √((a − c)² + 4b²)), λ₂² = det/λ₁²; the direction by (h + |a − c|, |2b|), which never cancels.
+        let (difference, twice_b) = (a - c, 2.0 * b);
+        let h = M::sqrt(difference * difference + twice_b * twice_b);
+        let major_square = 0.5 * (a + c + h);
+        let major = M::sqrt(major_square);
+        let empty = major_square == 0.0;
+        let minor = if empty { 0.0 } else { M::sqrt(M::quotient(det, major_square)) };
+        let larger = h + difference.abs();
+        let circle = larger == 0.0;
+        let unit = M::inverse_sqrt(larger * larger + twice_b * twice_b);
+        let (cos, sin) = if circle { (1.0, 0.0) } else { (larger * unit, twice_b * unit) };
+        let direction = if difference >= 0.0 { Vec2::new(cos, sin) } else { Vec2::new(sin, cos) };
+
+        // N = ⌈λ₁/λ₂⌉ up to 16; beyond that λ₂ is raised to λ₁/16.
+        let aspect = if empty { 1.0 } else { M::quotient(major, minor) * ASPECT_SLACK };
+        let capped = aspect > MAX_PROBES;
+        let aspect = aspect.clamp(1.0, MAX_PROBES);
+        let whole = aspect as i32 as f32;
+        let count = if whole < aspect { whole + 1.0 } else { whole };
+        let minor = if capped { major / MAX_PROBES } else { minor };
+        let step = direction * M::quotient(DIAMETER * major.min(LONGEST_SIGMA), count);
+        // Not `clamp`: its check of the bounds would keep the compiler from making vectors of the loop.
+        let lod = M::log2(DIAMETER * minor * self.texels).max(0.0).min(self.last_level);
+
+        let bit = |bit: StatusBit, flag: bool| if flag { bit.mask() } else { 0 };
+        let axis = if is_z {
+            4
+        } else if is_y {
+            2
+        } else {
+            0
+        };
+        Footprint {
+            face: axis + u32::from(negative),
+            st: Vec2::new(s, t),
+            probes: count as u32,
+            step,
+            lod,
+            status: bit(StatusBit::NormalZero, fragment.normal == Vec3::ZERO)
+                | bit(StatusBit::ViewZero, v == Vec3::ZERO)
+                | bit(StatusBit::FramePole, pole)
+                | bit(StatusBit::ViewBelowSurface, along <= 0.0)
+                | bit(StatusBit::FaceTie, second == on_face.z)
+                | bit(StatusBit::FootprintZero, empty)
+                | bit(StatusBit::FootprintSaturated, major > LONGEST_SIGMA)
+                | bit(StatusBit::ProbesCapped, capped),
+        }
+    }
+}

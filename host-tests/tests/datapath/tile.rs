@@ -1,0 +1,42 @@
+//! The tile of a picture that firmware draws, with the readings of the emulator.
+
+use roughxel_core::bundle::Value;
+use roughxel_core::plan::Effects;
+use roughxel_core::ports::Port;
+use roughxel_core::sampler::{self, Cube};
+use roughxel_core::soft_core::environment_scale;
+use roughxel_core::width::on_words;
+use roughxel_emulator::lanes::Reading;
+
+#[path = "../../../core/firmware/src/tile.rs"]
+#[expect(unreachable_pub, reason = "it is the firmware's")]
+mod drawn;
+
+use drawn::{EDGE, HASHES, Hash, SKY_EDGE, Sky};
+
+#[test]
+fn the_tile_of_the_firmware_is_that_of_the_emulator() {
+    let mut places = Vec::new();
+    let mut inputs = Vec::new();
+    drawn::fragments(|y, fragment| {
+        places.push([fragment.x, y]);
+        inputs.push(fragment.reflection.wires());
+    });
+    // Most of the tile, and some of it not.
+    let pixels = (EDGE * EDGE) as usize;
+    assert!((pixels / 3..pixels).contains(&inputs.len()), "{} of {pixels} pixels", inputs.len());
+    let cube = &Cube { memory: &Sky, edge: SKY_EDGE.into(), last_level: SKY_EDGE.ilog2(), exponent: 0 };
+    for (profile, expected) in HASHES {
+        let p = &profile.precision();
+        let (plan, map) = (Effects::ALL.reflection(), environment_scale(SKY_EDGE, p));
+        for reading in [Reading::Scalar, Reading::best()] {
+            let mut hash = Hash::default();
+            for (place, footprint) in places.iter().zip(reading.footprints(&inputs, &map, &plan, p)) {
+                let (point, probes) = (&footprint.point, &footprint.probes);
+                let colour = on_words!(p, |point, probes| sampler::environment(point, probes, true, cube, p));
+                place.iter().copied().chain(colour.map(|Value(channel)| channel.raw())).for_each(|part| hash.add(part));
+            }
+            assert_eq!(hash, Hash(expected), "{} in {reading:?}: {:#010x}", profile.name(), hash.0);
+        }
+    }
+}
