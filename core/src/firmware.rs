@@ -18,7 +18,8 @@
 //! a reading of its own for small processors ([`mod@crate::small`]) the bits are those of every other reading.
 //!
 //! Build with `opt-level = 3`: the stages are inlined whatever the level, and what the plan leaves out vanishes by constants alone.
-//! `"s"` makes them larger *and* slower, for it leaves the small functions between them as calls.
+//! `"s"` makes them larger *and* slower, for it leaves the small functions between them as calls. What makes programs smaller is the
+//! feature `small-code`: blocks are normalised by calls, a fifth (`Standard`) to a third (`Narrow`) fewer bytes for 1.6 times the instructions.
 
 use crate::datapath;
 use crate::fx::{Fx, Int};

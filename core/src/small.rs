@@ -63,7 +63,7 @@ static QUARTERS_OF_SQUARES: [u32; 2048] = {
     table
 };
 
-/// The product of two numbers of 16 bits with sign, three products of their halves by [`QUARTERS_OF_SQUARES`] (Karatsuba).
+/// The product of two numbers of 16 bits with sign, three products of their halves by a table of quarters of squares (Karatsuba).
 #[inline(never)]
 pub fn product_by_table(a: i32, b: i32) -> i32 {
     // Both factors within ±383: their sum and difference are inside the table.
@@ -293,7 +293,8 @@ impl WideFull {
 }
 
 /// [`WideWire::normalised`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small-code"), inline(always))]
+#[cfg_attr(feature = "small-code", inline(never))]
 fn normalised_half<const N: usize>(wires: [WideHalf; N], drop: u32, up: u32) -> ([Half; N], Full, bool) {
     let mut magnitude = 0;
     for wire in &wires {
@@ -316,7 +317,8 @@ fn far_left<const N: usize>(wires: [WideHalf; N], zeros: u32, drop: u32, up: u32
 }
 
 /// [`WideWire::normalised`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small-code"), inline(always))]
+#[cfg_attr(feature = "small-code", inline(never))]
 fn normalised_full<const N: usize>(wires: [WideFull; N], drop: u32, up: u32) -> ([Full; N], Full, bool) {
     let mut magnitude = 0;
     for wire in &wires {

@@ -10,8 +10,8 @@ use crate::Failure;
 use crate::image::Image;
 use crate::target::Target;
 
-/// Plans, as `build/plan.rs` reads them, with what they are.
-const PLANS: [(&str, &str); 17] = [
+/// Plans, as [`Target::build`] reads them, with what they are.
+const PLANS: [(&str, &str); 18] = [
     ("reflection", "environment"),
     ("reflection+bump", "environment, bump"),
     ("reflection+footprint", "environment, footprint"),
@@ -19,7 +19,8 @@ const PLANS: [(&str, &str); 17] = [
     ("reflection+footprint+isotropic", "environment, footprint, isotropic roughness"),
     ("reflection+footprint+anisotropic", "environment, footprint, anisotropic roughness"),
     (ALL_EFFECTS, "reflection, all effects"),
-    ("ports+bump+curvature+footprint+anisotropic", "the same with the outcome of every stage"),
+    ("small-code/reflection+bump+curvature+footprint+anisotropic", "the same with the feature `small-code`"),
+    ("ports+bump+curvature+footprint+anisotropic", "reflection, all effects, with the outcome of every stage"),
     ("pixel", "pixel of an environment: one probe, colour"),
     ("pixel+bump+curvature+footprint+anisotropic", "pixel, all effects: probes and colour, too"),
     ("highlight", "highlight"),

@@ -122,7 +122,8 @@ impl Target {
         }
     }
 
-    /// Builds a program of the firmware for a plan; where it is.
+    /// Builds a program of the firmware for a plan, as `build/plan.rs` reads it, behind a feature of the core and `/` where it has one;
+    /// where it is.
     pub fn build(self, program: &str, plan: &str, profile: &str) -> Result<PathBuf, Failure> {
         let folder = firmware().join("target");
         let mut cargo = Command::new("cargo");
@@ -130,8 +131,11 @@ impl Target {
             .current_dir(firmware())
             .args(["build", "--release", "--locked", "--quiet", "--bin", program, "--target-dir"])
             .arg(&folder)
-            .env("ROUGHXEL_PLAN", plan)
             .env("ROUGHXEL_PROFILE", profile);
+        match plan.split_once('/') {
+            Some((feature, plan)) => cargo.args(["--features", feature]).env("ROUGHXEL_PLAN", plan),
+            None => cargo.env("ROUGHXEL_PLAN", plan),
+        };
         let triple = self.triple();
         cargo.args(["--target", triple]);
         let key = triple.replace('-', "_").to_uppercase();
