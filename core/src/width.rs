@@ -110,18 +110,33 @@ pub fn widened<B: Bundle<i16>>(bundle: &B) -> B::In<Scalar> {
     to_ports::<i16, B>(bundle)
 }
 
-/// The word of 16 bits that suits the processor.
+/// The words of 16 and of 32 bits that suit the processor.
 #[cfg(not(any(target_arch = "riscv32", target_arch = "arm")))]
-pub type Narrow = i16;
-/// The word of 32 bits that suits the processor.
-#[cfg(not(any(target_arch = "riscv32", target_arch = "arm")))]
-pub type Whole = Scalar;
-/// The word of 16 bits that suits the processor.
+mod suitable {
+    pub use core::primitive::{i16 as Narrow, i32 as Whole};
+
+    /// The same bundles, untouched: a copy of a reflection is a few percent of making one.
+    #[macro_export]
+    macro_rules! on_whole_words {
+        (|$($input:ident),*| $body:expr) => {
+            $body
+        };
+    }
+}
 #[cfg(any(target_arch = "riscv32", target_arch = "arm"))]
-pub type Narrow = Half;
-/// The word of 32 bits that suits the processor.
-#[cfg(any(target_arch = "riscv32", target_arch = "arm"))]
-pub type Whole = Full;
+mod suitable {
+    pub use crate::small::{Full as Whole, Half as Narrow};
+
+    /// In the reading of the processor.
+    #[macro_export]
+    macro_rules! on_whole_words {
+        (|$($input:ident),*| $body:expr) => {{
+            $(let $input = &$crate::width::of_ports::<$crate::width::Whole, _>($input);)*
+            $crate::width::to_ports::<$crate::width::Whole, _>(&$body)
+        }};
+    }
+}
+pub use suitable::{Narrow, Whole};
 
 /// `on_words!(p, |input, …| body)`: the bundle that `body`, a function of the composer, makes of bundles of the scalar reading, on words of
 /// the profile's width and in the reading that suits the processor.
@@ -132,8 +147,7 @@ macro_rules! on_words {
             $(let $input = &$crate::width::of_ports::<$crate::width::Narrow, _>($input);)*
             $crate::width::to_ports::<$crate::width::Narrow, _>(&$body)
         } else {
-            $(let $input = &$crate::width::of_ports::<$crate::width::Whole, _>($input);)*
-            $crate::width::to_ports::<$crate::width::Whole, _>(&$body)
+            $crate::on_whole_words!(|$($input),*| $body)
         }
     };
 }
