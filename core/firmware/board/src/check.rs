@@ -39,8 +39,8 @@ fn wrong_entry(target: Target, program: &Path) -> Result<(), Failure> {
         return Err(Failure::trouble(format!("{}: no table {WRONG_TABLE}", program.display())));
     };
     let mut file = std::fs::read(program).map_err(Failure::trouble)?;
-    // An entry of 32 bits in the middle, wrong by 2^−8: its square is more than the one Newton step after it leaves of an error, and of
-    // less than a seed's own error nobody could see anything.
+    // An entry of 32 bits in the middle, wrong by 2^−8: the Newton step behind it leaves the square of that, 2^−16, which shows. It leaves
+    // nothing that shows of an error as small as a seed's own.
     let entry = (place + bytes / 2 / 4 * 4) as usize;
     let byte = if target.big_endian() { entry + 1 } else { entry + 2 };
     file[byte] ^= 0x40;
