@@ -41,6 +41,7 @@ pub mod each;
 pub mod elementary;
 pub mod firmware;
 pub mod fx;
+pub mod knob;
 pub mod plan;
 pub mod ports;
 pub mod precision;

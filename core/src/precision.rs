@@ -178,31 +178,6 @@ impl Precision {
         ..Self::STANDARD
     };
 
-    /// The value itself if every knob is in its range, else the name of the first that is not.
-    pub fn checked(self) -> Result<Self, &'static str> {
-        let newton = |n: Newton| (6..=10).contains(&n.seed_bits) && n.steps <= 2;
-        let rules = [
-            ("fraction_bits", (12..=28).contains(&self.fraction_bits)),
-            ("reciprocal", newton(self.reciprocal)),
-            ("inverse_root", newton(self.inverse_root)),
-            (
-                "direction",
-                match self.direction {
-                    AxisDirection::Exact => true,
-                    AxisDirection::Table { steps } => (2..=64).contains(&steps) && steps % 2 == 0,
-                },
-            ),
-            ("max_probes", (1..=16).contains(&self.max_probes)),
-            ("lod_bits", (2..=12).contains(&self.lod_bits)),
-            ("weight_bits", (2..=10).contains(&self.weight_bits)),
-            ("roughness_bits", (4..=16).contains(&self.roughness_bits)),
-        ];
-        match rules.into_iter().find(|(_, holds)| !holds) {
-            Some((name, _)) => Err(name),
-            None => Ok(self),
-        }
-    }
-
     /// Bits of a word: 16 where no operand keeps more than 14 fraction bits, which with sign and integer bit is such a word, else 32.
     pub const fn word_bits(&self) -> u32 {
         if self.fraction_bits <= 14 { 16 } else { 32 }

@@ -7,13 +7,12 @@
 //! what the datapath is tested with, [`study`] measures it against the float64 reference; [`demo`] is the program's main
 //! job, and [`gallery`] sets every picture of the papers beside what it is compared with.
 
-pub mod cases;
 pub mod demo;
 pub mod eval;
 pub mod gallery;
-pub mod study;
 pub mod vectors;
 
+pub use roughxel_cases as cases;
 pub use roughxel_frame as frame;
 pub use roughxel_frame::{plan, raster};
 pub use roughxel_lanes as lanes;
@@ -21,3 +20,4 @@ pub use roughxel_maps as maps;
 pub use roughxel_net as net;
 pub use roughxel_scene as scene;
 pub use roughxel_scene::{output, picture, random};
+pub use roughxel_study as study;

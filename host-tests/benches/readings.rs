@@ -40,10 +40,10 @@ use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
+use roughxel_float::batch::{FootprintBlock, FragmentBlock, reflect_batch};
+use roughxel_float::math::Std;
+use roughxel_float::{Environment, Footprint, Fragment};
 use roughxel_host_tests::designs::scalar;
-use roughxel_host_tests::float_datapath::{
-    Environment, Footprint, FootprintBlock, Fragment, FragmentBlock, Std, reflect_batch,
-};
 use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
 use tempfile::TempDir;

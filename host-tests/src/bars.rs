@@ -1,7 +1,7 @@
 //! The picture bars: what is measured, how, and what it has to reach.
 //!
 //! PSNR is against a range of 1, linear light, all channels, colours cut to [0, 1] as a display cuts them. The truth of
-//! a scene is its float64 picture with `edge`² samples a pixel of the unfiltered maps ([`float_frame`]); what is judged
+//! a scene is its float64 picture with `edge`² samples a pixel of the unfiltered maps ([`real_frame`]); what is judged
 //! are frames of the integer datapath. Tests hold the bars at reduced sizes, `picture-bars` prints them at full size.
 
 mod environment;
@@ -18,7 +18,7 @@ use roughxel_emulator::plan::Mode;
 use roughxel_emulator::raster::RasterError;
 use roughxel_emulator::scene::Scene;
 
-use crate::float_frame::{self, RealPicture};
+use roughxel_real_frame::{self as real_frame, RealPicture};
 
 /// Scenes whose frames are compared with float64.
 pub const SCENES: [&str; 4] = ["lake", "zebra", "globe", "puzzle"];
@@ -101,7 +101,7 @@ pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
 /// PSNR in dB of a frame in a mode against the same filter in float64.
 pub fn psnr_against_float(scene: &Scene, mode: Mode, profile: &Precision) -> Result<f64, RasterError> {
     let frame = Prepared::new(scene, mode, profile)?.render(&|| ())?;
-    Ok(RealPicture::from(&frame).psnr(&float_frame::render(scene, mode, profile, &|| ())?))
+    Ok(RealPicture::from(&frame).psnr(&real_frame::render(scene, mode, profile, &|| ())?))
 }
 
 /// PSNR in dB of the four ways to draw a scene, against its truth.
@@ -130,14 +130,14 @@ impl SceneFigures {
 }
 
 /// Draws a scene in its modes and against `edge`² samples a pixel, 1…64 along an edge; `progress` as for
-/// [`float_frame::render`], which takes nearly all of the time.
+/// [`real_frame::render`], which takes nearly all of the time.
 pub fn scene_figures(
     scene: &Scene,
     profile: &Precision,
     edge: u32,
     progress: &(dyn Fn() + Sync),
 ) -> Result<SceneFigures, RasterError> {
-    let truth = float_frame::render(scene, Mode::Supersampled { edge }, profile, progress)?;
+    let truth = real_frame::render(scene, Mode::Supersampled { edge }, profile, progress)?;
     let psnr = |mode| -> Result<f64, RasterError> {
         Ok(RealPicture::from(&Prepared::new(scene, mode, profile)?.render(&|| ())?).psnr(&truth))
     };

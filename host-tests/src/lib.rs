@@ -6,8 +6,6 @@
 pub mod bars;
 pub mod checked;
 pub mod designs;
-pub mod float_datapath;
-pub mod float_frame;
 pub mod imports;
 pub mod one_pixel;
 pub mod side_by_side;

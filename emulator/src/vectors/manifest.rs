@@ -117,7 +117,9 @@ impl Manifest {
 
     fn check(&self) -> Result<(), String> {
         let ProfileKnobs { name, knobs } = &self.profile;
-        knobs.checked().map_err(|knob| format!("profile `{name}`: knob {knob} is out of its range"))?;
+        knobs
+            .checked()
+            .map_err(|knob| format!("profile `{name}`: knob {knob} is out of its range, {}", knob.range()))?;
         match Profile::by_name(name).map(Profile::precision) {
             Some(ours) if ours != *knobs => {
                 return Err(format!("profile `{name}` has other knobs in this version; export the set again"));

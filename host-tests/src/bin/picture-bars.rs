@@ -14,8 +14,8 @@ use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
 use roughxel_host_tests::bars;
-use roughxel_host_tests::float_frame;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
+use roughxel_real_frame as real_frame;
 
 const USAGE: &str = "picture-bars [--size WxH] [--samples EDGE] | --bless
   --size WxH      size of the scenes' frames, default 640x480
@@ -148,7 +148,7 @@ fn scene(report: &mut Report, name: &str, [width, height]: [u32; 2], edge: u32) 
     let failed = |error: &dyn std::fmt::Display| format!("scene {name}: {error}");
     let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
     let scene = scene.with_size(width, height).map_err(|error| failed(&error))?;
-    let progress = bar(&format!("{name}: {} samples a pixel", edge * edge), float_frame::work(&scene));
+    let progress = bar(&format!("{name}: {} samples a pixel", edge * edge), real_frame::work(&scene));
     let figures = bars::scene_figures(&scene, &Precision::STANDARD, edge, &|| progress.inc(1));
     progress.finish_and_clear();
     let figures = figures.map_err(|error| failed(&error))?;

@@ -8,6 +8,7 @@ use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, ZERO_EXPONENT, align, cross, dot, normalise, places_below};
 use roughxel_core::fx::Fx;
+use roughxel_core::knob::Knob;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
 use roughxel_core::rom::{self, upper};
 use roughxel_core::width::{narrowed, widened};
@@ -393,22 +394,36 @@ fn a_knob_beyond_its_limits_is_named() {
     let newton = |seed_bits, steps| Newton { seed_bits, steps };
     let table = |steps| Precision { direction: AxisDirection::Table { steps }, ..p };
     for (knob, beyond) in [
-        ("fraction_bits", [Precision { fraction_bits: 11, ..p }, Precision { fraction_bits: 29, ..p }]),
-        ("reciprocal", [5, 11].map(|k| Precision { reciprocal: newton(k, 1), ..p })),
-        ("reciprocal", [3, u32::MAX].map(|n| Precision { reciprocal: newton(8, n), ..p })),
-        ("inverse_root", [5, 11].map(|k| Precision { inverse_root: newton(k, 1), ..p })),
-        ("inverse_root", [3, u32::MAX].map(|n| Precision { inverse_root: newton(8, n), ..p })),
-        ("direction", [table(0), table(66)]),
-        ("direction", [table(9), table(63)]),
-        ("max_probes", [0, 17].map(|max_probes| Precision { max_probes, ..p })),
-        ("lod_bits", [1, 13].map(|lod_bits| Precision { lod_bits, ..p })),
-        ("weight_bits", [1, 11].map(|weight_bits| Precision { weight_bits, ..p })),
-        ("roughness_bits", [3, 17].map(|roughness_bits| Precision { roughness_bits, ..p })),
+        (Knob::FractionBits, [Precision { fraction_bits: 11, ..p }, Precision { fraction_bits: 29, ..p }]),
+        (Knob::ReciprocalSeedBits, [5, 11].map(|k| Precision { reciprocal: newton(k, 1), ..p })),
+        (Knob::ReciprocalSteps, [3, u32::MAX].map(|n| Precision { reciprocal: newton(8, n), ..p })),
+        (Knob::InverseRootSeedBits, [5, 11].map(|k| Precision { inverse_root: newton(k, 1), ..p })),
+        (Knob::InverseRootSteps, [3, u32::MAX].map(|n| Precision { inverse_root: newton(8, n), ..p })),
+        (Knob::Direction, [table(0), table(66)]),
+        (Knob::Direction, [table(9), table(63)]),
+        (Knob::MaxProbes, [0, 17].map(|max_probes| Precision { max_probes, ..p })),
+        (Knob::LodBits, [1, 13].map(|lod_bits| Precision { lod_bits, ..p })),
+        (Knob::WeightBits, [1, 11].map(|weight_bits| Precision { weight_bits, ..p })),
+        (Knob::RoughnessBits, [3, 17].map(|roughness_bits| Precision { roughness_bits, ..p })),
     ] {
         for p in beyond {
             assert_eq!(p.checked(), Err(knob), "{p:?}");
         }
     }
+}
+
+#[test]
+fn every_value_of_a_knob_is_set_and_read_and_in_its_range() {
+    for knob in Knob::ALL {
+        for &value in knob.values() {
+            let p = knob.with(value, Precision::STANDARD);
+            assert_eq!((p.checked(), knob.of(&p)), (Ok(p), value), "{knob} {value}");
+            assert_eq!(knob.with(knob.of(&Precision::STANDARD), p), Precision::STANDARD, "{knob} changes itself alone");
+        }
+        let names: Vec<String> = (0..).take(knob.choices().len()).map(|value| knob.text(value).to_string()).collect();
+        assert_eq!(names, knob.choices());
+    }
+    assert_eq!(Knob::Direction.text(0).to_string(), "exact");
 }
 
 #[test]

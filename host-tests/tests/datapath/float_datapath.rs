@@ -8,10 +8,9 @@ use roughxel_core::setup::{block_vector, offset};
 use roughxel_core::status::StatusBit;
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::study::accuracy::{CANCELLATION, reference_inputs, reference_options};
-use roughxel_float::math::{Libm, Micromath};
-use roughxel_host_tests::float_datapath::{
-    Environment, FootprintBlock, Fragment, FragmentBlock, Std, WIDTH, reflect_batch,
-};
+use roughxel_float::batch::{FootprintBlock, FragmentBlock, WIDTH, reflect_batch};
+use roughxel_float::math::{Libm, Micromath, Std};
+use roughxel_float::{Environment, Fragment};
 use roughxel_host_tests::reference;
 
 const PROFILE: Precision = Precision::STANDARD;

@@ -14,9 +14,9 @@ use roughxel_emulator::picture::{linear_to_srgb8, write_png_srgb};
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
 use roughxel_host_tests::bars;
-use roughxel_host_tests::float_frame::RealPicture;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
 use roughxel_host_tests::space::whole_or;
+use roughxel_real_frame::RealPicture;
 
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 

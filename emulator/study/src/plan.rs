@@ -10,14 +10,14 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
-use crate::frame::Prepared;
-use crate::maps::peak_pyramid::ScenePeaks;
-use crate::net::census::{Census, Cost};
-use crate::net::graph::Net;
-use crate::net::interval::Ranges;
-use crate::plan::{Decision, Effect, Mode, ObjectPlan};
-use crate::raster::RasterError;
-use crate::scene::Scene;
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::{Decision, Effect, Mode, ObjectPlan};
+use roughxel_frame::raster::RasterError;
+use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_net::census::{Census, Cost};
+use roughxel_net::graph::Net;
+use roughxel_net::interval::Ranges;
+use roughxel_scene::Scene;
 
 /// The designs a texture fetch of one channel goes through.
 const TEXTURE_FETCH: [Design; 5] =
@@ -187,7 +187,7 @@ pub fn fetches(plan: &ObjectPlan) -> Vec<Design> {
 pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<ObjectReport> {
     let objects = scene.objects.iter().zip(prepared.plans()).zip(prepared.decisions()).enumerate();
     let report =
-        |(index, ((object, plan), decisions)): (usize, ((&crate::scene::Object, &ObjectPlan), &[Decision]))| {
+        |(index, ((object, plan), decisions)): (usize, ((&roughxel_scene::Object, &ObjectPlan), &[Decision]))| {
             let (whole, bytes) = (datapath(plan, p), prepared.map_bytes(index));
             let effect = |decision: &Decision| {
                 let effect = decision.effect;

@@ -14,7 +14,7 @@ use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
 
-use crate::cases::{hard_case_sets, random_fragment};
+use roughxel_cases::{hard_case_sets, random_fragment};
 
 /// Relative difference of the two largest components of r below which the face is a matter of rounding: the bar of s and t, which
 /// are ±1 there, and at least 2^−12.

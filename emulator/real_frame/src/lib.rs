@@ -1,3 +1,5 @@
+//! # roughxel-real-frame
+//!
 //! Frames in float64: the truth for picture bars, and the frame's own filter without any rounding.
 //!
 //! The scene, the visible triangles and the attributes of a fragment are those of the emulator (ports read as real
@@ -11,10 +13,10 @@ mod shade;
 
 use rayon::prelude::*;
 use roughxel_core::precision::Precision;
-use roughxel_emulator::frame::Frame;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::raster::{Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, TriangleList, tiles};
-use roughxel_emulator::scene::Scene;
+use roughxel_frame::Frame;
+use roughxel_frame::plan::Mode;
+use roughxel_frame::raster::{Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, TriangleList, tiles};
+use roughxel_scene::Scene;
 
 use shade::Shader;
 

@@ -19,10 +19,10 @@ use roughxel_core::soft_core::{environment_scale, reflection, texture_scale};
 use roughxel_core::stage::enter::enter;
 use roughxel_core::width::on_words;
 
-use crate::lanes::PackedPeak;
-use crate::net::graph::Net;
-use crate::net::record::integers_at;
-use crate::random::SplitMix64;
+use roughxel_lanes::PackedPeak;
+use roughxel_net::graph::Net;
+use roughxel_net::record::integers_at;
+use roughxel_scene::random::SplitMix64;
 
 /// Integers for the ports of a design, in the order of [`Net::ports`]: those a fragment leads to (a list for every probe and
 /// level it touches), or, behind the memories, random ones that favour the ends of the declared ranges.

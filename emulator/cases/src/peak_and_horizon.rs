@@ -11,7 +11,7 @@ use roughxel_core::stage::enter::enter;
 
 use super::fragment::{bit, direction};
 use super::set::CaseSet;
-use crate::random::SplitMix64;
+use roughxel_scene::random::SplitMix64;
 
 /// A direction and the frame of the surface in which it is wanted.
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,14 @@
 //! The emulator's stored pyramids as real numbers.
 
 use roughxel_core::precision::RoughnessKind;
-use roughxel_emulator::frame::MAX_MAP_EXPONENT;
-use roughxel_emulator::maps::bump::{BumpLevel, BumpPyramid, BumpTexel, PORT_FRACTION_BITS};
-use roughxel_emulator::maps::environment::CubePyramid;
-use roughxel_emulator::maps::mip::{ColourPyramid, Level, smallest_exponent};
-use roughxel_emulator::picture::Picture;
+use roughxel_frame::MAX_MAP_EXPONENT;
+use roughxel_maps::bump::{BumpLevel, BumpPyramid, BumpTexel, PORT_FRACTION_BITS};
+use roughxel_maps::environment::CubePyramid;
+use roughxel_maps::mip::{ColourPyramid, Level, smallest_exponent};
+use roughxel_scene::picture::Picture;
 
-use crate::reference::filter::{CubeMap, Map};
-use crate::reference::roughness::compose;
+use roughxel_reference::filter::{CubeMap, Map};
+use roughxel_reference::roughness::compose;
 
 /// Channels of a bump map: b₁, b₂ and the elements 11, 12, 22 of K.
 pub(super) const BUMP_CHANNELS: usize = 5;

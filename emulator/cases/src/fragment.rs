@@ -6,7 +6,7 @@ use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 
-use crate::random::SplitMix64;
+use roughxel_scene::random::SplitMix64;
 
 /// One fragment in real numbers, the form the generators think in.
 #[derive(Clone, Copy, Debug)]

@@ -3,18 +3,20 @@
 use roughxel_core::plan::FrameSystem;
 use roughxel_core::ports::{BlockPair, BlockVector};
 use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind};
-use roughxel_emulator::maps::bump::BumpPyramid;
-use roughxel_emulator::plan::{Mode, ObjectPlan};
-use roughxel_emulator::raster::{FragmentAttributes, Projection, SUBPIXELS};
-use roughxel_emulator::scene::{Background, Object, Scene};
+use roughxel_frame::plan::{Mode, ObjectPlan};
+use roughxel_frame::raster::{FragmentAttributes, Projection, SUBPIXELS};
+use roughxel_maps::bump::BumpPyramid;
+use roughxel_scene::{Background, Object, Scene};
 
 use super::maps::{self, BUMP_CHANNELS};
-use crate::reference::cube::{Selection, select};
-use crate::reference::filter::{CubeMap, Map, cube_assemble, texels_to_repeats, trilinear};
-use crate::reference::linear::{add_scaled, norm, scaled};
-use crate::reference::probes::{self, ProbePlan};
-use crate::reference::roughness::Covariance;
-use crate::reference::{self, Inputs, Options, Roughness, columns_in_texels, frame, perturb, reflect, roughness};
+use roughxel_reference::cube::{Selection, select};
+use roughxel_reference::filter::{CubeMap, Map, cube_assemble, texels_to_repeats, trilinear};
+use roughxel_reference::linear::{add_scaled, norm, scaled};
+use roughxel_reference::probes::{self, ProbePlan};
+use roughxel_reference::roughness::Covariance;
+use roughxel_reference::{
+    self as reference, Inputs, Options, Roughness, columns_in_texels, frame, perturb, reflect, roughness,
+};
 
 /// λ₁ of a footprint on a cube face beyond which its probes do not reach further out (2 units, the width of the face).
 const LONGEST_SIGMA: f64 = 2.0;

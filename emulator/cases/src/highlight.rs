@@ -9,7 +9,7 @@ use roughxel_core::setup::{block_vector, offset, shininess};
 
 use super::fragment::{bit, direction, random_fragment};
 use super::set::CaseSet;
-use crate::random::SplitMix64;
+use roughxel_scene::random::SplitMix64;
 
 /// Every stage of a surface.
 pub const FULL: SurfacePlan =

@@ -17,6 +17,8 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+#[cfg(feature = "batch")]
+pub mod batch;
 pub mod math;
 
 use glam::{Vec2, Vec3};

@@ -10,7 +10,7 @@ use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
 use super::fragment::{bit, direction, random_fragment};
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
 use super::set::CaseSet;
-use crate::random::SplitMix64;
+use roughxel_scene::random::SplitMix64;
 
 /// Every effect.
 pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: true };

@@ -1,3 +1,5 @@
+//! # roughxel-cases
+//!
 //! What the datapath is tested with: seeded random fragments, every hard case as a named set, and stimulus for the ports of
 //! a design.
 //!
