@@ -86,9 +86,8 @@ fn datapath_names_no_float() {
 }
 
 /// Where a division may stand, and why it is none of the datapath's: file, item, reason.
-const DIVISIONS: [(&str, &str, &str); 3] = [
+const DIVISIONS: [(&str, &str, &str); 2] = [
     ("rom.rs", "", "generators of tables, evaluated at compile time"),
-    ("precision.rs", "checked", "a limit checked when a precision is built"),
     ("soft_core.rs", "texture_scale", "set-up once per map, by a number that cannot be zero"),
 ];
 
