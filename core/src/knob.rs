@@ -194,7 +194,28 @@ impl Knob {
     pub const fn text(self, value: u32) -> Setting {
         Setting { knob: self, value }
     }
+
+    /// The knob of that name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|knob| knob.name() == name)
+    }
+
+    /// The value that is written so; whether it is in range is for [`Precision::checked`] to say.
+    pub fn read(self, text: &str) -> Option<u32> {
+        let choices = self.choices();
+        match choices.iter().position(|name| *name == text) {
+            Some(place) => Some(place as u32),
+            None if self == Self::Direction && text == "exact" => Some(0),
+            None if choices.is_empty() => text.parse().ok(),
+            None => None,
+        }
+    }
 }
+
+/// Kept bits of [`Precision::grid`].
+const GRID_WIDTHS: [u32; 9] = [12, 14, 16, 18, 20, 22, 24, 26, 28];
+/// Directions of it.
+const GRID_DIRECTIONS: [u32; 3] = [10, 32, 0];
 
 impl Precision {
     /// The value itself if every knob is in its range, else the first that is not.
@@ -203,6 +224,26 @@ impl Precision {
             Some(knob) => Err(knob),
             None => Ok(self),
         }
+    }
+
+    /// A profile between the named ones: `fraction_bits`, in 12…28, and all else as in the narrowest of [`Precision::NARROW`],
+    /// [`Precision::COMPACT`], [`Precision::STANDARD`] and [`Precision::PRECISE`] that keeps as many, beyond the last as in that.
+    pub const fn of_width(fraction_bits: u32) -> Self {
+        let wider = match fraction_bits {
+            ..=14 => Self::NARROW,
+            15..=16 => Self::COMPACT,
+            17..=20 => Self::STANDARD,
+            _ => Self::PRECISE,
+        };
+        Self { fraction_bits, ..wider }
+    }
+
+    /// Settings to choose from, narrowest first: profiles of even widths 12…28 ([`Precision::of_width`]), each with directions by tables of
+    /// 10 and of 32 steps and exact, each of those with both rules for probes.
+    pub fn grid() -> impl Iterator<Item = Self> {
+        let directed = |p| GRID_DIRECTIONS.into_iter().map(move |value| Knob::Direction.with(value, p));
+        let ruled = |p| Knob::ProbeRule.values().iter().map(move |value| Knob::ProbeRule.with(*value, p));
+        GRID_WIDTHS.into_iter().map(Self::of_width).flat_map(directed).flat_map(ruled)
     }
 }
 

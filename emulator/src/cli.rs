@@ -4,6 +4,7 @@
 
 mod arguments;
 mod cache;
+mod choose;
 mod console;
 mod cost;
 mod demo;
@@ -16,6 +17,7 @@ mod ranges;
 mod render;
 mod report;
 mod scenes;
+mod study;
 mod vectors;
 mod verilog;
 
@@ -25,7 +27,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use miette::MietteHandlerOpts;
 
 use arguments::{
-    CONVENTIONS, ProfileArg, file_stem, open_scene, parse_profile, parse_size, parse_threads, use_threads,
+    CONVENTIONS, ProfileArg, Profiles, file_stem, open_scene, parse_profile, parse_profiles, parse_size, parse_threads,
+    use_threads,
 };
 use failure::{Failure, on_one_line};
 
@@ -69,6 +72,12 @@ enum Command {
     /// Say which effects each object of a scene has, why, and what they cost.
     #[command(long_about = plan::LONG_HELP)]
     Plan(plan::PlanArgs),
+    /// Show what accuracy costs in time: every knob alone, on four clocks, as one page.
+    #[command(long_about = study::LONG_HELP)]
+    Study(study::StudyArgs),
+    /// Find the cheapest profile that is accurate enough, or the most accurate within a budget.
+    #[command(long_about = choose::LONG_HELP)]
+    Choose(choose::ChooseArgs),
     /// List the built-in scenes.
     Scenes(scenes::ScenesArgs),
 }
@@ -93,6 +102,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Verilog(args) => verilog::run(&args),
         Command::Gallery(args) => gallery::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Study(args) => study::run(&args),
+        Command::Choose(args) => choose::run(&args),
         Command::Scenes(args) => scenes::run(&args),
     };
     match outcome {

@@ -41,6 +41,7 @@ use roughxel_emulator::random::SplitMix64;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_float::batch::{FootprintBlock, FragmentBlock, reflect_batch};
+use roughxel_float::formulas::Careful;
 use roughxel_float::math::Std;
 use roughxel_float::{Environment, Footprint, Fragment};
 use roughxel_host_tests::designs::scalar;
@@ -278,7 +279,7 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     let mut footprints = vec![Footprint::default(); fragments.len()];
     let plain = move || {
         for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
-            *footprint = environment.reflect::<Std>(fragment);
+            *footprint = environment.reflect::<Std, Careful>(fragment);
         }
         black_box(&mut footprints);
     };

@@ -17,6 +17,7 @@ use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::raster::RasterError;
 use roughxel_emulator::scene::Scene;
+pub use roughxel_emulator::study::accuracy::{LIT_PEAK_BARS, ShadingBars, shading_bars};
 
 use roughxel_real_frame::{self as real_frame, RealPicture};
 
@@ -56,47 +57,6 @@ pub const GROUND_BAR: f64 = 35.0;
 pub const GROUND_TEXELS: f64 = 40.0;
 /// Largest step across an edge of the cube as a share of the variation inside a face.
 pub const CUBE_EDGE_BAR: f64 = 0.02;
-
-/// Largest errors of a light on a peak in each profile: log₂ of that of its local half vector from the ports on (frame, half
-/// vector and local direction together), times the sine between n and h and times |l̂ + v̂|/2, which say how well either is
-/// defined; and of its light at the direction and the visibility that the datapath has, as a share of the amplitude: in `narrow` a
-/// stored N loses its last place, 55·√3·2^−15. Measured −12.3, −14.2, −18.1, −24.3 and −8.9, −15.9, −19.8, −19.6.
-pub const LIT_PEAK_BARS: [[f64; 2]; 5] =
-    [[-12.0, -8.5], [-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.5], [-24.0, -19.5]];
-
-/// Largest errors of peaks and horizons in one profile, against the reference fed with the same ports.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShadingBars {
-    /// Length of the error of a unit direction.
-    pub direction: f64,
-    /// Light of a peak with an exponent from 1 to 8192, as a share of its amplitude times its weight.
-    pub peak: f64,
-    /// Slope, as a share of max(1, |slope|).
-    pub slope: f64,
-    /// Visibility at the slopes that the datapath has.
-    pub visibility: f64,
-}
-
-/// The bars of a profile; `None` for an unknown name.
-///
-/// A peak errs by √(8192/e) = 55 times the angle of its half vector's error, for a power falls that steeply (measured
-/// 2^−9.6, 2^−13.6), and by the length of its stored normal, 2^−15 at most, which is all that is left in `precise`. A visibility
-/// is a product of four factors with 16 fraction bits.
-pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
-    let bars = |[direction, peak, slope, visibility]: [f64; 4]| ShadingBars {
-        direction: direction.exp2(),
-        peak: peak.exp2(),
-        slope: slope.exp2(),
-        visibility: visibility.exp2(),
-    };
-    match profile {
-        "narrow" => Some(bars([-11.5, -7.0, -10.5, -15.0])),
-        "paper" | "compact" => Some(bars([-13.5, -9.0, -12.5, -15.0])),
-        "standard" => Some(bars([-17.5, -13.0, -16.5, -15.0])),
-        "precise" => Some(bars([-24.0, -14.5, -22.5, -15.0])),
-        _ => None,
-    }
-}
 
 /// PSNR in dB of a frame in a mode against the same filter in float64.
 pub fn psnr_against_float(scene: &Scene, mode: Mode, profile: &Precision) -> Result<f64, RasterError> {

@@ -1,8 +1,12 @@
-//! The plan that the program `plan` has, by the environment: `ROUGHXEL_PLAN` and `ROUGHXEL_PROFILE`.
+//! The plan that the programs have, by the environment: `ROUGHXEL_PLAN`, `ROUGHXEL_PROFILE`, and `ROUGHXEL_KNOBS` for what differs from
+//! that profile (`fraction_bits=18 direction=10`).
 
 use std::env;
 use std::fs;
 use std::path::Path;
+
+use roughxel_core::knob::Knob;
+use roughxel_core::precision::{Precision, Profile};
 
 /// What a plan runs, by the first part of its name: the type of what it prepares once, that, and what it does with a sample.
 const WORK: [(&str, [&str; 3]); 7] = [
@@ -22,12 +26,32 @@ const WORK: [(&str, [&str; 3]); 7] = [
     ("texture", ["Texture<Plan>", "Plan::texture([256; 2])", "Plan::texture_footprint(&sample.texture, prepared)"]),
 ];
 
-/// Writes `plan.rs`: the type `Plan`, what it prepares and what of it is run.
+/// A variable of the environment that the build depends on.
+fn variable(name: &str, otherwise: &str) -> String {
+    println!("cargo:rerun-if-env-changed={name}");
+    env::var(name).unwrap_or_else(|_| otherwise.into())
+}
+
+/// The accuracy that the environment asks for.
+fn precision() -> Precision {
+    let (profile, knobs) = (variable("ROUGHXEL_PROFILE", "standard"), variable("ROUGHXEL_KNOBS", ""));
+    let named = Profile::by_name(&profile);
+    let named = named.unwrap_or_else(|| panic!("ROUGHXEL_PROFILE: profiles are {}", Profile::NAMES.join(", ")));
+    let set = |p: Precision, setting: &str| {
+        let (name, text) = setting.split_once('=').unwrap_or((setting, ""));
+        let knob = Knob::by_name(name).unwrap_or_else(|| {
+            panic!("ROUGHXEL_KNOBS: no knob is named {name:?}; knobs are {}", Knob::ALL.map(Knob::name).join(", "))
+        });
+        let value = knob.read(text);
+        let p = value.and_then(|value| knob.with(value, p).checked().ok());
+        p.unwrap_or_else(|| panic!("ROUGHXEL_KNOBS: {setting}: {knob} is {}", knob.range()))
+    };
+    knobs.split_whitespace().fold(named.precision(), set)
+}
+
+/// Writes `plan.rs`: the type `Plan` and its accuracy, what it prepares and what of it is run.
 pub fn write(out: &Path) {
-    println!("cargo:rerun-if-env-changed=ROUGHXEL_PLAN");
-    println!("cargo:rerun-if-env-changed=ROUGHXEL_PROFILE");
-    let variable = |name: &str, otherwise: &str| env::var(name).unwrap_or_else(|_| otherwise.into());
-    let (plan, profile) = (variable("ROUGHXEL_PLAN", "reflection"), variable("ROUGHXEL_PROFILE", "standard"));
+    let (plan, precision) = (variable("ROUGHXEL_PLAN", "reflection"), precision());
     let mut parts = plan.split('+');
     let name = parts.next().unwrap_or_default();
     let (_, [prepared, prepare, work]) =
@@ -41,10 +65,15 @@ pub fn write(out: &Path) {
             other => panic!("ROUGHXEL_PLAN: no effect is named {other}"),
         };
     }
-    let profile = profile[..1].to_uppercase() + &profile[1..];
+    let word = if precision.word_bits() == 16 { "Narrow" } else { "Whole" };
+    let value = Knob::ALL.into_iter().fold("Precision::STANDARD".into(), |within: String, knob| {
+        format!("Knob::{knob:?}.with({}, {within})", knob.of(&precision))
+    });
     let text = format!(
-        "/// The plan that is priced.\nstruct Plan;\nimpl Firmware for Plan {{\n    type Accuracy = {profile};\n    const \
-         EFFECTS: Effects = Effects {{ {effects}..Effects::NONE }};\n}}\n\
+        "/// Its accuracy.\nstruct Knobs;\nimpl Accuracy for Knobs {{\n    type Word = width::{word};\n    const PRECISION: Precision = \
+         {value};\n}}\n\
+         /// The plan that is priced.\nstruct Plan;\nimpl Firmware for Plan {{\n    type Accuracy = Knobs;\n    const EFFECTS: Effects = \
+         Effects {{ {effects}..Effects::NONE }};\n}}\n\
          /// The type of what it prepares once.\ntype Prepared = {prepared};\n/// That.\nmacro_rules! prepare {{ () => {{ {prepare} }}; }}\n\
          /// What it does with a sample.\nmacro_rules! work {{ ($sample:ident, $prepared:ident) => {{ {{ let (sample, prepared) = \
          ($sample, $prepared); {work} }} }}; }}\n"

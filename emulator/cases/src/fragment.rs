@@ -8,22 +8,30 @@ use roughxel_core::setup::{block_vector, offset};
 
 use roughxel_scene::random::SplitMix64;
 
-/// One fragment in real numbers, the form the generators think in.
+/// One fragment in real numbers, the form the generators think in; the fields are those of [`ReflectionIn`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RealFragment {
-    pub(super) normal: DVec3,
-    pub(super) view: DVec3,
-    pub(super) tangents: [DVec3; 2],
-    pub(super) offset: [f64; 2],
-    pub(super) roughness: [f64; 3],
-    pub(super) dview: [DVec3; 2],
-    pub(super) dnormal: [DVec3; 2],
-    pub(super) edge: u16,
+pub struct RealFragment {
+    /// n.
+    pub normal: DVec3,
+    /// v.
+    pub view: DVec3,
+    /// h, or p_u and p_v.
+    pub tangents: [DVec3; 2],
+    /// b₁, b₂.
+    pub offset: [f64; 2],
+    /// d₁, d₂, d₃.
+    pub roughness: [f64; 3],
+    /// ∂v/∂x, ∂v/∂y.
+    pub dview: [DVec3; 2],
+    /// ∂n/∂x, ∂n/∂y.
+    pub dnormal: [DVec3; 2],
+    /// Edge of a face, texels.
+    pub edge: u16,
 }
 
 impl RealFragment {
     /// A mirror on the floor seen at 45°, a pixel of 1/500 rad.
-    pub(super) const PLAIN: Self = Self {
+    pub const PLAIN: Self = Self {
         normal: DVec3::Y,
         view: dvec3(0.0, 1.0, 1.0),
         tangents: [DVec3::NEG_Z, DVec3::X],
@@ -34,7 +42,8 @@ impl RealFragment {
         edge: 256,
     };
 
-    pub(super) fn quantised(&self, p: &Precision) -> ReflectionIn {
+    /// The ports of a profile.
+    pub fn quantised(&self, p: &Precision) -> ReflectionIn {
         ReflectionIn {
             surface: SurfaceIn {
                 normal: block_vector(self.normal, p),
@@ -50,7 +59,8 @@ impl RealFragment {
     }
 }
 
-pub(super) fn direction(random: &mut SplitMix64) -> DVec3 {
+/// A vector of any direction, from a tenth to 1 long.
+pub fn direction(random: &mut SplitMix64) -> DVec3 {
     loop {
         let v = dvec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
         let square = v.length_squared();

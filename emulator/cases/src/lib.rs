@@ -27,7 +27,7 @@ use footprint::{
 };
 use frame::{frame_horizon, frame_natural, frame_pole, frame_zero};
 
-pub use fragment::random_fragment;
+pub use fragment::{RealFragment, direction, random_fragment};
 pub use set::CaseSet;
 
 /// Every hard case of the reflection datapath, by stage.

@@ -9,6 +9,7 @@ use std::vec::Vec;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
+use crate::formulas::Careful;
 use crate::math::Std;
 use crate::{Environment, Footprint, Fragment};
 
@@ -21,7 +22,7 @@ pub fn reflect_batch(environment: &Environment, blocks: &[FragmentBlock], footpr
 fn reflect_blocks(environment: &Environment, blocks: &[FragmentBlock], footprints: &mut [FootprintBlock]) {
     for (block, footprints) in blocks.iter().zip(footprints) {
         for lane in 0..WIDTH {
-            footprints.set(lane, environment.datapath::<Std>(&block.get(lane)));
+            footprints.set(lane, environment.datapath::<Std, Careful>(&block.get(lane)));
         }
     }
 }

@@ -5,7 +5,8 @@
 //!
 //! [`Environment::reflect`] is the mathematics of [`ReflectionPlan::FULL`] on `glam` vectors. Square roots, divisions and
 //! the logarithm are those of a library, a type parameter: each implementation of [`Math`] is a feature, `std`, `libm`,
-//! `micromath`.
+//! `micromath`. Another one is how carefully it is written: [`formulas::Careful`] or as printed, [`formulas::Plain`].
+//! [`peak::LitPeak`] is a light on a peak.
 //!
 //! It has the range of `f32`, not that of the ports ([`Fragment::in_range`]).
 //!
@@ -19,13 +20,16 @@ extern crate std;
 
 #[cfg(feature = "batch")]
 pub mod batch;
+pub mod formulas;
 pub mod math;
+pub mod peak;
 
 use glam::{Vec2, Vec3};
 use roughxel_core::ports::{BlockVector, ReflectionIn};
 use roughxel_core::setup::{real_offset, real_vector};
 use roughxel_core::status::StatusBit;
 
+use crate::formulas::{Axes, Formulas, Frame, Mirror};
 use crate::math::Math;
 
 /// Most probes of a footprint, as in every named profile.
@@ -36,8 +40,6 @@ const BOX_SIGMA: f32 = 0.288_675_13;
 const DIAMETER: f32 = 3.464_101_6;
 /// λ₁ beyond which the step is cut, map units.
 const LONGEST_SIGMA: f32 = 2.0;
-/// An aspect this close above an integer is that integer: some roundings of λ₁/λ₂, so that a circle has one probe.
-const ASPECT_SLACK: f32 = 1.0 - 8.0 * f32::EPSILON;
 
 /// Inputs of one fragment in real units; the fields are those of [`ReflectionIn`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -146,33 +148,27 @@ impl Environment {
     /// One fragment. A call for each, as in a renderer, where its fetches come next: inlined into a loop of nothing
     /// else the compiler would make vectors of this one, too.
     #[inline(never)]
-    pub fn reflect<M: Math>(&self, fragment: &Fragment) -> Footprint {
-        self.datapath::<M>(fragment)
+    pub fn reflect<M: Math, F: Formulas>(&self, fragment: &Fragment) -> Footprint {
+        self.datapath::<M, F>(fragment)
+    }
+
+    /// One fragment on a frame that was found before, of any system; `main_direction` is not looked at.
+    #[inline(never)]
+    pub fn reflect_on<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> Footprint {
+        self.footprint::<M, F>(fragment, frame)
     }
 
     /// Frame, perturb, reflect, cube face, columns, ellipse, axes, probes: the body of a loop that is to become vectors.
     #[inline(always)]
-    pub fn datapath<M: Math>(&self, fragment: &Fragment) -> Footprint {
-        let &Fragment { normal: n, view: v, main_direction, offset, roughness, dview, dnormal } = fragment;
+    pub fn datapath<M: Math, F: Formulas>(&self, fragment: &Fragment) -> Footprint {
+        self.footprint::<M, F>(fragment, F::frame::<M>(fragment.normal, fragment.main_direction))
+    }
 
-        // E₁ = |n|·(h×n)/|h×n|, E₂ = n×(h×n)/|h×n|; at the pole the axis on which |n| is smallest stands in for h.
-        let square = n.dot(n);
-        let across = main_direction.cross(n);
-        let pole = across.dot(across) == 0.0;
-        let size = n.abs();
-        let (least_x, least_y) = ((size.x <= size.y) & (size.x <= size.z), size.y <= size.z);
-        let axis = if least_x {
-            Vec3::X
-        } else if least_y {
-            Vec3::Y
-        } else {
-            Vec3::Z
-        };
-        let across = if pole { axis.cross(n) } else { across };
-        let across_square = across.dot(across);
-        let inverse = if across_square > 0.0 { M::inverse_sqrt(across_square) } else { 0.0 };
-        let e1 = across * (M::sqrt(square) * inverse);
-        let e2 = n.cross(across) * inverse;
+    /// Perturb and all that follows.
+    #[inline(always)]
+    fn footprint<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> Footprint {
+        let &Fragment { normal: n, view: v, offset, roughness, dview, dnormal, .. } = fragment;
+        let Frame { e1, e2, pole } = frame;
 
         // r = 2 n⟨v·n⟩ − v|n|² with n = n_mod from here on.
         let n = n + e1 * offset.x + e2 * offset.y;
@@ -202,50 +198,21 @@ impl Environment {
         let over_m = if on_face.z > 0.0 { M::quotient(1.0, on_face.z) } else { 0.0 };
         let (s, t) = (on_face.x * over_m, on_face.y * over_m);
 
-        // q = (ds_c − s·dm, dt_c − t·dm)/m of dr = [2 n nᵀ − |n|²I]dv + 2[⟨n·v⟩I + n vᵀ − v nᵀ]dn.
+        // q = (ds_c − s·dm, dt_c − t·dm)/m of dr.
         let column = |dr: Vec3, weight: f32| {
             let dr = face.components(dr);
             Vec2::new(dr.x - s * dr.z, dr.y - t * dr.z) * (over_m * weight)
         };
-        let curved = |dn: Vec3| (dn * along + n * v.dot(dn) - v * n.dot(dn)) * 2.0;
-        let pixel = |dv: Vec3, dn: Vec3| n * (2.0 * n.dot(dv)) - dv * square + curved(dn);
-        let q = [
-            column(pixel(dview[0], dnormal[0]), BOX_SIGMA),
-            column(pixel(dview[1], dnormal[1]), BOX_SIGMA),
-            column(curved(e1 * roughness.x), 1.0),
-            column(curved(e1 * roughness.y + e2 * roughness.z), 1.0),
-        ];
-
-        // K = Σ q qᵀ, det K = Σ of the squared minors.
-        let a = q[0].x * q[0].x + q[1].x * q[1].x + q[2].x * q[2].x + q[3].x * q[3].x;
-        let b = q[0].x * q[0].y + q[1].x * q[1].y + q[2].x * q[2].y + q[3].x * q[3].y;
-        let c = q[0].y * q[0].y + q[1].y * q[1].y + q[2].y * q[2].y + q[3].y * q[3].y;
-        let minor_square = |i: usize, j: usize| {
-            let minor = q[i].x * q[j].y - q[i].y * q[j].x;
-            minor * minor
-        };
-        let det = minor_square(0, 1)
-            + minor_square(0, 2)
-            + minor_square(0, 3)
-            + minor_square(1, 2)
-            + minor_square(1, 3)
-            + minor_square(2, 3);
-
-        // λ₁² = ½(a + c + √((a − c)² + 4b²)), λ₂² = det/λ₁²; the direction by (h + |a − c|, |2b|), which never cancels.
-        let (difference, twice_b) = (a - c, 2.0 * b);
-        let h = M::sqrt(difference * difference + twice_b * twice_b);
-        let major_square = 0.5 * (a + c + h);
-        let major = M::sqrt(major_square);
-        let empty = major_square == 0.0;
-        let minor = if empty { 0.0 } else { M::sqrt(M::quotient(det, major_square)) };
-        let larger = h + difference.abs();
-        let circle = larger == 0.0;
-        let unit = M::inverse_sqrt(larger * larger + twice_b * twice_b);
-        let (cos, sin) = if circle { (1.0, 0.0) } else { (larger * unit, twice_b * unit) };
-        let direction = if difference >= 0.0 { Vec2::new(cos, sin) } else { Vec2::new(sin, cos) };
+        let mirror = Mirror { normal: n, view: v, along, square };
+        let Axes { major, minor, direction, empty } = F::axes::<M>(&[
+            column(F::moved(&mirror, dview[0], dnormal[0]), BOX_SIGMA),
+            column(F::moved(&mirror, dview[1], dnormal[1]), BOX_SIGMA),
+            column(F::curved(&mirror, e1 * roughness.x), 1.0),
+            column(F::curved(&mirror, e1 * roughness.y + e2 * roughness.z), 1.0),
+        ]);
 
         // N = ⌈λ₁/λ₂⌉ up to 16; beyond that λ₂ is raised to λ₁/16.
-        let aspect = if empty { 1.0 } else { M::quotient(major, minor) * ASPECT_SLACK };
+        let aspect = if empty { 1.0 } else { M::quotient(major, minor) * F::ASPECT_SLACK };
         let capped = aspect > MAX_PROBES;
         let aspect = aspect.clamp(1.0, MAX_PROBES);
         let whole = aspect as i32 as f32;
@@ -253,7 +220,7 @@ impl Environment {
         let minor = if capped { major / MAX_PROBES } else { minor };
         let step = direction * M::quotient(DIAMETER * major.min(LONGEST_SIGMA), count);
         // Not `clamp`: its check of the bounds would keep the compiler from making vectors of the loop.
-        let lod = M::log2(DIAMETER * minor * self.texels).max(0.0).min(self.last_level);
+        let lod = F::log2::<M>(DIAMETER * minor * self.texels).max(0.0).min(self.last_level);
 
         let bit = |bit: StatusBit, flag: bool| if flag { bit.mask() } else { 0 };
         let axis = if is_z {

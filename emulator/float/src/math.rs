@@ -27,6 +27,15 @@ pub trait Math {
         let f = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000) - 1.0;
         exponent as f32 + f + f * (1.0 - f) * (0.438_725_74 + f * (-0.239_058_23 + f * 0.082_130_685))
     }
+
+    /// log₂ of a positive number as the library has it.
+    fn library_log2(x: f32) -> f32;
+
+    /// xⁿ, x > 0.
+    fn power(x: f32, n: f32) -> f32;
+
+    /// (1 − x)ⁿ, 0 ≤ x < 1; no digit of a small x is lost where the library has a logarithm of 1 + x.
+    fn power_of_one_minus(x: f32, n: f32) -> f32;
 }
 
 /// The standard library: an instruction for each operation, and vectors of them.
@@ -40,6 +49,21 @@ impl Math for Std {
     fn sqrt(x: f32) -> f32 {
         x.sqrt()
     }
+
+    #[inline(always)]
+    fn library_log2(x: f32) -> f32 {
+        x.log2()
+    }
+
+    #[inline(always)]
+    fn power(x: f32, n: f32) -> f32 {
+        x.powf(n)
+    }
+
+    #[inline(always)]
+    fn power_of_one_minus(x: f32, n: f32) -> f32 {
+        (n * (-x).ln_1p()).exp()
+    }
 }
 
 /// `libm`, whose square root is rounded correctly: the same bits as `Std`.
@@ -52,6 +76,21 @@ impl Math for Libm {
     #[inline(always)]
     fn sqrt(x: f32) -> f32 {
         libm::sqrtf(x)
+    }
+
+    #[inline(always)]
+    fn library_log2(x: f32) -> f32 {
+        libm::log2f(x)
+    }
+
+    #[inline(always)]
+    fn power(x: f32, n: f32) -> f32 {
+        libm::powf(x, n)
+    }
+
+    #[inline(always)]
+    fn power_of_one_minus(x: f32, n: f32) -> f32 {
+        libm::expf(n * libm::log1pf(-x))
     }
 }
 
@@ -82,6 +121,21 @@ impl Math for Micromath {
 
     #[inline(always)]
     fn log2(x: f32) -> f32 {
+        Self::library_log2(x)
+    }
+
+    #[inline(always)]
+    fn library_log2(x: f32) -> f32 {
         micromath::F32Ext::log2(x)
+    }
+
+    #[inline(always)]
+    fn power(x: f32, n: f32) -> f32 {
+        micromath::F32Ext::powf(x, n)
+    }
+
+    #[inline(always)]
+    fn power_of_one_minus(x: f32, n: f32) -> f32 {
+        Self::power(1.0 - x, n)
     }
 }

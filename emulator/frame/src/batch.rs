@@ -97,18 +97,21 @@ impl Waiting {
     }
 }
 
-/// The light of a tile's pixels, summed over objects, lights and samples.
-pub(super) struct Sums(pub(super) Vec<[PixelSum<i32>; 3]>);
+/// The light of a tile's pixels, summed over objects, lights and samples, and what was read for it.
+pub(super) struct Sums {
+    pub(super) pixels: Vec<[PixelSum<i32>; 3]>,
+    pub(super) texels: u64,
+}
 
 impl Sums {
     /// No light in so many pixels.
     pub(super) fn new(pixels: usize) -> Self {
-        Self(vec![[PixelSum { sum: Fx::zero() }; 3]; pixels])
+        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], texels: 0 }
     }
 
     /// Adds a colour to a pixel.
     pub(super) fn add(&mut self, pixel: usize, colour: [Channel; 3]) {
-        for (sum, channel) in self.0[pixel].iter_mut().zip(colour) {
+        for (sum, channel) in self.pixels[pixel].iter_mut().zip(colour) {
             *sum = pixel::sum(sum, channel);
         }
     }
@@ -169,6 +172,7 @@ impl Prepared<'_> {
                 }
             }
         }
+        sums.texels += taps.iter_mut().map(Taps::fetched).sum::<u64>();
         attributes.clear();
         pixels.clear();
         directions.clear();
@@ -218,10 +222,11 @@ impl Prepared<'_> {
         let Waiting { plan, reflectance, inputs, pixels } = waiting;
         let rough = plan.roughness != RoughnessKind::None;
         for (footprint, (pixel, surface)) in self.footprints(plan, inputs).iter().zip(pixels.drain(..)) {
-            let reflection = self
-                .environment
-                .as_ref()
-                .map_or([Fx::zero(); 3], |map| map.sample(&footprint.point, &footprint.probes, rough, &self.precision));
+            let Footprint { point, probes } = footprint;
+            let reflection = self.environment.as_ref().map_or([Fx::zero(); 3], |map| {
+                sums.texels += map.texels(probes, rough, &self.precision);
+                map.sample(point, probes, rough, &self.precision)
+            });
             let channel = |i: usize| pixel::blend::<i32>(surface[i], reflection[i], reflectance[i]);
             sums.add(pixel, core::array::from_fn(channel));
         }

@@ -1,5 +1,6 @@
 //! Fetches from the environment: probes on cube faces, across their edges and at their corners.
 
+use roughxel_core::datapath::texel;
 use roughxel_core::precision::Precision;
 use roughxel_core::sampler::{self, Cube};
 use roughxel_core::signals::{CubePoint, Probes};
@@ -37,6 +38,12 @@ impl EnvironmentMap {
     pub fn bytes(&self) -> u64 {
         let levels = self.pyramid.levels.iter().flatten();
         levels.map(|level| size_of_val(level.texels.as_slice()) as u64).sum()
+    }
+
+    /// Texels that [`EnvironmentMap::sample`] reads: four of each probe, and as many of the coarser level unless its weight is 0.
+    pub fn texels(&self, probes: &Probes<i32>, rough: bool, p: &Precision) -> u64 {
+        let levels = 1 + u64::from(texel::levels::<i32>(probes.lod, rough, p).weight.raw() != 0);
+        4 * levels * u64::from(probes.count.raw().unsigned_abs())
     }
 
     /// The mean colour of a footprint, I8F24: N trilinear probes along its major axis; a rough one is sampled with the

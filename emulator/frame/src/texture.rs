@@ -110,6 +110,7 @@ impl<'a> MapReads<'a> {
             self.taps.size = Some(size);
             self.taps.set(map, &self.centre, self.footprints.of(self.fragment, map), self.p);
         }
+        self.taps.fetched += self.taps.levels.iter().map(|taps| 4 * taps.len() as u64).sum::<u64>();
         self.taps
     }
 
@@ -179,6 +180,8 @@ pub struct Taps {
     levels: [Vec<Tap>; 2],
     /// Weight of the coarser level, raw.
     level_weight: i32,
+    /// Read since the last [`Taps::fetched`].
+    fetched: u64,
 }
 
 /// One channel of the texels of two levels, filtered.
@@ -210,6 +213,11 @@ impl Taps {
                 coarse.push(coarser.tap(&place, p));
             }
         }
+    }
+
+    /// Texels read since the last call, those of each map by themselves.
+    pub(super) fn fetched(&mut self) -> u64 {
+        core::mem::take(&mut self.fetched)
     }
 
     /// The taps of each level, probe by probe.

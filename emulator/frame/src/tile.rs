@@ -25,25 +25,32 @@ enum Ray {
 impl Prepared<'_> {
     /// Draws the frame. `progress` is called once for each of [`Self::work`] pieces, from any thread.
     pub fn render(&self, progress: &(dyn Fn() + Sync)) -> Result<Frame, RasterError> {
+        Ok(self.render_counted(progress)?.0)
+    }
+
+    /// The same with the number of texels that were read, those of each map and level by themselves.
+    pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, u64), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
-        let shaded: Vec<(TileRect, Vec<Colour>)> = tiles(width, height)
+        let shaded: Vec<(TileRect, Vec<Colour>, u64)> = tiles(width, height)
             .collect::<Vec<_>>()
             .into_par_iter()
             .map(|tile| {
-                let colours = self.shade_tile(&triangles, tile);
+                let (colours, texels) = self.shade_tile(&triangles, tile);
                 progress();
-                (tile, colours)
+                (tile, colours, texels)
             })
             .collect();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
-        for (tile, colours) in shaded {
+        let mut texels = 0;
+        for (tile, colours, read) in shaded {
+            texels += read;
             for (row, line) in (0..).zip(colours.chunks(tile.width as usize)) {
                 let start = (tile.y + row) as usize * width as usize + tile.x as usize;
                 pixels[start..start + line.len()].copy_from_slice(line);
             }
         }
-        Ok(Frame { width, height, pixels })
+        Ok((Frame { width, height, pixels }, texels))
     }
 
     /// Number of progress steps of [`Self::render`].
@@ -58,7 +65,8 @@ impl Prepared<'_> {
         (0..edge * edge).map(|i| [place(i % edge), place(i / edge)]).collect()
     }
 
-    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> Vec<Colour> {
+    /// The colours of a tile, and the number of texels that were read.
+    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, u64) {
         let offsets = self.sample_offsets();
         let mut buffer = TileBuffer::new();
         let mut sums = Sums::new(tile.width as usize * tile.height as usize);
@@ -108,7 +116,8 @@ impl Prepared<'_> {
         // Supersampling is what the datapath is compared with: its mean, to nearest, is no stage.
         let samples = offsets.len() as i64;
         let mean = |sum: PixelSum<i32>| PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + samples / 2) / samples) };
-        sums.0.into_iter().map(|sums| sums.map(|sum| pixel::pixel(&mean(sum)).raw())).collect()
+        let colours = sums.pixels.into_iter().map(|sums| sums.map(|sum| pixel::pixel(&mean(sum)).raw()));
+        (colours.collect(), sums.texels)
     }
 
     /// What the ray through a pixel sees that hits nothing.

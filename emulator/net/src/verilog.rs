@@ -23,6 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use roughxel_core::design::Design;
+use roughxel_core::knob::Knob;
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use serde::Serialize;
@@ -152,6 +153,7 @@ impl Verilog {
             generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")),
             design: design.name(),
             profile: &options.profile,
+            knobs: knobs(&options.precision),
             effects,
             frame,
             depth: options.depth,
@@ -185,6 +187,8 @@ struct Manifest<'a> {
     generator: &'static str,
     design: &'a str,
     profile: &'a str,
+    /// By name: a number, or the name of a choice.
+    knobs: BTreeMap<&'static str, serde_json::Value>,
     effects: String,
     frame: &'static str,
     depth: Option<u32>,
@@ -249,6 +253,16 @@ impl FileEntry {
         });
         Self { name: name.to_owned(), bytes: text.len(), sha256 }
     }
+}
+
+/// The knobs as profile files name them: a number, or the name of a choice.
+pub fn knobs(p: &Precision) -> BTreeMap<&'static str, serde_json::Value> {
+    let value = |knob: Knob| {
+        let value = knob.of(p);
+        let text = knob.text(value).to_string();
+        if text.parse() == Ok(value) { value.into() } else { text.into() }
+    };
+    Knob::ALL.into_iter().map(|knob| (knob.name(), value(knob))).collect()
 }
 
 /// Effects as `--effects` names them, of those that a design has.

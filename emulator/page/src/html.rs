@@ -21,6 +21,13 @@ figure { margin: 0; flex: 0 1 20rem; }
 img { display: block; width: 100%; height: auto; background: #000; }
 figcaption { font-size: .9rem; margin-top: .25rem; }
 figcaption b { color: var(--ink); }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(25rem, 100%), 1fr)); gap: 2rem 1.5rem; align-items: start; }
+figure.plot { min-width: 0; max-width: 34rem; margin: 1rem 0; }
+.plots figure.plot { margin: 0; }
+figure.plot svg { display: block; width: 100%; height: auto; }
+figure.plot .scroll { max-height: 24rem; overflow-y: auto; }
+figure.plot th { white-space: normal; vertical-align: bottom; }
+figure.plot summary { margin: .5rem 0; font-size: .9rem; }
 .scroll { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .6rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
@@ -35,6 +42,8 @@ summary { cursor: pointer; margin: 1rem 0; }
 #[derive(Debug, Default)]
 pub struct Page {
     text: String,
+    /// Numbers given so far.
+    numbers: usize,
 }
 
 impl Page {
@@ -60,6 +69,27 @@ impl Page {
     pub fn add(&mut self, part: fmt::Arguments<'_>) {
         // Writing to a string cannot fail.
         let _ = self.text.write_fmt(part);
+    }
+
+    /// A number that nothing else on this page has, for ids.
+    pub(crate) fn next_number(&mut self) -> usize {
+        self.numbers += 1;
+        self.numbers
+    }
+
+    /// Begins a section; `id` is what links to it name.
+    pub fn section(&mut self, id: &str, title: &str) {
+        self.add(format_args!("<section id=\"{}\">\n<h2>{}</h2>\n", Text(id), Text(title)));
+    }
+
+    /// Ends a section.
+    pub fn end_section(&mut self) {
+        self.add(format_args!("</section>\n"));
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) {
+        self.add(format_args!("<p>{}</p>\n", Text(text)));
     }
 
     /// A cell of a table; a dash where there is nothing.

@@ -1,5 +1,6 @@
 //! # roughxel-page
 //!
-//! Pages that need nothing beside them: [`html`] without script.
+//! Pages that need nothing beside them: [`html`] without script, [`plot`]s as SVG.
 
 pub mod html;
+pub mod plot;

@@ -8,8 +8,11 @@
 //! [`Mode::Supersampled`] the maps are read bilinearly at level 0, which with 1024 samples is the truth that filtering
 //! is judged by; in the filtering modes the same probe rule, weights and limits hold as in the frame, at full accuracy.
 
+mod footprint;
 mod maps;
 mod shade;
+
+pub use footprint::{Float64, Footprint, Footprints};
 
 use rayon::prelude::*;
 use roughxel_core::precision::Precision;
@@ -17,6 +20,7 @@ use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::{Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, TriangleList, tiles};
 use roughxel_scene::Scene;
+use roughxel_scene::picture::Picture;
 
 use shade::Shader;
 
@@ -46,6 +50,14 @@ impl RealPicture {
     }
 }
 
+impl RealPicture {
+    /// The picture in single precision, as files and comparisons take it.
+    pub fn picture(&self) -> Picture {
+        let pixels = self.pixels.iter().map(|pixel| pixel.map(|channel| channel as f32));
+        Picture { width: self.width, height: self.height, pixels: pixels.collect() }
+    }
+}
+
 impl From<&Frame> for RealPicture {
     fn from(frame: &Frame) -> Self {
         let real = |word: i32| f64::from(word) / f64::from(1 << 24);
@@ -64,9 +76,21 @@ pub fn render(
     profile: &Precision,
     progress: &(dyn Fn() + Sync),
 ) -> Result<RealPicture, RasterError> {
+    render_with(scene, mode, profile, &Float64, progress)
+}
+
+/// The same with the footprints of another datapath on what is reflected; filter and all else stay float64. Modes that do not filter
+/// have no footprints.
+pub fn render_with(
+    scene: &Scene,
+    mode: Mode,
+    profile: &Precision,
+    footprints: &dyn Footprints,
+    progress: &(dyn Fn() + Sync),
+) -> Result<RealPicture, RasterError> {
     let projection = Projection::new(&scene.camera)?;
     let triangles = TriangleList::new(&projection, &scene.objects)?;
-    let shader = Shader::new(scene, &projection, mode, profile);
+    let shader = Shader::new(scene, &projection, mode, profile, footprints);
     let (width, height) = (projection.width(), projection.height());
     let shaded: Vec<(TileRect, Vec<[f64; 3]>)> = tiles(width, height)
         .collect::<Vec<_>>()
@@ -87,7 +111,7 @@ pub fn render(
     Ok(RealPicture { width, height, pixels })
 }
 
-/// Number of progress steps of [`render`].
+/// Number of progress steps of [`render`] and [`render_with`].
 pub fn work(scene: &Scene) -> u64 {
     tiles(scene.camera.width, scene.camera.height).count() as u64
 }

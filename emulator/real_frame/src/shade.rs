@@ -8,8 +8,9 @@ use roughxel_frame::raster::{FragmentAttributes, Projection, SUBPIXELS};
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_scene::{Background, Object, Scene};
 
+use super::footprint::{Footprint, Footprints};
 use super::maps::{self, BUMP_CHANNELS};
-use roughxel_reference::cube::{Selection, select};
+use roughxel_reference::cube::select;
 use roughxel_reference::filter::{CubeMap, Map, cube_assemble, texels_to_repeats, trilinear};
 use roughxel_reference::linear::{add_scaled, norm, scaled};
 use roughxel_reference::probes::{self, ProbePlan};
@@ -18,13 +19,11 @@ use roughxel_reference::{
     self as reference, Inputs, Options, Roughness, columns_in_texels, frame, perturb, reflect, roughness,
 };
 
-/// λ₁ of a footprint on a cube face beyond which its probes do not reach further out (2 units, the width of the face).
-const LONGEST_SIGMA: f64 = 2.0;
-
 /// Everything a sample needs.
 pub(super) struct Shader<'a> {
     scene: &'a Scene,
     projection: &'a Projection,
+    footprints: &'a dyn Footprints,
     filters: bool,
     rule: probes::ProbeRule,
     max_probes: u32,
@@ -51,7 +50,13 @@ fn real_pair(v: BlockPair) -> [f64; 2] {
 
 impl<'a> Shader<'a> {
     /// Builds the maps of a scene, those the plan calls for.
-    pub(super) fn new(scene: &'a Scene, projection: &'a Projection, mode: Mode, profile: &Precision) -> Self {
+    pub(super) fn new(
+        scene: &'a Scene,
+        projection: &'a Projection,
+        mode: Mode,
+        profile: &Precision,
+        footprints: &'a dyn Footprints,
+    ) -> Self {
         let p = mode.precision(profile);
         let filters = mode.filters();
         let reflects = scene.objects.iter().any(|object| object.material.reflectance.iter().any(|&r| r > 0.0));
@@ -79,6 +84,7 @@ impl<'a> Shader<'a> {
         Self {
             scene,
             projection,
+            footprints,
             filters,
             rule: match p.probe_rule {
                 ProbeRule::Ceiling => probes::ProbeRule::Ceiling,
@@ -186,7 +192,7 @@ impl<'a> Shader<'a> {
             return environment[0].bilinear(&select(reflect::reflect(view, perturbed)));
         }
         let edge_texels = environment[0].faces[0].width as u32;
-        let outputs = reference::reflection(
+        let footprint = self.footprints.footprint(
             &Inputs {
                 normal,
                 view,
@@ -210,22 +216,16 @@ impl<'a> Shader<'a> {
         );
         // Probes of variance λ₂² where the footprint is a rough surface's.
         let bias = if plan.roughness == RoughnessKind::None { 0.0 } else { -0.5 * 3_f64.log2() };
-        self.assembled(environment, &outputs.selection, &outputs.probes, outputs.axes.major, bias)
+        footprint.map_or([0.0; 3], |footprint| self.assembled(environment, &footprint, bias))
     }
 
-    /// The probes of a footprint whose λ₁ is `sigma`, their level of detail moved by `bias` ≤ 0.
-    fn assembled(
-        &self,
-        environment: &[CubeMap<3>],
-        at: &Selection,
-        plan: &ProbePlan,
-        sigma: f64,
-        bias: f64,
-    ) -> [f64; 3] {
-        let reach = if sigma > LONGEST_SIGMA { LONGEST_SIGMA / sigma } else { 1.0 };
-        let lod = (plan.lod + bias).max(0.0);
-        let plan = ProbePlan { step: scaled(reach, plan.step), lod, ..*plan };
-        cube_assemble(environment, at, &plan, &self.weights[plan.count as usize - 1])
+    /// The probes of a footprint, their level of detail moved by `bias` ≤ 0.
+    fn assembled(&self, environment: &[CubeMap<3>], footprint: &Footprint, bias: f64) -> [f64; 3] {
+        let &Footprint { centre, count, step, lod } = footprint;
+        let lod = (lod + bias).max(0.0);
+        // How the level came about is nothing to a filter.
+        let plan = ProbePlan { count, step, lod, minor: 0.0, capped: false, lod_unclamped: lod };
+        cube_assemble(environment, &centre, &plan, &self.weights[count as usize - 1])
     }
 
     /// What a ray that hits nothing sees; position in sub-pixels.
@@ -252,7 +252,7 @@ impl<'a> Shader<'a> {
                 let columns = self.projection.dview().map(column);
                 let footprint =
                     reference::texture(columns, 0.5 * f64::from(edge), [edge; 2], self.rule, self.max_probes);
-                self.assembled(environment, &selection, &footprint.probes, footprint.axes.major, 0.0)
+                self.assembled(environment, &Footprint::new(selection, &footprint.probes, footprint.axes.major), 0.0)
             }
         }
     }

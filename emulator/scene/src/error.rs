@@ -1,4 +1,4 @@
-//! Errors of scene files: what is wrong, where it stands, and what to do about it.
+//! Errors of scene files, and places in files that people write: what is wrong, where it stands, and what to do about it.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -8,10 +8,10 @@ use crate::limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 use crate::mesh::MeshError;
 use crate::picture::PictureError;
 
-/// A place in a scene file with what is wrong there.
+/// A place in a file that people write, a scene or a profile, with what is wrong there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The scene file, or the label the text came with.
+    /// The file, or the label the text came with.
     pub file: String,
     /// Line, from 1.
     pub line: usize,
@@ -19,7 +19,7 @@ pub struct Fault {
     pub column: usize,
     /// Byte range in `text`.
     pub span: Range<usize>,
-    /// The whole scene file.
+    /// The whole file.
     pub text: Arc<str>,
     /// What is wrong.
     pub message: String,
@@ -29,7 +29,7 @@ pub struct Fault {
 
 impl Fault {
     /// A fault at the byte range `span` of `text`; a range outside `text` is cut to it.
-    pub(super) fn new(file: &str, text: &Arc<str>, span: Range<usize>, message: String, help: String) -> Self {
+    pub fn new(file: &str, text: &Arc<str>, span: Range<usize>, message: String, help: String) -> Self {
         let start = floor_char_boundary(text, span.start);
         let end = floor_char_boundary(text, span.end).max(start);
         let before = &text[..start];

@@ -1,12 +1,13 @@
 //! Arguments that several commands take.
 
-use std::path::Path;
+use std::path::{Path, PathBuf, is_separator};
 
-use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::precision::Profile;
 use roughxel_emulator::scene::Scene;
+use roughxel_emulator::study::profile_file::{NamedPrecision, closest, read_profile};
 
 use super::console;
-use super::failure::{Failure, scene_failure};
+use super::failure::{Failure, profile_failure, scene_failure};
 
 /// Shown at the end of every command's help.
 pub(super) const CONVENTIONS: &str = "\
@@ -17,7 +18,9 @@ Units and formats:
   lambda, step in units of s, t (half faces); K in half faces squared; lod in levels
   mantissas    I2F30 (two's complement, 30 fraction bits) times 2^exponent (16-bit integer)
   offsets      b, d, step: I4F28, -8 to 8; lod: I16F16
-  profiles     narrow (14 kept fraction bits, on words of 16), paper, compact (both 16), standard (20), precise (26)
+  profiles     narrow (14 kept fraction bits, on words of 16), paper, compact (both 16), standard (20), precise (26);
+               or a file (TOML): a path, or a name that ends in .toml, with the knobs that are not those of its
+               `base` (standard), such as fraction_bits = 18; its keys are in emulator/profiles.md
 
 Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
@@ -34,18 +37,58 @@ pub(super) fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Fa
     })
 }
 
-/// A named profile, as a command-line argument.
+/// A profile as a command-line argument.
 #[derive(Clone, Debug)]
-pub(super) struct ProfileArg {
-    pub(super) name: String,
-    pub(super) precision: Precision,
+pub(super) enum ProfileArg {
+    /// A named one.
+    Named(Profile),
+    /// A file, not read yet: what is wrong in it is no error of usage.
+    File(PathBuf),
 }
 
-pub(super) fn parse_profile(name: &str) -> Result<ProfileArg, String> {
-    match Profile::by_name(name).map(Profile::precision) {
-        Some(precision) => Ok(ProfileArg { name: name.into(), precision }),
-        None => Err(format!("profiles are {}", Profile::NAMES.join(", "))),
+impl ProfileArg {
+    /// Its name and knobs.
+    pub(super) fn open(&self) -> Result<NamedPrecision, Failure> {
+        match self {
+            Self::Named(profile) => Ok((*profile).into()),
+            Self::File(path) => read_profile(path).map_err(profile_failure),
+        }
     }
+}
+
+pub(super) fn parse_profile(text: &str) -> Result<ProfileArg, String> {
+    if let Some(profile) = Profile::by_name(text) {
+        return Ok(ProfileArg::Named(profile));
+    }
+    let path = Path::new(text);
+    if text.contains(is_separator) || path.extension().is_some_and(|extension| extension == "toml") {
+        return Ok(ProfileArg::File(path.into()));
+    }
+    let meant = closest(text, Profile::NAMES).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+    Err(format!("profiles are {}, or a file (a path, or a name that ends in .toml){meant}", Profile::NAMES.join(", ")))
+}
+
+/// Profiles as one command-line argument.
+#[derive(Clone, Debug)]
+pub(super) enum Profiles {
+    /// Every named one.
+    All,
+    /// One.
+    One(ProfileArg),
+}
+
+impl Profiles {
+    /// Their names and knobs.
+    pub(super) fn open(&self) -> Result<Vec<NamedPrecision>, Failure> {
+        match self {
+            Self::All => Ok(Profile::ALL.map(NamedPrecision::from).to_vec()),
+            Self::One(profile) => Ok(vec![profile.open()?]),
+        }
+    }
+}
+
+pub(super) fn parse_profiles(text: &str) -> Result<Profiles, String> {
+    if text == "all" { Ok(Profiles::All) } else { parse_profile(text).map(Profiles::One) }
 }
 
 /// `WIDTHxHEIGHT` in pixels, each up to 16384 and 2^26 together.

@@ -14,8 +14,7 @@ use serde_json::{Value, json};
 
 use super::console::new_table;
 use super::ranges::{design_help, parse_design, unproven};
-use super::report::{Profiles, parse_profiles};
-use super::{Failure, effects};
+use super::{Failure, Profiles, effects, parse_profiles};
 
 pub(super) const LONG_HELP: &str = "\
 Count what a design costs in hardware: each run once for each time it runs, nothing shared.
@@ -36,8 +35,8 @@ Data goes to stdout, progress and errors to stderr.";
 
 #[derive(Args)]
 pub(super) struct CostArgs {
-    /// Profile, or `all`.
-    #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|all")]
+    /// Profile: a name, a file (TOML), or `all`.
+    #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|FILE|all")]
     profile: Profiles,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
     effects: Effects,
@@ -61,8 +60,9 @@ struct Measured<'a> {
 }
 
 pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
+    let profiles = args.profile.open()?;
     let mut measured = Vec::new();
-    for profile in &args.profile.0 {
+    for profile in &profiles {
         let net = Net::of(args.design, &args.effects, &profile.precision);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {

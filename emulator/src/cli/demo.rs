@@ -9,6 +9,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use roughxel_core::plan::Datapath;
 use roughxel_emulator::demo::{DEMO_MODES, DEMO_SCENES, DemoScene, demo_scene};
 use roughxel_emulator::study::accuracy::measure;
+use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{SetInfo, VectorSet, export, export_with, hard_sets};
 use serde_json::json;
 
@@ -31,8 +32,8 @@ pub(super) struct DemoArgs {
     /// Threads; the pictures are the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
-    /// Profile.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     pub(super) profile: ProfileArg,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
@@ -43,7 +44,7 @@ pub(super) struct DemoArgs {
 
 pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
-    let ProfileArg { name: profile, precision } = &args.profile;
+    let NamedPrecision { name: profile, precision, .. } = &args.profile.open()?;
     let unwritable = || format!("cannot write {}", args.output.display());
     fs::create_dir_all(&args.output).into_diagnostic().wrap_err_with(unwritable).map_err(Failure::Error)?;
     let bar = progress(4 * DEMO_SCENES.len() as u64, "");

@@ -41,8 +41,8 @@ A value beyond the range of a double (|r| grows with |n|^2 |v|) is inf, in JSON 
 pub(super) struct EvalArgs {
     /// CSV file; `-` or nothing is stdin.
     file: Option<PathBuf>,
-    /// Profile.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
     effects: Effects,
@@ -60,7 +60,7 @@ pub(super) struct EvalArgs {
 
 pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
     let options = EvalOptions {
-        precision: args.profile.precision,
+        precision: args.profile.open()?.precision,
         plan: args.effects.reflection(),
         raw: args.raw,
         json: args.json,

@@ -4,7 +4,8 @@ use std::error::Error;
 use std::io;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
-use roughxel_emulator::scene::SceneError;
+use roughxel_emulator::scene::{Fault, SceneError};
+use roughxel_emulator::study::profile_file::ProfileError;
 
 /// Why a command ends without success.
 pub(super) enum Failure {
@@ -34,7 +35,22 @@ impl<E: Error + Send + Sync + 'static> From<E> for Failure {
 
 /// A scene's error, drawn with its line where it has one.
 pub(super) fn scene_failure(error: SceneError) -> Failure {
-    let Some(fault) = error.fault() else { return error.into() };
+    match error.fault() {
+        Some(fault) => drawn(fault),
+        None => error.into(),
+    }
+}
+
+/// A profile file's error, drawn with its line where it has one.
+pub(super) fn profile_failure(error: ProfileError) -> Failure {
+    match error {
+        ProfileError::Fault(fault) => drawn(&fault),
+        error => error.into(),
+    }
+}
+
+/// What is wrong at a place of a file, with its line.
+fn drawn(fault: &Fault) -> Failure {
     let label = LabeledSpan::at(fault.span.clone(), fault.message.clone());
     let place = format!("{}:{}:{}: {}", fault.file, fault.line, fault.column, fault.message);
     let diagnostic = MietteDiagnostic::new(place).with_label(label).with_help(fault.help.clone());

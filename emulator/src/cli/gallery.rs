@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use roughxel_emulator::gallery::{DrawnScene, GalleryError, Settings, draw_scene, table, work, write_page};
 use roughxel_emulator::plan::Mode;
+use roughxel_emulator::study::profile_file::NamedPrecision;
 use serde_json::json;
 
 use super::cache::CacheArgs;
@@ -42,8 +43,8 @@ pub(super) struct GalleryArgs {
     /// Samples a pixel of the reference, a square number from 1 to 4096.
     #[arg(long, default_value = "1024", value_parser = parse_samples, value_name = "N")]
     pub(super) samples: Samples,
-    /// Profile of the columns; the reference is always drawn in `precise`.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile of the columns, a name or a file (TOML); the reference is always drawn in `precise`.
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     pub(super) profile: ProfileArg,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
@@ -71,7 +72,7 @@ fn parse_entry(name: &str) -> Result<&'static str, String> {
 
 pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
-    let ProfileArg { name: profile, precision } = &args.profile;
+    let NamedPrecision { name: profile, precision, .. } = &args.profile.open()?;
     let cache = args.cache.directory();
     let settings = Settings { size: args.size, reference_edge: args.samples.0, precision: *precision, cache };
     let directory = args.output.as_path();

@@ -7,6 +7,7 @@ use comfy_table::{ContentArrangement, Table};
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
 use roughxel_emulator::study::plan::{EffectReport, Hardware, ObjectReport, explain, measure};
+use roughxel_emulator::study::profile_file::NamedPrecision;
 use serde_json::{Value, json};
 
 use super::cache::CacheArgs;
@@ -35,8 +36,8 @@ pub(super) struct PlanArgs {
     /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
     #[arg(long, default_value = "footprint", value_name = "MODE")]
     mode: Mode,
-    /// Profile.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
     /// Measure the share of each effect, drawing whole frames.
     #[arg(long)]
@@ -60,7 +61,7 @@ pub(super) struct PlanArgs {
 pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let scene = open_scene(&args.scene, args.size)?;
-    let profile = &args.profile.precision;
+    let NamedPrecision { name, precision: profile, .. } = &args.profile.open()?;
     let peaks = args.cache.peaks(&scene, args.mode.filters())?;
     let prepared = Prepared::with_peaks(&scene, args.mode, profile, &peaks)?;
     let mut reports = explain(&scene, &prepared, &args.mode.precision(profile));
@@ -74,8 +75,8 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     if args.json {
         let objects: Vec<_> = reports.iter().map(object_json).collect();
-        let (mode, profile) = (args.mode.to_string(), &args.profile.name);
-        writeln!(out, "{:#}", json!({ "scene": scene.name, "mode": mode, "profile": profile, "objects": objects }))?;
+        let mode = args.mode.to_string();
+        writeln!(out, "{:#}", json!({ "scene": scene.name, "mode": mode, "profile": name, "objects": objects }))?;
         return Ok(());
     }
     for report in &reports {

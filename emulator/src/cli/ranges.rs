@@ -19,8 +19,7 @@ use roughxel_emulator::random::SplitMix64;
 use serde_json::{Value, json};
 
 use super::console::{complain, new_table, progress};
-use super::report::{Profiles, parse_profiles};
-use super::{Failure, effects, open_scene, parse_size};
+use super::{Failure, Profiles, effects, open_scene, parse_profiles, parse_size};
 
 pub(super) const LONG_HELP: &str = "\
 Prove that no wire can overflow, for any bits at any port, and print the range of every named wire.
@@ -48,8 +47,8 @@ fn design_names() -> String {
 
 #[derive(Args)]
 pub(super) struct RangesArgs {
-    /// Profile, or `all`.
-    #[arg(long, default_value = "standard", value_parser = parse_profiles, value_name = "NAME|all")]
+    /// Profile: a name, a file (TOML), or `all`.
+    #[arg(long, default_value = "standard", value_parser = parse_profiles, value_name = "NAME|FILE|all")]
     profile: Profiles,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
     effects: Effects,
@@ -101,10 +100,11 @@ struct Surveyed<'a> {
 }
 
 pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
+    let profiles = args.profile.open()?;
     let scene = open_scene(&args.scene, Some(args.size))?;
 
     let mut surveyed = Vec::new();
-    for profile in &args.profile.0 {
+    for profile in &profiles {
         let p = &profile.precision;
         let pixels = scene.camera.width as usize * scene.camera.height as usize;
         let captured = Prepared::new(&scene, Mode::Footprint, p)?.capture(pixels)?;

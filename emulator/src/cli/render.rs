@@ -13,6 +13,7 @@ use roughxel_emulator::lanes::Reading;
 use roughxel_emulator::picture::write_png_srgb;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
+use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{Manifest, SetInfo, export};
 use serde_json::json;
 
@@ -33,8 +34,8 @@ pub(super) struct RenderArgs {
     /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
     #[arg(long, default_value = "footprint", value_name = "MODE")]
     pub(super) mode: Mode,
-    /// Profile.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     pub(super) profile: ProfileArg,
     /// Size in pixels instead of the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
@@ -58,13 +59,13 @@ pub(super) struct RenderArgs {
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
-    let precision = &args.profile.precision;
+    let profile = args.profile.open()?;
     let scene = open_scene(&args.scene, args.size)?;
 
     let start = Instant::now();
     let reading = args.reading.unwrap_or_else(Reading::best);
     let peaks = args.cache.peaks(&scene, args.mode.filters())?;
-    let prepared = Prepared::with_peaks(&scene, args.mode, precision, &peaks)?.with_reading(reading);
+    let prepared = Prepared::with_peaks(&scene, args.mode, &profile.precision, &peaks)?.with_reading(reading);
     let preparation = start.elapsed().as_secs_f64();
     let bar = progress(prepared.work(), &scene.name);
     let start = Instant::now();
@@ -74,7 +75,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&scene.name)).into());
     write_png_srgb(&output, &frame.picture())?;
     let vectors = match &args.capture {
-        Some(directory) => capture(&scene, &prepared, args, directory)?,
+        Some(directory) => capture(&scene, &prepared, args.mode, &profile, directory)?,
         None => Vec::new(),
     };
 
@@ -82,7 +83,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if args.json {
         let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
         let figures = json!({
-            "scene": scene.name, "mode": args.mode.to_string(), "profile": args.profile.name,
+            "scene": scene.name, "mode": args.mode.to_string(), "profile": profile.name,
             "reading": reading.to_string(), "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
             "digest": frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
             "peaks": { "built": peaks.built, "read": peaks.read },
@@ -102,7 +103,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 fn capture(
     scene: &Scene,
     prepared: &Prepared<'_>,
-    args: &RenderArgs,
+    mode: Mode,
+    profile: &NamedPrecision,
     directory: &Path,
 ) -> Result<Vec<Manifest>, Failure> {
     let captured = prepared.capture(CAPTURED_FRAGMENTS)?;
@@ -119,10 +121,10 @@ fn capture(
             None => sets.push((plan, vec![fragment])),
         }
     }
-    // The mode changes knobs of the profile: such a set is of no named profile.
-    let precision = args.mode.precision(&args.profile.precision);
-    let profile = if precision == args.profile.precision { &args.profile.name } else { "custom" };
-    let description = format!("fragments of a frame: {}, {}", scene.name, args.mode);
+    // Where the mode changes knobs, the set is of another profile.
+    let precision = mode.precision(&profile.precision);
+    let profile = if precision == profile.precision { &profile.name } else { "custom" };
+    let description = format!("fragments of a frame: {}, {mode}", scene.name);
     let mut written = Vec::new();
     for (index, (plan, fragments)) in sets.iter().enumerate() {
         let name = format!("frame_{}_{index}", file_stem(&scene.name));

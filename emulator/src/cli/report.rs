@@ -5,13 +5,12 @@ use std::io::{self, Write};
 use clap::{Args, Subcommand};
 use comfy_table::Table;
 use roughxel_core::ports::ReflectionOut;
-use roughxel_core::precision::Profile;
 use roughxel_emulator::eval::{INPUT_COLUMNS, Value, visit};
 use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, measure};
 use serde_json::json;
 
 use super::console::{new_table, progress};
-use super::{CONVENTIONS, Failure, ProfileArg, parse_profile};
+use super::{CONVENTIONS, Failure, Profiles, parse_profiles};
 
 #[derive(Subcommand)]
 pub(super) enum ReportCommand {
@@ -25,27 +24,19 @@ pub(super) struct AccuracyArgs {
     /// Random fragments, beside the hard cases.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(super) fragments: u64,
-    /// Profile, or `all`.
-    #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|all")]
+    /// Profile: a name, a file (TOML), or `all`.
+    #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|FILE|all")]
     pub(super) profile: Profiles,
     /// Table as JSON.
     #[arg(long)]
     pub(super) json: bool,
 }
 
-/// One profile or every one.
-#[derive(Clone, Debug)]
-pub(super) struct Profiles(pub(super) Vec<ProfileArg>);
-
-pub(super) fn parse_profiles(name: &str) -> Result<Profiles, String> {
-    let names = if name == "all" { Profile::NAMES.to_vec() } else { vec![name] };
-    names.into_iter().map(parse_profile).collect::<Result<_, _>>().map(Profiles)
-}
-
 pub(super) fn run(command: &ReportCommand) -> Result<(), Failure> {
     let ReportCommand::Accuracy(args) = command;
+    let profiles = args.profile.open()?;
     let mut measured = Vec::new();
-    for profile in &args.profile.0 {
+    for profile in &profiles {
         let bar = progress(args.fragments, &profile.name);
         measured.push((profile, measure(&profile.precision, args.fragments, &|done| bar.inc(done))));
         bar.finish_and_clear();

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
-use roughxel_core::precision::Precision;
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::output::OutputFile;
+use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
     Cause, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
     export_with, hard_sets, in_page, manifests_in, random_set, tables, verify,
@@ -56,8 +57,8 @@ pub(super) struct ExportArgs {
     /// Directory; made if it is not there.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Profile.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
     /// Effects that are on instead of those that each set is made for. The fields of a set are those of its effects.
     #[arg(long, value_parser = effects::parse, value_name = "LIST", long_help = effects::HELP)]
@@ -119,7 +120,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
 
 /// What is exported of the listed sets, and how.
 struct Export<'a> {
-    profile: &'a ProfileArg,
+    profile: &'a NamedPrecision,
     /// Effects instead of those of each set.
     effects: Option<Effects>,
     frame: Option<FrameSystem>,
@@ -160,7 +161,7 @@ impl Export<'_> {
         datapath: Datapath,
         effects: Effects,
     ) -> SetInfo<'b> {
-        let ProfileArg { name: profile, precision } = self.profile;
+        let NamedPrecision { name: profile, precision, .. } = self.profile;
         let effects = self.effects(effects);
         SetInfo { name, description, seed, datapath, effects, precision: *precision, profile }
     }
@@ -180,7 +181,8 @@ impl Export<'_> {
 
 fn export(args: &ExportArgs) -> Result<(), Failure> {
     let mut written = Vec::new();
-    let ExportArgs { profile, effects, frame, output, .. } = args;
+    let ExportArgs { effects, frame, output, .. } = args;
+    let profile = &args.profile.open()?;
     let export = Export { profile, effects: *effects, frame: *frame, directory: output };
     if args.smoke {
         smoke(output, &mut written)?;
@@ -246,10 +248,10 @@ fn chosen(
 /// The sets kept in the repository.
 fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
     let mut add = |manifest| written.push((directory.to_path_buf(), manifest));
-    for name in ["standard", "compact", "narrow"] {
-        let profile = &parse_profile(name).map_err(Failure::Usage)?;
+    for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
+        let profile = &named.into();
         let export = Export { profile, effects: None, frame: None, directory };
-        for set in hard_sets(&profile.precision).iter().filter(|_| name == "standard") {
+        for set in hard_sets(&profile.precision).iter().filter(|_| named == Profile::Standard) {
             let is_reflection = set.cases.datapath() == Datapath::Reflection;
             add(export.cases(set, if is_reflection { SMOKE_REFLECTIONS } else { SMOKE_LIGHTS })?);
         }

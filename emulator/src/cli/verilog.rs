@@ -9,6 +9,7 @@ use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_emulator::net::verilog::{Options, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::study::plan::fetches;
+use roughxel_emulator::study::profile_file::NamedPrecision;
 use serde_json::json;
 
 use super::console::{complain, progress};
@@ -23,8 +24,8 @@ pub(super) struct VerilogArgs {
     output: PathBuf,
     #[arg(long, default_value = "fragment", value_parser = parse_design, value_name = "NAME", help = design_help())]
     design: Design,
-    /// Profile.
-    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME")]
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
     #[arg(long, default_value = "all", value_parser = effects::parse, help = effects::HELP, value_name = "LIST")]
     effects: Effects,
@@ -59,14 +60,15 @@ fn parse_prefix(text: &str) -> Result<String, String> {
 }
 
 pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
+    let profile = &args.profile.open()?;
     let mut written = Vec::new();
     match &args.scene {
         None => {
             let effects = Effects { frame: args.frame, ..args.effects };
-            written.push(write(args, args.design, effects, &args.output)?);
+            written.push(write(args, profile, args.design, effects, &args.output)?);
         }
         Some(scene) => {
-            let objects = effects::planned_objects(scene, &args.profile.precision)?;
+            let objects = effects::planned_objects(scene, &profile.precision)?;
             let of_object = |object: &PlannedObject| {
                 let datapaths = object.plan.datapaths().map(|(datapath, effects)| (Design::of(datapath), effects));
                 let fetches = fetches(&object.plan).into_iter().map(|design| (design, Effects::NONE));
@@ -77,7 +79,7 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
             for (object, designs) in objects.iter().zip(designs) {
                 for (design, effects) in designs {
                     let directory = args.output.join(&object.directory).join(design.name());
-                    written.push(write(args, design, effects, &directory)?);
+                    written.push(write(args, profile, design, effects, &directory)?);
                     bar.inc(1);
                 }
             }
@@ -113,13 +115,14 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
 /// Writes a design into a directory.
 fn write(
     args: &VerilogArgs,
+    profile: &NamedPrecision,
     design: Design,
     effects: Effects,
     directory: &Path,
 ) -> Result<(PathBuf, Verilog), Failure> {
     let options = Options {
-        profile: args.profile.name.clone(),
-        precision: args.profile.precision,
+        profile: profile.name.clone(),
+        precision: profile.precision,
         effects,
         depth: args.depth,
         stage: args.stage.clone(),

@@ -37,7 +37,7 @@ pub struct SetInfo<'a> {
     pub effects: Effects,
     /// Knobs.
     pub precision: Precision,
-    /// Name of the profile, `custom` where the knobs are no named profile's.
+    /// Name of the profile: of a named one, of a profile file, or `custom`.
     pub profile: &'a str,
 }
 

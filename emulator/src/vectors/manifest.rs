@@ -5,7 +5,8 @@ use std::io::Read;
 use std::path::Path;
 
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
-use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, Profile, RoughnessKind};
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
+use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
@@ -56,7 +57,7 @@ pub struct Manifest {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileKnobs {
-    /// One of the named profiles, or `custom`.
+    /// That of a named profile with these knobs, of a profile file, or `custom`.
     pub name: String,
     /// Its knobs.
     #[serde(with = "PrecisionDef")]
@@ -120,16 +121,10 @@ impl Manifest {
         knobs
             .checked()
             .map_err(|knob| format!("profile `{name}`: knob {knob} is out of its range, {}", knob.range()))?;
-        match Profile::by_name(name).map(Profile::precision) {
-            Some(ours) if ours != *knobs => {
-                return Err(format!("profile `{name}` has other knobs in this version; export the set again"));
-            }
-            None if name != "custom" => {
-                let known = Profile::NAMES.join(", ");
-                return Err(format!("profile `{name}` is unknown; known are {known}, and custom"));
-            }
-            _ => {}
-        }
+        NamedPrecision::new(name, *knobs).map_err(|error| match error {
+            NameError::Taken(_) => format!("{error} in this version; export the set again"),
+            NameError::Characters(_) => error.to_string(),
+        })?;
         if !(1..=MAX_VECTORS).contains(&self.count) {
             return Err(format!("count {} is not in 1 to {MAX_VECTORS}", self.count));
         }

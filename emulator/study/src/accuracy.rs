@@ -6,11 +6,16 @@
 //! size of the terms before they cancel: dr is a difference of products rounded to p bits, its error is
 //! proportional to the terms whatever is left of them.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::{Precision, ProbeRule, Profile, RoughnessKind};
 use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power_of_two};
+use roughxel_core::status::StatusBit;
+use roughxel_float::formulas::Formulas;
+use roughxel_float::math::Math;
+use roughxel_float::{Environment, Footprint, Fragment};
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
 
@@ -73,6 +78,57 @@ impl Figure {
     }
 }
 
+/// Largest errors of a light on a peak in each profile: log₂ of that of its local half vector from the ports on (frame, half
+/// vector and local direction together), times the sine between n and h and times |l̂ + v̂|/2, which say how well either is
+/// defined; and of its light at the direction and the visibility that the datapath has, as a share of the amplitude: in `narrow` a
+/// stored N loses its last place, 55·√3·2^−15. Measured −12.3, −14.2, −18.1, −24.3 and −8.9, −15.9, −19.8, −19.6.
+pub const LIT_PEAK_BARS: [[f64; 2]; 5] =
+    [[-12.0, -8.5], [-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.5], [-24.0, -19.5]];
+
+/// Largest error of the light of a peak from the ports on, as a share of its amplitude, where h is perpendicular to n and l and v are
+/// within 25° of the half vector: both of [`LIT_PEAK_BARS`], an angle counting √(n/e) times, for a power falls that steeply; and the
+/// length of the stored normal, 2^−15 at most, which scales 1 − cos and so counts n(1 − cos)·cosⁿ ≤ 1/e times.
+pub fn lit_peak_bar(profile: &str) -> Option<f64> {
+    let column = Profile::NAMES.iter().position(|name| *name == profile)?;
+    let steepest = (8192.0 / std::f64::consts::E).sqrt() / 25_f64.to_radians().cos();
+    let stored_length = 2.0_f64.powi(-15) / std::f64::consts::E;
+    LIT_PEAK_BARS.get(column).map(|[direction, light]| steepest * direction.exp2() + light.exp2() + stored_length)
+}
+
+/// Largest errors of peaks and horizons in one profile, against the reference fed with the same ports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadingBars {
+    /// Length of the error of a unit direction.
+    pub direction: f64,
+    /// Light of a peak with an exponent from 1 to 8192, as a share of its amplitude times its weight.
+    pub peak: f64,
+    /// Slope, as a share of max(1, |slope|).
+    pub slope: f64,
+    /// Visibility at the slopes that the datapath has.
+    pub visibility: f64,
+}
+
+/// The bars of a profile; `None` for an unknown name.
+///
+/// A peak errs by √(8192/e) = 55 times the angle of its half vector's error, for a power falls that steeply (measured
+/// 2^−9.6, 2^−13.6), and by the length of its stored normal, 2^−15 at most, which is all that is left in `precise`. A visibility
+/// is a product of four factors with 16 fraction bits.
+pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
+    let bars = |[direction, peak, slope, visibility]: [f64; 4]| ShadingBars {
+        direction: direction.exp2(),
+        peak: peak.exp2(),
+        slope: slope.exp2(),
+        visibility: visibility.exp2(),
+    };
+    match profile {
+        "narrow" => Some(bars([-11.5, -7.0, -10.5, -15.0])),
+        "paper" | "compact" => Some(bars([-13.5, -9.0, -12.5, -15.0])),
+        "standard" => Some(bars([-17.5, -13.0, -16.5, -15.0])),
+        "precise" => Some(bars([-24.0, -14.5, -22.5, -15.0])),
+        _ => None,
+    }
+}
+
 /// The worst fragment of one figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
@@ -86,13 +142,120 @@ pub struct Worst {
     pub fragment: ReflectionIn,
 }
 
-/// Worst errors of one profile.
+/// Bins of an octave in a [`Distribution`].
+const BINS_PER_OCTAVE: f64 = 32.0;
+/// Smallest and largest error that bins tell apart, log₂.
+const OCTAVES: [i32; 2] = [-64, 16];
+
+/// How errors are distributed: their sum, and how many lie in each 32nd of an octave.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Distribution {
+    sum: f64,
+    bins: Vec<u64>,
+}
+
+impl Distribution {
+    fn add(&mut self, error: f64) {
+        self.sum += error;
+        let [low, high] = OCTAVES.map(f64::from);
+        // NaN is worse than any.
+        let octave = if error.is_nan() { high } else { error.log2().clamp(low, high) };
+        let bin = ((octave - low) * BINS_PER_OCTAVE) as usize;
+        self.bins.resize(self.bins.len().max(bin + 1), 0);
+        self.bins[bin] += 1;
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.sum += other.sum;
+        self.bins.resize(self.bins.len().max(other.bins.len()), 0);
+        for (mine, theirs) in self.bins.iter_mut().zip(&other.bins) {
+            *mine += theirs;
+        }
+    }
+
+    /// The upper end of the bin below which that share of the errors lies.
+    fn quantile(&self, share: f64) -> Option<f64> {
+        let count: u64 = self.bins.iter().sum();
+        let below = (share * count as f64).ceil() as u64;
+        let mut sum = 0;
+        let bin = self.bins.iter().position(|bin| {
+            sum += bin;
+            sum >= below.max(1)
+        })?;
+        Some((f64::from(OCTAVES[0]) + (bin + 1) as f64 / BINS_PER_OCTAVE).exp2())
+    }
+}
+
+/// What a datapath says of one fragment, in real numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Observed {
+    /// E₁, E₂ in the unit of n, if they leave the datapath.
+    pub frame: Option<[DVec3; 2]>,
+    /// r at any length, if it leaves the datapath.
+    pub reflected: Option<[f64; 3]>,
+    /// Face 0…5.
+    pub face: usize,
+    /// s, t.
+    pub st: [f64; 2],
+    /// λ₁ in half faces; `None` where it cannot be told.
+    pub major: Option<f64>,
+    /// Along λ₁, at any length.
+    pub direction: [f64; 2],
+    /// N.
+    pub probes: u32,
+    /// Level of detail.
+    pub lod: f64,
+    /// Whether the step was cut.
+    pub saturated: bool,
+}
+
+impl Observed {
+    /// What the ports say.
+    fn of(fragment: &ReflectionIn, got: &ReflectionOut) -> Self {
+        let relative = |e: BlockVector| {
+            real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.surface.normal.exponent), ..e })
+        };
+        Self {
+            frame: Some(got.frame.map(relative)),
+            reflected: Some(real_vector(&BlockVector { exponent: 0, ..got.reflected }).to_array()),
+            face: got.face.into(),
+            st: got.st.map(|x| f64::from(x.to_bits()) / f64::from(1 << 30)),
+            major: Some(real_number(&got.major)),
+            direction: got.direction.map(|x| f64::from(x.to_bits())),
+            probes: got.probes.into(),
+            lod: f64::from(got.lod.to_bits()) / 65536.0,
+            saturated: got.status & StatusBit::FootprintSaturated.mask() != 0,
+        }
+    }
+
+    /// What f32 says.
+    fn of_float(got: &Footprint) -> Self {
+        let step = got.step.to_array().map(f64::from);
+        let saturated = got.status & StatusBit::FootprintSaturated.mask() != 0;
+        Self {
+            frame: None,
+            reflected: None,
+            face: got.face as usize,
+            st: got.st.to_array().map(f64::from),
+            // The step is 2√3 λ₁/N unless it was cut.
+            major: (!saturated).then(|| step[0].hypot(step[1]) * f64::from(got.probes) / 12_f64.sqrt()),
+            direction: step,
+            probes: got.probes,
+            lod: f64::from(got.lod),
+            saturated,
+        }
+    }
+}
+
+/// Errors of one profile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Accuracy {
     /// The worst fragment of each figure, indexed like the enum; `None` before any fragment counted.
     worst: [Option<Worst>; FIGURES.len()],
     /// How many fragments counted for each figure.
     counted: [u64; FIGURES.len()],
+    /// Errors of the random fragments; hard cases would count as often as there are of them.
+    typical: [Distribution; FIGURES.len()],
     /// Fragments measured.
     pub fragments: u64,
     /// Fragments whose face differs from the reference's away from a tie.
@@ -112,6 +275,18 @@ impl Accuracy {
         self.counted[figure.index()]
     }
 
+    /// Mean error of the random fragments.
+    pub fn mean(&self, figure: Figure) -> Option<f64> {
+        let Distribution { sum, bins } = &self.typical[figure.index()];
+        let count: u64 = bins.iter().sum();
+        (count > 0).then(|| sum / count as f64)
+    }
+
+    /// What 99.9 % of the random fragments stay below, to the next 32nd of an octave.
+    pub fn nearly_all(&self, figure: Figure) -> Option<f64> {
+        self.typical[figure.index()].quantile(0.999)
+    }
+
     /// Whether every bar of the named profile holds, with no face and no count wrong.
     pub fn holds(&self, profile: &str) -> bool {
         let within = |(figure, _): &(Figure, &str)| match (figure.bar(profile), self.worst(*figure)) {
@@ -125,9 +300,13 @@ impl Accuracy {
         self.fragments += 1;
         self.wrong_faces += u64::from(sample.wrong_face);
         self.wrong_counts += u64::from(sample.wrong_count);
-        for ((worst, counted), error) in self.worst.iter_mut().zip(&mut self.counted).zip(sample.errors) {
+        for (i, error) in sample.errors.into_iter().enumerate() {
             let Some(error) = error else { continue };
-            *counted += 1;
+            let worst = &mut self.worst[i];
+            self.counted[i] += 1;
+            if set == RANDOM {
+                self.typical[i].add(error);
+            }
             // NaN counts as the worst of all.
             if worst.as_ref().is_none_or(|worst| error.is_nan() || error > worst.error) {
                 *worst = Some(Worst { error, set: set.to_owned(), index, fragment: *fragment });
@@ -148,6 +327,9 @@ impl Accuracy {
         }
         for (mine, theirs) in self.counted.iter_mut().zip(other.counted) {
             *mine += theirs;
+        }
+        for (mine, theirs) in self.typical.iter_mut().zip(&other.typical) {
+            mine.merge(theirs);
         }
         self.fragments += other.fragments;
         self.wrong_faces += other.wrong_faces;
@@ -207,17 +389,18 @@ pub fn reference_options(plan: &ReflectionPlan, p: &Precision) -> reference::Opt
 }
 
 /// Compares the outputs of one fragment with the reference.
-fn compare(fragment: &ReflectionIn, got: &ReflectionOut, plan: &ReflectionPlan, p: &Precision) -> Sample {
+fn compare(fragment: &ReflectionIn, got: &Observed, plan: &ReflectionPlan, p: &Precision) -> Sample {
     let want = reference::reflection(&reference_inputs(fragment), &reference_options(plan, p));
     let mut sample = Sample::default();
     let mut record = |figure: Figure, error: f64| sample.errors[figure.index()] = Some(error);
 
     let normal = real_vector(&BlockVector { exponent: 0, ..fragment.surface.normal });
-    let [e1, e2] = got.frame.map(|e| {
-        real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.surface.normal.exponent), ..e })
-    });
     let length = normal.length();
-    if plan.frame != FrameSystem::Natural && length > 0.0 && e1.length() > 0.0 {
+    if let Some([e1, e2]) = got.frame
+        && plan.frame != FrameSystem::Natural
+        && length > 0.0
+        && e1.length() > 0.0
+    {
         let (unit, e1, e2) = (normal / length, e1 / length, e2 / length);
         let lengths = [e1, e2].map(|e| (e.length() - 1.0).abs());
         // Systems 1 and 2 are not orthogonal in themselves.
@@ -230,46 +413,79 @@ fn compare(fragment: &ReflectionIn, got: &ReflectionOut, plan: &ReflectionPlan, 
         sample.wrong_face = got.face != 4;
         return sample;
     }
-    let reflected = real_vector(&BlockVector { exponent: 0, ..got.reflected }).to_array();
-    let cross = reference::linear::cross(want.reflected, reflected);
-    record(Figure::Reflected, norm(&cross) / (norm(&want.reflected) * norm(&reflected)));
+    if let Some(reflected) = got.reflected {
+        let cross = reference::linear::cross(want.reflected, reflected);
+        record(Figure::Reflected, norm(&cross) / (norm(&want.reflected) * norm(&reflected)));
+    }
 
-    let same_face = usize::from(got.face) == want.selection.face;
+    let same_face = got.face == want.selection.face;
     if !same_face {
         sample.wrong_face = want.tie_margin > tie_margin(p);
         return sample;
     }
-    let [s, t] = got.st.map(|x| f64::from(x.to_bits()) / f64::from(1 << 30));
+    let [s, t] = got.st;
     record(Figure::Coordinates, (s - want.selection.s).abs().max((t - want.selection.t).abs()));
 
     if want.axes.major > 0.0 {
         let conditioned = want.axes.major.max(want.footprint_scale() / CANCELLATION);
-        record(Figure::MajorAxis, (real_number(&got.major) - want.axes.major).abs() / conditioned);
+        if let Some(major) = got.major {
+            record(Figure::MajorAxis, (major - want.axes.major).abs() / conditioned);
+        }
         // Where most of the footprint cancelled its shape is noise; its size is still judged above.
         if want.axes.major * CANCELLATION > want.footprint_scale() {
-            let lod = f64::from(got.lod.to_bits()) / 65536.0;
-            record(Figure::LevelOfDetail, (lod - want.probes.lod).abs());
+            record(Figure::LevelOfDetail, (got.lod - want.probes.lod).abs());
             if want.axes.ratio() >= 1.1 {
-                let direction = got.direction.map(|x| f64::from(x.to_bits()));
-                record(Figure::Direction, axis_angle(direction, want.axes.direction).to_degrees());
+                record(Figure::Direction, axis_angle(got.direction, want.axes.direction).to_degrees());
             }
             // A count may differ only where the ratio is within its own error of an integer.
             let ratio = want.axes.ratio();
             let noise = 2.0_f64.powi(6 - p.fraction_bits as i32) * ratio * ratio;
             let near_boundary = (ratio - ratio.round()).abs() <= noise;
-            let saturated = got.status & roughxel_core::status::StatusBit::FootprintSaturated as u32 != 0;
-            sample.wrong_count = u32::from(got.probes) != want.probes.count && !near_boundary && !saturated;
+            sample.wrong_count = got.probes != want.probes.count && !near_boundary && !got.saturated;
         }
     }
     sample
 }
 
+/// Name of the set of random fragments.
+const RANDOM: &str = "random";
+
+/// A datapath from ports to what is observed; `None` where a fragment is beyond its range.
+type Datapath<'a> = &'a (dyn Fn(&ReflectionIn, &ReflectionPlan) -> Option<Observed> + Sync);
+
 /// Measures `fragments` random fragments and every hard-case set of the profile `p`.
 ///
 /// `progress` is called with the number of fragments done since the last call, from any thread.
 pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -> Accuracy {
+    measure_datapath(p, fragments, &|fragment, plan| Some(Observed::of(fragment, &fragment.reflect(plan, p))), progress)
+}
+
+/// The same of `f32` on a library's mathematics and by careful or plain formulas, with fragments quantised as in `precise`: those within its range, and the plan
+/// that it has.
+pub fn measure_float<M: Math, F: Formulas>(fragments: u64, progress: &(dyn Fn(u64) + Sync)) -> Accuracy {
+    let datapath = |fragment: &ReflectionIn, plan: &ReflectionPlan| {
+        let has = *plan == ReflectionPlan::FULL && Fragment::in_range(fragment);
+        has.then(|| {
+            let environment = Environment::new(u32::from(fragment.edge_texels.clamp(1, 16384)));
+            Observed::of_float(&environment.reflect::<M, F>(&Fragment::from(fragment)))
+        })
+    };
+    measure_datapath(&Precision::PRECISE, fragments, &datapath, progress)
+}
+
+fn measure_datapath(
+    p: &Precision,
+    fragments: u64,
+    datapath: Datapath<'_>,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Accuracy {
     const CHUNK: u64 = 4096;
     let plan = ReflectionPlan::FULL;
+    let add = |accuracy: &mut Accuracy, set: &str, index, fragment: &ReflectionIn, plan: &ReflectionPlan| {
+        if let Some(observed) = datapath(fragment, plan) {
+            accuracy.add(set, index, fragment, &compare(fragment, &observed, plan, p));
+        }
+    };
     let random = (0..fragments.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
@@ -277,8 +493,7 @@ pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -
             let range = chunk * CHUNK..fragments.min((chunk + 1) * CHUNK);
             progress(range.end - range.start);
             for index in range {
-                let fragment = random_fragment("random", index, p);
-                accuracy.add("random", index, &fragment, &compare(&fragment, &fragment.reflect(&plan, p), &plan, p));
+                add(&mut accuracy, RANDOM, index, &random_fragment(RANDOM, index, p), &plan);
             }
             accuracy
         })
@@ -286,8 +501,7 @@ pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -
     let hard = hard_case_sets(p).into_iter().map(|set| {
         let mut accuracy = Accuracy::default();
         for (index, fragment) in (0..).zip(&set.cases) {
-            let sample = compare(fragment, &fragment.reflect(&set.plan, p), &set.plan, p);
-            accuracy.add(set.name, index, fragment, &sample);
+            add(&mut accuracy, set.name, index, fragment, &set.plan);
         }
         accuracy
     });

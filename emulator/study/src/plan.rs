@@ -108,7 +108,8 @@ impl Hardware {
     }
 }
 
-fn census(design: Design, effects: &Effects, p: &Precision) -> (Net, Census) {
+/// A design, recorded and counted.
+pub(crate) fn census(design: Design, effects: &Effects, p: &Precision) -> (Net, Census) {
     let net = Net::of(design, effects, p);
     let census = Census::new(&net, &Ranges::new(&net));
     (net, census)

@@ -1,7 +1,10 @@
 //! The program as its users see it, and the files it writes.
 
+mod choose;
 mod cli;
 mod eval;
 mod gallery;
 mod peaks;
+mod profile;
+mod study;
 mod vectors;

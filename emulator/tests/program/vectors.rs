@@ -246,7 +246,7 @@ fn broken_manifests_are_refused_with_the_reason() {
         (good.replacen("\"datapath\": \"reflection\"", "\"datapath\": \"highlight\"", 1), "does not have are on"),
         (good.replacen("\"horizon\": false", "\"horizon\": true", 1), "does not have are on"),
         (good.replacen("\"curvature\": true", "\"curvature\": false", 1), "`dnormal_0_x`"),
-        (good.replacen("\"name\": \"standard\"", "\"name\": \"best\"", 1), "profile `best` is unknown"),
+        (good.replacen("\"name\": \"standard\"", "\"name\": \"Best\"", 1), "`Best` is no name of a profile"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 21", 1), "other knobs"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 99", 1), "fraction_bits is out of its range"),
         (good.replacen("\"count\": 2", "\"count\": 0", 1), "count 0"),

@@ -419,11 +419,27 @@ fn every_value_of_a_knob_is_set_and_read_and_in_its_range() {
             let p = knob.with(value, Precision::STANDARD);
             assert_eq!((p.checked(), knob.of(&p)), (Ok(p), value), "{knob} {value}");
             assert_eq!(knob.with(knob.of(&Precision::STANDARD), p), Precision::STANDARD, "{knob} changes itself alone");
+            assert_eq!(knob.read(&knob.text(value).to_string()), Some(value), "{knob} {value}");
         }
+        assert_eq!(Knob::by_name(knob.name()), Some(knob));
+        assert_eq!(knob.read("neither"), None);
         let names: Vec<String> = (0..).take(knob.choices().len()).map(|value| knob.text(value).to_string()).collect();
         assert_eq!(names, knob.choices());
     }
     assert_eq!(Knob::Direction.text(0).to_string(), "exact");
+    assert_eq!(Knob::by_name("seed_bits"), None);
+}
+
+#[test]
+fn profiles_of_any_width_are_the_named_ones_at_theirs() {
+    for p in [Precision::NARROW, Precision::COMPACT, Precision::STANDARD, Precision::PRECISE] {
+        assert_eq!(Precision::of_width(p.fraction_bits), p);
+        assert!(Precision::grid().any(|setting| setting == p));
+    }
+    let grid: Vec<Precision> = Precision::grid().collect();
+    assert!(grid.iter().all(|p| p.checked() == Ok(*p)));
+    assert!(grid.is_sorted_by_key(|p| p.fraction_bits));
+    assert_eq!(grid.len(), 9 * 3 * 2);
 }
 
 #[test]

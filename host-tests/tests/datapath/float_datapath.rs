@@ -9,6 +9,7 @@ use roughxel_core::status::StatusBit;
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::study::accuracy::{CANCELLATION, reference_inputs, reference_options};
 use roughxel_float::batch::{FootprintBlock, FragmentBlock, WIDTH, reflect_batch};
+use roughxel_float::formulas::Careful;
 use roughxel_float::math::{Libm, Micromath, Std};
 use roughxel_float::{Environment, Fragment};
 use roughxel_host_tests::reference;
@@ -35,7 +36,7 @@ fn plain_version_agrees_with_the_float64_reference() {
         if sine.is_nan() || sine < 0.05 || want.selection.m == 0.0 || want.tie_margin < 1e-5 {
             continue;
         }
-        let got = Environment::new(u32::from(ports.edge_texels)).reflect::<Std>(&fragment);
+        let got = Environment::new(u32::from(ports.edge_texels)).reflect::<Std, Careful>(&fragment);
         places += 1;
         assert_eq!(got.face as usize, want.selection.face, "{ports:?}");
         let [s, t] = got.st.to_array().map(f64::from);
@@ -75,7 +76,11 @@ fn batches_are_the_plain_version() {
     let mut footprints = vec![FootprintBlock::default(); blocks.len()];
     reflect_batch(&environment, &blocks, &mut footprints);
     for (index, fragment) in fragments.iter().enumerate() {
-        assert_eq!(footprints[index / WIDTH].get(index % WIDTH), environment.reflect::<Std>(fragment), "{fragment:?}");
+        assert_eq!(
+            footprints[index / WIDTH].get(index % WIDTH),
+            environment.reflect::<Std, Careful>(fragment),
+            "{fragment:?}"
+        );
     }
 }
 
@@ -88,9 +93,9 @@ fn libm_is_the_standard_library_and_micromath_errs_by_texels() {
     let (mut errors, mut other_faces) = (Vec::with_capacity(COUNT), 0);
     for ports in fragments(COUNT) {
         let fragment = Fragment::from(&ports);
-        let exact = environment.reflect::<Std>(&fragment);
-        assert_eq!(environment.reflect::<Libm>(&fragment), exact, "{fragment:?}");
-        let cheap = environment.reflect::<Micromath>(&fragment);
+        let exact = environment.reflect::<Std, Careful>(&fragment);
+        assert_eq!(environment.reflect::<Libm, Careful>(&fragment), exact, "{fragment:?}");
+        let cheap = environment.reflect::<Micromath, Careful>(&fragment);
         if cheap.face == exact.face {
             errors.push((cheap.st - exact.st).abs().max_element());
         } else {
@@ -163,7 +168,7 @@ fn degenerate_fragments_are_those_of_the_ports() {
         ("a line", ReflectionIn { dview: [vector(0.01, 0.0, 0.0), zero], ..flat }, 0b1000_0000),
     ] {
         let integer = ports.reflect(&ReflectionPlan::FULL, &PROFILE);
-        let float = Environment::new(256).reflect::<Std>(&Fragment::from(&ports));
+        let float = Environment::new(256).reflect::<Std, Careful>(&Fragment::from(&ports));
         assert_eq!((float.status, integer.status), (bits, bits), "{what}: {float:?}");
         assert_eq!((float.face, float.probes), (u32::from(integer.face), u32::from(integer.probes)), "{what}");
         let difference = |x: f32, y: i32, fraction_bits: i32| f64::from(x) - f64::from(y) * 2_f64.powi(-fraction_bits);

@@ -2,6 +2,8 @@
 
 mod check;
 mod image;
+mod knobs;
+mod measure;
 mod price;
 mod target;
 
@@ -18,6 +20,9 @@ cargo firmware check [TARGET…]
 cargo firmware price [--quick] [-o FILE]
     Instructions, bytes and stack of every plan, as one table: core/firmware/PRICE.md. The same numbers every time with one compiler.
     --quick: two profiles on one target, to standard output.
+cargo firmware price --knobs [-o FILE]
+    Instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width, on the
+    three QEMU machines: core/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run goes on where it was.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
 Rust's targets come from rustup, or, where it has none to give, from the sources of the distribution's compiler (Debian: rustc-web
@@ -52,10 +57,11 @@ fn run() -> Result<(), Failure> {
             check::run(if named.is_empty() { &Target::ALL } else { &named })
         }
         Some("price") => {
-            let (mut quick, mut file) = (false, None);
+            let (mut quick, mut by_knobs, mut file) = (false, false, None);
             while let Some(flag) = arguments.next() {
                 match flag.as_str() {
                     "--quick" => quick = true,
+                    "--knobs" => by_knobs = true,
                     "-o" => {
                         let name = arguments.next().ok_or_else(|| usage("-o needs a file".into()))?;
                         file = Some(PathBuf::from(name));
@@ -63,7 +69,11 @@ fn run() -> Result<(), Failure> {
                     other => return Err(usage(format!("price has no flag {other}"))),
                 }
             }
-            price::run(quick, file)
+            match (by_knobs, quick) {
+                (true, true) => Err(usage("either --knobs or --quick".into())),
+                (true, false) => knobs::run(file),
+                (false, _) => price::run(quick, file),
+            }
         }
         Some("--help" | "-h") => {
             println!("{HELP}");

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
 use crate::Failure;
-use crate::image::Image;
-use crate::target::Target;
+use crate::measure::{self, ALL_EFFECTS, Measured, Numbers};
+use crate::target::{self, Target};
 
 /// Plans, as [`Target::build`] reads them, with what they are.
 const PLANS: [(&str, &str); 18] = [
@@ -32,9 +32,6 @@ const PLANS: [(&str, &str); 18] = [
     ("texture", "footprint in a repeated map"),
 ];
 
-/// The plan whose price is that of an accuracy.
-const ALL_EFFECTS: &str = "reflection+bump+curvature+footprint+anisotropic";
-
 /// Profiles with the bits that they keep, narrowest first.
 const PROFILES: [(&str, f64); 5] =
     [("narrow", 14.0), ("paper", 16.0), ("compact", 16.0), ("standard", 20.0), ("precise", 26.0)];
@@ -47,9 +44,6 @@ struct Cost {
     bytes: u64,
 }
 
-/// Lines of a program that say `NAME NUMBER`.
-type Numbers = BTreeMap<String, u64>;
-
 /// Writes the table.
 pub fn run(quick: bool, file: Option<PathBuf>) -> Result<(), Failure> {
     let all = ["narrow", "paper", "compact", "standard", "precise"];
@@ -59,10 +53,8 @@ pub fn run(quick: bool, file: Option<PathBuf>) -> Result<(), Failure> {
     } else {
         &[(Target::Riscv32Imac, &all), (Target::Riscv32I, &some), (Target::ThumbV7M, &some)]
     };
-    let points: usize = targets.iter().map(|(_, profiles)| profiles.len() * (PLANS.len() + 1) + 1).sum();
-    let progress = ProgressBar::new(points as u64).with_style(
-        ProgressStyle::with_template("{bar:30} {pos}/{len} programs, {eta} left: {msg}").map_err(Failure::trouble)?,
-    );
+    let points: usize = targets.iter().map(|(_, profiles)| profiles.len() * (PLANS.len() + 2) + 1).sum();
+    let progress = measure::progress(points)?;
     let mut text = String::from(
         "# What the datapath costs on small processors\n\n\
          Made by `cargo firmware price`; the same numbers every time with one compiler. Instructions are means over 64 fragments of the tile \
@@ -79,14 +71,9 @@ pub fn run(quick: bool, file: Option<PathBuf>) -> Result<(), Failure> {
             print!("{text}");
             return Ok(());
         }
-        (None, false) => Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("PRICE.md"),
+        (None, false) => target::firmware().join("PRICE.md"),
     };
-    // Whole or not at all.
-    let beside = file.with_extension("md.part");
-    std::fs::write(&beside, text).map_err(|error| Failure::trouble(format!("{}: {error}", beside.display())))?;
-    std::fs::rename(&beside, &file).map_err(|error| Failure::trouble(format!("{}: {error}", file.display())))?;
-    eprintln!("{}", file.display());
-    Ok(())
+    measure::write_whole(&file, &text)
 }
 
 fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mut String) -> Result<(), Failure> {
@@ -96,22 +83,17 @@ fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mu
     };
     let measure = |program: &str, plan: &str, profile: &str| {
         progress.set_message(format!("{} {plan} {profile}", target.name()));
-        let built = target.build(program, plan, profile)?;
-        let (code, output) = target.run(&built)?;
-        if code != 0 {
-            return Err(Failure::trouble(format!("{program} on {}: exit code {code}\n{output}", target.name())));
-        }
-        let image = Image::read(&built)?;
+        let measured = measure::measure(target, program, plan, profile)?;
         progress.inc(1);
-        Ok((numbers(&output), image))
+        Ok(measured)
     };
-    let (_, empty) = measure("plan", "empty", "standard")?;
+    let empty = measure("plan", "empty", "standard")?.image;
     let mut costs: BTreeMap<(&str, &str), Cost> = BTreeMap::new();
     let mut stages: BTreeMap<&str, Numbers> = BTreeMap::new();
     let mut tables: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for &profile in profiles {
         for (plan, _) in PLANS {
-            let (numbers, image) = measure("plan", plan, profile)?;
+            let Measured { numbers, image } = measure("plan", plan, profile)?;
             let cost = Cost {
                 instructions: numbers["instructions"],
                 stack: numbers["stack"],
@@ -122,7 +104,9 @@ fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mu
                 tables.insert(plan, image.tables.keys().cloned().collect());
             }
         }
-        stages.insert(profile, measure("stages", "empty", profile)?.0);
+        let mut all = measure("stages", "empty", profile)?.numbers;
+        all.extend(measure("around", "empty", profile)?.numbers);
+        stages.insert(profile, all);
     }
 
     let heading = |text: &mut String, first: &str| {
@@ -196,15 +180,4 @@ fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mu
         write(text, format!("\nTables in the smallest plan in `standard`: {}.", tables.join(", ")));
     }
     Ok(())
-}
-
-/// The numbers of lines that end in one.
-fn numbers(output: &str) -> Numbers {
-    output
-        .lines()
-        .filter_map(|line| {
-            let (name, number) = line.rsplit_once(' ')?;
-            Some((name.to_string(), number.parse().ok()?))
-        })
-        .collect()
 }

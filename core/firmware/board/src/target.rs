@@ -23,8 +23,13 @@ pub enum Target {
 }
 
 /// Where the crate of the programs is.
-fn firmware() -> PathBuf {
+pub fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the board is inside of it").to_path_buf()
+}
+
+/// Where what is built is put.
+pub fn built() -> PathBuf {
+    firmware().join("target")
 }
 
 /// Whether rustup gives a target. Asked once for each.
@@ -122,16 +127,18 @@ impl Target {
         }
     }
 
-    /// Builds a program of the firmware for a plan, as `build/plan.rs` reads it, behind a feature of the core and `/` where it has one;
-    /// where it is.
-    pub fn build(self, program: &str, plan: &str, profile: &str) -> Result<PathBuf, Failure> {
-        let folder = firmware().join("target");
+    /// Builds a program of the firmware for a plan, as `build/plan.rs` reads it, behind a feature of the core and `/` where it has one, and
+    /// for an accuracy: a profile, behind it the knobs that differ; where it is.
+    pub fn build(self, program: &str, plan: &str, accuracy: &str) -> Result<PathBuf, Failure> {
+        let folder = built();
+        let (profile, knobs) = accuracy.split_once(' ').unwrap_or((accuracy, ""));
         let mut cargo = Command::new("cargo");
         cargo
             .current_dir(firmware())
             .args(["build", "--release", "--locked", "--quiet", "--bin", program, "--target-dir"])
             .arg(&folder)
-            .env("ROUGHXEL_PROFILE", profile);
+            .env("ROUGHXEL_PROFILE", profile)
+            .env("ROUGHXEL_KNOBS", knobs);
         match plan.split_once('/') {
             Some((feature, plan)) => cargo.args(["--features", feature]).env("ROUGHXEL_PLAN", plan),
             None => cargo.env("ROUGHXEL_PLAN", plan),

@@ -7,10 +7,12 @@
 use core::hint::black_box;
 
 use roughxel_core::firmware::*;
+use roughxel_core::knob::Knob;
 use roughxel_core::plan::Effects;
 use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn, TextureIn};
-use roughxel_core::precision::RoughnessKind;
+use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::Cube;
+use roughxel_core::width;
 use roughxel_firmware::machine::{between, entry, instructions, println, stack_of};
 use roughxel_firmware::samples::{self, REFLECTIONS, SAMPLES, TEXTURES};
 use roughxel_firmware::tile::{SKY_EDGE, Sky};

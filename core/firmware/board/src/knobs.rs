@@ -1,0 +1,274 @@
+//! What the accuracy knobs cost on every processor, one setting after the other: `knobs.json`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use roughxel_core::knob::Knob;
+use roughxel_core::precision::{Precision, Profile};
+use serde_json::{Map, Value, json};
+
+use crate::Failure;
+use crate::measure::{self, ALL_EFFECTS, Measured, Numbers};
+use crate::target::{self, Target};
+
+/// Processors, in the order of the runs.
+const TARGETS: [Target; 3] = [Target::Riscv32Imac, Target::ThumbV7M, Target::Riscv32I];
+
+/// Knobs of probes, maps and texels, of which the plan has none. Each is priced at one other value, which must change nothing.
+const NO_EFFECT: [Knob; 4] = [Knob::ProbeWeights, Knob::WeightBits, Knob::Roughness, Knob::RoughnessBits];
+
+/// About what a program takes to be built and run, in seconds, on a machine that does nothing else.
+const SECONDS: f64 = 2.0;
+
+/// A program at an accuracy on a processor.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    target: Target,
+    program: &'static str,
+    plan: &'static str,
+    precision: Precision,
+}
+
+impl Run {
+    /// What it is called where finished runs are kept.
+    fn name(&self) -> String {
+        let Self { target, program, plan, precision } = self;
+        format!("{} {program} {plan} {}", target.name(), settings(precision))
+    }
+}
+
+/// All knobs as `ROUGHXEL_KNOBS` has them.
+fn settings(p: &Precision) -> String {
+    Knob::ALL.map(|knob| format!("{knob}={}", knob.text(knob.of(p)))).join(" ")
+}
+
+/// What is priced: the named profiles, every knob alone at each of its values, the grid; each once.
+fn points() -> Vec<Precision> {
+    let named = Profile::ALL.into_iter().map(Profile::precision);
+    let alone = Knob::ALL
+        .into_iter()
+        .filter(|knob| !NO_EFFECT.contains(knob))
+        .flat_map(|knob| knob.values().iter().map(move |value| knob.with(*value, Precision::STANDARD)));
+    let mut points: Vec<Precision> = Vec::new();
+    for p in named.chain(alone).chain(Precision::grid()) {
+        // Profiles differ in knobs without effect; they may stand for others, not others for them.
+        let same = |known: &Precision| NO_EFFECT.iter().fold(p, |p, knob| knob.with(knob.of(known), p)) == *known;
+        if !points.iter().any(same) {
+            points.push(p);
+        }
+    }
+    points
+}
+
+/// What is priced of probes: every width, all else as in the named profile that is as wide or wider.
+fn widths() -> impl Iterator<Item = Precision> {
+    Knob::FractionBits.values().iter().map(|p| Precision::of_width(*p))
+}
+
+/// A knob without effect at another value.
+fn other(knob: Knob) -> Precision {
+    let standard = Precision::STANDARD;
+    let value = knob.values().iter().find(|value| **value != knob.of(&standard)).expect("a knob has several values");
+    knob.with(*value, standard)
+}
+
+/// Every run on a processor.
+fn runs(target: Target) -> impl Iterator<Item = Run> {
+    let run = move |program, plan, precision| Run { target, program, plan, precision };
+    let plan = move |precision| run("plan", ALL_EFFECTS, precision);
+    [run("plan", "empty", Precision::STANDARD)]
+        .into_iter()
+        .chain(points().into_iter().map(plan))
+        .chain(NO_EFFECT.into_iter().map(other).map(plan))
+        .chain(widths().map(move |p| run("around", "empty", p)))
+}
+
+/// Writes the table.
+pub fn run(file: Option<PathBuf>) -> Result<(), Failure> {
+    let compiler = compiler()?;
+    let mut kept = Kept::open(&compiler)?;
+    let all: Vec<Run> = TARGETS.into_iter().flat_map(runs).collect();
+    let left: Vec<&Run> = all.iter().filter(|run| !kept.numbers.contains_key(&run.name())).collect();
+    eprintln!(
+        "{} settings on {} processors: {} programs, {} of them from a run before, about {:.0} minutes",
+        points().len(),
+        TARGETS.len(),
+        all.len(),
+        all.len() - left.len(),
+        left.len() as f64 * SECONDS / 60.0
+    );
+    let progress = measure::progress(left.len())?;
+    for run in left {
+        progress.set_message(run.target.name());
+        let accuracy = format!("standard {}", settings(&run.precision));
+        let Measured { mut numbers, image } = measure::measure(run.target, run.program, run.plan, &accuracy)?;
+        numbers.insert("bytes".into(), image.bytes);
+        kept.keep(run.name(), numbers)?;
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let text = table(&kept, &compiler)?;
+    measure::write_whole(&file.unwrap_or_else(|| target::firmware().join("knobs.json")), &text)?;
+    kept.forget()
+}
+
+/// The compiler of all programs.
+fn compiler() -> Result<String, Failure> {
+    let [first, others @ ..] = TARGETS.map(Target::compiler);
+    match others.into_iter().find(|other| *other != first) {
+        Some(other) => Err(Failure::trouble(format!("programs come from two compilers, {first} and {other}"))),
+        None => Ok(first),
+    }
+}
+
+/// The table as JSON, a line for each point.
+fn table(kept: &Kept, compiler: &str) -> Result<String, Failure> {
+    let plan = |target, precision| kept.of(Run { target, program: "plan", plan: ALL_EFFECTS, precision });
+    let around = |target, precision| kept.of(Run { target, program: "around", plan: "empty", precision });
+    let price = |target, p| {
+        let empty = kept.of(Run { target, program: "plan", plan: "empty", precision: Precision::STANDARD });
+        let numbers = plan(target, p);
+        json!({
+            "instructions": numbers["instructions"],
+            "bytes": numbers["bytes"] - empty["bytes"],
+            "stack": numbers["stack"],
+        })
+    };
+    let each = |of: &dyn Fn(Target) -> Value| -> Value {
+        TARGETS.map(|target| (target.name().to_string(), of(target))).into_iter().collect::<Map<_, _>>().into()
+    };
+    for (knob, target) in NO_EFFECT.into_iter().flat_map(|knob| TARGETS.map(|target| (knob, target))) {
+        if plan(target, other(knob)) != plan(target, Precision::STANDARD) {
+            return Err(Failure::broken(format!(
+                "{knob} is listed as without effect, but has one on {}",
+                target.name()
+            )));
+        }
+    }
+    let float = |target| {
+        let numbers = around(target, Precision::STANDARD);
+        json!({ "libm": numbers["float libm"], "micromath": numbers["float micromath"] })
+    };
+    let probe = |p: Precision| {
+        let price = |target| {
+            let numbers = around(target, p);
+            json!({ "place_and_weight": numbers["probe"], "with_texels": numbers["colour"] })
+        };
+        json!({ "knobs": numbers_of(&p), "settings": settings(&p), "price": each(&price) })
+    };
+    let point =
+        |p: Precision| json!({ "knobs": numbers_of(&p), "settings": settings(&p), "price": each(&|t| price(t, p)) });
+    let mut text = String::from("{\n");
+    for (name, value) in [
+        (
+            "about",
+            json!(
+                "Made by `cargo firmware price --knobs`. Instructions are means over the fragments of PRICE.md, of a probe over theirs, \
+                 counted by QEMU; bytes are those beyond a program that does nothing; stack is that of the call, in bytes. A knob is a \
+                 number: of a choice its place, of directions the steps of the table, 0 for exact. `settings` are the same as \
+                 ROUGHXEL_KNOBS has them. `float` is the reflection in f32."
+            ),
+        ),
+        ("plan", json!("reflection, all effects")),
+        ("rustc", json!(compiler)),
+        ("no_effect", json!(NO_EFFECT.map(Knob::name))),
+        ("float", each(&float)),
+    ] {
+        let _ = writeln!(text, "{:?}: {value},", name);
+    }
+    let lines = |values: Vec<Value>| values.iter().map(Value::to_string).collect::<Vec<_>>().join(",\n");
+    let _ = writeln!(text, "\"probes\": [\n{}\n],", lines(widths().map(probe).collect()));
+    let _ = writeln!(text, "\"points\": [\n{}\n]\n}}", lines(points().into_iter().map(point).collect()));
+    Ok(text)
+}
+
+/// All knobs as numbers.
+fn numbers_of(p: &Precision) -> BTreeMap<&'static str, u32> {
+    Knob::ALL.map(|knob| (knob.name(), knob.of(p))).into()
+}
+
+/// Finished runs, in a file beside what is built: those of the same sources and the same compiler hold.
+struct Kept {
+    path: PathBuf,
+    file: File,
+    numbers: BTreeMap<String, Numbers>,
+}
+
+impl Kept {
+    /// What there is.
+    fn open(compiler: &str) -> Result<Self, Failure> {
+        let path = target::built().join("knobs.runs");
+        let origin = format!("{:016x}", origin(compiler).map_err(Failure::trouble)?);
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        // A run that was interrupted while it wrote has no end of line.
+        let mut lines = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
+        let numbers = match lines.next() {
+            Some(of) if of == origin => lines.filter_map(Self::read).collect(),
+            _ => BTreeMap::new(),
+        };
+        let mut kept = String::new();
+        let _ = writeln!(kept, "{origin}");
+        numbers.iter().for_each(|(name, numbers)| kept += &Self::line(name, numbers));
+        let trouble = |error| Failure::trouble(format!("{}: {error}", path.display()));
+        std::fs::write(&path, kept).map_err(trouble)?;
+        let file = OpenOptions::new().append(true).open(&path).map_err(trouble)?;
+        Ok(Self { path, file, numbers })
+    }
+
+    fn read(line: &str) -> Option<(String, Numbers)> {
+        let (name, numbers) = line.split_once('\t')?;
+        Some((name.into(), measure::numbers(&numbers.replace('\t', "\n"))))
+    }
+
+    fn line(name: &str, numbers: &Numbers) -> String {
+        let numbers: String = numbers.iter().map(|(name, number)| format!("\t{name} {number}")).collect();
+        format!("{name}{numbers}\n")
+    }
+
+    /// One more.
+    fn keep(&mut self, name: String, numbers: Numbers) -> Result<(), Failure> {
+        let line = Self::line(&name, &numbers);
+        self.file
+            .write_all(line.as_bytes())
+            .map_err(|error| Failure::trouble(format!("{}: {error}", self.path.display())))?;
+        self.numbers.insert(name, numbers);
+        Ok(())
+    }
+
+    /// A run's.
+    fn of(&self, run: Run) -> &Numbers {
+        &self.numbers[&run.name()]
+    }
+
+    /// The table is written: the next one starts anew.
+    fn forget(self) -> Result<(), Failure> {
+        std::fs::remove_file(&self.path).map_err(|error| Failure::trouble(format!("{}: {error}", self.path.display())))
+    }
+}
+
+/// A hash of what programs are made from: sources, packages, compiler.
+fn origin(compiler: &str) -> std::io::Result<u64> {
+    let firmware = target::firmware();
+    let mut hasher = DefaultHasher::new();
+    compiler.hash(&mut hasher);
+    let parts =
+        ["src", "build", "Cargo.toml", "Cargo.lock", "board/src/target.rs", "../src", "../../emulator/float/src"];
+    for part in parts {
+        hash_files(&firmware.join(part), &mut hasher)?;
+    }
+    Ok(hasher.finish())
+}
+
+fn hash_files(path: &Path, hasher: &mut DefaultHasher) -> std::io::Result<()> {
+    if !path.is_dir() {
+        std::fs::read(path)?.hash(hasher);
+        return Ok(());
+    }
+    let mut inside = std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>()?;
+    inside.sort();
+    inside.iter().try_for_each(|path| hash_files(path, hasher))
+}

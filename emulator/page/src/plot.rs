@@ -1,0 +1,592 @@
+//! Plots as SVG: values over an axis, with what is needed to read them without colours, in the dark, small, or as a table.
+
+mod axis;
+mod ink;
+mod label;
+mod text;
+
+use std::fmt::Write as _;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+pub use axis::Scale;
+use ink::Ink;
+use label::{Area, Wanted};
+
+use crate::html::{Page, Text as Escaped};
+
+/// An axis and what it measures.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// What is measured, with its unit.
+    pub label: String,
+    /// How its values lie.
+    pub scale: Scale,
+}
+
+/// How points of a series are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// Joined; beside other series a few markers tell them apart.
+    Line,
+    /// A marker each.
+    Points,
+    /// Joined, a marker each.
+    LinePoints,
+}
+
+/// A point.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Value along the axis that goes right.
+    pub x: f64,
+    /// Value along the axis that goes up.
+    pub y: f64,
+    /// Drawn beside the point where there is room, otherwise in the table only.
+    pub label: Option<String>,
+}
+
+/// Points that belong together; a line is broken where one of them cannot be drawn.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What the legend calls it; without a name it has no place there.
+    pub name: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// Whether its line is dashed.
+    pub dashed: bool,
+    /// In the order of the line.
+    pub points: Vec<Point>,
+}
+
+/// A vertical line, where something begins or ends.
+#[derive(Clone, Debug)]
+pub struct Mark {
+    /// Where it stands.
+    pub x: f64,
+    /// Written above it.
+    pub label: String,
+}
+
+/// A plot. Values that are not finite, or not positive on a logarithmic axis, are in its table only.
+#[derive(Clone, Debug)]
+pub struct Plot {
+    /// A few words.
+    pub title: String,
+    /// What is to be seen, in sentences, also for those who see no picture.
+    pub description: String,
+    /// The axis that goes right.
+    pub x: Axis,
+    /// The axis that goes up.
+    pub y: Axis,
+    /// Each with a colour and a marker of its own, up to eight of them.
+    pub series: Vec<Series>,
+    /// Vertical lines.
+    pub marks: Vec<Mark>,
+}
+
+/// Units of drawing in a pixel: the crate rounds to whole ones.
+const UNITS: i32 = 10;
+
+/// Pixels of an em, of a line of text, of a marker's radius, of the legend's sample.
+const EM: f64 = 13.0;
+const LINE: f64 = 17.0;
+const RADIUS: f64 = 4.0;
+const SAMPLE: f64 = 24.0;
+
+/// Pixels of a plot on a page: its width, and the height of what the axes enclose.
+const PAGE_WIDTH: u32 = 420;
+const PAGE_INNER_HEIGHT: f64 = 230.0;
+
+/// What the crate calls the size of such text: it writes 1/1.24 of it.
+const TEXT_SIZE: f64 = EM * UNITS as f64 * 1.24;
+
+type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+
+fn units(pixels: f64) -> i32 {
+    (pixels * f64::from(UNITS)).round() as i32
+}
+
+fn units_at([x, y]: [f64; 2]) -> (i32, i32) {
+    (units(x), units(y))
+}
+
+fn pixels(text: &str) -> f64 {
+    text::width(text) * EM
+}
+
+impl Plot {
+    /// The plot as a file of that width and height in pixels, on paper of its own: for a README.
+    ///
+    /// Below about 300 × 200 there is little room for data; no length is above 10000.
+    pub fn svg(&self, size: [u32; 2]) -> String {
+        let name: String = self.title.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
+        let layout = Layout::new(self, size.map(|length| f64::from(length.min(10_000))), true);
+        self.drawn(&layout, &format!("plot-{}", name.to_ascii_lowercase()))
+    }
+
+    /// Headings and rows of all points.
+    ///
+    /// Series without labels side by side, a row for each x; otherwise a row for each point. The first column says which it is, a
+    /// dash is nothing.
+    pub fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let x = self.x.scale.numbers(points.clone().map(|point| point.x));
+        let y = self.y.scale.numbers(points.map(|point| point.y));
+        if let Some(values) = self.common_values() {
+            let names = self.series.iter().map(|series| series.name.clone());
+            let headings = [self.x.label.clone()].into_iter().chain(names).collect();
+            let row = |value: &f64| {
+                let of_series = self.series.iter().map(|series| {
+                    let point = series.points.iter().find(|point| point.x.total_cmp(value).is_eq());
+                    point.map_or_else(|| "–".to_owned(), |point| y(point.y))
+                });
+                [x(*value)].into_iter().chain(of_series).collect()
+            };
+            return (headings, values.iter().map(row).collect());
+        }
+        let headings = ["", &self.x.label, &self.y.label].map(str::to_owned).to_vec();
+        let named = self.series.iter().flat_map(|series| series.points.iter().map(move |point| (&series.name, point)));
+        let rows = named.map(|(name, point)| {
+            let parts = [Some(name), point.label.as_ref()];
+            let name: Vec<&str> =
+                parts.into_iter().flatten().map(String::as_str).filter(|part| !part.is_empty()).collect();
+            vec![name.join(", "), x(point.x), y(point.y)]
+        });
+        (headings, rows.collect())
+    }
+
+    /// All x in order, if they and the series say which point it is.
+    fn common_values(&self) -> Option<Vec<f64>> {
+        let mut all = Vec::new();
+        for series in &self.series {
+            if series.points.iter().any(|point| point.label.is_some()) {
+                return None;
+            }
+            let mut own: Vec<f64> = series.points.iter().map(|point| point.x).collect();
+            own.sort_by(f64::total_cmp);
+            let distinct = own.windows(2).all(|pair| pair[0].total_cmp(&pair[1]).is_ne());
+            distinct.then_some(())?;
+            all.extend(own);
+        }
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| a.total_cmp(b).is_eq());
+        Some(all)
+    }
+
+    /// The whole element; `id` begins the ids in it.
+    fn drawn(&self, layout: &Layout, id: &str) -> String {
+        let [width, height] = layout.size.map(|length| length as u32);
+        let mut drawing = String::new();
+        {
+            let units = UNITS as u32;
+            let canvas = SVGBackend::with_string(&mut drawing, (width * units, height * units)).into_drawing_area();
+            // Writing to a string cannot fail.
+            let _ = self.draw(&canvas, layout);
+        }
+        let (_, content) = drawing.split_once('\n').unwrap_or_default();
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"roughxel-plot\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" \
+             width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\">\n<title id=\"{id}-title\">{}</title>\n\
+             <desc id=\"{id}-desc\">{}</desc>\n<style>{}</style>\n",
+            width * UNITS as u32,
+            height * UNITS as u32,
+            Escaped(&text::clean(&self.title)),
+            Escaped(&text::clean(&self.alternative())),
+            ink::style(UNITS),
+        );
+        if layout.is_alone {
+            svg.push_str("<rect class=\"paper\" width=\"100%\" height=\"100%\" fill=\"currentColor\"/>\n");
+        }
+        // The style says the face and size of all text, and white space around it would be part of it.
+        let size = format!(" font-family=\"sans-serif\" font-size=\"{}\"", TEXT_SIZE / 1.24);
+        let mut is_text = false;
+        for line in ink::recoloured(content).lines() {
+            let begins_text = line.starts_with("<text");
+            let end = if begins_text || is_text { "" } else { "\n" };
+            let _ = write!(svg, "{}{end}", line.replace(&size, "").replace(" opacity=\"1\"", ""));
+            is_text = begins_text;
+            if line == "</text>" {
+                svg.push('\n');
+            }
+        }
+        svg
+    }
+
+    /// The description, with what the marks say.
+    fn alternative(&self) -> String {
+        let mut text = self.description.clone();
+        for mark in &self.marks {
+            let _ = write!(text, " Vertical line at {}: {}.", self.x.scale.numbers([mark.x])(mark.x), mark.label);
+        }
+        text
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>, layout: &Layout) -> Drawn {
+        self.draw_frame(canvas, layout)?;
+        self.draw_legend(canvas, layout)?;
+        let runs: Vec<Vec<Vec<[f64; 2]>>> = self.series.iter().map(|series| self.runs(series)).collect();
+        let area = &layout.inner;
+        let [x, y] = layout.ranges;
+        let mut chart = ChartBuilder::on(canvas)
+            .margin_left(units(area.left))
+            .margin_top(units(area.top))
+            .margin_right(units(layout.size[0] - area.right))
+            .margin_bottom(units(layout.size[1] - area.bottom))
+            .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
+        for (index, (series, runs)) in self.series.iter().zip(&runs).enumerate() {
+            let ink = if series.dashed { Ink::SeriesDashed(index) } else { Ink::Series(index) };
+            let style = ink.code().stroke_width(units(1.75) as u32);
+            for run in runs.iter().filter(|run| series.style != Style::Points && run.len() > 1) {
+                chart.draw_series(LineSeries::new(run.iter().map(|[x, y]| (*x, *y)), style))?;
+            }
+        }
+        self.draw_labels(canvas, layout, &runs)?;
+        // Over labels: data are never hidden.
+        for (index, runs) in runs.iter().enumerate() {
+            for point in self.marked(index, runs) {
+                draw_marker(canvas, index, layout.at(point))?;
+            }
+        }
+        if runs.iter().all(Vec::is_empty) {
+            let middle = [(area.left + area.right) / 2.0, (area.top + area.bottom) / 2.0];
+            write(canvas, "no data", Ink::Soft, middle, HPos::Center, VPos::Center)?;
+        }
+        Ok(())
+    }
+
+    /// What of a series can be drawn, as places on the axes, in runs without a gap.
+    fn runs(&self, series: &Series) -> Vec<Vec<[f64; 2]>> {
+        let places = series.points.iter().map(|point| self.place(point)).collect::<Vec<_>>();
+        let runs = places.split(Option::is_none).map(|run| run.iter().copied().flatten().collect());
+        runs.filter(|run: &Vec<_>| !run.is_empty()).collect()
+    }
+
+    fn place(&self, point: &Point) -> Option<[f64; 2]> {
+        Some([self.x.scale.place(point.x)?, self.y.scale.place(point.y)?])
+    }
+
+    /// Which places of a series get a marker: all, or a few of a line, at other ones than those of the next line; also what no line
+    /// joins to anything.
+    fn marked(&self, index: usize, runs: &[Vec<[f64; 2]>]) -> Vec<[f64; 2]> {
+        let is_line = self.series[index].style == Style::Line;
+        let all = runs.iter().flatten().copied();
+        if !is_line {
+            return all.collect();
+        }
+        let step = (runs.iter().map(Vec::len).sum::<usize>() / 5).max(1);
+        let first = step * index / self.series.len();
+        let several = self.series.len() > 1;
+        let lonely = runs.iter().filter(|run| run.len() == 1).flatten().copied();
+        let few = all.skip(first).step_by(step).filter(|_| several);
+        few.chain(lonely).collect()
+    }
+
+    /// Axes with their labels, grid and marks.
+    fn draw_frame(&self, canvas: &Canvas<'_>, layout: &Layout) -> Drawn {
+        let area = &layout.inner;
+        let [grid, axis] = [Ink::Grid, Ink::Soft].map(|ink| ink.code().stroke_width(units(1.0) as u32));
+        let line = |from: [f64; 2], to: [f64; 2], style| PathElement::new([units_at(from), units_at(to)], style);
+        for (place, label) in &layout.ticks[0] {
+            let x = layout.at([*place, layout.ranges[1][0]])[0];
+            canvas.draw(&line([x, area.top], [x, area.bottom], grid))?;
+            write(canvas, label, Ink::Soft, [x, area.bottom + 5.0], HPos::Center, VPos::Top)?;
+        }
+        for (place, label) in &layout.ticks[1] {
+            let y = layout.at([layout.ranges[0][0], *place])[1];
+            canvas.draw(&line([area.left, y], [area.right, y], grid))?;
+            write(canvas, label, Ink::Soft, [area.left - 6.0, y], HPos::Right, VPos::Center)?;
+        }
+        canvas.draw(&line([area.left, area.bottom], [area.right, area.bottom], axis))?;
+        let marked = Ink::SoftDashed.code().stroke_width(units(1.5) as u32);
+        for mark in &layout.marks {
+            canvas.draw(&line([mark.x, mark.at[1]], [mark.x, area.bottom], marked))?;
+        }
+        for mark in &layout.marks {
+            write(canvas, &mark.text, Ink::Label, mark.at, mark.anchor, VPos::Top)?;
+        }
+        for (text, ink, at, anchor) in &layout.lines {
+            write(canvas, text, *ink, *at, *anchor, VPos::Top)?;
+        }
+        Ok(())
+    }
+
+    fn draw_legend(&self, canvas: &Canvas<'_>, layout: &Layout) -> Drawn {
+        for (index, text, [x, y]) in &layout.legend {
+            let series = &self.series[*index];
+            let middle = y + LINE / 2.0;
+            if series.style != Style::Points {
+                let ink = if series.dashed { Ink::SeriesDashed(*index) } else { Ink::Series(*index) };
+                let ends = [[*x, middle], [x + SAMPLE, middle]].map(units_at);
+                canvas.draw(&PathElement::new(ends, ink.code().stroke_width(units(1.75) as u32)))?;
+            }
+            if series.style != Style::Line || self.series.len() > 1 {
+                draw_marker(canvas, *index, [x + SAMPLE / 2.0, middle])?;
+            }
+            write(canvas, text, Ink::Text, [x + SAMPLE + 5.0, middle], HPos::Left, VPos::Center)?;
+        }
+        Ok(())
+    }
+
+    fn draw_labels(&self, canvas: &Canvas<'_>, layout: &Layout, runs: &[Vec<Vec<[f64; 2]>>]) -> Drawn {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let labelled: Vec<(String, Wanted)> = points
+            .filter_map(|point| {
+                let text = text::fit(point.label.as_ref()?, layout.width() * 0.6 / EM);
+                let point = layout.at(self.place(point)?);
+                let size = [pixels(&text) + 2.0, LINE - 3.0];
+                (!text.is_empty()).then_some((text, Wanted { point, size }))
+            })
+            .collect();
+        let (mut markers, mut lines) = (Vec::new(), Vec::new());
+        for (index, (series, runs)) in self.series.iter().zip(runs).enumerate() {
+            for point in self.marked(index, runs) {
+                markers.push(Area::around(layout.at(point), [2.0 * RADIUS + 4.0; 2]));
+            }
+            for pair in runs.iter().filter(|_| series.style != Style::Points).flat_map(|run| run.windows(2)) {
+                let [from, to] = [layout.at(pair[0]), layout.at(pair[1])];
+                let parts = ((to[0] - from[0]).hypot(to[1] - from[1]) / 4.0).ceil();
+                let at = |i: usize| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * i as f64 / parts);
+                lines.extend((0..parts as usize).map(|i| Area::around(at(i), [4.0; 2])));
+            }
+        }
+        let area = &layout.inner;
+        lines.extend(layout.marks.iter().map(|mark| Area { left: mark.x - 2.0, right: mark.x + 2.0, ..*area }));
+        let wanted: Vec<Wanted> = labelled.iter().map(|(_, wanted)| *wanted).collect();
+        let places = label::place(&wanted, area, &markers, &lines);
+        let leader = Ink::Soft.code().stroke_width(units(0.75) as u32);
+        for (wanted, place) in wanted.iter().zip(&places).filter_map(|(wanted, place)| Some((wanted, (*place)?))) {
+            let ([x, y], end) = (wanted.point, place.nearest(wanted.point));
+            let distance = (end[0] - x).hypot(end[1] - y);
+            if distance > label::NEAR {
+                let begin = [x + (end[0] - x) * RADIUS / distance, y + (end[1] - y) * RADIUS / distance];
+                canvas.draw(&PathElement::new([begin, end].map(units_at), leader))?;
+            }
+        }
+        for (text, place) in labelled.iter().zip(&places).filter_map(|((text, _), place)| Some((text, (*place)?))) {
+            let middle = [(place.left + place.right) / 2.0, (place.top + place.bottom) / 2.0];
+            write(canvas, text, Ink::Label, middle, HPos::Center, VPos::Center)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes text; `at` is where its anchor lies, in pixels.
+fn write(canvas: &Canvas<'_>, text: &str, ink: Ink, at: [f64; 2], horizontal: HPos, vertical: VPos) -> Drawn {
+    let style = ("sans-serif", TEXT_SIZE).into_font().color(&ink.code()).pos(Pos::new(horizontal, vertical));
+    canvas.draw(&Text::new(text, units_at(at), style))
+}
+
+/// The marker of a series at a place in pixels; more than eight series share colours, then other markers have them.
+fn draw_marker(canvas: &Canvas<'_>, index: usize, [x, y]: [f64; 2]) -> Drawn {
+    let filled = Ink::Series(index).code().filled();
+    let [line, outline] =
+        [Ink::Series(index), Ink::SeriesOpen(index)].map(|ink| ink.code().stroke_width(units(1.75) as u32));
+    let whole = |corners: &[[f64; 2]]| {
+        corners.iter().map(|[across, down]| units_at([x + across * RADIUS, y + down * RADIUS])).collect::<Vec<_>>()
+    };
+    // A second edge over the first one: no gap where they meet.
+    let closed = |corners: &[[f64; 2]]| PathElement::new(whole(&[corners, &corners[..2]].concat()), outline);
+    let square = [[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]];
+    let up = [[0.0, -1.2], [1.15, 0.9], [-1.15, 0.9]];
+    let diamond = [[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]];
+    match (index + index / ink::SERIES.len()) % ink::SERIES.len() {
+        0 => canvas.draw(&Circle::new(units_at([x, y]), units(RADIUS), filled)),
+        1 => canvas.draw(&closed(&square)),
+        2 => canvas.draw(&Polygon::new(whole(&up), filled)),
+        3 => canvas.draw(&closed(&diamond)),
+        4 => {
+            canvas.draw(&PathElement::new(whole(&[[-1.0, -1.0], [1.0, 1.0]]), line))?;
+            canvas.draw(&PathElement::new(whole(&[[-1.0, 1.0], [1.0, -1.0]]), line))
+        }
+        5 => canvas.draw(&Polygon::new(whole(&diamond), filled)),
+        6 => canvas.draw(&Circle::new(units_at([x, y]), units(RADIUS * 0.9), outline)),
+        _ => canvas.draw(&closed(&up.map(|[across, down]| [across, -down]))),
+    }
+}
+
+/// A mark with the anchor of its label, at the label's top.
+struct PlacedMark {
+    x: f64,
+    text: String,
+    at: [f64; 2],
+    anchor: HPos,
+}
+
+/// Where everything but the data stands, in pixels.
+struct Layout {
+    size: [f64; 2],
+    /// On paper of its own and with its title.
+    is_alone: bool,
+    /// What the axes enclose.
+    inner: Area,
+    ranges: [[f64; 2]; 2],
+    ticks: [Vec<(f64, String)>; 2],
+    /// Title and labels of the axes: the anchor is at their top.
+    lines: Vec<(String, Ink, [f64; 2], HPos)>,
+    /// Series, name, upper left corner.
+    legend: Vec<(usize, String, [f64; 2])>,
+    marks: Vec<PlacedMark>,
+}
+
+impl Layout {
+    /// From top to bottom: title, legend, the y axis' label with those of marks, data, ticks, the x axis' label.
+    fn new(plot: &Plot, size: [f64; 2], is_alone: bool) -> Self {
+        let [width, height] = size;
+        let edge = if is_alone { 8.0 } else { 2.0 };
+        let places = plot.series.iter().flat_map(|series| &series.points).filter_map(|point| plot.place(point));
+        let marked = plot.marks.iter().filter_map(|mark| plot.x.scale.place(mark.x));
+        let x_range = plot.x.scale.range(places.clone().map(|[x, _]| x).chain(marked));
+        let y_range = plot.y.scale.range(places.map(|[_, y]| y));
+        let y_ticks = plot.y.scale.ticks(y_range, (height / 34.0) as usize);
+        let left = edge + y_ticks.iter().fold(0.0, |most: f64, (_, label)| most.max(pixels(label))) + 6.0;
+        let mut x_count = ((width - left) / 44.0) as usize;
+        let mut x_ticks = plot.x.scale.ticks(x_range, x_count);
+        // Long labels have room for fewer; ticks at 2 and 5 times powers are not equally far apart.
+        let per_place = (width - left - 2.0 * EM) / (x_range[1] - x_range[0]);
+        let touch = |pair: &[(f64, String)]| {
+            let room = (pixels(&pair[0].1) + pixels(&pair[1].1)) / 2.0 + 8.0;
+            (pair[1].0 - pair[0].0) * per_place < room
+        };
+        while x_count > 4 && x_ticks.windows(2).any(touch) {
+            x_count -= 1;
+            x_ticks = plot.x.scale.ticks(x_range, x_count);
+        }
+        let left = left.max(edge + x_ticks.first().map_or(0.0, |(_, label)| pixels(label) / 2.0));
+        let last = x_ticks.last().map_or(0.0, |(_, label)| pixels(label) / 2.0);
+        let right = width - edge - last.max(6.0);
+        let mut layout = Self {
+            size,
+            is_alone,
+            inner: Area { left, top: edge, right, bottom: height },
+            ranges: [x_range, y_range],
+            ticks: [x_ticks, y_ticks],
+            lines: Vec::new(),
+            legend: Vec::new(),
+            marks: Vec::new(),
+        };
+        let most = (width - 2.0 * edge) / EM;
+        if is_alone {
+            // Bold text is a tenth wider.
+            layout.add_lines(&text::wrap(&plot.title, most / 1.1), Ink::Bold, [edge, edge], HPos::Left);
+            layout.inner.top += LINE * layout.lines.len() as f64 + 4.0;
+        }
+        layout.add_legend(plot, edge);
+        let label = text::wrap(&plot.y.label, most);
+        layout.add_marks(plot, edge, &label);
+        let label = text::wrap(&plot.x.label, most);
+        layout.inner.bottom -= edge + LINE * (1 + label.len()) as f64 + 8.0;
+        let at = [layout.inner.right, layout.inner.bottom + LINE + 6.0];
+        layout.add_lines(&label, Ink::Text, at, HPos::Right);
+        layout
+    }
+
+    fn width(&self) -> f64 {
+        self.inner.right - self.inner.left
+    }
+
+    /// Where a place on the axes lies.
+    fn at(&self, place: [f64; 2]) -> [f64; 2] {
+        let [x, y] =
+            [0, 1].map(|axis| (place[axis] - self.ranges[axis][0]) / (self.ranges[axis][1] - self.ranges[axis][0]));
+        let area = &self.inner;
+        [area.left + x * (area.right - area.left), area.bottom - y * (area.bottom - area.top)]
+    }
+
+    fn add_lines(&mut self, lines: &[String], ink: Ink, [x, y]: [f64; 2], anchor: HPos) {
+        let placed =
+            lines.iter().enumerate().map(|(row, line)| (line.clone(), ink, [x, y + LINE * row as f64], anchor));
+        self.lines.extend(placed);
+    }
+
+    fn add_legend(&mut self, plot: &Plot, edge: f64) {
+        let most = self.size[0] - 2.0 * edge;
+        let mut x = edge;
+        for (index, series) in plot.series.iter().enumerate().filter(|(_, series)| !series.name.trim().is_empty()) {
+            let text = text::fit(&series.name, (most - SAMPLE - 5.0) / EM);
+            let width = SAMPLE + 5.0 + pixels(&text);
+            if x > edge && x + width > edge + most {
+                x = edge;
+                self.inner.top += LINE + 1.0;
+            }
+            self.legend.push((index, text, [x, self.inner.top]));
+            x += width + 12.0;
+        }
+        self.inner.top += if self.legend.is_empty() { 0.0 } else { LINE + 7.0 };
+    }
+
+    /// Labels of marks above the data, right of their lines where there is room, in as few rows as hold them; the y axis' label shares
+    /// the lowest ones. From the last mark on, so that lines go up left of labels below, not through them.
+    fn add_marks(&mut self, plot: &Plot, edge: f64, axis_label: &[String]) {
+        let most = self.size[0] - edge;
+        // Rows from the lowest up: what they hold already.
+        let mut rows: Vec<Vec<[f64; 2]>> =
+            axis_label.iter().rev().map(|line| vec![[edge, edge + pixels(line) + 8.0]]).collect();
+        let mut marks: Vec<([f64; 2], &Mark)> =
+            plot.marks.iter().filter_map(|mark| Some((self.at([plot.x.scale.place(mark.x)?, 0.0]), mark))).collect();
+        marks.sort_by(|(a, _), (b, _)| b[0].total_cmp(&a[0]));
+        let mut placed = Vec::new();
+        for ([x, _], mark) in marks {
+            let text = text::fit(&mark.label, (most - edge) / EM);
+            let width = pixels(&text) + 4.0;
+            // The width is an estimate, so the text is anchored where the line is.
+            let (left, at, anchor) = if x + width <= most {
+                (x, x + 4.0, HPos::Left)
+            } else if x - width >= edge {
+                (x - width, x - 4.0, HPos::Right)
+            } else {
+                (edge, edge, HPos::Left)
+            };
+            let is_free = |row: &Vec<[f64; 2]>| row.iter().all(|[from, to]| left + width < *from || *to < left);
+            let row = rows.iter().position(is_free).unwrap_or(rows.len());
+            if row == rows.len() {
+                rows.push(Vec::new());
+            }
+            rows[row].push([left - 8.0, left + width + 8.0]);
+            placed.push((row, PlacedMark { x, text, at: [at, 0.0], anchor }));
+        }
+        let bottom = self.inner.top + LINE * rows.len() as f64;
+        let first = bottom - LINE * axis_label.len() as f64;
+        self.add_lines(axis_label, Ink::Text, [edge, first], HPos::Left);
+        self.marks = placed
+            .into_iter()
+            .map(|(row, mark)| PlacedMark { at: [mark.at[0], bottom - LINE * (row + 1) as f64], ..mark })
+            .collect();
+        self.inner.top = bottom + 5.0;
+    }
+}
+
+impl Page {
+    /// A plot with its title, its description and, when asked for, its data.
+    pub fn plot(&mut self, plot: &Plot) {
+        // All but the data first: data are equally high in all plots.
+        let outside = {
+            let layout = Layout::new(plot, [f64::from(PAGE_WIDTH), 0.0], false);
+            layout.inner.top - layout.inner.bottom
+        };
+        let height = (PAGE_INNER_HEIGHT + outside).ceil();
+        let layout = Layout::new(plot, [f64::from(PAGE_WIDTH), height], false);
+        let svg = plot.drawn(&layout, &format!("plot-{}", self.next_number()));
+        self.add(format_args!(
+            "<figure class=\"plot\">\n{svg}<figcaption><b>{}</b> {}</figcaption>\n<details>\n<summary>Data</summary>\n",
+            Escaped(&plot.title),
+            Escaped(&plot.description)
+        ));
+        let (headings, rows) = plot.table();
+        self.table(&headings.iter().map(String::as_str).collect::<Vec<_>>(), rows);
+        self.add(format_args!("</details>\n</figure>\n"));
+    }
+
+    /// Plots side by side, as many in a row as have room.
+    pub fn plots<'a>(&mut self, plots: impl IntoIterator<Item = &'a Plot>) {
+        self.add(format_args!("<div class=\"plots\">\n"));
+        plots.into_iter().for_each(|plot| self.plot(plot));
+        self.add(format_args!("</div>\n"));
+    }
+}
+
+#[cfg(test)]
+mod tests;

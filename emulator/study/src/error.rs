@@ -1,0 +1,54 @@
+//! Why a study ends without success.
+
+use std::io;
+use std::path::PathBuf;
+
+use roughxel_frame::raster::RasterError;
+use roughxel_maps::peak_pyramid::ObjectPeakError;
+use roughxel_scene::SceneError;
+use roughxel_scene::picture::PictureError;
+use thiserror::Error;
+
+use crate::stability;
+
+/// Why a study ends without success.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// A scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A scene cannot be drawn.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    /// Peaks of a scene cannot be made.
+    #[error(transparent)]
+    Peaks(#[from] ObjectPeakError),
+    /// A picture cannot be written.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A frame of formulas that fail.
+    #[error(transparent)]
+    Naive(#[from] stability::PictureError),
+    /// A thread cannot be had.
+    #[error(transparent)]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A file that holds no study.
+    #[error("{}: no study: {problem}", path.display())]
+    NoStudy {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A file of the study.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    File {
+        /// read or write.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}

@@ -1,0 +1,261 @@
+//! The clock of a host: how long fragments and frames take on one thread of this machine, as ratios to `standard`.
+//!
+//! A ratio is the median over rounds; in each round both sides run one after the other, so that what slows the machine down for a
+//! while slows both. Its noise is how far rounds lie apart. What other programs take of the machine meanwhile is read from
+//! the system where it says so, and a figure made under load is marked.
+
+use std::fs;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::ports::{Port, ReflectionIn, ReflectionInput};
+use roughxel_core::precision::Precision;
+use roughxel_core::soft_core::environment_scale;
+use roughxel_float::batch::{FootprintBlock, FragmentBlock, reflect_batch};
+use roughxel_float::formulas::Careful;
+use roughxel_float::math::Std;
+use roughxel_float::{Environment, Footprint, Fragment};
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
+use roughxel_lanes::Reading;
+use roughxel_reference as reference;
+use roughxel_scene::Scene;
+use serde::{Deserialize, Serialize};
+
+use crate::StudyError;
+use crate::accuracy::{reference_inputs, reference_options};
+
+/// Share of a core that others may take before a figure counts as made under load.
+const QUIET: f64 = 0.1;
+/// Seconds to which the system tells who has worked.
+const TICK: f64 = 0.01;
+/// Noise of a ratio that counts as load, too.
+const NOISY: f64 = 0.25;
+/// Two runs of one program lie this far apart whatever their rounds say: where its memory lies, how warm the machine is. Of 293 ratios 16
+/// moved from one full study to the next by more than half of what 80 % of the rounds spread over and 3 %.
+const LEAST_NOISE: f64 = 0.05;
+
+/// What a time was found to be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// Nanoseconds of a fragment, or of a pixel of a frame.
+    pub ns: f64,
+    /// Time as a multiple of what `standard` takes in the same reading.
+    pub ratio: f64,
+    /// How far the ratio may lie off, as a multiple of the same: what 80 % of the rounds spread over, and 5 % at least.
+    pub noise: f64,
+    /// Share of a core that other programs took meanwhile; `None` where the system does not tell.
+    pub others: Option<f64>,
+    /// Whether that, or the noise, makes the figure worth nothing.
+    pub loaded: bool,
+}
+
+/// How long it is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rounds {
+    /// Rounds, an odd number.
+    pub count: usize,
+    /// Least time of a side in a round, milliseconds.
+    pub least_ms: u64,
+}
+
+/// Something that can be run again.
+pub type Pass<'a> = Box<dyn FnMut() + 'a>;
+
+/// Times `a` against `b`, which both work on `units` fragments or pixels.
+pub fn time(a: &mut Pass<'_>, b: &mut Pass<'_>, units: usize, rounds: Rounds) -> Timing {
+    let load = Load::now();
+    let begin = Instant::now();
+    let least = Duration::from_millis(rounds.least_ms);
+    let repeats = |pass: &mut Pass<'_>| {
+        let start = Instant::now();
+        pass();
+        least.as_nanos().div_ceil(start.elapsed().as_nanos().max(1)).clamp(1, 1 << 20) as u32
+    };
+    let counts = [repeats(a), repeats(b)];
+    let run = |pass: &mut Pass<'_>, count: u32| {
+        let start = Instant::now();
+        (0..count).for_each(|_| pass());
+        start.elapsed().as_secs_f64() / f64::from(count)
+    };
+    let (mut ratios, mut times) = (Vec::new(), Vec::new());
+    for round in 0..rounds.count.max(1) {
+        // Neither is always the first.
+        let (of_a, of_b) = if round % 2 == 0 {
+            (run(a, counts[0]), run(b, counts[1]))
+        } else {
+            let of_b = run(b, counts[1]);
+            (run(a, counts[0]), of_b)
+        };
+        ratios.push(of_a / of_b);
+        times.push(of_a);
+    }
+    let others =
+        load.zip(Load::now()).map(|(before, after)| after.others_since(before) / begin.elapsed().as_secs_f64());
+    let ratio = quantile(&mut ratios, 0.5);
+    let spread = quantile(&mut ratios, 0.9) - quantile(&mut ratios, 0.1);
+    let noise = spread.max(LEAST_NOISE * ratio);
+    Timing {
+        ns: 1e9 * quantile(&mut times, 0.5) / units.max(1) as f64,
+        ratio,
+        noise,
+        others,
+        loaded: others.is_some_and(|others| others > QUIET + 2.0 * TICK / begin.elapsed().as_secs_f64())
+            || noise > NOISY * ratio,
+    }
+}
+
+fn quantile(figures: &mut [f64], share: f64) -> f64 {
+    figures.sort_by(f64::total_cmp);
+    figures[(share * (figures.len() - 1) as f64).round() as usize]
+}
+
+/// Seconds that the machine's processors have worked, and those of this program.
+#[derive(Clone, Copy, Debug)]
+struct Load {
+    busy: f64,
+    own: f64,
+}
+
+impl Load {
+    /// As Linux tells; `None` elsewhere.
+    fn now() -> Option<Self> {
+        // Ticks of 10 ms on every Linux that runs on hosts; user, nice, system, idle, iowait, irq, softirq, steal.
+        let all = fs::read_to_string("/proc/stat").ok()?;
+        let ticks: Vec<f64> = all.lines().next()?.split_whitespace().skip(1).flat_map(str::parse).collect();
+        let busy = [0, 1, 2, 5, 6, 7].iter().map(|&i| ticks.get(i).copied().unwrap_or(0.0)).sum::<f64>() / 100.0;
+        let own = fs::read_to_string("/proc/self/stat").ok()?;
+        // The name of the program may hold anything but the last bracket.
+        let own: Vec<f64> = own.rsplit_once(')')?.1.split_whitespace().skip(11).take(2).flat_map(str::parse).collect();
+        Some(Self { busy, own: own.iter().sum::<f64>() / 100.0 })
+    }
+
+    /// Processor seconds of others.
+    fn others_since(self, before: Self) -> f64 {
+        ((self.busy - before.busy) - (self.own - before.own)).max(0.0)
+    }
+}
+
+/// Fragments that go through lanes at a time, as in a frame.
+const BATCH: usize = 256;
+/// Fragments of a pass: inputs and outputs stay within a second-level cache.
+const FRAGMENTS: usize = 2048;
+
+/// Fragments of a frame in which every stage has work to do.
+pub struct Bench {
+    ports: Vec<ReflectionIn>,
+    wires: Vec<ReflectionInput<i32>>,
+    edge_texels: u16,
+}
+
+impl Bench {
+    /// Those of the scene `globe`, in the order of its rows.
+    pub fn new() -> Result<Self, StudyError> {
+        let scene = Scene::open("globe")?;
+        let prepared = Prepared::new(&scene, Mode::Footprint, &Precision::STANDARD)?;
+        let captured = prepared.capture(FRAGMENTS)?;
+        let full = captured
+            .into_iter()
+            .filter(|(fragment, plan)| *plan == ReflectionPlan::FULL && Fragment::in_range(fragment));
+        let ports: Vec<_> = full.map(|(fragment, _)| fragment).collect();
+        let wires = ports.iter().map(Port::wires).collect();
+        let edge_texels = ports.first().map_or(1, |fragment| fragment.edge_texels);
+        Ok(Self { ports, wires, edge_texels })
+    }
+
+    /// Fragments of a pass.
+    pub fn fragments(&self) -> usize {
+        self.ports.len()
+    }
+
+    /// The whole reflection of every fragment, fetches excluded.
+    pub fn integers(&self, reading: Reading, p: &Precision) -> Pass<'_> {
+        // Data here as in the emulator: a profile known to the compiler makes the scalar reading 1.25 times as fast.
+        let p = black_box(*p);
+        let scale = environment_scale(self.edge_texels, &p);
+        Box::new(move || {
+            for inputs in self.wires.chunks(BATCH) {
+                black_box(reading.footprints(inputs, &scale, &ReflectionPlan::FULL, &p));
+            }
+        })
+    }
+
+    /// The same in float64: the reference.
+    pub fn float64(&self) -> Pass<'_> {
+        let inputs: Vec<_> = self.ports.iter().map(reference_inputs).collect();
+        let options = reference_options(&ReflectionPlan::FULL, &Precision::STANDARD);
+        Box::new(move || {
+            for inputs in &inputs {
+                let outputs = reference::reflection(inputs, &options);
+                black_box((outputs.selection, outputs.probes));
+            }
+        })
+    }
+
+    /// The same in f32, one fragment at a time.
+    pub fn float32(&self) -> Pass<'_> {
+        let environment = Environment::new(self.edge_texels.into());
+        let fragments: Vec<_> = self.ports.iter().map(Fragment::from).collect();
+        let mut footprints = vec![Footprint::default(); fragments.len()];
+        Box::new(move || {
+            for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
+                *footprint = environment.reflect::<Std, Careful>(fragment);
+            }
+            black_box(&mut footprints);
+        })
+    }
+
+    /// The same in f32 for the vectors of the machine.
+    pub fn float32_batched(&self) -> Pass<'_> {
+        let environment = Environment::new(self.edge_texels.into());
+        let fragments: Vec<_> = self.ports.iter().map(Fragment::from).collect();
+        let blocks = FragmentBlock::blocks(&fragments);
+        let mut footprints = vec![FootprintBlock::default(); blocks.len()];
+        Box::new(move || {
+            reflect_batch(&environment, &blocks, &mut footprints);
+            black_box(&mut footprints);
+        })
+    }
+}
+
+/// A frame, drawn by the thread that calls.
+pub fn frame<'a>(prepared: &'a Prepared<'_>) -> Pass<'a> {
+    Box::new(move || {
+        // What a scene cannot be drawn for was said when it was prepared.
+        let _ = black_box(prepared.render(&|| ()));
+    })
+}
+
+/// What times were found on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// The processor by its own name, where the system tells.
+    pub processor: String,
+    /// Threads that run at once.
+    pub threads: usize,
+    /// Operating system and architecture.
+    pub system: String,
+    /// Lanes of frames.
+    pub lanes: String,
+    /// What the program was compiled by.
+    pub rustc: String,
+    /// The program's version.
+    pub program: String,
+}
+
+impl Machine {
+    /// This one.
+    pub fn here() -> Self {
+        let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let name = processors.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+        Self {
+            processor: name.map_or_else(|| "unknown".into(), |(_, name)| name.trim().into()),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            lanes: Reading::best().to_string(),
+            rustc: env!("ROUGHXEL_RUSTC").into(),
+            program: format!("roughxel {}", env!("CARGO_PKG_VERSION")),
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! A study to look at: one page that needs nothing beside it, its plots as files, its tables as text.
+
+mod pictures;
+mod plots;
+mod tables;
+mod verdict;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use roughxel_page::html::{Page, Text};
+use roughxel_scene::output::OutputFile;
+
+use crate::StudyError;
+use crate::stability;
+use crate::sweep::Study;
+
+pub use tables::{README_TABLES, markdown, profiles};
+pub use verdict::{BUYS_SOMETHING_DB, KnobGain, knob_gains};
+
+/// Edges of a plot in a file of its own, pixels.
+const PLOT_SIZE: [u32; 2] = [640, 440];
+
+/// The study as its file holds it.
+pub fn json(study: &Study) -> String {
+    // Numbers, texts and lists of them: nothing in it can fail.
+    let text = serde_json::to_string_pretty(study).unwrap_or_default();
+    text + "\n"
+}
+
+/// Writes `study.json`, `index.html`, the README's tables and plots, and pictures into a directory; gives the paths.
+///
+/// Errors: a scene that cannot be drawn, a file that cannot be written.
+pub fn write(study: &Study, directory: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    let drawn = Pictures { knobs: pictures::draw(study, directory)?, naive: pictures::naive(directory)? };
+    let own = [("study.json", json(study)), ("index.html", page(study, &drawn)), ("tables.md", markdown(study))];
+    let files = own.into_iter().chain(readme_plots(study));
+    files.map(|(name, text)| write_file(&directory.join(name), text.as_bytes())).collect()
+}
+
+/// The README's plots: name of the file, SVG.
+pub fn readme_plots(study: &Study) -> [(&'static str, String); 2] {
+    let [bits, frames] = plots::readme(study);
+    [("bits.svg", bits.svg(PLOT_SIZE)), ("frames.svg", frames.svg(PLOT_SIZE))]
+}
+
+fn write_file(path: &Path, bytes: &[u8]) -> Result<PathBuf, StudyError> {
+    let written = OutputFile::create(path).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.commit()
+    });
+    match written {
+        Ok(()) => Ok(path.to_path_buf()),
+        Err(source) => Err(StudyError::File { action: "write", path: path.to_path_buf(), source }),
+    }
+}
+
+/// What the page shows beside plots.
+struct Pictures {
+    knobs: Vec<pictures::KnobPicture>,
+    /// With the name of the hard case.
+    naive: Vec<(String, pictures::KnobPicture)>,
+}
+
+fn figures(page: &mut Page, picture: &pictures::KnobPicture) {
+    page.add(format_args!("<div class=\"figures\">\n"));
+    for (png, label, caption) in &picture.shown {
+        page.figure(png, picture.size, &format!("{}, {}: {label}", picture.scene, picture.knob), label, caption);
+    }
+    page.add(format_args!("</div>\n"));
+}
+
+fn page(study: &Study, pictures: &Pictures) -> String {
+    let mut page = Page::new("Roughxel: what accuracy costs in time");
+    let machine = &study.machine;
+    let [width, height] = study.settings.size;
+    page.add(format_args!(
+        "<header>\n<h1>What accuracy costs in time</h1>\n\
+         <p>Each point is a setting of the accuracy knobs of the datapath, or another method: its error against float64, and what it \
+         takes on four clocks. Frames are {width}×{height} pixels of {}, the truth has {} samples a pixel.</p>\n\
+         <p class=\"soft\">{}, {}, {} threads, lanes {}; {}; {}. Soft core: {}. {}. A † marks a time that was found while other \
+         programs ran.</p>\n</header>\n",
+        Text(&study.settings.scenes.join(", ")),
+        study.settings.samples_edge.pow(2),
+        Text(&machine.processor),
+        Text(&machine.system),
+        machine.threads,
+        Text(&machine.lanes),
+        Text(&machine.program),
+        Text(&machine.rustc),
+        Text(&study.soft_core_rustc),
+        Text(&study.seeds),
+    ));
+
+    section(&mut page, "choose", "What to choose");
+    let (headings, rows) = verdict::choices(study);
+    table(&mut page, &headings, &rows);
+    page.add(format_args!(
+        "<p>The cheapest setting of this study whose frames reach that PSNR against the filter of <code>standard</code> in float64 in \
+         every scene. <code>roughxel choose</code> finds one for a scene of your own, among combinations of knobs.</p>\n"
+    ));
+    list(&mut page, &verdict::bit_prices(study));
+    page.add(format_args!("</section>\n"));
+
+    section(&mut page, "profiles", "The named profiles");
+    let (headings, rows) = profiles(study);
+    table(&mut page, &headings, &rows);
+    let (headings, rows) = tables::floats(study);
+    page.add(format_args!("<p>Other methods on the same fragments:</p>\n"));
+    table(&mut page, &headings, &rows);
+    list(&mut page, &verdict::floats(study));
+    page.add(format_args!(
+        "<p>Frames of standard beside those without footprints and with several samples a pixel:</p>\n"
+    ));
+    let (headings, rows) = tables::frames(study);
+    table(&mut page, &headings, &rows);
+    page.add(format_args!("</section>\n"));
+
+    section(&mut page, "clocks", "Error against time");
+    page.add(format_args!(
+        "<p>Down and to the left is better where errors are shown, up and to the left where pictures are. The dashed line joins the \
+         settings that nothing beats on both axes.</p>\n<div class=\"plots\">\n"
+    ));
+    for plot in plots::clocks(study) {
+        page.plot(&plot);
+    }
+    page.add(format_args!("</div>\n</section>\n"));
+
+    section(&mut page, "knobs", "One curve a knob");
+    list(&mut page, &verdict::idle_knobs(study));
+    for (knob, plots) in plots::knobs(study) {
+        page.add(format_args!("<h3>{}</h3>\n<div class=\"plots\">\n", Text(&knob)));
+        for plot in &plots {
+            page.plot(plot);
+        }
+        page.add(format_args!("</div>\n"));
+        pictures.knobs.iter().filter(|picture| picture.knob == knob).for_each(|picture| figures(&mut page, picture));
+    }
+    page.add(format_args!("</section>\n"));
+
+    section(&mut page, "stability", "Near the degeneracies");
+    page.add(format_args!(
+        "<p>The worst error of a family of fragments against its distance from the case where a formula breaks down. A vertical line \
+         is where the documented fallback of a profile begins; dashed curves are floating point, which has none.</p>\n"
+    ));
+    for case in &study.stability {
+        page.add(format_args!(
+            "<h3>{}</h3>\n<p>{} {}</p>\n<div class=\"plots\">\n",
+            Text(&case.title),
+            Text(&case.naive),
+            Text(&case.fallback)
+        ));
+        page.plot(&plots::stability(case));
+        page.add(format_args!("</div>\n"));
+        for (_, picture) in pictures.naive.iter().filter(|(name, _)| *name == case.name) {
+            page.add(format_args!("<p>What the plain formula makes of a frame:</p>\n"));
+            figures(&mut page, picture);
+        }
+        list(&mut page, &stability::float_wins(case));
+    }
+    page.add(format_args!("</section>\n"));
+    page.finish()
+}
+
+fn section(page: &mut Page, id: &str, title: &str) {
+    page.add(format_args!("<section id=\"{}\">\n<h2>{}</h2>\n", Text(id), Text(title)));
+}
+
+fn table(page: &mut Page, headings: &[String], rows: &[Vec<String>]) {
+    // Quotes of code are the README's.
+    let headings: Vec<String> = headings.iter().map(|text| text.replace('`', "")).collect();
+    let rows = rows.iter().map(|row| row.iter().map(|text| text.replace('`', "")).collect::<Vec<_>>());
+    page.table(&headings.iter().map(String::as_str).collect::<Vec<_>>(), rows);
+}
+
+fn list(page: &mut Page, sentences: &[String]) {
+    if sentences.is_empty() {
+        return;
+    }
+    page.add(format_args!("<ul>\n"));
+    for sentence in sentences {
+        page.add(format_args!("<li>{}</li>\n", Text(&sentence.replace('`', ""))));
+    }
+    page.add(format_args!("</ul>\n"));
+}

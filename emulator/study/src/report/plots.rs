@@ -1,0 +1,257 @@
+//! Figures of a study as plots.
+
+use roughxel_core::knob::Knob;
+use roughxel_page::plot::{Axis, Mark, Plot, Point as Dot, Scale, Series, Style};
+
+use super::tables::named;
+use super::verdict::{CLOCKS, cost, curve, worst_psnr};
+use crate::choose::Clock;
+use crate::soft_core;
+use crate::stability::HardCase;
+use crate::sweep::{Point, StageFigures, Study};
+
+/// The target that stands for soft cores.
+const SOFT_CORE: &str = "riscv32imac";
+
+fn axis(label: &str, scale: Scale) -> Axis {
+    Axis { label: label.into(), scale }
+}
+
+fn dot(x: f64, y: f64, label: Option<&str>) -> Dot {
+    Dot { x, y, label: label.map(String::from) }
+}
+
+fn series(name: &str, style: Style, points: Vec<Dot>) -> Series {
+    Series { name: name.into(), style, dashed: false, points }
+}
+
+/// The error of s and t that 99.9 % of random fragments stay below: the worst is near a pole, where f32 has none.
+fn places(stages: &[StageFigures]) -> Option<f64> {
+    stages.iter().find(|stage| stage.figure == "s, t").and_then(|stage| stage.nearly_all)
+}
+
+/// What nothing beats on both axes, from the left: less `x`, and less `y` or more of it.
+fn front(dots: &[Dot], more_is_better: bool) -> Series {
+    let mut sorted: Vec<&Dot> = dots.iter().filter(|dot| dot.x.is_finite() && dot.y.is_finite()).collect();
+    sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let mut points: Vec<Dot> = Vec::new();
+    for dot in sorted {
+        let is_better = |last: &Dot| if more_is_better { dot.y > last.y } else { dot.y < last.y };
+        if points.last().is_none_or(is_better) {
+            points.push(Dot { label: None, ..dot.clone() });
+        }
+    }
+    Series { name: "nothing beats these".into(), style: Style::Line, dashed: true, points }
+}
+
+/// Knobs of the datapath, one curve each; all others stand as points.
+const CURVES: [Knob; 2] = [Knob::FractionBits, Knob::Direction];
+
+/// The settings as series of dots: named profiles, knobs as curves, all other settings.
+fn settings(study: &Study, curves: &[Knob], dot_of: impl Fn(&Point) -> Option<(f64, f64)>) -> Vec<Series> {
+    let dots = |points: &mut dyn Iterator<Item = (Option<String>, &Point)>| -> Vec<Dot> {
+        points.filter_map(|(label, point)| dot_of(point).map(|(x, y)| Dot { x, y, label })).collect()
+    };
+    let mut all = vec![series(
+        "named profiles",
+        Style::Points,
+        dots(&mut named(study).map(|point| (Some(point.name.clone()), point))),
+    )];
+    for &knob in curves {
+        let points = curve(study, knob);
+        let last = points.len().saturating_sub(1);
+        // The ends of a curve say which way it runs.
+        let mut ends = points.into_iter().enumerate().map(|(index, (value, point))| {
+            ((index == 0 || index == last).then(|| knob.text(value).to_string()), point)
+        });
+        all.push(series(knob.name(), Style::LinePoints, dots(&mut ends)));
+    }
+    let mut others = study.points.iter().filter_map(|point| {
+        let knob = point.knob.as_ref()?;
+        curves.iter().all(|curve| curve.name() != knob).then_some((None, point))
+    });
+    all.push(series("every other knob", Style::Points, dots(&mut others)));
+    all
+}
+
+fn with_front(mut all: Vec<Series>, more_is_better: bool) -> Vec<Series> {
+    let dots: Vec<Dot> = all.iter().flat_map(|series| series.points.iter().cloned()).collect();
+    all.push(front(&dots, more_is_better));
+    all
+}
+
+/// Error of the datapath against the time of a fragment on the host.
+fn bits_on_host(study: &Study) -> Plot {
+    let mut all = settings(study, &CURVES, |point| Some((point.host.lanes.ratio, places(&point.stages)?)));
+    let floats = study
+        .floats
+        .iter()
+        .filter_map(|float| Some(dot(float.host.as_ref()?.ratio, places(&float.stages)?, Some(&float.name))));
+    all.push(series("floats", Style::Points, floats.collect()));
+    let scalar = named(study).filter_map(|point| {
+        // Against `standard` in lanes, as everything here.
+        let base = study.points.iter().find(|point| point.name == "standard")?;
+        Some(dot(point.host.scalar.ns / base.host.lanes.ns, places(&point.stages)?, Some(&point.name)))
+    });
+    all.push(series("named profiles, scalar", Style::Points, scalar.collect()));
+    Plot {
+        title: "Host: error of a fragment against its time".into(),
+        description: "Error of s and t on the cube face that 99.9 % of the fragments stay below, against the time of the reflection of a fragment as a multiple of \
+                      standard in lanes. Integers form a column for each width of words; batched f32 lies far to the left of them."
+            .into(),
+        x: axis("time of a fragment ÷ standard in lanes", Scale::Log2),
+        y: axis("error of s, t, 99.9 % below (half faces)", Scale::Log2),
+        series: with_front(all, false),
+        marks: Vec::new(),
+    }
+}
+
+/// PSNR of frames against the truth over their time, modes and numbers of samples among them.
+fn frames_on_host(study: &Study) -> Plot {
+    let mean = |frames: &[crate::frames::FrameFigures]| {
+        let known: Vec<f64> = frames.iter().filter_map(|frame| frame.psnr_truth).collect();
+        (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+    };
+    let mut all = settings(study, &[Knob::MaxProbes], |point| Some((cost(point, Clock::Host)?, mean(&point.frames)?)));
+    let modes = study.modes.iter().filter_map(|mode| {
+        let count = mode.times.len().max(1) as f64;
+        let time = mode.times.values().map(|timing| timing.ratio).sum::<f64>() / count;
+        Some(dot(time, mean(&mode.frames)?, Some(&mode.name)))
+    });
+    all.push(series("without footprints", Style::Points, modes.collect()));
+    Plot {
+        title: "Host: picture against the time of a frame".into(),
+        description: "Mean PSNR of the scenes against 1024 samples a pixel, over the time of a frame as a multiple of standard. \
+                      Frames with 4, 16 and 64 samples take several times as long as filtered ones of about the same PSNR."
+            .into(),
+        x: axis("time of a frame ÷ standard", Scale::Log2),
+        y: axis("PSNR against the truth (dB)", Scale::Linear),
+        series: with_front(all, true),
+        marks: Vec::new(),
+    }
+}
+
+/// The README's two.
+pub(super) fn readme(study: &Study) -> [Plot; 2] {
+    [bits_on_host(study), frames_on_host(study)]
+}
+
+/// Two for the host, and for every other clock error and picture.
+pub(super) fn clocks(study: &Study) -> Vec<Plot> {
+    let mut plots = vec![bits_on_host(study), frames_on_host(study)];
+    for (clock, unit) in CLOCKS.into_iter().filter(|(clock, _)| *clock != Clock::Host) {
+        let name = unit.split(':').next().unwrap_or(unit);
+        if clock != Clock::Memory {
+            let mut all = settings(study, &CURVES, |point| Some((cost(point, clock)?, places(&point.stages)?)));
+            if clock == Clock::SoftCore {
+                // `libm` has the bits of the standard library.
+                let prices = soft_core::float(SOFT_CORE).map_or([None; 2], |float| {
+                    [
+                        Some(("f32", "f32, libm", float.libm)),
+                        Some(("f32, micromath", "f32, micromath", float.micromath)),
+                    ]
+                });
+                let floats = prices.into_iter().flatten().filter_map(|(measured, name, instructions)| {
+                    let float = study.floats.iter().find(|float| float.name == measured)?;
+                    Some(dot(instructions, places(&float.stages)?, Some(name)))
+                });
+                all.push(series("floats", Style::Points, floats.collect()));
+            }
+            plots.push(Plot {
+                title: format!("{}: error of a fragment", capital(name)),
+                description: format!(
+                    "Error of s and t on the cube face that 99.9 % of the fragments stay below, against {unit}."
+                ),
+                x: axis(unit.split(": ").last().unwrap_or(unit), Scale::Log2),
+                y: axis("error of s, t, 99.9 % below (half faces)", Scale::Log2),
+                series: with_front(all, false),
+                marks: Vec::new(),
+            });
+        }
+        let curves = if clock == Clock::Memory { &[Knob::MaxProbes, Knob::LodBits][..] } else { &CURVES[..1] };
+        let all = settings(study, curves, |point| Some((cost(point, clock)?, worst_psnr(point)?)));
+        plots.push(Plot {
+            title: format!("{}: pictures", capital(name)),
+            description: format!("PSNR of the worst scene against the filter of standard in float64, over {unit}."),
+            x: axis(unit.split(": ").last().unwrap_or(unit), Scale::Log2),
+            y: axis("PSNR against float64's filter (dB)", Scale::Linear),
+            series: with_front(all, true),
+            marks: Vec::new(),
+        });
+    }
+    plots
+}
+
+fn capital(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+/// For every knob its name, pictures over its values, and prices.
+pub(super) fn knobs(study: &Study) -> Vec<(String, Vec<Plot>)> {
+    let base = study.points.iter().find(|point| point.name == "standard");
+    let plots = |knob: Knob| {
+        let points = curve(study, knob);
+        // Choices and an exact direction have no place among numbers, so values stand in their order.
+        let place = |index: usize, value: u32, first: bool, y: f64| Dot {
+            x: index as f64 + 1.0,
+            y,
+            label: first.then(|| knob.text(value).to_string()),
+        };
+        let scenes = study.settings.scenes.iter().enumerate().map(|(nth, scene)| {
+            let dots = points.iter().enumerate().filter_map(|(index, (value, point))| {
+                Some(place(index, *value, nth == 0, point.frame(scene)?.psnr_filter?))
+            });
+            series(scene, Style::LinePoints, dots.collect())
+        });
+        let prices = CLOCKS.iter().enumerate().map(|(nth, (clock, unit))| {
+            let base = base.and_then(|point| cost(point, *clock));
+            let dots = points.iter().enumerate().filter_map(|(index, (value, point))| {
+                Some(place(index, *value, nth == 0, cost(point, *clock)? / base?))
+            });
+            series(unit.split(':').next().unwrap_or(unit), Style::LinePoints, dots.collect())
+        });
+        vec![
+            Plot {
+                title: format!("{knob}: pictures"),
+                description: format!(
+                    "PSNR of each scene against the filter of standard in float64, for the values of {knob} from the least accurate on; \
+                     the other knobs are those of standard."
+                ),
+                x: axis(&format!("{knob}, value by value"), Scale::Linear),
+                y: axis("PSNR against float64's filter (dB)", Scale::Linear),
+                series: scenes.collect(),
+                marks: Vec::new(),
+            },
+            Plot {
+                title: format!("{knob}: price"),
+                description: format!("What each value of {knob} takes on each clock, as a multiple of standard."),
+                x: axis(&format!("{knob}, value by value"), Scale::Linear),
+                y: axis("÷ standard", Scale::Linear),
+                series: prices.collect(),
+                marks: Vec::new(),
+            },
+        ]
+    };
+    Knob::ALL.into_iter().map(|knob| (knob.name().to_string(), plots(knob))).collect()
+}
+
+/// Errors near a degeneracy.
+pub(super) fn stability(case: &HardCase) -> Plot {
+    let curves = case.curves.iter().map(|curve| {
+        let dots = curve.points.iter().map(|&[distance, error]| dot(distance, error, None));
+        Series { dashed: curve.bar.is_none(), ..series(&curve.method, Style::Line, dots.collect()) }
+    });
+    let fallbacks = case.curves.iter().filter_map(|curve| {
+        let x = curve.fallback.filter(|distance| distance.is_finite())?;
+        Some(Mark { x, label: curve.method.clone() })
+    });
+    Plot {
+        title: case.title.clone(),
+        description: format!("{} against {}, both on logarithmic axes. {}", case.error, case.distance, case.naive),
+        x: axis(&case.distance, Scale::Log2),
+        y: axis(&case.error, Scale::Log2),
+        series: curves.collect(),
+        marks: fallbacks.collect(),
+    }
+}

@@ -1,0 +1,114 @@
+//! Floating point as a method: formulas on a library, and its footprints in a frame.
+
+use glam::{DVec3, Vec2, Vec3};
+use roughxel_float::formulas::{Careful, Frame, Plain};
+use roughxel_float::math::{Micromath, Std};
+use roughxel_float::peak::LitPeak;
+use roughxel_float::{Environment, Footprint, Fragment};
+use roughxel_real_frame as real_frame;
+use roughxel_reference::cube::Selection;
+use roughxel_reference::frame::{self, FrameSystem};
+use roughxel_reference::linear::{Vector3, normalise_exponent, scale_exponent};
+use roughxel_reference::{Inputs, Options, Roughness};
+
+/// The datapath in `f32`. As footprints of a frame it has the probe rule and the most probes of `standard`, whatever the profile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Float {
+    /// The formulas as printed, on the standard library.
+    Plain,
+    /// Those that do not cancel.
+    Careful,
+    /// The careful ones on `micromath`.
+    Micromath,
+}
+
+impl Float {
+    /// Every one.
+    pub const ALL: [Self; 3] = [Self::Plain, Self::Careful, Self::Micromath];
+
+    /// Its name in curves and pages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "float32 plain",
+            Self::Careful => "float32 careful",
+            Self::Micromath => "micromath",
+        }
+    }
+
+    /// One fragment.
+    pub(super) fn reflect(self, environment: &Environment, fragment: &Fragment) -> Footprint {
+        match self {
+            Self::Plain => environment.reflect::<Std, Plain>(fragment),
+            Self::Careful => environment.reflect::<Std, Careful>(fragment),
+            Self::Micromath => environment.reflect::<Micromath, Careful>(fragment),
+        }
+    }
+
+    fn reflect_on(self, environment: &Environment, fragment: &Fragment, frame: Frame) -> Footprint {
+        match self {
+            Self::Plain => environment.reflect_on::<Std, Plain>(fragment, frame),
+            Self::Careful => environment.reflect_on::<Std, Careful>(fragment, frame),
+            Self::Micromath => environment.reflect_on::<Micromath, Careful>(fragment, frame),
+        }
+    }
+
+    /// One light on one peak.
+    pub(super) fn shine(self, peak: &LitPeak) -> f32 {
+        match self {
+            Self::Plain => peak.shine::<Std, Plain>(),
+            Self::Careful => peak.shine::<Std, Careful>(),
+            Self::Micromath => peak.shine::<Micromath, Careful>(),
+        }
+    }
+}
+
+/// The place of a footprint; `None` where it comes to no number or to no probe.
+pub(super) fn place(footprint: &Footprint) -> Option<Selection> {
+    let Footprint { face, st, probes, step, lod, .. } = *footprint;
+    let finite = st.is_finite() && step.is_finite() && lod.is_finite() && probes > 0;
+    finite.then(|| Selection { face: face as usize, s: st.x.into(), t: st.y.into(), m: 1.0 })
+}
+
+fn single(v: Vector3) -> Vec3 {
+    DVec3::from_array(v).as_vec3()
+}
+
+/// In units in which n and v have exponent 0, which leaves the range of `f32` to the footprint. The frame of systems 1 and 2, which it
+/// does not have, is that of the reference.
+impl real_frame::Footprints for Float {
+    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<real_frame::Footprint> {
+        let (normal, normal_exponent) = normalise_exponent(inputs.normal);
+        let (view, view_exponent) = normalise_exponent(inputs.view);
+        let (main_direction, _) = normalise_exponent(inputs.tangents[0]);
+        let [d1, d2, d3] = match options.roughness {
+            Roughness::None => [0.0; 3],
+            Roughness::Isotropic => [inputs.roughness[0], 0.0, inputs.roughness[0]],
+            Roughness::Anisotropic => inputs.roughness,
+        };
+        let fragment = Fragment {
+            normal: single(normal),
+            view: single(view),
+            main_direction: single(main_direction),
+            offset: Vec2::from_array(inputs.offset.map(|b| b as f32)),
+            roughness: single([d1, d2, d3]),
+            dview: inputs.dview.map(|d| single(scale_exponent(d, -view_exponent))),
+            dnormal: inputs.dnormal.map(|d| single(scale_exponent(d, -normal_exponent))),
+        };
+        let environment = Environment::new(inputs.edge_texels);
+        // A surface without bumps has no frame that could fail.
+        let smooth = fragment.offset == Vec2::ZERO && fragment.roughness == Vec3::ZERO;
+        let footprint = if options.frame == FrameSystem::MainDirection && !smooth {
+            self.reflect(&environment, &fragment)
+        } else {
+            let found = frame::frame(options.frame, normal, inputs.tangents);
+            let frame = Frame { e1: single(found.e1), e2: single(found.e2), pole: found.pole };
+            self.reflect_on(&environment, &fragment, frame)
+        };
+        Some(real_frame::Footprint {
+            centre: place(&footprint)?,
+            count: footprint.probes,
+            step: footprint.step.to_array().map(f64::from),
+            lod: footprint.lod.into(),
+        })
+    }
+}

@@ -1,0 +1,99 @@
+//! What formulas that fail make of a frame.
+
+use std::path::Path;
+
+use roughxel_core::precision::Precision;
+use roughxel_frame::plan::Mode;
+use roughxel_frame::raster::RasterError;
+use roughxel_real_frame::{RealPicture, render, render_with};
+use roughxel_scene::picture::Picture;
+use roughxel_scene::{Scene, SceneError};
+
+use super::float::Float;
+
+/// A frame whose footprints come from formulas that fail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NaivePicture {
+    /// Name of the hard case.
+    pub case: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Whose footprints.
+    pub method: String,
+    /// The same filter on the footprints of float64, linear colours.
+    pub truth: Picture,
+    /// The frame, linear colours.
+    pub picture: Picture,
+    /// Of the frame against the truth, dB.
+    pub psnr: f64,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The scene is not one.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Its camera or meshes.
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+}
+
+/// Hard case, name and text of the scenes where the plain formulas show.
+const SCENES: [(&str, &str, &str); 2] = [
+    ("rank_one_roughness", "facing", include_str!("scenes/facing.toml")),
+    ("frame_pole", "pole", include_str!("scenes/pole.toml")),
+];
+
+/// The frames of `size` pixels in which the plain formulas of `f32` show, in `standard`.
+///
+/// They are made for it: the built-in scenes meet no degeneracy within 24 bits, and none is below 100 dB (80×60).
+///
+/// Errors: a size that no frame has.
+pub fn pictures([width, height]: [u32; 2]) -> Result<Vec<NaivePicture>, PictureError> {
+    let naive = |&(case, name, text): &(&str, &str, &str)| {
+        let scene = Scene::from_toml(name, text, Path::new(""))?.with_size(width, height)?;
+        let (mode, profile, float) = (Mode::Footprint, &Precision::STANDARD, Float::Plain);
+        let truth = render(&scene, mode, profile, &|| ())?;
+        let real = render_with(&scene, mode, profile, &float, &|| ())?;
+        Ok(NaivePicture {
+            case: case.to_owned(),
+            scene: name.to_owned(),
+            method: float.name().to_owned(),
+            truth: picture(&truth),
+            picture: picture(&real),
+            psnr: real.psnr(&truth),
+        })
+    };
+    SCENES.iter().map(naive).collect()
+}
+
+fn picture(real: &RealPicture) -> Picture {
+    let pixels = real.pixels.iter().map(|pixel| pixel.map(|channel| channel as f32)).collect();
+    Picture { width: real.width, height: real.height, pixels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::family::FAMILIES;
+    use super::*;
+
+    #[test]
+    fn plain_formulas_show_and_careful_ones_do_not() {
+        for naive in pictures([64, 48]).expect("scenes of ours") {
+            assert!(FAMILIES.iter().any(|family| family.name == naive.case), "{}", naive.case);
+            assert!(naive.psnr < 20.0, "{}: {} dB", naive.scene, naive.psnr);
+            let (_, name, text) = SCENES.iter().find(|(_, name, _)| *name == naive.scene).expect("its scene");
+            let scene = Scene::from_toml(name, text, Path::new("")).and_then(|scene| scene.with_size(64, 48));
+            let scene = scene.expect("a scene of ours");
+            let psnr = |float: Float| {
+                let real = render_with(&scene, Mode::Footprint, &Precision::STANDARD, &float, &|| ());
+                real.expect("a frame")
+                    .psnr(&render(&scene, Mode::Footprint, &Precision::STANDARD, &|| ()).expect("another"))
+            };
+            let [careful, micromath] = [Float::Careful, Float::Micromath].map(psnr);
+            println!("{name}: plain {:.1} dB, careful {careful:.1}, micromath {micromath:.1}", naive.psnr);
+            assert!(careful > 80.0 && micromath < careful, "{name}: {careful} dB, {micromath} dB");
+        }
+    }
+}
