@@ -18,5 +18,6 @@ pub mod stability;
 pub mod sweep;
 
 mod error;
+mod superscript;
 
 pub use error::StudyError;

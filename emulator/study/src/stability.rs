@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use roughxel_scene::random::SplitMix64;
 use serde::{Deserialize, Serialize};
 
+use crate::superscript::superscript;
 use family::{FAMILIES, Family, Kind};
 use method::{COMPARED, Method, Sample};
 
@@ -143,7 +144,7 @@ pub fn float_wins(case: &HardCase) -> Vec<String> {
                 }
                 start = end;
             }
-            let power = |distance: f64| format!("2^{}", 0.5 * (2.0 * distance.log2()).round());
+            let power = |distance: f64| format!("2{}", superscript(0.5 * (2.0 * distance.log2()).round()));
             let text = |[from, to]: &[f64; 2]| format!("from {} to {}", power(*from), power(*to));
             let whole = closer.iter().all(|&closer| closer);
             let where_ = match whole {
@@ -245,7 +246,7 @@ mod tests {
         assert_eq!(
             float_wins(&case),
             [
-                "float32 careful is closer than narrow from 2^-1 to 2^-3.",
+                "float32 careful is closer than narrow from 2⁻¹ to 2⁻³.",
                 "float32 careful is closer than paper at every distance."
             ]
         );

@@ -47,7 +47,6 @@ fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
     for (name, arguments, code, expected) in [
         ("a.toml", &["--budget", "1"][..], 3, "the cheapest costs"),
         ("a.toml", &["--psnr", "300"], 3, "the most accurate has"),
-        ("a.toml", &["--psnr", "40", "--clock", "memory"], 1, "the cost on the clock memory is not known"),
         ("a.toml", &["--psnr", "40", "--clock", "watch"], 2, "clocks are host, hardware, softcore, memory"),
         ("a.toml", &["--psnr", "-3"], 2, "--psnr"),
         ("a.toml", &["--psnr", "40", "--budget", "3"], 2, "cannot be used with"),

@@ -242,16 +242,21 @@ pub(super) fn stability(case: &HardCase) -> Plot {
         let dots = curve.points.iter().map(|&[distance, error]| dot(distance, error, None));
         Series { dashed: curve.bar.is_none(), ..series(&curve.method, Style::Line, dots.collect()) }
     });
-    let fallbacks = case.curves.iter().filter_map(|curve| {
-        let x = curve.fallback.filter(|distance| distance.is_finite())?;
-        Some(Mark { x, label: curve.method.clone() })
-    });
+    // Floats have no fallback, only distances at which the case is one.
+    let mut marks: Vec<Mark> = Vec::new();
+    for curve in case.curves.iter().filter(|curve| curve.bar.is_some()) {
+        let Some(x) = curve.fallback else { continue };
+        match marks.iter_mut().find(|mark| mark.x == x) {
+            Some(mark) => mark.label = format!("{}, {}", mark.label, curve.method),
+            None => marks.push(Mark { x, label: curve.method.clone() }),
+        }
+    }
     Plot {
         title: case.title.clone(),
         description: format!("{} against {}, both on logarithmic axes. {}", case.error, case.distance, case.naive),
         x: axis(&case.distance, Scale::Log2),
         y: axis(&case.error, Scale::Log2),
         series: curves.collect(),
-        marks: fallbacks.collect(),
+        marks,
     }
 }

@@ -9,6 +9,7 @@ use crate::choose::Clock;
 use crate::frames::FrameFigures;
 use crate::host::Timing;
 use crate::soft_core;
+use crate::superscript::superscript;
 use crate::sweep::{Point, Study};
 
 /// Headings and rows.
@@ -27,27 +28,10 @@ pub(super) fn power(error: Option<f64>) -> String {
     match error {
         Some(0.0) => "0".into(),
         Some(error) => {
-            let digits: String = format!("{:.1}", error.log2()).chars().map(superscript).collect();
-            format!("2{digits}")
+            let exponent = (10.0 * error.log2()).round() / 10.0;
+            format!("2{}", superscript(format_args!("{exponent:.1}")))
         }
         None => "no number".into(),
-    }
-}
-
-fn superscript(digit: char) -> char {
-    match digit {
-        '0' => '⁰',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '4' => '⁴',
-        '5' => '⁵',
-        '6' => '⁶',
-        '7' => '⁷',
-        '8' => '⁸',
-        '9' => '⁹',
-        '-' => '⁻',
-        _ => '·',
     }
 }
 
