@@ -1,5 +1,6 @@
 //! A study to look at: one page that needs nothing beside it, its plots as files, its tables as text.
 
+mod figures;
 mod pictures;
 mod plots;
 mod tables;

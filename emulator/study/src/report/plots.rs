@@ -3,15 +3,13 @@
 use roughxel_core::knob::Knob;
 use roughxel_page::plot::{Axis, Mark, Plot, Point as Dot, Scale, Series, Style};
 
+use super::figures::{CLOCKS, SOFT_CORE, cost, worst_psnr};
 use super::tables::named;
-use super::verdict::{CLOCKS, cost, curve, worst_psnr};
+use super::verdict::curve;
 use crate::choose::Clock;
 use crate::soft_core;
 use crate::stability::HardCase;
 use crate::sweep::{Point, StageFigures, Study};
-
-/// The target that stands for soft cores.
-const SOFT_CORE: &str = "riscv32imac";
 
 fn axis(label: &str, scale: Scale) -> Axis {
     Axis { label: label.into(), scale }

@@ -4,16 +4,12 @@ use std::fmt::Write as _;
 
 use roughxel_core::precision::Profile;
 
-use super::verdict::{cost, worst_psnr};
+use super::figures::{Table, cost, power, worst_psnr};
 use crate::choose::Clock;
 use crate::frames::FrameFigures;
 use crate::host::Timing;
 use crate::soft_core;
-use crate::superscript::superscript;
 use crate::sweep::{Point, Study};
-
-/// Headings and rows.
-pub(super) type Table = (Vec<String>, Vec<Vec<String>>);
 
 /// Names of the tables that the README takes, in the order of [`markdown`].
 pub const README_TABLES: [&str; 3] = ["accuracy", "clocks", "pictures"];
@@ -21,18 +17,6 @@ pub const README_TABLES: [&str; 3] = ["accuracy", "clocks", "pictures"];
 /// The settings that have a name of their own, narrowest first.
 pub(super) fn named(study: &Study) -> impl Iterator<Item = &Point> {
     study.points.iter().filter(|point| point.knob.is_none())
-}
-
-/// An error as a power of two.
-pub(super) fn power(error: Option<f64>) -> String {
-    match error {
-        Some(0.0) => "0".into(),
-        Some(error) => {
-            let exponent = (10.0 * error.log2()).round() / 10.0;
-            format!("2{}", superscript(format_args!("{exponent:.1}")))
-        }
-        None => "no number".into(),
-    }
 }
 
 /// An error in the unit in which it is read: degrees for directions, else a power of two.
