@@ -50,7 +50,7 @@ pub struct HardwareFigures {
     pub levels: u32,
     /// Gate levels of the slowest unit, which no register can divide.
     pub unit_levels: u32,
-    /// Clock in MHz with a register behind every unit, by [`LEVEL_NS`]; a fragment a cycle, so 10⁶ fragments a second.
+    /// Clock in MHz with a register behind every unit, at 0.71 ns a gate level; a fragment a cycle, so 10⁶ fragments a second.
     pub clock_mhz_estimate: f64,
 }
 

@@ -1,6 +1,6 @@
 //! The sweep: every knob alone, the named profiles, word widths and modes, each with its accuracy and its time on four clocks.
 //!
-//! A study is a list of [`Unit`]s. Exact ones (accuracy, gates, texels) run side by side; those that take the time of the host one after
+//! A study is a list of units. Exact ones (accuracy, gates, texels) run side by side; those that take the time of the host one after
 //! the other, on one thread, with nothing of the study beside them. Each finished unit is kept at once ([`Parts`]), so an
 //! interrupted study goes on where it was.
 
