@@ -100,13 +100,14 @@ impl Waiting {
 /// The light of a tile's pixels, summed over objects, lights and samples, and what was read for it.
 pub(super) struct Sums {
     pub(super) pixels: Vec<[PixelSum<i32>; 3]>,
-    pub(super) texels: u64,
+    /// Taps, of four texels each.
+    pub(super) taps: u64,
 }
 
 impl Sums {
     /// No light in so many pixels.
     pub(super) fn new(pixels: usize) -> Self {
-        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], texels: 0 }
+        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0 }
     }
 
     /// Adds a colour to a pixel.
@@ -172,7 +173,7 @@ impl Prepared<'_> {
                 }
             }
         }
-        sums.texels += taps.iter_mut().map(Taps::fetched).sum::<u64>();
+        sums.taps += taps.iter_mut().map(Taps::fetched).sum::<u64>();
         attributes.clear();
         pixels.clear();
         directions.clear();
@@ -224,7 +225,7 @@ impl Prepared<'_> {
         for (footprint, (pixel, surface)) in self.footprints(plan, inputs).iter().zip(pixels.drain(..)) {
             let Footprint { point, probes } = footprint;
             let reflection = self.environment.as_ref().map_or([Fx::zero(); 3], |map| {
-                sums.texels += map.texels(probes, rough, &self.precision);
+                sums.taps += map.taps(probes, rough, &self.precision);
                 map.sample(point, probes, rough, &self.precision)
             });
             let channel = |i: usize| pixel::blend::<i32>(surface[i], reflection[i], reflectance[i]);

@@ -40,10 +40,11 @@ impl EnvironmentMap {
         levels.map(|level| size_of_val(level.texels.as_slice()) as u64).sum()
     }
 
-    /// Texels that [`EnvironmentMap::sample`] reads: four of each probe, and as many of the coarser level unless its weight is 0.
-    pub fn texels(&self, probes: &Probes<i32>, rough: bool, p: &Precision) -> u64 {
-        let levels = 1 + u64::from(texel::levels::<i32>(probes.lod, rough, p).weight.raw() != 0);
-        4 * levels * u64::from(probes.count.raw().unsigned_abs())
+    /// Taps that [`EnvironmentMap::sample`] reads, four texels each: one of each probe, and another of the coarser level unless its
+    /// weight is 0.
+    pub fn taps(&self, probes: &Probes<i32>, rough: bool, p: &Precision) -> u64 {
+        let fine = u64::from(probes.count.raw().unsigned_abs());
+        if texel::levels::<i32>(probes.lod, rough, p).weight.raw() == 0 { fine } else { fine + fine }
     }
 
     /// The mean colour of a footprint, I8F24: N trilinear probes along its major axis; a rough one is sampled with the

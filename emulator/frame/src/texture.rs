@@ -110,7 +110,7 @@ impl<'a> MapReads<'a> {
             self.taps.size = Some(size);
             self.taps.set(map, &self.centre, self.footprints.of(self.fragment, map), self.p);
         }
-        self.taps.fetched += self.taps.levels.iter().map(|taps| 4 * taps.len() as u64).sum::<u64>();
+        self.taps.fetched += self.taps.levels.iter().map(|taps| taps.len() as u64).sum::<u64>();
         self.taps
     }
 
@@ -215,7 +215,7 @@ impl Taps {
         }
     }
 
-    /// Texels read since the last call, those of each map by themselves.
+    /// Taps read since the last call, those of each map by themselves.
     pub(super) fn fetched(&mut self) -> u64 {
         core::mem::take(&mut self.fetched)
     }

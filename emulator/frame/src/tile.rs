@@ -117,7 +117,7 @@ impl Prepared<'_> {
         let samples = offsets.len() as i64;
         let mean = |sum: PixelSum<i32>| PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + samples / 2) / samples) };
         let colours = sums.pixels.into_iter().map(|sums| sums.map(|sum| pixel::pixel(&mean(sum)).raw()));
-        (colours.collect(), sums.texels)
+        (colours.collect(), 4 * sums.taps)
     }
 
     /// What the ray through a pixel sees that hits nothing.
