@@ -8,10 +8,11 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::Profile;
 use roughxel_emulator::net::verilog::knobs;
 use roughxel_emulator::output::{OutputFile, WriteError};
+use roughxel_emulator::study::Subject;
 use roughxel_emulator::study::choose::{
     Aim, Candidate, Clock, Meter, NoChoice, candidates, choose, measure, next_cheaper,
 };
-use roughxel_emulator::study::frame_meter::{Against, FrameMeter, Subject};
+use roughxel_emulator::study::frame_meter::{Against, FrameMeter};
 use roughxel_emulator::study::profile_file::{NamedPrecision, name_of_file, write_profile};
 use serde_json::{Value, json};
 

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
-use roughxel_core::precision::{AxisDirection, Precision, ProbeRule, Profile, RoughnessKind};
+use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use thiserror::Error;
 
 /// What a precision costs, and where.
@@ -214,27 +214,16 @@ pub fn next_cheaper<'a>(candidates: &'a [Candidate], chosen: &Candidate, clock: 
     cheaper.min_by(|a, b| descending(cost(a), cost(b)).then(descending(a.psnr, b.psnr)))
 }
 
-/// Kept fraction bits of the grid.
-const FRACTION_BITS: [u32; 9] = [12, 14, 16, 18, 20, 22, 24, 26, 28];
-
-/// The grid: knobs of the datapath go with its width, the others are tried in every combination; beside it the named profiles,
-/// which come first. None is there twice.
+/// [`Precision::grid`] with 1 to 16 probes and isotropic roughness or not, every combination; beside it the named profiles, which come
+/// first. None is there twice.
 pub fn candidates() -> Vec<Precision> {
     let mut all = Profile::ALL.map(Profile::precision).to_vec();
-    let directions = [AxisDirection::Exact, AxisDirection::Table { steps: 10 }, AxisDirection::Table { steps: 32 }];
-    for fraction_bits in FRACTION_BITS {
-        for direction in directions {
-            for probe_rule in [ProbeRule::PowerOfTwo, ProbeRule::Ceiling] {
-                for max_probes in [1, 2, 4, 8, 16] {
-                    for roughness in [RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
-                        let width = Precision::of_width(fraction_bits);
-                        let one = Precision { direction, probe_rule, max_probes, roughness, ..width };
-                        if !all.contains(&one) {
-                            all.push(one);
-                        }
-                    }
-                }
-            }
+    let counted = |p| [1, 2, 4, 8, 16].map(|max_probes| Precision { max_probes, ..p });
+    let rough =
+        |p| [RoughnessKind::Isotropic, RoughnessKind::Anisotropic].map(|roughness| Precision { roughness, ..p });
+    for one in Precision::grid().flat_map(counted).flat_map(rough) {
+        if !all.contains(&one) {
+            all.push(one);
         }
     }
     all

@@ -9,8 +9,6 @@ use roughxel_scene::SceneError;
 use roughxel_scene::picture::PictureError;
 use thiserror::Error;
 
-use crate::stability;
-
 /// Why a study ends without success.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -27,9 +25,6 @@ pub enum StudyError {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// A frame of formulas that fail.
-    #[error(transparent)]
-    Naive(#[from] stability::PictureError),
     /// A thread cannot be had.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),

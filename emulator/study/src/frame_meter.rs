@@ -1,19 +1,21 @@
 //! What a precision costs, and how accurate the frames of some scenes are with it.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use roughxel_core::design::Design;
+use roughxel_core::knob::Knob;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::{Mode, ObjectPlan};
 use roughxel_frame::raster::RasterError;
-use roughxel_maps::peak_pyramid::ScenePeaks;
 use roughxel_real_frame::RealPicture;
-use roughxel_scene::Scene;
 
+use crate::Subject;
 use crate::choose::{Clock, Meter};
 use crate::hardware;
 use crate::plan::{census, fetches, time_ratio};
@@ -55,26 +57,26 @@ impl FromStr for Against {
     }
 }
 
-/// A scene with the peaks of its maps.
-#[derive(Debug)]
-pub struct Subject {
-    /// The scene.
-    pub scene: Scene,
-    /// Its peaks, with filters.
-    pub peaks: ScenePeaks,
-}
-
-impl Subject {
-    fn prepare(&self, p: &Precision) -> Result<Prepared<'_>, RasterError> {
-        Prepared::with_peaks(&self.scene, Mode::Footprint, p, &self.peaks)
-    }
-}
-
 /// A scene with what its frames are compared with.
 struct Measured<'a> {
     subject: &'a Subject,
     truth: RealPicture,
     standard: Prepared<'a>,
+}
+
+impl<'a> Measured<'a> {
+    fn prepare(&self, p: &Precision) -> Result<Prepared<'a>, RasterError> {
+        self.subject.prepare(Mode::Footprint, p)
+    }
+}
+
+/// What frames in a precision say, of the worst scene each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    /// Texels of a pixel.
+    texels: f64,
+    /// Against the truth, dB.
+    psnr: f64,
 }
 
 /// Measures precisions by the frames of some scenes; of several the worst counts, in accuracy and on every clock.
@@ -87,6 +89,8 @@ pub struct FrameMeter<'a> {
     scenes: Vec<Measured<'a>>,
     /// Of the objects of all scenes, each once.
     plans: Vec<ObjectPlan>,
+    /// Of every precision whose frames were drawn, by its knobs: texels and PSNR are told by the same frames.
+    seen: RefCell<HashMap<[u32; Knob::ALL.len()], Seen>>,
     start: Instant,
 }
 
@@ -98,7 +102,7 @@ impl<'a> FrameMeter<'a> {
         let (mut scenes, mut plans) = (Vec::new(), Vec::new());
         for subject in subjects {
             let truth = roughxel_real_frame::render(&subject.scene, against.mode(), &Precision::STANDARD, progress)?;
-            let standard = subject.prepare(&Precision::STANDARD)?;
+            let standard = subject.prepare(Mode::Footprint, &Precision::STANDARD)?;
             for plan in standard.plans() {
                 if !plans.contains(plan) {
                     plans.push(*plan);
@@ -106,7 +110,7 @@ impl<'a> FrameMeter<'a> {
             }
             scenes.push(Measured { subject, truth, standard });
         }
-        Ok(Self { scenes, plans, start: Instant::now() })
+        Ok(Self { scenes, plans, seen: RefCell::default(), start: Instant::now() })
     }
 
     /// Number of progress steps of [`FrameMeter::new`].
@@ -114,27 +118,30 @@ impl<'a> FrameMeter<'a> {
         subjects.iter().map(|subject| roughxel_real_frame::work(&subject.scene)).sum()
     }
 
-    /// Texels of a pixel, of the scene that reads most.
-    fn texels(&self, p: &Precision) -> Option<f64> {
-        let read = |scene: &Measured<'_>| {
-            let (frame, texels) = scene.subject.prepare(p)?.render_counted(&|| ())?;
-            Ok::<_, RasterError>(texels as f64 / frame.pixels.len() as f64)
-        };
-        let mut all = self.scenes.iter().map(read);
-        all.try_fold(0.0, |most: f64, texels| texels.map(|texels| most.max(texels))).ok()
+    fn seen(&self, p: &Precision) -> Result<Seen, RasterError> {
+        let knobs = Knob::ALL.map(|knob| knob.of(p));
+        if let Some(seen) = self.seen.borrow().get(&knobs) {
+            return Ok(*seen);
+        }
+        let mut worst = Seen { texels: 0.0, psnr: f64::INFINITY };
+        for scene in &self.scenes {
+            let (frame, texels) = scene.prepare(p)?.render_counted(&|| ())?;
+            worst.texels = worst.texels.max(texels as f64 / frame.pixels.len() as f64);
+            worst.psnr = worst.psnr.min(RealPicture::from(&frame).psnr(&scene.truth));
+        }
+        self.seen.borrow_mut().insert(knobs, worst);
+        Ok(worst)
     }
 
     fn time(&self, p: &Precision) -> Result<f64, RasterError> {
         let ratio = |scene: &Measured<'_>| {
-            time_ratio(&scene.subject.prepare(p)?, &scene.standard, FRAME_TIME, &|| self.start.elapsed())
+            time_ratio(&scene.prepare(p)?, &scene.standard, FRAME_TIME, &|| self.start.elapsed())
         };
         let mut all = self.scenes.iter().map(ratio);
         all.try_fold(0.0, |worst: f64, ratio| ratio.map(|ratio| worst.max(ratio)))
     }
 }
 
-/// The processor of the clock: the smallest with a multiplier.
-const SOFT_CORE: &str = "riscv32imac";
 /// Four of each of two levels.
 const TEXELS_OF_A_PROBE: f64 = 8.0;
 
@@ -146,23 +153,18 @@ impl Meter for FrameMeter<'_> {
             Clock::SoftCore => {
                 // What a setting takes with fewer probes was not priced: at most 2 % less (`max_probes` in knobs.json).
                 let priced = Precision { max_probes: Precision::STANDARD.max_probes, ..*p };
-                let price = soft_core::price(SOFT_CORE, &priced)?;
-                let probe = soft_core::probe(SOFT_CORE, &Precision { fraction_bits: p.fraction_bits, ..priced })?;
-                Some(price.instructions + self.texels(p)? / TEXELS_OF_A_PROBE * probe.with_texels)
+                let price = soft_core::price(soft_core::TARGET, &priced)?;
+                let probe =
+                    soft_core::probe(soft_core::TARGET, &Precision { fraction_bits: p.fraction_bits, ..priced })?;
+                Some(price.instructions + self.seen(p).ok()?.texels / TEXELS_OF_A_PROBE * probe.with_texels)
             }
-            Clock::Memory => self.texels(p),
+            Clock::Memory => self.seen(p).ok().map(|seen| seen.texels),
         }
     }
 
     fn psnr(&self, p: &Precision) -> f64 {
-        let psnr = |scene: &Measured<'_>| -> Result<f64, RasterError> {
-            let frame = scene.subject.prepare(p)?.render(&|| ())?;
-            Ok(RealPicture::from(&frame).psnr(&scene.truth))
-        };
-        let mut all = self.scenes.iter().map(psnr);
-        let worst = all.try_fold(f64::INFINITY, |worst, psnr| psnr.map(|psnr| worst.min(psnr)));
         // What could be wrong with camera and meshes does not depend on a precision: `new` has been through it.
-        worst.unwrap_or(f64::NAN)
+        self.seen(p).map_or(f64::NAN, |seen| seen.psnr)
     }
 }
 
@@ -175,4 +177,25 @@ fn full_adders(plan: &ObjectPlan, p: &Precision) -> u64 {
     let fetches = fetches(plan).into_iter().map(|design| (design, Effects::NONE));
     let designs = plan.datapaths().map(datapath).chain(fetches);
     designs.map(|(design, effects)| hardware::full_adders(&census(design, &effects, p).1.total)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_that_told_texels_tell_their_psnr_too() {
+        let subjects = [Subject::open("lake", [24, 18]).expect("a scene of ours")];
+        let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).expect("a scene of ours");
+        let (drawn, narrow) = (|| meter.seen.borrow().len(), Precision::NARROW);
+        let texels = meter.cost(Clock::Memory, &narrow).expect("frames tell texels");
+        let frame = meter.scenes[0].prepare(&narrow).and_then(|prepared| prepared.render_counted(&|| ()));
+        let (frame, read) = frame.expect("a frame");
+        assert_eq!(texels, read as f64 / frame.pixels.len() as f64);
+        assert_eq!(meter.psnr(&narrow), RealPicture::from(&frame).psnr(&meter.scenes[0].truth));
+        assert!(meter.cost(Clock::SoftCore, &narrow) > Some(texels));
+        assert_eq!(drawn(), 1);
+        meter.psnr(&Precision { max_probes: 2, ..narrow });
+        assert_eq!(drawn(), 2, "every knob counts");
+    }
 }

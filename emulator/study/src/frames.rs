@@ -6,17 +6,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
+use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::{Frame, Prepared};
-use roughxel_lanes::Reading;
-use roughxel_maps::peak_pyramid::ScenePeaks;
 use roughxel_real_frame::{self as real_frame, RealPicture};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{Picture, ssim};
 use serde::{Deserialize, Serialize};
 
-use crate::StudyError;
 use crate::stability::Float;
+use crate::{StudyError, Subject};
 
 /// The filter that frames of every profile are compared with: that of the default one.
 pub const FILTER: Precision = Precision::STANDARD;
@@ -27,8 +25,7 @@ const FILTER_KNOBS: [Knob; 5] =
 
 /// A scene with the pictures in float64 that its frames are judged by.
 pub struct Judge {
-    scene: Scene,
-    peaks: ScenePeaks,
+    subject: Subject,
     truth: RealPicture,
     truth_shown: Picture,
     filtered: Mutex<HashMap<[u32; FILTER_KNOBS.len()], Arc<RealPicture>>>,
@@ -39,7 +36,7 @@ pub struct Judge {
 pub struct FrameFigures {
     /// Name of the scene.
     pub scene: String,
-    /// PSNR against the same filter in float64: what rounding costs.
+    /// PSNR against the same filter in float64: what rounding costs; `None` of modes without footprints, too.
     pub psnr_same: Option<f64>,
     /// PSNR against the filter of `standard` in float64: what rounding and a coarser filter cost.
     pub psnr_filter: Option<f64>,
@@ -62,36 +59,15 @@ impl Judge {
     ///
     /// Errors: a scene that cannot be read or drawn.
     pub fn new(name: &str, size: [u32; 2], edge: u32, progress: &(dyn Fn() + Sync)) -> Result<Self, StudyError> {
-        let scene = Scene::open(name)?.with_size(size[0], size[1])?;
-        Self::of(scene, edge, progress)
-    }
-
-    /// The same of any scene at its own size.
-    pub fn of(scene: Scene, edge: u32, progress: &(dyn Fn() + Sync)) -> Result<Self, StudyError> {
-        let peaks = ScenePeaks::new(&scene, true, None, &|_| ())?;
-        let truth = real_frame::render(&scene, Mode::Supersampled { edge }, &FILTER, progress)?;
+        let subject = Subject::open(name, size)?;
+        let truth = real_frame::render(&subject.scene, Mode::Supersampled { edge }, &FILTER, progress)?;
         let truth_shown = truth.picture();
-        Ok(Self { scene, peaks, truth, truth_shown, filtered: Mutex::default() })
-    }
-
-    /// Steps that `progress` of [`Self::new`] is called for.
-    pub fn work(size: [u32; 2]) -> u64 {
-        roughxel_frame::raster::tiles(size[0], size[1]).count() as u64
+        Ok(Self { subject, truth, truth_shown, filtered: Mutex::default() })
     }
 
     /// The scene.
     pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// 1024 samples a pixel in float64.
-    pub fn truth(&self) -> &RealPicture {
-        &self.truth
-    }
-
-    /// The scene's maps for a mode and a profile.
-    pub fn prepared(&self, mode: Mode, p: &Precision, reading: Reading) -> Result<Prepared<'_>, StudyError> {
-        Ok(Prepared::with_peaks(&self.scene, mode, p, &self.peaks)?.with_reading(reading))
+        &self.subject.scene
     }
 
     /// The frame of the footprint mode in float64, with the filter of a profile.
@@ -102,23 +78,23 @@ impl Judge {
         if let Some(picture) = known {
             return Ok(picture);
         }
-        let picture = Arc::new(real_frame::render(&self.scene, Mode::Footprint, p, &|| ())?);
+        let picture = Arc::new(real_frame::render(self.scene(), Mode::Footprint, p, &|| ())?);
         self.filtered.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&picture));
         Ok(picture)
     }
 
     /// PSNR of a frame with the footprints of f32, everything else in float64, against the filter of [`FILTER`], dB.
     pub fn float(&self, float: &Float) -> Result<Option<f64>, StudyError> {
-        let drawn = real_frame::render_with(&self.scene, Mode::Footprint, &FILTER, float, &|| ())?;
+        let drawn = real_frame::render_with(self.scene(), Mode::Footprint, &FILTER, float, &|| ())?;
         let psnr = drawn.psnr(self.filtered(&FILTER)?.as_ref());
         Ok(psnr.is_finite().then_some(psnr))
     }
 
-    /// Draws a frame and judges it; a mode that does not filter with footprints has no filter to be compared with.
+    /// Draws a frame and judges it; a mode that does not filter with footprints has no same filter to be compared with.
     pub fn frame(&self, mode: Mode, p: &Precision) -> Result<(Frame, FrameFigures), StudyError> {
-        let prepared = self.prepared(mode, p, Reading::best())?;
+        let prepared = self.subject.prepare(mode, p)?;
         let (frame, texels) = prepared.render_counted(&|| ())?;
-        let mut maps: Vec<_> = (0..self.scene.objects.len()).flat_map(|object| prepared.map_bytes(object)).collect();
+        let mut maps: Vec<_> = (0..self.scene().objects.len()).flat_map(|object| prepared.map_bytes(object)).collect();
         // Objects reflect one environment.
         maps.sort_unstable_by_key(|&(effect, bytes)| (effect.name(), bytes));
         maps.dedup_by_key(|(effect, bytes)| (effect.name(), *bytes));
@@ -127,7 +103,7 @@ impl Judge {
         let footprint = mode == Mode::Footprint;
         let against = |p: &Precision| Ok::<_, StudyError>(finite(drawn.psnr(self.filtered(p)?.as_ref())));
         let figures = FrameFigures {
-            scene: self.scene.name.clone(),
+            scene: self.scene().name.clone(),
             psnr_same: if footprint { against(p)? } else { None },
             psnr_filter: against(&FILTER)?,
             psnr_truth: finite(drawn.psnr(&self.truth)),

@@ -18,6 +18,8 @@ pub mod stability;
 pub mod sweep;
 
 mod error;
+mod subject;
 mod superscript;
 
 pub use error::StudyError;
+pub use subject::Subject;

@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 /// The processors, all without an operating system.
 pub const TARGETS: [&str; 3] = ["riscv32imac", "riscv32i", "thumbv7m"];
 
+/// The one of [`TARGETS`] that stands for all where there is room for one: the smallest with a multiplier.
+pub const TARGET: &str = "riscv32imac";
+
 /// What a fragment costs, from its surface to the probes on an environment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Price {

@@ -16,7 +16,7 @@ mod reflection;
 
 pub use float::Float;
 pub use method::METHODS;
-pub use pictures::{NaivePicture, PictureError, pictures};
+pub use pictures::{NaivePicture, pictures};
 
 use rayon::prelude::*;
 use roughxel_scene::random::SplitMix64;

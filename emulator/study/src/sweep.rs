@@ -15,11 +15,8 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_float::formulas::{Careful, Plain};
 use roughxel_float::math::{Micromath, Std};
-use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_lanes::Reading;
-use roughxel_maps::peak_pyramid::ScenePeaks;
-use roughxel_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use crate::accuracy::{self, Accuracy, FIGURES};
@@ -27,7 +24,7 @@ use crate::frames::{FrameFigures, Judge};
 use crate::hardware::HardwareFigures;
 use crate::host::{self, Bench, Machine, Pass, Rounds, Timing};
 use crate::stability::Float;
-use crate::{StudyError, soft_core, stability};
+use crate::{StudyError, Subject, soft_core, stability};
 
 pub use parts::Parts;
 pub use results::*;
@@ -90,7 +87,7 @@ impl Settings {
 pub struct Setting {
     /// `standard`, or `fraction_bits=18`.
     pub name: String,
-    /// The knob that differs from `standard`, with its value.
+    /// The knob that is turned on its [`base_of`], with its value.
     pub knob: Option<(Knob, u32)>,
     /// All of them.
     pub precision: Precision,
@@ -360,16 +357,8 @@ impl Sweep<'_> {
     ) -> Result<Found, StudyError> {
         let bench = Bench::new()?;
         let [width, height] = self.settings.size;
-        let open = |name: &String| -> Result<_, StudyError> {
-            let scene = Scene::open(name)?.with_size(width, height)?;
-            let peaks = ScenePeaks::new(&scene, true, None, &|_| ())?;
-            Ok((scene, peaks))
-        };
+        let open = |name: &String| Subject::open(name, self.settings.size);
         let scenes = self.settings.scenes.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        let prepare = |scene: usize, mode, p: &Precision, reading| -> Result<Prepared<'_>, StudyError> {
-            let (scene, peaks) = &scenes[scene];
-            Ok(Prepared::with_peaks(scene, mode, p, peaks)?.with_reading(reading))
-        };
         let pixels = width as usize * height as usize;
         let (lanes, rounds) = (Reading::best(), self.settings.rounds);
         let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
@@ -379,16 +368,15 @@ impl Sweep<'_> {
                       p: &Precision,
                       reading: Reading|
          -> Result<BTreeMap<String, Timing>, StudyError> {
-            let time = |index: usize| {
-                let name = &self.settings.scenes[index];
-                let [drawn, base] =
-                    [prepare(index, mode, p, reading)?, prepare(index, Mode::Footprint, &BASE, reading)?];
+            let time = |(name, scene): (&String, &Subject)| {
+                let drawn = scene.prepare(mode, p)?.with_reading(reading);
+                let base = scene.prepare(Mode::Footprint, &BASE)?.with_reading(reading);
                 let timing = one_thread.install(|| {
                     host::time(&mut host::frame(&drawn), &mut host::frame(&base), pixels, self.settings.frame_rounds)
                 });
                 Ok((name.clone(), timing))
             };
-            (0..count.min(scenes.len())).map(time).collect()
+            self.settings.scenes.iter().zip(&scenes).take(count).map(time).collect()
         };
         let fragments = |pass: &mut Pass<'_>, base: &mut Pass<'_>| host::time(pass, base, bench.fragments(), rounds);
 

@@ -8,10 +8,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
-use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
-use roughxel_emulator::scene::Scene;
+use roughxel_emulator::study::Subject;
 use roughxel_emulator::study::choose::{Aim, Candidate, Clock, Meter, candidates, choose, measure};
-use roughxel_emulator::study::frame_meter::{Against, FrameMeter, Subject};
+use roughxel_emulator::study::frame_meter::{Against, FrameMeter};
 use roughxel_emulator::study::host::Rounds;
 use roughxel_emulator::study::report::{BUYS_SOMETHING_DB, knob_gains, markdown, readme_plots};
 use roughxel_emulator::study::sweep::{self, Parts, Settings, Study};
@@ -129,9 +128,7 @@ impl Remembered<'_> {
 
 #[test]
 fn the_choice_is_that_of_the_exhaustive_sweep_on_every_clock() {
-    let scene = Scene::open("lake").unwrap().with_size(24, 18).unwrap();
-    let peaks = ScenePeaks::new(&scene, true, None, &|_| ()).unwrap();
-    let subjects = [Subject { scene, peaks }];
+    let subjects = [Subject::open("lake", [24, 18]).unwrap()];
     let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).unwrap();
     let meter = Remembered(meter, RefCell::default());
     let precisions: Vec<Precision> = candidates().into_iter().step_by(31).collect();

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::raster::RasterError;
-use roughxel_real_frame::{RealPicture, render, render_with};
+use roughxel_real_frame::{render, render_with};
+use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
-use roughxel_scene::{Scene, SceneError};
 
 use super::float::Float;
+use crate::StudyError;
 
 /// A frame whose footprints come from formulas that fail.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,17 +28,6 @@ pub struct NaivePicture {
     pub psnr: f64,
 }
 
-/// Why there is no picture.
-#[derive(Debug, thiserror::Error)]
-pub enum PictureError {
-    /// The scene is not one.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// Its camera or meshes.
-    #[error(transparent)]
-    Raster(#[from] RasterError),
-}
-
 /// Hard case, name and text of the scenes where the plain formulas show.
 const SCENES: [(&str, &str, &str); 2] = [
     ("rank_one_roughness", "facing", include_str!("scenes/facing.toml")),
@@ -50,7 +39,7 @@ const SCENES: [(&str, &str, &str); 2] = [
 /// They are made for it: the built-in scenes meet no degeneracy within 24 bits, and none is below 100 dB (80×60).
 ///
 /// Errors: a size that no frame has.
-pub fn pictures([width, height]: [u32; 2]) -> Result<Vec<NaivePicture>, PictureError> {
+pub fn pictures([width, height]: [u32; 2]) -> Result<Vec<NaivePicture>, StudyError> {
     let naive = |&(case, name, text): &(&str, &str, &str)| {
         let scene = Scene::from_toml(name, text, Path::new(""))?.with_size(width, height)?;
         let (mode, profile, float) = (Mode::Footprint, &Precision::STANDARD, Float::Plain);
@@ -60,17 +49,12 @@ pub fn pictures([width, height]: [u32; 2]) -> Result<Vec<NaivePicture>, PictureE
             case: case.to_owned(),
             scene: name.to_owned(),
             method: float.name().to_owned(),
-            truth: picture(&truth),
-            picture: picture(&real),
+            truth: truth.picture(),
+            picture: real.picture(),
             psnr: real.psnr(&truth),
         })
     };
     SCENES.iter().map(naive).collect()
-}
-
-fn picture(real: &RealPicture) -> Picture {
-    let pixels = real.pixels.iter().map(|pixel| pixel.map(|channel| channel as f32)).collect();
-    Picture { width: real.width, height: real.height, pixels }
 }
 
 #[cfg(test)]
