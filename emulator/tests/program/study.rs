@@ -57,7 +57,7 @@ fn exact(study: &Study) -> String {
 #[test]
 fn an_interrupted_study_goes_on_and_finds_the_same() {
     let directory = tempfile::tempdir().unwrap();
-    let (settings, file) = (tiny(), directory.path().join(Parts::NAME));
+    let (settings, file) = (tiny(), directory.path().join(Parts::file_name(&tiny())));
     let parts = Parts::open(directory.path(), &settings).unwrap();
     let (whole, _) = run(&settings, &parts);
     let units = parts.count();
@@ -82,6 +82,37 @@ fn an_interrupted_study_goes_on_and_finds_the_same() {
     assert_eq!(Parts::open(directory.path(), &other).unwrap().count(), 0);
     parts.remove().unwrap();
     assert!(!file.exists());
+}
+
+#[test]
+fn another_kind_of_study_in_the_directory_drops_no_finished_unit() {
+    let directory = tempfile::tempdir().unwrap();
+    let [full, quick] = ["full", "quick"].map(|name| Settings { name: name.into(), ..tiny() });
+    let parts = Parts::open(directory.path(), &full).unwrap();
+    run(&full, &parts);
+    assert_eq!(Parts::open(directory.path(), &quick).unwrap().count(), 0);
+    assert_eq!(Parts::open(directory.path(), &full).unwrap().count(), parts.count());
+}
+
+#[test]
+fn what_is_no_study_is_refused_with_its_reason() {
+    let directory = tempfile::tempdir().unwrap();
+    let problem = |path: &Path| Study::read(path).unwrap_err().to_string();
+    assert!(problem(directory.path()).ends_with("no study: it is no regular file"));
+    let huge = directory.path().join("huge.json");
+    fs::File::create(&huge).unwrap().set_len((1 << 26) + 1).unwrap();
+    assert!(problem(&huge).ends_with("it is 67108865 bytes long, more than 67108864"));
+    assert!(problem(&directory.path().join("none.json")).contains("cannot read"));
+}
+
+/// To open one would wait for ever.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_no_study() {
+    let directory = tempfile::tempdir().unwrap();
+    let pipe = directory.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(Study::read(&pipe).unwrap_err().to_string().ends_with("no study: it is no regular file"));
 }
 
 fn workspace() -> PathBuf {

@@ -36,14 +36,16 @@ struct Part {
 }
 
 impl Parts {
-    /// Name of the file in the study's directory.
-    pub const NAME: &'static str = "study.parts.jsonl";
+    /// Name of the file in the study's directory: one for each kind of study, so that none drops what another has finished.
+    pub fn file_name(settings: &Settings) -> String {
+        format!("study.{}.parts.jsonl", settings.name)
+    }
 
     /// Opens the parts in a directory, or begins them anew where they are those of another study or program.
     ///
     /// Errors: the directory cannot be written to.
     pub fn open(directory: &Path, settings: &Settings) -> Result<Self, StudyError> {
-        let path = directory.join(Self::NAME);
+        let path = directory.join(Self::file_name(settings));
         let origin = Origin { settings: settings.clone(), program: own_digest() };
         let known = File::open(&path).ok().and_then(|file| read(file, &origin));
         let is_new = known.is_none();

@@ -1,7 +1,7 @@
 //! What a study has found, as its JSON holds it.
 
 use std::collections::BTreeMap;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
@@ -48,12 +48,20 @@ const MOST_BYTES: u64 = 1 << 26;
 impl Study {
     /// Reads a study.
     ///
-    /// Errors: a file that cannot be read, or holds none of this version.
+    /// Errors: a file that cannot be read, no regular file or one of more than 64 MiB, or one that holds none of this version.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let file = |source| StudyError::File { action: "read", path: path.to_path_buf(), source };
+        let broken = |problem| StudyError::NoStudy { path: path.to_path_buf(), problem };
+        // Before it is opened: to open a pipe is to wait for its writer.
+        let metadata = fs::metadata(path).map_err(file)?;
+        if !metadata.is_file() {
+            return Err(broken("it is no regular file".into()));
+        }
+        if metadata.len() > MOST_BYTES {
+            return Err(broken(format!("it is {} bytes long, more than {MOST_BYTES}", metadata.len())));
+        }
         let mut text = String::new();
         File::open(path).and_then(|opened| opened.take(MOST_BYTES).read_to_string(&mut text)).map_err(file)?;
-        let broken = |problem| StudyError::NoStudy { path: path.to_path_buf(), problem };
         let study: Self = serde_json::from_str(&text).map_err(|error| broken(error.to_string()))?;
         if study.schema == SCHEMA {
             Ok(study)
@@ -79,7 +87,7 @@ impl Study {
 pub struct Point {
     /// Name of the profile, or `knob=value`.
     pub name: String,
-    /// The knob that differs from `standard`.
+    /// The knob that is turned on its [`base_of`](super::base_of).
     pub knob: Option<String>,
     /// Its value.
     pub value: Option<u32>,
