@@ -16,7 +16,7 @@ use crate::StudyError;
 use crate::stability;
 use crate::sweep::Study;
 
-pub use tables::{README_TABLES, markdown, profiles};
+pub use tables::{markdown, profiles};
 pub use verdict::{BUYS_SOMETHING_DB, KnobGain, knob_gains};
 
 /// Edges of a plot in a file of its own, pixels.
@@ -58,15 +58,14 @@ fn write_file(path: &Path, bytes: &[u8]) -> Result<PathBuf, StudyError> {
 
 /// What the page shows beside plots.
 struct Pictures {
-    knobs: Vec<pictures::KnobPicture>,
-    /// With the name of the hard case.
-    naive: Vec<(String, pictures::KnobPicture)>,
+    knobs: Vec<pictures::ScenePictures>,
+    naive: Vec<pictures::ScenePictures>,
 }
 
-fn figures(page: &mut Page, picture: &pictures::KnobPicture) {
+fn show(page: &mut Page, picture: &pictures::ScenePictures) {
     page.add(format_args!("<div class=\"figures\">\n"));
     for (png, label, caption) in &picture.shown {
-        page.figure(png, picture.size, &format!("{}, {}: {label}", picture.scene, picture.knob), label, caption);
+        page.figure(png, picture.size, &format!("{}, {}: {label}", picture.scene, picture.name), label, caption);
     }
     page.add(format_args!("</div>\n"));
 }
@@ -78,11 +77,13 @@ fn page(study: &Study, pictures: &Pictures) -> String {
     page.add(format_args!(
         "<header>\n<h1>What accuracy costs in time</h1>\n\
          <p>Each point is a setting of the accuracy knobs of the datapath, or another method: its error against float64, and what it \
-         takes on four clocks. Frames are {width}×{height} pixels of {}, the truth has {} samples a pixel.</p>\n\
+         takes on four clocks. Frames are {width}×{height} pixels of {}, the truth has {} samples a pixel. At every setting frames of \
+         {} are timed.</p>\n\
          <p class=\"soft\">{}, {}, {} threads, lanes {}; {}; {}. Soft core: {}. {}. A † marks a time that was found while other \
          programs ran.</p>\n</header>\n",
         Text(&study.settings.scenes.join(", ")),
         study.settings.samples_edge.pow(2),
+        Text(&figures::timed_scenes(study).join(" and ")),
         Text(&machine.processor),
         Text(&machine.system),
         machine.threads,
@@ -93,78 +94,66 @@ fn page(study: &Study, pictures: &Pictures) -> String {
         Text(&study.seeds),
     ));
 
-    section(&mut page, "choose", "What to choose");
+    page.section("choose", "What to choose");
     let (headings, rows) = verdict::choices(study);
     table(&mut page, &headings, &rows);
-    page.add(format_args!(
-        "<p>The cheapest setting of this study whose frames reach that PSNR against the filter of <code>standard</code> in float64 in \
-         every scene. <code>roughxel choose</code> finds one for a scene of your own, among combinations of knobs.</p>\n"
-    ));
+    page.paragraph(
+        "The cheapest setting of this study whose frames reach that PSNR against the filter of standard in float64 in every scene. \
+         “roughxel choose” finds one for a scene of your own, among combinations of knobs.",
+    );
     list(&mut page, &verdict::bit_prices(study));
-    page.add(format_args!("</section>\n"));
+    page.end_section();
 
-    section(&mut page, "profiles", "The named profiles");
+    page.section("profiles", "The named profiles");
     let (headings, rows) = profiles(study);
     table(&mut page, &headings, &rows);
     let (headings, rows) = tables::floats(study);
-    page.add(format_args!("<p>Other methods on the same fragments:</p>\n"));
+    page.paragraph("Other methods on the same fragments:");
     table(&mut page, &headings, &rows);
     list(&mut page, &verdict::floats(study));
-    page.add(format_args!(
-        "<p>Frames of standard beside those without footprints and with several samples a pixel:</p>\n"
-    ));
+    page.paragraph("Frames of standard beside those without footprints and with several samples a pixel:");
     let (headings, rows) = tables::frames(study);
     table(&mut page, &headings, &rows);
-    page.add(format_args!("</section>\n"));
+    page.end_section();
 
-    section(&mut page, "clocks", "Error against time");
-    page.add(format_args!(
-        "<p>Down and to the left is better where errors are shown, up and to the left where pictures are. The dashed line joins the \
-         settings that nothing beats on both axes.</p>\n<div class=\"plots\">\n"
-    ));
-    for plot in plots::clocks(study) {
-        page.plot(&plot);
-    }
-    page.add(format_args!("</div>\n</section>\n"));
+    page.section("clocks", "Error against time");
+    page.paragraph(
+        "Down and to the left is better where errors are shown, up and to the left where pictures are. The dashed line joins the \
+         settings that nothing beats on both axes.",
+    );
+    page.plots(&plots::clocks(study));
+    page.end_section();
 
-    section(&mut page, "knobs", "One curve a knob");
+    page.section("knobs", "One curve a knob");
     list(&mut page, &verdict::idle_knobs(study));
     for (knob, plots) in plots::knobs(study) {
-        page.add(format_args!("<h3>{}</h3>\n<div class=\"plots\">\n", Text(&knob)));
-        for plot in &plots {
-            page.plot(plot);
-        }
-        page.add(format_args!("</div>\n"));
-        pictures.knobs.iter().filter(|picture| picture.knob == knob).for_each(|picture| figures(&mut page, picture));
+        page.add(format_args!("<h3>{}</h3>\n", Text(&knob)));
+        page.plots(&plots);
+        pictures.knobs.iter().filter(|picture| picture.name == knob).for_each(|picture| show(&mut page, picture));
     }
-    page.add(format_args!("</section>\n"));
+    page.end_section();
 
-    section(&mut page, "stability", "Near the degeneracies");
-    page.add(format_args!(
-        "<p>The worst error of a family of fragments against its distance from the case where a formula breaks down. A vertical line \
-         is where the documented fallback of a profile begins; dashed curves are floating point, which has none.</p>\n"
-    ));
+    page.section("stability", "Near the degeneracies");
+    page.paragraph(
+        "The worst error of a family of fragments against its distance from the case where a formula breaks down. A vertical line is \
+         where the documented fallback of a profile begins; dashed curves are floating point, which has none.",
+    );
+    page.plots(&study.stability.iter().map(plots::stability).collect::<Vec<_>>());
     for case in &study.stability {
-        page.add(format_args!(
-            "<h3>{}</h3>\n<p>{} {}</p>\n<div class=\"plots\">\n",
-            Text(&case.title),
-            Text(&case.naive),
-            Text(&case.fallback)
-        ));
-        page.plot(&plots::stability(case));
-        page.add(format_args!("</div>\n"));
-        for (_, picture) in pictures.naive.iter().filter(|(name, _)| *name == case.name) {
-            page.add(format_args!("<p>What the plain formula makes of a frame:</p>\n"));
-            figures(&mut page, picture);
+        let wins = stability::float_wins(case);
+        let pictures: Vec<_> = pictures.naive.iter().filter(|picture| picture.name == case.name).collect();
+        if wins.is_empty() && pictures.is_empty() {
+            continue;
         }
-        list(&mut page, &stability::float_wins(case));
+        page.add(format_args!("<h3>{}</h3>\n", Text(&case.title)));
+        for picture in pictures {
+            page.paragraph("What the plain formula makes of a frame:");
+            show(&mut page, picture);
+        }
+        list(&mut page, &wins);
     }
-    page.add(format_args!("</section>\n"));
+    page.end_section();
     page.finish()
-}
-
-fn section(page: &mut Page, id: &str, title: &str) {
-    page.add(format_args!("<section id=\"{}\">\n<h2>{}</h2>\n", Text(id), Text(title)));
 }
 
 fn table(page: &mut Page, headings: &[String], rows: &[Vec<String>]) {
@@ -183,4 +172,10 @@ fn list(page: &mut Page, sentences: &[String]) {
         page.add(format_args!("<li>{}</li>\n", Text(&sentence.replace('`', ""))));
     }
     page.add(format_args!("</ul>\n"));
+}
+
+/// The study that the README shows.
+#[cfg(test)]
+fn kept() -> Study {
+    Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("results/study.json")).expect("a study is kept")
 }

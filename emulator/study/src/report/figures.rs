@@ -1,8 +1,12 @@
 //! One figure of a setting for each clock and for its frames.
 
+use roughxel_core::knob::Knob;
+use roughxel_core::precision::Precision;
+
 use crate::choose::Clock;
+use crate::soft_core;
 use crate::superscript::superscript;
-use crate::sweep::Point;
+use crate::sweep::{Point, Study, base_of};
 
 /// Headings and rows.
 pub(super) type Table = (Vec<String>, Vec<Vec<String>>);
@@ -19,26 +23,47 @@ pub(super) fn power(error: Option<f64>) -> String {
     }
 }
 
-/// The target that stands for soft cores: the smallest with a multiplier.
-pub(super) const SOFT_CORE: &str = "riscv32imac";
+/// A number as it is written in text: from five digits on in groups of three.
+pub(super) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    if digits.len() < 5 {
+        return digits;
+    }
+    let (first, rest) = digits.split_at((digits.len() - 1) % 3 + 1);
+    let groups = rest.as_bytes().chunks(3).map(|group| String::from_utf8_lossy(group).into_owned());
+    std::iter::once(first.to_string()).chain(groups).collect::<Vec<_>>().join(" ")
+}
+
+/// What a knob is turned on, in words: `standard`, or that with the knobs of [`base_of`] that differ.
+pub(super) fn base_name(knob: Knob) -> String {
+    let base = base_of(knob);
+    let turned = Knob::ALL.into_iter().filter(|other| other.of(&base) != other.of(&Precision::STANDARD));
+    turned.fold("standard".into(), |name, other| format!("{name} with {other} {}", other.text(other.of(&base))))
+}
+
+/// The scenes whose frames are timed at every setting: means of times, and what is drawn over them, are of these.
+pub(super) fn timed_scenes(study: &Study) -> &[String] {
+    let scenes = &study.settings.scenes;
+    &scenes[..study.settings.timed_scenes.min(scenes.len())]
+}
 
 /// PSNR against the filter of `standard` in float64 in the worst scene, dB; `None` where all are equal.
 pub(super) fn worst_psnr(point: &Point) -> Option<f64> {
     point.frames.iter().filter_map(|frame| frame.psnr_filter).min_by(f64::total_cmp)
 }
 
-fn mean(figures: impl Iterator<Item = f64>) -> Option<f64> {
+pub(super) fn mean(figures: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = figures.fold((0.0, 0), |(sum, count), figure| (sum + figure, count + 1));
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// What a setting takes on a clock: time of a frame in lanes as a multiple of `standard`'s; full adders of the reflection;
-/// instructions a fragment on [`SOFT_CORE`]; texels a pixel. Means over the scenes.
+/// What a setting takes on a clock: time of a frame in lanes as a multiple of `standard`'s, mean of the [`timed_scenes`]; full adders of
+/// the reflection; instructions a fragment on [`soft_core::TARGET`]; texels a pixel, mean of all scenes.
 pub(super) fn cost(point: &Point, clock: Clock) -> Option<f64> {
     match clock {
         Clock::Host => mean(point.host.frames.values().map(|timing| timing.ratio)),
         Clock::Hardware => point.hardware.as_ref().map(|hardware| hardware.full_adders as f64),
-        Clock::SoftCore => point.soft_core.get(SOFT_CORE).map(|price| price.instructions),
+        Clock::SoftCore => point.soft_core.get(soft_core::TARGET).map(|price| price.instructions),
         Clock::Memory => mean(point.frames.iter().map(|frame| frame.texels)),
     }
 }
@@ -50,3 +75,20 @@ pub(super) const CLOCKS: [(Clock, &str); 4] = [
     (Clock::SoftCore, "soft core: instructions a fragment, riscv32imac"),
     (Clock::Memory, "memory: texels a pixel"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_stand_in_groups_of_three_from_five_on() {
+        let texts = [0, 999, 9999, 10_000, 123_456, 1_002_003].map(grouped);
+        assert_eq!(texts, ["0", "999", "9999", "10 000", "123 456", "1 002 003"]);
+    }
+
+    #[test]
+    fn a_base_is_named_by_what_differs_from_standard() {
+        assert_eq!(base_name(Knob::FractionBits), "standard");
+        assert_eq!(base_name(Knob::ReciprocalSeedBits), "standard with reciprocal.steps 0");
+    }
+}

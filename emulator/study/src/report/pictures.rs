@@ -5,38 +5,36 @@ use std::path::Path;
 
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
-use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_maps::peak_pyramid::ScenePeaks;
-use roughxel_scene::Scene;
 use roughxel_scene::picture::{DIFFERENCE_GAIN, Picture, difference, write_png_srgb};
 
+use super::figures::base_name;
 use super::verdict::{BUYS_SOMETHING_DB, knob_gains};
-use crate::StudyError;
-use crate::stability;
-use crate::sweep::Study;
+use crate::sweep::{Study, base_of};
+use crate::{StudyError, Subject, stability};
 
 /// Pixels of a picture on the page.
 const SIZE: [u32; 2] = [240, 180];
 
-/// Pictures of one scene side by side: what a knob or a method makes of it.
-pub(super) struct KnobPicture {
-    pub(super) knob: String,
+/// Pictures of one scene side by side: what a knob makes of it, or in a hard case a method.
+pub(super) struct ScenePictures {
+    /// Of the knob or of the hard case.
+    pub(super) name: String,
     pub(super) scene: String,
     pub(super) size: [u32; 2],
     /// PNG file, label, caption.
     pub(super) shown: Vec<(Vec<u8>, String, String)>,
 }
 
-/// Draws the frames in which formulas of f32 fail, with the case of each.
-pub(super) fn naive(directory: &Path) -> Result<Vec<(String, KnobPicture)>, StudyError> {
+/// Draws the frames in which formulas of f32 fail.
+pub(super) fn naive(directory: &Path) -> Result<Vec<ScenePictures>, StudyError> {
     let drawn = stability::pictures(SIZE)?.into_iter().map(|naive| {
         let shown = vec![
             (Some(naive.truth), "float64".to_string(), naive.scene.clone()),
             (Some(naive.picture), naive.method.clone(), format!("{:.1} dB", naive.psnr)),
         ];
         let shown = files(directory, &naive.case, shown)?;
-        Ok((naive.case.clone(), KnobPicture { knob: naive.case, scene: naive.scene, size: SIZE, shown }))
+        Ok(ScenePictures { name: naive.case, scene: naive.scene, size: SIZE, shown })
     });
     drawn.collect()
 }
@@ -60,35 +58,53 @@ fn files(
     Ok(shown)
 }
 
+/// The two precisions that show a knob: the least accurate of its values that differs from the base, and the base.
+fn shown_of(knob: Knob) -> Option<[Precision; 2]> {
+    let base = base_of(knob);
+    let least = knob.values().iter().find(|&&value| value != knob.of(&base))?;
+    Some([knob.with(*least, base), base])
+}
+
 /// Draws every knob in the scene that shows it most, where one does, into `directory`/pictures.
-pub(super) fn draw(study: &Study, directory: &Path) -> Result<Vec<KnobPicture>, StudyError> {
-    let folder = directory.join("pictures");
-    fs::create_dir_all(&folder).map_err(|source| StudyError::File { action: "make", path: folder.clone(), source })?;
+pub(super) fn draw(study: &Study, directory: &Path) -> Result<Vec<ScenePictures>, StudyError> {
     let gains = knob_gains(study);
     let mut drawn = Vec::new();
     for knob in Knob::ALL {
         let most =
             gains.iter().filter(|gain| gain.knob == knob.name()).max_by(|a, b| a.filter_db.total_cmp(&b.filter_db));
         let Some(most) = most.filter(|gain| gain.filter_db >= BUYS_SOMETHING_DB) else { continue };
-        let Some(&least) = knob.values().iter().find(|&&value| value != knob.of(&Precision::STANDARD)) else {
-            continue;
-        };
-        let scene = Scene::open(&most.scene)?.with_size(SIZE[0], SIZE[1])?;
-        let peaks = ScenePeaks::new(&scene, true, None, &|_| ())?;
+        let Some(precisions) = shown_of(knob) else { continue };
+        let subject = Subject::open(&most.scene, SIZE)?;
         let render = |p: &Precision| -> Result<Picture, StudyError> {
-            Ok(Prepared::with_peaks(&scene, Mode::Footprint, p, &peaks)?.render(&|| ())?.picture())
+            Ok(subject.prepare(Mode::Footprint, p)?.render(&|| ())?.picture())
         };
-        let [coarse, standard] = [knob.with(least, Precision::STANDARD), Precision::STANDARD].map(|p| render(&p));
-        let (coarse, standard) = (coarse?, standard?);
-        let [low, base] = [least, knob.of(&Precision::STANDARD)].map(|value| knob.text(value).to_string());
-        let between = difference(&coarse, &standard);
+        let [coarse, base] = precisions.map(|p| render(&p));
+        let (coarse, base) = (coarse?, base?);
+        let [low, high] = precisions.map(|p| format!("{knob} {}", knob.text(knob.of(&p))));
+        let between = difference(&coarse, &base);
         let pictures = vec![
-            (Some(coarse), format!("{knob} {low}"), most.scene.clone()),
-            (Some(standard), format!("{knob} {base}"), "standard".to_string()),
+            (Some(coarse), low, most.scene.clone()),
+            (Some(base), high, base_name(knob)),
             (between, "difference".into(), format!("{DIFFERENCE_GAIN} times enlarged; grey is none")),
         ];
         let shown = files(directory, knob.name(), pictures)?;
-        drawn.push(KnobPicture { knob: knob.name().into(), scene: most.scene.clone(), size: SIZE, shown });
+        drawn.push(ScenePictures { name: knob.name().into(), scene: most.scene.clone(), size: SIZE, shown });
     }
     Ok(drawn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::settings;
+
+    #[test]
+    fn pictures_of_a_knob_are_of_settings_that_the_study_measures() {
+        let measured = settings();
+        for knob in Knob::ALL {
+            for p in shown_of(knob).expect("every knob has two values") {
+                assert!(measured.iter().any(|setting| setting.precision == p), "{knob} {}", knob.of(&p));
+            }
+        }
+    }
 }

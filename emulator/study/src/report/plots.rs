@@ -3,10 +3,11 @@
 use roughxel_core::knob::Knob;
 use roughxel_page::plot::{Axis, Mark, Plot, Point as Dot, Scale, Series, Style};
 
-use super::figures::{CLOCKS, SOFT_CORE, cost, worst_psnr};
+use super::figures::{CLOCKS, base_name, cost, mean, timed_scenes, worst_psnr};
 use super::tables::named;
 use super::verdict::curve;
 use crate::choose::Clock;
+use crate::frames::FrameFigures;
 use crate::soft_core;
 use crate::stability::HardCase;
 use crate::sweep::{Point, StageFigures, Study};
@@ -31,7 +32,11 @@ fn places(stages: &[StageFigures]) -> Option<f64> {
 /// What nothing beats on both axes, from the left: less `x`, and less `y` or more of it.
 fn front(dots: &[Dot], more_is_better: bool) -> Series {
     let mut sorted: Vec<&Dot> = dots.iter().filter(|dot| dot.x.is_finite() && dot.y.is_finite()).collect();
-    sorted.sort_by(|a, b| a.x.total_cmp(&b.x));
+    // Of those at one place the best first: the others are beaten by it.
+    sorted.sort_by(|a, b| {
+        let better = if more_is_better { b.y.total_cmp(&a.y) } else { a.y.total_cmp(&b.y) };
+        a.x.total_cmp(&b.x).then(better)
+    });
     let mut points: Vec<Dot> = Vec::new();
     for dot in sorted {
         let is_better = |last: &Dot| if more_is_better { dot.y > last.y } else { dot.y < last.y };
@@ -95,7 +100,7 @@ fn bits_on_host(study: &Study) -> Plot {
     Plot {
         title: "Host: error of a fragment against its time".into(),
         description: "Error of s and t on the cube face that 99.9 % of the fragments stay below, against the time of the reflection of a fragment as a multiple of \
-                      standard in lanes. Integers form a column for each width of words; batched f32 lies far to the left of them."
+                      standard in lanes: every setting of the knobs in lanes, the named profiles in the scalar reading, too, and f32."
             .into(),
         x: axis("time of a fragment ÷ standard in lanes", Scale::Log2),
         y: axis("error of s, t, 99.9 % below (half faces)", Scale::Log2),
@@ -104,24 +109,27 @@ fn bits_on_host(study: &Study) -> Plot {
     }
 }
 
-/// PSNR of frames against the truth over their time, modes and numbers of samples among them.
+/// PSNR of frames against the truth over their time, modes and numbers of samples among them; both of the scenes that are timed at every
+/// setting.
 fn frames_on_host(study: &Study) -> Plot {
-    let mean = |frames: &[crate::frames::FrameFigures]| {
-        let known: Vec<f64> = frames.iter().filter_map(|frame| frame.psnr_truth).collect();
-        (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+    let timed = timed_scenes(study);
+    let psnr = |frames: &[FrameFigures]| {
+        let timed = frames.iter().filter(|frame| timed.contains(&frame.scene));
+        mean(timed.filter_map(|frame| frame.psnr_truth))
     };
-    let mut all = settings(study, &[Knob::MaxProbes], |point| Some((cost(point, Clock::Host)?, mean(&point.frames)?)));
+    let mut all = settings(study, &[Knob::MaxProbes], |point| Some((cost(point, Clock::Host)?, psnr(&point.frames)?)));
     let modes = study.modes.iter().filter_map(|mode| {
-        let count = mode.times.len().max(1) as f64;
-        let time = mode.times.values().map(|timing| timing.ratio).sum::<f64>() / count;
-        Some(dot(time, mean(&mode.frames)?, Some(&mode.name)))
+        let time = mean(timed.iter().filter_map(|scene| Some(mode.times.get(scene)?.ratio)))?;
+        Some(dot(time, psnr(&mode.frames)?, Some(&mode.name)))
     });
     all.push(series("without footprints", Style::Points, modes.collect()));
     Plot {
         title: "Host: picture against the time of a frame".into(),
-        description: "Mean PSNR of the scenes against 1024 samples a pixel, over the time of a frame as a multiple of standard. \
-                      Frames with 4, 16 and 64 samples take several times as long as filtered ones of about the same PSNR."
-            .into(),
+        description: format!(
+            "PSNR of frames against {} samples a pixel, over their time as a multiple of standard: means of {}.",
+            study.settings.samples_edge.pow(2),
+            timed.join(" and ")
+        ),
         x: axis("time of a frame ÷ standard", Scale::Log2),
         y: axis("PSNR against the truth (dB)", Scale::Linear),
         series: with_front(all, true),
@@ -143,7 +151,7 @@ pub(super) fn clocks(study: &Study) -> Vec<Plot> {
             let mut all = settings(study, &CURVES, |point| Some((cost(point, clock)?, places(&point.stages)?)));
             if clock == Clock::SoftCore {
                 // `libm` has the bits of the standard library.
-                let prices = soft_core::float(SOFT_CORE).map_or([None; 2], |float| {
+                let prices = soft_core::float(soft_core::TARGET).map_or([None; 2], |float| {
                     [
                         Some(("f32", "f32, libm", float.libm)),
                         Some(("f32, micromath", "f32, micromath", float.micromath)),
@@ -214,7 +222,8 @@ pub(super) fn knobs(study: &Study) -> Vec<(String, Vec<Plot>)> {
                 title: format!("{knob}: pictures"),
                 description: format!(
                     "PSNR of each scene against the filter of standard in float64, for the values of {knob} from the least accurate on; \
-                     the other knobs are those of standard."
+                     the other knobs are those of {}.",
+                    base_name(knob)
                 ),
                 x: axis(&format!("{knob}, value by value"), Scale::Linear),
                 y: axis("PSNR against float64's filter (dB)", Scale::Linear),
@@ -251,10 +260,50 @@ pub(super) fn stability(case: &HardCase) -> Plot {
     }
     Plot {
         title: case.title.clone(),
-        description: format!("{} against {}, both on logarithmic axes. {}", case.error, case.distance, case.naive),
+        description: format!(
+            "{} against {}, both on logarithmic axes. {} {}",
+            case.error, case.distance, case.naive, case.fallback
+        ),
         x: axis(&case.distance, Scale::Log2),
         y: axis(&case.error, Scale::Log2),
         series: curves.collect(),
         marks,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kept;
+    use super::*;
+
+    fn front_of(dots: &[[f64; 2]], more_is_better: bool) -> Vec<[f64; 2]> {
+        let dots: Vec<Dot> = dots.iter().map(|&[x, y]| dot(x, y, None)).collect();
+        front(&dots, more_is_better).points.iter().map(|dot| [dot.x, dot.y]).collect()
+    }
+
+    #[test]
+    fn of_points_with_the_same_cost_the_best_alone_is_on_the_front() {
+        let dots = [[1.0, 5.0], [1.0, 3.0], [1.0, 4.0], [2.0, 3.0], [2.0, 6.0], [3.0, 1.0], [3.0, 7.0]];
+        assert_eq!(front_of(&dots, false), [[1.0, 3.0], [3.0, 1.0]]);
+        assert_eq!(front_of(&dots, true), [[1.0, 5.0], [2.0, 6.0], [3.0, 7.0]]);
+        let reversed: Vec<_> = dots.into_iter().rev().collect();
+        assert_eq!(front_of(&reversed, true), front_of(&dots, true));
+    }
+
+    #[test]
+    fn frames_on_the_host_are_judged_in_the_scenes_that_are_timed() {
+        let mut study = kept();
+        let (timed, before) = (timed_scenes(&study).to_vec(), frames_on_host(&study).table());
+        assert!(timed.len() < study.settings.scenes.len());
+        let of_points = study.points.iter_mut().map(|point| &mut point.frames);
+        let frames = of_points.chain(study.modes.iter_mut().map(|mode| &mut mode.frames)).flatten();
+        frames.filter(|frame| !timed.contains(&frame.scene)).for_each(|frame| frame.psnr_truth = Some(5.0));
+        study.modes.iter_mut().for_each(|mode| mode.times.retain(|scene, _| timed.contains(scene)));
+        assert_eq!(frames_on_host(&study).table(), before);
+    }
+
+    #[test]
+    fn what_is_no_number_is_on_no_front() {
+        assert_eq!(front_of(&[[f64::NAN, 9.0], [1.0, f64::INFINITY], [2.0, 1.0]], true), [[2.0, 1.0]]);
     }
 }

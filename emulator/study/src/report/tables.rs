@@ -4,15 +4,12 @@ use std::fmt::Write as _;
 
 use roughxel_core::precision::Profile;
 
-use super::figures::{Table, cost, power, worst_psnr};
+use super::figures::{Table, cost, grouped, power, timed_scenes, worst_psnr};
 use crate::choose::Clock;
 use crate::frames::FrameFigures;
 use crate::host::Timing;
 use crate::soft_core;
 use crate::sweep::{Point, Study};
-
-/// Names of the tables that the README takes, in the order of [`markdown`].
-pub const README_TABLES: [&str; 3] = ["accuracy", "clocks", "pictures"];
 
 /// The settings that have a name of their own, narrowest first.
 pub(super) fn named(study: &Study) -> impl Iterator<Item = &Point> {
@@ -75,13 +72,15 @@ fn accuracy_rows(study: &Study) -> Vec<Vec<String>> {
 }
 
 fn clock_rows(study: &Study) -> Vec<Vec<String>> {
+    let timed: Vec<String> = timed_scenes(study).iter().map(|scene| format!("`{scene}`")).collect();
+    let time_of_frames = format!("host, lanes: time of a frame ÷ `standard`, mean of {}", timed.join(" and "));
     let mut rows = vec![
         row(study, "frames against `standard`'s filter in float64, worst scene, dB", |point| {
             decibel(worst_psnr(point))
         }),
         row(study, "host, scalar: time of a fragment ÷ `standard`", |point| ratio(&point.host.scalar)),
         row(study, "host, lanes: the same", |point| ratio(&point.host.lanes)),
-        row(study, "host, lanes: time of a frame ÷ `standard`, mean of the scenes", |point| {
+        row(study, &time_of_frames, |point| {
             cost(point, Clock::Host).map_or_else(|| "–".into(), |ratio| format!("{ratio:.2}"))
         }),
     ];
@@ -102,12 +101,12 @@ fn clock_rows(study: &Study) -> Vec<Vec<String>> {
     rows.push(row(
         study,
         "hardware: blocks of 18×18, lookup tables (estimate)",
-        hardware(|h| format!("{}, {:.0} 000", h.blocks_18x18, h.luts_estimate as f64 / 1000.0)),
+        hardware(|h| format!("{}, {}", h.blocks_18x18, grouped((h.luts_estimate + 500) / 1000 * 1000))),
     ));
     rows.push(row(
         study,
         "hardware: ROM bits, gate levels without pipelining",
-        hardware(|h| format!("{}, {}", h.rom_bits, h.levels)),
+        hardware(|h| format!("{}, {}", grouped(h.rom_bits), h.levels)),
     ));
     rows.push(row(
         study,
@@ -116,14 +115,14 @@ fn clock_rows(study: &Study) -> Vec<Vec<String>> {
     ));
     for target in soft_core::TARGETS {
         rows.push(row(study, &format!("soft core {target}: instructions a fragment"), |point| {
-            point.soft_core.get(target).map_or_else(|| "–".into(), |price| format!("{:.0}", price.instructions))
+            point.soft_core.get(target).map_or_else(|| "–".into(), |price| grouped(price.instructions.round() as u64))
         }));
     }
     rows.push(row(study, "memory: texels a pixel, mean of the scenes", |point| {
         cost(point, Clock::Memory).map_or_else(|| "–".into(), |texels| format!("{texels:.1}"))
     }));
     rows.push(row(study, "memory: KiB of maps, sum of the scenes", |point| {
-        format!("{}", point.frames.iter().map(|frame| frame.map_bytes).sum::<u64>() / 1024)
+        grouped(point.frames.iter().map(|frame| frame.map_bytes).sum::<u64>() / 1024)
     }));
     rows
 }
@@ -207,9 +206,13 @@ fn pictures(study: &Study) -> Table {
 /// The README's tables, each behind its name as a comment.
 pub fn markdown(study: &Study) -> String {
     let (headings, _) = profiles(study);
-    let tables = [(headings.clone(), accuracy_rows(study)), (headings, clock_rows(study)), pictures(study)];
+    let tables = [
+        ("accuracy", (headings.clone(), accuracy_rows(study))),
+        ("clocks", (headings, clock_rows(study))),
+        ("pictures", pictures(study)),
+    ];
     let mut text = String::new();
-    for (name, (headings, rows)) in README_TABLES.iter().zip(tables) {
+    for (name, (headings, rows)) in tables {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "<!-- study: {name} -->");
         let _ = writeln!(text, "| {} |\n|{}", headings.join(" | "), "---|".repeat(headings.len()));

@@ -1,11 +1,9 @@
 //! What the figures say: prices of a bit, knobs that buy nothing, what to choose.
 
-use std::str::FromStr;
-
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
 
-use super::figures::{CLOCKS, Table, cost, power, worst_psnr};
+use super::figures::{CLOCKS, Table, cost, grouped, power, worst_psnr};
 use crate::choose::{Aim, Candidate, Clock, choose};
 use crate::sweep::{Point, Study, base_of};
 
@@ -17,11 +15,13 @@ pub(super) fn choices(study: &Study) -> Table {
     let candidates: Vec<Candidate> = study
         .points
         .iter()
-        .map(|point| Candidate {
-            precision: precision(point),
-            name: Some(point.name.clone()),
-            psnr: worst_psnr(point).unwrap_or(f64::INFINITY),
-            cost: CLOCKS.map(|(clock, _)| cost(point, clock)),
+        .filter_map(|point| {
+            Some(Candidate {
+                precision: precision(point)?,
+                name: Some(point.name.clone()),
+                psnr: worst_psnr(point).unwrap_or(f64::INFINITY),
+                cost: CLOCKS.map(|(clock, _)| cost(point, clock)),
+            })
         })
         .collect();
     let bars = [30.0, 40.0, 50.0, 60.0, 70.0];
@@ -33,7 +33,11 @@ pub(super) fn choices(study: &Study) -> Table {
             Ok(chosen) => {
                 let name = chosen.name.as_deref().unwrap_or_default();
                 let cost = chosen.cost[clock as usize].unwrap_or(f64::NAN);
-                if cost < 100.0 { format!("{name}: {cost:.2}") } else { format!("{name}: {cost:.0}") }
+                if cost < 100.0 {
+                    format!("{name}: {cost:.2}")
+                } else {
+                    format!("{name}: {}", grouped(cost.round() as u64))
+                }
             }
             Err(_) => "none".into(),
         }));
@@ -42,14 +46,39 @@ pub(super) fn choices(study: &Study) -> Table {
     (headings, rows.into())
 }
 
-/// The knobs of a point.
-fn precision(point: &Point) -> Precision {
-    Knob::ALL.into_iter().fold(Precision::STANDARD, |p, knob| {
-        let text = point.knobs.get(knob.name()).map(String::as_str).unwrap_or_default();
-        let choice = knob.choices().iter().position(|choice| *choice == text).map(|place| place as u32);
-        // `exact` is the only text that is neither a choice nor a number.
-        knob.with(choice.or_else(|| u32::from_str(text).ok()).unwrap_or(0), p)
-    })
+/// The knobs of a point; `None` where one is missing or has no such value.
+fn precision(point: &Point) -> Option<Precision> {
+    Knob::ALL
+        .into_iter()
+        .try_fold(Precision::STANDARD, |p, knob| Some(knob.with(knob.read(point.knobs.get(knob.name())?)?, p)))
+}
+
+/// What kept bits alone cost on the host within each width of words: times of fragments in lanes beside their noise, without those that
+/// were found under load.
+fn times_within_words(study: &Study) -> Vec<String> {
+    let points = curve(study, Knob::FractionBits);
+    let word_bits = |bits: &u32| Knob::FractionBits.with(*bits, Precision::STANDARD).word_bits();
+    let by_words = points.chunk_by(|(a, _), (b, _)| word_bits(a) == word_bits(b));
+    let sentence = |points: &[(u32, &Point)]| {
+        let quiet = || points.iter().map(|(bits, point)| (bits, &point.host.lanes)).filter(|(_, time)| !time.loaded);
+        let (fastest, least) = quiet().min_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
+        let (slowest, most) = quiet().max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
+        let noise = 100.0 * least.noise.max(most.noise);
+        let difference = 100.0 * (most.ratio - least.ratio);
+        let what = if difference <= noise {
+            format!(
+                "a bit costs nothing that could be measured: times differ by {difference:.0} % of that of `standard`"
+            )
+        } else {
+            format!(
+                "{slowest} kept bits take {:.2} of the time of `standard`, {fastest} take {:.2}",
+                most.ratio, least.ratio
+            )
+        };
+        (fastest != slowest)
+            .then(|| format!("On the host, within words of {} bits, {what} (noise {noise:.0} %).", word_bits(fastest)))
+    };
+    by_words.filter_map(sentence).collect()
 }
 
 /// In one sentence each, what a bit of accuracy costs on each clock: from `narrow` to `standard`, and from there to `precise`.
@@ -74,14 +103,8 @@ pub(super) fn bit_prices(study: &Study) -> Vec<String> {
             "{where_} a bit costs {first:.1} % of {what} in `standard` from `narrow` on, and {second:.1} % beyond `standard`."
         ))
     };
-    let lanes = standard.host.lanes.noise.max(narrow.host.lanes.noise);
-    let told = [
-        sentence("On the host", "the time of a fragment in lanes", &|point| Some(point.host.lanes.ratio)).map(|text| {
-            format!(
-                "{text} Within one width of words it costs nothing that could be measured (noise {:.0} %).",
-                100.0 * lanes
-            )
-        }),
+    let on_host = sentence("On the host", "the time of a fragment in lanes", &|point| Some(point.host.lanes.ratio));
+    let elsewhere = [
         sentence("In hardware", "the full adders", &|point| cost(point, Clock::Hardware)),
         sentence("In hardware", "the gate levels", &|point| Some(f64::from(point.hardware.as_ref()?.levels))),
         sentence("On a soft core with a multiplier (riscv32imac)", "the instructions", &|point| {
@@ -92,7 +115,9 @@ pub(super) fn bit_prices(study: &Study) -> Vec<String> {
         }),
         sentence("In memory", "the texels", &|point| cost(point, Clock::Memory)),
     ];
-    let mut sentences: Vec<String> = told.into_iter().flatten().collect();
+    let within_words = times_within_words(study);
+    let mut sentences: Vec<String> =
+        on_host.into_iter().chain(within_words).chain(elsewhere.into_iter().flatten()).collect();
     sentences.push(format!(
         "A bit halves the error of s and t that 99.9 % of the fragments stay below: {} in `narrow`, {} in `standard`, {} in `precise`.",
         power(Some(error(narrow))),
@@ -142,7 +167,7 @@ pub fn knob_gains(study: &Study) -> Vec<KnobGain> {
 pub(super) fn curve(study: &Study, knob: Knob) -> Vec<(u32, &Point)> {
     let of = |&value: &u32| {
         let wanted = knob.with(value, base_of(knob));
-        Some((value, study.points.iter().find(|point| precision(point) == wanted)?))
+        Some((value, study.points.iter().find(|point| precision(point) == Some(wanted))?))
     };
     knob.values().iter().filter_map(of).collect()
 }
@@ -205,4 +230,42 @@ pub(super) fn floats(study: &Study) -> Vec<String> {
         sentences.push(format!("{time}; {accuracy}."));
     }
     sentences
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kept;
+    use super::*;
+    use crate::sweep::settings;
+
+    #[test]
+    fn every_point_of_the_kept_study_says_its_knobs() {
+        let (study, settings) = (kept(), settings());
+        for point in &study.points {
+            let setting = settings.iter().find(|setting| setting.name == point.name).expect("a setting of the sweep");
+            assert_eq!(precision(point), Some(setting.precision), "{}", point.name);
+        }
+        let mut unknown = study.points[0].clone();
+        unknown.knobs.insert(Knob::Direction.name().into(), "upwards".into());
+        assert_eq!(precision(&unknown), None);
+    }
+
+    #[test]
+    fn what_a_bit_costs_within_words_is_said_as_it_was_measured() {
+        let mut study = kept();
+        for point in &mut study.points {
+            let lanes = &mut point.host.lanes;
+            (lanes.ratio, lanes.noise, lanes.loaded) = (1.0, 0.1, false);
+        }
+        let all = times_within_words(&study);
+        assert!(all.len() == 2 && all.iter().all(|text| text.contains("nothing that could be measured")), "{all:?}");
+
+        let index = study.points.iter().position(|point| point.name == "fraction_bits=24").expect("it is measured");
+        study.points[index].host.lanes.ratio = 1.5;
+        let all = times_within_words(&study);
+        assert!(all[0].contains("nothing") && all[1].contains("24 kept bits take 1.50 of the time"), "{all:?}");
+
+        study.points[index].host.lanes.loaded = true;
+        assert!(times_within_words(&study)[1].contains("nothing"), "a time under load says nothing");
+    }
 }
