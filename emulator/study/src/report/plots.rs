@@ -113,6 +113,7 @@ fn bits_on_host(study: &Study) -> Plot {
 /// setting.
 fn frames_on_host(study: &Study) -> Plot {
     let timed = timed_scenes(study);
+    let scenes = timed.join(" and ");
     let psnr = |frames: &[FrameFigures]| {
         let timed = frames.iter().filter(|frame| timed.contains(&frame.scene));
         mean(timed.filter_map(|frame| frame.psnr_truth))
@@ -126,11 +127,10 @@ fn frames_on_host(study: &Study) -> Plot {
     Plot {
         title: "Host: picture against the time of a frame".into(),
         description: format!(
-            "PSNR of frames against {} samples a pixel, over their time as a multiple of standard: means of {}.",
-            study.settings.samples_edge.pow(2),
-            timed.join(" and ")
+            "PSNR of frames against {} samples a pixel, over their time as a multiple of standard: means of {scenes}.",
+            study.settings.samples_edge.pow(2)
         ),
-        x: axis("time of a frame ÷ standard", Scale::Log2),
+        x: axis(&format!("time of a frame ÷ standard, mean of {scenes}"), Scale::Log2),
         y: axis("PSNR against the truth (dB)", Scale::Linear),
         series: with_front(all, true),
         marks: Vec::new(),
