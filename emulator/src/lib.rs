@@ -19,5 +19,5 @@ pub use roughxel_lanes as lanes;
 pub use roughxel_maps as maps;
 pub use roughxel_net as net;
 pub use roughxel_scene as scene;
-pub use roughxel_scene::{output, picture, random};
+pub use roughxel_scene::{input, output, picture, random, spelling};
 pub use roughxel_study as study;

@@ -4,7 +4,7 @@ use toml::Spanned;
 
 use crate::error::SceneError;
 use crate::lighting::HighlightForm;
-use crate::source::{ArgumentTable, OneOrThree, Source};
+use crate::source::{ArgumentTable, Exactly, OneOrThree, Source};
 
 /// The whole file.
 #[derive(Debug, serde::Deserialize)]
@@ -23,9 +23,9 @@ pub(super) struct SceneDescription {
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraDescription {
-    pub(super) eye: Spanned<[f64; 3]>,
-    pub(super) target: Spanned<[f64; 3]>,
-    pub(super) up: Option<Spanned<[f64; 3]>>,
+    pub(super) eye: Spanned<Exactly<f64, 3>>,
+    pub(super) target: Spanned<Exactly<f64, 3>>,
+    pub(super) up: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) fov_y: Option<Spanned<f64>>,
     pub(super) width: Option<Spanned<i64>>,
     pub(super) height: Option<Spanned<i64>>,
@@ -35,9 +35,9 @@ pub(super) struct CameraDescription {
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BackgroundDescription {
-    pub(super) colour: Option<Spanned<[f64; 3]>>,
-    pub(super) top: Option<Spanned<[f64; 3]>>,
-    pub(super) bottom: Option<Spanned<[f64; 3]>>,
+    pub(super) colour: Option<Spanned<Exactly<f64, 3>>>,
+    pub(super) top: Option<Spanned<Exactly<f64, 3>>>,
+    pub(super) bottom: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) environment: Option<Spanned<bool>>,
 }
 
@@ -47,20 +47,20 @@ pub(super) struct BackgroundDescription {
 pub(super) struct ObjectDescription {
     pub(super) name: Option<String>,
     pub(super) shape: Spanned<ShapeName>,
-    pub(super) size: Option<Spanned<[f64; 2]>>,
+    pub(super) size: Option<Spanned<Exactly<f64, 2>>>,
     pub(super) radius: Option<Spanned<f64>>,
     pub(super) height: Option<Spanned<f64>>,
     pub(super) arc_degrees: Option<Spanned<f64>>,
     pub(super) focal_length: Option<Spanned<f64>>,
     pub(super) depth: Option<Spanned<f64>>,
     pub(super) folds: Option<Spanned<f64>>,
-    pub(super) segments: Option<Spanned<[i64; 2]>>,
+    pub(super) segments: Option<Spanned<Exactly<i64, 2>>>,
     pub(super) path: Option<Spanned<String>>,
     pub(super) generate: Option<Spanned<String>>,
-    pub(super) translate: Option<Spanned<[f64; 3]>>,
-    pub(super) rotate_degrees: Option<Spanned<[f64; 3]>>,
+    pub(super) translate: Option<Spanned<Exactly<f64, 3>>>,
+    pub(super) rotate_degrees: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) scale: Option<Spanned<OneOrThree>>,
-    pub(super) uv_repeat: Option<Spanned<[f64; 2]>>,
+    pub(super) uv_repeat: Option<Spanned<Exactly<f64, 2>>>,
     #[serde(default)]
     pub(super) material: MaterialDescription,
 }
@@ -81,13 +81,13 @@ pub(super) enum ShapeName {
 #[derive(Debug, Default, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialDescription {
-    pub(super) colour: Option<Spanned<[f64; 3]>>,
+    pub(super) colour: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) colour_map: Option<Spanned<ArgumentTable>>,
     pub(super) height_map: Option<Spanned<ArgumentTable>>,
     pub(super) normal_map: Option<Spanned<ArgumentTable>>,
     pub(super) roughness_map: Option<Spanned<ArgumentTable>>,
     pub(super) frame: Option<Spanned<FrameName>>,
-    pub(super) main_direction: Option<Spanned<[f64; 3]>>,
+    pub(super) main_direction: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) reflectance: Option<Spanned<OneOrThree>>,
     pub(super) highlight: Option<Spanned<HighlightDescription>>,
     pub(super) peaks: Option<Spanned<PeaksDescription>>,
@@ -106,9 +106,9 @@ pub(super) enum FrameName {
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LightDescription {
-    pub(crate) direction: Option<Spanned<[f64; 3]>>,
-    pub(crate) position: Option<Spanned<[f64; 3]>>,
-    pub(crate) colour: Option<Spanned<[f64; 3]>>,
+    pub(crate) direction: Option<Spanned<Exactly<f64, 3>>>,
+    pub(crate) position: Option<Spanned<Exactly<f64, 3>>>,
+    pub(crate) colour: Option<Spanned<Exactly<f64, 3>>>,
 }
 
 /// `highlight = { … }`.
@@ -116,7 +116,7 @@ pub(crate) struct LightDescription {
 #[serde(deny_unknown_fields)]
 pub(crate) struct HighlightDescription {
     pub(crate) exponent: Option<Spanned<f64>>,
-    pub(crate) colour: Option<Spanned<[f64; 3]>>,
+    pub(crate) colour: Option<Spanned<Exactly<f64, 3>>>,
     #[serde(default)]
     pub(crate) form: HighlightForm,
 }
@@ -128,7 +128,7 @@ pub(crate) struct PeaksDescription {
     pub(crate) given: Option<Spanned<Vec<Spanned<GivenDescription>>>>,
     pub(crate) exponent: Option<Spanned<f64>>,
     pub(crate) amplitude: Option<Spanned<f64>>,
-    pub(crate) colour: Option<Spanned<[f64; 3]>>,
+    pub(crate) colour: Option<Spanned<Exactly<f64, 3>>>,
     pub(crate) shadowing: Option<Spanned<bool>>,
 }
 
@@ -144,7 +144,7 @@ impl PeaksDescription {
 #[serde(deny_unknown_fields)]
 pub(crate) struct GivenDescription {
     pub(crate) amplitude: Spanned<f64>,
-    pub(crate) normal: Spanned<[f64; 3]>,
+    pub(crate) normal: Spanned<Exactly<f64, 3>>,
     pub(crate) exponent: Spanned<f64>,
 }
 

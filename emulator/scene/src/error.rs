@@ -73,6 +73,16 @@ pub enum SceneError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// Neither a file nor a built-in scene.
+    #[error(
+        "{name}: there is no such scene file, and no built-in scene of that name ({meant}`roughxel scenes` lists them)"
+    )]
+    NoScene {
+        /// What was asked for.
+        name: String,
+        /// The start of the remedy: a built-in scene of a similar name, or nothing.
+        meant: String,
+    },
     /// The scene file is larger than any scene needs.
     #[error("{}: is {bytes} bytes long, more than {MAX_SCENE_BYTES} (is it a scene file?)", path.display())]
     TooLarge {
@@ -128,7 +138,11 @@ impl SceneError {
         match self {
             Self::Syntax(fault) | Self::Value(fault) => Some(fault),
             Self::Picture { fault, .. } | Self::Mesh { fault, .. } => Some(fault),
-            Self::Unreadable { .. } | Self::TooLarge { .. } | Self::NotText { .. } | Self::FrameSize { .. } => None,
+            Self::Unreadable { .. }
+            | Self::NoScene { .. }
+            | Self::TooLarge { .. }
+            | Self::NotText { .. }
+            | Self::FrameSize { .. } => None,
         }
     }
 }

@@ -16,11 +16,15 @@ mod roughness;
 
 use std::ops::Range;
 
+use self::grid::Grid;
+pub use self::grid::MapProgress;
+pub(super) use self::grid::Unseen;
 use crate::error::SceneError;
 use crate::limits::MAX_FACE_EDGE;
 use crate::picture::Picture;
 use crate::roughness::MAX_DEVIATION;
 use crate::source::Arguments;
+use crate::spelling::did_you_mean;
 
 /// Edges of generated maps, texels.
 const SIZES: std::ops::RangeInclusive<u32> = 4..=4096;
@@ -42,59 +46,86 @@ const COLOUR_MAPS: [&str; 5] = ["checker", "noise", "writing", "earth", "denim"]
 const ENVIRONMENTS: [&str; 5] = ["moon", "zebra", "checker", "sky", "studio"];
 
 /// The generated height map `name`: grey from 0 to 1, repeating without a seam (`earth`: along u).
-pub(super) fn height_map(arguments: &Arguments<'_>, name: &str, span: Range<usize>) -> Result<Picture, SceneError> {
+pub(super) fn height_map(
+    arguments: &Arguments<'_>,
+    name: &str,
+    span: Range<usize>,
+    progress: &dyn MapProgress,
+) -> Result<Picture, SceneError> {
+    let grid = Grid { map: name, progress };
     match name {
-        "waves" => Ok(height::waves(&height::Waves {
-            size: arguments.whole("size", 512, SIZES)?,
-            seed: seed(arguments)?,
-            count: arguments.whole("count", 64, 1..=1024)?,
-            lowest: arguments.number("lowest", 3.0, 1.0..=1024.0)?,
-            highest: arguments.number("highest", 64.0, 1.0..=1024.0)?,
-            direction_degrees: arguments.number("direction_degrees", 90.0, -360.0..=360.0)?,
-            spread_degrees: arguments.number("spread_degrees", 60.0, 0.0..=180.0)?,
-            falloff: arguments.number("falloff", 0.5, -4.0..=4.0)?,
-        })),
-        "ripples" => Ok(height::ripples(&height::Ripples {
-            size: arguments.whole("size", 512, SIZES)?,
-            seed: seed(arguments)?,
-            drops: arguments.whole("drops", 8, 1..=256)?,
-            rings: arguments.number("rings", 12.0, 0.5..=256.0)?,
-            reach: arguments.number("reach", 0.3, 0.01..=0.5)?,
-        })),
-        "bumps" => Ok(height::bumps(&height::Bumps {
-            size: arguments.whole("size", 512, SIZES)?,
-            seed: seed(arguments)?,
-            cells: arguments.whole("cells", 8, 1..=512)?,
-            octaves: arguments.whole("octaves", 3, 1..=8)?,
-            gain: arguments.number("gain", 0.5, 0.0..=1.0)?,
-        })),
-        "earth" => Ok(height::earth(&earth(arguments)?)),
-        "brushed" => Ok(relief::brushed(&relief::Brushed {
-            size: arguments.whole("size", 512, SIZES)?,
-            seed: seed(arguments)?,
-            scratches: arguments.whole("scratches", 2000, 1..=20_000)?,
-            length: arguments.number("length", 0.5, 0.01..=1.0)?,
-            width_texels: arguments.number("width_texels", 4.0, 2.0..=16.0)?,
-            spread_degrees: arguments.number("spread_degrees", 2.0, 0.0..=30.0)?,
-        })),
-        "corrugated" => Ok(relief::corrugated(&profile(arguments)?)),
-        "grooves" => Ok(relief::grooves(&profile(arguments)?)),
-        "hemispheres" => Ok(relief::hemispheres(&round(arguments)?)),
-        "cylinders" => Ok(relief::cylinders(&round(arguments)?)),
-        "denim" => Ok(relief::denim(&denim(arguments)?)),
+        "waves" => Ok(height::waves(
+            grid,
+            &height::Waves {
+                size: arguments.whole("size", 512, SIZES)?,
+                seed: seed(arguments)?,
+                count: arguments.whole("count", 64, 1..=1024)?,
+                lowest: arguments.number("lowest", 3.0, 1.0..=1024.0)?,
+                highest: arguments.number("highest", 64.0, 1.0..=1024.0)?,
+                direction_degrees: arguments.number("direction_degrees", 90.0, -360.0..=360.0)?,
+                spread_degrees: arguments.number("spread_degrees", 60.0, 0.0..=180.0)?,
+                falloff: arguments.number("falloff", 0.5, -4.0..=4.0)?,
+            },
+        )),
+        "ripples" => Ok(height::ripples(
+            grid,
+            &height::Ripples {
+                size: arguments.whole("size", 512, SIZES)?,
+                seed: seed(arguments)?,
+                drops: arguments.whole("drops", 8, 1..=256)?,
+                rings: arguments.number("rings", 12.0, 0.5..=256.0)?,
+                reach: arguments.number("reach", 0.3, 0.01..=0.5)?,
+            },
+        )),
+        "bumps" => Ok(height::bumps(
+            grid,
+            &height::Bumps {
+                size: arguments.whole("size", 512, SIZES)?,
+                seed: seed(arguments)?,
+                cells: arguments.whole("cells", 8, 1..=512)?,
+                octaves: arguments.whole("octaves", 3, 1..=8)?,
+                gain: arguments.number("gain", 0.5, 0.0..=1.0)?,
+            },
+        )),
+        "earth" => Ok(height::earth(grid, &earth(arguments)?)),
+        "brushed" => Ok(relief::brushed(
+            grid,
+            &relief::Brushed {
+                size: arguments.whole("size", 512, SIZES)?,
+                seed: seed(arguments)?,
+                scratches: arguments.whole("scratches", 2000, 1..=20_000)?,
+                length: arguments.number("length", 0.5, 0.01..=1.0)?,
+                width_texels: arguments.number("width_texels", 4.0, 2.0..=16.0)?,
+                spread_degrees: arguments.number("spread_degrees", 2.0, 0.0..=30.0)?,
+            },
+        )),
+        "corrugated" => Ok(relief::corrugated(grid, &profile(arguments)?)),
+        "grooves" => Ok(relief::grooves(grid, &profile(arguments)?)),
+        "hemispheres" => Ok(relief::hemispheres(grid, &round(arguments)?)),
+        "cylinders" => Ok(relief::cylinders(grid, &round(arguments)?)),
+        "denim" => Ok(relief::denim(grid, &denim(arguments)?)),
         _ => Err(unknown(arguments, "height map", name, span, &HEIGHT_MAPS)),
     }
 }
 
 /// The generated normal map `name`: (n + 1)/2 in tangent space, repeating without a seam.
-pub(super) fn normal_map(arguments: &Arguments<'_>, name: &str, span: Range<usize>) -> Result<Picture, SceneError> {
+pub(super) fn normal_map(
+    arguments: &Arguments<'_>,
+    name: &str,
+    span: Range<usize>,
+    progress: &dyn MapProgress,
+) -> Result<Picture, SceneError> {
+    let grid = Grid { map: name, progress };
     match name {
-        "hammered" => Ok(normal::hammered(&normal::Hammered {
-            size: arguments.whole("size", 512, SIZES)?,
-            seed: seed(arguments)?,
-            dents: arguments.whole("dents", 8, 2..=256)?,
-            slope: arguments.number("slope", 0.25, 0.0..=2.0)?,
-        })),
+        "hammered" => Ok(normal::hammered(
+            grid,
+            &normal::Hammered {
+                size: arguments.whole("size", 512, SIZES)?,
+                seed: seed(arguments)?,
+                dents: arguments.whole("dents", 8, 2..=256)?,
+                slope: arguments.number("slope", 0.25, 0.0..=2.0)?,
+            },
+        )),
         _ => Err(unknown(arguments, "normal map", name, span, &NORMAL_MAPS)),
     }
 }
@@ -120,25 +151,39 @@ pub(super) fn mesh_names() -> String {
 }
 
 /// The generated colour map `name`, linear.
-pub(super) fn colour_map(arguments: &Arguments<'_>, name: &str, span: Range<usize>) -> Result<Picture, SceneError> {
+pub(super) fn colour_map(
+    arguments: &Arguments<'_>,
+    name: &str,
+    span: Range<usize>,
+    progress: &dyn MapProgress,
+) -> Result<Picture, SceneError> {
+    let grid = Grid { map: name, progress };
     match name {
-        "checker" => Ok(colour::checker(&colour::Checker {
-            size: arguments.whole("size", 512, SIZES)?,
-            squares: arguments.whole("squares", 64, 2..=4096)?,
-            colours: colours(arguments, [1.0; 3], [0.0; 3], 1.0)?,
-        })),
-        "noise" => Ok(colour::noise(&colour::Noise {
-            size: arguments.whole("size", 512, SIZES)?,
-            seed: seed(arguments)?,
-            cell_texels: arguments.whole("cell_texels", 4, 1..=1024)?,
-            colours: colours(arguments, [1.0; 3], [0.0; 3], 1.0)?,
-        })),
-        "writing" => writing(arguments),
-        "earth" => Ok(colour::earth(&earth(arguments)?, arguments.number("graticule_degrees", 15.0, 0.0..=90.0)?)),
+        "checker" => Ok(colour::checker(
+            grid,
+            &colour::Checker {
+                size: arguments.whole("size", 512, SIZES)?,
+                squares: arguments.whole("squares", 64, 2..=4096)?,
+                colours: colours(arguments, [1.0; 3], [0.0; 3], 1.0)?,
+            },
+        )),
+        "noise" => Ok(colour::noise(
+            grid,
+            &colour::Noise {
+                size: arguments.whole("size", 512, SIZES)?,
+                seed: seed(arguments)?,
+                cell_texels: arguments.whole("cell_texels", 4, 1..=1024)?,
+                colours: colours(arguments, [1.0; 3], [0.0; 3], 1.0)?,
+            },
+        )),
+        "writing" => writing(grid, arguments),
+        "earth" => {
+            Ok(colour::earth(grid, &earth(arguments)?, arguments.number("graticule_degrees", 15.0, 0.0..=90.0)?))
+        }
         "denim" => {
             let denim = denim(arguments)?;
             let warp = arguments.colour("warp", [0.03, 0.06, 0.2], 1.0)?;
-            Ok(colour::denim(&denim, [warp, arguments.colour("weft", [0.55, 0.55, 0.5], 1.0)?]))
+            Ok(colour::denim(grid, &denim, [warp, arguments.colour("weft", [0.55, 0.55, 0.5], 1.0)?]))
         }
         _ => Err(unknown(arguments, "colour map", name, span, &COLOUR_MAPS)),
     }
@@ -149,7 +194,9 @@ pub(super) fn environment(
     arguments: &Arguments<'_>,
     name: &str,
     span: Range<usize>,
+    progress: &dyn MapProgress,
 ) -> Result<[Picture; 6], SceneError> {
+    let grid = Grid { map: name, progress };
     let face_edge = arguments.whole("face_edge", 256, 1..=MAX_FACE_EDGE)?;
     let colour = |key, default| arguments.colour(key, default, BRIGHTEST);
     match name {
@@ -165,7 +212,7 @@ pub(super) fn environment(
                 horizon: colour("horizon", [0.035, 0.05, 0.09])?,
                 ground: colour("ground", [0.004, 0.005, 0.008])?,
             };
-            Ok(environment::moon(&moon, face_edge))
+            Ok(environment::moon(grid, &moon, face_edge))
         }
         "zebra" => {
             let zebra = environment::Zebra {
@@ -176,7 +223,7 @@ pub(super) fn environment(
                 softness: arguments.number("softness", 0.12, 0.0..=2.0)?,
                 colours: colours(arguments, [0.9, 0.88, 0.84], [0.015, 0.012, 0.01], BRIGHTEST)?,
             };
-            Ok(environment::zebra(&zebra, face_edge))
+            Ok(environment::zebra(grid, &zebra, face_edge))
         }
         "checker" => {
             let checker = environment::Checker {
@@ -184,7 +231,7 @@ pub(super) fn environment(
                 tint: arguments.number("tint", 0.5, 0.0..=1.0)?,
                 colours: colours(arguments, [0.9; 3], [0.05; 3], BRIGHTEST)?,
             };
-            Ok(environment::checker(&checker, face_edge))
+            Ok(environment::checker(grid, &checker, face_edge))
         }
         "sky" => {
             let sky = environment::Sky {
@@ -196,7 +243,7 @@ pub(super) fn environment(
                 azimuth_degrees: arguments.number("azimuth_degrees", -60.0, -360.0..=360.0)?,
                 radius_degrees: arguments.number("radius_degrees", 3.0, 0.1..=45.0)?,
             };
-            Ok(environment::sky(&sky, face_edge))
+            Ok(environment::sky(grid, &sky, face_edge))
         }
         "studio" => {
             let studio = environment::Studio {
@@ -204,13 +251,13 @@ pub(super) fn environment(
                 floor: colour("floor", [0.05, 0.045, 0.04])?,
                 light: colour("light", [3.0, 2.9, 2.7])?,
             };
-            Ok(environment::studio(&studio, face_edge))
+            Ok(environment::studio(grid, &studio, face_edge))
         }
         _ => Err(unknown(arguments, "environment", name, span, &ENVIRONMENTS)),
     }
 }
 
-fn writing(arguments: &Arguments<'_>) -> Result<Picture, SceneError> {
+fn writing(grid: Grid<'_>, arguments: &Arguments<'_>) -> Result<Picture, SceneError> {
     let size = arguments.whole("size", 1024, SIZES)?;
     let text = arguments.text("text")?;
     let lines: Vec<String> =
@@ -234,15 +281,18 @@ fn writing(arguments: &Arguments<'_>) -> Result<Picture, SceneError> {
             arguments.error("`box` is empty", "give [left, bottom, right, top] with left < right, bottom < top")
         );
     }
-    Ok(colour::writing(&colour::Writing {
-        size,
-        lines,
-        frame,
-        maze_cells: arguments.whole("maze_cells", 28, 0..=256)?,
-        paper: arguments.colour("paper", [0.88, 0.84, 0.72], 1.0)?,
-        ink: arguments.colour("ink", [0.02, 0.02, 0.05], 1.0)?,
-        line: arguments.colour("line", [0.3, 0.45, 0.65], 1.0)?,
-    }))
+    Ok(colour::writing(
+        grid,
+        &colour::Writing {
+            size,
+            lines,
+            frame,
+            maze_cells: arguments.whole("maze_cells", 28, 0..=256)?,
+            paper: arguments.colour("paper", [0.88, 0.84, 0.72], 1.0)?,
+            ink: arguments.colour("ink", [0.02, 0.02, 0.05], 1.0)?,
+            line: arguments.colour("line", [0.3, 0.45, 0.65], 1.0)?,
+        },
+    ))
 }
 
 fn earth(arguments: &Arguments<'_>) -> Result<height::Earth, SceneError> {
@@ -293,7 +343,8 @@ fn colours(
 }
 
 fn unknown(arguments: &Arguments<'_>, what: &str, name: &str, span: Range<usize>, known: &[&str]) -> SceneError {
-    let help = format!("the generated ones are: {}", known.join(", "));
+    let meant = did_you_mean(name, known.iter().copied());
+    let help = format!("{meant}the generated ones are: {}", known.join(", "));
     arguments.error_at(span, format!("there is no generated {what} `{name}`"), help)
 }
 
@@ -309,14 +360,16 @@ mod tests {
     type Maker = fn(&Arguments<'_>, &str, Range<usize>) -> Result<Vec<Picture>, SceneError>;
 
     const MAKERS: [(&[&str], Maker); 5] = [
-        (&HEIGHT_MAPS, |arguments, name, span| height_map(arguments, name, span).map(|picture| vec![picture])),
-        (&NORMAL_MAPS, |arguments, name, span| normal_map(arguments, name, span).map(|picture| vec![picture])),
+        (&HEIGHT_MAPS, |arguments, name, span| height_map(arguments, name, span, &Unseen).map(|picture| vec![picture])),
+        (&NORMAL_MAPS, |arguments, name, span| normal_map(arguments, name, span, &Unseen).map(|picture| vec![picture])),
         (&[UNIFORM_ROUGHNESS], |arguments, _, _| {
             let d = uniform_roughness(arguments)?.map(|d| d as f32);
             Ok(vec![Picture { width: 1, height: 1, pixels: vec![d] }])
         }),
-        (&COLOUR_MAPS, |arguments, name, span| colour_map(arguments, name, span).map(|picture| vec![picture])),
-        (&ENVIRONMENTS, |arguments, name, span| environment(arguments, name, span).map(|faces| faces.to_vec())),
+        (&COLOUR_MAPS, |arguments, name, span| colour_map(arguments, name, span, &Unseen).map(|picture| vec![picture])),
+        (&ENVIRONMENTS, |arguments, name, span| {
+            environment(arguments, name, span, &Unseen).map(|faces| faces.to_vec())
+        }),
     ];
 
     #[derive(serde::Deserialize)]

@@ -14,6 +14,7 @@ pub mod cube;
 mod description;
 mod error;
 mod generate;
+pub mod input;
 mod lighting;
 mod limits;
 mod load;
@@ -26,10 +27,12 @@ mod roughness;
 mod scene;
 mod shapes;
 mod source;
+pub mod spelling;
 
 pub use builtin::{builtin_names, builtin_text};
 pub use bump::{BumpField, FrameSystem, HeightField, HeightScale, OFFSET_LIMIT};
 pub use error::{Fault, SceneError};
+pub use generate::MapProgress;
 pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
     PEAK_HEIGHTS, PeakSource, Peaks,

@@ -13,14 +13,17 @@ use toml::Spanned;
 
 use self::maps::Maps;
 use self::material::Surroundings;
-use crate::builtin::builtin_text;
+use crate::builtin::{builtin_names, builtin_text};
 use crate::description::{BackgroundDescription, CameraDescription};
 use crate::error::SceneError;
+use crate::generate::{MapProgress, Unseen};
+use crate::input::open_file;
 use crate::limits::{
     LENGTHS, MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
 };
 use crate::scene::{Background, Camera, Scene};
-use crate::source::Source;
+use crate::source::{Exactly, Source};
+use crate::spelling::did_you_mean;
 
 /// Most objects of a scene.
 const MAX_OBJECTS: usize = 1000;
@@ -30,7 +33,7 @@ impl Scene {
     ///
     /// Errors: the file is missing, too large or not UTF-8, or one of those of [`Scene::from_toml`].
     pub fn from_file(path: &Path) -> Result<Self, SceneError> {
-        from_file(path)
+        from_file(path, &Unseen)
     }
 
     /// Reads a scene from TOML `text`; `label` names it in errors and becomes its name, `base_dir` is where its
@@ -39,7 +42,7 @@ impl Scene {
     /// Errors: with file, line and column, for an unknown or missing key, a wrong type, a value out of range, or a
     /// picture or mesh that cannot be read.
     pub fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Self, SceneError> {
-        from_toml(label, text, base_dir)
+        from_toml(label, text, base_dir, &Unseen)
     }
 
     /// The built-in scene of that name ([`builtin_names`](crate::builtin_names)), with its maps generated; `None` for other names.
@@ -50,9 +53,21 @@ impl Scene {
 
     /// The built-in scene of that name, or else the scene in that file.
     ///
-    /// Errors: those of [`Scene::from_file`].
+    /// Errors: those of [`Scene::from_file`], or that there is neither.
     pub fn open(name: &str) -> Result<Self, SceneError> {
-        Self::builtin(name).unwrap_or_else(|| Self::from_file(Path::new(name)))
+        Self::open_with(name, &Unseen)
+    }
+
+    /// [`Scene::open`], telling how far the maps are that are made for it.
+    pub fn open_with(name: &str, progress: &dyn MapProgress) -> Result<Self, SceneError> {
+        let file = Path::new(name);
+        match builtin_text(name) {
+            Some(text) => from_toml(name, text, Path::new(""), progress),
+            None if file.try_exists().is_ok_and(|there| !there) => {
+                Err(SceneError::NoScene { name: name.to_owned(), meant: did_you_mean(name, builtin_names()) })
+            }
+            None => from_file(file, progress),
+        }
     }
 
     /// The same scene at another frame size in pixels; the vertical angle of view stays.
@@ -70,14 +85,14 @@ impl Scene {
 }
 
 /// Reads a scene file.
-fn from_file(path: &Path) -> Result<Scene, SceneError> {
+fn from_file(path: &Path, progress: &dyn MapProgress) -> Result<Scene, SceneError> {
     let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
-    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let file = open_file(path).map_err(unreadable)?;
     let bytes = file.metadata().map_err(unreadable)?.len();
     if bytes > MAX_SCENE_BYTES {
         return Err(SceneError::TooLarge { path: path.to_owned(), bytes });
     }
-    // The limit again for what has no length of its own (a pipe).
+    // The limit again for a file that grows.
     let mut content = Vec::new();
     file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut content).map_err(unreadable)?;
     if content.len() as u64 > MAX_SCENE_BYTES {
@@ -85,7 +100,7 @@ fn from_file(path: &Path) -> Result<Scene, SceneError> {
     }
     let text = String::from_utf8(content).map_err(|_| SceneError::NotText { path: path.to_owned() })?;
     let base_dir = path.parent().unwrap_or(Path::new(""));
-    let mut scene = from_toml(&path.display().to_string(), &text, base_dir)?;
+    let mut scene = from_toml(&path.display().to_string(), &text, base_dir, progress)?;
     if let Some(stem) = path.file_stem() {
         scene.name = stem.to_string_lossy().into_owned();
     }
@@ -93,10 +108,10 @@ fn from_file(path: &Path) -> Result<Scene, SceneError> {
 }
 
 /// Reads a scene from its text.
-fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Scene, SceneError> {
+fn from_toml(label: &str, text: &str, base_dir: &Path, progress: &dyn MapProgress) -> Result<Scene, SceneError> {
     let source = Source::new(label, text, base_dir);
     let description = source.parse()?;
-    let mut maps = Maps::new(&source);
+    let mut maps = Maps::new(&source, progress);
     let camera = camera(&source, &description.camera)?;
     let environment = description.environment.as_ref().map(|table| maps.environment(table)).transpose()?;
     let background = background(&source, description.background.as_ref(), environment.is_some())?;
@@ -116,7 +131,7 @@ fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Scene, SceneErr
 
 /// Where the scene is seen from.
 fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneError> {
-    let point = |key, value: &Spanned<[f64; 3]>| {
+    let point = |key, value: &Spanned<Exactly<f64, 3>>| {
         source.all_in_range(key, value, -MAX_COORDINATE..=MAX_COORDINATE).map(DVec3::from_array)
     };
     let eye = point("eye", &camera.eye)?;
@@ -160,7 +175,7 @@ fn background(
     let Some(background) = background else {
         return Ok(if has_environment { Background::Environment } else { Background::Colour([0.0; 3]) });
     };
-    let colour = |key, value: &Spanned<[f64; 3]>| {
+    let colour = |key, value: &Spanned<Exactly<f64, 3>>| {
         source.all_in_range(key, value, 0.0..=1.0).map(|colour| colour.map(|channel| channel as f32))
     };
     match background.get_ref() {
@@ -251,6 +266,16 @@ mod tests {
             (format!("{CAMERA}\ncolor = 1\n"), (3, 1), "unknown field `color`"),
             ("[camera]\neye = [0, 0, 0]\n".to_owned(), (1, 1), "missing field `target`"),
             ("[camera]\neye = [0, 0]\ntarget = [0, 0, 1]\n".to_owned(), (2, 7), "invalid length 2"),
+            ("[camera]\neye = [0, 0, 0, 0]\ntarget = [0, 0, 1]\n".to_owned(), (2, 7), "invalid length 4"),
+            (material("colour = [1, 1, 1, 1]"), (6, 10), "invalid length 4, expected an array of 3 numbers"),
+            (material("reflectance = [1, 1, 1, 1]"), (6, 15), "invalid length 4"),
+            (object("size = [1, 1, 1]"), (5, 8), "invalid length 3, expected an array of 2 numbers"),
+            (object("segments = [1, 1, 1]"), (5, 12), "invalid length 3"),
+            (
+                format!("{CAMERA}[[light]]\nposition = [0, 0, 1]\ndirection = [0, 1, 0]\n"),
+                (3, 12),
+                "both `direction` and `position`",
+            ),
             ("[camera]\neye = \"here\"\n".to_owned(), (2, 7), "invalid type: string"),
             ("[camera]\neye = [nan, 0, 0]\ntarget = [0, 0, 1]\n".to_owned(), (2, 7), "`eye` is NaN"),
             ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n".to_owned(), (3, 10), "move them apart"),
@@ -288,11 +313,12 @@ mod tests {
             (material("frame = \"frenet\""), (6, 9), "unknown variant `frenet`, expected one of"),
             (material("main_direction = [0, 0, 0]"), (6, 18), "no length"),
             (material("colour_map = {}"), (6, 14), "exactly one of `path` and `generate`"),
-            (material("colour_map = { generate = \"noise\", sise = 3 }"), (6, 36), "unknown key `sise`"),
+            (material("colour_map = { generate = \"noise\", sise = 3 }"), (6, 36), "did you mean `size`?"),
             (material("colour_map = { generate = \"noise\", size = 3.5 }"), (6, 43), "a whole number"),
             (material("colour_map = { generate = \"writing\", text = \"ä\" }"), (6, 45), "no letter `Ä`"),
             (material("colour_map = { path = \"missing.png\" }"), (6, 23), "missing.png"),
             (material("height_map = { generate = \"waves\", scale = 1, rms_slope = 1 }"), (6, 14), "keep one"),
+            (material("height_map = { generate = \"wafes\" }"), (6, 27), "did you mean `waves`?"),
             (material("normal_map = { generate = \"waves\" }"), (6, 27), "no generated normal map `waves`"),
             (material("roughness_map = {}"), (6, 17), "exactly one of `path` and `generate`"),
             (material("roughness_map = { generate = \"uniform\", along = 5 }"), (6, 49), "from 0 to 4"),
@@ -365,15 +391,133 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_without_texture_coordinates_takes_no_map() {
+    fn faces_without_texture_coordinates_take_no_map() {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("bare.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n").unwrap();
+        let object = "[[object]]\nshape = \"mesh\"\npath = \"x.obj\"\n";
+        let plain = format!("{CAMERA}{object}");
+        let text = format!("{plain}material = {{ height_map = {{ generate = \"bumps\", size = 8 }} }}\n");
+        let read = |obj: &str, text: &str| {
+            std::fs::write(folder.path().join("x.obj"), obj).unwrap();
+            Scene::from_toml("test.toml", text, folder.path())
+        };
+        let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+        let coordinates = "vt 0 0\nvt 1 0\nvt 1 1\n";
+        for (obj, line) in [
+            (format!("{square}f 1 2 3\n"), 5),
+            // Those that another face has are none of this one's.
+            (format!("{square}{coordinates}f 1/1 2/2 3/3\nf 1 3 4\n"), 9),
+        ] {
+            let error = read(&obj, &text).unwrap_err().to_string();
+            assert!(error.starts_with("test.toml:5:27: "), "{error}");
+            assert!(error.contains(&format!("x.obj:{line}: the face has no texture coordinates")), "{error}");
+            assert!(read(&obj, &plain).is_ok());
+        }
+        assert!(read(&format!("{square}{coordinates}f 1/1 2/2 3/3\n"), &text).is_ok());
+    }
+
+    #[test]
+    fn hdr_pictures_are_panoramas_and_faces() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, size: &str, pixel: [u8; 4]| {
+            let header = format!("#?RADIANCE\n\n{size}\n");
+            std::fs::write(folder.path().join(name), [header.as_bytes(), &pixel.repeat(2)].concat()).unwrap();
+        };
+        write("sky.HDR", "-Y 1 +X 2", [128, 64, 32, 132]);
+        write("face.hdr", "-Y 1 +X 1", [128, 64, 32, 132]);
+        let face = "\"face.hdr\", ".repeat(6);
+        for environment in ["equirectangular = \"sky.HDR\", face_edge = 1", &format!("faces = [{face}]")] {
+            let text = format!("{CAMERA}environment = {{ {environment} }}\n");
+            let scene = Scene::from_toml("test.toml", &text, folder.path()).unwrap();
+            let faces = scene.environment.unwrap().faces;
+            assert!(faces.iter().all(|face| face.pixels == [[8.0, 4.0, 2.0]]), "{environment}");
+        }
+    }
+
+    #[test]
+    fn every_step_of_a_map_is_told() {
+        #[derive(Default)]
+        struct Told(std::sync::Mutex<Vec<(String, u64, u64)>>);
+        impl MapProgress for Told {
+            fn begin(&self, map: &str, steps: u64) {
+                self.0.lock().unwrap().push((map.to_owned(), steps, 0));
+            }
+            fn step(&self) {
+                self.0.lock().unwrap().last_mut().unwrap().2 += 1;
+            }
+        }
+        let told = Told::default();
         let text = format!(
-            "{CAMERA}[[object]]\nshape = \"mesh\"\npath = \"bare.obj\"\n\
-             material = {{ height_map = {{ generate = \"bumps\" }} }}\n"
+            "{CAMERA}{STUDIO}[[object]]\nshape = \"plane\"\n[object.material]\n\
+             colour_map = {{ generate = \"earth\", size = 16 }}\nheight_map = {{ generate = \"brushed\", scratches = 9 }}\n"
         );
-        let error = Scene::from_toml("test.toml", &text, folder.path()).unwrap_err().to_string();
-        assert!(error.contains("no texture coordinates"), "{error}");
+        from_toml("test.toml", &text, Path::new(""), &told).unwrap();
+        let maps = told.0.into_inner().unwrap();
+        assert!(maps.iter().all(|(_, steps, done)| steps == done), "{maps:?}");
+        let first: Vec<_> = maps.iter().map(|(map, steps, _)| (map.as_str(), *steps)).collect();
+        assert_eq!(first[..6], [("studio", 8); 6]);
+        assert_eq!(first[6..], [("earth", 16), ("brushed", 9)]);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_skipped_and_counts_as_no_column() {
+        assert_eq!(fault("\u{feff}x = 1\n"), fault("x = 1\n"));
+        assert!(Scene::from_toml("test.toml", &format!("\u{feff}{CAMERA}"), Path::new("")).is_ok());
+    }
+
+    /// What shows of a white surface under each reflectance: its share that is not reflected, times its colour.
+    #[test]
+    fn white_under_coloured_metal_is_not_tinted() {
+        let shown = |keys: &str| {
+            let material = plane(keys).unwrap().objects[0].material.clone();
+            let shown = |channel: usize| (1.0 - material.reflectance[channel]) * material.colour[channel];
+            ([0, 1, 2].map(shown), material.colour)
+        };
+        let (gold, _) = shown("reflectance = [0.9, 0.8, 0.6]");
+        assert!(gold.iter().all(|channel| (channel - 0.1).abs() < 1e-6), "{gold:?}");
+        assert_eq!(shown("reflectance = [1, 0.5, 0]").0, [0.0; 3]);
+        // What had no tint is what it was: white.
+        for keys in ["reflectance = 0.3", "reflectance = 1", "reflectance = [0.5, 0.5, 0.5]", ""] {
+            assert_eq!(shown(keys).1, [1.0; 3], "{keys}");
+        }
+        let own = shown("reflectance = [0.9, 0.8, 0.6]\ncolour = [1, 1, 1]");
+        let map = shown("reflectance = [0.9, 0.8, 0.6]\ncolour_map = { generate = \"noise\", size = 8 }");
+        assert_eq!((own.1, map.1), ([1.0; 3], [1.0; 3]), "a colour that is given stays");
+    }
+
+    #[test]
+    fn a_scene_that_is_nowhere_is_guessed_at() {
+        let message = |name: &str| Scene::open(name).unwrap_err().to_string();
+        let slip = message("denim-plan");
+        assert!(slip.contains("did you mean `denim-plane`?") && slip.contains("`roughxel scenes`"), "{slip}");
+        assert!(!message("no/such/file").contains("did you mean"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_refused_before_it_is_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        // Each would wait for ever for a writer.
+        let scene = |rest: &str| {
+            let text = format!("{CAMERA}{rest}");
+            Scene::from_toml("test.toml", &text, folder.path()).unwrap_err().to_string()
+        };
+        let map =
+            |path: &str| format!("[[object]]\nshape = \"plane\"\nmaterial.colour_map = {{ path = \"{path}\" }}\n");
+        for ending in ["png", "exr", "hdr"] {
+            std::os::unix::fs::symlink(&pipe, folder.path().join(format!("pipe.{ending}"))).unwrap();
+        }
+        for error in [
+            Scene::from_file(&pipe).unwrap_err().to_string(),
+            scene("[[object]]\nshape = \"mesh\"\npath = \"pipe\"\n"),
+            scene("environment = { equirectangular = \"pipe\" }\n"),
+            scene(&map("pipe.png")),
+            scene(&map("pipe.exr")),
+            scene(&map("pipe.hdr")),
+        ] {
+            assert!(error.contains("no regular file but a pipe"), "{error}");
+        }
     }
 
     #[test]

@@ -6,10 +6,12 @@
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
+use crate::input::{open_file, without_mark};
 use crate::scene::{Mesh, Vertex};
 
 /// Most triangles of a file.
@@ -72,8 +74,8 @@ pub enum MeshError {
 #[derive(Debug)]
 pub(super) struct ObjMesh {
     pub(super) mesh: Mesh,
-    /// Whether any corner has texture coordinates.
-    pub(super) has_uv: bool,
+    /// Line of the first face without texture coordinates, from 1: a map cannot be drawn there.
+    pub(super) without_uv: Option<usize>,
     /// What was repaired.
     pub(super) warnings: Vec<String>,
 }
@@ -81,19 +83,21 @@ pub(super) struct ObjMesh {
 /// Reads an OBJ file. Errors: [`MeshError`].
 pub(super) fn read_obj(path: &Path) -> Result<ObjMesh, MeshError> {
     let unreadable = |source| MeshError::Unreadable { path: path.to_owned(), source };
-    let bytes_long = std::fs::metadata(path).map_err(unreadable)?.len();
+    let mut file = open_file(path).map_err(unreadable)?;
+    let bytes_long = file.metadata().map_err(unreadable)?.len();
     if bytes_long > MAX_BYTES {
         let what = format!("a file of {bytes_long} bytes");
         return Err(MeshError::TooLarge { path: path.to_owned(), what, limit: MAX_BYTES });
     }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let mut bytes = Vec::with_capacity(bytes_long as usize);
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
     // Names and comments may be in any encoding; numbers and keywords are ASCII.
     parse_obj(path, &String::from_utf8_lossy(&bytes))
 }
 
 /// [`read_obj`] on text; `path` only names it.
 pub(super) fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
-    let checked = check(path, text)?;
+    let Checked { text: checked, without_uv } = check(path, without_mark(text))?;
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let (models, _) = tobj::load_obj_buf(&mut checked.as_bytes(), &options, |_| Err(tobj::LoadError::OpenFileFailed))
@@ -102,7 +106,8 @@ pub(super) fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
     for model in &models {
         builder.add(&model.mesh);
     }
-    builder.finish().ok_or_else(|| MeshError::NoFaces { path: path.to_owned() })
+    let (mesh, warnings) = builder.finish().ok_or_else(|| MeshError::NoFaces { path: path.to_owned() })?;
+    Ok(ObjMesh { mesh, without_uv, warnings })
 }
 
 /// How the corners of a face are written.
@@ -112,9 +117,16 @@ struct CornerFormat {
     has_normal: bool,
 }
 
+/// What is left of a file once it is checked.
+struct Checked {
+    text: String,
+    /// As [`ObjMesh::without_uv`].
+    without_uv: Option<usize>,
+}
+
 /// Checks every line and returns only vertices and faces, with a group wherever the format of the corners changes:
 /// the parser would give a corner without texture coordinates those of its neighbour.
-fn check(path: &Path, text: &str) -> Result<String, MeshError> {
+fn check(path: &Path, text: &str) -> Result<Checked, MeshError> {
     let joined;
     let text = if text.contains("\\\n") || text.contains("\\\r\n") {
         // A continued line becomes one line with the later line ends behind it, so that line numbers stay.
@@ -128,7 +140,7 @@ fn check(path: &Path, text: &str) -> Result<String, MeshError> {
     let mut seen = [0usize; 3];
     let mut checked = String::with_capacity(text.len());
     let mut format: Option<CornerFormat> = None;
-    let mut triangles = 0usize;
+    let (mut triangles, mut without_uv) = (0usize, None);
     for (index, content) in text.lines().enumerate() {
         let fail = |message| MeshError::Line { path: path.to_owned(), line: index + 1, message };
         let mut words = content.split_whitespace();
@@ -177,6 +189,9 @@ fn check(path: &Path, text: &str) -> Result<String, MeshError> {
                     checked.push_str("g\n");
                 }
                 format = face_format;
+                if format.is_some_and(|format| !format.has_uv) {
+                    without_uv.get_or_insert(index + 1);
+                }
                 checked.push('f');
                 checked.push_str(&corners);
                 checked.push('\n');
@@ -184,7 +199,7 @@ fn check(path: &Path, text: &str) -> Result<String, MeshError> {
             _ => {}
         }
     }
-    Ok(checked)
+    Ok(Checked { text: checked, without_uv })
 }
 
 fn join_continued_lines(text: &str) -> String {
@@ -323,8 +338,8 @@ impl Builder {
         }
     }
 
-    /// Divides the sums; `None` where nothing is left to draw.
-    fn finish(mut self) -> Option<ObjMesh> {
+    /// Divides the sums, and tells what was repaired; `None` where nothing is left to draw.
+    fn finish(mut self) -> Option<(Mesh, Vec<String>)> {
         if self.mesh.triangles.is_empty() {
             return None;
         }
@@ -361,7 +376,7 @@ impl Builder {
                  bumps run in any direction there"
             ));
         }
-        Some(ObjMesh { mesh: self.mesh, has_uv: self.has_uv, warnings })
+        Some((self.mesh, warnings))
     }
 }
 
@@ -397,7 +412,7 @@ mod tests {
             assert_eq!(vertex.normal, DVec3::Z);
             assert_eq!(vertex.tangents, [DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0)]);
         }
-        assert!(read.has_uv && read.warnings.is_empty());
+        assert!(read.without_uv.is_none() && read.warnings.is_empty());
     }
 
     #[test]
@@ -439,6 +454,7 @@ mod tests {
         assert_eq!(read.mesh.vertices.len(), 6);
         let last = read.mesh.triangles[1].map(|index| read.mesh.vertices[index as usize].uv);
         assert_eq!(last, [DVec2::new(0.0, 0.0), DVec2::new(1.0, 1.0), DVec2::new(0.0, 1.0)]);
+        assert_eq!(read.without_uv, Some(9));
         assert_eq!(read.warnings.len(), 1, "the face without texture coordinates has no direction in the map");
     }
 
@@ -448,8 +464,15 @@ mod tests {
                     usemtl x\ns off\nf -5 -4 -3 \\\n -2 -1\nl 1 2\np 1\n";
         let read = read(text).unwrap();
         assert_eq!((read.mesh.vertices.len(), read.mesh.triangles.len()), (5, 3));
-        assert!(!read.has_uv);
+        assert_eq!(read.without_uv, Some(11), "the line a continued one begins on");
         assert!(read.mesh.vertices.iter().all(|vertex| vertex.tangents == [DVec3::ZERO; 2]));
+    }
+
+    #[test]
+    fn a_byte_order_mark_hides_no_vertex() {
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let [plain, marked] = [triangle.to_owned(), format!("\u{feff}{triangle}")].map(|text| read(&text).unwrap());
+        assert_eq!(plain.mesh.vertices, marked.mesh.vertices);
     }
 
     #[test]

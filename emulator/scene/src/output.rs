@@ -35,26 +35,18 @@ impl OutputFile {
             }
             Err(_) => path.to_path_buf(),
         };
-        let directory = match path.parent() {
-            Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
-            Some(parent) => parent,
-            None => return Err(io::ErrorKind::InvalidInput.into()),
-        };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".roughxel-");
-        #[cfg(unix)]
-        {
-            // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        if !directory.is_dir() {
-            return Err(io::Error::new(io::ErrorKind::NotFound, format!("no directory {}", directory.display())));
-        }
-        // The kind alone: the name of the temporary file would puzzle whoever gave another one.
-        let file = builder.tempfile_in(directory).map_err(|refused| io::Error::from(refused.kind()))?;
-        let file = BufWriter::with_capacity(1 << 16, file);
+        let directory = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
+        let file = BufWriter::with_capacity(1 << 16, temporary_in(directory)?);
         Ok(Self { target: Target::Beside { file, path } })
+    }
+
+    /// Whether [`OutputFile::create`] would succeed now; leaves no trace, and does not open what is no regular file, for that may
+    /// be a pipe that waits.
+    pub fn check(path: &Path) -> io::Result<()> {
+        match fs::metadata(path) {
+            Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => Ok(()),
+            _ => Self::create(path).map(drop),
+        }
     }
 
     /// Flushes and puts the file in its place.
@@ -83,6 +75,30 @@ impl Write for OutputFile {
             Target::Direct(file) => file.flush(),
         }
     }
+}
+
+/// Whether files can be written below a directory that may still have to be made; leaves no trace.
+pub fn check_directory(directory: &Path) -> io::Result<()> {
+    let there = |ancestor: &&Path| ancestor.as_os_str().is_empty() || ancestor.exists();
+    temporary_in(directory.ancestors().find(there).unwrap_or(directory)).map(drop)
+}
+
+/// A file that is gone when it is dropped, in a directory; the empty path is the current one.
+fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
+    let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".roughxel-");
+    #[cfg(unix)]
+    {
+        // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    if !directory.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::NotFound, format!("no directory {}", directory.display())));
+    }
+    // The kind alone: the name of the temporary file would puzzle whoever gave another one.
+    builder.tempfile_in(directory).map_err(|refused| io::Error::from(refused.kind()))
 }
 
 /// A file or its directory cannot be written.

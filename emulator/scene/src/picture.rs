@@ -1,7 +1,7 @@
 //! Pictures in host memory, and the files they come from and go to.
 //!
 //! PNG: 1, 2, 4, 8 or 16 bits, grey, RGB or palette. EXR: RGB or one channel, half or float, of the first layer that has
-//! them. Alpha is ignored, not composited: data maps keep other things in it, and a texture has no background here.
+//! them. HDR (Radiance): plain or in runs. Alpha is ignored, not composited: data maps keep other things in it, and a texture has no background here.
 //! Ancillary colour data (gAMA, iCCP, chromaticities) is ignored too: the caller states the [`Encoding`]. Sizes are
 //! checked from the header, before memory is taken. sRGB uses the exact piecewise curve by correctly rounded
 //! operations only, so the pixels are the same bits on every machine. Files are written beside their name and renamed
@@ -9,6 +9,7 @@
 
 mod compare;
 mod exr_file;
+mod hdr_file;
 mod png_file;
 mod srgb;
 #[cfg(test)]
@@ -16,12 +17,15 @@ mod tests;
 
 pub use compare::{DIFFERENCE_GAIN, difference, ssim};
 pub use exr_file::read_exr;
+pub use hdr_file::read_hdr;
 pub use png_file::{read_png, write_png_srgb};
 pub use srgb::{linear_to_srgb8, srgb_to_linear};
 
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+
+use crate::input::open_file;
 
 /// Longest edge of a picture that is read, in pixels.
 pub const MAX_EDGE: u32 = 16384;
@@ -144,7 +148,7 @@ impl PictureError {
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, PictureError> {
-    File::open(path).map(BufReader::new).map_err(|source| PictureError::Open { path: path.to_path_buf(), source })
+    open_file(path).map(BufReader::new).map_err(|source| PictureError::Open { path: path.to_path_buf(), source })
 }
 
 /// Checks a size from a header against the limits.

@@ -6,17 +6,57 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::marker::PhantomData;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Expected, SeqAccess, Visitor};
 use toml::Spanned;
 
 use crate::error::{Fault, SceneError};
+use crate::input::without_mark;
+use crate::spelling::did_you_mean;
 
 /// Most elements of an array in a generator's table.
 const MAX_LIST: usize = 64;
+
+/// `N` values: an array of any other length is an error, while serde's own arrays take what is first of a longer one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
+
+impl<'de, T: Copy + Default + Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader<T, const N: usize>(PhantomData<T>);
+        impl<'de, T: Copy + Default + Deserialize<'de>, const N: usize> Visitor<'de> for Reader<T, N> {
+            type Value = Exactly<T, N>;
+
+            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(out, "an array of {N} numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<Self::Value, A::Error> {
+                exactly(items, &self).map(Exactly)
+            }
+        }
+        deserializer.deserialize_seq(Reader(PhantomData))
+    }
+}
+
+/// The `N` elements of an array.
+fn exactly<'de, A: SeqAccess<'de>, T: Copy + Default + Deserialize<'de>, const N: usize>(
+    mut items: A,
+    expected: &dyn Expected,
+) -> Result<[T; N], A::Error> {
+    let mut values = [T::default(); N];
+    for (index, slot) in values.iter_mut().enumerate() {
+        *slot = items.next_element()?.ok_or_else(|| serde::de::Error::invalid_length(index, expected))?;
+    }
+    match items.next_element::<T>()? {
+        None => Ok(values),
+        Some(_) => Err(serde::de::Error::invalid_length(N + 1, expected)),
+    }
+}
 
 /// A number for all three axes or channels, or one for each.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,15 +80,8 @@ impl<'de> Deserialize<'de> for OneOrThree {
                 Ok(OneOrThree([value as f64; 3]))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<OneOrThree, A::Error> {
-                let mut three = [0.0; 3];
-                for (index, slot) in three.iter_mut().enumerate() {
-                    *slot = items.next_element()?.ok_or_else(|| serde::de::Error::invalid_length(index, &self))?;
-                }
-                match items.next_element::<f64>()? {
-                    None => Ok(OneOrThree(three)),
-                    Some(_) => Err(serde::de::Error::invalid_length(4, &self)),
-                }
+            fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<OneOrThree, A::Error> {
+                exactly(items, &self).map(OneOrThree)
             }
         }
         deserializer.deserialize_any(Reader)
@@ -126,7 +159,7 @@ pub(super) struct Source {
 
 impl Source {
     pub(super) fn new(file: &str, text: &str, base_dir: &Path) -> Self {
-        Self { file: file.to_owned(), text: text.into(), base_dir: base_dir.to_owned() }
+        Self { file: file.to_owned(), text: without_mark(text).into(), base_dir: base_dir.to_owned() }
     }
 
     /// A fault at `span`.
@@ -163,13 +196,14 @@ impl Source {
     pub(super) fn all_in_range<const N: usize>(
         &self,
         key: &str,
-        values: &Spanned<[f64; N]>,
+        values: &Spanned<Exactly<f64, N>>,
         range: RangeInclusive<f64>,
     ) -> Result<[f64; N], SceneError> {
-        for &value in values.get_ref() {
+        let Exactly(all) = *values.get_ref();
+        for value in all {
             self.in_range(key, value, values.span(), range.clone())?;
         }
-        Ok(*values.get_ref())
+        Ok(all)
     }
 
     /// [`Source::in_range`] for one number or three; `default` where the key is missing.
@@ -372,11 +406,12 @@ impl<'a> Arguments<'a> {
         let asked = self.asked.borrow();
         for name in self.table.0.keys() {
             if !asked.iter().any(|(key, _)| key == name.get_ref()) {
+                let meant = did_you_mean(name.get_ref(), asked.iter().map(|(key, _)| *key));
                 let known: Vec<_> = asked.iter().map(|(key, _)| format!("`{key}`")).collect();
                 return Err(self.source.value_error(
                     name.span(),
                     format!("unknown key `{}`", name.get_ref()),
-                    format!("known here: {}", known.join(", ")),
+                    format!("{meant}known here: {}", known.join(", ")),
                 ));
             }
         }

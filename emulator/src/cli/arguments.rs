@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf, is_separator};
 
 use roughxel_core::precision::Profile;
 use roughxel_emulator::scene::Scene;
-use roughxel_emulator::study::profile_file::{NamedPrecision, closest, read_profile};
+use roughxel_emulator::spelling::closest;
+use roughxel_emulator::study::profile_file::{NamedPrecision, read_profile};
 
 use super::console;
 use super::failure::{Failure, profile_failure, scene_failure};

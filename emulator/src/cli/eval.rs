@@ -1,6 +1,5 @@
 //! `roughxel eval`.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Read};
 use std::path::{Path, PathBuf};
 
@@ -8,6 +7,7 @@ use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 use roughxel_core::plan::Effects;
 use roughxel_emulator::eval::{EvalOptions, evaluate};
+use roughxel_emulator::input::open_file;
 use roughxel_emulator::output::OutputFile;
 
 use super::{Failure, ProfileArg, effects, parse_profile};
@@ -86,6 +86,7 @@ pub(super) fn run(args: &EvalArgs) -> Result<(), Failure> {
 }
 
 fn open(path: &Path) -> miette::Result<Box<dyn Read>> {
-    let file = File::open(path).into_diagnostic().wrap_err_with(|| format!("cannot read {}", path.display()))?;
+    let refused = || format!("cannot read {} (name a file, or `-` for stdin)", path.display());
+    let file = open_file(path).into_diagnostic().wrap_err_with(refused)?;
     Ok(Box::new(file))
 }

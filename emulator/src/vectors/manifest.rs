@@ -1,6 +1,6 @@
 //! `NAME.json`: what a set holds, how it was made, and the hash of its words.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::Path;
 
@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
 use super::{MAX_VECTORS, VectorError};
+use crate::input::open_file;
 
 /// Value of `schema`.
 pub const SCHEMA: &str = "roughxel-vectors";
@@ -98,7 +99,7 @@ impl Manifest {
             return Err(problem("larger than 1 MiB, which no manifest is".into()));
         }
         let mut text = Vec::new();
-        let file = File::open(path).map_err(error)?;
+        let file = open_file(path).map_err(error)?;
         file.take(MAX_MANIFEST_BYTES).read_to_end(&mut text).map_err(error)?;
 
         // Schema and version first: another version may have other keys.

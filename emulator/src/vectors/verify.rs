@@ -1,6 +1,6 @@
 //! Verify: every value recomputed from the inputs in the file, every difference named.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -14,6 +14,7 @@ use super::export::hex_digest;
 use super::layout::{Field, Layout};
 use super::manifest::Manifest;
 use super::word::{check_value, locate_flip, read_word, write_word};
+use crate::input::open_file;
 
 /// Most mismatches that are described; all are counted.
 const DESCRIBED: usize = 10;
@@ -114,7 +115,7 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
     let error = |source| VectorError::Io { action: "read", path: path.clone(), source };
     let line_error = |line, problem| VectorError::Line { path: path.clone(), line, problem };
 
-    let mut file = BufReader::with_capacity(1 << 16, File::open(&path).map_err(error)?);
+    let mut file = BufReader::with_capacity(1 << 16, open_file(&path).map_err(error)?);
     let mut result = Verification {
         set: manifest.set.clone(),
         profile: manifest.profile.name.clone(),

@@ -4,7 +4,6 @@
 //! with file, line, column, the knob and its range.
 
 use std::fmt::Write as _;
-use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -13,7 +12,9 @@ use std::sync::Arc;
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_scene::Fault;
+use roughxel_scene::input::{open_file, without_mark};
 use roughxel_scene::output::{OutputFile, WriteError};
+use roughxel_scene::spelling::closest;
 use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -79,9 +80,6 @@ pub enum ProfileError {
         /// What the system said.
         source: io::Error,
     },
-    /// A directory, a pipe, a device.
-    #[error("{}: is no regular file, which a profile is", .0.display())]
-    NoFile(PathBuf),
     /// Larger than any profile.
     #[error("{}: is larger than 1 MiB (is it a profile file?)", .0.display())]
     TooLarge(PathBuf),
@@ -99,16 +97,11 @@ pub enum ProfileError {
 /// Errors: see [`ProfileError`]; at most [`MAX_PROFILE_BYTES`] are read.
 pub fn read_profile(path: &Path) -> Result<NamedPrecision, ProfileError> {
     let unreadable = |source| ProfileError::Unreadable { path: path.into(), source };
-    // Before it is opened: to open a pipe is to wait for its writer.
-    let metadata = fs::metadata(path).map_err(unreadable)?;
-    if !metadata.is_file() {
-        return Err(ProfileError::NoFile(path.into()));
-    }
-    if metadata.len() > MAX_PROFILE_BYTES {
+    let file = open_file(path).map_err(unreadable)?;
+    if file.metadata().map_err(unreadable)?.len() > MAX_PROFILE_BYTES {
         return Err(ProfileError::TooLarge(path.into()));
     }
     let mut content = Vec::new();
-    let file = File::open(path).map_err(unreadable)?;
     file.take(MAX_PROFILE_BYTES).read_to_end(&mut content).map_err(unreadable)?;
     let text = String::from_utf8(content).map_err(|_| ProfileError::NoText(path.into()))?;
     parse_profile(&path.display().to_string(), &text).map_err(ProfileError::Fault)
@@ -117,7 +110,7 @@ pub fn read_profile(path: &Path) -> Result<NamedPrecision, ProfileError> {
 /// Reads a profile from its text; `label`, the path of its file, names it in errors, and its stem the profile where the text does
 /// not.
 pub fn parse_profile(label: &str, text: &str) -> Result<NamedPrecision, Box<Fault>> {
-    Source { label, text: text.into() }.profile()
+    Source { label, text: without_mark(text).into() }.profile()
 }
 
 /// Writes a profile file with every knob; it appears whole or not at all. Comments, one a line, come first.
@@ -172,12 +165,6 @@ pub fn name_of_file(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let good = |c: char| u8::try_from(c.to_ascii_lowercase()).ok().filter(|c| is_name_byte(*c)).map_or('_', char::from);
     stem.chars().map(good).take(MAX_NAME).collect()
-}
-
-/// The known word that is most like another, where one is like it.
-pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let likeness = |known: &&str| strsim::jaro_winkler(word, known);
-    known.into_iter().filter(|known| likeness(known) > 0.8).max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
 }
 
 /// A key with its value: `reciprocal = { steps = 1 }` has the path `reciprocal.steps`.

@@ -69,7 +69,7 @@ fn scenes_that_cannot_shine_name_line_and_remedy() {
         ("", "highlight = {}".into(), 5, "no light for `highlight`", "add [[light]]"),
         ("", map("peaks = {}"), 6, "no light for `peaks`", "add [[light]]"),
         ("[[light]]\ndirection = [0, 0, 0]\n", String::new(), 3, "`direction` has no length", "any length but zero"),
-        ("[[light]]\n", String::new(), 2, "the light stands nowhere", "exactly one of `direction`"),
+        ("[[light]]\n", String::new(), 2, "the light stands nowhere", "give `direction`"),
         (LIGHT, given("amplitude = 1, normal = [0, 0, 0], exponent = 9"), 7, "`normal` has no length", "[0, 0, 1]"),
         (LIGHT, given("amplitude = 1, normal = [0, 0, 1], exponent = 0.9"), 7, "out of range", "from 1 to 8192"),
         (LIGHT, given("amplitude = 16, normal = [0, 0, 1], exponent = 9"), 7, "out of range", "from 0 to 15"),

@@ -1,7 +1,7 @@
 //! Generated colour maps, linear.
 
 use super::font::{GLYPH_COLUMNS, GLYPH_ROWS, glyph};
-use super::grid::{rectangle, square};
+use super::grid::Grid;
 use super::height::Earth;
 use super::maths::{hash, mix, smoothstep, unit};
 use super::relief::Denim;
@@ -18,10 +18,10 @@ pub(super) struct Checker {
 }
 
 /// Draws [`Checker`].
-pub(super) fn checker(checker: &Checker) -> Picture {
+pub(super) fn checker(grid: Grid<'_>, checker: &Checker) -> Picture {
     let square_of = |index: u32| u64::from(index) * u64::from(checker.squares) / u64::from(checker.size);
     let pixels =
-        square(checker.size, |column, row| checker.colours[((square_of(column) + square_of(row)) % 2) as usize]);
+        grid.square(checker.size, |column, row| checker.colours[((square_of(column) + square_of(row)) % 2) as usize]);
     Picture { width: checker.size, height: checker.size, pixels }
 }
 
@@ -37,9 +37,9 @@ pub(super) struct Noise {
 }
 
 /// Draws [`Noise`].
-pub(super) fn noise(noise: &Noise) -> Picture {
+pub(super) fn noise(grid: Grid<'_>, noise: &Noise) -> Picture {
     let [light, dark] = noise.colours;
-    let pixels = square(noise.size, |column, row| {
+    let pixels = grid.square(noise.size, |column, row| {
         let [x, y] = [column, row].map(|index| i64::from(index / noise.cell_texels));
         mix(dark, light, unit(hash(noise.seed.into(), x, y, 2)))
     });
@@ -67,7 +67,7 @@ pub(super) struct Writing {
 const SAMPLES: u32 = 4;
 
 /// Draws [`Writing`].
-pub(super) fn writing(page: &Writing) -> Picture {
+pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
     let letters: Vec<Vec<char>> = page.lines.iter().map(|line| line.chars().collect()).collect();
     let longest = letters.iter().map(Vec::len).max().unwrap_or(1).max(1);
     let [left, bottom, right, top] = page.frame;
@@ -100,7 +100,7 @@ pub(super) fn writing(page: &Writing) -> Picture {
         let distance = if rising { (x - y).abs() } else { (x + y - 1.0).abs() };
         distance < 0.2
     };
-    let pixels = square(page.size, |column, row| {
+    let pixels = grid.square(page.size, |column, row| {
         let (mut ink, mut line) = (0, 0);
         for sample in 0..SAMPLES * SAMPLES {
             let offset = [sample % SAMPLES, sample / SAMPLES].map(|step| (f64::from(step) + 0.5) / f64::from(SAMPLES));
@@ -119,7 +119,7 @@ pub(super) fn writing(page: &Writing) -> Picture {
 }
 
 /// Draws the map of an [`Earth`] with a line every `graticule_degrees` (0: none).
-pub(super) fn earth(earth: &Earth, graticule_degrees: f64) -> Picture {
+pub(super) fn earth(grid: Grid<'_>, earth: &Earth, graticule_degrees: f64) -> Picture {
     const DEEP: [f32; 3] = [0.01, 0.04, 0.16];
     const SHALLOW: [f32; 3] = [0.04, 0.2, 0.38];
     const LOWLAND: [f32; 3] = [0.09, 0.24, 0.06];
@@ -133,7 +133,7 @@ pub(super) fn earth(earth: &Earth, graticule_degrees: f64) -> Picture {
         let steps = degrees / graticule_degrees;
         (steps - (steps + 0.5).floor()).abs() * graticule_degrees
     };
-    let pixels = rectangle(width, height, |column, row| {
+    let pixels = grid.rectangle(width, height, |column, row| {
         let (column, row) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
         let at = earth.direction(column, row);
         let height = earth.height_above_sea(at);
@@ -160,8 +160,8 @@ pub(super) fn earth(earth: &Earth, graticule_degrees: f64) -> Picture {
 }
 
 /// Draws the threads of a [`Denim`] in the colours of warp and weft, darker in the gaps.
-pub(super) fn denim(denim: &Denim, [warp, weft]: [[f32; 3]; 2]) -> Picture {
-    let pixels = square(denim.size, |column, row| {
+pub(super) fn denim(grid: Grid<'_>, denim: &Denim, [warp, weft]: [[f32; 3]; 2]) -> Picture {
+    let pixels = grid.square(denim.size, |column, row| {
         let strand = denim.at(column, row);
         let colour = if strand.is_warp { warp } else { weft };
         // The crown of an upper thread is at 1.45 radii, the lowest seam between two at about 0.6.
@@ -185,7 +185,7 @@ mod tests {
             ink: [0.0; 3],
             line: [0.5; 3],
         };
-        let picture = writing(&page);
+        let picture = writing(Grid::unseen(), &page);
         let dark = |column: u32, row: u32| picture.pixels[(row * 64 + column) as usize][0] < 0.5;
         assert!(dark(33, 1) && dark(33, 26), "the left stem of the first H reaches from the top to the last row");
         assert!(!dark(39, 1) && dark(39, 13), "an H is open at the top and closed in the middle");
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn checker_squares_are_whole_and_alternate() {
         let colours = [[1.0; 3], [0.0; 3]];
-        let picture = checker(&Checker { size: 16, squares: 4, colours });
+        let picture = checker(Grid::unseen(), &Checker { size: 16, squares: 4, colours });
         let row: Vec<f32> = picture.pixels[..16].iter().map(|pixel| pixel[0]).collect();
         assert_eq!(row, [1., 1., 1., 1., 0., 0., 0., 0., 1., 1., 1., 1., 0., 0., 0., 0.]);
         assert_eq!(picture.pixels[4 * 16][0], 0.0);

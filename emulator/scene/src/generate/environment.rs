@@ -1,7 +1,7 @@
 //! Generated environments: six faces of a cube, linear light, white = 1.
 
 use super::font::glyph;
-use super::grid::square;
+use super::grid::Grid;
 use super::maths::{Random, cos_turns, dot, mix, normalised, sin_turns, smoothstep};
 use crate::picture::Picture;
 
@@ -21,9 +21,9 @@ fn face_direction(face: usize, s: f64, t: f64) -> [f64; 3] {
 }
 
 /// Six faces of the light from each unit direction, averaged over each texel.
-fn faces(edge: u32, light: impl Fn([f64; 3]) -> [f32; 3] + Sync) -> [Picture; 6] {
+fn faces(grid: Grid<'_>, edge: u32, light: impl Fn([f64; 3]) -> [f32; 3] + Sync) -> [Picture; 6] {
     std::array::from_fn(|face| {
-        let pixels = square(edge, |column, row| {
+        let pixels = grid.square(edge, |column, row| {
             let mut sum = [0.0f32; 3];
             for sample in 0..SAMPLES * SAMPLES {
                 let offset =
@@ -84,11 +84,11 @@ pub(super) struct Moon {
 }
 
 /// Draws [`Moon`].
-pub(super) fn moon(sky: &Moon, edge: u32) -> [Picture; 6] {
+pub(super) fn moon(grid: Grid<'_>, sky: &Moon, edge: u32) -> [Picture; 6] {
     let centre = towards(sky.elevation_degrees, sky.azimuth_degrees);
     let radius = chord(sky.radius_degrees);
     let reach = chord(sky.glow_degrees);
-    faces(edge, |at| {
+    faces(grid, edge, |at| {
         let dark = gradient(at, sky.zenith, sky.horizon, sky.ground);
         let distance = chord_between(at, centre);
         if at[1] <= 0.0 {
@@ -118,7 +118,7 @@ pub(super) struct Zebra {
 }
 
 /// Draws [`Zebra`].
-pub(super) fn zebra(zebra: &Zebra, edge: u32) -> [Picture; 6] {
+pub(super) fn zebra(grid: Grid<'_>, zebra: &Zebra, edge: u32) -> [Picture; 6] {
     const WAVES: usize = 14;
     let mut random = Random::new(zebra.seed);
     let waves: [([f64; 3], f64); WAVES] = std::array::from_fn(|_| {
@@ -130,7 +130,7 @@ pub(super) fn zebra(zebra: &Zebra, edge: u32) -> [Picture; 6] {
     });
     let [light, dark] = zebra.colours;
     let edge_width = zebra.softness.max(1e-6);
-    faces(edge, |at| {
+    faces(grid, edge, |at| {
         let sum: f64 = waves.iter().map(|(vector, phase)| sin_turns(dot(*vector, at) + phase)).sum();
         // √(n/2) is the standard deviation of the sum.
         let height = sum / (WAVES as f64 / 2.0).sqrt();
@@ -149,13 +149,13 @@ pub(super) struct Checker {
 }
 
 /// Draws [`Checker`].
-pub(super) fn checker(checker: &Checker, edge: u32) -> [Picture; 6] {
+pub(super) fn checker(grid: Grid<'_>, checker: &Checker, edge: u32) -> [Picture; 6] {
     const TINTS: [[f32; 3]; 6] =
         [[1.0, 0.3, 0.3], [0.3, 1.0, 1.0], [0.3, 1.0, 0.3], [1.0, 0.3, 1.0], [0.3, 0.3, 1.0], [1.0, 1.0, 0.3]];
     const NAMES: [[char; 2]; 6] = [['+', 'X'], ['-', 'X'], ['+', 'Y'], ['-', 'Y'], ['+', 'Z'], ['-', 'Z']];
     std::array::from_fn(|face| {
         let tint = mix([1.0; 3], TINTS[face], checker.tint);
-        let pixels = square(edge, |column, row| {
+        let pixels = grid.square(edge, |column, row| {
             let square_of = |index: u32| u64::from(index) * u64::from(checker.squares) / u64::from(edge);
             // The name takes 11 × 7 cells of a 32nd of the face.
             let cell = |index: u32, first: i64| (u64::from(index) * 32 / u64::from(edge)) as i64 - first;
@@ -187,10 +187,10 @@ pub(super) struct Sky {
 }
 
 /// Draws [`Sky`].
-pub(super) fn sky(sky: &Sky, edge: u32) -> [Picture; 6] {
+pub(super) fn sky(grid: Grid<'_>, sky: &Sky, edge: u32) -> [Picture; 6] {
     let centre = towards(sky.elevation_degrees, sky.azimuth_degrees);
     let radius = chord(sky.radius_degrees);
-    faces(edge, |at| {
+    faces(grid, edge, |at| {
         let clear = gradient(at, sky.zenith, sky.horizon, sky.ground);
         if at[1] <= 0.0 {
             return clear;
@@ -208,7 +208,7 @@ pub(super) struct Studio {
 }
 
 /// Draws [`Studio`].
-pub(super) fn studio(studio: &Studio, edge: u32) -> [Picture; 6] {
+pub(super) fn studio(grid: Grid<'_>, studio: &Studio, edge: u32) -> [Picture; 6] {
     // Coverage of a rectangle with edges a fiftieth wide.
     let inside = |x: f64, y: f64, [left, bottom, right, top]: [f64; 4]| {
         smoothstep(left, left + 0.02, x)
@@ -216,7 +216,7 @@ pub(super) fn studio(studio: &Studio, edge: u32) -> [Picture; 6] {
             * smoothstep(bottom, bottom + 0.02, y)
             * (1.0 - smoothstep(top - 0.02, top, y))
     };
-    faces(edge, |at| {
+    faces(grid, edge, |at| {
         let [x, y, z] = at;
         let room = mix(studio.floor, studio.wall, smoothstep(-0.6, 0.4, y));
         let mut lamp = 0.0f64;
@@ -279,7 +279,7 @@ mod tests {
     }
 
     fn zebra_faces(zebra_parameters: &Zebra) -> [Picture; 6] {
-        zebra(zebra_parameters, 32)
+        zebra(Grid::unseen(), zebra_parameters, 32)
     }
 
     #[test]
@@ -295,7 +295,7 @@ mod tests {
             horizon: [0.0; 3],
             ground: [0.0; 3],
         };
-        let faces = moon(&sky, 32);
+        let faces = moon(Grid::unseen(), &sky, 32);
         assert_eq!(faces[0].pixels[15 * 32 + 16], [9.0; 3], "azimuth 90 is +x, just above the horizon");
         assert_eq!(faces[0].pixels[16 * 32 + 16], [0.0; 3], "the part below the horizon is hidden");
         assert!(faces[5].pixels.iter().all(|pixel| *pixel == [0.0; 3]));

@@ -1,14 +1,58 @@
-//! Values in rows and columns, made in parallel.
+//! Values in rows and columns, made in parallel, and how far their making is.
 
 use rayon::prelude::*;
 
-/// A square of `size` × `size` values, row 0 on top, from `value(column, row)`; rows are made in parallel.
-pub(super) fn square<T: Send>(size: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
-    rectangle(size, size, value)
+/// Is told how far the making of a scene's maps is; from any thread.
+pub trait MapProgress: Sync {
+    /// A map is begun that takes so many steps.
+    fn begin(&self, map: &str, steps: u64);
+    /// One of them is done.
+    fn step(&self);
 }
 
-/// [`square`] for any width and height.
-pub(super) fn rectangle<T: Send>(width: u32, height: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
-    let value = &value;
-    (0..height).into_par_iter().flat_map_iter(|row| (0..width).map(move |column| value(column, row))).collect()
+/// For whom does not look.
+pub(crate) struct Unseen;
+
+impl MapProgress for Unseen {
+    fn begin(&self, _: &str, _: u64) {}
+    fn step(&self) {}
+}
+
+/// Makes the values of a map and tells of it.
+#[derive(Clone, Copy)]
+pub(super) struct Grid<'a> {
+    pub(super) map: &'a str,
+    pub(super) progress: &'a dyn MapProgress,
+}
+
+impl Grid<'_> {
+    /// One that nobody looks at.
+    #[cfg(test)]
+    pub(super) fn unseen() -> Self {
+        Self { map: "", progress: &Unseen }
+    }
+
+    /// A square of `size` × `size` values, row 0 on top, from `value(column, row)`; rows are made in parallel.
+    pub(super) fn square<T: Send>(self, size: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
+        self.rectangle(size, size, value)
+    }
+
+    /// [`Grid::square`] for any width and height.
+    pub(super) fn rectangle<T: Send>(self, width: u32, height: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
+        self.begin(height.into());
+        let value = &value;
+        let row = |row: u32| (0..width).map(move |column| value(column, row));
+        // Told when it is begun: behind its values there is nothing that runs.
+        (0..height).into_par_iter().inspect(|_| self.step()).flat_map_iter(row).collect()
+    }
+
+    /// Begins what takes so many steps.
+    pub(super) fn begin(self, steps: u64) {
+        self.progress.begin(self.map, steps);
+    }
+
+    /// Tells of a step.
+    pub(super) fn step(self) {
+        self.progress.step();
+    }
 }

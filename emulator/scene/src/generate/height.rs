@@ -1,6 +1,6 @@
 //! Generated height maps: grey pictures from 0 to 1.
 
-use super::grid::{rectangle, square};
+use super::grid::Grid;
 use super::maths::{Random, cos_turns, hash, lattice_noise, sin_turns, smoothstep};
 use crate::picture::Picture;
 
@@ -23,7 +23,7 @@ pub(super) struct Waves {
 }
 
 /// Draws [`Waves`].
-pub(super) fn waves(waves: &Waves) -> Picture {
+pub(super) fn waves(grid: Grid<'_>, waves: &Waves) -> Picture {
     let size = waves.size;
     let mut random = Random::new(waves.seed);
     let (low, high) = (waves.lowest.min(waves.highest), waves.lowest.max(waves.highest));
@@ -45,7 +45,7 @@ pub(super) fn waves(waves: &Waves) -> Picture {
             (wrapped(k_u), wrapped(k_v), table)
         })
         .collect();
-    let heights = square(size, |column, row| {
+    let heights = grid.square(size, |column, row| {
         let up = u64::from(size - 1 - row);
         let at = |k_u: u32, k_v: u32| (u64::from(k_u) * u64::from(column) + u64::from(k_v) * up) % u64::from(size);
         tables.iter().map(|(k_u, k_v, table)| table[at(*k_u, *k_v) as usize]).sum::<f64>()
@@ -67,10 +67,10 @@ pub(super) struct Ripples {
 }
 
 /// Draws [`Ripples`].
-pub(super) fn ripples(ripples: &Ripples) -> Picture {
+pub(super) fn ripples(grid: Grid<'_>, ripples: &Ripples) -> Picture {
     let mut random = Random::new(ripples.seed);
     let drops: Vec<[f64; 3]> = (0..ripples.drops).map(|_| [random.unit(), random.unit(), random.unit()]).collect();
-    let heights = square(ripples.size, |column, row| {
+    let heights = grid.square(ripples.size, |column, row| {
         let at = [column, row].map(|index| f64::from(index) / f64::from(ripples.size));
         drops
             .iter()
@@ -99,8 +99,8 @@ pub(super) struct Bumps {
 }
 
 /// Draws [`Bumps`].
-pub(super) fn bumps(bumps: &Bumps) -> Picture {
-    let heights = square(bumps.size, |column, row| {
+pub(super) fn bumps(grid: Grid<'_>, bumps: &Bumps) -> Picture {
+    let heights = grid.square(bumps.size, |column, row| {
         let at = [column, row].map(|index| f64::from(index) / f64::from(bumps.size));
         let mut height = 0.0;
         let mut weight = 1.0;
@@ -156,9 +156,9 @@ impl Earth {
 
 /// Draws the relief of [`Earth`]: the sea is flat, and so are the last four degrees at the poles, where the rows of
 /// the map meet in one point.
-pub(super) fn earth(earth: &Earth) -> Picture {
+pub(super) fn earth(grid: Grid<'_>, earth: &Earth) -> Picture {
     let (width, height) = (2 * earth.size, earth.size);
-    let heights = rectangle(width, height, |column, row| {
+    let heights = grid.rectangle(width, height, |column, row| {
         let at = earth.direction(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let polar = 1.0 - smoothstep(sin_turns(82.0 / 360.0), sin_turns(86.0 / 360.0), at[1].abs());
         polar * earth.height_above_sea(at).max(0.0)
@@ -232,18 +232,21 @@ mod tests {
     fn waves_ripples_and_bumps_repeat_without_a_seam() {
         let size = 64;
         let maps = [
-            waves(&Waves {
-                size,
-                seed: 3,
-                count: 20,
-                lowest: 1.0,
-                highest: 6.0,
-                direction_degrees: 30.0,
-                spread_degrees: 40.0,
-                falloff: 0.5,
-            }),
-            ripples(&Ripples { size, seed: 3, drops: 5, rings: 5.0, reach: 0.45 }),
-            bumps(&Bumps { size, seed: 3, cells: 3, octaves: 2, gain: 0.5 }),
+            waves(
+                Grid::unseen(),
+                &Waves {
+                    size,
+                    seed: 3,
+                    count: 20,
+                    lowest: 1.0,
+                    highest: 6.0,
+                    direction_degrees: 30.0,
+                    spread_degrees: 40.0,
+                    falloff: 0.5,
+                },
+            ),
+            ripples(Grid::unseen(), &Ripples { size, seed: 3, drops: 5, rings: 5.0, reach: 0.45 }),
+            bumps(Grid::unseen(), &Bumps { size, seed: 3, cells: 3, octaves: 2, gain: 0.5 }),
         ];
         for map in maps {
             let (inside, across) = steps(&map);
@@ -256,7 +259,7 @@ mod tests {
 
     #[test]
     fn the_relief_is_flat_at_the_poles() {
-        let relief = earth(&Earth { size: 128, seed: 1, detail: 1.6, octaves: 4, sea: 0.3 });
+        let relief = earth(Grid::unseen(), &Earth { size: 128, seed: 1, detail: 1.6, octaves: 4, sea: 0.3 });
         let width = relief.width as usize;
         let pole_rows = relief.pixels[..width].iter().chain(&relief.pixels[127 * width..]);
         assert!(pole_rows.into_iter().all(|pixel| pixel[0] == 0.0));

@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn the_knot_is_a_closed_tube_that_does_not_touch_itself() {
         let read = parse_obj(Path::new("knot"), &knot()).unwrap();
-        assert!(read.has_uv && read.warnings.is_empty(), "{:?}", read.warnings);
+        assert!(read.without_uv.is_none() && read.warnings.is_empty(), "{:?}", read.warnings);
         assert_eq!(read.mesh.triangles.len() as u32, 2 * RINGS * CORNERS);
         for vertex in &read.mesh.vertices {
             // Normals away from the middle of the tube: within the sag of a chord of 15° and the knot's own bend.

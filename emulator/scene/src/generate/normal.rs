@@ -1,6 +1,6 @@
 //! Generated normal maps: tangent-space normals, (n + 1)/2 in red (+u), green (+v) and blue.
 
-use super::grid::square;
+use super::grid::Grid;
 use super::maths::{hash, normalised, unit};
 use crate::picture::Picture;
 
@@ -17,10 +17,10 @@ pub(super) struct Hammered {
 }
 
 /// Draws [`Hammered`].
-pub(super) fn hammered(hammered: &Hammered) -> Picture {
+pub(super) fn hammered(grid: Grid<'_>, hammered: &Hammered) -> Picture {
     let dents = i64::from(hammered.dents);
     let seed = u64::from(hammered.seed);
-    let pixels = square(hammered.size, |column, row| {
+    let pixels = grid.square(hammered.size, |column, row| {
         let [x, y] = [column, hammered.size - 1 - row]
             .map(|texel| (f64::from(texel) + 0.5) * f64::from(hammered.dents) / f64::from(hammered.size));
         let cell = [x, y].map(|at| at.floor() as i64);
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn dents_are_hollow_and_repeat() {
-        let map = hammered(&Hammered { size: 64, seed: 1, dents: 4, slope: 0.3 });
+        let map = hammered(Grid::unseen(), &Hammered { size: 64, seed: 1, dents: 4, slope: 0.3 });
         let lean = |column: u32, row: u32, channel: usize| map.pixels[(row * 64 + column) as usize][channel] - 0.5;
         let mut edges = 0;
         for row in 0..64 {

@@ -1,6 +1,6 @@
 //! Generated heights of worked and woven surfaces (S97 §8, F92 Fig. 4–8): grey pictures from 0 to 1 that repeat.
 
-use super::grid::square;
+use super::grid::Grid;
 use super::height::grey;
 use super::maths::{Random, cos_turns, sin_turns, smoothstep};
 use crate::picture::Picture;
@@ -21,12 +21,14 @@ pub(super) struct Brushed {
 }
 
 /// Draws [`Brushed`].
-pub(super) fn brushed(brushed: &Brushed) -> Picture {
+pub(super) fn brushed(grid: Grid<'_>, brushed: &Brushed) -> Picture {
     let size = i64::from(brushed.size);
     let mut random = Random::new(brushed.seed);
     let mut heights = vec![0.0; (size * size) as usize];
     let half_width = 0.5 * brushed.width_texels;
+    grid.begin(brushed.scratches.into());
     for _ in 0..brushed.scratches {
+        grid.step();
         let [column, row] = [0; 2].map(|_| random.unit() * f64::from(brushed.size));
         let steps = ((0.3 + 0.7 * random.unit()) * brushed.length * f64::from(brushed.size)).ceil();
         let turns = brushed.spread_degrees / 360.0 * random.bell();
@@ -56,11 +58,11 @@ pub(super) struct Profile {
 }
 
 /// The heights of a profile from its height at a phase in [0, 1).
-fn profile(profile: &Profile, height: impl Fn(f64) -> f64) -> Picture {
+fn profile(grid: Grid<'_>, profile: &Profile, height: impl Fn(f64) -> f64) -> Picture {
     let size = profile.size;
     let [periods_u, periods_v] = profile.periods.map(u64::from);
     let table: Vec<f64> = (0..size).map(|step| height(f64::from(step) / f64::from(size))).collect();
-    let heights = square(size, |column, row| {
+    let heights = grid.square(size, |column, row| {
         let phase = (periods_u * u64::from(column) + periods_v * u64::from(size - 1 - row)) % u64::from(size);
         table[phase as usize]
     });
@@ -68,13 +70,13 @@ fn profile(profile: &Profile, height: impl Fn(f64) -> f64) -> Picture {
 }
 
 /// Corrugated sheet: a cosine.
-pub(super) fn corrugated(sheet: &Profile) -> Picture {
-    profile(sheet, cos_turns)
+pub(super) fn corrugated(grid: Grid<'_>, sheet: &Profile) -> Picture {
+    profile(grid, sheet, cos_turns)
 }
 
 /// V-grooves: two plane flanks.
-pub(super) fn grooves(grooves: &Profile) -> Picture {
-    profile(grooves, |phase| (2.0 * phase - 1.0).abs())
+pub(super) fn grooves(grid: Grid<'_>, grooves: &Profile) -> Picture {
+    profile(grid, grooves, |phase| (2.0 * phase - 1.0).abs())
 }
 
 /// Round caps or rods side by side, cut where their flank becomes too steep.
@@ -102,8 +104,8 @@ impl Round {
 }
 
 /// Spherical caps in a square lattice, flat between (F92 Fig. 5): the radius is half a cell.
-pub(super) fn hemispheres(caps: &Round) -> Picture {
-    let heights = square(caps.size, |column, row| {
+pub(super) fn hemispheres(grid: Grid<'_>, caps: &Round) -> Picture {
+    let heights = grid.square(caps.size, |column, row| {
         let [x, y] = [column, row].map(|texel| caps.place(texel));
         caps.height(x * x + y * y)
     });
@@ -111,8 +113,8 @@ pub(super) fn hemispheres(caps: &Round) -> Picture {
 }
 
 /// Parallel half cylinders along v that touch at their rims (F92 Fig. 4).
-pub(super) fn cylinders(rods: &Round) -> Picture {
-    let heights = square(rods.size, |column, _| {
+pub(super) fn cylinders(grid: Grid<'_>, rods: &Round) -> Picture {
+    let heights = grid.square(rods.size, |column, _| {
         let x = rods.place(column);
         rods.height(rods.rim * x * x)
     });
@@ -171,8 +173,8 @@ impl Denim {
 }
 
 /// Draws the heights of [`Denim`].
-pub(super) fn denim(denim: &Denim) -> Picture {
-    grey(denim.size, &square(denim.size, |column, row| denim.at(column, row).height))
+pub(super) fn denim(grid: Grid<'_>, denim: &Denim) -> Picture {
+    grey(denim.size, &grid.square(denim.size, |column, row| denim.at(column, row).height))
 }
 
 #[cfg(test)]
@@ -199,14 +201,10 @@ mod tests {
 
     #[test]
     fn scratches_run_along_u_and_cross_the_seam() {
-        let map = brushed(&Brushed {
-            size: 128,
-            seed: 1,
-            scratches: 400,
-            length: 0.5,
-            width_texels: 3.0,
-            spread_degrees: 1.0,
-        });
+        let map = brushed(
+            Grid::unseen(),
+            &Brushed { size: 128, seed: 1, scratches: 400, length: 0.5, width_texels: 3.0, spread_degrees: 1.0 },
+        );
         let [along, across] = roughness_along(&map);
         assert!(across > 50.0 * along, "{along} {across}");
         let seam: f64 = (0..128).map(|row| (at(&map, 127, row) - at(&map, 0, row)).powi(2)).sum();
@@ -215,10 +213,10 @@ mod tests {
 
     #[test]
     fn profiles_have_their_periods_along_both_directions() {
-        let sheet = corrugated(&Profile { size: 64, periods: [2, 1] });
+        let sheet = corrugated(Grid::unseen(), &Profile { size: 64, periods: [2, 1] });
         assert_eq!((at(&sheet, 0, 63), at(&sheet, 16, 63)), (1.0, 0.0));
         assert_eq!(at(&sheet, 0, 31), 0.0, "half a period up");
-        let grooves = grooves(&Profile { size: 64, periods: [4, 0] });
+        let grooves = grooves(Grid::unseen(), &Profile { size: 64, periods: [4, 0] });
         // Two flanks: every step is the same, up or down.
         assert!((0..63).all(|x| (at(&grooves, x + 1, 0) - at(&grooves, x, 0)).abs() == 0.125));
     }
@@ -227,7 +225,7 @@ mod tests {
     fn caps_and_rods_are_round_up_to_their_rim() {
         let round = Round { size: 256, count: 2, rim: 0.8 };
         let full = 1.0 - (1.0 - 0.8_f64).sqrt();
-        for (map, scale) in [(hemispheres(&round), 1.0), (cylinders(&round), 0.8)] {
+        for (map, scale) in [(hemispheres(Grid::unseen(), &round), 1.0), (cylinders(Grid::unseen(), &round), 0.8)] {
             for column in 0..128 {
                 // Row 64 runs through the centres of the caps.
                 let x = f64::from(column) / 64.0 - 1.0;
@@ -252,10 +250,10 @@ mod tests {
 
     #[test]
     fn denim_repeats_without_a_seam() {
-        let map = denim(&Denim { size: 64, threads: 4, twist: 0.1 });
+        let map = denim(Grid::unseen(), &Denim { size: 64, threads: 4, twist: 0.1 });
         let step = |a: (u32, u32), b: (u32, u32)| (at(&map, a.0, a.1) - at(&map, b.0, b.1)).abs();
         // The same crossing one twill on: across the seam as four threads before.
-        let tiled = denim(&Denim { size: 128, threads: 8, twist: 0.1 });
+        let tiled = denim(Grid::unseen(), &Denim { size: 128, threads: 8, twist: 0.1 });
         for texel in 0..64 {
             let seam = step((63, texel), (0, texel));
             let inside = (at(&tiled, 63, texel + 64) - at(&tiled, 64, texel + 64)).abs();

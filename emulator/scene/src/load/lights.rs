@@ -8,7 +8,7 @@ use crate::error::SceneError;
 use crate::lighting::{
     EXPONENTS, GivenPeak, Highlight, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, PeakSource, Peaks,
 };
-use crate::source::Source;
+use crate::source::{Exactly, Source};
 
 /// Amplitudes of peaks, the range of their storage.
 const AMPLITUDES: std::ops::RangeInclusive<f64> = 0.0..=15.0;
@@ -18,7 +18,7 @@ const BRIGHTEST: f64 = 16.0;
 const COORDINATES: std::ops::RangeInclusive<f64> = -1e6..=1e6;
 
 /// A vector with a length, made unit.
-fn direction(source: &Source, key: &str, vector: &Spanned<[f64; 3]>) -> Result<DVec3, SceneError> {
+fn direction(source: &Source, key: &str, vector: &Spanned<Exactly<f64, 3>>) -> Result<DVec3, SceneError> {
     let direction = DVec3::from_array(source.all_in_range(key, vector, COORDINATES)?);
     // The square of a shorter one would lose digits.
     if direction.length() < 1e-6 {
@@ -38,7 +38,7 @@ fn number(
     value.as_ref().map_or(Ok(default), |value| source.in_range(key, *value.get_ref(), value.span(), range))
 }
 
-fn colour(source: &Source, value: &Option<Spanned<[f64; 3]>>, brightest: f64) -> Result<[f32; 3], SceneError> {
+fn colour(source: &Source, value: &Option<Spanned<Exactly<f64, 3>>>, brightest: f64) -> Result<[f32; 3], SceneError> {
     let white = Ok([1.0; 3]);
     let colour = value.as_ref().map_or(white, |value| source.all_in_range("colour", value, 0.0..=brightest))?;
     Ok(colour.map(|channel| channel as f32))
@@ -57,8 +57,12 @@ pub(super) fn lights(source: &Source, lights: &[Spanned<LightDescription>]) -> R
             (None, Some(point)) => {
                 LightPlace::Point(DVec3::from_array(source.all_in_range("position", point, COORDINATES)?))
             }
-            _ => {
-                let help = "give exactly one of `direction` (from the surface to the light) and `position`";
+            (Some(_), Some(point)) => {
+                let help = "keep `direction` (from the surface to a light infinitely far away) or `position`";
+                return Err(source.value_error(point.span(), "the light has both `direction` and `position`", help));
+            }
+            (None, None) => {
+                let help = "give `direction` (from the surface to the light) or `position`";
                 return Err(source.value_error(light.span(), "the light stands nowhere", help));
             }
         };

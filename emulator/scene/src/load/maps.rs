@@ -10,11 +10,13 @@ use toml::Spanned;
 use crate::bump::{BumpField, FrameSystem, HeightScale, OFFSET_LIMIT};
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
-use crate::generate::{UNIFORM_ROUGHNESS, colour_map, environment, height_map, normal_map, uniform_roughness};
+use crate::generate::{
+    MapProgress, UNIFORM_ROUGHNESS, colour_map, environment, height_map, normal_map, uniform_roughness,
+};
 use crate::lighting::PEAK_HEIGHTS;
 use crate::limits::MAX_FACE_EDGE;
 use crate::panorama::faces_from_equirectangular;
-use crate::picture::{Encoding, Picture, read_exr, read_png};
+use crate::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
 use crate::scene::EnvironmentSource;
 use crate::source::{ArgumentTable, Arguments, Source};
@@ -22,6 +24,7 @@ use crate::source::{ArgumentTable, Arguments, Source};
 /// Reads the maps of one scene; those that are named more than once are made once.
 pub(super) struct Maps<'a> {
     pub(super) source: &'a Source,
+    progress: &'a dyn MapProgress,
     colour_maps: HashMap<String, Arc<Picture>>,
     bumps: HashMap<String, Arc<BumpField>>,
     roughness: HashMap<String, Arc<RoughnessField>>,
@@ -39,9 +42,10 @@ enum PictureUse {
 }
 impl<'a> Maps<'a> {
     /// Nothing read so far.
-    pub(super) fn new(source: &'a Source) -> Self {
+    pub(super) fn new(source: &'a Source, progress: &'a dyn MapProgress) -> Self {
         Self {
             source,
+            progress,
             colour_maps: HashMap::new(),
             bumps: HashMap::new(),
             roughness: HashMap::new(),
@@ -58,7 +62,7 @@ impl Maps<'_> {
         let equirectangular = arguments.text("equirectangular")?;
         let paths = arguments.texts("faces")?;
         let faces = match (generate, equirectangular, paths) {
-            (Some((name, span)), None, None) => environment(&arguments, name, span)?,
+            (Some((name, span)), None, None) => environment(&arguments, name, span, self.progress)?,
             (None, Some((path, span)), None) => {
                 let face_edge = arguments.whole("face_edge", 512, 1..=MAX_FACE_EDGE)?;
                 let picture = self.read_picture(path, span, Encoding::Srgb)?;
@@ -95,11 +99,15 @@ impl Maps<'_> {
         <[Picture; 6]>::try_from(faces).map_err(|_| wrong_count(()))
     }
 
-    /// Reads a PNG or, by its ending, an EXR file (always linear).
+    /// Reads a PNG or, by its ending, an EXR or HDR file (always linear).
     fn read_picture(&self, path: &str, span: Range<usize>, encoding: Encoding) -> Result<Picture, SceneError> {
         let path = self.resolve(path);
-        let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
-        let picture = if is_exr { read_exr(&path) } else { read_png(&path, encoding) };
+        let is = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
+        let picture = match () {
+            () if is("exr") => read_exr(&path),
+            () if is("hdr") => read_hdr(&path),
+            () => read_png(&path, encoding),
+        };
         picture.map_err(|source| SceneError::Picture {
             fault: self.source.fault(span, source.to_string(), "paths are relative to the scene file"),
             source,
@@ -118,11 +126,11 @@ impl Maps<'_> {
         let picture = match (path, generate, usage) {
             (Some((path, span)), None, PictureUse::Colour) => self.read_picture(path, span, Encoding::Srgb)?,
             (Some((path, span)), None, _) => self.read_picture(path, span, Encoding::Linear)?,
-            (None, Some((name, span)), PictureUse::Colour) => colour_map(arguments, name, span)?,
-            (None, Some((name, span)), PictureUse::Normal) => normal_map(arguments, name, span)?,
+            (None, Some((name, span)), PictureUse::Colour) => colour_map(arguments, name, span, self.progress)?,
+            (None, Some((name, span)), PictureUse::Normal) => normal_map(arguments, name, span, self.progress)?,
             // The grey of a height map is as good for a deviation as for a height.
             (None, Some((name, span)), PictureUse::Height | PictureUse::Roughness) => {
-                height_map(arguments, name, span)?
+                height_map(arguments, name, span, self.progress)?
             }
             _ => {
                 return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));

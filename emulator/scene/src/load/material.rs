@@ -19,29 +19,39 @@ pub(super) struct Surroundings {
     pub(super) lights: bool,
 }
 
+/// The colour that shows as a grey of (1 − the largest reflectance): white under a reflectance of one number. White under coloured metal
+/// would show what each channel does not reflect, its complement.
+fn neutral_under(reflectance: [f64; 3]) -> [f64; 3] {
+    let matt = 1.0 - reflectance.into_iter().fold(0.0, f64::max);
+    // A full mirror shows nothing of what is under it.
+    reflectance.map(|share| if share < 1.0 { matt / (1.0 - share) } else { 1.0 })
+}
+
 /// The material of an object.
 pub(super) fn material(
     maps: &mut Maps<'_>,
     material: &MaterialDescription,
     name: &str,
     shape: Option<Shape>,
-    has_uv: bool,
+    without_uv: Option<&str>,
     placement: &Placement,
     there: Surroundings,
 ) -> Result<Material, SceneError> {
     let source = maps.source;
     let named = [&material.colour_map, &material.height_map, &material.normal_map, &material.roughness_map];
     if let Some(map) = named.into_iter().flatten().next()
-        && !has_uv
+        && let Some(face) = without_uv
     {
-        let help = "export the mesh with texture coordinates (`vt` lines), or leave the map out";
-        return Err(source.value_error(map.span(), "the mesh has no texture coordinates for a map", help));
+        let message = format!("{face}: the face has no texture coordinates for a map");
+        let help = "export the mesh with texture coordinates on every face (`vt` lines, `f 1/1 2/2 3/3`), or leave the map out";
+        return Err(source.value_error(map.span(), message, help));
     }
+    let reflectance = source.one_or_three("reflectance", &material.reflectance, 0.0, 0.0..=1.0)?;
     let colour = match &material.colour {
+        None if material.colour_map.is_none() => neutral_under(reflectance),
         None => [1.0; 3],
         Some(colour) => source.all_in_range("colour", colour, 0.0..=1.0)?,
     };
-    let reflectance = source.one_or_three("reflectance", &material.reflectance, 0.0, 0.0..=1.0)?;
     if let Some(value) = &material.reflectance
         && reflectance != [0.0; 3]
         && !there.environment

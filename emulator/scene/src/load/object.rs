@@ -15,7 +15,7 @@ use crate::limits::{LENGTHS, MAX_COORDINATE};
 use crate::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
 use crate::scene::{Mesh, Object, Vertex};
 use crate::shapes::{MAX_SEGMENTS, Placement, Shape};
-use crate::source::Source;
+use crate::source::{Exactly, Source};
 
 /// One object, its maps read.
 pub(super) fn object(
@@ -27,7 +27,7 @@ pub(super) fn object(
     let span = object.span();
     let object = object.get_ref();
     let name = object.name.clone().unwrap_or_else(|| format!("object {}", index + 1));
-    let (mut mesh, has_uv, shape) = triangles(maps, object, &name, span)?;
+    let (mut mesh, without_uv, shape) = triangles(maps, object, &name, span)?;
     let placement = placement(maps.source, object)?;
     let uv_repeat = match &object.uv_repeat {
         None => [1.0; 2],
@@ -39,17 +39,17 @@ pub(super) fn object(
         let help = "choose a smaller `scale`, or a smaller shape";
         return Err(maps.source.value_error(object.shape.span(), "the object reaches too far out", help));
     }
-    let material = material(maps, &object.material, &name, shape, has_uv, &placement, there)?;
+    let material = material(maps, &object.material, &name, shape, without_uv.as_deref(), &placement, there)?;
     Ok(Object { name, mesh, material })
 }
 
-/// Triangles in object space, whether they have texture coordinates, and the built-in shape.
+/// Triangles in object space, the place of a face without texture coordinates (file and line), and the built-in shape.
 fn triangles(
     maps: &mut Maps<'_>,
     object: &ObjectDescription,
     name: &str,
     object_span: Range<usize>,
-) -> Result<(Mesh, bool, Option<Shape>), SceneError> {
+) -> Result<(Mesh, Option<String>, Option<Shape>), SceneError> {
     let source = maps.source;
     let shape_name = *object.shape.get_ref();
     let measures = [
@@ -104,23 +104,24 @@ fn triangles(
             folds: number("folds", &object.folds, 5.0, 0.25..=64.0)?,
         },
         ShapeName::Mesh => {
-            let ObjMesh { mesh, has_uv, warnings } = obj(maps, object, object_span)?;
+            let ObjMesh { mesh, without_uv, warnings } = obj(maps, object, object_span)?;
+            let file = object.path.as_ref().map(|path| maps.resolve(path.get_ref())).unwrap_or_default();
             maps.warnings.extend(warnings.into_iter().map(|warning| format!("{name}: {warning}")));
-            return Ok((mesh, has_uv, None));
+            return Ok((mesh, without_uv.map(|line| format!("{}:{line}", file.display())), None));
         }
     };
     let segments = match &object.segments {
         None => shape.default_segments(),
         Some(segments) => {
             let fewest = shape.fewest_segments();
-            let [u, v] = *segments.get_ref();
+            let Exactly([u, v]) = *segments.get_ref();
             let whole =
                 |count, fewest| source.whole_in_range("segments", count, segments.span(), fewest..=MAX_SEGMENTS);
             [whole(u, fewest[0])?, whole(v, fewest[1])?]
         }
     };
     debug_assert!(2 * MAX_SEGMENTS as usize * MAX_SEGMENTS as usize <= MAX_TRIANGLES);
-    Ok((shape.mesh(segments), true, Some(shape)))
+    Ok((shape.mesh(segments), None, Some(shape)))
 }
 
 /// The triangles of a mesh, from a file or generated.
@@ -148,7 +149,7 @@ fn obj(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -
 
 /// Where an object stands.
 fn placement(source: &Source, object: &ObjectDescription) -> Result<Placement, SceneError> {
-    let triple = |key, value: &Option<Spanned<[f64; 3]>>, bound: f64| match value {
+    let triple = |key, value: &Option<Spanned<Exactly<f64, 3>>>, bound: f64| match value {
         None => Ok([0.0; 3]),
         Some(value) => source.all_in_range(key, value, -bound..=bound),
     };

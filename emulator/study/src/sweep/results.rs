@@ -1,11 +1,11 @@
 //! What a study has found, as its JSON holds it.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
 use roughxel_core::knob::Knob;
+use roughxel_scene::input::open_file;
 use serde::{Deserialize, Serialize};
 
 use super::{Setting, Settings};
@@ -52,16 +52,13 @@ impl Study {
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let file = |source| StudyError::File { action: "read", path: path.to_path_buf(), source };
         let broken = |problem| StudyError::NoStudy { path: path.to_path_buf(), problem };
-        // Before it is opened: to open a pipe is to wait for its writer.
-        let metadata = fs::metadata(path).map_err(file)?;
-        if !metadata.is_file() {
-            return Err(broken("it is no regular file".into()));
-        }
-        if metadata.len() > MOST_BYTES {
-            return Err(broken(format!("it is {} bytes long, more than {MOST_BYTES}", metadata.len())));
+        let opened = open_file(path).map_err(file)?;
+        let bytes = opened.metadata().map_err(file)?.len();
+        if bytes > MOST_BYTES {
+            return Err(broken(format!("it is {bytes} bytes long, more than {MOST_BYTES}")));
         }
         let mut text = String::new();
-        File::open(path).and_then(|opened| opened.take(MOST_BYTES).read_to_string(&mut text)).map_err(file)?;
+        opened.take(MOST_BYTES).read_to_string(&mut text).map_err(file)?;
         let study: Self = serde_json::from_str(&text).map_err(|error| broken(error.to_string()))?;
         if study.schema == SCHEMA {
             Ok(study)
