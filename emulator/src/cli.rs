@@ -5,6 +5,7 @@
 mod arguments;
 mod cache;
 mod choose;
+mod completions;
 mod console;
 mod cost;
 mod demo;
@@ -27,8 +28,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use miette::MietteHandlerOpts;
 
 use arguments::{
-    CONVENTIONS, ProfileArg, Profiles, file_stem, open_scene, parse_profile, parse_profiles, parse_size, parse_threads,
-    use_threads,
+    CONVENTIONS, ProfileArg, Profiles, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile,
+    parse_profiles, parse_size, parse_threads, use_threads,
 };
 use failure::{Failure, on_one_line};
 
@@ -80,6 +81,9 @@ enum Command {
     Choose(choose::ChooseArgs),
     /// List the built-in scenes.
     Scenes(scenes::ScenesArgs),
+    /// Print a script that completes commands, options and names in a shell.
+    #[command(long_about = completions::LONG_HELP)]
+    Completions(completions::CompletionsArgs),
 }
 
 /// Parses the arguments and runs the command.
@@ -105,6 +109,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Study(args) => study::run(&args),
         Command::Choose(args) => choose::run(&args),
         Command::Scenes(args) => scenes::run(&args),
+        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
     };
     match outcome {
         Ok(()) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,

@@ -7,7 +7,6 @@ use clap::{ArgGroup, Args};
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Profile;
 use roughxel_emulator::net::verilog::knobs;
-use roughxel_emulator::output::{OutputFile, WriteError};
 use roughxel_emulator::study::Subject;
 use roughxel_emulator::study::choose::{
     Aim, Candidate, Clock, Meter, NoChoice, candidates, choose, measure, next_cheaper,
@@ -18,7 +17,7 @@ use serde_json::{Value, json};
 
 use super::cache::CacheArgs;
 use super::console::{new_table, progress};
-use super::{Failure, open_scene, parse_size, use_threads};
+use super::{Failure, check_file, open_scene, parse_size, use_threads};
 
 pub(super) const LONG_HELP: &str = "\
 Find the cheapest profile that is accurate enough, or the most accurate within a budget, and write its file.
@@ -63,7 +62,7 @@ pub(super) struct ChooseArgs {
     /// Profile file to write; its name becomes that of the profile.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Threads.
+    /// Threads, at most one for each core.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     threads: Option<usize>,
     #[command(flatten)]
@@ -86,7 +85,7 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     if Profile::by_name(&name).is_some() {
         return Err(Failure::Usage(format!("`{name}` is the name of a profile; give the file another")));
     }
-    OutputFile::create(output).map_err(|source| WriteError { path: output.clone(), source })?;
+    check_file(output)?;
 
     let subjects = args.scene.iter().map(|scene| {
         let scene = open_scene(scene, Some(args.size))?;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use comfy_table::{Table, presets};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use roughxel_emulator::scene::MapProgress;
 
 /// A progress bar on stderr, hidden where that is no terminal.
 pub(super) fn progress(total: u64, what: &str) -> ProgressBar {
@@ -26,6 +27,37 @@ pub(super) struct LateProgress {
 pub(super) fn late_progress(total: u64, what: &str) -> LateProgress {
     let hidden = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
     LateProgress { bar: styled(hidden, what), start: Instant::now(), shown: OnceLock::new() }
+}
+
+/// A bar for the maps of a scene, one after the other; late, too.
+pub(super) struct SceneProgress {
+    scene: String,
+    late: LateProgress,
+}
+
+/// As [`late_progress`], for the maps of a scene.
+pub(super) fn map_progress(scene: &str) -> SceneProgress {
+    SceneProgress { scene: scene.to_owned(), late: late_progress(0, scene) }
+}
+
+impl SceneProgress {
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        self.late.finish();
+    }
+}
+
+impl MapProgress for SceneProgress {
+    fn begin(&self, map: &str, steps: u64) {
+        let bar = &self.late.bar;
+        bar.reset();
+        bar.set_length(steps);
+        bar.set_message(format!("{}: {map}", self.scene));
+    }
+
+    fn step(&self) {
+        self.late.inc(1);
+    }
 }
 
 impl LateProgress {

@@ -16,7 +16,7 @@ use serde_json::json;
 use super::cache::CacheArgs;
 use super::console::{new_table, progress};
 use super::report;
-use super::{Failure, ProfileArg, parse_profile, parse_size, use_threads};
+use super::{Failure, ProfileArg, check_directory, parse_profile, parse_size, use_threads};
 
 /// Random fragments of the table of errors; `report accuracy` takes more.
 const ACCURACY_FRAGMENTS: u64 = 100_000;
@@ -29,7 +29,7 @@ pub(super) struct DemoArgs {
     /// Size of each picture in pixels.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<[u32; 2]>,
-    /// Threads; the pictures are the same for any number.
+    /// Threads, at most one for each core; the pictures are the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
     /// Profile: a name, or a file (TOML).
@@ -45,6 +45,7 @@ pub(super) struct DemoArgs {
 pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let NamedPrecision { name: profile, precision, .. } = &args.profile.open()?;
+    check_directory(&args.output)?;
     let unwritable = || format!("cannot write {}", args.output.display());
     fs::create_dir_all(&args.output).into_diagnostic().wrap_err_with(unwritable).map_err(Failure::Error)?;
     let bar = progress(4 * DEMO_SCENES.len() as u64, "");

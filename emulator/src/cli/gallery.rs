@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use roughxel_emulator::gallery::{DrawnScene, GalleryError, Settings, draw_scene, table, work, write_page};
 use roughxel_emulator::plan::Mode;
+use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use serde_json::json;
 
 use super::cache::CacheArgs;
-use super::console::{new_table, progress};
-use super::{Failure, ProfileArg, parse_profile, parse_size, use_threads};
+use super::console::{complain, new_table, progress};
+use super::{Failure, ProfileArg, check_directory, check_file, parse_profile, parse_size, use_threads};
 
 pub(super) const LONG_HELP: &str = "Draw the scenes of the papers, each beside what it is compared with: pictures, differences from a reference of many \
 samples, and a page with all of them and their figures.
@@ -21,7 +22,8 @@ DIR gets SCENE/COLUMN.png, SCENE/difference-COLUMN.png (128 + 4 times the error,
 SCENE/side-by-side.png, and index.html, which needs none of the others. References are kept in DIR/.reference and drawn \
 again when the scene, the size, the samples or the program have changed.
 
-PSNR is of linear light, SSIM (Wang and others, 2004) of the grey a display shows, both against the reference. Times are of \
+PSNR is of linear light, SSIM (Wang and others, 2004) of the grey a display shows, both against the reference; a column of as many \
+samples a pixel as the reference, or more, is not judged by it. Times are of \
 drawing alone, the fastest of some: compare them within one run only.
 
 Exit codes: 0 done, 1 failure, 2 usage.";
@@ -37,7 +39,7 @@ pub(super) struct GalleryArgs {
     /// Size of each picture in pixels.
     #[arg(long, default_value = "320x240", value_parser = parse_size, value_name = "WxH")]
     pub(super) size: [u32; 2],
-    /// Threads; the pictures are the same for any number.
+    /// Threads, at most one for each core; the pictures are the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
     /// Samples a pixel of the reference, a square number from 1 to 4096.
@@ -66,8 +68,9 @@ fn parse_samples(text: &str) -> Result<Samples, String> {
 }
 
 fn parse_entry(name: &str) -> Result<&'static str, String> {
-    let names = || table::ENTRIES.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
-    table::entry(name).map(|entry| entry.name).ok_or_else(|| format!("the gallery has {}", names()))
+    let names = || table::ENTRIES.iter().map(|entry| entry.name);
+    let known = || format!("{}the gallery has {}", did_you_mean(name, names()), names().collect::<Vec<_>>().join(", "));
+    table::entry(name).map(|entry| entry.name).ok_or_else(known)
 }
 
 pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
@@ -76,7 +79,9 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     let cache = args.cache.directory();
     let settings = Settings { size: args.size, reference_edge: args.samples.0, precision: *precision, cache };
     let directory = args.output.as_path();
+    check_directory(directory)?;
     fs::create_dir_all(directory).map_err(|source| GalleryError::Write { path: directory.to_path_buf(), source })?;
+    check_file(&directory.join("index.html"))?;
 
     let is_wanted = |name: &str| args.scene.is_empty() || args.scene.contains(&name);
     let entries: Vec<_> = table::ENTRIES.iter().filter(|entry| is_wanted(entry.name)).collect();
@@ -118,12 +123,17 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
                 drawn.column.label.to_string(),
                 format!("{:.3} s", drawn.time.as_secs_f64()),
                 optional(scene.ratio(drawn), 2),
-                format!("{:.1} dB", drawn.psnr),
+                drawn.psnr.map_or("–".into(), |psnr| format!("{psnr:.1} dB")),
                 optional(drawn.ssim, 4),
             ]);
         }
     }
     writeln!(out, "{table}\n{}", page.display())?;
+    if scenes.iter().flat_map(|scene| &scene.columns).any(|drawn| drawn.psnr.is_none()) {
+        complain(
+            "note: columns of as many samples a pixel as the reference, or more, are not judged; take more --samples",
+        );
+    }
     Ok(())
 }
 

@@ -17,12 +17,13 @@ use super::{Failure, ProfileArg, open_scene, parse_profile, parse_size, use_thre
 pub(super) const LONG_HELP: &str = "\
 Say which effects each object of a scene has, why, and what they cost.
 
+  effect       + on, – off
   why          the key of the scene, or the property of its maps, that decides
   stages       what the effect adds to the datapath of a fragment; what an effect needs of others belongs to both
   operations   additions, comparisons, selects, shifts by a count, products and table reads that the effect adds
                to a fragment (highlight: for each light; peaks and horizons: for each peak and light), and after the + to
                each of its fetches (environment: per probe; maps: per channel and probe)
-  x            of them, multipliers of two wires
+  x of them    multipliers of two wires
   maps         memory of its maps with all their levels
   share        of the time of a frame: 1 - t(without)/t(with), the median of some rounds; with --measure
 
@@ -48,7 +49,7 @@ pub(super) struct PlanArgs {
     /// Size of the measured frames in pixels instead of the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     size: Option<[u32; 2]>,
-    /// Threads.
+    /// Threads, at most one for each core.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     threads: Option<usize>,
     #[command(flatten)]
@@ -96,7 +97,9 @@ fn summary(plan: &ObjectPlan) -> String {
 }
 
 fn table(report: &ObjectReport, measured: bool) -> Table {
-    let mut table = new_table(["effect", "", "why", "stages", "operations", "×", "maps", "share"]);
+    // What belongs together stands in one column on lines of its own, so that the texts have room.
+    let last = if measured { "maps\nshare" } else { "maps" };
+    let mut table = new_table(["effect", "why\nstages", "operations\n× of them", last]);
     for effect in &report.effects {
         let EffectReport { decision, datapath, fetch, map_bytes, share } = effect;
         let count = |of: fn(&Hardware) -> i64| match (of(datapath), of(fetch)) {
@@ -104,23 +107,26 @@ fn table(report: &ObjectReport, measured: bool) -> Table {
             (fragment, 0) => fragment.to_string(),
             (fragment, fetch) => format!("{fragment} + {fetch}"),
         };
+        let maps = (*map_bytes > 0).then(|| indicatif::HumanBytes(*map_bytes).to_string());
+        let share = share.filter(|_| measured).map(|share| format!("{:.1} %", 100.0 * share));
         table.add_row([
-            decision.effect.name().to_string(),
-            if decision.on { "on" } else { "–" }.into(),
-            decision.why.clone(),
-            stages([datapath, fetch].into_iter().flat_map(|part| &part.stages)),
-            count(|hardware| hardware.operations),
-            count(|hardware| hardware.multipliers),
-            if *map_bytes == 0 { String::new() } else { indicatif::HumanBytes(*map_bytes).to_string() },
-            share.filter(|_| measured).map_or_else(String::new, |share| format!("{:.1} %", 100.0 * share)),
+            format!("{} {}", if decision.on { "+" } else { "–" }, decision.effect.name()),
+            lines([decision.why.clone(), stages([datapath, fetch].into_iter().flat_map(|part| &part.stages))]),
+            lines([count(|hardware| hardware.operations), count(|hardware| hardware.multipliers)]),
+            lines([maps.unwrap_or_default(), share.unwrap_or_default()]),
         ]);
     }
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
 }
 
-/// Characters of a line; reasons and stages are wrapped.
-const WIDTH: u16 = 150;
+/// Characters of a line, those of a narrow terminal; reasons and stages are wrapped.
+const WIDTH: u16 = 80;
+
+/// The texts that are not empty, a line each.
+fn lines<const N: usize>(texts: [String; N]) -> String {
+    texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
+}
 
 /// Stages by name, those that run several times with their count: `columns_pixel ×2`.
 fn stages<'a>(runs: impl Iterator<Item = &'a String>) -> String {

@@ -19,7 +19,10 @@ use serde_json::json;
 
 use super::cache::CacheArgs;
 use super::console::progress;
-use super::{Failure, ProfileArg, file_stem, open_scene, parse_profile, parse_size, use_threads};
+use super::{
+    Failure, ProfileArg, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile, parse_size,
+    use_threads,
+};
 
 /// Most fragments of a frame that become vectors.
 const CAPTURED_FRAGMENTS: usize = 4096;
@@ -28,8 +31,8 @@ const CAPTURED_FRAGMENTS: usize = 4096;
 pub(super) struct RenderArgs {
     /// Scene file (TOML), or the name of a built-in scene.
     pub(super) scene: String,
-    /// Picture to write; the scene's name with .png if nothing is given.
-    #[arg(short, long, value_name = "PNG")]
+    /// Picture to write, a PNG; the scene's name with .png if nothing is given.
+    #[arg(short, long, value_parser = parse_png, value_name = "PNG")]
     pub(super) output: Option<PathBuf>,
     /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
     #[arg(long, default_value = "footprint", value_name = "MODE")]
@@ -40,7 +43,7 @@ pub(super) struct RenderArgs {
     /// Size in pixels instead of the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<[u32; 2]>,
-    /// Threads; the picture is the same for any number.
+    /// Threads, at most one for each core; the picture is the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
     /// How the datapath is computed: scalar, or in lanes of avx2 or avx512; the fastest of the machine if nothing
@@ -59,6 +62,9 @@ pub(super) struct RenderArgs {
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
+    let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&args.scene)).into());
+    check_file(&output)?;
+    args.capture.as_deref().map_or(Ok(()), check_directory)?;
     let profile = args.profile.open()?;
     let scene = open_scene(&args.scene, args.size)?;
 
@@ -72,7 +78,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let frame = prepared.render(&|| bar.inc(1))?;
     let drawing = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
-    let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&scene.name)).into());
     write_png_srgb(&output, &frame.picture())?;
     let vectors = match &args.capture {
         Some(directory) => capture(&scene, &prepared, args.mode, &profile, directory)?,

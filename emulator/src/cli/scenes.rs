@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 use roughxel_emulator::scene::{builtin_names, builtin_text};
+use roughxel_emulator::spelling::did_you_mean;
 use serde_json::json;
 
 use super::Failure;
@@ -23,7 +24,11 @@ pub(super) fn run(args: &ScenesArgs) -> Result<(), Failure> {
     if let Some(name) = &args.name {
         let Some(text) = builtin_text(name) else {
             let names: Vec<_> = builtin_names().collect();
-            return Err(Failure::Usage(format!("scene `{name}` is not built in; there are {}", names.join(", "))));
+            let meant = did_you_mean(name, builtin_names());
+            return Err(Failure::Usage(format!(
+                "scene `{name}` is not built in; {meant}there are {}",
+                names.join(", ")
+            )));
         };
         write!(out, "{text}")?;
     } else if args.json {

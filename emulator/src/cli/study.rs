@@ -8,8 +8,8 @@ use clap::Args;
 use roughxel_emulator::study::sweep::{self, Parts, Settings, Study};
 use roughxel_emulator::study::{StudyError, report};
 
-use super::Failure;
 use super::console::{complain, progress};
+use super::{Failure, check_directory};
 
 pub(super) const LONG_HELP: &str = "\
 Show what accuracy costs in time: every knob of a profile alone, the named profiles, word widths and modes, against float64, \
@@ -50,6 +50,7 @@ pub(super) struct StudyArgs {
 pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
     let settings = if args.full { Settings::full() } else { Settings::quick() };
     let directory = args.output.as_path();
+    check_directory(directory)?;
     fs::create_dir_all(directory).map_err(|source| StudyError::File {
         action: "make",
         path: directory.to_path_buf(),

@@ -1,7 +1,6 @@
 //! `roughxel vectors export|verify|list|format`.
 
 use std::error::Error;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,6 +8,7 @@ use clap::{Args, Subcommand};
 use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{Precision, Profile};
+use roughxel_emulator::input::open_file;
 use roughxel_emulator::output::OutputFile;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
@@ -18,7 +18,7 @@ use roughxel_emulator::vectors::{
 use serde_json::json;
 
 use super::console::{complain, new_table, progress};
-use super::{CONVENTIONS, Failure, ProfileArg, effects, on_one_line, parse_profile};
+use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, on_one_line, parse_profile};
 
 /// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
 const SMOKE_REFLECTIONS: u64 = 1000;
@@ -182,6 +182,7 @@ impl Export<'_> {
 fn export(args: &ExportArgs) -> Result<(), Failure> {
     let mut written = Vec::new();
     let ExportArgs { effects, frame, output, .. } = args;
+    check_directory(output)?;
     let profile = &args.profile.open()?;
     let export = Export { profile, effects: *effects, frame: *frame, directory: output };
     if args.smoke {
@@ -395,7 +396,8 @@ fn format(args: &FormatArgs) -> Result<(), Failure> {
         return Ok(io::stdout().lock().write_all(tables().as_bytes())?);
     };
     let failed = |what: &str| format!("cannot {what} {}", path.display());
-    let page = fs::read_to_string(path).into_diagnostic().wrap_err_with(|| failed("read")).map_err(Failure::Error)?;
+    let page = open_file(path).and_then(io::read_to_string);
+    let page = page.into_diagnostic().wrap_err_with(|| failed("read")).map_err(Failure::Error)?;
     let page =
         in_page(&page).into_diagnostic().wrap_err_with(|| failed("put the tables into")).map_err(Failure::Error)?;
     let write = || {

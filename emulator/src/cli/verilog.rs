@@ -15,7 +15,7 @@ use serde_json::json;
 use super::console::{complain, progress};
 use super::effects::PlannedObject;
 use super::ranges::{design_help, parse_design, unproven};
-use super::{Failure, ProfileArg, effects, parse_profile};
+use super::{Failure, ProfileArg, check_directory, effects, parse_profile};
 
 #[derive(Args)]
 pub(super) struct VerilogArgs {
@@ -61,6 +61,7 @@ fn parse_prefix(text: &str) -> Result<String, String> {
 
 pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
     let profile = &args.profile.open()?;
+    check_directory(&args.output)?;
     let mut written = Vec::new();
     match &args.scene {
         None => {

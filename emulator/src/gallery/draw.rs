@@ -82,13 +82,14 @@ pub fn draw_scene(
         let (frame, time) = timed(&changed, &maps, &|| progress(&name, samples))?;
         let picture = frame.picture();
         let stem = column.stem();
+        let judged = settings.judges(column.mode);
         let drawn = DrawnColumn {
             column: *column,
             picture: own.join(format!("{stem}.png")),
             difference: own.join(format!("difference-{stem}.png")),
             time,
-            psnr: frame.psnr(&truth),
-            ssim: ssim(&picture, &truth_picture),
+            psnr: judged.then(|| frame.psnr(&truth)),
+            ssim: judged.then(|| ssim(&picture, &truth_picture)).flatten(),
             digest: frame.digest(),
         };
         write_png_srgb(&drawn.picture, &picture)?;

@@ -11,6 +11,7 @@ use super::entry::{Column, Entry};
 use super::table;
 use crate::demo::DrawError;
 use crate::picture::PictureError;
+use crate::plan::Mode;
 
 /// How a gallery is drawn.
 #[derive(Clone, Debug)]
@@ -23,6 +24,14 @@ pub struct Settings {
     pub precision: Precision,
     /// Where fitted peaks are kept from run to run, if they are.
     pub cache: Option<PathBuf>,
+}
+
+impl Settings {
+    /// Whether the reference can judge what is drawn in a mode: a picture of as many samples as the reference would be judged against
+    /// itself, and one of more against something worse.
+    pub fn judges(&self, mode: Mode) -> bool {
+        mode.filters() || mode.samples_edge() < self.reference_edge
+    }
 }
 
 /// Why a gallery could not be drawn.
@@ -75,9 +84,10 @@ pub struct DrawnColumn {
     pub difference: PathBuf,
     /// Time of drawing, the fastest of some.
     pub time: Duration,
-    /// Peak signal to noise ratio against the reference, dB: [`Frame::psnr`](crate::frame::Frame::psnr).
-    pub psnr: f64,
-    /// Similarity to the reference: [`ssim`](crate::picture::ssim); none for pictures smaller than its window.
+    /// Peak signal to noise ratio against the reference, dB: [`Frame::psnr`](crate::frame::Frame::psnr); none where the reference
+    /// has no more samples a pixel than the column ([`Settings::judges`]).
+    pub psnr: Option<f64>,
+    /// Similarity to the reference: [`ssim`](crate::picture::ssim); none as for `psnr`, and for pictures smaller than its window.
     pub ssim: Option<f64>,
     /// Digest of the frame: [`Frame::digest`](crate::frame::Frame::digest).
     pub digest: String,

@@ -13,6 +13,9 @@ use super::table::{FILTERED, NO_TEXTURE, SAMPLES_16, UNFILTERED};
 use crate::output::OutputFile;
 use crate::picture::{DIFFERENCE_GAIN, PictureError};
 
+/// What stands in place of a figure where [`Settings::judges`] says no.
+const NOT_JUDGED: &str = "not judged: the reference has no more samples a pixel";
+
 /// Writes `index.html` into `directory`: the scenes with their pictures, figures and plans. Gives its path.
 ///
 /// Errors: a picture that [`super::draw_scene`] wrote is no longer there, or the page cannot be written.
@@ -76,7 +79,8 @@ fn overview(page: &mut Page, scenes: &[DrawnScene]) {
         let ratio = |a, b| scene.ratio(a).zip(scene.ratio(b)).map(|(a, b)| format!("{:.2}", a / b));
         page.cell(filtered.zip(unfiltered).and_then(|(a, b)| ratio(a, b)));
         page.cell(samples.zip(filtered).and_then(|(a, b)| ratio(a, b)));
-        page.cell(filtered.zip(unfiltered).map(|(a, b)| format!("{:+.1} dB", a.psnr - b.psnr)));
+        let [filtered, unfiltered] = [filtered, unfiltered].map(|drawn| drawn.and_then(|drawn| drawn.psnr));
+        page.cell(filtered.zip(unfiltered).map(|(a, b)| format!("{:+.1} dB", a - b)));
         page.add(format_args!("</tr>\n"));
     }
     page.add(format_args!("</tbody>\n</table>\n</div>\n"));
@@ -90,7 +94,7 @@ fn section(page: &mut Page, scene: &DrawnScene, size: [u32; 2]) -> Result<(), Ga
         Text(scene.entry.source)
     ));
     for drawn in &scene.columns {
-        let caption = format!("{} against the reference", Decibel(drawn.psnr));
+        let caption = drawn.psnr.map_or(NOT_JUDGED.into(), |psnr| format!("{} against the reference", Decibel(psnr)));
         figure(page, &drawn.picture, size, scene.entry.name, drawn.column.label, &caption)?;
     }
     figure(page, &scene.reference.picture, size, scene.entry.name, "reference", "what the others are judged against")?;
@@ -106,7 +110,7 @@ fn section(page: &mut Page, scene: &DrawnScene, size: [u32; 2]) -> Result<(), Ga
         page.add(format_args!("<tr{class}><td>{}</td>", Text(label)));
         page.cell(Some(Time(drawn.time)));
         page.cell(scene.ratio(drawn).map(|ratio| format!("{ratio:.2}")));
-        page.cell(Some(Decibel(drawn.psnr)));
+        page.cell(drawn.psnr.map(Decibel));
         page.cell(drawn.ssim.map(|ssim| format!("{ssim:.4}")));
         page.add(format_args!("</tr>\n"));
     }

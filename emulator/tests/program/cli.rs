@@ -13,7 +13,7 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 30] = [
+    let cases: [&[&str]; 33] = [
         &[],
         &["frobnicate"],
         &["eval", "--profile", "best"],
@@ -35,6 +35,9 @@ fn usage_errors_end_with_2() {
         &["cost", "--effects", "fog"],
         &["cost", "--profile", "paper", "--path", "no_such_stage"],
         &["render", "lake", "--reading", "fast"],
+        &["render", "lake", "-o", "lake.jpg"],
+        &["completions"],
+        &["completions", "no-such-shell"],
         &["plan"],
         &["plan", "lake", "--rounds", "3"],
         &["verilog"],
@@ -79,6 +82,124 @@ fn failures_end_with_1_and_name_the_file() {
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", stderr(&output));
         assert!(stderr(&output).contains(named), "{arguments:?}: {}", stderr(&output));
         assert!(!stderr(&output).contains("panicked"));
+    }
+}
+
+/// Before a scene is read: none of those named is there.
+#[test]
+fn what_cannot_be_written_is_told_before_the_work() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let below = file.join("below");
+    let nowhere = directory.path().join("no/where.png");
+    let taken = directory.path().join("taken.png");
+    std::fs::create_dir(&taken).unwrap();
+    let [below, nowhere, taken] = [&below, &nowhere, &taken].map(|path| path.to_str().unwrap());
+    let scene = "no-such.toml";
+    for arguments in [
+        &["render", scene, "-o", nowhere][..],
+        &["render", scene, "-o", taken],
+        &["render", scene, "--capture", below],
+        &["choose", "--psnr", "40", "--scene", scene, "-o", nowhere],
+        &["vectors", "export", "--scene", scene, "-o", below],
+        &["verilog", "--scene", scene, "-o", below],
+        &["gallery", "-o", below],
+        &["demo", "-o", below],
+        &["study", "-o", below],
+    ] {
+        let start = std::time::Instant::now();
+        let output = Command::new(env!("CARGO_BIN_EXE_roughxel"))
+            .args(arguments)
+            .current_dir(directory.path())
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        let (message, path) = (stderr(&output), arguments.last().unwrap());
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+        assert!(message.starts_with(&format!("error: cannot write {path}: ")), "{arguments:?}: {message}");
+        assert!(start.elapsed().as_secs() < 5, "{arguments:?}");
+    }
+    let left: Vec<_> = std::fs::read_dir(directory.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused_and_not_waited_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let pipe = directory.path().join("pipe.toml");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let path = pipe.to_str().unwrap();
+    for arguments in [
+        &["render", path][..],
+        &["eval", path],
+        &["eval", "--profile", path],
+        &["vectors", "verify", path],
+        &["vectors", "format", "--write", path],
+        &["study", "--from", path, "-o", directory.path().to_str().unwrap()],
+    ] {
+        let output = roughxel(arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", stderr(&output));
+        let message = stderr(&output);
+        assert!(message.contains(path) && message.contains("no regular file but a pipe"), "{arguments:?}: {message}");
+    }
+    // The one input that may be a pipe has a name of its own.
+    assert!(stderr(&roughxel(&["eval", path])).contains("`-` for stdin"));
+}
+
+#[test]
+fn a_scene_of_a_similar_name_is_suggested() {
+    let directory = tempfile::tempdir().unwrap();
+    let unused = directory.path().join("unused");
+    for arguments in [
+        &["render", "denim-plan"][..],
+        &["plan", "denim-plan"],
+        &["scenes", "denim-plan"],
+        &["gallery", "--scene", "denim-plan", "-o", unused.to_str().unwrap()],
+    ] {
+        let output = roughxel(arguments);
+        assert!(!output.status.success());
+        assert!(stderr(&output).contains("did you mean `denim-plane`?"), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn completions_of_every_shell_know_commands_and_options() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let output = roughxel(&["completions", shell]);
+        let script = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{shell}");
+        for known in ["gallery", "samples", "no-cache", "completions"] {
+            assert!(script.contains(known), "{shell}: {known}");
+        }
+    }
+}
+
+#[test]
+fn more_threads_than_cores_are_as_many_as_cores_and_give_the_same_picture() {
+    let directory = tempfile::tempdir().unwrap();
+    let picture = directory.path().join("x.png");
+    let digest = |threads: &str| {
+        let size = ["render", "shapes", "--size", "64x48", "--json", "--threads", threads];
+        json(&[&size[..], &["-o", picture.to_str().unwrap()]].concat())["digest"].clone()
+    };
+    assert_eq!(digest("1"), digest("1024"));
+    let scene = ["gallery", "--scene", "mesh", "--size", "8x8", "--samples", "1", "--json", "--threads", "1024"];
+    let gallery = json(&[&scene[..], &["-o", directory.path().to_str().unwrap()]].concat());
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(gallery["threads"], cores);
+}
+
+#[test]
+fn a_plan_fits_into_80_columns() {
+    let measure = ["--size", "16x12", "--measure", "--rounds", "1"];
+    for arguments in [&["plan", "horizon-plane", "--no-cache"][..], &[&["plan", "shapes"][..], &measure].concat()] {
+        let output = roughxel(arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+        assert_eq!(text.contains("share"), arguments.contains(&"--measure"), "{text}");
     }
 }
 

@@ -98,7 +98,7 @@ fn another_kind_of_study_in_the_directory_drops_no_finished_unit() {
 fn what_is_no_study_is_refused_with_its_reason() {
     let directory = tempfile::tempdir().unwrap();
     let problem = |path: &Path| Study::read(path).unwrap_err().to_string();
-    assert!(problem(directory.path()).ends_with("no study: it is no regular file"));
+    assert!(problem(directory.path()).ends_with("it is no regular file but a directory"));
     let huge = directory.path().join("huge.json");
     fs::File::create(&huge).unwrap().set_len((1 << 26) + 1).unwrap();
     assert!(problem(&huge).ends_with("it is 67108865 bytes long, more than 67108864"));
@@ -112,7 +112,7 @@ fn a_pipe_is_no_study() {
     let directory = tempfile::tempdir().unwrap();
     let pipe = directory.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    assert!(Study::read(&pipe).unwrap_err().to_string().ends_with("no study: it is no regular file"));
+    assert!(Study::read(&pipe).unwrap_err().to_string().ends_with("it is no regular file but a pipe or a device"));
 }
 
 fn workspace() -> PathBuf {
