@@ -9,7 +9,7 @@ use crate::bundle::{Bundle, Value, bundle};
 use crate::datapath::pixel::{self, PixelSum};
 use crate::datapath::texel::{self, Bump, BumpCodes, BumpMoments, BumpSample, BumpScale, RepeatAddress};
 use crate::datapath::{self, Reflection, TextureFootprint};
-use crate::plan::{Datapath, Effects};
+use crate::plan::{Datapath, Effects, HorizonKind};
 use crate::ports::{
     HighlightInput, HighlightOutput, Horizon, LIGHT, LOD, PeakInput, PeakOutput, PortBlock, REFLECTANCE,
     ReflectionInput, ReflectionOutput, SHARE,
@@ -232,10 +232,10 @@ designs! {
         datapath::peak_sum(&input.sum, datapath::packed_peak(&input.half, input.words, input.weight, p))
     };
 
-    /// the share of a peak's facets that light and eye both clear
+    /// the share of a peak's facets that light and eye both clear, with shares that are correlated
     Horizon "horizon": HorizonInput -> Value<S, SHARE>, |input, _, p| {
         let [light, eye] = crate::each::each!(local in [input.light, input.eye] => datapath::horizon_slopes(&local, p));
-        Value(datapath::horizon(&light, &eye, &input.horizon, p))
+        Value(datapath::horizon(&light, &eye, &input.horizon, HorizonKind::Correlated, p))
     };
 
     /// one more colour in the light of a pixel

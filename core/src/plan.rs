@@ -73,13 +73,25 @@ impl ReflectionPlan {
     }
 }
 
+/// How the shares of a horizon that light and eye clear, over two axes each, become the share of facets that both see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HorizonKind {
+    /// Facets hide nothing.
+    None,
+    /// Who lies in a hole lies in it for every direction: the smallest of the four, less a quarter of what the next one hides of it. Horizons are
+    /// stored by a law that falls from its low end.
+    Correlated,
+    /// Their product, as if they were independent (F92 §5, erratum 22). Horizons are stored by a uniform law.
+    Product,
+}
+
 /// Blocks of one light on one peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeakPlan {
     /// Which frame the peak stands in.
     pub frame: FrameSystem,
     /// Facets hide each other from light and eye.
-    pub horizon: bool,
+    pub horizon: HorizonKind,
 }
 
 impl PeakPlan {
@@ -128,7 +140,7 @@ pub struct Effects {
     /// The footprint of a reflection.
     pub footprint: bool,
     /// Horizons of peaks.
-    pub horizon: bool,
+    pub horizon: HorizonKind,
 }
 
 impl Effects {
@@ -139,7 +151,7 @@ impl Effects {
         roughness: RoughnessKind::Anisotropic,
         curvature: true,
         footprint: true,
-        horizon: true,
+        horizon: HorizonKind::Correlated,
     };
 
     /// What a datapath cannot do without.
@@ -149,7 +161,7 @@ impl Effects {
         roughness: RoughnessKind::None,
         curvature: false,
         footprint: false,
-        horizon: false,
+        horizon: HorizonKind::None,
     };
 
     /// Those that a datapath has; the others are off.
@@ -181,7 +193,7 @@ impl Effects {
 impl From<ReflectionPlan> for Effects {
     fn from(plan: ReflectionPlan) -> Self {
         let ReflectionPlan { bump, frame, roughness, curvature, footprint } = plan;
-        Self { bump, frame, roughness, curvature, footprint, horizon: false }
+        Self { bump, frame, roughness, curvature, footprint, horizon: HorizonKind::None }
     }
 }
 

@@ -357,16 +357,17 @@ bundle! {
 bundle! {
     /// The horizon of a peak as maps store it, towards −x, +x, −y, +y of the local frame, in 16 bytes.
     ///
-    /// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width.
+    /// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width: as a straight line
+    /// where the plan takes the product, else as 1 − (1 − t)². `setup::stored_horizon` makes one for either.
     #[ports(StoredHorizon)]
     pub struct Horizon<W> {
-        /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, μ − √3σ, or of the step; within 2^−13, cut to ±8
+        /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, cut to ±8
         #[unit = "1"]
         #[range(-8..8)]
         #[port = [I4F12; 4]]
         low: [Control<W, STORED_SLOPE>; 4],
-        /// stored horizon of each side: 1/(2√3σ), a code as of a peak: within 2^−13 from ¼ on (widths up to 4), 2^−15 below; 0 is
-        /// a step, visible at `low` and above
+        /// stored horizon of each side: 1/width of the ramp, a code as of a peak: within 2^−13 from ¼ on (widths up to 4), 2^−15 below; 0
+        /// is a step, visible at `low` and above
         #[unit = "2^−14"]
         #[range(0..=65535)]
         #[port = [u16; 4]]

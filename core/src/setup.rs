@@ -153,18 +153,22 @@ pub fn stored_peak(normal: DVec3, amplitude: f64, exponent: f64) -> StoredPeak {
     }
 }
 
-/// A horizon as a port, from mean and standard deviation of its slopes towards −x, +x, −y, +y; σ ≤ 0 is a step.
-pub fn stored_horizon(mean: [f64; 4], sigma: [f64; 4]) -> StoredHorizon {
-    // √3, by which the uniform law of the same variance reaches beyond the mean (erratum 22).
-    const REACH: f64 = 1.732_050_807_568_877_2;
+/// A horizon as a port, from the least slope of its law and the width of that, towards −x, +x, −y, +y; a width ≤ 0 is a step.
+///
+/// Where the plan takes the product of shares the law is uniform ([`uniform_law`]), else it falls: the density 2(1 − t)/width.
+pub fn stored_horizon(low: [f64; 4], width: [f64; 4]) -> StoredHorizon {
     let mut stored = StoredHorizon::OPEN;
     for side in 0..4 {
-        let reach = REACH * sigma[side];
-        let ramp = reach > 0.0;
-        stored.low[side] = I4F12::from_bits(word_of_16(mean[side] - if ramp { reach } else { 0.0 }, 12));
-        stored.inverse_width[side] = if ramp { code(0.5 / reach, UNITS[2]).max(1) } else { 0 };
+        stored.low[side] = I4F12::from_bits(word_of_16(low[side], 12));
+        stored.inverse_width[side] = if width[side] > 0.0 { code(1.0 / width[side], UNITS[2]).max(1) } else { 0 };
     }
     stored
+}
+
+/// Least slope and width of the uniform law of a mean and a standard deviation: ±√3σ (erratum 22).
+pub fn uniform_law(mean: f64, sigma: f64) -> [f64; 2] {
+    const SQRT_3: f64 = 1.732_050_807_568_877_2;
+    [mean - SQRT_3 * sigma, 2.0 * SQRT_3 * sigma]
 }
 
 /// N, a and n of a stored peak.

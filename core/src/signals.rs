@@ -241,6 +241,15 @@ bundle! {
 }
 
 bundle! {
+    /// How far a direction climbs the horizons of a peak on the sides that it points to.
+    pub struct Ramps<W> {
+        /// Over x and over y, 0 at the least slope of the law and 1 at its end.
+        #[range(0..=1)]
+        axes: [Control<W, SHARE>; 2],
+    }
+}
+
+bundle! {
     /// The exponent m of a highlight, normalised.
     pub struct Shininess<W> {
         /// m, 1…8192.

@@ -51,7 +51,7 @@ fn without_keys(scene: &Scene, effect: Effect) -> Option<(Scene, Precision)> {
             Effect::Peaks => material.peaks = None,
             Effect::Horizon => {
                 if let Some(peaks) = &mut material.peaks {
-                    peaks.shadowing = false;
+                    peaks.shadowing = None;
                 }
             }
         }

@@ -1,12 +1,13 @@
 //! The space in which a test claims something: every named profile, every plan, any bits at the ports.
 
 use fixed::types::I2F30;
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, PeakPlan, ReflectionPlan, SurfacePlan};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::random::SplitMix64;
 
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
 /// Whether tests run over all they claim: set by `cargo sweep`. Without, they run over a part that is quick.
@@ -63,7 +64,7 @@ pub fn effects(datapath: Option<Datapath>) -> Vec<Effects> {
             surfaces.collect()
         }
         Some(Datapath::Peak) => {
-            FRAMES.iter().flat_map(|&frame| switch.map(|horizon| PeakPlan { frame, horizon }.into())).collect()
+            FRAMES.iter().flat_map(|&frame| HORIZONS.map(|horizon| PeakPlan { frame, horizon }.into())).collect()
         }
     }
 }

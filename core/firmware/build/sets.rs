@@ -143,7 +143,7 @@ fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String)
     writeln!(
         text,
         "    Set {{ name: {name:?}, datapath: Datapath::{datapath}, profile: Profile::{}, effects: Effects {{ bump: {}, frame: \
-         FrameSystem::{}, roughness: RoughnessKind::{}, curvature: {}, footprint: {}, horizon: {} }}, inputs: &[{}], outputs: \
+         FrameSystem::{}, roughness: RoughnessKind::{}, curvature: {}, footprint: {}, horizon: HorizonKind::{} }}, inputs: &[{}], outputs: \
          &[{}], names: &{paths:?}, integers: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.bin\")) }},",
         camel(&manifest["profile"]["name"]),
         effects["bump"],
@@ -151,7 +151,7 @@ fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String)
         camel(&effects["roughness"]),
         effects["curvature"],
         effects["footprint"],
-        effects["horizon"],
+        camel(&effects["horizon"]),
         list(true),
         list(false),
     )

@@ -4,7 +4,7 @@ use crate::block::{Block, Number};
 use crate::bundle::bundle;
 use crate::each::each;
 use crate::fx::{Control, Fx, Int};
-use crate::plan::{PeakPlan, SurfacePlan};
+use crate::plan::{HorizonKind, PeakPlan, SurfacePlan};
 use crate::ports::{
     HighlightInput, HighlightOutput, Horizon, LIGHT, Peak, PeakInput, PeakOutput, PortBlock, SHARE, ShininessPort,
 };
@@ -100,17 +100,25 @@ pub fn horizon_slopes<W: Staged>(local: &Block<W, 3>, p: &Precision) -> [AxisSlo
     stage!("horizon.slopes", horizon::slopes(local, p))
 }
 
-/// The share of a peak's facets that light and eye both clear.
+/// The share of a peak's facets that light and eye both clear; 1 where the plan has no horizon.
 #[inline(always)]
 pub fn horizon<W: Staged>(
     light: &[AxisSlope<W>; 2],
     eye: &[AxisSlope<W>; 2],
     stored: &Horizon<W>,
+    kind: HorizonKind,
     p: &Precision,
 ) -> Control<W, SHARE> {
-    let [lit, seen] =
-        each!(slopes in [light, eye] => control_stage!("horizon.visibility", horizon::visibility(slopes, stored, p)));
-    control_stage!("horizon.product", horizon::product::<W>(lit, seen))
+    if kind == HorizonKind::None {
+        return Fx::int(1);
+    }
+    let [lit, seen] = each!(slopes in [light, eye] => stage!("horizon.ramps", horizon::ramps(slopes, stored, p)));
+    match kind {
+        HorizonKind::Product => control_stage!("horizon.product", horizon::independent(&lit, &seen)),
+        HorizonKind::None | HorizonKind::Correlated => {
+            control_stage!("horizon.correlated", horizon::correlated(&lit, &seen))
+        }
+    }
 }
 
 bundle! {
@@ -234,11 +242,11 @@ pub fn leave_highlight<W: Staged>(stages: &LitSurface<W>) -> HighlightOutput<W> 
 pub fn lit_peak<W: Staged>(input: &PeakInput<W>, plan: &PeakPlan, p: &Precision) -> PeakOutput<W> {
     let surface = surface(&input.surface, &plan.surface(), p);
     let lit = peak_light(&surface, &input.light, p);
-    let (eye, slopes, visibility) = if plan.horizon {
+    let (eye, slopes, visibility) = if plan.horizon != HorizonKind::None {
         let eye = local_components(&surface.view, &surface.frame, &surface.normal, p);
         let [of_light, of_eye] = each!(local in [lit.light, eye] => horizon_slopes(&local, p));
         let slopes = each!(axes in [of_light, of_eye] => each!(axis in axes => axis.slope));
-        (eye, slopes, horizon(&of_light, &of_eye, &input.horizon, p))
+        (eye, slopes, horizon(&of_light, &of_eye, &input.horizon, plan.horizon, p))
     } else {
         (Block::zero(), [[Fx::zero(); 2]; 2], Fx::int(1))
     };

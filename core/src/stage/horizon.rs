@@ -1,9 +1,14 @@
-//! Horizon: which share of a peak's facets a direction of light or view clears (F92 §5, erratum 22).
+//! Horizon: which share of a peak's facets light and eye both clear (F92 §5, erratum 22).
 //!
-//! For the axis x of a local direction (x, y, z): visibility = (slope − low)·inverse width, cut to [0, 1], with
-//! slope = z/|x|, low = μ − √3σ and width = 2√3σ of the horizon on the side to which the direction points; the product
-//! over both axes. σ = 0 is a step, visible from μ on; x = 0 is visible. Slopes are cut to ±8, so a stored step at −8
-//! hides nothing. Error of a slope s: 2^−(p−3.2)·max(1, |s|); of a factor, beside that: 2^−17.
+//! For the axis x of a local direction (x, y, z): ramp = (slope − low)·inverse width, cut to [0, 1], with slope = z/|x| and
+//! the stored horizon on the side to which the direction points. A step is visible from its slope on; x = 0 is visible. Slopes are cut to ±8, so a
+//! stored step at −8 hides nothing. Four ramps, of light and eye over both axes, become one share, as the plan says:
+//!
+//! * correlated: a ramp t clears 1 − (1 − t)², a law whose density falls linearly from its low end; of the two smallest shares a ≤ b the
+//!   result is a·(3 + b)/4, between a, where who lies in a hole lies in it for every direction, and a·b;
+//! * product: a ramp is the share, a uniform law, and all four are multiplied.
+//!
+//! Where every share is 0 or 1 both are the same. Error of a slope s: 2^−(p−3.2)·max(1, |s|); of a ramp, beside that: 2^−17.
 
 use crate::block::{Block, MANTISSA, PRODUCT, Product, number};
 use crate::each::each;
@@ -11,7 +16,7 @@ use crate::elementary::{half_reciprocal, short_number};
 use crate::fx::{Control, Fx, Wide, WideControl};
 use crate::ports::{Horizon, SHARE, SLOPE, STORED_SLOPE};
 use crate::precision::Precision;
-use crate::signals::AxisSlope;
+use crate::signals::{AxisSlope, Ramps};
 use crate::word::Word;
 
 /// z/|x| and z/|y| of a local direction of any length.
@@ -45,11 +50,11 @@ const fn slope_bits(p: &Precision) -> u32 {
     p.fraction_bits - 4
 }
 
-/// The share of facets that a direction clears, in [0, 1].
+/// The ramps that a direction climbs over both axes.
 #[inline(always)]
-pub fn visibility<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Precision) -> Control<W, SHARE> {
+pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Precision) -> Ramps<W> {
     let one: Control<W, SHARE> = Fx::int(1);
-    let [x, y] = each!(axis in [0, 1] => {
+    let axes = each!(axis in [0, 1] => {
         let AxisSlope { slope, negative, upright } = slopes[axis];
         let low = Fx::select(negative, horizon.low[2 * axis], horizon.low[2 * axis + 1]);
         let code = Fx::select(negative, horizon.inverse_width[2 * axis], horizon.inverse_width[2 * axis + 1]);
@@ -63,7 +68,32 @@ pub fn visibility<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: 
         let step = Fx::select(above.lt(Fx::zero()), Fx::zero(), one);
         Fx::select(upright, one, Fx::select(code.is_zero(), step, ramp))
     });
-    product::<W>(x, y)
+    Ramps { axes }
+}
+
+/// The share of facets that clear both directions, of falling laws that are correlated, in [0, 1].
+#[inline(always)]
+pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE> {
+    let one: Control<W, SHARE> = Fx::int(1);
+    // The two smallest of four.
+    let [lit, seen] = each!(ramps in [light, eye] => {
+        let [x, y] = ramps.axes;
+        [x.min(y), x.max(y)]
+    });
+    let next = lit[0].max(seen[0]).min(lit[1].min(seen[1]));
+    let [least, next] = each!(t in [lit[0].min(seen[0]), next] => {
+        let hidden = one - t;
+        one - product::<W>(hidden, hidden)
+    });
+    let kept = (Fx::int(3) + next).floor_shr(2);
+    product::<W>(least, kept)
+}
+
+/// The share of facets that clear both directions, of uniform laws that are independent, in [0, 1].
+#[inline(always)]
+pub fn independent<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE> {
+    let [lit, seen] = each!(ramps in [light, eye] => product::<W>(ramps.axes[0], ramps.axes[1]));
+    product::<W>(lit, seen)
 }
 
 /// The product of two shares, rounded to nearest; 1 changes nothing.

@@ -2,18 +2,18 @@
 
 use fixed::types::{I1F15, I2F30, I4F12, I16F16};
 use glam::{DVec3, dvec3};
-use roughxel_core::plan::{FrameSystem, PeakPlan};
+use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, StoredPeak, SurfaceIn};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
+use roughxel_core::setup::{block_vector, stored_peak};
 
 use super::fragment::{bit, direction, random_fragment};
-use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
+use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets, uniform};
 use super::set::CaseSet;
 use roughxel_scene::random::SplitMix64;
 
 /// Every effect.
-pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: true };
+pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: HorizonKind::Correlated };
 
 /// The weight of a peak in 2^−16 as its port.
 fn weight(share: u32) -> I16F16 {
@@ -57,7 +57,7 @@ pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
     let light = 2.0 * eye.dot(half) * half - eye;
     let [mean, sigma] = [(); 2].map(|()| [(); 4].map(|()| random.uniform(-1.0, 1.0)));
     // A quarter of the horizons are steps.
-    let horizon = stored_horizon(mean, sigma.map(|sigma: f64| (sigma + 0.5).max(0.0)));
+    let horizon = uniform(mean, sigma.map(|sigma: f64| (sigma + 0.5).max(0.0)));
     let mut sized = |vector: DVec3| block_vector(vector * random.uniform(-6.0, 6.0).exp2(), p);
     let (normal, view, light) = (sized(normal), sized(eye), sized(light));
     PeakIn {
@@ -113,12 +113,19 @@ pub fn lit_peak_sets(p: &Precision) -> Vec<CaseSet<PeakIn, PeakPlan>> {
     for of in horizon_hard_sets(p) {
         sets.push(set(of.name, of.description, of.cases.into_iter().map(under_horizon).collect()));
     }
+    let ramps = horizon_hard_sets(p).into_iter().filter(|of| of.name == "horizon_at").flat_map(|of| of.cases);
+    sets.push(CaseSet {
+        name: "horizon_product",
+        description: "slopes at and around steps and ramps, shares of light and eye multiplied (F92)",
+        cases: ramps.map(under_horizon).collect(),
+        plan: PeakPlan { horizon: HorizonKind::Product, ..FULL },
+    });
     let natural = random_with(FrameSystem::Natural, p);
     sets.push(CaseSet {
         name: "peak_natural",
         description: "p_u, p_v of any length, skewed, equal, zero; no horizon",
         cases: natural,
-        plan: PeakPlan { frame: FrameSystem::Natural, horizon: false },
+        plan: PeakPlan { frame: FrameSystem::Natural, horizon: HorizonKind::None },
     });
     sets
 }

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, dvec3};
 use roughxel_core::design::LocalInput;
 use roughxel_core::ports::{BlockVector, Port, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, stored_horizon, stored_peak};
+use roughxel_core::setup::{block_vector, stored_horizon, stored_peak, uniform_law};
 use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
 
@@ -84,6 +84,12 @@ pub fn random_peak_case(set: &str, index: u64, p: &Precision) -> PeakCase {
     PeakCase { half, peaks: peaks.collect() }
 }
 
+/// A horizon of uniform laws, from means and standard deviations.
+pub fn uniform(mean: [f64; 4], sigma: [f64; 4]) -> StoredHorizon {
+    let laws: [[f64; 2]; 4] = core::array::from_fn(|side| uniform_law(mean[side], sigma[side]));
+    stored_horizon(laws.map(|law| law[0]), laws.map(|law| law[1]))
+}
+
 /// Case `index` of the random set `set`: light and eye anywhere, horizons from steps to ramps of any width.
 pub fn random_horizon_case(set: &str, index: u64, p: &Precision) -> HorizonCase {
     let random = &mut SplitMix64::for_element(set, index);
@@ -94,7 +100,7 @@ pub fn random_horizon_case(set: &str, index: u64, p: &Precision) -> HorizonCase 
     let (light, eye) = (somewhere(), somewhere());
     let mean = [(); 4].map(|()| random.uniform(-0.5, 1.0) * power_of_two(random, -3.0, 2.5));
     let sigma = [(); 4].map(|()| if random.below(4) == 0 { 0.0 } else { power_of_two(random, -8.0, 1.5) });
-    HorizonCase { light, eye, horizon: stored_horizon(mean, sigma) }
+    HorizonCase { light, eye, horizon: uniform(mean, sigma) }
 }
 
 /// The direction in the frame of the axes.
@@ -242,9 +248,10 @@ fn horizon_at(p: &Precision) -> Vec<HorizonCase> {
     let mut cases = Vec::new();
     // Slopes that are exact in 12 bits, and the horizon there.
     for slope in [-0.75, -0.25, 0.0, 0.25, 1.0, 1.5, 3.0] {
+        // A ramp of ±¼.
         for sigma in [0.0, 0.25 / 3.0_f64.sqrt()] {
             for mean in [slope - 0.25, slope, slope + 0.25] {
-                let horizon = stored_horizon([mean; 4], [sigma; 4]);
+                let horizon = uniform([mean; 4], [sigma; 4]);
                 for run in [dvec3(1.0, 0.0, slope), dvec3(-1.0, 0.0, slope), dvec3(1.0, -1.0, slope)] {
                     for step in [-1, 0, 1] {
                         let mut light = block_vector(run, p);
@@ -265,7 +272,7 @@ fn horizon_side(p: &Precision) -> Vec<HorizonCase> {
     let rises = [0.0, last, -last, 0.6, -0.6, 1.0, -1.0];
     let horizons = [
         stored_horizon([0.3, 0.5, 0.0, 1.0], [0.0; 4]),
-        stored_horizon([0.3, 0.5, -0.2, 1.0], [0.1, 0.4, 0.2, 1e-3]),
+        uniform([0.3, 0.5, -0.2, 1.0], [0.1, 0.4, 0.2, 1e-3]),
         StoredHorizon::OPEN,
     ];
     for (x, y) in runs.into_iter().flat_map(|x| runs.map(|y| (x, y))) {

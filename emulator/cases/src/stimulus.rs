@@ -63,7 +63,7 @@ pub fn port_values(
             let normal = DVec3::new(any(-1.0, 1.0), any(-1.0, 1.0), any(0.0, 1.0));
             let peak = stored_peak(normal, any(-10.0, 6.0).exp2(), any(0.0, 13.0).exp2()).wires();
             let mut four = |low, high| [(); 4].map(|()| any(low, high));
-            let horizon = stored_horizon(four(-1.0, 2.0), four(-0.2, 0.6)).wires();
+            let horizon = stored_horizon(four(-1.5, 1.5), four(-0.6, 2.0)).wires();
             let weight = share(random, 1 << 17);
             vec![integers_at(&PeakInput { surface: wires.surface, light: wires.dview[0], peak, horizon, weight }, p)]
         }
@@ -127,7 +127,7 @@ pub fn port_values(
             });
             if design == Design::Horizon {
                 let mut four = |low, high| [(); 4].map(|()| random.uniform(low, high));
-                let horizon = stored_horizon(four(-1.0, 2.0), four(-0.2, 0.6)).wires();
+                let horizon = stored_horizon(four(-1.5, 1.5), four(-0.6, 2.0)).wires();
                 return vec![integers_at(&HorizonInput { light, eye, horizon }, p)];
             }
             let half = on_words!(p, |surface| {

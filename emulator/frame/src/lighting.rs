@@ -7,10 +7,10 @@ use roughxel_core::bundle::Value;
 use roughxel_core::datapath::{self, Surface, pixel, texel};
 use roughxel_core::each::{each, places};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::SurfacePlan;
+use roughxel_core::plan::{HorizonKind, SurfacePlan};
 use roughxel_core::ports::{BlockVector, Horizon, Port, ShininessPort, StoredHorizon, StoredPeak, SurfaceInput};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak};
+use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak, uniform_law};
 use roughxel_core::signals::{LocalDirection, PeakSum};
 use roughxel_core::width::on_words;
 
@@ -61,15 +61,22 @@ pub(super) struct PeakMap {
     peaks: Vec<PackedPeak>,
     /// As many as peaks, or none.
     horizons: Vec<Horizon<i32>>,
+    /// How they are stored and joined.
+    kind: HorizonKind,
 }
 
 impl PeakMap {
     /// As it is stored, or only its base where nothing is filtered; its horizons where peaks have shadows.
-    pub(super) fn new(pyramid: &PeakPyramid, filters: bool, shadowing: bool) -> Self {
+    pub(super) fn new(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> Self {
         let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
         let stored = |peak: &pyramid::Peak| packed(stored_peak(peak.normal, peak.amplitude, peak.exponent));
         let horizon = |sides: [pyramid::Horizon; 4]| {
-            stored_horizon(sides.map(|side| side.mean), sides.map(|side| side.deviation)).wires()
+            let law = |side: pyramid::Horizon| match kind {
+                HorizonKind::Product => uniform_law(side.mean, side.deviation),
+                HorizonKind::None | HorizonKind::Correlated => [side.low, side.width],
+            };
+            let laws = sides.map(law);
+            stored_horizon(laws.map(|law| law[0]), laws.map(|law| law[1])).wires()
         };
         let texels = kept.iter().flat_map(|level| {
             (0..level.height).flat_map(move |y| (0..level.width).map(move |x| level.texel(x, y).len() as u32))
@@ -84,7 +91,11 @@ impl PeakMap {
             map,
             begins: std::iter::once(0).chain(ends).collect(),
             peaks: peaks().map(stored).collect(),
-            horizons: peaks().filter_map(|peak| peak.horizon.filter(|_| shadowing)).map(horizon).collect(),
+            horizons: peaks()
+                .filter_map(|peak| peak.horizon.filter(|_| kind != HorizonKind::None))
+                .map(horizon)
+                .collect(),
+            kind,
         }
     }
 
@@ -220,7 +231,7 @@ impl Lighting {
         let surface =
             if matches!(self.lobes, Lobes::Highlight(_) | Lobes::Printed(_)) { plan.highlight } else { plan.peaks };
         self.plan = surface?;
-        if let (false, Lobes::Map(map)) = (plan.horizon, &mut self.lobes) {
+        if let (HorizonKind::None, Lobes::Map(map)) = (plan.horizon, &mut self.lobes) {
             map.horizons = Vec::new();
         }
         Some(self)
@@ -329,7 +340,10 @@ impl Lighting {
                         let local = &lit.light;
                         let slopes = &on_words!(p, |local| datapath::horizon_slopes(local, p));
                         let visible = |horizon| {
-                            on_words!(p, |slopes, eye, horizon| Value(datapath::horizon(slopes, eye, horizon, p))).0
+                            on_words!(p, |slopes, eye, horizon| {
+                                Value(datapath::horizon(slopes, eye, horizon, map.kind, p))
+                            })
+                            .0
                         };
                         read.peaks.weigh(read.horizons.iter().map(visible));
                     }

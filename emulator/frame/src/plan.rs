@@ -3,11 +3,11 @@
 //! An effect is switched on by what the scene contains, never by a global default. One value drives the frame, the
 //! vector sets and the reports; [`ObjectPlan::decisions`] says of each effect why it is there or not.
 
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, PeakPlan, ReflectionPlan, SurfacePlan};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use roughxel_maps::bump::BumpPyramid;
-use roughxel_scene::{self as scene, HighlightForm, Object};
+use roughxel_scene::{self as scene, HighlightForm, Object, Shadowing};
 
 /// How a frame is sampled and filtered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +102,7 @@ pub struct ObjectPlan {
     /// The surface that peaks stand on.
     pub peaks: Option<SurfacePlan>,
     /// Peaks have horizons.
-    pub horizon: bool,
+    pub horizon: HorizonKind,
 }
 
 impl ObjectPlan {
@@ -137,7 +137,11 @@ impl ObjectPlan {
                 roughness: RoughnessKind::None,
                 local: true,
             }),
-            horizon: material.peaks.as_ref().is_some_and(|peaks| peaks.shadowing),
+            horizon: match material.peaks.as_ref().and_then(|peaks| peaks.shadowing) {
+                None => HorizonKind::None,
+                Some(Shadowing::Correlated) => HorizonKind::Correlated,
+                Some(Shadowing::Product) => HorizonKind::Product,
+            },
         }
     }
 
@@ -265,7 +269,7 @@ impl ObjectPlan {
             Effect::Curvature => reflection(|plan| plan.curvature),
             Effect::Highlight => self.highlight.is_some(),
             Effect::Peaks => self.peaks.is_some(),
-            Effect::Horizon => self.horizon,
+            Effect::Horizon => self.horizon != HorizonKind::None,
         }
     }
 
@@ -291,8 +295,8 @@ impl ObjectPlan {
             }
             Effect::Curvature => self.change_reflection(|plan| plan.curvature = false),
             Effect::Highlight => self.highlight = None,
-            Effect::Peaks => (self.peaks, self.horizon) = (None, false),
-            Effect::Horizon => self.horizon = false,
+            Effect::Peaks => (self.peaks, self.horizon) = (None, HorizonKind::None),
+            Effect::Horizon => self.horizon = HorizonKind::None,
         }
         self
     }
@@ -354,7 +358,7 @@ impl ObjectPlan {
             Effect::Highlight => "no `highlight`".into(),
             Effect::Peaks if material.peaks.is_some() => "`peaks` and [[light]]".into(),
             Effect::Peaks => "no `peaks`".into(),
-            Effect::Horizon if self.horizon => "`shadowing` of `peaks`".into(),
+            Effect::Horizon if self.has(effect) => "`shadowing` of `peaks`".into(),
             Effect::Horizon if self.peaks.is_some() => "`peaks` without `shadowing`".into(),
             Effect::Horizon => "no `peaks`".into(),
         }

@@ -63,11 +63,11 @@ fn lighting(
     mode: Mode,
     p: &Precision,
 ) -> Option<Lighting> {
-    let shadowing = plan.horizon;
+    let horizon = plan.horizon;
     match (&material.highlight, plan.highlight, &material.peaks, plan.peaks) {
         (Some(highlight), Some(plan), ..) => Some(Lighting::highlight(highlight, lights, plan, p)),
         (.., Some(peaks), Some(plan)) => {
-            let map = pyramid.map(|pyramid| PeakMap::new(pyramid, mode.filters(), shadowing));
+            let map = pyramid.map(|pyramid| PeakMap::new(pyramid, mode.filters(), horizon));
             Some(Lighting::peaks(peaks, map, lights, plan, p))
         }
         _ => None,

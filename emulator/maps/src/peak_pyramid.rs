@@ -9,6 +9,7 @@
 mod build;
 mod cache;
 mod fit;
+mod law;
 mod levels;
 mod scene_peaks;
 mod source;

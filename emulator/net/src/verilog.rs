@@ -24,7 +24,7 @@ use std::fmt::Write as _;
 
 use roughxel_core::design::Design;
 use roughxel_core::knob::Knob;
-use roughxel_core::plan::{Effects, FrameSystem};
+use roughxel_core::plan::{Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -273,8 +273,13 @@ fn names(effects: &Effects) -> String {
         RoughnessKind::Anisotropic => Some("roughness"),
     };
     let on = |on: bool, name| on.then_some(name);
-    let Effects { bump, curvature, footprint, horizon, .. } = *effects;
-    let rest = [on(curvature, "curvature"), on(footprint, "footprint"), on(horizon, "horizon")];
+    let horizon = match effects.horizon {
+        HorizonKind::None => None,
+        HorizonKind::Correlated => Some("horizon"),
+        HorizonKind::Product => Some("horizon-product"),
+    };
+    let Effects { bump, curvature, footprint, .. } = *effects;
+    let rest = [on(curvature, "curvature"), on(footprint, "footprint"), horizon];
     let names: Vec<&str> = [on(bump, "bump"), roughness].into_iter().chain(rest).flatten().collect();
     if names.is_empty() { "none".to_owned() } else { names.join(",") }
 }

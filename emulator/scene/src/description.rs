@@ -3,7 +3,7 @@
 use toml::Spanned;
 
 use crate::error::SceneError;
-use crate::lighting::HighlightForm;
+use crate::lighting::{HighlightForm, Shadowing};
 use crate::source::{ArgumentTable, Exactly, OneOrThree, Source};
 
 /// The whole file.
@@ -129,13 +129,39 @@ pub(crate) struct PeaksDescription {
     pub(crate) exponent: Option<Spanned<f64>>,
     pub(crate) amplitude: Option<Spanned<f64>>,
     pub(crate) colour: Option<Spanned<Exactly<f64, 3>>>,
-    pub(crate) shadowing: Option<Spanned<bool>>,
+    pub(crate) shadowing: Option<Spanned<ShadowingDescription>>,
 }
 
 impl PeaksDescription {
     /// Whether the heights of the bump map are needed besides its offsets.
     pub(crate) fn needs_heights(&self) -> bool {
-        self.given.is_none() && self.shadowing.as_ref().is_some_and(|wanted| *wanted.get_ref())
+        self.given.is_none() && self.shadowing.as_ref().is_some_and(|wanted| wanted.get_ref().0.is_some())
+    }
+}
+
+/// `shadowing = true`, `false` or `"product"`.
+#[derive(Debug)]
+pub(crate) struct ShadowingDescription(pub(crate) Option<Shadowing>);
+
+impl<'de> serde::Deserialize<'de> for ShadowingDescription {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Word;
+        impl serde::de::Visitor<'_> for Word {
+            type Value = ShadowingDescription;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("true, false or \"product\"")
+            }
+            fn visit_bool<E>(self, wanted: bool) -> Result<Self::Value, E> {
+                Ok(ShadowingDescription(wanted.then_some(Shadowing::Correlated)))
+            }
+            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {
+                match name {
+                    "product" => Ok(ShadowingDescription(Some(Shadowing::Product))),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(name), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Word)
     }
 }
 

@@ -35,7 +35,7 @@ pub use error::{Fault, SceneError};
 pub use generate::MapProgress;
 pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
-    PEAK_HEIGHTS, PeakSource, Peaks,
+    PEAK_HEIGHTS, PeakSource, Peaks, Shadowing,
 };
 pub use limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 pub use mesh::MeshError;

@@ -65,8 +65,17 @@ pub struct Peaks {
     pub source: PeakSource,
     /// Linear colour, 0 to 1.
     pub colour: [f32; 3],
-    /// Whether bumps hide each other from light and eye; only with a height map.
-    pub shadowing: bool,
+    /// Whether and how bumps hide each other from light and eye; only with a height map.
+    pub shadowing: Option<Shadowing>,
+}
+
+/// How much of a point is seen and lit, where it stands for many bumps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shadowing {
+    /// Who lies in a hole lies in it for light and eye, over both axes.
+    Correlated,
+    /// The product of four shares, as if they were independent (F92 §5); for comparison.
+    Product,
 }
 
 /// Where peaks come from.

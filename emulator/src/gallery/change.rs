@@ -6,7 +6,9 @@ use glam::DVec3;
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use crate::plan::Effect;
-use crate::scene::{FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Vertex};
+use crate::scene::{
+    FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Shadowing, Vertex,
+};
 
 /// A change before drawing.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +40,7 @@ pub fn no_texture(scene: &mut Scene) {
         let material = &mut object.material;
         (material.colour_map, material.bump) = (None, None);
         if let Some(peaks) = &mut material.peaks {
-            peaks.shadowing = false;
+            peaks.shadowing = None;
             if let PeakSource::Bump { exponent, amplitude } = peaks.source {
                 peaks.source = PeakSource::Given(vec![GivenPeak { amplitude, normal: DVec3::Z, exponent }]);
             }
@@ -58,7 +60,15 @@ pub fn single_normal(scene: &mut Scene) {
 
 /// Bumps that hide each other neither from light nor from eye.
 pub fn no_shadowing(scene: &mut Scene) {
-    scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()).for_each(|p| p.shadowing = false);
+    scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()).for_each(|p| p.shadowing = None);
+}
+
+/// Shares of light and eye that are multiplied, where there are any.
+pub fn product_of_shares(scene: &mut Scene) {
+    let peaks = scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut());
+    for shadowing in peaks.filter_map(|peaks| peaks.shadowing.as_mut()) {
+        *shadowing = Shadowing::Product;
+    }
 }
 
 /// Blinn-Phong, which knows no roughness.
@@ -127,7 +137,7 @@ mod tests {
         assert!(material.colour_map.is_none() && material.bump.is_none());
         let peaks = material.peaks.as_ref().unwrap();
         let one = GivenPeak { amplitude: 2.0, normal: DVec3::Z, exponent: 30.0 };
-        assert_eq!((&peaks.source, peaks.shadowing), (&PeakSource::Given(vec![one]), false));
+        assert_eq!((&peaks.source, peaks.shadowing), (&PeakSource::Given(vec![one]), None));
     }
 
     #[test]
@@ -147,7 +157,7 @@ mod tests {
         let before = scene.objects[0].material.peaks.clone().unwrap();
         no_shadowing(&mut scene);
         let after = scene.objects[0].material.peaks.clone().unwrap();
-        assert!(before.shadowing && !after.shadowing && before.source == after.source);
+        assert!(before.shadowing.is_some() && after.shadowing.is_none() && before.source == after.source);
 
         let mut scene = material("highlight = { exponent = 20 }");
         for (change, form) in

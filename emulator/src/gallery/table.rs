@@ -2,7 +2,7 @@
 
 use super::change::{
     Change, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing, no_texture, plain_highlight,
-    printed_highlight, single_normal,
+    printed_highlight, product_of_shares, single_normal,
 };
 use super::entry::{Column, Entry};
 use crate::plan::{Effect, Mode};
@@ -26,6 +26,9 @@ const SMOOTH: Column = Column { label: NO_TEXTURE, mode: Mode::Unfiltered, chang
 /// The peaks of a multiple surface as one.
 const SINGLE_NORMAL: Column = changed("single normal", Change::Scene(single_normal));
 const NO_SHADOWING: Column = changed("without shadowing", Change::Scene(no_shadowing));
+
+/// F92's own.
+const PRODUCT_OF_SHARES: Column = changed("product of shares", Change::Scene(product_of_shares));
 
 const fn plain(label: &'static str, mode: Mode) -> Column {
     Column { label, mode, change: Change::Nothing }
@@ -163,7 +166,7 @@ pub const ENTRIES: &[Entry] = &[
         name: "horizon-plane",
         source: "F92 Fig. 13",
         shows: "Bumps on a plane that hide each other from the light and from the eye.",
-        columns: &[UNFILTERED, NO_SHADOWING, FILTERED, SAMPLES_16],
+        columns: &[UNFILTERED, NO_SHADOWING, PRODUCT_OF_SHARES, FILTERED, SAMPLES_16],
     },
     Entry {
         name: "horizon-sphere",

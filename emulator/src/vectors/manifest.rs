@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
@@ -202,7 +202,16 @@ struct EffectsDef {
     roughness: RoughnessKind,
     curvature: bool,
     footprint: bool,
-    horizon: bool,
+    #[serde(with = "HorizonKindDef")]
+    horizon: HorizonKind,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "HorizonKind", rename_all = "snake_case")]
+enum HorizonKindDef {
+    None,
+    Correlated,
+    Product,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use fixed::types::{I2F30, I4F28};
-use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::random_fragment;
@@ -244,7 +244,7 @@ fn broken_manifests_are_refused_with_the_reason() {
         (good.replacen("\"format_version\": 3", "\"format_version\": 2", 1), "format version 2 is unknown"),
         (good.replacen("\"reflection\"", "\"refraction\"", 1), "unknown variant `refraction`"),
         (good.replacen("\"datapath\": \"reflection\"", "\"datapath\": \"highlight\"", 1), "does not have are on"),
-        (good.replacen("\"horizon\": false", "\"horizon\": true", 1), "does not have are on"),
+        (good.replacen("\"horizon\": \"none\"", "\"horizon\": \"correlated\"", 1), "does not have are on"),
         (good.replacen("\"curvature\": true", "\"curvature\": false", 1), "`dnormal_0_x`"),
         (good.replacen("\"name\": \"standard\"", "\"name\": \"Best\"", 1), "`Best` is no name of a profile"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 21", 1), "other knobs"),
@@ -410,6 +410,7 @@ fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
             for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
                 for on in 0..16 {
                     let [bump, curvature, footprint, horizon] = [0, 1, 2, 3].map(|bit| on >> bit & 1 == 1);
+                    let horizon = if horizon { HorizonKind::Correlated } else { HorizonKind::None };
                     let effects = Effects { bump, frame, roughness, curvature, footprint, horizon };
                     if effects != effects.of(datapath) {
                         continue;

@@ -1,4 +1,4 @@
-//! Horizon: slopes and visibility against the reference, stored formats, hard cases, and every reading.
+//! Horizon: slopes and visibility, of shares that are correlated and of independent ones, against the reference, stored formats, hard cases, and every reading.
 
 use rayon::prelude::*;
 use roughxel_core::block::Block;
@@ -6,14 +6,15 @@ use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::design::HorizonInput;
 use roughxel_core::fx::Fx;
+use roughxel_core::plan::HorizonKind;
 use roughxel_core::ports::{BlockVector, Horizon, Port, SHARE, StoredHorizon};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, real_horizon, real_vector, stored_horizon};
+use roughxel_core::setup::{block_vector, real_horizon, real_vector, stored_horizon, uniform_law};
 use roughxel_core::signals::AxisSlope;
 use roughxel_core::stage::enter::enter;
 use roughxel_core::stage::horizon::{self, product};
 use roughxel_core::width::on_words;
-use roughxel_emulator::cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case};
+use roughxel_emulator::cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case, uniform};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
@@ -35,19 +36,25 @@ fn slopes(direction: &BlockVector, p: &Precision) -> [AxisSlope<i32>; 2] {
     on_words!(p, |local| datapath::horizon_slopes(local, p))
 }
 
+/// How shares are joined, and the same by the reference.
+const KINDS: [(HorizonKind, fn(&[f64]) -> f64); 2] =
+    [(HorizonKind::Correlated, reference::correlated), (HorizonKind::Product, reference::product)];
+
 /// What light and eye both clear.
 fn clear(
     light: &[AxisSlope<i32>; 2],
     eye: &[AxisSlope<i32>; 2],
     stored: &Horizon<i32>,
+    kind: HorizonKind,
     p: &Precision,
 ) -> Fx<i32, SHARE> {
-    on_words!(p, |light, eye, stored| Value(datapath::horizon(light, eye, stored, p))).0
+    on_words!(p, |light, eye, stored| Value(datapath::horizon(light, eye, stored, kind, p))).0
 }
 
-/// What one direction clears.
+/// What one direction clears if axes are independent.
 fn visibility(slopes: &[AxisSlope<i32>; 2], stored: &Horizon<i32>, p: &Precision) -> Fx<i32, SHARE> {
-    on_words!(p, |slopes, stored| Value(horizon::visibility(slopes, stored, p))).0
+    let ramps = on_words!(p, |slopes, stored| horizon::ramps(slopes, stored, p));
+    product::<i32>(ramps.axes[0], ramps.axes[1])
 }
 
 fn real_slope(slope: &AxisSlope<i32>) -> f64 {
@@ -58,13 +65,10 @@ fn share(x: Fx<i32, 16>) -> f64 {
     f64::from(x.raw()) / f64::from(CLEAR)
 }
 
-/// Mean and deviation of the slopes that a stored horizon stands for.
+/// The laws that a stored horizon stands for.
 fn sides(stored: &StoredHorizon) -> [Side; 4] {
     let (low, inverse) = real_horizon(stored);
-    core::array::from_fn(|side| match inverse[side] {
-        None => Side { mean: low[side], sigma: 0.0 },
-        Some(inverse) => Side { mean: low[side] + 0.5 / inverse, sigma: 0.5 / inverse / 3_f64.sqrt() },
-    })
+    core::array::from_fn(|side| Side { low: low[side], width: inverse[side].map_or(0.0, f64::recip) })
 }
 
 /// Every case of the random set and of the hard ones.
@@ -101,15 +105,17 @@ fn visibility_holds_its_bar_at_the_slopes_of_the_datapath() {
         let bar = shading_bars(name).expect("a profile has bars").visibility;
         let error = |case: &HorizonCase| {
             let (light, eye) = (slopes(&case.light, &p), slopes(&case.eye, &p));
-            let got = share(clear(&light, &eye, &case.horizon.wires(), &p));
             let sides = sides(&case.horizon);
-            let want: f64 = [light, eye]
+            let ramps: Vec<f64> = [light, eye]
                 .iter()
                 .flat_map(|slopes| slopes.iter().enumerate())
                 .filter(|(_, slope)| !slope.upright)
                 .map(|(axis, slope)| reference::ramp(real_slope(slope), sides[2 * axis + usize::from(!slope.negative)]))
-                .product();
-            (got - want).abs()
+                .collect();
+            let errors = KINDS.map(|(kind, joined)| {
+                (share(clear(&light, &eye, &case.horizon.wires(), kind, &p)) - joined(&ramps)).abs()
+            });
+            errors[0].max(errors[1])
         };
         let worst = cases(name, &p).par_iter().map(error).reduce(|| 0.0, f64::max);
         println!("{name:8} visibility 2^{:.3}, bar 2^{:.1}", worst.log2(), bar.log2());
@@ -124,24 +130,27 @@ fn visibility_errs_by_the_slope_over_the_width_of_the_ramp() {
         let bars = shading_bars(name).expect("a profile has bars");
         let check = |case: &HorizonCase| -> f64 {
             let sides = sides(&case.horizon);
-            let mut allowed = bars.visibility;
-            let mut want = 1.0;
+            let mut allowed = 0.0;
+            let mut ramps = Vec::new();
             for direction in [real_vector(&case.light), real_vector(&case.eye)] {
-                want *= reference::visibility(direction.to_array(), &sides);
+                ramps.extend(reference::ramps(direction.to_array(), &sides));
                 for (axis, along) in [direction.x, direction.y].into_iter().enumerate().filter(|(_, x)| *x != 0.0) {
                     let (slope, side) = (direction.z / along.abs(), sides[2 * axis + usize::from(along > 0.0)]);
                     let error = bars.slope * slope.abs().clamp(1.0, 8.0);
                     // Beyond ±8 a slope is cut, and a ramp may go on; a step jumps within the error.
                     let cut = slope.abs() - 8.0;
-                    let width = 12_f64.sqrt() * side.sigma;
-                    let jumps = (slope - side.mean).abs() <= error || cut > 0.0;
+                    let jumps = (slope - side.low).abs() <= error || cut > 0.0;
                     allowed +=
-                        if side.sigma > 0.0 { (error + cut.max(0.0)) / width } else { f64::from(u8::from(jumps)) };
+                        if side.width > 0.0 { (error + cut.max(0.0)) / side.width } else { f64::from(u8::from(jumps)) };
                 }
             }
             let (light, eye) = (slopes(&case.light, &p), slopes(&case.eye, &p));
-            let got = share(clear(&light, &eye, &case.horizon.wires(), &p));
-            assert!((got - want).abs() <= allowed, "{name}: {got} for {want}, {case:?}");
+            for (kind, joined) in KINDS {
+                // A share rises at most twice as fast as its ramp.
+                let allowed = bars.visibility + if kind == HorizonKind::Correlated { 2.0 * allowed } else { allowed };
+                let (got, want) = (share(clear(&light, &eye, &case.horizon.wires(), kind, &p)), joined(&ramps));
+                assert!((got - want).abs() <= allowed, "{name}: {got} for {want}, {case:?}");
+            }
             allowed
         };
         let tight = cases(name, &p).par_iter().filter(|case| check(case) < 0.01).count();
@@ -157,7 +166,9 @@ fn a_light_on_a_step_is_visible_and_one_bit_below_it_is_not() {
             let horizon = stored_horizon([slope; 4], [0.0; 4]).wires();
             for x in [1.0, -1.0] {
                 let exact = block_vector(glam::dvec3(x, 0.0, slope), &p);
-                let lit = |direction: &BlockVector| clear(&slopes(direction, &p), &eye, &horizon, &p).raw();
+                let lit = |direction: &BlockVector| {
+                    clear(&slopes(direction, &p), &eye, &horizon, HorizonKind::Correlated, &p).raw()
+                };
                 assert_eq!(lit(&exact), CLEAR, "{name} {slope}");
                 // A last place of the slope, which is above that of the mantissa.
                 for (step, expected) in [(-1, 0), (1, CLEAR)] {
@@ -176,8 +187,10 @@ fn an_open_horizon_changes_no_bit_of_a_weight() {
     for (name, p) in profiles() {
         for (index, case) in cases(name, &p).iter().enumerate().take(50_000) {
             let (light, eye) = (slopes(&case.light, &p), slopes(&case.eye, &p));
-            let open = clear(&light, &eye, &StoredHorizon::OPEN.wires(), &p);
-            assert_eq!(open.raw(), CLEAR, "{name} {index}");
+            for (kind, _) in KINDS {
+                let open = clear(&light, &eye, &StoredHorizon::OPEN.wires(), kind, &p);
+                assert_eq!(open.raw(), CLEAR, "{name} {index}");
+            }
         }
         for weight in 0..=CLEAR {
             assert_eq!(product::<i32>(Fx::from_raw(weight), Fx::from_raw(CLEAR)).raw(), weight);
@@ -189,14 +202,14 @@ fn an_open_horizon_changes_no_bit_of_a_weight() {
 #[test]
 fn straight_up_and_straight_down_every_horizon_is_clear() {
     for (name, p) in profiles() {
-        let high = stored_horizon([7.9; 4], [0.0, 1.0, 0.0, 1.0]).wires();
+        let high = uniform([7.9; 4], [0.0, 1.0, 0.0, 1.0]).wires();
         for z in [1.0, -1.0, 0.0] {
             let upright = slopes(&block_vector(glam::dvec3(0.0, 0.0, z), &p), &p);
             assert_eq!(visibility(&upright, &high, &p).raw(), CLEAR, "{name} {z}");
         }
         // Along one axis only that axis hides.
         let along = slopes(&block_vector(glam::dvec3(0.0, -1.0, 0.5), &p), &p);
-        let sides = |y: f64| stored_horizon([7.9, 7.9, y, 7.9], [0.0; 4]).wires();
+        let sides = |y: f64| uniform([7.9, 7.9, y, 7.9], [0.0; 4]).wires();
         assert_eq!(visibility(&along, &sides(0.4), &p).raw(), CLEAR);
         assert_eq!(visibility(&along, &sides(0.6), &p).raw(), 0);
     }
@@ -206,7 +219,7 @@ fn straight_up_and_straight_down_every_horizon_is_clear() {
 fn visibility_rises_with_the_slope() {
     for (name, p) in profiles() {
         for (mean, sigma) in [(0.5, 0.0), (0.5, 0.01), (0.0, 0.4), (1.0, 2.0), (-0.3, 0.1)] {
-            let horizon = stored_horizon([mean; 4], [sigma; 4]).wires();
+            let horizon = uniform([mean; 4], [sigma; 4]).wires();
             let at =
                 |slope: f64| visibility(&slopes(&block_vector(glam::dvec3(0.6, -0.3, slope), &p), &p), &horizon, &p);
             let values: Vec<i32> = (-400..1600).map(|step| at(f64::from(step) * 0.003).raw()).collect();
@@ -222,24 +235,26 @@ fn a_stored_horizon_is_within_its_stated_error() {
     for _ in 0..100_000 {
         let mean = [(); 4].map(|()| random.uniform(-4.0, 6.0));
         let sigma = [(); 4].map(|()| random.uniform(-11.0, 1.0).exp2() * if random.below(4) == 0 { 0.0 } else { 1.0 });
-        let (low, inverse) = real_horizon(&stored_horizon(mean, sigma));
-        for side in 0..4 {
-            let reach = 3_f64.sqrt() * sigma[side];
-            assert!((low[side] - (mean[side] - reach)).abs() <= 2.0_f64.powi(-13));
+        let laws: [[f64; 2]; 4] = core::array::from_fn(|side| uniform_law(mean[side], sigma[side]));
+        let (low, inverse) = real_horizon(&uniform(mean, sigma));
+        for (side, [least, width]) in laws.into_iter().enumerate() {
+            let law = Side::uniform(mean[side], sigma[side]);
+            assert!((law.low - least).abs() < 1e-14 && (law.width - width).abs() < 1e-14);
+            assert!((low[side] - least).abs() <= 2.0_f64.powi(-13));
             match inverse[side] {
                 None => assert_eq!(sigma[side], 0.0),
                 Some(got) => {
-                    let exact = 0.5 / reach;
+                    let exact = width.recip();
                     let error = if exact >= 0.25 { exact * 2.0_f64.powi(-13) } else { 2.0_f64.powi(-15) };
                     assert!((got - exact).abs() <= error, "{exact} {got}");
                 }
             }
         }
     }
-    let (low, inverse) = real_horizon(&stored_horizon([100.0, -100.0, 1.0, f64::NAN], [0.0, 0.0, 1e9, f64::NAN]));
+    let (low, inverse) = real_horizon(&uniform([100.0, -100.0, 1.0, f64::NAN], [0.0, 0.0, 1e9, f64::NAN]));
     assert_eq!(low, [8.0 - 2.0_f64.powi(-12), -8.0, -8.0, 0.0]);
     assert_eq!(inverse, [None, None, Some(2.0_f64.powi(-14)), None]);
-    assert_eq!(real_horizon(&stored_horizon([0.0; 4], [1e-9; 4])).1, [Some(8191.0); 4]);
+    assert_eq!(real_horizon(&uniform([0.0; 4], [1e-9; 4])).1, [Some(8191.0); 4]);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::fx::{Control, Fx};
-use roughxel_core::plan::{FrameSystem, PeakPlan};
+use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, LIGHT, PeakIn, PeakInput, PeakOut, Port};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{real_peak, real_vector};
@@ -15,7 +15,7 @@ use roughxel_core::status::StatusBit;
 use roughxel_core::width::on_words;
 use roughxel_emulator::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
 use roughxel_host_tests::bars::{LIT_PEAK_BARS, shading_bars};
-use roughxel_host_tests::reference::horizon::{Side, ramp};
+use roughxel_host_tests::reference::horizon::{Side, correlated, product, ramp};
 use roughxel_host_tests::reference::linear::{dot, norm};
 use roughxel_host_tests::reference::{frame, highlight, peaks};
 use roughxel_host_tests::space::profiles;
@@ -76,21 +76,19 @@ fn a_local_half_vector_holds_its_bar_from_the_ports_on() {
     }
 }
 
-/// The share of facets that both slopes of a direction clear, by the reference.
-fn clears(case: &PeakIn, local: &BlockVector, slopes: [f64; 2]) -> f64 {
+/// The ramps that both slopes of a direction climb, by the reference.
+fn climbs(case: &PeakIn, local: &BlockVector, slopes: [f64; 2]) -> [f64; 2] {
     let side = |index: usize| {
         let (low, code) = (case.horizon.low[index].to_num::<f64>(), case.horizon.wires().inverse_width[index].raw());
         let inverse = f64::from(if code < 4096 { code } else { 4096 + code % 4096 })
             * f64::from((code >> 12).max(1) - 1).exp2()
             / 16384.0;
-        let half_width = if code == 0 { 0.0 } else { 0.5 / inverse };
-        Side { mean: low + half_width, sigma: half_width / 3.0_f64.sqrt() }
+        Side { low, width: if code == 0 { 0.0 } else { 1.0 / inverse } }
     };
-    let axis = |axis: usize| match local.mantissa[axis].to_bits().signum() {
+    [0, 1].map(|axis: usize| match local.mantissa[axis].to_bits().signum() {
         0 => 1.0,
         sign => ramp(slopes[axis], side(2 * axis + usize::from(sign > 0))),
-    };
-    axis(0) * axis(1)
+    })
 }
 
 #[test]
@@ -98,9 +96,12 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
     for ((name, p), [_, bar]) in profiles().into_iter().zip(LIT_PEAK_BARS) {
         let errors = |index| {
             let case = random_lit_peak("lit light", index, &p);
-            let out = case.shine(&FULL, &p);
+            let (horizon, joined): (_, fn(&[f64]) -> f64) =
+                if index % 4 == 0 { (HorizonKind::Product, product) } else { (HorizonKind::Correlated, correlated) };
+            let out = case.shine(&PeakPlan { horizon, ..FULL }, &p);
             let [light, eye] = out.slopes.map(|axes| axes.map(|slope| slope.to_num::<f64>()));
-            let want = clears(&case, &out.local_light, light) * clears(&case, &out.local_eye, eye);
+            let ramps = [climbs(&case, &out.local_light, light), climbs(&case, &out.local_eye, eye)];
+            let want = joined(ramps.as_flattened());
             let visibility = out.visibility.to_num::<f64>();
             let lit = if raised(&out, StatusBit::LightBelowSurface) { 0.0 } else { 1.0 };
             let share = case.weight.to_num::<f64>().clamp(0.0, 1.0) * visibility * lit;
@@ -170,8 +171,7 @@ fn light_of_parts<W: Staged<Count = i32, Flag = bool>>(
     }
     let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
     let slopes = [lit.light, eye].map(|local| datapath::horizon_slopes(&local, p));
-    let visibility =
-        if plan.horizon { datapath::horizon(&slopes[0], &slopes[1], &input.horizon, p) } else { Fx::lit(1 << 16) };
+    let visibility = datapath::horizon(&slopes[0], &slopes[1], &input.horizon, plan.horizon, p);
     datapath::peak(&lit.direction, &input.peak, visibility, p)
 }
 
@@ -180,7 +180,8 @@ fn a_whole_peak_has_the_bits_of_its_parts() {
     for (_, p) in profiles() {
         for index in 0..2000 {
             let frame = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
-            let plan = PeakPlan { frame: frame[index as usize % 3], horizon: index % 2 == 0 };
+            let horizon = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product][index as usize / 3 % 3];
+            let plan = PeakPlan { frame: frame[index as usize % 3], horizon };
             let case = PeakIn { weight: I16F16::ONE, ..random_lit_peak("parts", index, &p) };
             let whole = case.shine(&plan, &p).peak.to_bits();
             assert_eq!(whole, from_parts(&case, &plan, &p).min((64 << 24) - 1), "{case:?}");

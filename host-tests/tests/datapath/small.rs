@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::plan::{Datapath, Effects, HorizonKind};
 use roughxel_core::ports::{HighlightIn, HighlightInput, PeakIn, PeakInput, Port, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::small::{Full, Half, WideFull, WideHalf, leading_zeros_by_table, product_by_adds, product_by_table};
@@ -163,7 +163,7 @@ fn random_fragments_have_the_bits_of_the_scalar_reading_in_every_plan() {
         let plans = effects(Some(Datapath::Reflection));
         for index in 0..whole_or(200_000, 4_000) {
             let mut plan = plans[index as usize % plans.len()];
-            plan.horizon = index & 1 == 0;
+            plan.horizon = [HorizonKind::Correlated, HorizonKind::Product, HorizonKind::None][index as usize % 3];
             let (reflection, light, peak) = (
                 random_fragment("small", index, &p).wires(),
                 random_light("small", index, &p).wires(),

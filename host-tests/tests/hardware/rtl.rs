@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use roughxel_core::design::Design;
-use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::stimulus::{port_values, within};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
@@ -50,7 +50,12 @@ fn variants() -> [(&'static str, Effects); 5] {
         ("smooth", Effects { roughness: RoughnessKind::None, ..FULL }),
         (
             "natural",
-            Effects { frame: FrameSystem::Natural, roughness: RoughnessKind::Isotropic, horizon: false, ..FULL },
+            Effects {
+                frame: FrameSystem::Natural,
+                roughness: RoughnessKind::Isotropic,
+                horizon: HorizonKind::Product,
+                ..FULL
+            },
         ),
         ("normalised", Effects { frame: FrameSystem::NaturalNormalised, ..FULL }),
     ]

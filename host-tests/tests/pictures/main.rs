@@ -2,4 +2,6 @@
 
 mod frames;
 mod peak_pyramid;
+mod photographs;
 mod plan;
+mod shadows;

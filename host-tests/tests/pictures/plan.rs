@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{FrameSystem, ReflectionPlan, SurfacePlan};
+use roughxel_core::plan::{FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{Port, PortBlock, ReflectionInput};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_core::signals::TexturePosition;
@@ -298,7 +298,7 @@ fn full(frame: FrameSystem) -> ObjectPlan {
         reflection: Some(reflection),
         highlight: Some(reflection.surface()),
         peaks: Some(SurfacePlan { bump: false, frame, roughness: RoughnessKind::None, local: true }),
-        horizon: true,
+        horizon: HorizonKind::Correlated,
     }
 }
 
@@ -360,11 +360,11 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
         });
         let (surface, lit) = made.unwrap();
         let mut weights: Vec<_> = peaks.iter().map(|(_, weight)| Fx::lit(i64::from(*weight))).collect();
-        if plan.horizon {
+        if plan.horizon != HorizonKind::None {
             enter(entered, "horizon", || {
                 let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
                 let [light, eye] = [&lit.light, &eye].map(|local| datapath::horizon_slopes(local, p));
-                weights.fill_with(|| datapath::horizon(&light, &eye, &reread(&stored.wires()), p));
+                weights.fill_with(|| datapath::horizon(&light, &eye, &reread(&stored.wires()), plan.horizon, p));
             });
         }
         enter(entered, "peaks", || {
@@ -462,7 +462,7 @@ fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precisi
             Effect::Peaks => material.peaks = None,
             Effect::Horizon => {
                 if let Some(peaks) = &mut material.peaks {
-                    peaks.shadowing = false;
+                    peaks.shadowing = None;
                 }
             }
         }

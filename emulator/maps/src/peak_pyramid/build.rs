@@ -4,9 +4,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::fit;
+use super::law::{Tally, knot};
 use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid};
 use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, MAX_SURFACE_WEIGHT, PeakError, PeakSource, unit};
-use super::spread::{Facet, HEMISPHERE, Spread, power, sharpened, spread_exponent};
+use super::spread::{Facet, density, power, sharpened, spread_exponent};
 use crate::horizon::{HorizonSlopes, horizon_slopes};
 use crate::mip::{Cover, covers};
 
@@ -62,6 +63,8 @@ struct Base {
     amplitudes: Vec<f64>,
     /// Towards −x, +x, −y, +y; empty without heights.
     slopes: Vec<HorizonSlopes>,
+    /// The knots of a tally that clear them.
+    knots: Vec<[u8; 4]>,
     exponent: f64,
 }
 
@@ -98,66 +101,63 @@ impl Base {
             height: source.height as usize,
             amplitudes: normals.iter().map(|normal| options.amplitude * weight(normal)).collect(),
             normals,
+            knots: slopes.iter().map(|sides| sides.map(knot)).collect(),
             slopes,
             exponent: options.exponent,
         })
     }
 
     fn level(&self) -> PeakLevel {
-        let single = |index| self.peaks(&[self.facet(index, 1.0)]);
+        let single = |index| {
+            let texel = Texel { index, amplitude: self.amplitudes[index] };
+            let facet = Facet { normal: self.normals[index], amplitude: texel.amplitude, texels: 1 };
+            self.peaks(&[facet], &[texel])
+        };
         PeakLevel::new(self.width as u32, self.height as u32, (0..self.normals.len()).map(single))
     }
 
-    /// One texel of level 0, by its share of the area it is gathered for.
-    fn facet(&self, index: usize, share: f64) -> Facet {
-        let amplitude = share * self.amplitudes[index];
-        let weighted = |slope: f64| [amplitude * slope, amplitude * slope * slope];
-        let slopes = self.slopes.get(index).map_or([[0.0; 2]; 4], |slopes| slopes.map(weighted));
-        Facet { normal: self.normals[index], amplitude, slopes }
-    }
-
-    /// Distinct normals below a texel, in the order of their coordinates' bits; none of amplitude 0.
-    fn facets(&self, column: &Cover, row: &Cover) -> Vec<Facet> {
+    /// Texels of level 0 below a texel in the order of their normals' bits, none of amplitude 0, and the facets of those that share one.
+    fn facets(&self, column: &Cover, row: &Cover) -> (Vec<Facet>, Vec<Texel>) {
         let area = (column.total() * row.total()) as f64;
-        let mut facets: Vec<Facet> = (row.first..=row.last)
+        let mut texels: Vec<Texel> = (row.first..=row.last)
             .flat_map(|y| (column.first..=column.last).map(move |x| (x, y)))
-            .map(|(x, y)| self.facet(y * self.width + x, (column.weight(x) * row.weight(y)) as f64 / area))
-            .filter(|facet| facet.amplitude > 0.0)
+            .map(|(x, y)| {
+                let index = y * self.width + x;
+                Texel { index, amplitude: (column.weight(x) * row.weight(y)) as f64 / area * self.amplitudes[index] }
+            })
+            .filter(|texel| texel.amplitude > 0.0)
             .collect();
         // Stable: equal normals are summed in the order of rows.
-        facets.sort_by_key(|facet| facet.normal.to_array().map(f64::to_bits));
-        facets.dedup_by(|next, kept| {
-            let same = next.normal == kept.normal;
-            if same {
-                kept.amplitude += next.amplitude;
-                for (sum, slope) in kept.slopes.iter_mut().flatten().zip(next.slopes.iter().flatten()) {
-                    *sum += slope;
-                }
-            }
-            same
-        });
-        facets
+        texels.sort_by_key(|texel| self.normals[texel.index].to_array().map(f64::to_bits));
+        let same = |a: &Texel, b: &Texel| self.normals[a.index] == self.normals[b.index];
+        let facet = |texels: &[Texel]| Facet {
+            normal: self.normals[texels[0].index],
+            amplitude: texels.iter().fold(0.0, |sum, texel| sum + texel.amplitude),
+            texels: texels.len(),
+        };
+        (texels.chunk_by(same).map(facet).collect(), texels)
     }
 
     /// Peaks of one texel above level 0, and the fit if it took one.
     fn texel(&self, column: &Cover, row: &Cover) -> (Vec<Peak>, Option<fit::Fit>) {
-        let facets = self.facets(column, row);
+        let (facets, texels) = self.facets(column, row);
         if facets.len() <= MAX_PEAKS {
-            return (self.peaks(&facets), None);
+            return (self.peaks(&facets, &texels), None);
         }
-        let spread = Spread::new(&facets, self.exponent, !self.slopes.is_empty());
-        let fit = fit::fit(&spread.density, spread_exponent(self.exponent));
+        let spread = spread_exponent(self.exponent);
+        let fit = fit::fit(&density(&facets, self.exponent), spread);
+        let shares = if self.slopes.is_empty() { Vec::new() } else { shares(&fit.peaks, &facets) };
         let peaks = fit
             .peaks
             .iter()
-            .map(|peak| {
+            .enumerate()
+            .map(|(index, peak)| {
                 let exponent = sharpened(peak.exponent, self.exponent).clamp(*EXPONENTS.start(), *EXPONENTS.end());
-                let share = |direction: &DVec3| power(peak.direction.dot(*direction), peak.exponent);
                 Peak {
                     amplitude: peak.amplitude * (exponent + 1.0) / (peak.exponent + 1.0),
                     normal: peak.direction,
                     exponent,
-                    horizon: (!self.slopes.is_empty()).then(|| collect(&spread, share)),
+                    horizon: self.horizon(&facets, &texels, |facet| shares[facet][index]),
                 }
             })
             .collect();
@@ -165,40 +165,66 @@ impl Base {
     }
 
     /// Facets as peaks of their own.
-    fn peaks(&self, facets: &[Facet]) -> Vec<Peak> {
-        let peak = |facet: &Facet| Peak {
-            amplitude: facet.amplitude,
-            normal: facet.normal,
-            exponent: self.exponent,
-            horizon: (!self.slopes.is_empty()).then(|| facet.slopes.map(|sums| distribution(facet.amplitude, sums))),
+    fn peaks(&self, facets: &[Facet], texels: &[Texel]) -> Vec<Peak> {
+        let mut rest = texels;
+        let peak = |facet: &Facet| {
+            let (own, others) = rest.split_at(facet.texels);
+            rest = others;
+            Peak {
+                amplitude: facet.amplitude,
+                normal: facet.normal,
+                exponent: self.exponent,
+                horizon: self.horizon(std::slice::from_ref(facet), own, |_| 1.0),
+            }
         };
         facets.iter().map(peak).collect()
     }
-}
 
-/// Horizons that a peak sees: those of the samples, by their density and the peak's share in each.
-fn collect(spread: &Spread, share: impl Fn(&DVec3) -> f64) -> [Horizon; 4] {
-    let (mut density, mut slopes) = (0.0, [[0.0; 2]; 4]);
-    for (sample, direction) in HEMISPHERE.directions.iter().enumerate() {
-        let weight = HEMISPHERE.solid_angles[sample] * share(direction);
-        density += weight * spread.density[sample];
-        for (sum, slope) in slopes.iter_mut().flatten().zip(spread.slopes[sample].iter().flatten()) {
-            *sum += weight * slope;
+    /// The horizons of facets, by their amplitude and a peak's share in each, by its index; `None` without heights.
+    fn horizon(&self, facets: &[Facet], texels: &[Texel], share: impl Fn(usize) -> f64) -> Option<[Horizon; 4]> {
+        if self.slopes.is_empty() {
+            return None;
         }
+        let mut sides = [Tally::EMPTY; 4];
+        let mut rest = texels;
+        for (index, facet) in facets.iter().enumerate() {
+            let (own, others) = rest.split_at(facet.texels);
+            rest = others;
+            let share = share(index);
+            for texel in own.iter().filter(|_| share > 0.0) {
+                let (slopes, knots) = (self.slopes[texel.index], self.knots[texel.index]);
+                for ((tally, slope), knot) in sides.iter_mut().zip(slopes).zip(knots) {
+                    tally.add(share * texel.amplitude, slope, knot);
+                }
+            }
+        }
+        Some(sides.map(|tally| tally.law()))
     }
-    slopes.map(|sums| distribution(density, sums))
 }
 
-/// Mean and deviation of slopes from their weighted sums; both 0 where the weight is.
-fn distribution(weight: f64, [sum, squares]: [f64; 2]) -> Horizon {
-    if weight <= 0.0 {
-        return Horizon::default();
-    }
-    let mean = sum / weight;
-    // Rounding leaves up to some ulps of the mean square where all slopes are the same.
-    let variance = squares / weight - mean * mean;
-    let noise = 1e-12 * mean * mean;
-    Horizon { mean, deviation: if variance > noise { variance.sqrt() } else { 0.0 } }
+/// The share that each peak has in each facet: of the density that all peaks together have at its normal.
+///
+/// A facet that turns away from an eye is behind a horizon for it. Peaks that kept those of all facets around them, not only of those they stand for,
+/// would hide what is in sight: far away, where a surface is rough, 5 to 15 % of the light.
+fn shares(peaks: &[fit::FittedPeak], facets: &[Facet]) -> Vec<[f64; MAX_PEAKS]> {
+    let share = |facet: &Facet| {
+        let mut shares = [0.0; MAX_PEAKS];
+        for (share, peak) in shares.iter_mut().zip(peaks) {
+            *share = peak.amplitude * power(peak.direction.dot(facet.normal), peak.exponent);
+        }
+        let sum: f64 = shares.iter().sum();
+        if sum > 0.0 { shares.map(|share| share / sum) } else { shares }
+    };
+    facets.iter().map(share).collect()
+}
+
+/// A texel of level 0 in one above it.
+#[derive(Clone, Copy)]
+struct Texel {
+    /// In rows.
+    index: usize,
+    /// Its amplitude times its share of the area.
+    amplitude: f64,
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, PeakError, 
 use crate::levels::level_sizes;
 
 /// First bytes of a file; the number changes with the format and with every change of what is built.
-const MAGIC: &[u8] = b"roughxel peak pyramid 2\n";
+const MAGIC: &[u8] = b"roughxel peak pyramid 3\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
 /// Bytes of the counts that precede the levels.
@@ -40,7 +40,7 @@ impl PeakPyramid {
     /// As [`PeakPyramid::build`], but reads the pyramid from a directory if it was built before, and keeps it there if not.
     ///
     /// The directory is made if it is missing; `progress` is not called where the pyramid is read. A cache file of the largest map
-    /// with heights has 0.3 GB. Errors: those of [`PeakPyramid::build`] only.
+    /// with heights has 0.5 GB. Errors: those of [`PeakPyramid::build`] only.
     pub fn cached(
         directory: &Path,
         source: &PeakSource,
@@ -105,9 +105,8 @@ fn write(path: &Path, key: &[u8; HASH], pyramid: &PeakPyramid) -> io::Result<()>
                 let mut number = |value: f64| bytes.extend(value.to_le_bytes());
                 for peak in texel {
                     [peak.amplitude, peak.exponent].into_iter().chain(peak.normal.to_array()).for_each(&mut number);
-                    for Horizon { mean, deviation } in peak.horizon.iter().flatten() {
-                        number(*mean);
-                        number(*deviation);
+                    for Horizon { mean, deviation, low, width } in peak.horizon.iter().flatten() {
+                        [*mean, *deviation, *low, *width].into_iter().for_each(&mut number);
                     }
                 }
             }
@@ -127,7 +126,7 @@ fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyrami
     let metadata = file.metadata().ok()?;
     // The file is as long as its peaks; no pyramid of this size is longer than this.
     let texels = all_texels(source);
-    let peak = 8 * (5 + if source.heights.is_some() { 8 } else { 0 });
+    let peak = 8 * (5 + if source.heights.is_some() { 16 } else { 0 });
     let longest = (MAGIC.len() + 2 * HASH + COUNTS) as u64 + texels * (8 + MAX_PEAKS as u64 * peak);
     if !metadata.is_file() || metadata.len() > longest {
         return None;
@@ -196,7 +195,12 @@ fn peak(numbers: &mut Numbers<'_>, with_horizon: bool) -> Option<Peak> {
     }
     let mut horizon = with_horizon.then_some([Horizon::default(); 4]);
     for side in horizon.iter_mut().flatten() {
-        *side = Horizon { mean: numbers.real(0.0..=f64::MAX)?, deviation: numbers.real(0.0..=f64::MAX)? };
+        *side = Horizon {
+            mean: numbers.real(0.0..=f64::MAX)?,
+            deviation: numbers.real(0.0..=f64::MAX)?,
+            low: numbers.real(f64::MIN..=f64::MAX)?,
+            width: numbers.real(0.0..=f64::MAX)?,
+        };
     }
     Some(Peak { amplitude, normal, exponent, horizon })
 }

@@ -13,6 +13,10 @@ pub struct Horizon {
     pub mean: f64,
     /// Standard deviation; 0 on level 0.
     pub deviation: f64,
+    /// Where the falling law begins that the slopes come nearest to: a direction of slope `low + t·width` clears 1 − (1 − t)² of them.
+    pub low: f64,
+    /// Its width; 0 is a step.
+    pub width: f64,
 }
 
 /// One term a · max(0, N·H)ⁿ of a texel.

@@ -115,7 +115,7 @@ fn twin(scene: &Scene, index: usize) -> Option<usize> {
     let bump = object.material.bump.as_ref()?;
     scene.objects[..index].iter().position(|earlier| {
         let same_map = earlier.material.bump.as_ref().is_some_and(|other| Arc::ptr_eq(bump, other));
-        let shadowing = |object: &Object| object.material.peaks.as_ref().map(|peaks| peaks.shadowing);
+        let shadowing = |object: &Object| object.material.peaks.as_ref().map(|peaks| peaks.shadowing.is_some());
         same_map
             && BuildOptions::of_material(&earlier.material) == Some(options)
             && shadowing(earlier) == shadowing(object)

@@ -104,7 +104,7 @@ impl PeakSource {
         let (peaks, field) = material.peaks.as_ref().zip(material.bump.as_deref())?;
         let ScenePeakSource::Bump { .. } = peaks.source else { return None };
         let source = Self::from_field(field);
-        Some(if peaks.shadowing { source } else { Self { heights: None, ..source } })
+        Some(if peaks.shadowing.is_some() { source } else { Self { heights: None, ..source } })
     }
 
     /// How often [`PeakPyramid::build`](super::PeakPyramid::build) reports progress: once a texel of each level that takes more than seven of

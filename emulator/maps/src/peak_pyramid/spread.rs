@@ -80,44 +80,19 @@ pub(super) struct Facet {
     pub(super) normal: DVec3,
     /// Amplitude of cosⁿα: that of its texels times the area of each as a share of the texel it is gathered for.
     pub(super) amplitude: f64,
-    /// Slopes of the horizon, and their squares, weighted as the amplitude.
-    pub(super) slopes: [[f64; 2]; 4],
+    /// How many texels; they stand side by side in the list that facets were made from.
+    pub(super) texels: usize,
 }
 
-/// A density and what it knows about horizons.
-pub(super) struct Spread {
-    /// Σ a cosⁿα at every sample.
-    pub(super) density: Vec<f64>,
-    /// Slopes and their squares, weighted as the density; empty if not asked for.
-    pub(super) slopes: Vec<[[f64; 2]; 4]>,
-}
-
-impl Spread {
-    /// Spreads facets. Each sample is summed by one thread in the order of the facets.
-    pub(super) fn new(facets: &[Facet], exponent: f64, with_slopes: bool) -> Self {
-        // A facet of another width keeps its energy 2π/(n + 1).
-        let spread = spread_exponent(exponent);
-        let gain = (spread + 1.0) / (exponent + 1.0);
-        let sample = |direction: &DVec3| {
-            let (mut density, mut slopes) = (0.0, [[0.0; 2]; 4]);
-            for facet in facets {
-                let share = gain * power(facet.normal.dot(*direction), spread);
-                density += share * facet.amplitude;
-                if with_slopes && share > 0.0 {
-                    for (sum, slope) in slopes.iter_mut().flatten().zip(facet.slopes.iter().flatten()) {
-                        *sum += share * slope;
-                    }
-                }
-            }
-            (density, slopes)
-        };
-        let (density, mut slopes): (Vec<f64>, Vec<_>) =
-            HEMISPHERE.directions.par_iter().with_min_len(32).map(sample).unzip();
-        if !with_slopes {
-            slopes.clear();
-        }
-        Self { density, slopes }
-    }
+/// Σ a cosⁿα of facets at every sample. Each sample is summed by one thread in the order of the facets.
+pub(super) fn density(facets: &[Facet], exponent: f64) -> Vec<f64> {
+    // A facet of another width keeps its energy 2π/(n + 1).
+    let spread = spread_exponent(exponent);
+    let gain = (spread + 1.0) / (exponent + 1.0);
+    let sample = |direction: &DVec3| {
+        facets.iter().map(|facet| gain * power(facet.normal.dot(*direction), spread) * facet.amplitude).sum()
+    };
+    HEMISPHERE.directions.par_iter().with_min_len(32).map(sample).collect()
 }
 
 /// ln cosⁿα where cosⁿα is not negligible.
@@ -167,9 +142,8 @@ mod tests {
     #[test]
     fn a_facet_on_the_grid_keeps_its_energy_at_every_exponent() {
         for exponent in [1.0, 7.0, 64.0, 128.0, 1000.0, 8192.0] {
-            let facet = Facet { normal: DVec3::Z, amplitude: 0.5, slopes: [[0.0; 2]; 4] };
-            let spread = Spread::new(&[facet], exponent, false);
-            let energy = HEMISPHERE.integral(spread.density.iter().copied());
+            let facet = Facet { normal: DVec3::Z, amplitude: 0.5, texels: 1 };
+            let energy = HEMISPHERE.integral(density(&[facet], exponent));
             // The midpoint rule of step h is worst around the pole, n h²/24 too much (Euler–Maclaurin): 4 % for n = 128;
             // the next term is a tenth of that.
             let excess = spread_exponent(exponent) * (5.0 / 360.0 * TAU).powi(2) / 24.0;

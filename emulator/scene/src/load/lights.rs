@@ -137,20 +137,20 @@ pub(super) fn peaks(
             PeakSource::Given(given.get_ref().iter().map(peak).collect::<Result<_, SceneError>>()?)
         }
     };
-    let shadowed = shadowing.as_ref().filter(|wanted| *wanted.get_ref());
-    if let Some(wanted) = shadowed
+    let shadowing = shadowing.as_ref().and_then(|wanted| Some((wanted.span(), wanted.get_ref().0?)));
+    if let Some((span, _)) = &shadowing
         && (!there.heights || matches!(from, PeakSource::Given(_)))
     {
         let help = "use `height_map` and peaks without `given`: horizons are found from heights";
-        return Err(source.value_error(wanted.span(), "there are no heights to cast shadows", help));
+        return Err(source.value_error(span.clone(), "there are no heights to cast shadows", help));
     }
-    Ok(Peaks { source: from, colour: colour(source, tint, 1.0)?, shadowing: shadowed.is_some() })
+    Ok(Peaks { source: from, colour: colour(source, tint, 1.0)?, shadowing: shadowing.map(|(_, how)| how) })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lighting::HighlightForm;
+    use crate::lighting::{HighlightForm, Shadowing};
     use crate::scene::Scene;
     use std::path::Path;
 
@@ -202,11 +202,11 @@ mod tests {
         let found = material(SUN, peaks).unwrap().objects[0].material.peaks.clone().unwrap();
         let given = GivenPeak { amplitude: 0.4, normal: DVec3::new(0.6, 0.0, 0.8), exponent: 100.0 };
         assert_eq!(found.source, PeakSource::Given(vec![given]));
-        assert!(!found.shadowing);
+        assert_eq!(found.shadowing, None);
         let bumps = "height_map = { generate = \"bumps\", size = 16 }\npeaks = { shadowing = true }";
         let found = material(SUN, bumps).unwrap().objects[0].material.peaks.clone().unwrap();
         assert_eq!(found.source, PeakSource::Bump { exponent: 40.0, amplitude: 1.0 });
-        assert!(found.shadowing);
+        assert_eq!(found.shadowing, Some(Shadowing::Correlated));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use fixed::types::I16F16;
 use glam::{DVec3, Vec3};
 use roughxel_cases::direction;
-use roughxel_core::plan::{FrameSystem, PeakPlan};
+use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, real_peak, real_vector, stored_peak};
@@ -13,7 +13,7 @@ use roughxel_scene::random::SplitMix64;
 
 use super::method::{Method, Sample};
 
-const PLAN: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: false };
+const PLAN: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: HorizonKind::None };
 
 /// The error of the light of one peak whose half vector is `angle` away, as a share of its amplitude.
 pub(super) fn sample(method: Method, angle: f64, random: &mut SplitMix64) -> Sample {
