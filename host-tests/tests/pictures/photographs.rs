@@ -8,13 +8,13 @@ use png::{BitDepth, ColorType, Decoder, Encoder};
 use tempfile::TempDir;
 
 /// A piece of a photograph as a file of its own, which goes with it.
-pub struct Photograph {
+pub(crate) struct Photograph {
     directory: TempDir,
 }
 
 impl Photograph {
     /// Where it lies.
-    pub fn path(&self) -> PathBuf {
+    pub(crate) fn path(&self) -> PathBuf {
         self.directory.path().join("piece.png")
     }
 }
@@ -23,7 +23,7 @@ impl Photograph {
 ///
 /// Looked for below `target/photographs`, where `pip install --no-deps --target target/photographs scikit-image` puts it. Panics where it has
 /// to be there: with `ROUGHXEL_REQUIRE_TOOLS` set.
-pub fn photograph(name: &str, edge: u32) -> Option<Photograph> {
+pub(crate) fn photograph(name: &str, edge: u32) -> Option<Photograph> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/photographs/skimage/data").join(name);
     if !path.exists() {
         assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{} is not there", path.display());
