@@ -71,6 +71,9 @@ pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Prec
     Ramps { axes }
 }
 
+/// Bits before the point of a share on its way; behind it are two more than a share has.
+const FINE: u32 = SHARE - 2;
+
 /// The share of facets that clear both directions, of falling laws that are correlated, in [0, 1].
 #[inline(always)]
 pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE> {
@@ -83,10 +86,11 @@ pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE
     let next = lit[0].max(seen[0]).min(lit[1].min(seen[1]));
     let [least, next] = each!(t in [lit[0].min(seen[0]), next] => {
         let hidden = one - t;
-        one - product::<W>(hidden, hidden)
+        let hidden: Control<W, FINE> = hidden.mul::<SHARE, { 2 * SHARE }>(hidden).round_to(18);
+        Fx::int(1) - hidden
     });
-    let kept = (Fx::int(3) + next).floor_shr(2);
-    product::<W>(least, kept)
+    let kept: Control<W, { FINE - 2 }> = (Fx::int(3) + next).reread();
+    least.mul::<{ FINE - 2 }, { 2 * FINE - 2 }>(kept).round_to(16)
 }
 
 /// The share of facets that clear both directions, of uniform laws that are independent, in [0, 1].
