@@ -46,7 +46,7 @@ fn without_keys(scene: &Scene, effect: Effect) -> Option<(Scene, Precision)> {
             Effect::Roughness => profile.roughness = RoughnessKind::None,
             Effect::Environment => material.reflectance = [0.0; 3],
             // The mode and the mesh decide.
-            Effect::Footprint | Effect::Curvature => return None,
+            Effect::Footprint | Effect::Edges | Effect::Curvature => return None,
             Effect::Highlight => material.highlight = None,
             Effect::Peaks => material.peaks = None,
             Effect::Horizon => {

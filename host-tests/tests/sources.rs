@@ -222,7 +222,7 @@ const SHADING: [&str; 6] = ["batch.rs", "environment.rs", "lighting.rs", "textur
 const SAMPLER: &str = "../../../core/src/sampler.rs";
 
 /// Where a frame may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
-const FRAME_ARITHMETIC: [(&str, &str, &str); 11] = [
+const FRAME_ARITHMETIC: [(&str, &str, &str); 10] = [
     ("batch.rs", "shade", "memory: which directions belong to a fragment"),
     (SAMPLER, "face_patch", "memory: the edge of a level"),
     ("lighting.rs", "bytes", "bytes of what is stored"),
@@ -231,11 +231,10 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 11] = [
     ("texture.rs", "new", "memory: where levels begin; bytes of what is stored"),
     ("texture.rs", "tap", "memory: the place of a row in a level"),
     ("tile.rs", "render_counted", "memory: the place of a tile in the picture"),
-    ("tile.rs", "sample_offsets", "where in a pixel samples are taken"),
     (
         "tile.rs",
         "shade_tile",
-        "pixels to sub-pixels, and the mean of supersampling, which the datapath is compared with",
+        "the mean of samples: what the datapath is compared with, and the edges of the front end",
     ),
     ("tile.rs", "background", "set-up from floats: a ramp of colours"),
 ];

@@ -19,11 +19,20 @@ use crate::raster::FragmentAttributes;
 /// Fragments that wait to be shaded, at most: their attributes stay in a first-level cache.
 pub(super) const SHADED: usize = 64;
 
+/// Where a colour counts.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    /// The pixel in its tile.
+    pub(super) pixel: usize,
+    /// How many of its samples it stands for.
+    pub(super) times: u32,
+}
+
 /// Fragments of one object that wait to be shaded.
 pub(super) struct Fragments {
     pub(super) attributes: Vec<FragmentAttributes>,
-    /// The pixel of each in its tile.
-    pub(super) pixels: Vec<usize>,
+    /// Where each counts.
+    pub(super) places: Vec<Place>,
     /// From each to every light.
     pub(super) directions: Vec<BlockVector>,
     pub(super) footprints: Footprints,
@@ -33,7 +42,7 @@ impl Fragments {
     /// None of an object.
     pub(super) fn of(object: &PreparedObject) -> Self {
         let footprints = Footprints::new(object.maps().filter(|_| object.plan.texture_footprint));
-        Self { attributes: Vec::new(), pixels: Vec::new(), directions: Vec::new(), footprints }
+        Self { attributes: Vec::new(), places: Vec::new(), directions: Vec::new(), footprints }
     }
 }
 
@@ -64,8 +73,8 @@ pub(super) struct Waiting {
     plan: ReflectionPlan,
     reflectance: [Control<i32, REFLECTANCE>; 3],
     inputs: Inputs,
-    /// The pixel of each in its tile, and its colour without the reflection.
-    pixels: Vec<(usize, [Channel; 3])>,
+    /// Where each counts, and its colour without the reflection.
+    places: Vec<(Place, [Channel; 3])>,
 }
 
 /// What a reflection is made of.
@@ -81,7 +90,7 @@ impl Waiting {
     pub(super) fn of(object: &PreparedObject) -> Self {
         let plan = object.plan.reflection.unwrap_or(ReflectionPlan::FULL);
         let inputs = if object.lighting.is_some() { Inputs::Surfaces(Vec::new()) } else { Inputs::Ports(Vec::new()) };
-        Self { plan, reflectance: object.reflectance, inputs, pixels: Vec::new() }
+        Self { plan, reflectance: object.reflectance, inputs, places: Vec::new() }
     }
 
     /// None of the rays that hit nothing: mirrors without bumps.
@@ -93,7 +102,7 @@ impl Waiting {
             curvature: false,
             footprint: mode.filters(),
         };
-        Self { plan, reflectance: [Fx::int(1); 3], inputs: Inputs::Ports(Vec::new()), pixels: Vec::new() }
+        Self { plan, reflectance: [Fx::int(1); 3], inputs: Inputs::Ports(Vec::new()), places: Vec::new() }
     }
 }
 
@@ -110,10 +119,12 @@ impl Sums {
         Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0 }
     }
 
-    /// Adds a colour to a pixel.
-    pub(super) fn add(&mut self, pixel: usize, colour: [Channel; 3]) {
-        for (sum, channel) in self.pixels[pixel].iter_mut().zip(colour) {
-            *sum = pixel::sum(sum, channel);
+    /// Adds a colour to a pixel, as often as it counts there.
+    pub(super) fn add(&mut self, place: Place, colour: [Channel; 3]) {
+        for _ in 0..place.times {
+            for (sum, channel) in self.pixels[place.pixel].iter_mut().zip(colour) {
+                *sum = pixel::sum(sum, channel);
+            }
         }
     }
 }
@@ -128,7 +139,7 @@ impl Prepared<'_> {
         reads: &mut Reads,
         sums: &mut Sums,
     ) {
-        let Fragments { attributes, pixels, directions, footprints } = fragments;
+        let Fragments { attributes, places, directions, footprints } = fragments;
         footprints.set(attributes.iter(), self.reading, &self.precision);
         // The taps of a whole batch push its attributes out of the first-level cache.
         let last_taps = if object.lighting.is_some() { attributes.len().saturating_sub(1) } else { 0 };
@@ -143,11 +154,11 @@ impl Prepared<'_> {
                 surfaces.push(self.surface_input(object, attributes, &mut maps));
             }
         }
-        let places = pixels.iter().copied().zip(colours.iter().copied());
+        let coloured = places.iter().copied().zip(colours.iter().copied());
         match &object.lighting {
-            None if object.plan.reflection.is_none() => places.for_each(|(pixel, colour)| sums.add(pixel, colour)),
+            None if object.plan.reflection.is_none() => coloured.for_each(|(place, colour)| sums.add(place, colour)),
             None => {
-                for ((attributes, place), &surface) in attributes.iter().zip(places).zip(&*surfaces) {
+                for ((attributes, place), &surface) in attributes.iter().zip(coloured).zip(&*surfaces) {
                     let FragmentAttributes { dview, dnormal, .. } = attributes;
                     let edge_texels = Fx::int(1);
                     let input =
@@ -157,17 +168,17 @@ impl Prepared<'_> {
             }
             Some(lighting) => {
                 let made = self.reading.surfaces(surfaces, &object.plan.surface(), &self.precision);
-                for (index, (surface, place)) in made.iter().zip(places).enumerate() {
-                    let (pixel, colour) = place;
+                for (index, (surface, place)) in made.iter().zip(coloured).enumerate() {
+                    let (own, colour) = place;
                     let mut maps =
                         MapReads::again(&attributes[index], (footprints, index), &mut taps[index], &self.precision);
                     let directions = &directions[index * lighting.lights()..][..lighting.lights()];
                     let lit = (&surfaces[index], surface);
                     lighting.shine(lit, directions, &mut maps, peaks, (self.reading, &self.precision), |light| {
-                        sums.add(pixel, light);
+                        sums.add(own, light);
                     });
                     match object.plan.reflection {
-                        None => sums.add(pixel, colour),
+                        None => sums.add(own, colour),
                         Some(_) => self.reflect_surface(waiting, place, surface, &attributes[index], sums),
                     }
                 }
@@ -175,7 +186,7 @@ impl Prepared<'_> {
         }
         sums.taps += taps.iter_mut().map(Taps::fetched).sum::<u64>();
         attributes.clear();
-        pixels.clear();
+        places.clear();
         directions.clear();
     }
 
@@ -183,7 +194,7 @@ impl Prepared<'_> {
     pub(super) fn reflect(
         &self,
         waiting: &mut Waiting,
-        place: (usize, [Channel; 3]),
+        place: (Place, [Channel; 3]),
         input: &ReflectionInput<i32>,
         sums: &mut Sums,
     ) {
@@ -198,7 +209,7 @@ impl Prepared<'_> {
     fn reflect_surface(
         &self,
         waiting: &mut Waiting,
-        place: (usize, [Channel; 3]),
+        place: (Place, [Channel; 3]),
         surface: &Surface<i32>,
         attributes: &FragmentAttributes,
         sums: &mut Sums,
@@ -211,25 +222,25 @@ impl Prepared<'_> {
         self.wait(waiting, place, sums);
     }
 
-    fn wait(&self, waiting: &mut Waiting, place: (usize, [Channel; 3]), sums: &mut Sums) {
-        waiting.pixels.push(place);
-        if waiting.pixels.len() == REFLECTED {
+    fn wait(&self, waiting: &mut Waiting, place: (Place, [Channel; 3]), sums: &mut Sums) {
+        waiting.places.push(place);
+        if waiting.places.len() == REFLECTED {
             self.fetch(waiting, sums);
         }
     }
 
     /// The waiting fragments through the reflection datapath, the environment and the blend.
     pub(super) fn fetch(&self, waiting: &mut Waiting, sums: &mut Sums) {
-        let Waiting { plan, reflectance, inputs, pixels } = waiting;
+        let Waiting { plan, reflectance, inputs, places } = waiting;
         let rough = plan.roughness != RoughnessKind::None;
-        for (footprint, (pixel, surface)) in self.footprints(plan, inputs).iter().zip(pixels.drain(..)) {
+        for (footprint, (place, surface)) in self.footprints(plan, inputs).iter().zip(places.drain(..)) {
             let Footprint { point, probes } = footprint;
             let reflection = self.environment.as_ref().map_or([Fx::zero(); 3], |map| {
                 sums.taps += map.taps(probes, rough, &self.precision);
                 map.sample(point, probes, rough, &self.precision)
             });
             let channel = |i: usize| pixel::blend::<i32>(surface[i], reflection[i], reflectance[i]);
-            sums.add(pixel, core::array::from_fn(channel));
+            sums.add(place, core::array::from_fn(channel));
         }
     }
 

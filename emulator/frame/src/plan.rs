@@ -95,6 +95,8 @@ pub struct ObjectPlan {
     pub colour_map: bool,
     /// Colour and bump maps have a footprint.
     pub texture_footprint: bool,
+    /// Its edges are filtered: what it covers of a pixel counts.
+    pub edges: bool,
     /// The reflection datapath; `None` where nothing is reflected.
     pub reflection: Option<ReflectionPlan>,
     /// The surface of a highlight.
@@ -117,6 +119,7 @@ impl ObjectPlan {
         Self {
             colour_map: material.colour_map.is_some(),
             texture_footprint: mode.filters(),
+            edges: mode.filters(),
             reflection: reflects.then_some(ReflectionPlan {
                 bump: bumps,
                 frame: frame_system(material.frame),
@@ -205,6 +208,8 @@ pub enum Effect {
     Environment,
     /// Samples have footprints.
     Footprint,
+    /// A pixel shows every object by the share that it covers.
+    Edges,
     /// Normals that vary over a triangle widen the footprint.
     Curvature,
     /// A lobe around the normal.
@@ -217,12 +222,13 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order of the datapath.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::ColourTexture,
         Self::Bump,
         Self::Roughness,
         Self::Environment,
         Self::Footprint,
+        Self::Edges,
         Self::Curvature,
         Self::Highlight,
         Self::Peaks,
@@ -237,6 +243,7 @@ impl Effect {
             Self::Roughness => "roughness",
             Self::Environment => "environment",
             Self::Footprint => "footprint",
+            Self::Edges => "edges",
             Self::Curvature => "curvature",
             Self::Highlight => "highlight",
             Self::Peaks => "peaks",
@@ -266,6 +273,7 @@ impl ObjectPlan {
             Effect::Roughness => self.roughness() != RoughnessKind::None,
             Effect::Environment => self.reflection.is_some(),
             Effect::Footprint => self.texture_footprint,
+            Effect::Edges => self.edges,
             Effect::Curvature => reflection(|plan| plan.curvature),
             Effect::Highlight => self.highlight.is_some(),
             Effect::Peaks => self.peaks.is_some(),
@@ -293,6 +301,7 @@ impl ObjectPlan {
                 });
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
             }
+            Effect::Edges => self.edges = false,
             Effect::Curvature => self.change_reflection(|plan| plan.curvature = false),
             Effect::Highlight => self.highlight = None,
             Effect::Peaks => (self.peaks, self.horizon) = (None, HorizonKind::None),
@@ -336,6 +345,8 @@ impl ObjectPlan {
             Effect::Bump if material.bump.is_none() => "no `height_map` or `normal_map`".into(),
             Effect::Bump => "nothing is reflected or shines that a bump could move".into(),
             Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
+            Effect::Edges if self.edges => format!("mode {mode}"),
+            Effect::Edges => format!("mode {mode} shades what it sees sample by sample"),
             Effect::Footprint => no_footprint(),
             Effect::Roughness => match material.roughness.as_ref().map(|map| map.is_smooth()) {
                 Some(false) if self.has(effect) => "`roughness_map`".into(),

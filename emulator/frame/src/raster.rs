@@ -14,6 +14,7 @@
 mod attributes;
 mod camera;
 mod clip;
+mod coverage;
 mod edges;
 mod fixed_block;
 mod setup;
@@ -24,6 +25,7 @@ use thiserror::Error;
 
 pub use attributes::{FragmentAttributes, PointFromTriangle, Triangle};
 pub use camera::Projection;
+pub use coverage::{Sample, Sampling};
 pub use edges::TileBuffer;
 pub use setup::TriangleList;
 

@@ -7,12 +7,12 @@ use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionInput, Sur
 use roughxel_scene::Background;
 
 use super::Colour;
-use super::batch::{Fragments, Reads, SHADED, Sums, Waiting};
+use super::batch::{Fragments, Place, Reads, SHADED, Sums, Waiting};
 use super::colour::{Channel, colour_word};
 use super::frame::Frame;
 use super::lighting::Points;
 use super::prepare::Prepared;
-use crate::raster::{RasterError, SUBPIXELS, TileBuffer, TileRect, Triangle, TriangleList, tiles};
+use crate::raster::{RasterError, SUBPIXELS, Sample, Sampling, TileRect, Triangle, TriangleList, tiles};
 
 /// What a ray that hits nothing sees.
 enum Ray {
@@ -58,65 +58,65 @@ impl Prepared<'_> {
         tiles(self.projection.width(), self.projection.height()).count() as u64
     }
 
-    /// Sample positions in a pixel, sub-pixels from its corner: the centre, or a regular grid.
-    fn sample_offsets(&self) -> Vec<[i32; 2]> {
-        let edge = self.mode.samples_edge() as i32;
-        let place = |i: i32| (2 * i + 1) * SUBPIXELS / (2 * edge);
-        (0..edge * edge).map(|i| [place(i % edge), place(i / edge)]).collect()
+    /// Which samples of a pixel are shaded: its centre, a grid, or one of every object that is visible in it.
+    fn sampling(&self) -> Sampling {
+        if self.objects.iter().any(|object| object.plan.edges) {
+            Sampling::Objects
+        } else {
+            Sampling::Grid { edge: self.mode.samples_edge() }
+        }
     }
 
     /// The colours of a tile, and the number of texels that were read.
     fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, u64) {
-        let offsets = self.sample_offsets();
-        let mut buffer = TileBuffer::new();
         let mut sums = Sums::new(tile.width as usize * tile.height as usize);
         let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
         let mut rays = Waiting::rays(self.mode);
         let mut reads = Reads::default();
-        for &offset in &offsets {
-            triangles.rasterise_tile(tile, offset, &mut buffer);
-            let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
-            let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (tile.x + x, tile.y + y)));
-            for ((pixel, (x, y)), visible) in positions.enumerate().zip(buffer.triangles()) {
-                let [x, y] = [x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1]];
-                let Some(index) = visible else {
-                    match self.background(x, y) {
-                        Ray::Colour(colour) => sums.add(pixel, colour),
-                        Ray::Reflection(input) => self.reflect(&mut rays, (pixel, [Fx::zero(); 3]), &input, &mut sums),
-                    }
-                    continue;
-                };
-                let object = triangles.object_index(index);
-                let prepared = &self.objects[object];
-                if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                    let triangle = triangles.triangle(index, prepared.plan.needs_tangents());
-                    let set_up = triangle.map(|triangle| {
-                        let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
-                        (triangle, points.unwrap_or_default())
-                    });
-                    current = Some((index, set_up));
+        let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
+        let counts = triangles.samples(tile, self.sampling(), |sample| {
+            let Sample { pixel, position: [x, y], triangle, times } = sample;
+            let place = Place { pixel, times };
+            let Some(index) = triangle else {
+                match self.background(x, y) {
+                    Ray::Colour(colour) => sums.add(place, colour),
+                    Ray::Reflection(input) => self.reflect(&mut rays, (place, [Fx::zero(); 3]), &input, &mut sums),
                 }
-                let Some((_, Some((triangle, points)))) = &current else { continue };
-                let Fragments { attributes, pixels, directions, .. } = &mut fragments[object];
-                attributes.push(triangle.fragment(x, y));
-                pixels.push(pixel);
-                if let Some(lighting) = &prepared.lighting {
-                    lighting.directions(triangle, points, [x, y], directions);
-                }
-                if attributes.len() == SHADED {
-                    self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut sums);
-                }
+                return;
+            };
+            let object = triangles.object_index(index);
+            let prepared = &self.objects[object];
+            if current.as_ref().is_none_or(|(held, _)| *held != index) {
+                let triangle = triangles.triangle(index, prepared.plan.needs_tangents());
+                let set_up = triangle.map(|triangle| {
+                    let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
+                    (triangle, points.unwrap_or_default())
+                });
+                current = Some((index, set_up));
             }
-        }
+            let Some((_, Some((triangle, points)))) = &current else { return };
+            let Fragments { attributes, places, directions, .. } = &mut fragments[object];
+            attributes.push(triangle.fragment(x, y));
+            places.push(place);
+            if let Some(lighting) = &prepared.lighting {
+                lighting.directions(triangle, points, [x, y], directions);
+            }
+            if attributes.len() == SHADED {
+                self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut sums);
+            }
+        });
         for ((object, fragments), waiting) in self.objects.iter().zip(&mut fragments).zip(&mut waiting) {
             self.shade(object, fragments, waiting, &mut reads, &mut sums);
         }
         waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut sums));
-        // Supersampling is what the datapath is compared with: its mean, to nearest, is no stage.
-        let samples = offsets.len() as i64;
-        let mean = |sum: PixelSum<i32>| PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + samples / 2) / samples) };
-        let colours = sums.pixels.into_iter().map(|sums| sums.map(|sum| pixel::pixel(&mean(sum)).raw()));
+        // Samples are what the datapath is compared with, and edges are the front end's: their mean, to nearest, is no stage.
+        let mean = |sum: PixelSum<i32>, count: u32| {
+            let count = i64::from(count);
+            PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) }
+        };
+        let colours = sums.pixels.into_iter().zip(counts);
+        let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
         (colours.collect(), 4 * sums.taps)
     }
 

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::raster::{Projection, RasterError, SUBPIXELS, TileBuffer, TileRect, TriangleList, tiles};
+use roughxel_frame::raster::{Projection, RasterError, Sample, Sampling, TileRect, TriangleList, tiles};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
 
@@ -92,11 +92,12 @@ pub fn render_with(
     let triangles = TriangleList::new(&projection, &scene.objects)?;
     let shader = Shader::new(scene, &projection, mode, profile, footprints);
     let (width, height) = (projection.width(), projection.height());
+    let sampling = if mode.filters() { Sampling::Objects } else { Sampling::Grid { edge: mode.samples_edge() } };
     let shaded: Vec<(TileRect, Vec<[f64; 3]>)> = tiles(width, height)
         .collect::<Vec<_>>()
         .into_par_iter()
         .map(|tile| {
-            let colours = shade_tile(&shader, &triangles, tile, mode.samples_edge());
+            let colours = shade_tile(&shader, &triangles, tile, sampling);
             progress();
             (tile, colours)
         })
@@ -116,36 +117,28 @@ pub fn work(scene: &Scene) -> u64 {
     tiles(scene.camera.width, scene.camera.height).count() as u64
 }
 
-/// The mean over the pixel's samples, a regular grid of `edge` × `edge`.
-fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect, edge: u32) -> Vec<[f64; 3]> {
-    let mut buffer = TileBuffer::new();
+/// The mean over the samples of each pixel.
+fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; tile.width as usize * tile.height as usize];
-    let place = |i: u32| (2 * i + 1) as i32 * SUBPIXELS / (2 * edge as i32);
-    for sample in 0..edge * edge {
-        let offset = [place(sample % edge), place(sample / edge)];
-        triangles.rasterise_tile(tile, offset, &mut buffer);
-        let mut current = None;
-        let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| [tile.x + x, tile.y + y]));
-        for ((sum, position), visible) in sums.iter_mut().zip(positions).zip(buffer.triangles()) {
-            let [x, y] = [0, 1].map(|i| position[i] as i32 * SUBPIXELS + offset[i]);
-            let colour = match visible {
-                None => shader.background(x, y),
-                Some(index) => {
-                    let object = triangles.object_index(index);
-                    if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                        current = Some((index, triangles.triangle(index, shader.needs_tangents(object))));
-                    }
-                    match &current {
-                        Some((_, Some(triangle))) => shader.fragment(object, &triangle.fragment(x, y)),
-                        _ => [0.0; 3],
-                    }
+    let mut current = None;
+    let counts = triangles.samples(tile, sampling, |sample| {
+        let Sample { pixel, position: [x, y], triangle, times } = sample;
+        let colour = match triangle {
+            None => shader.background(x, y),
+            Some(index) => {
+                let object = triangles.object_index(index);
+                if current.as_ref().is_none_or(|(held, _)| *held != index) {
+                    current = Some((index, triangles.triangle(index, shader.needs_tangents(object))));
                 }
-            };
-            for (sum, channel) in sum.iter_mut().zip(colour) {
-                *sum += channel;
+                match &current {
+                    Some((_, Some(triangle))) => shader.fragment(object, &triangle.fragment(x, y)),
+                    _ => [0.0; 3],
+                }
             }
+        };
+        for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
+            *sum += f64::from(times) * channel;
         }
-    }
-    let samples = f64::from(edge * edge);
-    sums.into_iter().map(|sum| sum.map(|channel| channel / samples)).collect()
+    });
+    sums.into_iter().zip(counts).map(|(sum, count)| sum.map(|channel| channel / f64::from(count))).collect()
 }

@@ -200,9 +200,12 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::Roughness => Hardware::of_all(&ROUGHNESS, p),
                     Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
                     // These fetch nothing of their own.
-                    Effect::Footprint | Effect::Curvature | Effect::Highlight | Effect::Peaks | Effect::Horizon => {
-                        nothing.clone()
-                    }
+                    Effect::Footprint
+                    | Effect::Edges
+                    | Effect::Curvature
+                    | Effect::Highlight
+                    | Effect::Peaks
+                    | Effect::Horizon => nothing.clone(),
                 };
                 EffectReport {
                     decision: decision.clone(),

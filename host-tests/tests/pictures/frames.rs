@@ -176,3 +176,23 @@ fn psnr_counts_every_channel_against_a_range_of_1() {
     assert!((one_channel.psnr(&grey(0.5)) - 10.0 * 600_f64.log10()).abs() < 1e-9);
     assert_eq!(grey(7.0).psnr(&grey(1.0)), f64::INFINITY);
 }
+
+/// A filter looks along one surface; where two meet, what each covers counts.
+#[test]
+fn silhouettes_have_as_many_shades_as_samples() {
+    let scene = two_shapes("{ colour = [1, 1, 1] }");
+    let p = Precision::STANDARD;
+    let dark = |frame: &Frame| {
+        let mut shades: Vec<i32> = frame.pixels.iter().map(|pixel| pixel[0]).collect();
+        shades.sort_unstable();
+        shades.dedup();
+        shades.len()
+    };
+    let scene = Scene { background: roughxel_emulator::scene::Background::Colour([0.0; 3]), ..scene };
+    let truth = draw(&scene, Mode::Supersampled { edge: 16 }, &p);
+    let [none, filtered] = [Mode::Unfiltered, Mode::Footprint].map(|mode| draw(&scene, mode, &p));
+    assert_eq!((dark(&none), dark(&filtered)), (2, 9));
+    let [none, filtered] = [none, filtered].map(|frame| frame.psnr(&truth));
+    println!("silhouettes: {none:.1} dB without, {filtered:.1} dB with coverage");
+    assert!(filtered > none + 9.0, "{none:.1} {filtered:.1}");
+}

@@ -132,6 +132,10 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
                 .map(|scene| Neutral::plans(scene, |plan| plan.without(Effect::Footprint), ALL))
                 .into()
         }
+        // One object in every pixel.
+        Effect::Edges => {
+            vec![Neutral::plans(facing("colour = [1, 0.5, 0.25]"), |plan| plan.without(Effect::Edges), ALL)]
+        }
         // Triangles right of the middle are curved, those on the left wait in the same batches.
         Effect::Curvature => {
             let mut scene = facing("reflectance = 0.8");
@@ -295,6 +299,7 @@ fn full(frame: FrameSystem) -> ObjectPlan {
     ObjectPlan {
         colour_map: true,
         texture_footprint: true,
+        edges: true,
         reflection: Some(reflection),
         highlight: Some(reflection.surface()),
         peaks: Some(SurfacePlan { bump: false, frame, roughness: RoughnessKind::None, local: true }),
@@ -394,6 +399,8 @@ fn is_of(effect: Effect, part: &str, block: &str) -> bool {
                 || part == "reflection" && footprint.contains(&block)
                 || tangents_of_roughness.contains(&block)
         }
+        // The front end's.
+        Effect::Edges => false,
         Effect::Curvature => block == "enter.dnormal",
         Effect::Highlight => part == "highlight",
         // What stands on them goes with them.
@@ -420,7 +427,7 @@ fn blocks_planned_away_are_entered_zero_times() {
                     .map(|(key, count)| (*key, *count))
                     .partition(|((part, block), _)| is_of(effect, part, block));
                 assert!(
-                    of_it.values().sum::<usize>() > 0,
+                    of_it.values().sum::<usize>() > 0 || effect == Effect::Edges,
                     "{name}, {frame:?}: nothing is entered for {}",
                     effect.name()
                 );
@@ -457,7 +464,7 @@ fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precisi
             Effect::Roughness => p.roughness = RoughnessKind::None,
             Effect::Environment => material.reflectance = [0.0; 3],
             // The mode and the mesh decide.
-            Effect::Footprint | Effect::Curvature => {}
+            Effect::Footprint | Effect::Edges | Effect::Curvature => {}
             Effect::Highlight => material.highlight = None,
             Effect::Peaks => material.peaks = None,
             Effect::Horizon => {
@@ -481,7 +488,7 @@ fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
             let prepared = Prepared::new(&scene, mode, &p).unwrap();
             let plan = *prepared.plans().next().unwrap();
             let has_peaks = plan.has(Effect::Peaks);
-            let has_key = |effect| effect != Effect::Footprint && effect != Effect::Curvature;
+            let has_key = |effect| ![Effect::Footprint, Effect::Edges, Effect::Curvature].contains(&effect);
             for effect in Effect::ALL.into_iter().filter(|effect| plan.has(*effect) && has_key(*effect)) {
                 let away = planned(&scene, mode, &p, |plan| match effect {
                     // Peaks of a map need its bumps.
@@ -507,7 +514,7 @@ fn maps_of_an_effect_planned_away_take_no_memory() {
             Effect::Bump => &[Effect::Bump, Effect::Roughness],
             Effect::Peaks => &[Effect::Peaks, Effect::Horizon],
             Effect::ColourTexture | Effect::Roughness | Effect::Environment | Effect::Horizon => &[effect],
-            Effect::Footprint | Effect::Curvature | Effect::Highlight => continue,
+            Effect::Footprint | Effect::Edges | Effect::Curvature | Effect::Highlight => continue,
         };
         assert!(gone.iter().all(|gone| with[gone.name()] > 0), "{}: {with:?}", effect.name());
         let mut left = with.clone();

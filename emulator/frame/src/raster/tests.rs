@@ -680,3 +680,79 @@ fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
     let error = TriangleList::new(&projection, &objects).expect_err("no vertices");
     assert_eq!(error.to_string(), "object \"test\": triangle 0 names vertex 0, but the mesh has 0");
 }
+
+/// Samples of a frame of one tile, and how many each pixel has.
+fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<Sample>, Vec<u32>) {
+    let mut found = Vec::new();
+    let counts = list.samples(tile, sampling, |sample| found.push(sample));
+    (found, counts)
+}
+
+#[test]
+fn samples_of_a_pixel_count_as_often_as_it_has_samples() {
+    let mut random = Random::new(15);
+    let projection = Projection::new(&camera(64, 48)).expect("a camera");
+    let tile = TileRect { x: 0, y: 0, width: 64, height: 48 };
+    let mut edges = 0;
+    for _ in 0..40 {
+        let mut triangle = || {
+            let corners = [0; 3].map(|_| vertex(random.vector(1.5), DVec3::Z, DVec2::ZERO));
+            object(corners.to_vec(), vec![[0, 1, 2]])
+        };
+        let objects = vec![triangle(), triangle(), triangle()];
+        let list = TriangleList::new(&projection, &objects).expect("a list");
+        let (found, counts) = samples(&list, tile, Sampling::Objects);
+        let mut sums = vec![0; counts.len()];
+        let centres = samples(&list, tile, Sampling::Grid { edge: 1 }).0;
+        for sample in &found {
+            sums[sample.pixel] += sample.times;
+            if counts[sample.pixel] == 1 {
+                assert_eq!(*sample, centres[sample.pixel], "one object alone is shaded at the centre");
+            }
+            // What is shaded is seen where it is shaded.
+            let [x, y] = sample.position;
+            let mut buffer = TileBuffer::new();
+            let pixel = TileRect { x: x as u32 / 256, y: y as u32 / 256, width: 1, height: 1 };
+            list.rasterise_tile(pixel, [x & 255, y & 255], &mut buffer);
+            assert_eq!(buffer.triangle_at(pixel.x, pixel.y), sample.triangle);
+        }
+        assert_eq!(sums, counts);
+        assert!(counts.iter().all(|count| [1, 8].contains(count)));
+        edges += counts.iter().filter(|count| **count == 8).count();
+    }
+    assert!(edges > 1000, "{edges}");
+}
+
+/// The share of an edge's pixel that is covered, to an eighth, and without a bias.
+#[test]
+fn an_edge_covers_the_share_that_lies_on_its_side() {
+    let projection = Projection::new(&plain_camera(64, 64)).expect("a camera");
+    let tile = TileRect { x: 0, y: 0, width: 64, height: 64 };
+    for degrees in [0.0_f64, 3.0, 20.0, 45.0, 71.0, 90.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        // Half of the picture, and what lies beyond it.
+        let at = |along: f64, across: f64| DVec3::new(cos * along - sin * across, sin * along + cos * across, -32.0);
+        let far = 400.0;
+        let corners = [at(-far, 0.37), at(far, 0.37), at(0.0, far)].map(|p| vertex(p, DVec3::Z, DVec2::ZERO));
+        let objects = one_triangle(corners);
+        let list = TriangleList::new(&projection, &objects).expect("a list");
+        let (found, counts) = samples(&list, tile, Sampling::Objects);
+        let (mut worst, mut sum) = (0.0_f64, 0.0);
+        for sample in found.iter().filter(|sample| sample.triangle.is_some()) {
+            let got = f64::from(sample.times) / f64::from(counts[sample.pixel]);
+            let [x, y] = [sample.pixel % 64, sample.pixel / 64].map(|pixel| pixel as f64);
+            let inside = (0..4096)
+                .filter(|i| {
+                    let (x, y) =
+                        (x + (f64::from(i % 64) + 0.5) / 64.0 - 32.0, 32.0 - y - (f64::from(i / 64) + 0.5) / 64.0);
+                    cos * y - sin * x > 0.37
+                })
+                .count();
+            let want = inside as f64 / 4096.0;
+            worst = worst.max((got - want).abs());
+            sum += got - want;
+        }
+        assert!(worst <= 0.2, "{degrees}°: {worst}");
+        assert!(sum.abs() < 3.0, "{degrees}°: {sum} pixels in all");
+    }
+}
