@@ -187,13 +187,21 @@ designs! {
     /// the texel at a corner of the cube
     Corner "corner": CornerInput -> Value<S, 32>, |input, _, _| Value(texel::corner::<W>(&input.texels));
 
+    /// a channel of a texel of a bright environment from its code
+    BrightTexel "bright_texel": BrightTexelInput -> Value<S, 32>,
+        |input, _, _| Value(texel::bright_texel::<W>(input.code));
+
+    /// the bright texel at a corner of the cube
+    BrightCorner "bright_corner": BrightCornerInput -> Value<S, 32>,
+        |input, _, _| Value(texel::bright_corner::<W>(&input.texels));
+
     /// trilinear interpolation of a channel of 16-bit texels
     ColourSample "colour_sample": ColourSampleInput -> Value<S, 32>, |input, _, _| {
         let patch = |level: usize| Patch::<W> { texels: input.texels[level], weight: input.weights[level] };
         Value(texel::colour_sample(&patch(0), &patch(1), input.level_weight))
     };
 
-    /// trilinear interpolation of a channel of words: bumps, moments, light of peaks
+    /// trilinear interpolation of a channel of words: bumps, moments, light of peaks, bright texels
     WordSample "word_sample": WordSampleInput -> Value<S, 32>,
         |input, _, _| Value(texel::word_sample(&input.fine, &input.coarse, input.level_weight));
 
@@ -222,6 +230,11 @@ designs! {
     /// surface and reflection by reflectance
     Blend "blend": BlendInput -> Value<S, LIGHT>,
         |input, _, _| Value(pixel::blend::<W>(input.surface, input.reflection, input.reflectance));
+
+    /// surface and a mean of bright texels by reflectance
+    BrightBlend "bright_blend": BrightBlendInput -> Value<S, LIGHT>, |input, _, _| {
+        Value(pixel::bright_blend::<W>(input.surface, input.mean, input.exponent, input.reflectance))
+    };
 
     /// a direction in the frame of a surface, at unit length
     Local "local": LocalInput -> LocalDirection<S>,
@@ -361,6 +374,24 @@ bundle! {
 }
 
 bundle! {
+    /// Ports of `bright_texel`.
+    pub struct BrightTexelInput<W> {
+        /// Exponent in the upper 5 bits, fraction in the lower 11.
+        #[range(0..=65535)]
+        code: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `bright_corner`.
+    pub struct BrightCornerInput<W> {
+        /// One channel of the three texels that meet there, at most 4095 · 2^19.
+        #[range(0..=2146959360)]
+        texels: [Int<W>; 3],
+    }
+}
+
+bundle! {
     /// Ports of `colour_sample`.
     pub struct ColourSampleInput<W> {
         /// Texels (0,0), (1,0), (0,1), (1,1) of the finer, then of the coarser level.
@@ -451,6 +482,24 @@ bundle! {
         /// Colour of the reflection, below 64.
         #[range(0..64)]
         reflection: Control<W, LIGHT>,
+        /// Reflectance, [0, 1].
+        #[range(0..=1)]
+        reflectance: Control<W, REFLECTANCE>,
+    }
+}
+
+bundle! {
+    /// Ports of `bright_blend`.
+    pub struct BrightBlendInput<W> {
+        /// Colour of the surface, below 64.
+        #[range(0..64)]
+        surface: Control<W, LIGHT>,
+        /// Mean of bright texels.
+        #[range(0..=2147483647)]
+        mean: Int<W>,
+        /// log₂ of the unit of the map's channels.
+        #[range(7..=20)]
+        exponent: Int<W>,
         /// Reflectance, [0, 1].
         #[range(0..=1)]
         reflectance: Control<W, REFLECTANCE>,

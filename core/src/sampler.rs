@@ -2,6 +2,8 @@
 //!
 //! Arithmetic is that of the composer ([`texel`], [`pixel`]); here are the loops around it and the fetches.
 
+use core::ops::RangeInclusive;
+
 use crate::bundle::Value;
 use crate::datapath::{environment_probe, pixel, texel};
 use crate::each::each;
@@ -13,8 +15,17 @@ use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::seam::FaceTexel;
 use crate::width::{IntegerCount, IntegerWord};
 
+/// Exponents of linear codes: an environment of at most 2^6 × white.
+pub const LINEAR_EXPONENTS: RangeInclusive<i32> = 0..=6;
+/// Exponents of bright codes: one of at most 2^20 × white, whose darkest codes are still twice as fine as linear ones of 2^6.
+pub const BRIGHT_EXPONENTS: RangeInclusive<i32> = 7..=20;
+
 /// The texels of an environment: six faces in Vulkan's order, level by level.
 pub trait CubeMemory {
+    /// Whether codes have an exponent each ([`texel::bright_texel`]), for environments brighter than 64 × white. As a constant, it costs
+    /// those that are not so bright nothing.
+    const BRIGHT: bool = false;
+
     /// Three channels at a place of a face, codes of 16 bits: of `max(1, edge >> level)` columns and rows, 0 … 5 faces.
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3];
 
@@ -35,7 +46,7 @@ pub struct Cube<'a, M> {
     pub edge: u32,
     /// The last level that the memory has: 0 where nothing is filtered.
     pub last_level: u32,
-    /// A code is code/65536 · 2^exponent of linear light.
+    /// log₂ of the unit in linear light. A code is code/65536 of it, 0…6; that of a bright memory what it decodes to, over 2^31, 7…20.
     pub exponent: i32,
 }
 
@@ -50,7 +61,8 @@ impl<M> Copy for Cube<'_, M> {}
 /// Four texels of a level as integers, with the weights of the right and of the lower ones.
 type FacePatch<C> = ([[Fx<C, 32>; 3]; 4], [Fx<C, WEIGHT>; 2]);
 
-/// The mean colour of a footprint, I8F24: trilinear probes along its major axis; a rough one is sampled with the roughness bias.
+/// The mean colour of a footprint, I8F24: trilinear probes along its major axis; a rough one is sampled with the roughness bias. Of a
+/// bright environment it is cut to the largest number below 64.
 #[inline(always)]
 pub fn environment<W: IntegerWord, M: CubeMemory>(
     point: &CubePoint<W>,
@@ -59,6 +71,24 @@ pub fn environment<W: IntegerWord, M: CubeMemory>(
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Value<W, LIGHT>; 3] {
+    let (means, exponent) = (means::<W, M>(point, probes, rough, cube, p), int::<W>(cube.exponent));
+    each!(mean in means => Value(if M::BRIGHT {
+        pixel::bright_blend::<W>(Fx::zero(), mean.0, exponent, Fx::int(1))
+    } else {
+        pixel::colour::<W>(mean.0, exponent)
+    }))
+}
+
+/// The same mean as the stages of pixels take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright, which cuts what
+/// is brighter than 64 × white after the reflectance of a surface and not before.
+#[inline(always)]
+pub fn means<W: IntegerWord, M: CubeMemory>(
+    point: &CubePoint<W>,
+    probes: &Probes<W>,
+    rough: bool,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> [Value<W, 32>; 3] {
     let pair = texel::levels::<W>(probes.lod, rough, p);
     let mut sums = [ProbeSum::<W>::zero(); 3];
     for index in 0..probes.count.raw().integer() {
@@ -67,7 +97,7 @@ pub fn environment<W: IntegerWord, M: CubeMemory>(
             *sum = texel::probe_sum(sum, channel, probe.weight);
         }
     }
-    each!(sum in sums => Value(pixel::colour::<W>(texel::probe_mean(&sum), int::<W>(cube.exponent))))
+    each!(sum in sums => Value(texel::probe_mean(&sum)))
 }
 
 #[inline(always)]
@@ -90,7 +120,11 @@ fn trilinear<W: IntegerWord, M: CubeMemory>(
         let [a, b] = each!((texels, weight) in [&a, &b] => {
             Patch::<W> { texels: each!(texel in *texels => texel[channel]), weight: *weight }
         });
-        texel::colour_sample(&a, &b, pair.weight)
+        if M::BRIGHT {
+            texel::word_sample(&a, &b, pair.weight)
+        } else {
+            texel::colour_sample(&a, &b, pair.weight)
+        }
     })
 }
 
@@ -105,21 +139,40 @@ fn face_patch<W: IntegerWord, M: CubeMemory>(
     let edge = (cube.edge >> level.min(31)).max(1);
     let address = texel::face_address::<W>(place, int::<W>(edge as i32), p);
     let index = address.index.map(|index| index.raw().integer());
-    let texels = if index.iter().all(|index| (0..edge as i32 - 1).contains(index)) {
-        cube.memory.patch(level, place.face.raw().integer() as u32, index[0] as u32, index[1] as u32)
+    let (memory, face) = (cube.memory, place.face.raw().integer());
+    let codes = if index.iter().all(|index| (0..edge as i32 - 1).contains(index)) {
+        memory.patch(level, face as u32, index[0] as u32, index[1] as u32)
+    } else if M::BRIGHT {
+        let decoded = |code: u16| texel::bright_texel::<i32>(int::<i32>(code.into())).raw();
+        let corner = |three: &_| texel::bright_corner::<i32>(three).raw();
+        let texels = seam_texels(level, face, index, edge, memory, decoded, corner);
+        return (each!(texel in texels => each!(channel in texel => int::<W>(channel))), address.weight);
     } else {
-        seam_texels(level, place.face.raw().integer(), index, edge, cube.memory)
+        let corner = |three: &_| texel::corner::<i32>(three).raw() as u16;
+        seam_texels(level, face, index, edge, memory, |code| code, corner)
     };
-    (each!(texel in texels => each!(channel in texel => int::<W>(channel.into()))), address.weight)
+    let channel = |code: u16| {
+        let code = int::<W>(code.into());
+        if M::BRIGHT { texel::bright_texel::<W>(code) } else { code }
+    };
+    (each!(texel in codes => each!(code in texel => channel(code))), address.weight)
 }
 
 /// The same beside an edge. A call of its own: few probes come here, and inlined it leaves no registers for all others. What it works
 /// out controls alone, so words of any width have the same.
 #[inline(never)]
-fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32, memory: &M) -> [[u16; 3]; 4] {
+fn seam_texels<M: CubeMemory, T: Copy + Into<i32>>(
+    level: u32,
+    face: i32,
+    index: [i32; 2],
+    edge: u32,
+    memory: &M,
+    decoded: impl Fn(u16) -> T,
+    corner: impl Fn(&[Int<i32>; 3]) -> T,
+) -> [[T; 3]; 4] {
     let read = |texel: FaceTexel<i32>| {
         let [column, row] = texel.index.map(|index| index.raw() as u32);
-        memory.texel(level, texel.face.raw() as u32, column, row)
+        memory.texel(level, texel.face.raw() as u32, column, row).map(&decoded)
     };
     let address = Address::<i32> { index: index.map(Fx::from_raw), weight: [Fx::zero(); 2] };
     texel::face_texels(Fx::from_raw(face), &address, Fx::from_raw(edge as i32)).map(|texel| {
@@ -128,8 +181,6 @@ fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32,
             return own;
         }
         let [s, t] = texel.across.map(read);
-        core::array::from_fn(|channel| {
-            texel::corner::<i32>(&[own, s, t].map(|texel| Fx::from_raw(texel[channel].into()))).raw() as u16
-        })
+        core::array::from_fn(|channel| corner(&[own, s, t].map(|texel| Fx::from_raw(texel[channel].into()))))
     })
 }

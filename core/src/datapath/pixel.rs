@@ -28,6 +28,17 @@ pub fn blend<W: Staged>(
     control_stage!("blend", blend::blend::<W>(surface, reflection, reflectance))
 }
 
+/// The same with a mean of bright texels, in units of 2^(`exponent` − 31); with reflectance 1, that mean as a colour.
+#[inline(always)]
+pub fn bright_blend<W: Staged>(
+    surface: Control<W, LIGHT>,
+    mean: Int<W>,
+    exponent: Int<W>,
+    reflectance: Control<W, REFLECTANCE>,
+) -> Control<W, LIGHT> {
+    control_stage!("blend.bright", blend::bright::<W>(surface, mean, exponent, reflectance))
+}
+
 bundle! {
     /// All light of a pixel so far.
     pub struct PixelSum<W> {

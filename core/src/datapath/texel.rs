@@ -45,6 +45,18 @@ pub fn corner<W: Staged>(three: &[Int<W>; 3]) -> Int<W> {
     control_stage!("filter.corner", filter::corner(three))
 }
 
+/// One channel of a bright texel from its code.
+#[inline(always)]
+pub fn bright_texel<W: Staged>(code: Int<W>) -> Int<W> {
+    control_stage!("filter.bright_texel", filter::bright_texel(code))
+}
+
+/// One channel of the bright texel at a corner of the cube.
+#[inline(always)]
+pub fn bright_corner<W: Staged>(three: &[Int<W>; 3]) -> Int<W> {
+    control_stage!("filter.bright_corner", filter::bright_corner(three))
+}
+
 bundle! {
     /// What a bilinear sample of a level of a repeated map reads.
     pub struct RepeatAddress<W> {

@@ -156,6 +156,31 @@ pub fn corner<C: Word<Count = C>>(three: &[Fx<C, 32>; 3]) -> Fx<C, 32> {
     Fx::from_raw(C::narrow(sum.raw().mul(C::lit(174_763)).add(C::Wide::lit(1 << 18)).sar(19)))
 }
 
+/// The largest code of a bright texel: 4095 · 2^19, the last number of 12 significant bits below 2^31.
+pub const LAST_BRIGHT_CODE: u16 = 21 * 2048 - 1;
+
+/// A channel of a bright texel from its code, exponent c in the upper 5 bits, fraction f in the lower 11: f where c = 0, else
+/// (2048 + f) · 2^(c − 1), in 2^−31 of the unit of the map.
+///
+/// Range: any code of 16 bits; those above [`LAST_BRIGHT_CODE`] read as that one.
+#[inline(always)]
+pub fn bright_texel<C: Word<Count = C>>(code: Fx<C, 32>) -> Fx<C, 32> {
+    let code = code.min(Fx::int(LAST_BRIGHT_CODE.into()));
+    let c = code.floor_shr(11);
+    let f = code - c.shl(11);
+    let m = f + Fx::select(c.is_zero(), Fx::zero(), Fx::int(1 << 11));
+    Fx::from_raw(m.raw().shl_by((c - Fx::int(1)).max(Fx::zero()).raw()))
+}
+
+/// The same as [`corner`] for bright texels: sums of three of them need more than a word.
+///
+/// Relative error 2^−19, a 128th of what the codes of these texels have.
+#[inline(always)]
+pub fn bright_corner<C: Word<Count = C>>(three: &[Fx<C, 32>; 3]) -> Fx<C, 32> {
+    let sum = three.iter().fold(C::Wide::lit(1 << 18), |sum, texel| sum.add(texel.raw().mul(C::lit(174_763))));
+    Fx::from_raw(C::narrow(sum.sar(19)))
+}
+
 bundle! {
     /// Sum of weighted probes of one channel, 16 more fraction bits than a sample.
     pub struct ProbeSum<W> {

@@ -145,6 +145,8 @@ pub fn port_values(
         | Design::BumpProbe
         | Design::Bump
         | Design::Corner
+        | Design::BrightTexel
+        | Design::BrightCorner
         | Design::ColourSample
         | Design::WordSample
         | Design::ProbeSum
@@ -152,6 +154,7 @@ pub fn port_values(
         | Design::Colour
         | Design::Modulated
         | Design::Blend
+        | Design::BrightBlend
         | Design::PixelSum
         | Design::Pixel => vec![net.ports.iter().map(|port| within(port.low, port.high, random)).collect()],
     }

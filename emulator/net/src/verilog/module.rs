@@ -470,7 +470,8 @@ fn summary(stage: &str) -> &'static str {
         "filter" => match stage {
             "filter.repeat_address" | "filter.face_address" => "texels and weights of a bilinear sample",
             "filter.levels" => "two levels of a map and the weight between them",
-            "filter.corner" => "the texel at a corner of the cube",
+            "filter.corner" | "filter.bright_corner" => "the texel at a corner of the cube",
+            "filter.bright_texel" => "a channel of a bright texel from its code",
             "filter.trilinear" => "interpolation of eight texels",
             "filter.sum" => "one more sample of a weighted sum",
             _ => "the mean of a weighted sum",
