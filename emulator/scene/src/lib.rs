@@ -37,7 +37,7 @@ pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
     PEAK_HEIGHTS, PeakSource, Peaks, Shadowing,
 };
-pub use limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
+pub use limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 pub use mesh::MeshError;
 pub use panorama::faces_from_equirectangular;
 pub use roughness::RoughnessField;

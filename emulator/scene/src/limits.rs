@@ -7,10 +7,17 @@ pub const MAX_FRAME_PIXELS: u64 = 1 << 26;
 /// Largest size of a scene file in bytes.
 pub const MAX_SCENE_BYTES: u64 = 1 << 20;
 
+/// The brightest texel of an environment, × white: the largest number of 12 significant bits below 2^20.
+pub const BRIGHTEST_ENVIRONMENT: f64 = 1_048_320.0;
+/// The brightest texel of a colour map, × white.
+pub const BRIGHTEST_COLOUR: f64 = 64.0;
+
 /// Largest coordinate of a scene, world units.
 pub(crate) const MAX_COORDINATE: f64 = 1e6;
 /// Range of lengths, world units.
 pub(crate) const LENGTHS: std::ops::RangeInclusive<f64> = 1e-4..=1e6;
+/// Range of the exposure of an environment, stops.
+pub(crate) const EXPOSURES: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 /// Largest edge of an environment's face: six such faces stay below 2²⁶ pixels.
 pub(crate) const MAX_FACE_EDGE: u32 = 2048;
 

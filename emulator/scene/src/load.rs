@@ -1,5 +1,6 @@
 //! From the keys of a scene file to a [`Scene`]: ranges, files, generated maps, defaults.
 
+mod light;
 mod lights;
 mod maps;
 mod material;
@@ -235,6 +236,30 @@ mod tests {
     }
 
     #[test]
+    fn exposure_scales_an_environment_and_what_it_cuts_is_told() {
+        let sky = |keys: &str| {
+            let text = format!("environment = {{ generate = \"sky\", face_edge = 16, radius_degrees = 20{keys} }}\n");
+            let scene = read(&text).unwrap();
+            (scene.environment.unwrap().faces, scene.warnings)
+        };
+        let (plain, _) = sky("");
+        for (exposure, factor) in [("-10", 0.5_f32.powi(10)), ("0.0", 1.0), ("2", 4.0), ("10.0", 1024.0)] {
+            let (exposed, warnings) = sky(&format!(", exposure = {exposure}"));
+            let pixels = plain.iter().zip(&exposed).flat_map(|(a, b)| a.pixels.iter().zip(&b.pixels));
+            assert!(pixels.into_iter().all(|(a, b)| a.map(|channel| channel * factor) == *b), "{exposure}");
+            assert!(warnings.is_empty(), "{warnings:?}");
+        }
+        // As bright as a generated sun can be.
+        assert!(sky(", sun = [1000, 1000, 1000], exposure = 10").1.is_empty());
+        // A moon in a bright sky: light is added around it.
+        let keys =
+            "glow = [1000, 1000, 1000], zenith = [1000, 1000, 1000], horizon = [1000, 1000, 1000], exposure = 10";
+        let text = format!("environment = {{ generate = \"moon\", face_edge = 16, glow_degrees = 90, {keys} }}\n");
+        let [warning] = read(&text).unwrap().warnings.try_into().unwrap();
+        assert!(warning.starts_with("environment: ") && warning.contains("of the light is above 1048320"), "{warning}");
+    }
+
+    #[test]
     fn equal_maps_are_made_once_wherever_they_stand() {
         let object = "[[object]]\nshape = \"plane\"\n[object.material]\n\
                       colour_map = { generate = \"noise\", size = 16 }\nheight_map = { generate = \"bumps\", size = 16 }\n";
@@ -297,6 +322,14 @@ mod tests {
             ),
             (format!("{CAMERA}environment = {{ faces = [\"a\", \"b\"] }}\n"), (2, 25), "name six"),
             (format!("{CAMERA}environment = {{ equirectangular = \"a.png\" }}\n"), (2, 35), "a.png"),
+            (
+                format!("{CAMERA}environment = {{ generate = \"moon\", exposure = 11 }}\n"),
+                (2, 47),
+                "`exposure` is 11, which is out of range (choose a number from -10 to 10)",
+            ),
+            (format!("{CAMERA}environment = {{ generate = \"moon\", exposure = -10.5 }}\n"), (2, 47), "from -10 to 10"),
+            (format!("{CAMERA}environment = {{ generate = \"moon\", exposure = nan }}\n"), (2, 47), "out of range"),
+            (format!("{CAMERA}environment = {{ generate = \"moon\", exposure = \"2\" }}\n"), (2, 47), "wrong type"),
             (object("radius = 2"), (5, 10), "this shape takes: size, segments"),
             (object("arc_degrees = 90"), (5, 15), "this shape takes: size, segments"),
             (object("size = [1, -1]"), (5, 8), "out of range"),

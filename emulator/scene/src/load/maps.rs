@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
+use super::light;
 use crate::bump::{BumpField, FrameSystem, HeightScale, OFFSET_LIMIT};
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
@@ -14,7 +15,7 @@ use crate::generate::{
     MapProgress, UNIFORM_ROUGHNESS, colour_map, environment, height_map, normal_map, uniform_roughness,
 };
 use crate::lighting::PEAK_HEIGHTS;
-use crate::limits::MAX_FACE_EDGE;
+use crate::limits::{EXPOSURES, MAX_FACE_EDGE};
 use crate::panorama::faces_from_equirectangular;
 use crate::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
@@ -56,12 +57,13 @@ impl<'a> Maps<'a> {
 
 impl Maps<'_> {
     /// The six faces of `[environment]`.
-    pub(super) fn environment(&self, table: &Spanned<ArgumentTable>) -> Result<EnvironmentSource, SceneError> {
+    pub(super) fn environment(&mut self, table: &Spanned<ArgumentTable>) -> Result<EnvironmentSource, SceneError> {
         let arguments = Arguments::new(self.source, table);
         let generate = arguments.text("generate")?;
         let equirectangular = arguments.text("equirectangular")?;
         let paths = arguments.texts("faces")?;
-        let faces = match (generate, equirectangular, paths) {
+        let exposure = arguments.number("exposure", 0.0, EXPOSURES)?;
+        let mut faces = match (generate, equirectangular, paths) {
             (Some((name, span)), None, None) => environment(&arguments, name, span, self.progress)?,
             (None, Some((path, span)), None) => {
                 let face_edge = arguments.whole("face_edge", 512, 1..=MAX_FACE_EDGE)?;
@@ -77,6 +79,8 @@ impl Maps<'_> {
             }
         };
         arguments.finish()?;
+        light::expose(&mut faces, exposure);
+        self.warnings.extend(light::cut_environment(&faces));
         Ok(EnvironmentSource { faces })
     }
 
@@ -140,14 +144,19 @@ impl Maps<'_> {
         Ok(picture)
     }
 
-    /// A colour map.
-    pub(super) fn colour_map(&mut self, table: &Spanned<ArgumentTable>) -> Result<Arc<Picture>, SceneError> {
+    /// The colour map of the object of that name.
+    pub(super) fn colour_map(
+        &mut self,
+        table: &Spanned<ArgumentTable>,
+        name: &str,
+    ) -> Result<Arc<Picture>, SceneError> {
         let arguments = Arguments::new(self.source, table);
         let key = arguments.fingerprint();
         if let Some(known) = self.colour_maps.get(&key) {
             return Ok(Arc::clone(known));
         }
         let picture = Arc::new(self.picture(&arguments, PictureUse::Colour)?);
+        self.warnings.extend(light::cut_colour(&format!("{name}: colour map"), &picture));
         self.colour_maps.insert(key, Arc::clone(&picture));
         Ok(picture)
     }

@@ -82,7 +82,7 @@ pub(super) fn material(
             vector
         }
     };
-    let colour_map = material.colour_map.as_ref().map(|table| maps.colour_map(table)).transpose()?;
+    let colour_map = material.colour_map.as_ref().map(|table| maps.colour_map(table, name)).transpose()?;
     let shadowing = material.peaks.as_ref().is_some_and(|peaks| peaks.get_ref().needs_heights());
     let bump = maps.bump(material, name, frame, shadowing)?;
     let roughness = maps.roughness(material, name, frame, bump.as_deref())?;
