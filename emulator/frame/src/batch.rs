@@ -235,12 +235,14 @@ impl Prepared<'_> {
         let rough = plan.roughness != RoughnessKind::None;
         for (footprint, (place, surface)) in self.footprints(plan, inputs).iter().zip(places.drain(..)) {
             let Footprint { point, probes } = footprint;
-            let reflection = self.environment.as_ref().map_or([Fx::zero(); 3], |map| {
-                sums.taps += map.taps(probes, rough, &self.precision);
-                map.sample(point, probes, rough, &self.precision)
-            });
-            let channel = |i: usize| pixel::blend::<i32>(surface[i], reflection[i], reflectance[i]);
-            sums.add(place, core::array::from_fn(channel));
+            let colour = match &self.environment {
+                Some(map) => {
+                    sums.taps += map.taps(probes, rough, &self.precision);
+                    map.blended(&surface, (point, probes, rough), reflectance, &self.precision)
+                }
+                None => core::array::from_fn(|i| pixel::blend::<i32>(surface[i], Fx::zero(), reflectance[i])),
+            };
+            sums.add(place, colour);
         }
     }
 

@@ -9,7 +9,7 @@ pub type Colour = [i32; 3];
 /// A channel of a colour on its wire.
 pub type Channel = Control<i32, LIGHT>;
 
-/// The largest exponent of a map: colours stay below 64, the range of the blend. A brighter sun is cut to it.
+/// The largest exponent of a colour map: colours stay below 64, the range of the blend. What is brighter is cut to it.
 pub const MAX_MAP_EXPONENT: i32 = 6;
 
 /// A linear colour as I8F24, cut to the range of the blend.

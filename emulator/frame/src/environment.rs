@@ -1,15 +1,15 @@
 //! Fetches from the environment: probes on cube faces, across their edges and at their corners.
 
-use roughxel_core::datapath::texel;
+use roughxel_core::datapath::{pixel, texel};
+use roughxel_core::fx::{Control, Fx};
+use roughxel_core::ports::REFLECTANCE;
 use roughxel_core::precision::Precision;
 use roughxel_core::sampler::{self, Cube};
 use roughxel_core::signals::{CubePoint, Probes};
 use roughxel_core::width::on_words;
-use roughxel_maps::environment::CubePyramid;
-use roughxel_maps::mip::smallest_exponent;
+use roughxel_maps::environment::{BrightCube, CubePyramid};
 use roughxel_scene::picture::Picture;
 
-use super::MAX_MAP_EXPONENT;
 use super::colour::Channel;
 
 /// The environment of a scene.
@@ -21,8 +21,7 @@ pub struct EnvironmentMap {
 impl EnvironmentMap {
     /// Builds the pyramid, or only its base where nothing is filtered.
     pub fn new(faces: &[Picture; 6], filters: bool) -> Self {
-        let exponent = smallest_exponent(faces).min(MAX_MAP_EXPONENT);
-        let mut pyramid = CubePyramid::with_exponent(faces, exponent);
+        let mut pyramid = CubePyramid::new(faces);
         if !filters {
             pyramid.levels.truncate(1);
         }
@@ -47,15 +46,37 @@ impl EnvironmentMap {
         if texel::levels::<i32>(probes.lod, rough, p).weight.raw() == 0 { fine } else { fine + fine }
     }
 
-    /// The mean colour of a footprint, I8F24: N trilinear probes along its major axis; a rough one is sampled with the
+    /// Whether its codes have an exponent each: it is brighter than 64 × white.
+    pub fn is_bright(&self) -> bool {
+        self.pyramid.is_bright()
+    }
+
+    /// The mean colour of a footprint, I8F24, below 64: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
     pub fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> [Channel; 3] {
-        let cube = Cube {
-            memory: &self.pyramid,
-            edge: self.pyramid.edge,
-            last_level: self.pyramid.levels.len() as u32 - 1,
-            exponent: self.pyramid.exponent,
-        };
-        on_words!(p, |point, probes| sampler::environment(point, probes, rough, &cube, p)).map(|channel| channel.0)
+        self.blended(&[Channel::zero(); 3], (point, probes, rough), &[Fx::int(1); 3], p)
+    }
+
+    /// The same mean, blended with the colour of a surface by its reflectance before it is cut.
+    pub fn blended(
+        &self,
+        surface: &[Channel; 3],
+        (point, probes, rough): (&CubePoint<i32>, &Probes<i32>, bool),
+        reflectance: &[Control<i32, REFLECTANCE>; 3],
+        p: &Precision,
+    ) -> [Channel; 3] {
+        let CubePyramid { edge, levels, exponent } = &self.pyramid;
+        let (edge, last_level, exponent) = (*edge, levels.len() as u32 - 1, *exponent);
+        let unit = Fx::from_raw(exponent);
+        if self.is_bright() {
+            let cube = Cube { memory: &BrightCube(&self.pyramid), edge, last_level, exponent };
+            let means = on_words!(p, |point, probes| sampler::means(point, probes, rough, &cube, p));
+            let channel = |i: usize| pixel::bright_blend::<i32>(surface[i], means[i].0, unit, reflectance[i]);
+            return core::array::from_fn(channel);
+        }
+        let cube = Cube { memory: &self.pyramid, edge, last_level, exponent };
+        let means = on_words!(p, |point, probes| sampler::means(point, probes, rough, &cube, p));
+        let colour = |i: usize| pixel::colour::<i32>(means[i].0, unit);
+        core::array::from_fn(|i| pixel::blend::<i32>(surface[i], colour(i), reflectance[i]))
     }
 }

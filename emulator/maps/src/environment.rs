@@ -1,13 +1,16 @@
 //! Environment maps: six faces with mip levels.
 //!
 //! Faces in Vulkan's order +x, −x, +y, −y, +z, −z with Vulkan's (s_c, t_c); column 0 at s = −1, row 0 at t = −1 (the top row
-//! of the face's picture, no flip). All faces and levels share one exponent, so probes may mix them as integers.
+//! of the face's picture, no flip). All faces and levels share one unit, so probes may mix them as integers; what is brighter than
+//! 64 × white has codes with an exponent each in that unit.
 //! Each face is filtered for itself: a texel next to an edge holds its own side only, and the filter looks across the
 //! edge (the stage `edge` of the datapath).
 
-use roughxel_core::sampler::CubeMemory;
+use roughxel_core::sampler::{BRIGHT_EXPONENTS, CubeMemory};
 
-use crate::mip::{Level, colour_levels, quantise, smallest_exponent};
+use crate::bright;
+use crate::levels::power_of_two;
+use crate::mip::{Level, coded_levels, colour_levels, quantise, smallest_exponent};
 use roughxel_scene::picture::Picture;
 
 /// An environment map with its mip levels.
@@ -17,34 +20,36 @@ pub struct CubePyramid {
     pub edge: u32,
     /// Level 0 (full size) first, down to 1×1; six faces each, row 0 at t = −1.
     pub levels: Vec<[Level; 6]>,
-    /// Value of a code: code / 65536 · 2^exponent, one exponent for all faces.
+    /// log₂ of the unit of the codes, one for all faces: at most 6, or at least 7 where they are bright.
     pub exponent: i32,
 }
 
 impl CubePyramid {
-    /// Quantises six faces to 16 bits with the [`smallest_exponent`] that holds their maximum, and builds all levels.
+    /// Stores six faces in 16 bits a channel with the [`smallest_exponent`] that holds their maximum, and builds all levels: linear codes, as
+    /// those of a [`ColourPyramid`](crate::mip::ColourPyramid), of at most 64 × white, [`bright`] ones of what is brighter. What is
+    /// brighter than those hold is cut.
     ///
-    /// Rounding: as [`ColourPyramid::new`](crate::mip::ColourPyramid::new).
+    /// Rounding: to nearest, ties up, once for level 0 and once from its exact sums for every other level.
     ///
     /// # Panics
     /// If the faces are not squares of one size of at least 1, with all their pixels.
     pub fn new(faces: &[Picture; 6]) -> Self {
-        Self::with_exponent(faces, smallest_exponent(faces))
-    }
-
-    /// As [`CubePyramid::new`], with a given exponent; brighter pixels than 2^exponent saturate to code 65535.
-    ///
-    /// # Panics
-    /// If the faces are not squares of one size of at least 1, with all their pixels.
-    pub fn with_exponent(faces: &[Picture; 6], exponent: i32) -> Self {
+        let exponent = smallest_exponent(faces).min(*BRIGHT_EXPONENTS.end());
+        let is_bright = BRIGHT_EXPONENTS.contains(&exponent);
         let edge = faces[0].width;
         assert!(
             faces.iter().all(|face| edge > 0 && (face.width, face.height) == (edge, edge)),
             "an environment needs six square faces of one size"
         );
         let mut pyramids = faces.each_ref().map(|face| {
-            let texels = face.pixels.iter().map(|pixel| quantise(*pixel, exponent));
-            colour_levels(edge, edge, texels.collect()).into_iter()
+            let pixels = face.pixels.iter();
+            let levels = if is_bright {
+                let texels = pixels.map(|pixel| bright::quantise(*pixel, exponent)).collect();
+                coded_levels(edge, edge, texels, |code| bright::decoded(code).into(), bright::code_of_ratio)
+            } else {
+                colour_levels(edge, edge, pixels.map(|pixel| quantise(*pixel, exponent)).collect())
+            };
+            levels.into_iter()
         });
         let mut levels = Vec::new();
         while let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] = pyramids.each_mut().map(Iterator::next) {
@@ -52,8 +57,41 @@ impl CubePyramid {
         }
         Self { edge, levels, exponent }
     }
+
+    /// Whether the codes are [`bright`] ones.
+    pub fn is_bright(&self) -> bool {
+        BRIGHT_EXPONENTS.contains(&self.exponent)
+    }
+
+    /// A channel of a texel in linear light, exact.
+    pub fn light(&self, code: u16) -> f64 {
+        if self.is_bright() {
+            f64::from(bright::decoded(code)) * power_of_two(self.exponent - 31)
+        } else {
+            f64::from(code) * power_of_two(self.exponent - 16)
+        }
+    }
 }
 
+/// A pyramid of bright codes as a memory.
+#[derive(Clone, Copy, Debug)]
+pub struct BrightCube<'a>(pub &'a CubePyramid);
+
+impl CubeMemory for BrightCube<'_> {
+    const BRIGHT: bool = true;
+
+    #[inline(always)]
+    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
+        self.0.texel(level, face, column, row)
+    }
+
+    #[inline(always)]
+    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
+        self.0.patch(level, face, column, row)
+    }
+}
+
+/// One of linear codes.
 impl CubeMemory for CubePyramid {
     #[inline(always)]
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
@@ -73,6 +111,9 @@ impl CubeMemory for CubePyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use roughxel_core::stage::filter::LAST_BRIGHT_CODE;
+    use roughxel_scene::BRIGHTEST_ENVIRONMENT;
+    use roughxel_scene::random::SplitMix64;
 
     #[test]
     fn a_cube_pyramid_keeps_the_rows_of_its_pictures_and_one_exponent() {
@@ -84,5 +125,72 @@ mod tests {
         assert_eq!(edges, [6, 3, 1]);
         assert_eq!(cube.levels[0][2].texel(0, 0), [49152; 3]);
         assert_eq!(cube.levels[2][4].texel(0, 0), [8192; 3]);
+    }
+
+    /// A grey sky of noise with a small sun on one face.
+    fn sky_with_sun(sun: f32, edge: u32) -> [Picture; 6] {
+        let mut random = SplitMix64::new(edge.into());
+        let mut faces = [(); 6].map(|()| Picture {
+            width: edge,
+            height: edge,
+            pixels: (0..edge * edge).map(|_| [(); 3].map(|()| random.uniform(0.01, 1.0) as f32)).collect(),
+        });
+        faces[2].pixels[(edge * (edge / 3) + edge / 4) as usize] = [sun, 0.9 * sun, 0.8 * sun];
+        faces
+    }
+
+    /// The mean of each face and channel.
+    fn means(faces: &[Picture; 6]) -> [[f64; 3]; 6] {
+        faces.each_ref().map(|face| {
+            let sum = |channel: usize| face.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>();
+            [0, 1, 2].map(|channel| sum(channel) / face.pixels.len() as f64)
+        })
+    }
+
+    #[test]
+    fn every_level_of_a_bright_environment_has_the_light_of_its_pictures() {
+        for (edge, sun) in [(64, 30_000.0), (37, 30_000.0), (128, 65_504.0), (64, 65.0), (20, 1e6)] {
+            let faces = sky_with_sun(sun, edge);
+            let (cube, expected) = (CubePyramid::new(&faces), means(&faces));
+            assert!(cube.is_bright());
+            for level in &cube.levels {
+                for (face, expected) in level.iter().zip(expected) {
+                    for (channel, expected) in expected.into_iter().enumerate() {
+                        let sum: f64 = face.texels.iter().map(|texel| cube.light(texel[channel])).sum();
+                        let mean = sum / face.texels.len() as f64;
+                        // Two roundings of a relative 2^-12, those of single dark texels of half a unit.
+                        let bound = expected * 2.0 * power_of_two(-12) + power_of_two(cube.exponent - 31);
+                        assert!((mean - expected).abs() <= bound, "{edge} {sun} {}: {mean} {expected}", face.width);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stops_of_exposure_change_the_unit_and_no_code() {
+        let faces = sky_with_sun(30_000.0, 16);
+        let cube = CubePyramid::new(&faces);
+        for stops in [-6, 4] {
+            let mut exposed = faces.clone();
+            for channel in exposed.iter_mut().flat_map(|face| &mut face.pixels).flatten() {
+                *channel *= power_of_two(stops) as f32;
+            }
+            let other = CubePyramid::new(&exposed);
+            assert_eq!((other.exponent, &other.levels), (cube.exponent + stops, &cube.levels));
+        }
+    }
+
+    #[test]
+    fn up_to_64_times_white_codes_are_linear_and_above_the_brightest_they_are_cut() {
+        for (sun, exponent, is_bright) in [(1.0, 0, false), (64.0, 6, false), (64.01, 7, true), (1e9, 20, true)] {
+            let cube = CubePyramid::new(&sky_with_sun(sun, 8));
+            assert_eq!((cube.exponent, cube.is_bright()), (exponent, is_bright), "{sun}");
+            let brightest = cube.levels[0].iter().flat_map(|face| &face.texels).flatten().max();
+            if sun > 1e6 {
+                assert_eq!(brightest, Some(&LAST_BRIGHT_CODE));
+                assert_eq!(cube.light(LAST_BRIGHT_CODE), BRIGHTEST_ENVIRONMENT);
+            }
+        }
     }
 }

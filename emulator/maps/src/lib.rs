@@ -7,6 +7,7 @@
 //! bumps that a level has lost ([`bump`], [`roughness`]). The sums are integers, and what is not (`√`, quotients) uses only
 //! correctly rounded float64 operations, so the texels are the same bits on every machine and for any thread count.
 
+pub mod bright;
 pub mod bump;
 pub mod environment;
 pub mod horizon;

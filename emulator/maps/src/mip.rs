@@ -97,11 +97,22 @@ pub(crate) fn quantise(pixel: [f32; 3], exponent: i32) -> [u16; 3] {
 
 /// All levels over the texels of level 0.
 pub(crate) fn colour_levels(width: u32, height: u32, texels: Vec<[u16; 3]>) -> Vec<Level> {
+    coded_levels(width, height, texels, i64::from, |sum, area| round_ratio(sum, area) as u16)
+}
+
+/// All levels over the texels of level 0: what their codes decode to is summed, and the quotient of a sum and an area becomes a code.
+pub(crate) fn coded_levels(
+    width: u32,
+    height: u32,
+    texels: Vec<[u16; 3]>,
+    decoded: impl Fn(u16) -> i64 + Sync,
+    code: impl Fn(i64, i64) -> u16 + Sync,
+) -> Vec<Level> {
     assert_eq!(texels.len(), width as usize * height as usize);
-    let base = |index: usize| texels[index].map(i64::from);
+    let base = |index: usize| texels[index].map(&decoded);
     let mut levels = Vec::new();
     for_each_level(width, height, base, |sums| {
-        let mean = |sum: i64| round_ratio(sum, sums.area) as u16;
+        let mean = |sum: i64| code(sum, sums.area);
         levels.push(Level {
             width: sums.width,
             height: sums.height,
@@ -120,7 +131,7 @@ pub(crate) fn round_ratio(sum: i64, area: i64) -> i64 {
 
 /// Exact sums of `N` integer channels over the area of each texel of one level.
 ///
-/// Mean of a texel = sum / area. With at most 2^26 texels of |channel| ≤ 2^30 every sum is at most 2^56.
+/// Mean of a texel = sum / area. With at most 2^26 texels of |channel| < 2^31 every sum is below 2^57.
 pub(crate) struct AreaSums<const N: usize> {
     /// Texels in a row of this level.
     pub(crate) width: u32,

@@ -13,9 +13,8 @@ use roughxel_reference::roughness::compose;
 /// Channels of a bump map: b₁, b₂ and the elements 11, 12, 22 of K.
 pub(super) const BUMP_CHANNELS: usize = 5;
 
-fn colour_level(level: &Level, exponent: i32) -> Map<3> {
-    let unit = 2_f64.powi(exponent - 16);
-    let texels = level.texels.iter().map(|texel| texel.map(|code| f64::from(code) * unit)).collect();
+fn colour_level(level: &Level, light: impl Fn(u16) -> f64) -> Map<3> {
+    let texels = level.texels.iter().map(|texel| texel.map(&light)).collect();
     Map { width: level.width as usize, height: level.height as usize, texels }
 }
 
@@ -27,14 +26,16 @@ fn kept<L>(levels: &[L], filters: bool) -> &[L] {
 /// A colour map as the frame stores it.
 pub(super) fn colour(picture: &Picture, filters: bool) -> Vec<Map<3>> {
     let pyramid = ColourPyramid::with_exponent(picture, smallest_exponent([picture]).min(MAX_MAP_EXPONENT));
-    kept(&pyramid.levels, filters).iter().map(|level| colour_level(level, pyramid.exponent)).collect()
+    let unit = 2_f64.powi(pyramid.exponent - 16);
+    let light = |code| f64::from(code) * unit;
+    kept(&pyramid.levels, filters).iter().map(|level| colour_level(level, light)).collect()
 }
 
 /// An environment as the frame stores it.
 pub(super) fn environment(faces: &[Picture; 6], filters: bool) -> Vec<CubeMap<3>> {
-    let pyramid = CubePyramid::with_exponent(faces, smallest_exponent(faces).min(MAX_MAP_EXPONENT));
-    let level =
-        |faces: &[Level; 6]| CubeMap { faces: faces.each_ref().map(|face| colour_level(face, pyramid.exponent)) };
+    let pyramid = CubePyramid::new(faces);
+    let light = |code| pyramid.light(code);
+    let level = |faces: &[Level; 6]| CubeMap { faces: faces.each_ref().map(|face| colour_level(face, light)) };
     kept(&pyramid.levels, filters).iter().map(level).collect()
 }
 
