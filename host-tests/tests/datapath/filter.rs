@@ -7,8 +7,10 @@ use rayon::prelude::*;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::TexturePosition;
-use roughxel_core::stage::blend::blend;
-use roughxel_core::stage::filter::{self, Patch, ProbeSum, corner, face_address, levels, repeat_address};
+use roughxel_core::stage::blend::{blend, bright};
+use roughxel_core::stage::filter::{
+    self, Patch, ProbeSum, bright_corner, bright_texel, corner, face_address, levels, repeat_address,
+};
 use roughxel_core::stage::moments::{Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
@@ -78,6 +80,29 @@ proptest! {
         let lowest = texels.iter().flatten().min().copied().unwrap_or(0);
         let highest = texels.iter().flatten().max().copied().unwrap_or(0);
         prop_assert!((i32::from(lowest) << 8..=i32::from(highest) << 8).contains(&got), "no over- or undershoot");
+    }
+
+    #[test]
+    fn bright_light_is_blended_exactly_and_cut_once(
+        surface in 0_i32..1 << 30,
+        mean in prop_oneof![0_i32..=i32::MAX, 0_i32..1 << 16, Just(i32::MAX)],
+        exponent in 7_i32..=20,
+        reflectance in prop_oneof![0_i32..=1 << 16, 0_i32..=64, Just(1_i32 << 16)],
+    ) {
+        let (surface_wire, reflectance_wire) = (Fx::from_raw(surface), Fx::from_raw(reflectance));
+        let got = bright::<i32>(surface_wire, Fx::from_raw(mean), Fx::from_raw(exponent), reflectance_wire);
+        let share = i128::from(reflectance);
+        let exact = i128::from(surface) * ((1 << 16) - share) + ((i128::from(mean) * share) << (exponent - 7));
+        let expected = ((exact + (1 << 15)) >> 16).min((64 << 24) - 1);
+        prop_assert_eq!(i128::from(got.raw()), expected);
+    }
+
+    #[test]
+    fn the_bright_texel_at_a_corner_is_the_mean_of_three(three in prop::array::uniform3(0_u16..=u16::MAX)) {
+        let texels = three.map(|code| bright_texel(Fx::<i32, 32>::from_raw(code.into())));
+        let mean = texels.map(|texel| f64::from(texel.raw())).iter().sum::<f64>() / 3.0;
+        let got = f64::from(bright_corner(&texels).raw());
+        prop_assert!((got - mean).abs() <= 0.5 + mean * 2_f64.powi(-19), "{} of {}", got, mean);
     }
 
     #[test]

@@ -81,7 +81,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [(Design, &str, Design, &str); 31] = [
+const CONNECTIONS: [(Design, &str, Design, &str); 35] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
     (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
@@ -100,6 +100,10 @@ const CONNECTIONS: [(Design, &str, Design, &str); 31] = [
     (Design::WordSample, "", Design::ProbeSum, "sample"),
     (Design::Bump, "roughness", Design::Reflection, "fragment.surface.roughness"),
     (Design::Corner, "", Design::ColourSample, "texels[0][0]"),
+    (Design::BrightTexel, "", Design::BrightCorner, "texels[0]"),
+    (Design::BrightTexel, "", Design::WordSample, "fine.texels[0]"),
+    (Design::BrightCorner, "", Design::WordSample, "fine.texels[0]"),
+    (Design::BrightBlend, "", Design::PixelSum, "colour"),
     (Design::Reflection, "surface.frame", Design::Local, "frame"),
     (Design::Local, "", Design::Peak, "half"),
     (Design::Horizon, "", Design::Peak, "weight"),
