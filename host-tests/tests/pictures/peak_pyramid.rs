@@ -206,25 +206,26 @@ fn a_peak_sees_the_horizons_of_the_facets_it_stands_for() {
     let peaks = multiple_surface(&source, &options(exponent, FacetWeight::Surface)).expect("the source is good");
     assert!(peaks.len() > 1);
     let slopes = horizon_slopes(12, 12, source.heights.as_deref().expect("it has heights"));
+    // A facet belongs to the peaks by what each has of the density at its normal.
+    let density = |peak: &Peak, normal: DVec3| peak.amplitude * peak.normal.dot(normal).max(0.0).powf(peak.exponent);
     for peak in &peaks {
         let (mut weight, mut sums) = (0.0, [[0.0; 2]; 4]);
-        for (half, angle) in directions() {
-            let share = angle * peak.normal.dot(half).max(0.0).powf(peak.exponent);
-            for (normal, slopes) in source.normals.iter().zip(&slopes) {
-                let normal = normal.normalize();
-                let share = share / normal.z * normal.dot(half).max(0.0).powf(exponent);
-                weight += share;
-                for (sums, slope) in sums.iter_mut().zip(slopes) {
-                    *sums = [sums[0] + share * slope, sums[1] + share * slope * slope];
-                }
+        for (normal, slopes) in source.normals.iter().zip(&slopes) {
+            let normal = normal.normalize();
+            let all: f64 = peaks.iter().map(|peak| density(peak, normal)).sum();
+            let share = density(peak, normal) / all / normal.z;
+            weight += share;
+            for (sums, slope) in sums.iter_mut().zip(slopes) {
+                *sums = [sums[0] + share * slope, sums[1] + share * slope * slope];
             }
         }
         for (horizon, [sum, squares]) in peak.horizon.expect("it has heights").iter().zip(sums) {
             let mean = sum / weight;
             let deviation = (squares / weight - mean * mean).max(0.0).sqrt();
-            // The grid of the fits is 5° wide, this one 2°.
-            assert!((horizon.mean - mean).abs() <= 0.02 * mean.max(0.1), "{horizon:?} {mean}");
-            assert!((horizon.deviation - deviation).abs() <= 0.02 * deviation.max(0.1), "{horizon:?} {deviation}");
+            // Densities below 1e-13 of a peak's are none.
+            assert!((horizon.mean - mean).abs() <= 1e-9 * mean.max(0.1), "{horizon:?} {mean}");
+            assert!((horizon.deviation - deviation).abs() <= 1e-6 * deviation.max(0.1), "{horizon:?} {deviation}");
+            assert!(horizon.low <= mean && horizon.low + horizon.width >= mean, "{horizon:?}");
         }
     }
     // A facet that leans towards +x has the rest of its cylinder behind it, towards −x.
