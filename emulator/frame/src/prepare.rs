@@ -143,6 +143,11 @@ impl<'a> Prepared<'a> {
         self.objects.iter().map(|object| &object.plan)
     }
 
+    /// Whether what is reflected is brighter than 64 × white somewhere: its texels have an exponent each.
+    pub fn has_bright_environment(&self) -> bool {
+        self.environment.as_ref().is_some_and(EnvironmentMap::is_bright)
+    }
+
     /// Every effect of each object with the reason for it, in the order of the scene.
     pub fn decisions(&self) -> impl Iterator<Item = &[Decision]> {
         self.objects.iter().map(|object| object.decisions.as_slice())

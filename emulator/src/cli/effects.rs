@@ -54,6 +54,8 @@ pub(super) struct PlannedObject {
     pub(super) names: Vec<String>,
     /// Their plan in the mode `footprint`.
     pub(super) plan: ObjectPlan,
+    /// Whether what the scene reflects is brighter than 64 × white.
+    pub(super) is_bright: bool,
 }
 
 /// The objects of a scene, those of one plan once.
@@ -71,7 +73,8 @@ pub(super) fn planned_objects(scene: &str, p: &Precision) -> Result<Vec<PlannedO
         let taken = |name: &str| planned.iter().any(|known| known.directory == name);
         let numbered = (2..).map(|number| format!("{stem}_{number}"));
         let directory = std::iter::once(stem.clone()).chain(numbered).find(|name| !taken(name)).unwrap_or_default();
-        planned.push(PlannedObject { directory, names: vec![object.name.clone()], plan: *plan });
+        let is_bright = prepared.has_bright_environment();
+        planned.push(PlannedObject { directory, names: vec![object.name.clone()], plan: *plan, is_bright });
     }
     Ok(planned)
 }

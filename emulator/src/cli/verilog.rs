@@ -72,7 +72,7 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
             let objects = effects::planned_objects(scene, &profile.precision)?;
             let of_object = |object: &PlannedObject| {
                 let datapaths = object.plan.datapaths().map(|(datapath, effects)| (Design::of(datapath), effects));
-                let fetches = fetches(&object.plan).into_iter().map(|design| (design, Effects::NONE));
+                let fetches = fetches(&object.plan, object.is_bright).into_iter().map(|design| (design, Effects::NONE));
                 datapaths.chain(fetches).collect::<Vec<_>>()
             };
             let designs: Vec<_> = objects.iter().map(of_object).collect();

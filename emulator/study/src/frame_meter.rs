@@ -87,8 +87,8 @@ struct Seen {
 /// - memory: texels of a pixel.
 pub struct FrameMeter<'a> {
     scenes: Vec<Measured<'a>>,
-    /// Of the objects of all scenes, each once.
-    plans: Vec<ObjectPlan>,
+    /// Of the objects of all scenes, each once, and whether what they reflect is bright.
+    plans: Vec<(ObjectPlan, bool)>,
     /// Of every precision whose frames were drawn, by its knobs: texels and PSNR are told by the same frames.
     seen: RefCell<HashMap<[u32; Knob::ALL.len()], Seen>>,
     start: Instant,
@@ -104,8 +104,9 @@ impl<'a> FrameMeter<'a> {
             let truth = roughxel_real_frame::render(&subject.scene, against.mode(), &Precision::STANDARD, progress)?;
             let standard = subject.prepare(Mode::Footprint, &Precision::STANDARD)?;
             for plan in standard.plans() {
-                if !plans.contains(plan) {
-                    plans.push(*plan);
+                let planned = (*plan, standard.has_bright_environment());
+                if !plans.contains(&planned) {
+                    plans.push(planned);
                 }
             }
             scenes.push(Measured { subject, truth, standard });
@@ -149,7 +150,7 @@ impl Meter for FrameMeter<'_> {
     fn cost(&self, clock: Clock, p: &Precision) -> Option<f64> {
         match clock {
             Clock::Host => self.time(p).ok(),
-            Clock::Hardware => self.plans.iter().map(|plan| full_adders(plan, p)).max().map(|bits| bits as f64),
+            Clock::Hardware => self.plans.iter().map(|planned| full_adders(planned, p)).max().map(|bits| bits as f64),
             Clock::SoftCore => {
                 // What a setting takes with fewer probes was not priced: at most 2 % less (`max_probes` in knobs.json).
                 let priced = Precision { max_probes: Precision::STANDARD.max_probes, ..*p };
@@ -169,12 +170,12 @@ impl Meter for FrameMeter<'_> {
 }
 
 /// Full adders of all that an object goes through.
-fn full_adders(plan: &ObjectPlan, p: &Precision) -> u64 {
+fn full_adders((plan, is_bright): &(ObjectPlan, bool), p: &Precision) -> u64 {
     let datapath = |(datapath, effects): (_, Effects)| {
         let roughness = if effects.roughness == RoughnessKind::None { RoughnessKind::None } else { p.roughness };
         (Design::of(datapath), Effects { roughness, ..effects })
     };
-    let fetches = fetches(plan).into_iter().map(|design| (design, Effects::NONE));
+    let fetches = fetches(plan, *is_bright).into_iter().map(|design| (design, Effects::NONE));
     let designs = plan.datapaths().map(datapath).chain(fetches);
     designs.map(|(design, effects)| hardware::full_adders(&census(design, &effects, p).1.total)).sum()
 }

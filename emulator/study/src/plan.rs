@@ -32,6 +32,16 @@ const ENVIRONMENT_FETCH: [Design; 7] = [
     Design::Colour,
     Design::Blend,
 ];
+/// And one of a bright one.
+const BRIGHT_FETCH: [Design; 7] = [
+    Design::EnvironmentProbe,
+    Design::Levels,
+    Design::FaceAddress,
+    Design::FaceTexels,
+    Design::BrightTexel,
+    Design::WordSample,
+    Design::BrightBlend,
+];
 /// What a bump map adds to a fetch, and what its roughness adds.
 const BUMP: [Design; 1] = [Design::WordSample];
 const ROUGHNESS: [Design; 3] = [Design::BumpTexel, Design::BumpProbe, Design::Bump];
@@ -158,8 +168,14 @@ fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
     each.fold(Hardware::default(), Hardware::joined)
 }
 
-/// The designs that the fetches of an object go through, each once.
-pub fn fetches(plan: &ObjectPlan) -> Vec<Design> {
+/// The designs that a fetch of the environment goes through.
+fn environment_fetch(is_bright: bool) -> &'static [Design] {
+    if is_bright { &BRIGHT_FETCH } else { &ENVIRONMENT_FETCH }
+}
+
+/// The designs that the fetches of an object go through, each once; `is_bright` says what environment it reflects
+/// ([`Prepared::has_bright_environment`]).
+pub fn fetches(plan: &ObjectPlan, is_bright: bool) -> Vec<Design> {
     let has = |effect| plan.has(effect);
     let (colour, reflection) = (has(Effect::ColourTexture), has(Effect::Environment));
     let repeated = colour || plan.bump_map() || has(Effect::Peaks);
@@ -170,9 +186,9 @@ pub fn fetches(plan: &ObjectPlan) -> Vec<Design> {
         (repeated, &[Design::Levels, Design::RepeatAddress]),
         (plan.bump_map() || has(Effect::Peaks), &BUMP),
         (plan.bump_map(), &ROUGHNESS),
-        (reflection, &ENVIRONMENT_FETCH),
-        (reflection, &[Design::Corner]),
-        (colour || reflection, &[Design::ColourSample, Design::Colour]),
+        (reflection, environment_fetch(is_bright)),
+        (reflection, if is_bright { &[Design::BrightCorner] } else { &[Design::Corner] }),
+        (colour, &[Design::ColourSample, Design::Colour]),
         (colour || lit, &[Design::Modulated]),
         ((repeated || reflection) && footprint, &[Design::ProbeSum, Design::ProbeMean]),
         (true, &[Design::PixelSum, Design::Pixel]),
@@ -198,7 +214,7 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::ColourTexture => Hardware::of_all(&TEXTURE_FETCH, p),
                     Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &BUMP].concat(), p),
                     Effect::Roughness => Hardware::of_all(&ROUGHNESS, p),
-                    Effect::Environment => Hardware::of_all(&ENVIRONMENT_FETCH, p),
+                    Effect::Environment => Hardware::of_all(environment_fetch(prepared.has_bright_environment()), p),
                     // These fetch nothing of their own.
                     Effect::Footprint
                     | Effect::Edges
