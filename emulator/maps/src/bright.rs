@@ -6,10 +6,12 @@
 
 use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
-use roughxel_core::stage::filter::LAST_BRIGHT_CODE;
 
 use crate::levels::power_of_two;
 use crate::mip::round_ratio;
+
+/// The largest code, 4095 · 2^19; those above it, which no map has, read as it.
+pub const LAST_CODE: u16 = 21 * 2048 - 1;
 
 /// What a code stands for, in 2^−31 of the unit of the map.
 pub fn decoded(code: u16) -> i32 {
@@ -18,7 +20,7 @@ pub fn decoded(code: u16) -> i32 {
 
 /// The code of `significand`·2^`places`, where `significand` is 2048 to 4096, or less and `places` 0.
 fn code(significand: i64, places: u32) -> u16 {
-    (i64::from(places) * 2048 + significand).min(LAST_BRIGHT_CODE.into()) as u16
+    (i64::from(places) * 2048 + significand).min(LAST_CODE.into()) as u16
 }
 
 /// By how many places a number of units is shifted to have 12 bits.
@@ -33,7 +35,7 @@ pub(crate) fn code_of_ratio(sum: i64, area: i64) -> u16 {
     code(round_ratio(sum, area << places), places)
 }
 
-/// Codes of one pixel: to nearest, ties up; saturated to 0 and to [`LAST_BRIGHT_CODE`]; NaN gives 0.
+/// Codes of one pixel: to nearest, ties up; saturated to 0 and to [`LAST_CODE`]; NaN gives 0.
 pub(crate) fn quantise(pixel: [f32; 3], exponent: i32) -> [u16; 3] {
     let scale = power_of_two(31 - exponent);
     pixel.map(|value| {
@@ -53,7 +55,7 @@ mod tests {
         let mut below = -1;
         for code in 0..=u16::MAX {
             let value = decoded(code);
-            if code > LAST_BRIGHT_CODE {
+            if code > LAST_CODE {
                 assert_eq!(value, below, "as the last one");
                 continue;
             }
@@ -72,7 +74,7 @@ mod tests {
 
     #[test]
     fn what_lies_between_two_codes_becomes_the_nearer_one_and_ties_go_up() {
-        for code in 0..LAST_BRIGHT_CODE {
+        for code in 0..LAST_CODE {
             let (low, high) = (i64::from(decoded(code)), i64::from(decoded(code + 1)));
             assert!(high - low <= 1.max(low / 2048), "{code}: a relative error of 2^-12 at most");
             // Half way, and a millionth to either side of it.
@@ -93,9 +95,9 @@ mod tests {
             (f32::NEG_INFINITY, 0),
             (0.0, 0),
             (f32::MIN_POSITIVE, 0),
-            (128.0, LAST_BRIGHT_CODE),
-            (1e30, LAST_BRIGHT_CODE),
-            (f32::INFINITY, LAST_BRIGHT_CODE),
+            (128.0, LAST_CODE),
+            (1e30, LAST_CODE),
+            (f32::INFINITY, LAST_CODE),
             (64.0, 20 * 2048),
         ] {
             assert_eq!(quantise([value; 3], 7), [expected; 3], "{value}");

@@ -111,7 +111,7 @@ impl CubeMemory for CubePyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use roughxel_core::stage::filter::LAST_BRIGHT_CODE;
+    use crate::bright::LAST_CODE;
     use roughxel_scene::BRIGHTEST_ENVIRONMENT;
     use roughxel_scene::random::SplitMix64;
 
@@ -188,8 +188,8 @@ mod tests {
             assert_eq!((cube.exponent, cube.is_bright()), (exponent, is_bright), "{sun}");
             let brightest = cube.levels[0].iter().flat_map(|face| &face.texels).flatten().max();
             if sun > 1e6 {
-                assert_eq!(brightest, Some(&LAST_BRIGHT_CODE));
-                assert_eq!(cube.light(LAST_BRIGHT_CODE), BRIGHTEST_ENVIRONMENT);
+                assert_eq!(brightest, Some(&LAST_CODE));
+                assert_eq!(cube.light(LAST_CODE), BRIGHTEST_ENVIRONMENT);
             }
         }
     }

@@ -102,7 +102,8 @@ proptest! {
         let texels = three.map(|code| bright_texel(Fx::<i32, 32>::from_raw(code.into())));
         let mean = texels.map(|texel| f64::from(texel.raw())).iter().sum::<f64>() / 3.0;
         let got = f64::from(bright_corner(&texels).raw());
-        prop_assert!((got - mean).abs() <= 0.5 + mean * 2_f64.powi(-19), "{} of {}", got, mean);
+        // Half a last place, and a hundredth for float64.
+        prop_assert!((got - mean).abs() <= 0.51 + mean * 2_f64.powi(-19), "{} of {}", got, mean);
     }
 
     #[test]
