@@ -36,8 +36,11 @@ fn slopes(direction: &BlockVector, p: &Precision) -> [AxisSlope<i32>; 2] {
     on_words!(p, |local| datapath::horizon_slopes(local, p))
 }
 
+/// Shares of ramps, joined by the reference.
+type Joined = fn(&[f64]) -> f64;
+
 /// How shares are joined, and the same by the reference.
-const KINDS: [(HorizonKind, fn(&[f64]) -> f64); 2] =
+const KINDS: [(HorizonKind, Joined); 2] =
     [(HorizonKind::Correlated, reference::correlated), (HorizonKind::Product, reference::product)];
 
 /// What light and eye both clear.
