@@ -5,7 +5,7 @@
 //! stored step at −8 hides nothing. Four ramps, of light and eye over both axes, become one share, as the plan says:
 //!
 //! * correlated: a ramp t clears 1 − (1 − t)², a law whose density falls linearly from its low end; of the two smallest shares a ≤ b the
-//!   result is a·(3 + b)/4, between a, where who lies in a hole lies in it for every direction, and a·b;
+//!   result is a·(3 + b)/4 = a − a(1 − b)/4, between a, where who lies in a hole lies in it for every direction, and a·b;
 //! * product: a ramp is the share, a uniform law, and all four are multiplied.
 //!
 //! Where every share is 0 or 1 both are the same. Error of a slope s: 2^−(p−3.2)·max(1, |s|); of a ramp, beside that: 2^−17.
@@ -71,9 +71,6 @@ pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Prec
     Ramps { axes }
 }
 
-/// Bits before the point of a share on its way; behind it are two more than a share has.
-const FINE: u32 = SHARE - 2;
-
 /// The share of facets that clear both directions, of falling laws that are correlated, in [0, 1].
 #[inline(always)]
 pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE> {
@@ -84,13 +81,14 @@ pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE
         [x.min(y), x.max(y)]
     });
     let next = lit[0].max(seen[0]).min(lit[1].min(seen[1]));
-    let [least, next] = each!(t in [lit[0].min(seen[0]), next] => {
+    // What the smaller one hides stays exact: factors of 18 bits alone meet.
+    let [most, more]: [WideControl<W, { 2 * SHARE }>; 2] = each!(t in [lit[0].min(seen[0]), next] => {
         let hidden = one - t;
-        let hidden: Control<W, FINE> = hidden.mul::<SHARE, { 2 * SHARE }>(hidden).round_to(18);
-        Fx::int(1) - hidden
+        hidden.mul::<SHARE, { 2 * SHARE }>(hidden)
     });
-    let kept: Control<W, { FINE - 2 }> = (Fx::int(3) + next).reread();
-    least.mul::<{ FINE - 2 }, { 2 * FINE - 2 }>(kept).round_to(16)
+    let least = one - most.round_to(16);
+    let taken: WideControl<W, { 2 * SHARE }> = least.mul::<SHARE, { 2 * SHARE }>(more.round_to(16)).floor_shr(2);
+    (Fx::int(1) - most - taken).saturate(Fx::zero(), Fx::int(1)).round_to(16)
 }
 
 /// The share of facets that clear both directions, of uniform laws that are independent, in [0, 1].
