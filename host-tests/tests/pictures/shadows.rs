@@ -69,7 +69,7 @@ struct Bars {
 }
 
 /// Slopes up to 1. What is missing far away: bright facets are those in sight, which no law of a peak's horizons says.
-const ROUGH: Bars = Bars { far: 0.8..=1.2, near: 0.87..=1.1 };
+const ROUGH: Bars = Bars { far: 0.75..=1.25, near: 0.87..=1.1 };
 /// Slopes up to 3.5.
 const STEEP: Bars = Bars { far: 0.6..=1.3, near: 0.6..=1.3 };
 
