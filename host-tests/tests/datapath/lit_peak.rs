@@ -76,6 +76,10 @@ fn a_local_half_vector_holds_its_bar_from_the_ports_on() {
     }
 }
 
+/// Visibility, log₂, whatever the profile: ramps of 2^−17 count up to two and a half times in correlated shares, half of that come of their joint and 2^−17 of
+/// the last rounding, 2^−15 at worst; random cases do not meet all of it at once.
+const VISIBILITY_BAR: f64 = -15.3;
+
 /// The ramps that both slopes of a direction climb, by the reference.
 fn climbs(case: &PeakIn, local: &BlockVector, slopes: [f64; 2]) -> [f64; 2] {
     let side = |index: usize| {
@@ -117,7 +121,7 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
             [(visibility - want).abs(), if plausible { error * slack } else { 0.0 }]
         };
         let worst = (0..CASES).into_par_iter().map(errors).reduce(|| [0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        holds(name, "visibility", worst[0], shading_bars(name).expect("a profile has bars").visibility.log2());
+        holds(name, "visibility", worst[0], VISIBILITY_BAR);
         holds(name, "light", worst[1], bar);
     }
 }
