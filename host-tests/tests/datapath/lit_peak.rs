@@ -14,7 +14,7 @@ use roughxel_core::staged::Staged;
 use roughxel_core::status::StatusBit;
 use roughxel_core::width::on_words;
 use roughxel_emulator::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
-use roughxel_host_tests::bars::{LIT_PEAK_BARS, shading_bars};
+use roughxel_host_tests::bars::LIT_PEAK_BARS;
 use roughxel_host_tests::reference::horizon::{Side, correlated, product, ramp};
 use roughxel_host_tests::reference::linear::{dot, norm};
 use roughxel_host_tests::reference::{frame, highlight, peaks};
