@@ -2,7 +2,7 @@
 
 use fixed::types::{I2F30, I4F28};
 use roughxel_core::firmware::{Firmware, Narrow};
-use roughxel_core::plan::Effects;
+use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 
 /// Bumps and a footprint, on words of 16 bits.
@@ -10,7 +10,7 @@ struct Mirror;
 
 impl Firmware for Mirror {
     type Accuracy = Narrow;
-    const EFFECTS: Effects = Effects { bump: true, footprint: true, ..Effects::NONE };
+    const EFFECTS: Effects = Effects { bump: true, footprint: FootprintKind::Face, ..Effects::NONE };
 }
 
 fn main() {

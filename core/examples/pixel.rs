@@ -2,7 +2,7 @@
 
 use fixed::types::I2F30;
 use roughxel_core::firmware::{Firmware, Standard};
-use roughxel_core::plan::Effects;
+use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::sampler::{Cube, CubeMemory};
 
@@ -11,7 +11,7 @@ struct Mirror;
 
 impl Firmware for Mirror {
     type Accuracy = Standard;
-    const EFFECTS: Effects = Effects { footprint: true, ..Effects::NONE };
+    const EFFECTS: Effects = Effects { footprint: FootprintKind::Face, ..Effects::NONE };
 }
 
 /// Six faces, each of a grey of its own: whatever holds texels is a memory.

@@ -17,8 +17,8 @@ use crate::ports::{
 use crate::precision::Precision;
 use crate::scalar::Scalar;
 use crate::signals::{
-    CubePoint, FacePosition, FaceProbe, LocalDirection, MapScale, PeakSum, Probes, TangentFrame, TexturePosition,
-    TextureProbe,
+    CubePoint, FacePosition, FaceProbe, LocalDirection, MapScale, PeakSum, Probes, SphereProbe, Sweep, TangentFrame,
+    TexturePosition, TextureProbe,
 };
 use crate::stage::filter::{Address, LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::seam::CubeTexel;
@@ -173,6 +173,10 @@ designs! {
     EnvironmentProbe "environment_probe": EnvironmentProbeInput -> FaceProbe<S>,
         |input, _, p| datapath::environment_probe(&input.point, &input.probes, input.index, p);
 
+    /// place, level of detail and weight of one probe of a footprint on the sphere
+    SphereProbe "sphere_probe": SphereProbeInput -> SphereProbe<S>,
+        |input, _, p| datapath::sphere_probe(&input.sweep, input.index, input.last_level, p);
+
     /// level of detail to two levels and a weight, with the bias of rough reflections
     Levels "levels": LevelsInput -> LevelPair<S>, |input, _, p| texel::levels(input.lod, input.rough, p);
 
@@ -299,6 +303,20 @@ bundle! {
         /// Which probe, below the count.
         #[range(0..=15)]
         index: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `sphere_probe`.
+    pub struct SphereProbeInput<W> {
+        /// The footprint.
+        sweep: Sweep<W>,
+        /// Which probe, below the count.
+        #[range(0..=15)]
+        index: Int<W>,
+        /// The last (coarsest) level of the environment.
+        #[range(0..=14)]
+        last_level: Int<W>,
     }
 }
 

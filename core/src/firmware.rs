@@ -3,34 +3,34 @@
 //!
 //! ```
 //! use roughxel_core::firmware::{Firmware, Standard};
-//! use roughxel_core::plan::Effects;
+//! use roughxel_core::plan::{Effects, FootprintKind};
 //!
 //! /// A smooth curved mirror.
 //! struct Chrome;
 //! impl Firmware for Chrome {
 //!     type Accuracy = Standard;
-//!     const EFFECTS: Effects = Effects { curvature: true, footprint: true, ..Effects::NONE };
+//!     const EFFECTS: Effects = Effects { curvature: true, footprint: FootprintKind::Face, ..Effects::NONE };
 //! }
 //! ```
 //!
 //! A fragment ([`ReflectionIn`]) gives a [`Footprint`]: `Chrome::reflect`. Its [`probes`](Footprint::probes) say where to read, or its
-//! [`colour`](Footprint::colour) reads a memory of one's own, a [`CubeMemory`]. Nothing allocates, panics or names a float, or
+//! [`colour`](Footprint::colour) reads a memory of one's own, a [`CubeMemory`]; a wide lobe has a [`SphereFootprint`], `sweep`. Nothing allocates, panics or names a float, or
 //! divides, but for the set-up of a map (`Chrome::texture`); with a reading of its own for small processors ([`mod@crate::small`]) the bits are those of every other reading.
 //!
 //! Build with `opt-level = 3`: the stages are inlined whatever the level, and what the plan leaves out vanishes by constants alone.
 //! `"s"` makes them larger *and* slower (rv32imac, all effects: 6.7 KB and 8400 instructions more), for it leaves the small functions between them as calls. What makes programs smaller is the
 //! feature `small-code`: blocks are normalised by calls, a fifth (`Standard`) to a third (`Narrow`) fewer bytes for 1.6 times the instructions.
 
-use crate::datapath;
+use crate::datapath::{self, Reflection};
 use crate::fx::{Fx, Int};
-use crate::plan::Effects;
+use crate::plan::{Effects, FootprintKind};
 use crate::ports::{
     CubeProbe, FacePlace, HighlightIn, HighlightOut, Level, Light, MapProbe, PeakIn, PeakOut, Port, ReflectionIn,
     ReflectionOut, TextureIn,
 };
 use crate::precision::{Precision, RoughnessKind};
 use crate::sampler::{self, Cube, CubeMemory};
-use crate::signals::{CubePoint, MapScale, Probes, TexturePosition};
+use crate::signals::{CubePoint, MapScale, Probes, Sweep, TexturePosition};
 use crate::soft_core::texture_scale;
 use crate::stage::texture::TextureScale;
 use crate::width::{self, IntegerCount, IntegerWord, Whole, of_ports, to_ports};
@@ -102,7 +102,7 @@ pub trait Firmware: Sized {
     /// The constants of an environment whose faces have `edge` texels, read as 1…16384. Once per environment.
     #[inline]
     fn environment(edge: u16) -> Environment<Self> {
-        if const { Self::EFFECTS.footprint } {
+        if const { Self::EFFECTS.footprint.is_some() } {
             Environment(datapath::map_scale(int::<Self>(edge.into()), knobs::<Self>()))
         } else {
             // Without a footprint nobody asks for a level.
@@ -113,10 +113,17 @@ pub trait Firmware: Sized {
     /// A fragment from its surface to the probes on an environment. `edge_texels` of the fragment is not read.
     #[inline]
     fn reflect(fragment: &ReflectionIn, environment: &Environment<Self>) -> Footprint<Self> {
-        let plan = const { Self::EFFECTS.reflection() };
-        let input = of_ports::<Word<Self>, _>(&fragment.wires());
-        let out = datapath::reflection(&input, &environment.0, &plan, knobs::<Self>());
+        const { assert!(!matches!(Self::EFFECTS.footprint, FootprintKind::Sphere), "a footprint on the sphere is a sweep") }
+        let out = reflected(fragment, environment);
         Footprint { point: out.point, probes: out.probes, status: out.status }
+    }
+
+    /// The same with a footprint on the sphere, for wide lobes.
+    #[inline]
+    fn sweep(fragment: &ReflectionIn, environment: &Environment<Self>) -> SphereFootprint<Self> {
+        const { assert!(matches!(Self::EFFECTS.footprint, FootprintKind::Sphere), "a sweep is a footprint on the sphere") }
+        let out = reflected(fragment, environment);
+        SphereFootprint { sweep: out.sweep, last_level: environment.0.last_level, status: out.status }
     }
 
     /// The same with the outcome of every stage: what golden vectors hold.
@@ -158,6 +165,14 @@ pub trait Firmware: Sized {
         let out = datapath::texture_footprint(&wires.duv, &texture.scale, &texture.map, knobs::<Self>());
         MapFootprint { centre: TexturePosition { uv: wires.uv }, probes: out.probes, scale: texture.scale }
     }
+}
+
+/// A fragment through the reflection datapath.
+#[inline(always)]
+fn reflected<F: Firmware>(fragment: &ReflectionIn, environment: &Environment<F>) -> Reflection<Word<F>> {
+    let plan = const { F::EFFECTS.reflection() };
+    let input = of_ports::<Word<F>, _>(&fragment.wires());
+    datapath::reflection(&input, &environment.0, &plan, knobs::<F>())
 }
 
 /// The constants of an environment.
@@ -215,6 +230,45 @@ impl<F: Firmware> Footprint<F> {
     pub fn colour<M: CubeMemory>(&self, cube: &Cube<'_, M>) -> Light {
         let rough = const { !matches!(F::EFFECTS.roughness, RoughnessKind::None) };
         let light = sampler::environment::<Word<F>, M>(&self.point, &self.probes, rough, cube, knobs::<F>());
+        light.map(|channel| Port::of(&Fx::from_raw(channel.0.raw().integer())))
+    }
+}
+
+/// What a fragment with a wide lobe reflects: the directions that its probes look along.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereFootprint<F: Firmware> {
+    sweep: Sweep<Word<F>>,
+    last_level: Int<Word<F>>,
+    status: Int<Word<F>>,
+}
+
+impl<F: Firmware> SphereFootprint<F> {
+    /// Sticky bits, [`StatusBit`](crate::status::StatusBit).
+    #[inline]
+    pub fn status(&self) -> u32 {
+        self.status.raw().integer() as u32
+    }
+
+    /// The probes, 1 to 16, each with a level of detail of its own; each is worked out when it is asked for.
+    #[inline]
+    pub fn probes(&self) -> impl ExactSizeIterator<Item = (CubeProbe, Level)> + '_ {
+        (0..self.sweep.count.raw().integer() as usize).map(|index| {
+            let index = int::<F>(index as i32);
+            let probe = datapath::sphere_probe(&self.sweep, index, self.last_level, knobs::<F>());
+            let cube_probe = CubeProbe {
+                face: probe.place.face.raw().integer() as u8,
+                st: probe.place.st.map(|s| Port::of(&Fx::from_raw(s.raw().integer()))),
+                weight: Port::of(&Fx::from_raw(probe.weight.raw().integer())),
+            };
+            (cube_probe, Level::from_bits(probe.lod.raw().integer()))
+        })
+    }
+
+    /// The mean light of the footprint, trilinear at every probe, I8F24; that of a rough surface with the roughness bias of the level.
+    #[inline]
+    pub fn colour<M: CubeMemory>(&self, cube: &Cube<'_, M>) -> Light {
+        let rough = const { !matches!(F::EFFECTS.roughness, RoughnessKind::None) };
+        let light = sampler::swept_environment::<Word<F>, M>(&self.sweep, rough, cube, knobs::<F>());
         light.map(|channel| Port::of(&Fx::from_raw(channel.0.raw().integer())))
     }
 }

@@ -36,6 +36,25 @@ impl SurfacePlan {
     }
 }
 
+/// On what a reflection's footprint lies, and what its probes step along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FootprintKind {
+    /// Nowhere: one probe at the finest level.
+    None,
+    /// On the plane of the cube face that r selects, stepping over that plane (W97): all that a lobe of a few degrees needs.
+    Face,
+    /// On the tangent plane of the sphere at r, stepping over normals that are reflected one by one: for lobes up to a hemisphere, without a
+    /// step where r changes face.
+    Sphere,
+}
+
+impl FootprintKind {
+    /// Whether there is one.
+    pub const fn is_some(self) -> bool {
+        !matches!(self, Self::None)
+    }
+}
+
 /// Blocks of the reflection datapath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReflectionPlan {
@@ -47,8 +66,8 @@ pub struct ReflectionPlan {
     pub roughness: RoughnessKind,
     /// The dn terms of the pixel columns.
     pub curvature: bool,
-    /// Columns, ellipse, axes, probes. Off: one probe at the finest level.
-    pub footprint: bool,
+    /// Columns, ellipse, axes, probes.
+    pub footprint: FootprintKind,
 }
 
 impl ReflectionPlan {
@@ -58,18 +77,31 @@ impl ReflectionPlan {
         frame: FrameSystem::MainDirection,
         roughness: RoughnessKind::Anisotropic,
         curvature: true,
-        footprint: true,
+        footprint: FootprintKind::Face,
     };
 
     /// The surface that the reflection needs: without a footprint its roughness is of no use.
     pub const fn surface(&self) -> SurfacePlan {
-        let roughness = if self.footprint { self.roughness } else { RoughnessKind::None };
+        let roughness = if self.footprint.is_some() { self.roughness } else { RoughnessKind::None };
         SurfacePlan { bump: self.bump, frame: self.frame, roughness, local: false }
     }
 
     /// Whether anything needs the tangents of the frame.
     pub const fn needs_frame(&self) -> bool {
         self.surface().needs_frame()
+    }
+
+    /// The same with its footprint, if any, on a face: what is compiled with it has no stages of the sphere.
+    #[inline(always)]
+    pub const fn on_face(self) -> Self {
+        let footprint = if self.footprint.is_some() { FootprintKind::Face } else { FootprintKind::None };
+        Self { footprint, ..self }
+    }
+
+    /// The same with a footprint on the sphere, and none of the stages on a face.
+    #[inline(always)]
+    pub const fn on_sphere(self) -> Self {
+        Self { footprint: FootprintKind::Sphere, ..self }
     }
 }
 
@@ -138,19 +170,19 @@ pub struct Effects {
     /// The dn terms of a reflection.
     pub curvature: bool,
     /// The footprint of a reflection.
-    pub footprint: bool,
+    pub footprint: FootprintKind,
     /// Horizons of peaks.
     pub horizon: HorizonKind,
 }
 
 impl Effects {
-    /// Every block.
+    /// Every block; of those with several kinds the footprint on a face, anisotropic roughness and correlated horizons.
     pub const ALL: Self = Self {
         bump: true,
         frame: FrameSystem::MainDirection,
         roughness: RoughnessKind::Anisotropic,
         curvature: true,
-        footprint: true,
+        footprint: FootprintKind::Face,
         horizon: HorizonKind::Correlated,
     };
 
@@ -160,7 +192,7 @@ impl Effects {
         frame: FrameSystem::MainDirection,
         roughness: RoughnessKind::None,
         curvature: false,
-        footprint: false,
+        footprint: FootprintKind::None,
         horizon: HorizonKind::None,
     };
 

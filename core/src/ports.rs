@@ -300,6 +300,25 @@ bundle! {
         #[range(0..=14)]
         #[port = I16F16]
         lod: Control<W, LOD>,
+        /// sweep of a footprint on the sphere, all of one exponent: centre, first and second. Probe i looks along centre + x·first + x²·second,
+        /// x the i-th of N places of the normal law
+        #[unit = "1"]
+        #[out = "sweep"]
+        #[range(-1..=1)]
+        #[port = [[I2F30; 3]; 3]]
+        sweep: [[Mantissa<W>; 3]; 3],
+        /// how far probe i has gone from the i-th of N − 1 places, of which the middle counts twice or a new one stands there, to the i-th of N
+        #[unit = "1"]
+        #[out = "sweep"]
+        #[range(0..=1)]
+        #[port = I16F16]
+        share: Control<W, SHARE>,
+        /// level of detail in the middle of a face for a direction of length 1 in units of the sweep; not saturated
+        #[unit = "levels"]
+        #[out = "sweep"]
+        #[range(-20000..=20000)]
+        #[port = I16F16]
+        level: Control<W, LOD>,
         /// sticky bits
         #[unit = "bits"]
         #[out = "status"]

@@ -11,16 +11,16 @@ use crate::fx::{Fx, Int};
 use crate::precision::Precision;
 use crate::rom::MAX_PROBES;
 use crate::scalar::Scalar;
-use crate::signals::{CubePoint, FaceProbe, Probes, TexturePosition, TextureProbe};
+use crate::signals::{CubePoint, FaceProbe, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe};
 use crate::stage::texture::TextureScale;
 use crate::width::on_words;
 
 /// At most [`MAX_PROBES`] probes.
 pub type ProbeList<P> = Vec<P, MAX_PROBES>;
 
-fn list<P>(probes: &Probes<Scalar>, probe: impl Fn(Int<Scalar>) -> P) -> ProbeList<P> {
+fn list<P>(count: Int<Scalar>, probe: impl Fn(Int<Scalar>) -> P) -> ProbeList<P> {
     let mut list = Vec::new();
-    for index in (0..probes.count.raw()).map(Fx::from_raw) {
+    for index in (0..count.raw()).map(Fx::from_raw) {
         // The count is 1…16 by construction; a full list would end the walk rather than panic.
         if list.push(probe(index)).is_err() {
             break;
@@ -35,9 +35,18 @@ pub fn environment_probes(
     probes: &Probes<Scalar>,
     p: &Precision,
 ) -> ProbeList<FaceProbe<Scalar>> {
-    list(probes, |index| {
+    list(probes.count, |index| {
         let index = &Value(index);
         on_words!(p, |point, probes, index| datapath::environment_probe(point, probes, index.0, p))
+    })
+}
+
+/// Probes on the sphere, of an environment with levels up to `last_level`.
+pub fn sphere_probes(sweep: &Sweep<Scalar>, last_level: u32, p: &Precision) -> ProbeList<SphereProbe<Scalar>> {
+    let last_level = &Value(Fx::<_, 32>::from_raw(last_level as i32));
+    list(sweep.count, |index| {
+        let index = &Value(index);
+        on_words!(p, |sweep, index, last_level| datapath::sphere_probe(sweep, index.0, last_level.0, p))
     })
 }
 
@@ -49,5 +58,5 @@ pub fn texture_probes(
     p: &Precision,
 ) -> ProbeList<TextureProbe<Scalar>> {
     // Of nothing but numbers that control: the same on words of any width.
-    list(probes, |index| datapath::texture_probe(centre, probes, index, map, p))
+    list(probes.count, |index| datapath::texture_probe(centre, probes, index, map, p))
 }

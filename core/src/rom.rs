@@ -231,6 +231,107 @@ pub static STEP_PER_SIGMA: [i32; MAX_PROBES + 1] = {
     table
 };
 
+/// √(1 − 1/N²) · 2^30 at index N: how far N probes of standard deviation λ₁/N may spread, in units of λ₁. Entry 0 repeats entry 1.
+pub static SPREAD_LIMIT: [i32; MAX_PROBES + 1] = {
+    let mut table = [0; MAX_PROBES + 1];
+    let mut n = 2;
+    while n <= MAX_PROBES {
+        table[n] = round(isqrt((ONE - ONE / (n * n) as i128) << 60), 30);
+        n += 1;
+    }
+    table
+};
+
+/// 1/√(2π).
+const NORMAL_DENSITY_AT_ZERO: i128 = isqrt(((ONE << 59) / PI) << 60);
+
+/// Density of the normal law.
+const fn normal_density(x: i128) -> i128 {
+    mul(NORMAL_DENSITY_AT_ZERO, exp(-mul(x, x) / 2))
+}
+
+/// Where the normal law has the share `numerator/denominator` at least ½ below it, by Newton's method from 0.
+const fn normal_quantile(numerator: usize, denominator: usize) -> i128 {
+    let above_half = ONE * numerator as i128 / denominator as i128 - ONE / 2;
+    let mut x = 0;
+    let mut step = 0;
+    while step < 8 {
+        // ∫₀ˣ of the density: its value at 0 times Σ (−1)ᵏ·x^(2k + 1)/(2ᵏ·k!·(2k + 1)).
+        let (mut power, mut sum, mut k) = (x, x, 1);
+        while k < 28 {
+            power = -mul(mul(power, x), x) / (2 * k);
+            sum += power / (2 * k + 1);
+            k += 1;
+        }
+        x += ((above_half - mul(NORMAL_DENSITY_AT_ZERO, sum)) << 60) / normal_density(x);
+        step += 1;
+    }
+    x
+}
+
+/// The normal law in N points of equal weight, at index 16·(N − 1) + i, 28 fraction bits: the means of its N equally likely parts, stretched to
+/// standard deviation 1 (one point, of no extent, stays at 0).
+pub static NORMAL_PLACES: [i32; MAX_PROBES * MAX_PROBES] = {
+    let mut table = [0; MAX_PROBES * MAX_PROBES];
+    let mut n = 2;
+    while n <= MAX_PROBES {
+        let mut means = [0; MAX_PROBES];
+        // A part in the middle has the mean 0.
+        let mut i = n.div_ceil(2);
+        let (mut squares, mut below) = (0, normal_density(normal_quantile(i, n)));
+        while i < n {
+            let above = if i + 1 < n { normal_density(normal_quantile(i + 1, n)) } else { 0 };
+            means[i] = (below - above) * n as i128;
+            squares += 2 * mul(means[i], means[i]);
+            below = above;
+            i += 1;
+        }
+        let deviation = isqrt((squares / n as i128) << 60);
+        i = n.div_ceil(2);
+        while i < n {
+            let place = round((means[i] << 60) / deviation, 28);
+            table[MAX_PROBES * (n - 1) + i] = place;
+            table[MAX_PROBES * (n - 1) + n - 1 - i] = -place;
+            i += 1;
+        }
+        n += 1;
+    }
+    table
+};
+
+/// Where the probes of [`NORMAL_PLACES`] come from as their number grows from N − 1, at the same index: the places of N − 1, and for the new one the
+/// middle. Two come from their own.
+pub static NORMAL_PLACES_OF_ONE_LESS: [i32; MAX_PROBES * MAX_PROBES] = {
+    let mut table = NORMAL_PLACES;
+    let mut n = 3;
+    while n <= MAX_PROBES {
+        let mut i = 0;
+        while i < n {
+            let from = if 2 * i + 1 < n { i } else { i - 1 };
+            let is_middle = 2 * i + 1 == n || 2 * i + 2 == n || 2 * i == n;
+            table[MAX_PROBES * (n - 1) + i] = if is_middle { 0 } else { NORMAL_PLACES[MAX_PROBES * (n - 2) + from] };
+            i += 1;
+        }
+        n += 1;
+    }
+    table
+};
+
+/// 1/N · 2^16 at index N. Entry 0 repeats entry 1.
+pub static ONE_OVER_COUNT: [i32; MAX_PROBES + 1] = {
+    let mut table = [1 << 16; MAX_PROBES + 1];
+    let mut n = 2;
+    while n <= MAX_PROBES {
+        table[n] = round(ONE / n as i128, 16);
+        n += 1;
+    }
+    table
+};
+
+/// log₂(1.8·√3) · 2^16: a texel on the sphere in units of λ₂, √3 for the bias of rough reflections. A trilinear probe on texels of size t that are means
+/// by a kernel of deviation 0.35 t has 0.54 t, and between two levels a little more: 0.55 t.
+pub const LOG2_TEXEL_ON_SPHERE: i32 = round(((ln(243 * ONE / 200) << 60) / LN2 + 3 * ONE) / 2, 16);
+
 /// 1/√12 · 2^30: the standard deviation of a box of width one (errata 4 and 5).
 pub const BOX_SIGMA: i32 = round(isqrt((ONE / 12) << 60), 30);
 

@@ -5,12 +5,12 @@
 use core::ops::RangeInclusive;
 
 use crate::bundle::Value;
-use crate::datapath::{environment_probe, pixel, texel};
+use crate::datapath::{environment_probe, pixel, sphere_probe, texel};
 use crate::each::each;
 use crate::fx::{Fx, Int};
 use crate::ports::LIGHT;
 use crate::precision::Precision;
-use crate::signals::{CubePoint, FacePosition, Probes};
+use crate::signals::{CubePoint, FacePosition, Probes, Sweep};
 use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::seam::FaceTexel;
 use crate::width::{IntegerCount, IntegerWord};
@@ -71,7 +71,23 @@ pub fn environment<W: IntegerWord, M: CubeMemory>(
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Value<W, LIGHT>; 3] {
-    let (means, exponent) = (means::<W, M>(point, probes, rough, cube, p), int::<W>(cube.exponent));
+    light::<W, M>(means::<W, M>(point, probes, rough, cube, p), cube)
+}
+
+/// The mean colour of a footprint on the sphere, in the same way: trilinear probes, each with its own level.
+#[inline(always)]
+pub fn swept_environment<W: IntegerWord, M: CubeMemory>(
+    sweep: &Sweep<W>,
+    rough: bool,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> [Value<W, LIGHT>; 3] {
+    light::<W, M>(swept_means::<W, M>(sweep, rough, cube, p), cube)
+}
+
+#[inline(always)]
+fn light<W: IntegerWord, M: CubeMemory>(means: [Value<W, 32>; 3], cube: &Cube<'_, M>) -> [Value<W, LIGHT>; 3] {
+    let exponent = int::<W>(cube.exponent);
     each!(mean in means => Value(if M::BRIGHT {
         pixel::bright_blend::<W>(Fx::zero(), mean.0, exponent, Fx::int(1))
     } else {
@@ -93,6 +109,25 @@ pub fn means<W: IntegerWord, M: CubeMemory>(
     let mut sums = [ProbeSum::<W>::zero(); 3];
     for index in 0..probes.count.raw().integer() {
         let probe = environment_probe(point, probes, int::<W>(index), p);
+        for (sum, channel) in sums.iter_mut().zip(trilinear::<W, M>(&probe.place, &pair, cube, p)) {
+            *sum = texel::probe_sum(sum, channel, probe.weight);
+        }
+    }
+    each!(sum in sums => Value(texel::probe_mean(&sum)))
+}
+
+/// The mean of a footprint on the sphere as the stages of pixels take it.
+#[inline(always)]
+pub fn swept_means<W: IntegerWord, M: CubeMemory>(
+    sweep: &Sweep<W>,
+    rough: bool,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> [Value<W, 32>; 3] {
+    let mut sums = [ProbeSum::<W>::zero(); 3];
+    for index in 0..sweep.count.raw().integer() {
+        let probe = sphere_probe(sweep, int::<W>(index), int::<W>(cube.last_level as i32), p);
+        let pair = texel::levels::<W>(probe.lod, rough, p);
         for (sum, channel) in sums.iter_mut().zip(trilinear::<W, M>(&probe.place, &pair, cube, p)) {
             *sum = texel::probe_sum(sum, channel, probe.weight);
         }

@@ -154,6 +154,61 @@ bundle! {
 }
 
 bundle! {
+    /// How many probes a footprint has, and how wide they are.
+    pub struct CountAndLevel<W> {
+        /// N, 1…16.
+        #[range(1..=16)]
+        count: Int<W>,
+        /// How far the probes have gone from where one less would stand to their own places.
+        #[range(0..=1)]
+        share: Control<W, SHARE>,
+        /// log₂ of the minor diameter in texels of level 0; −2^13 and less where there is no footprint.
+        #[range(-8300..=8300)]
+        level: Control<W, LOD>,
+        /// λ₂ was raised.
+        capped: W::Flag,
+        /// No footprint at all.
+        empty: W::Flag,
+    }
+}
+
+bundle! {
+    /// The directions that a normal's reflection sweeps as the normal moves along the major axis of its lobe: centre + x·first + x²·second at x
+    /// standard deviations, all three of one exponent.
+    pub struct Sweep<W> {
+        /// r, where the mean of the lobe takes it.
+        centre: [Mantissa<W>; 3],
+        /// How r begins to move.
+        first: [Mantissa<W>; 3],
+        /// How it bends.
+        second: [Mantissa<W>; 3],
+        /// N, 1…16.
+        #[range(1..=16)]
+        count: Int<W>,
+        /// How far the probes have gone from where one less would stand to their own places.
+        #[range(0..=1)]
+        share: Control<W, SHARE>,
+        /// Level of detail of a probe in the middle of a face, for a direction of length 1 in units of these mantissas; not saturated.
+        #[range(-20000..=20000)]
+        level: Control<W, LOD>,
+    }
+}
+
+bundle! {
+    /// A probe on the sphere: where it reads, how finely, and how much it counts.
+    pub struct SphereProbe<W> {
+        /// Place on the cube.
+        place: FacePosition<W>,
+        /// Level of detail, 0 … the last level of the map, `lod_bits` kept fraction bits.
+        #[range(0..=14)]
+        lod: Control<W, LOD>,
+        /// Weight; the weights of one footprint sum to exactly 1.
+        #[range(0..=1)]
+        weight: Control<W, SHARE>,
+    }
+}
+
+bundle! {
     /// Where a probe lies relative to the centre of its footprint, map units.
     pub struct MapOffset<W> {
         /// |·| ≤ 3.5.

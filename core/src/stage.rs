@@ -18,6 +18,9 @@ pub mod ellipse;
 pub mod axes;
 pub mod probes;
 
+// The footprint on the sphere.
+pub mod sweep;
+
 // From texels to samples.
 pub mod seam;
 pub mod filter;

@@ -1,12 +1,17 @@
 //! The space in which a test claims something: every named profile, every plan, any bits at the ports.
 
 use fixed::types::I2F30;
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};
+use roughxel_core::plan::{
+    Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
+};
 use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::random::SplitMix64;
 
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+/// Every footprint.
+const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face, FootprintKind::Sphere];
+/// Every horizon.
 const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
@@ -40,8 +45,9 @@ pub fn plans() -> Vec<ReflectionPlan> {
     let mut plans = Vec::new();
     for frame in FRAMES {
         for roughness in ROUGHNESS {
-            for switches in 0..8 {
-                let [bump, curvature, footprint] = [0, 1, 2].map(|bit| switches >> bit & 1 == 1);
+            for switches in 0..12 {
+                let [bump, curvature] = [0, 1].map(|bit| switches >> bit & 1 == 1);
+                let footprint = FOOTPRINTS[switches >> 2];
                 plans.push(ReflectionPlan { bump, frame, roughness, curvature, footprint });
             }
         }

@@ -61,7 +61,8 @@ pub fn write(out: &Path) {
         effects += &match effect {
             "isotropic" => "roughness: RoughnessKind::Isotropic, ".into(),
             "anisotropic" => "roughness: RoughnessKind::Anisotropic, ".into(),
-            "bump" | "curvature" | "footprint" => format!("{effect}: true, "),
+            "bump" | "curvature" => format!("{effect}: true, "),
+            "footprint" => "footprint: roughxel_core::plan::FootprintKind::Face, ".into(),
             "horizon" => "horizon: roughxel_core::plan::HorizonKind::Correlated, ".into(),
             other => panic!("ROUGHXEL_PLAN: no effect is named {other}"),
         };

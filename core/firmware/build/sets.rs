@@ -143,14 +143,14 @@ fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String)
     writeln!(
         text,
         "    Set {{ name: {name:?}, datapath: Datapath::{datapath}, profile: Profile::{}, effects: Effects {{ bump: {}, frame: \
-         FrameSystem::{}, roughness: RoughnessKind::{}, curvature: {}, footprint: {}, horizon: HorizonKind::{} }}, inputs: &[{}], outputs: \
+         FrameSystem::{}, roughness: RoughnessKind::{}, curvature: {}, footprint: FootprintKind::{}, horizon: HorizonKind::{} }}, inputs: &[{}], outputs: \
          &[{}], names: &{paths:?}, integers: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.bin\")) }},",
         camel(&manifest["profile"]["name"]),
         effects["bump"],
         camel(&effects["frame"]),
         camel(&effects["roughness"]),
         effects["curvature"],
-        effects["footprint"],
+        camel(&effects["footprint"]),
         camel(&effects["horizon"]),
         list(true),
         list(false),

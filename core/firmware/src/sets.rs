@@ -1,6 +1,6 @@
 //! The golden vectors that are linked in.
 
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
+use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Profile, RoughnessKind};
 
 /// A set of vectors.

@@ -6,9 +6,11 @@ use crate::each::each;
 use crate::fx::Int;
 use crate::ports::PortBlock;
 use crate::precision::Precision;
-use crate::signals::{Axes, CubePoint, Ellipse, FaceProbe, MapScale, Probes, TexturePosition, TextureProbe};
+use crate::signals::{
+    Axes, CubePoint, Ellipse, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe,
+};
 use crate::stage::texture::TextureScale;
-use crate::stage::{axes, cube_face, ellipse, enter, probes, texture};
+use crate::stage::{axes, cube_face, ellipse, enter, probes, sweep, texture};
 use crate::staged::{Staged, control_stage, stage};
 
 /// The ellipse of a pixel's two columns.
@@ -36,6 +38,16 @@ pub fn environment_probe<W: Staged>(
     let place = stage!("continuation", cube_face::continuation(point, &offset, p));
     let weight = control_stage!("probes.weight", probes::weight(probes, index, p));
     FaceProbe { place, weight }
+}
+
+/// Probe `index` of a footprint on the sphere, on an environment with levels up to `last_level`.
+#[inline(always)]
+pub fn sphere_probe<W: Staged>(path: &Sweep<W>, index: Int<W>, last_level: Int<W>, p: &Precision) -> SphereProbe<W> {
+    let r = stage!("sweep.direction", sweep::direction(path, index, p));
+    let place = stage!("sweep.place", cube_face::position(&cube_face::cube_face(&r, p)));
+    let lod = control_stage!("sweep.level", sweep::level(path, &r, last_level, p));
+    let weight = control_stage!("sweep.weight", sweep::weight(path, index));
+    SphereProbe { place, lod, weight }
 }
 
 /// Probe `index` of a footprint in a repeated map.

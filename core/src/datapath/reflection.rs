@@ -4,12 +4,12 @@ use crate::block::Block;
 use crate::bundle::{bundle, never};
 use crate::each::each;
 use crate::fx::{Fx, Int};
-use crate::plan::ReflectionPlan;
+use crate::plan::{FootprintKind, ReflectionPlan};
 use crate::ports::{PortBlock, ReflectionInput, ReflectionOutput};
 use crate::precision::{Precision, RoughnessKind};
-use crate::signals::{Axes, CubePoint, Ellipse, MapScale, Probes, Reflected};
+use crate::signals::{Axes, CountAndLevel, CubePoint, Ellipse, MapScale, Probes, Reflected, Sweep};
 use crate::stage::columns::{self, Mirror};
-use crate::stage::{cube_face, ellipse, enter, leave, probes, reflect};
+use crate::stage::{axes, cube_face, ellipse, enter, leave, probes, reflect, sweep};
 use crate::staged::{Staged, control_stage, stage};
 use crate::status::{Status, StatusBit};
 
@@ -31,8 +31,10 @@ bundle! {
         ellipse: Ellipse<W>,
         /// λ₁, λ₂ and direction.
         axes: Axes<W>,
-        /// N, step, level of detail.
+        /// N, step, level of detail; on the sphere N alone.
         probes: Probes<W>,
+        /// What the probes on the sphere step along.
+        sweep: Sweep<W>,
         /// Sticky bits.
         #[range(0..256)]
         status: Int<W>,
@@ -68,35 +70,15 @@ pub fn reflection_of<W: Staged>(
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> Reflection<W> {
-    let Surface { normal, view, frame, normal_mod, rough } = surface;
+    let Surface { normal, view, frame, normal_mod, .. } = surface;
     let reflected = stage!("reflect", reflect::reflect(normal_mod, view, p));
     let point = stage!("cube_face", cube_face::cube_face(&reflected.r, p));
 
-    let (columns, ellipse, axes, probes) = if plan.footprint {
-        let mirror = Mirror { normal: normal_mod, view, reflected: &reflected, point: &point };
-        let pixel = each!(i in [0, 1] => {
-            let dv = stage!("enter.dview", enter::enter(&dview[i], p));
-            let dn =
-                if plan.curvature { stage!("enter.dnormal", enter::enter(&dnormal[i], p)) } else { Block::zero() };
-            stage!("columns.pixel", columns::column(&mirror, &dv, &dn, p))
-        });
-        let (rough, ellipse) = match plan.roughness {
-            RoughnessKind::None => ([Block::zero(); 2], pixel_ellipse(&pixel, p)),
-            _ => {
-                let rough = each!(dn in *rough => {
-                    stage!("columns.roughness", columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
-                });
-                let ellipse = stage!("ellipse", {
-                    let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
-                    ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p)
-                });
-                (rough, ellipse)
-            }
-        };
-        let (axes, probes) = assemble(&ellipse, map, p);
-        ([pixel[0], pixel[1], rough[0], rough[1]], ellipse, axes, probes)
-    } else {
-        no_footprint()
+    let derivatives = [dview, dnormal];
+    let Footprint { columns, ellipse, axes, probes, sweep } = match plan.footprint {
+        FootprintKind::None => Footprint::none(),
+        FootprintKind::Face => on_face(surface, &reflected, &point, derivatives, map, plan, p),
+        FootprintKind::Sphere => on_sphere(surface, &reflected, &point, derivatives, map, plan, p),
     };
 
     let status = control_stage!("status", {
@@ -111,23 +93,151 @@ pub fn reflection_of<W: Staged>(
             .raise(StatusBit::ProbesCapped, probes.capped)
             .word()
     });
-    Reflection { surface: *surface, reflected, point, columns, ellipse, axes, probes, status }
+    Reflection { surface: *surface, reflected, point, columns, ellipse, axes, probes, sweep, status }
 }
 
-/// What stands for the footprint where the plan has none: a point.
-fn no_footprint<W: Staged>() -> ([Block<W, 2>; 4], Ellipse<W>, Axes<W>, Probes<W>) {
-    let number = Block::zero();
-    let probes = Probes {
-        count: Fx::int(1),
-        step: [Fx::zero(); 2],
-        lod: Fx::zero(),
-        empty: !never::<W>(),
-        saturated: never::<W>(),
-        capped: never::<W>(),
+/// From columns to probes, of either kind; what the other one has stands at its neutral value.
+struct Footprint<W: Staged> {
+    columns: [Block<W, 2>; 4],
+    ellipse: Ellipse<W>,
+    axes: Axes<W>,
+    probes: Probes<W>,
+    sweep: Sweep<W>,
+}
+
+impl<W: Staged> Footprint<W> {
+    /// A point.
+    fn none() -> Self {
+        let number = Block::zero();
+        let probes = Probes {
+            count: Fx::int(1),
+            step: [Fx::zero(); 2],
+            lod: Fx::zero(),
+            empty: !never::<W>(),
+            saturated: never::<W>(),
+            capped: never::<W>(),
+        };
+        let sweep = Sweep {
+            centre: [Fx::zero(); 3],
+            first: [Fx::zero(); 3],
+            second: [Fx::zero(); 3],
+            count: Fx::int(1),
+            share: Fx::zero(),
+            level: Fx::zero(),
+        };
+        Self {
+            columns: [Block::zero(); 4],
+            ellipse: Ellipse { k: Block::zero(), det: number },
+            axes: Axes { major: number, minor: number, direction: [Fx::int(1), Fx::zero()] },
+            probes,
+            sweep,
+        }
+    }
+}
+
+/// The derivatives of v and n over one side of the pixel.
+#[inline(always)]
+fn pixel_side<W: Staged>(
+    [dview, dnormal]: [&[PortBlock<W, 3>; 2]; 2],
+    i: usize,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> [Block<W, 3>; 2] {
+    let dv = stage!("enter.dview", enter::enter(&dview[i], p));
+    let dn = if plan.curvature { stage!("enter.dnormal", enter::enter(&dnormal[i], p)) } else { Block::zero() };
+    [dv, dn]
+}
+
+/// The footprint on the plane of the face (W97).
+#[inline(always)]
+fn on_face<W: Staged>(
+    Surface { normal, view, normal_mod, rough, .. }: &Surface<W>,
+    reflected: &Reflected<W>,
+    point: &CubePoint<W>,
+    derivatives: [&[PortBlock<W, 3>; 2]; 2],
+    map: &MapScale<W>,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> Footprint<W> {
+    let mirror = Mirror { normal: normal_mod, view, reflected, point };
+    let pixel = each!(i in [0, 1] => {
+        let [dv, dn] = pixel_side(derivatives, i, plan, p);
+        stage!("columns.pixel", columns::column(&mirror, &dv, &dn, p))
+    });
+    let (rough, ellipse) = match plan.roughness {
+        RoughnessKind::None => ([Block::zero(); 2], pixel_ellipse(&pixel, p)),
+        _ => {
+            let rough = each!(dn in *rough => {
+                stage!("columns.roughness", columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
+            });
+            let ellipse = stage!("ellipse", {
+                let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
+                ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p)
+            });
+            (rough, ellipse)
+        }
     };
-    let ellipse = Ellipse { k: Block::zero(), det: number };
-    let axes = Axes { major: number, minor: number, direction: [Fx::int(1), Fx::zero()] };
-    ([Block::zero(); 4], ellipse, axes, probes)
+    let (axes, probes) = assemble(&ellipse, map, p);
+    let columns = [pixel[0], pixel[1], rough[0], rough[1]];
+    Footprint { columns, ellipse, axes, probes, ..Footprint::none() }
+}
+
+/// The footprint on the tangent plane of the sphere, with normals as probes.
+#[inline(always)]
+fn on_sphere<W: Staged>(
+    Surface { normal, view, normal_mod, rough, .. }: &Surface<W>,
+    reflected: &Reflected<W>,
+    point: &CubePoint<W>,
+    derivatives: [&[PortBlock<W, 3>; 2]; 2],
+    map: &MapScale<W>,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> Footprint<W> {
+    let mirror = Mirror { normal: normal_mod, view, reflected, point };
+    let [x, y] = each!(i in [0, 1] => pixel_side(derivatives, i, plan, p));
+    match plan.roughness {
+        RoughnessKind::None => lobe(&mirror, [x, y], map, p),
+        _ => {
+            let [first, second] = each!(dn in *rough => [Block::zero(), stage!("columns.turn", dn.scaled(normal.e))]);
+            lobe(&mirror, [x, y, first, second], map, p)
+        }
+    }
+}
+
+/// The lobe of pairs (dv, dn), the first two of them the sides of a pixel.
+#[inline(always)]
+fn lobe<W: Staged, const COLUMNS: usize>(
+    mirror: &Mirror<'_, W>,
+    pairs: [[Block<W, 3>; 2]; COLUMNS],
+    map: &MapScale<W>,
+    p: &Precision,
+) -> Footprint<W> {
+    let plane = stage!("columns.plane", columns::tangent_plane(mirror.point, p));
+    let moves = each!([dv, dn] in pairs => stage!("columns.derivative", columns::derivative(mirror, &dv, &dn, p)));
+    let q = each!(dr in moves => stage!("columns.sphere", columns::on_sphere(mirror, &plane, &dr, p)));
+    let deviations = stage!("ellipse.pixel", ellipse::pixel_columns(&q, p));
+    let ellipse = stage!("ellipse", ellipse::ellipse(deviations, p));
+    let axes = stage!("axes", axes::axes(&ellipse, p));
+    let spread = stage!("sweep.spread", sweep::spread(&axes, p));
+    let probes = stage!("probes", probes::count_and_level(&axes, spread, map, p));
+
+    let turns = each!([_, dn] in pairs => dn);
+    let shares = stage!("sweep.shares", sweep::shares(deviations, &axes, (spread, probes.count), p));
+    let first = stage!("sweep.first", sweep::mixed(&shares, &moves, p));
+    let turn = stage!("sweep.turn", sweep::mixed(&shares, &turns, p));
+    let second = stage!("sweep.second", reflect::reflect(&turn, mirror.view, p));
+    let shift = stage!("sweep.mean", sweep::mean_shift(&turns, mirror.view, p));
+    let r = &mirror.reflected.r;
+    let centre = stage!("sweep.centre", sweep::centre(r, [&shift, &second.r], &axes, p));
+    let sweep = stage!("sweep", sweep::sweep(r, [&centre, &first, &second.r], &probes, p));
+
+    let mut columns = [Block::zero(); 4];
+    for (column, q) in columns.iter_mut().zip(q) {
+        *column = q;
+    }
+    let none = Footprint::none();
+    let CountAndLevel { count, empty, capped, .. } = probes;
+    Footprint { columns, ellipse, axes, probes: Probes { count, empty, capped, ..none.probes }, sweep }
 }
 
 /// The outcomes of the stages in the form of ports.
@@ -151,6 +261,9 @@ pub fn leave<W: Staged>(stages: &Reflection<W>) -> ReflectionOutput<W> {
             probes: stages.probes.count,
             step: stages.probes.step,
             lod: stages.probes.lod,
+            sweep: [stages.sweep.centre, stages.sweep.first, stages.sweep.second],
+            share: stages.sweep.share,
+            level: stages.sweep.level,
             status: stages.status,
         }
     )

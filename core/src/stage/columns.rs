@@ -3,10 +3,13 @@
 //! dr = [2nnᵀ − |n|²I]dv + 2[⟨n·v⟩I + nvᵀ − vnᵀ]dn (W97 (8), (9) with n = n_mod, erratum 10), in the order
 //! 2n(n·dv + v·dn) − |n|²dv + 2⟨n·v⟩dn − 2v(n·dn): aperture and curvature meet before anything is rounded away.
 //! q = (ds_c − s·dm, dt_c − t·dm)/m (W97 (6)). Error: 2^−(p−5) relative to the size of the terms; a footprint in
-//! which they cancel (the parabolic mirror seen from its focus) keeps that absolute error.
+//! which they cancel (the parabolic mirror seen from its focus) keeps that absolute error. A footprint on the sphere takes the same dr to the
+//! tangent plane at r instead of that of the face.
 
-use crate::block::{Block, MANTISSA, PRODUCT, Product, align, dot, normalise};
+use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, Product, align, dot, normalise};
+use crate::bundle::bundle;
 use crate::each::each;
+use crate::elementary::{half_inverse_root, half_reciprocal};
 use crate::fx::{Fx, Wide};
 use crate::precision::Precision;
 use crate::signals::{CubePoint, Reflected};
@@ -28,8 +31,16 @@ pub struct Mirror<'a, W: Word> {
 /// The column of one pair (dv, dn): d(s, t) on the face plane per unit of the pair.
 #[inline(always)]
 pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3>, p: &Precision) -> Block<W, 2> {
+    let numerator = across(mirror.point, &derivative(mirror, dv, dn, p), p);
+    let q = each!(m in numerator.m => m.mul::<MANTISSA, PRODUCT>(mirror.point.half_reciprocal));
+    over(mirror.reflected, normalise(q, numerator.e + Fx::int(1) - mirror.reflected.r.e, p.fraction_bits))
+}
+
+/// dr of one pair (dv, dn).
+#[inline(always)]
+pub fn derivative<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
     let keep = p.fraction_bits;
-    let Mirror { normal, view, reflected, point } = mirror;
+    let Mirror { normal, view, reflected, .. } = mirror;
     let ([u, w], e_pair) = align([dv.scaled(normal.e), dn.scaled(view.e)], keep);
 
     // ⟨v·n⟩ and |n|² come back to the scale of the exact products; all four with 6 bits before the point, below 8.
@@ -46,15 +57,71 @@ pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3
         let half: Product<W> = normal.m[i].mul(n_dv_v_dn) - view.m[i].mul(n_dn) + w[i].mul(n_v);
         half.shl(1) - u[i].mul(n_n)
     });
-    let dr = normalise(dr, e_pair + four.e, keep);
+    // One n of the pair's was taken to both.
+    normalise(dr, e_pair + four.e + normal.e, keep)
+}
 
+/// (ds_c − s·dm, dt_c − t·dm).
+#[inline(always)]
+fn across<W: Word>(point: &CubePoint<W>, dr: &Block<W, 3>, p: &Precision) -> Block<W, 2> {
     let [ds, dt, dm] = point.select.to_face(dr.m);
     let across: [Product<W>; 2] =
         each!((d, coordinate) in [(ds, point.st[0]), (dt, point.st[1])] => d.widen() - coordinate.mul(dm));
-    let numerator = normalise(across, dr.e, keep);
-    let q = each!(m in numerator.m => m.mul::<MANTISSA, PRODUCT>(point.half_reciprocal));
-    // Both dr and r carry the exponents of n and v; what is left of them here is the pair's own.
-    let e = numerator.e + Fx::int(1) + normal.e - reflected.r.e;
-    // Without a reflected direction there is no footprint.
-    Block::select(reflected.r.is_zero(), Block::zero(), normalise(q, e, keep))
+    normalise(across, dr.e, p.fraction_bits)
+}
+
+/// A column, or none without a reflected direction.
+#[inline(always)]
+fn over<W: Word>(reflected: &Reflected<W>, column: Block<W, 2>) -> Block<W, 2> {
+    Block::select(reflected.r.is_zero(), Block::zero(), column)
+}
+
+bundle! {
+    /// From the plane of a face to the tangent plane of the sphere, at one point: with ρ² = 1 + s² + t² a change q of (s, t) turns the
+    /// direction by (q − (s, t)·⟨(s, t)·q⟩/(ρ(ρ + 1)))/ρ radians, in axes that the face's become without turning on the way from its centre.
+    pub struct TangentPlane<W> {
+        /// 1/(2mρ) for the major mantissa m.
+        #[range(0..=1)]
+        scale: Mantissa<W>,
+        /// (s, t)/(ρ(ρ + 1)).
+        #[range(-1..=1)]
+        pull: [Mantissa<W>; 2],
+    }
+}
+
+/// The tangent plane at a point of the cube.
+#[inline(always)]
+pub fn tangent_plane<W: Word>(point: &CubePoint<W>, p: &Precision) -> TangentPlane<W> {
+    let keep = p.fraction_bits;
+    // ρ²/4 in [¼, ¾].
+    let quarter: Mantissa<W> = (dot(&point.st, &point.st) + Fx::int(1)).floor_shr(2).round_to(keep);
+    let inverse = half_inverse_root(quarter, p);
+    // (1 + ρ)/4 in [½, 0.69], for ρ = ρ²/ρ.
+    let sum: Mantissa<W> = (quarter.mul::<MANTISSA, PRODUCT>(inverse) + Fx::number(1, -2)).round_to(keep);
+    let twice: Mantissa<W> = inverse.mul::<MANTISSA, PRODUCT>(half_reciprocal(sum, p)).round_to(keep);
+    TangentPlane {
+        scale: point.half_reciprocal.mul::<MANTISSA, PRODUCT>(inverse).round_to(keep),
+        pull: each!(s in point.st => s.mul::<MANTISSA, PRODUCT>(twice).floor_shr(1).round_to(keep)),
+    }
+}
+
+/// The column of one dr in radians on the tangent plane.
+#[inline(always)]
+pub fn on_sphere<W: Word>(
+    mirror: &Mirror<'_, W>,
+    plane: &TangentPlane<W>,
+    dr: &Block<W, 3>,
+    p: &Precision,
+) -> Block<W, 2> {
+    let keep = p.fraction_bits;
+    let numerator = across(mirror.point, dr, p);
+    // At most 2, of which half fits.
+    let half_outwards: Mantissa<W> = dot(&mirror.point.st, &numerator.m).floor_shr(1).round_to(keep);
+    let turned = each!((m, pull) in [(numerator.m[0], plane.pull[0]), (numerator.m[1], plane.pull[1])] => {
+        let half_pulled: Product<W> = pull.mul(half_outwards);
+        m.widen() - half_pulled.shl(1)
+    });
+    let turned = normalise(turned, numerator.e, keep);
+    let q = each!(m in turned.m => m.mul::<MANTISSA, PRODUCT>(plane.scale));
+    over(mirror.reflected, normalise(q, turned.e + Fx::int(1) - mirror.reflected.r.e, keep))
 }

@@ -35,6 +35,12 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
     CubePoint { select, st, half_reciprocal, tie: second.ge(m) }
 }
 
+/// Where a point of the cube is read.
+#[inline(always)]
+pub fn position<W: Word>(point: &CubePoint<W>) -> FacePosition<W> {
+    FacePosition { face: point.select.index(), st: each!(s in point.st => s.to_control::<POSITION>()) }
+}
+
 /// The point `offset` away from `point` on the plane of its face: there, or, beyond the edge, on the face which
 /// the ray to it meets (a footprint is a piece of that plane; errors as for [`cube_face`]).
 #[inline(always)]
@@ -52,7 +58,7 @@ pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &MapOffset<W>, p: &Pr
             let direction = point.select.from_face([moved[0], moved[1], one]);
             let direction = normalise(each!(x in direction => x.widen::<6>()), Fx::int(0), p.fraction_bits);
             let across = cube_face::<W>(&of_control(direction), p);
-            FacePosition { face: across.select.index(), st: each!(s in across.st => s.to_control::<POSITION>()) }
+            position(&across)
         },
     );
     FacePosition {

@@ -11,11 +11,18 @@ use crate::rom;
 use crate::signals::Ellipse;
 use crate::word::Word;
 
-/// The covariance of a pixel's two columns: a box of one pixel has variance 1/12.
+/// Columns as standard deviations, of which the first two are those of a pixel: a box of one pixel has variance 1/12.
 #[inline(always)]
-pub fn pixel_columns<W: Word>(columns: &[Block<W, 2>; 2], p: &Precision) -> [Block<W, 2>; 2] {
+pub fn pixel_columns<W: Word, const COLUMNS: usize>(
+    columns: &[Block<W, 2>; COLUMNS],
+    p: &Precision,
+) -> [Block<W, 2>; COLUMNS] {
     let sigma = Fx::entry(rom::BOX_SIGMA).keep(p.fraction_bits);
-    each!(q in *columns => normalise(each!(m in q.m => m.mul::<MANTISSA, PRODUCT>(sigma)), q.e, p.fraction_bits))
+    let mut deviations = *columns;
+    for q in &mut deviations[..2] {
+        *q = normalise(each!(m in q.m => m.mul::<MANTISSA, PRODUCT>(sigma)), q.e, p.fraction_bits);
+    }
+    deviations
 }
 
 /// The ellipse of `COLUMNS` columns (2 or 4), each a covariance's square root.

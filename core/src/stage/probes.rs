@@ -8,12 +8,12 @@
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, normalise, number, of_control};
 use crate::bundle::never;
 use crate::each::each;
-use crate::elementary::{LOGARITHM, log2};
+use crate::elementary::{LOGARITHM, half_reciprocal, log2};
 use crate::fx::{Control, Fx, Int, Wide, WideControl};
 use crate::ports::{LOD, OFFSET, POSITION, SHARE};
 use crate::precision::{Precision, ProbeRule, ProbeWeights};
 use crate::rom::{self, MAX_PROBES};
-use crate::signals::{Axes, MapOffset, MapScale, Probes};
+use crate::signals::{Axes, CountAndLevel, MapOffset, MapScale, Probes};
 use crate::word::{Wire, Word};
 
 /// Cuts λ₁ to 2 map units, a major diameter of 6.9: probes further out would all look along the same edge of the
@@ -41,65 +41,130 @@ const MULTIPLE: u32 = PRODUCT + 2;
 /// Probe count, step and level of detail.
 #[inline(always)]
 pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Probes<W> {
-    let Axes { major, minor, direction } = axes;
-    // N ≥ λ₁/λ₂ by comparison with multiples of λ₂. The slack is the noise of the two λ: without it every circle
-    // would take two probes.
-    let places = (major.e - minor.e).saturate(Fx::int(0), Fx::int((<W::Wide as Wire>::BITS - 2).into()));
-    let [major_wide, minor_wide] =
-        each!(sigma in [major, minor] => sigma.m[0].widen::<PRODUCT>().reread::<MULTIPLE>().floor_shr(2));
-    let minor_at_major = minor_wide.floor_shr_by(places);
-    let threshold = major_wide - major_wide.floor_shr(p.fraction_bits - 4);
-    let round = !minor_at_major.lt(threshold);
-    let (count, capped) = W::unless(
-        round,
-        (Fx::int(1), never::<W>()),
-        #[inline(always)]
-        || count::<W>(minor_at_major, threshold, p),
-    );
-
+    let Axes { major, direction, .. } = axes;
+    let Rule { count, capped, .. } = rule::<W>(axes, None, p);
     let (drawn, saturated) = cut(major);
+    let lod = level_of_detail(axes, (count, capped), Fx::entry(rom::LOG2_DIAMETER), map, p);
     Probes {
         count,
         step: step(&drawn, direction, count, p),
-        lod: level_of_detail(&Block::select(capped, *major, *minor), capped, count, map, p),
+        lod: lod.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits),
         empty: major.is_zero(),
         saturated,
         capped,
     }
 }
 
-/// N, and whether it would be more than the profile has.
+/// Probe count, and the level of detail before it is saturated, of probes with a standard deviation of λ₂ each whose centres have one of `spread`·λ₁:
+/// N ≥ 1 + spread·λ₁/λ₂ − 1/16.
 #[inline(always)]
-fn count<W: Word>(minor: Wide<W, MULTIPLE>, threshold: Wide<W, MULTIPLE>, p: &Precision) -> (Int<W>, W::Flag) {
+pub fn count_and_level<W: Word>(
+    axes: &Axes<W>,
+    spread: Mantissa<W>,
+    map: &MapScale<W>,
+    p: &Precision,
+) -> CountAndLevel<W> {
+    let Rule { count, capped, beyond } = rule::<W>(axes, Some(spread), p);
+    let level = level_of_detail(axes, (count, capped), Fx::entry(rom::LOG2_TEXEL_ON_SPHERE), map, p);
+    // Twice what is beyond the last count, over λ₂.
+    let beyond = number(beyond, axes.major.e, p.fraction_bits);
+    let quotient = beyond.m[0].mul::<MANTISSA, PRODUCT>(half_reciprocal(axes.minor.m[0], p));
+    let e = (beyond.e - axes.minor.e).saturate(Fx::int(-64), Fx::int(0)) + Fx::int(2);
+    let share: Wide<W, { PRODUCT + 2 }> = quotient.at_exponent(e);
+    let share = share.max(Fx::zero()).min(Fx::int(1)).round_to_control(16);
+    let whole = match p.probe_rule {
+        ProbeRule::Ceiling => capped,
+        ProbeRule::PowerOfTwo => !never::<W>(),
+    };
+    let share = Fx::select(whole, Fx::int(1), share);
+    CountAndLevel { count, share, level, capped, empty: axes.major.is_zero() }
+}
+
+/// What the rule asks for.
+struct Rule<W: Word> {
+    count: Int<W>,
+    /// It asks for more than the profile has.
+    capped: W::Flag,
+    /// By how much the threshold is above what one probe less would do for, at the exponent of λ₁.
+    beyond: Wide<W, MULTIPLE>,
+}
+
+/// N ≥ λ₁/λ₂, or where centres spread N ≥ 1 + spread·λ₁/λ₂ − 1/16.
+#[inline(always)]
+fn rule<W: Word>(axes: &Axes<W>, spread: Option<Mantissa<W>>, p: &Precision) -> Rule<W> {
+    let Axes { major, minor, .. } = axes;
+    // N ≥ λ₁/λ₂ by comparison with multiples of λ₂. The slack is the noise of the two λ: without it every circle
+    // would take two probes.
+    let places = (major.e - minor.e).saturate(Fx::int(0), Fx::int((<W::Wide as Wire>::BITS - 2).into()));
+    let [major_wide, minor_wide] =
+        each!(sigma in [major, minor] => sigma.m[0].widen::<PRODUCT>().reread::<MULTIPLE>().floor_shr(2));
+    let minor_at_major = minor_wide.floor_shr_by(places);
+    // How many there are besides those that the multiples count.
+    let (threshold, more) = match spread {
+        None => (major_wide - major_wide.floor_shr(p.fraction_bits - 4), 0),
+        Some(spread) => {
+            let reach = major.m[0].mul::<MANTISSA, PRODUCT>(spread).reread::<MULTIPLE>().floor_shr(2);
+            (reach - minor_at_major.floor_shr(4), 1)
+        }
+    };
+    let round = if more == 0 { !minor_at_major.lt(threshold) } else { !Fx::zero().lt(threshold) };
+    let (count, capped, beyond) = W::unless(
+        round,
+        (Fx::int(1), never::<W>(), Fx::zero()),
+        #[inline(always)]
+        || count::<W>(minor_at_major, threshold, more, p),
+    );
+    Rule { count, capped, beyond }
+}
+
+/// The least N for which N − `more` times λ₂ reach the threshold, whether it would be more than the profile has, and how far the threshold is above
+/// the multiple before.
+#[inline(always)]
+fn count<W: Word>(
+    minor: Wide<W, MULTIPLE>,
+    threshold: Wide<W, MULTIPLE>,
+    more: u32,
+    p: &Precision,
+) -> (Int<W>, W::Flag, Wide<W, MULTIPLE>) {
     // Multiples of λ₂ up to 16, by seven adders; below 16.
     let mut multiples = [minor; MAX_PROBES + 1];
+    multiples[0] = Fx::zero();
     for n in 2..=MAX_PROBES {
         multiples[n] = if n & 1 == 0 { multiples[n >> 1].shl(1) } else { multiples[n - 1] + minor };
     }
-    let mut count = Fx::int(1);
+    let (mut count, mut before) = (Fx::int(1), Fx::zero());
     let capped = match p.probe_rule {
         ProbeRule::Ceiling => {
             for n in 1..p.max_probes {
-                count = Fx::select(exceeds::<W>(&multiples, n, threshold), Fx::int(i64::from(n) + 1), count);
+                let wider = exceeds::<W>(&multiples, n - more, threshold);
+                count = Fx::select(wider, Fx::int(i64::from(n) + 1), count);
+                before = Fx::select(wider, multiple::<W>(&multiples, n - more), before);
             }
-            exceeds::<W>(&multiples, p.max_probes, threshold)
+            exceeds::<W>(&multiples, p.max_probes - more, threshold)
         }
         ProbeRule::PowerOfTwo => {
             let doublings = p.max_probes.max(1).ilog2();
             for doubling in 0..doublings {
-                count = Fx::select(exceeds::<W>(&multiples, 1 << doubling, threshold), Fx::int(2 << doubling), count);
+                let wider = exceeds::<W>(&multiples, (1 << doubling) - more, threshold);
+                count = Fx::select(wider, Fx::int(2 << doubling), count);
             }
-            exceeds::<W>(&multiples, 1 << doublings, threshold)
+            exceeds::<W>(&multiples, (1 << doublings) - more, threshold)
         }
     };
-    (count, capped)
+    (count, capped, threshold - before)
 }
 
-/// Whether the threshold is above the n-th multiple, n ≤ 16.
+/// The n-th multiple, n ≤ 16.
+#[inline(always)]
+fn multiple<W: Word>(multiples: &[Wide<W, MULTIPLE>; MAX_PROBES + 1], n: u32) -> Wide<W, MULTIPLE> {
+    // The cut is never taken; it leaves no panic path.
+    multiples[(n as usize).min(MAX_PROBES)]
+}
+
+/// Whether the threshold is above the n-th multiple.
 #[inline(always)]
 fn exceeds<W: Word>(multiples: &[Wide<W, MULTIPLE>; MAX_PROBES + 1], n: u32, threshold: Wide<W, MULTIPLE>) -> W::Flag {
-    // The cut is never taken; it leaves no panic path.
-    multiples[(n as usize).min(MAX_PROBES)].lt(threshold)
+    multiple::<W>(multiples, n).lt(threshold)
 }
 
 /// 2√3·λ₁/N along the direction.
@@ -122,22 +187,22 @@ fn step<W: Word>(
     })
 }
 
-/// log₂(2√3·λ₂·texels), saturated to the levels of the map and rounded to `lod_bits`.
+/// log₂ of λ₂ in texels and of so many of them.
 #[inline(always)]
 fn level_of_detail<W: Word>(
-    sigma: &Number<W>,
-    raised: W::Flag,
-    count: Int<W>,
+    axes: &Axes<W>,
+    (count, raised): (Int<W>, W::Flag),
+    log2_diameter: Control<W, LOD>,
     map: &MapScale<W>,
     p: &Precision,
 ) -> Control<W, LOD> {
+    let sigma = Block::select(raised, axes.major, axes.minor);
     // ±2^13 levels are beyond every map; the saturated exponent fits beside 16 fraction bits.
     let whole = sigma.e.saturate(Fx::int(-(1 << 13)), Fx::int(1 << 13)).to_control::<LOD>();
     let fraction: Control<W, LOGARITHM> = log2(sigma.m[0], p);
     let divided: Control<W, LOD> = Fx::lookup(count, &rom::LOG2_OF_COUNT);
-    let diameter = whole + fraction.to_control() + Fx::entry(rom::LOG2_DIAMETER) + map.log2_texels;
-    let raised = diameter - Fx::select(raised, divided, Fx::zero());
-    raised.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)
+    let diameter = whole + fraction.to_control() + log2_diameter + map.log2_texels;
+    diameter - Fx::select(raised, divided, Fx::zero())
 }
 
 /// Place of probe `index` relative to the centre of the footprint: (2·index − N + 1)·step/2. |·| ≤ 3.5 units.

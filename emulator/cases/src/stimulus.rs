@@ -7,10 +7,10 @@ use glam::DVec3;
 use roughxel_core::datapath::{self, Surface};
 use roughxel_core::design::{
     Design, Edge, EnvironmentProbeInput, FaceAddressInput, FaceTexelsInput, HorizonInput, LevelsInput, LocalInput,
-    MapFootprintInput, RepeatAddressInput, ScaledReflectionInput, StoredPeakInput, TextureProbeInput,
+    MapFootprintInput, RepeatAddressInput, ScaledReflectionInput, SphereProbeInput, StoredPeakInput, TextureProbeInput,
 };
 use roughxel_core::fx::{Control, Fx};
-use roughxel_core::plan::Effects;
+use roughxel_core::plan::{Effects, FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{HighlightInput, LIGHT, PeakInput, Port, PortBlock, ReflectionIn, SHARE};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{self, stored_horizon, stored_peak};
@@ -111,6 +111,13 @@ pub fn port_values(
                 integers_at(&FaceTexelsInput { face: place.face, address, edge }, p)
             };
             indices.map(input).collect()
+        }
+        Design::SphereProbe => {
+            let plan = ReflectionPlan { footprint: FootprintKind::Sphere, ..*plan };
+            let sweep = reflection(&wires, &map, &plan, p).sweep;
+            let last_level = map.last_level;
+            let indices = (0..sweep.count.raw()).map(Fx::from_raw);
+            indices.map(|index| integers_at(&SphereProbeInput { sweep, index, last_level }, p)).collect()
         }
         // Light and eye have any direction: the view and its derivatives are as good as others.
         Design::Local | Design::Peak | Design::Horizon => {

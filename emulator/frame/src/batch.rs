@@ -4,12 +4,14 @@ use roughxel_core::datapath::Surface;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::datapath::texel::Bump;
 use roughxel_core::fx::{Control, Fx};
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
+use roughxel_core::signals::Sweep;
 use roughxel_lanes::{Footprint, Reflecting};
 
 use super::colour::Channel;
+use super::environment::Look;
 use super::lighting::PeaksRead;
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, MapReads, Taps};
@@ -100,7 +102,7 @@ impl Waiting {
             frame: FrameSystem::MainDirection,
             roughness: RoughnessKind::None,
             curvature: false,
-            footprint: mode.filters(),
+            footprint: if mode.filters() { FootprintKind::Face } else { FootprintKind::None },
         };
         Self { plan, reflectance: [Fx::int(1); 3], inputs: Inputs::Ports(Vec::new()), places: Vec::new() }
     }
@@ -232,13 +234,40 @@ impl Prepared<'_> {
     /// The waiting fragments through the reflection datapath, the environment and the blend.
     pub(super) fn fetch(&self, waiting: &mut Waiting, sums: &mut Sums) {
         let Waiting { plan, reflectance, inputs, places } = waiting;
-        let rough = plan.roughness != RoughnessKind::None;
-        for (footprint, (place, surface)) in self.footprints(plan, inputs).iter().zip(places.drain(..)) {
-            let Footprint { point, probes } = footprint;
+        // The bias of rough reflections is the object's, whatever a batch leaves out.
+        let is_rough = plan.roughness != RoughnessKind::None;
+        let seen = self.seen(plan, inputs);
+        match plan.footprint {
+            FootprintKind::None | FootprintKind::Face => {
+                let footprints = self.footprints(&seen, inputs);
+                let looks = footprints.iter().map(|Footprint { point, probes }| Look::Face(point, probes));
+                self.read(looks, is_rough, reflectance, places, sums);
+            }
+            FootprintKind::Sphere => {
+                let sweeps = self.sweeps(&seen, inputs);
+                self.read(sweeps.iter().map(Look::Sphere), is_rough, reflectance, places, sums);
+            }
+        }
+        match inputs {
+            Inputs::Ports(inputs) => inputs.clear(),
+            Inputs::Surfaces(inputs) => inputs.clear(),
+        }
+    }
+
+    /// What the waiting fragments see of the environment, blended with their own colours.
+    fn read<'a>(
+        &self,
+        looks: impl Iterator<Item = Look<'a>>,
+        is_rough: bool,
+        reflectance: &[Control<i32, REFLECTANCE>; 3],
+        places: &mut Vec<(Place, [Channel; 3])>,
+        sums: &mut Sums,
+    ) {
+        for (look, (place, surface)) in looks.zip(places.drain(..)) {
             let colour = match &self.environment {
                 Some(map) => {
-                    sums.taps += map.taps(probes, rough, &self.precision);
-                    map.blended(&surface, (point, probes, rough), reflectance, &self.precision)
+                    sums.taps += map.taps(look, is_rough, &self.precision);
+                    map.blended(&surface, (look, is_rough), reflectance, &self.precision)
                 }
                 None => core::array::from_fn(|i| pixel::blend::<i32>(surface[i], Fx::zero(), reflectance[i])),
             };
@@ -246,31 +275,49 @@ impl Prepared<'_> {
         }
     }
 
-    /// Where the waiting fragments look, which then wait no more. Stages that every one of them would feed with zeros are left
-    /// out, which changes no bit.
-    fn footprints(&self, plan: &ReflectionPlan, inputs: &mut Inputs) -> Vec<Footprint<i32>> {
+    /// The plan of the waiting fragments without stages that every one of them would feed with zeros, which changes no bit.
+    fn seen(&self, plan: &ReflectionPlan, inputs: &Inputs) -> ReflectionPlan {
         let is_flat = |dnormal: &[PortBlock<i32, 3>; 2]| dnormal.iter().flat_map(|dn| dn.mantissa).all(is_zero);
-        let with = |is_smooth: bool, is_flat: bool| ReflectionPlan {
+        let (is_smooth, is_flat) = match inputs {
+            Inputs::Ports(inputs) => (
+                inputs.iter().all(|input| input.surface.roughness.into_iter().all(is_zero)),
+                inputs.iter().all(|input| is_flat(&input.dnormal)),
+            ),
+            Inputs::Surfaces(inputs) => (
+                inputs.iter().all(|input| input.surface.rough.iter().flat_map(|d| d.m).all(is_zero)),
+                inputs.iter().all(|input| is_flat(&input.dnormal)),
+            ),
+        };
+        ReflectionPlan {
             roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
             curvature: plan.curvature && !is_flat,
             ..*plan
-        };
+        }
+    }
+
+    /// Where the waiting fragments look.
+    fn footprints(&self, plan: &ReflectionPlan, inputs: &Inputs) -> Vec<Footprint<i32>> {
+        let (scale, p) = (&self.environment_scale, &self.precision);
+        match inputs {
+            Inputs::Ports(inputs) => self.reading.footprints(inputs, scale, plan, p),
+            Inputs::Surfaces(inputs) => self.reading.footprints_of(inputs, scale, plan, p),
+        }
+    }
+
+    /// The same of footprints on the sphere.
+    fn sweeps(&self, plan: &ReflectionPlan, inputs: &Inputs) -> Vec<Sweep<i32>> {
         let (scale, p) = (&self.environment_scale, &self.precision);
         match inputs {
             Inputs::Ports(inputs) => {
-                let is_smooth = inputs.iter().all(|input| input.surface.roughness.into_iter().all(is_zero));
-                let plan = with(is_smooth, inputs.iter().all(|input| is_flat(&input.dnormal)));
-                let footprints = self.reading.footprints(inputs, scale, &plan, p);
-                inputs.clear();
-                footprints
+                let ports: Vec<SurfaceInput<i32>> = inputs.iter().map(|input| input.surface).collect();
+                let surfaces = self.reading.surfaces(&ports, &plan.surface(), p);
+                let reflecting = surfaces.into_iter().zip(inputs).map(|(surface, input)| {
+                    let ReflectionInput { dview, dnormal, .. } = *input;
+                    Reflecting { surface, dview, dnormal }
+                });
+                self.reading.sweeps(&reflecting.collect::<Vec<_>>(), scale, plan, p)
             }
-            Inputs::Surfaces(inputs) => {
-                let is_smooth = inputs.iter().all(|input| input.surface.rough.iter().flat_map(|d| d.m).all(is_zero));
-                let plan = with(is_smooth, inputs.iter().all(|input| is_flat(&input.dnormal)));
-                let footprints = self.reading.footprints_of(inputs, scale, &plan, p);
-                inputs.clear();
-                footprints
-            }
+            Inputs::Surfaces(inputs) => self.reading.sweeps(inputs, scale, plan, p),
         }
     }
 

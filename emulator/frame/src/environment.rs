@@ -1,16 +1,27 @@
 //! Fetches from the environment: probes on cube faces, across their edges and at their corners.
 
+use roughxel_core::bundle::Value;
 use roughxel_core::datapath::{pixel, texel};
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::ports::REFLECTANCE;
 use roughxel_core::precision::Precision;
-use roughxel_core::sampler::{self, Cube};
-use roughxel_core::signals::{CubePoint, Probes};
+use roughxel_core::probe_list::sphere_probes;
+use roughxel_core::sampler::{self, Cube, CubeMemory};
+use roughxel_core::signals::{CubePoint, Probes, Sweep};
 use roughxel_core::width::on_words;
 use roughxel_maps::environment::{BrightCube, CubePyramid};
 use roughxel_scene::picture::Picture;
 
 use super::colour::Channel;
+
+/// Where a fragment looks, and over which footprint.
+#[derive(Clone, Copy, Debug)]
+pub enum Look<'a> {
+    /// On the plane of a face.
+    Face(&'a CubePoint<i32>, &'a Probes<i32>),
+    /// On the sphere.
+    Sphere(&'a Sweep<i32>),
+}
 
 /// The environment of a scene.
 #[derive(Clone, Debug)]
@@ -41,9 +52,15 @@ impl EnvironmentMap {
 
     /// Taps that [`EnvironmentMap::sample`] reads, four texels each: one of each probe, and another of the coarser level unless its
     /// weight is 0.
-    pub fn taps(&self, probes: &Probes<i32>, rough: bool, p: &Precision) -> u64 {
-        let fine = u64::from(probes.count.raw().unsigned_abs());
-        if texel::levels::<i32>(probes.lod, rough, p).weight.raw() == 0 { fine } else { fine + fine }
+    pub fn taps(&self, look: Look<'_>, rough: bool, p: &Precision) -> u64 {
+        let levels = |lod| if texel::levels::<i32>(lod, rough, p).weight.raw() == 0 { 1 } else { 2 };
+        match look {
+            Look::Face(_, probes) => u64::from(probes.count.raw().unsigned_abs()) * levels(probes.lod),
+            Look::Sphere(sweep) => sphere_probes(sweep, self.pyramid.levels.len() as u32 - 1, p)
+                .iter()
+                .map(|probe| levels(probe.lod))
+                .sum(),
+        }
     }
 
     /// Whether its codes have an exponent each: it is brighter than 64 × white.
@@ -53,15 +70,15 @@ impl EnvironmentMap {
 
     /// The mean colour of a footprint, I8F24, below 64: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
-    pub fn sample(&self, point: &CubePoint<i32>, probes: &Probes<i32>, rough: bool, p: &Precision) -> [Channel; 3] {
-        self.blended(&[Channel::zero(); 3], (point, probes, rough), &[Fx::int(1); 3], p)
+    pub fn sample(&self, look: Look<'_>, rough: bool, p: &Precision) -> [Channel; 3] {
+        self.blended(&[Channel::zero(); 3], (look, rough), &[Fx::int(1); 3], p)
     }
 
     /// The same mean, blended with the colour of a surface by its reflectance before it is cut.
     pub fn blended(
         &self,
         surface: &[Channel; 3],
-        (point, probes, rough): (&CubePoint<i32>, &Probes<i32>, bool),
+        (look, rough): (Look<'_>, bool),
         reflectance: &[Control<i32, REFLECTANCE>; 3],
         p: &Precision,
     ) -> [Channel; 3] {
@@ -70,13 +87,21 @@ impl EnvironmentMap {
         let unit = Fx::from_raw(exponent);
         if self.is_bright() {
             let cube = Cube { memory: &BrightCube(&self.pyramid), edge, last_level, exponent };
-            let means = on_words!(p, |point, probes| sampler::means(point, probes, rough, &cube, p));
+            let means = means(look, rough, &cube, p);
             let channel = |i: usize| pixel::bright_blend::<i32>(surface[i], means[i].0, unit, reflectance[i]);
             return core::array::from_fn(channel);
         }
         let cube = Cube { memory: &self.pyramid, edge, last_level, exponent };
-        let means = on_words!(p, |point, probes| sampler::means(point, probes, rough, &cube, p));
+        let means = means(look, rough, &cube, p);
         let colour = |i: usize| pixel::colour::<i32>(means[i].0, unit);
         core::array::from_fn(|i| pixel::blend::<i32>(surface[i], colour(i), reflectance[i]))
+    }
+}
+
+/// The mean of a footprint as the stages of pixels take it.
+fn means<M: CubeMemory>(look: Look<'_>, rough: bool, cube: &Cube<'_, M>, p: &Precision) -> [Value<i32, 32>; 3] {
+    match look {
+        Look::Face(point, probes) => on_words!(p, |point, probes| sampler::means(point, probes, rough, cube, p)),
+        Look::Sphere(sweep) => on_words!(p, |sweep| sampler::swept_means(sweep, rough, cube, p)),
     }
 }

@@ -24,7 +24,7 @@ mod texture;
 mod tile;
 
 pub use colour::{Channel, Colour, MAX_MAP_EXPONENT};
-pub use environment::EnvironmentMap;
+pub use environment::{EnvironmentMap, Look};
 pub use frame::Frame;
 pub use prepare::Prepared;
 pub use texture::{ColourMap, Footprints, MapReads, Taps};

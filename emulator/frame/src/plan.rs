@@ -3,11 +3,13 @@
 //! An effect is switched on by what the scene contains, never by a global default. One value drives the frame, the
 //! vector sets and the reports; [`ObjectPlan::decisions`] says of each effect why it is there or not.
 
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};
+use roughxel_core::plan::{
+    Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
+};
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use roughxel_maps::bump::BumpPyramid;
-use roughxel_scene::{self as scene, HighlightForm, Object, Shadowing};
+use roughxel_scene::{self as scene, FootprintPlace, HighlightForm, Object, Shadowing};
 
 /// How a frame is sampled and filtered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +128,13 @@ impl ObjectPlan {
                 // Without a footprint one sample of the environment stands for all that is reflected.
                 roughness: kept(mode.filters()),
                 curvature: mode.filters() && curved_triangles(object) > 0,
-                footprint: mode.filters(),
+                footprint: match material.footprint {
+                    _ if !mode.filters() => FootprintKind::None,
+                    Some(FootprintPlace::Face) => FootprintKind::Face,
+                    Some(FootprintPlace::Sphere) => FootprintKind::Sphere,
+                    None if kept(true) != RoughnessKind::None && is_wide(bump) => FootprintKind::Sphere,
+                    None => FootprintKind::Face,
+                },
             }),
             highlight: material.highlight.as_ref().map(|highlight| SurfacePlan {
                 bump: bumps,
@@ -297,7 +305,8 @@ impl ObjectPlan {
             Effect::Footprint => {
                 self.texture_footprint = false;
                 self.change_reflection(|plan| {
-                    (plan.footprint, plan.curvature, plan.roughness) = (false, false, RoughnessKind::None);
+                    (plan.footprint, plan.curvature, plan.roughness) =
+                        (FootprintKind::None, false, RoughnessKind::None);
                 });
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
             }
@@ -374,6 +383,14 @@ impl ObjectPlan {
             Effect::Horizon => "no `peaks`".into(),
         }
     }
+}
+
+/// The largest standard deviation of slopes, of any level, that footprints on a face hold. A lobe is twice as wide.
+const WIDEST_ON_A_FACE: f64 = 0.1;
+
+/// Whether lobes call for footprints on the sphere.
+fn is_wide(bump: Option<&BumpPyramid>) -> bool {
+    bump.is_some_and(|bump| bump.largest_deviation() > WIDEST_ON_A_FACE)
 }
 
 /// The datapath's name of a scene's frame system.

@@ -10,7 +10,7 @@ use roughxel_core::fx::Control;
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::Precision;
-use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes};
+use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, Sweep};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
@@ -130,21 +130,6 @@ impl Reading {
         InstructionSet::best().map_or(Self::Scalar, Self::Lanes)
     }
 
-    /// Every stage's outcome of every fragment, in their order.
-    pub fn reflections(
-        self,
-        inputs: &[ReflectionInput<i32>],
-        scale: &MapScale<i32>,
-        plan: &ReflectionPlan,
-        p: &Precision,
-    ) -> Vec<Reflection<i32>> {
-        let mut results = Vec::new();
-        each_fragment!(self, p, inputs, &mut results, |input: ReflectionInput<i32>, scale => Reflection<i32>| {
-            datapath::reflection(input, scale, plan, p)
-        });
-        results
-    }
-
     /// What fetching needs of every fragment, in their order.
     pub fn footprints(
         self,
@@ -155,7 +140,23 @@ impl Reading {
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
         each_fragment!(self, p, inputs, &mut results, |input: ReflectionInput<i32>, scale => Footprint<i32>| {
-            Footprint::of(&datapath::reflection(input, scale, plan, p))
+            Footprint::of(&datapath::reflection(input, scale, &plan.on_face(), p))
+        });
+        results
+    }
+
+    /// What the probes on the sphere step along, of every fragment whose surface is made, in their order.
+    pub fn sweeps(
+        self,
+        inputs: &[Reflecting<i32>],
+        scale: &MapScale<i32>,
+        plan: &ReflectionPlan,
+        p: &Precision,
+    ) -> Vec<Sweep<i32>> {
+        let mut results = Vec::new();
+        each_fragment!(self, p, inputs, &mut results, |input: Reflecting<i32>, scale => Sweep<i32>| {
+            let Reflecting { surface, dview, dnormal } = input;
+            datapath::reflection_of(surface, [dview, dnormal], scale, &plan.on_sphere(), p).sweep
         });
         results
     }
@@ -180,7 +181,7 @@ impl Reading {
         let mut results = Vec::new();
         each_fragment!(self, p, inputs, &mut results, |input: Reflecting<i32>, scale => Footprint<i32>| {
             let Reflecting { surface, dview, dnormal } = input;
-            Footprint::of(&datapath::reflection_of(surface, [dview, dnormal], scale, plan, p))
+            Footprint::of(&datapath::reflection_of(surface, [dview, dnormal], scale, &plan.on_face(), p))
         });
         results
     }

@@ -237,6 +237,14 @@ impl BumpPyramid {
         self.levels.get(level).is_some_and(|level| !level.roughness.is_empty())
     }
 
+    /// The largest standard deviation along an axis of the map, of any texel of any level.
+    pub fn largest_deviation(&self) -> f64 {
+        let unit = power_of_two(self.format.roughness_exponent - self.format.roughness.bits() as i32);
+        let codes = self.levels.iter().flat_map(|level| &level.roughness);
+        let factors = codes.map(|codes| codes.map(|code| f64::from(code) * unit));
+        factors.fold(0.0, |largest, [d1, d2, d3]| largest.max(d1.hypot(d2)).max(d3))
+    }
+
     /// Whether no level has roughness: the roughness columns of the datapath are not called for.
     pub fn is_smooth(&self) -> bool {
         self.levels.iter().all(|level| level.roughness.is_empty())

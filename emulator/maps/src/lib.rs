@@ -15,5 +15,6 @@ mod levels;
 pub mod mip;
 pub mod peak_pyramid;
 pub mod roughness;
+mod sphere;
 
 pub use levels::level_sizes;

@@ -24,7 +24,7 @@ use std::fmt::Write as _;
 
 use roughxel_core::design::Design;
 use roughxel_core::knob::Knob;
-use roughxel_core::plan::{Effects, FrameSystem, HorizonKind};
+use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -278,9 +278,13 @@ fn names(effects: &Effects) -> String {
         HorizonKind::Correlated => Some("horizon"),
         HorizonKind::Product => Some("horizon-product"),
     };
-    let Effects { bump, curvature, footprint, .. } = *effects;
-    let rest = [on(curvature, "curvature"), on(footprint, "footprint"), horizon];
-    let names: Vec<&str> = [on(bump, "bump"), roughness].into_iter().chain(rest).flatten().collect();
+    let footprint = match effects.footprint {
+        FootprintKind::None => None,
+        FootprintKind::Face => Some("footprint"),
+        FootprintKind::Sphere => Some("footprint-sphere"),
+    };
+    let rest = [on(effects.curvature, "curvature"), footprint, horizon];
+    let names: Vec<&str> = [on(effects.bump, "bump"), roughness].into_iter().chain(rest).flatten().collect();
     if names.is_empty() { "none".to_owned() } else { names.join(",") }
 }
 

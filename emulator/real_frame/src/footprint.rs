@@ -3,6 +3,7 @@
 use roughxel_reference::cube::Selection;
 use roughxel_reference::linear::scaled;
 use roughxel_reference::probes::ProbePlan;
+use roughxel_reference::sphere::{LobeProbe, lobe};
 use roughxel_reference::{Inputs, Options, reflection};
 
 /// λ₁ of a footprint on a cube face beyond which its probes do not reach further out (2 units, the width of the face).
@@ -33,6 +34,11 @@ impl Footprint {
 pub trait Footprints: Sync {
     /// The footprint of one fragment; `None` where it comes to no number, and the reflection is black.
     fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<Footprint>;
+
+    /// The probes of one fragment on the sphere; of whoever has none of his own the reference's.
+    fn lobe(&self, inputs: &Inputs, options: &Options) -> Option<Vec<LobeProbe>> {
+        lobe(inputs, options).map(|lobe| lobe.probes)
+    }
 }
 
 /// The reference.

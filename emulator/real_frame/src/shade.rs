@@ -1,6 +1,6 @@
 //! One sample in float64: attributes to colour by the mathematics of the reference.
 
-use roughxel_core::plan::FrameSystem;
+use roughxel_core::plan::{FootprintKind, FrameSystem};
 use roughxel_core::ports::{BlockPair, BlockVector};
 use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_frame::plan::{Mode, ObjectPlan};
@@ -11,10 +11,11 @@ use roughxel_scene::{Background, Object, Scene};
 use super::footprint::{Footprint, Footprints};
 use super::maps::{self, BUMP_CHANNELS};
 use roughxel_reference::cube::select;
-use roughxel_reference::filter::{CubeMap, Map, cube_assemble, texels_to_repeats, trilinear};
+use roughxel_reference::filter::{CubeMap, Map, cube_assemble, cube_trilinear, texels_to_repeats, trilinear};
 use roughxel_reference::linear::{add_scaled, norm, scaled};
 use roughxel_reference::probes::{self, ProbePlan};
 use roughxel_reference::roughness::Covariance;
+use roughxel_reference::sphere::LobeProbe;
 use roughxel_reference::{
     self as reference, Inputs, Options, Roughness, columns_in_texels, frame, perturb, reflect, roughness,
 };
@@ -181,7 +182,7 @@ impl<'a> Shader<'a> {
             FrameSystem::NaturalNormalised => frame::FrameSystem::NaturalNormalised,
         };
         let (normal, view) = (real_vector(attributes.normal), real_vector(attributes.view));
-        if !plan.footprint {
+        if !plan.footprint.is_some() {
             // n and v at length 1: nothing depends on it, and no square leaves the range of float64.
             let [normal, view] = [normal, view].map(|v| scaled(1.0 / norm(&v), v));
             let perturbed = if plan.bump {
@@ -192,30 +193,33 @@ impl<'a> Shader<'a> {
             return environment[0].bilinear(&select(reflect::reflect(view, perturbed)));
         }
         let edge_texels = environment[0].faces[0].width as u32;
-        let footprint = self.footprints.footprint(
-            &Inputs {
-                normal,
-                view,
-                tangents,
-                offset,
-                roughness: spread,
-                dview: attributes.dview.map(real_vector),
-                dnormal: if plan.curvature { attributes.dnormal.map(real_vector) } else { [[0.0; 3]; 2] },
-                edge_texels,
+        let inputs = Inputs {
+            normal,
+            view,
+            tangents,
+            offset,
+            roughness: spread,
+            dview: attributes.dview.map(real_vector),
+            dnormal: if plan.curvature { attributes.dnormal.map(real_vector) } else { [[0.0; 3]; 2] },
+            edge_texels,
+        };
+        let options = Options {
+            frame: system,
+            roughness: match plan.roughness {
+                RoughnessKind::None => Roughness::None,
+                RoughnessKind::Isotropic => Roughness::Isotropic,
+                RoughnessKind::Anisotropic => Roughness::Anisotropic,
             },
-            &Options {
-                frame: system,
-                roughness: match plan.roughness {
-                    RoughnessKind::None => Roughness::None,
-                    RoughnessKind::Isotropic => Roughness::Isotropic,
-                    RoughnessKind::Anisotropic => Roughness::Anisotropic,
-                },
-                probe_rule: self.rule,
-                max_probes: self.max_probes,
-            },
-        );
+            probe_rule: self.rule,
+            max_probes: self.max_probes,
+        };
         // Probes of variance λ₂² where the footprint is a rough surface's.
         let bias = if plan.roughness == RoughnessKind::None { 0.0 } else { -0.5 * 3_f64.log2() };
+        if plan.footprint == FootprintKind::Sphere {
+            let probes = self.footprints.lobe(&inputs, &options);
+            return probes.map_or([0.0; 3], |probes| swept(environment, &probes, bias));
+        }
+        let footprint = self.footprints.footprint(&inputs, &options);
         footprint.map_or([0.0; 3], |footprint| self.assembled(environment, &footprint, bias))
     }
 
@@ -256,4 +260,15 @@ impl<'a> Shader<'a> {
             }
         }
     }
+}
+
+/// The mean of probes on the sphere, their levels of detail moved by `bias` ≤ 0.
+fn swept(environment: &[CubeMap<3>], probes: &[LobeProbe], bias: f64) -> [f64; 3] {
+    let last_level = (environment.len() - 1) as f64;
+    let mut sum = [0.0; 3];
+    for LobeProbe { at, weight, lod } in probes {
+        let lod = (lod.clamp(0.0, last_level) + bias).max(0.0);
+        sum = add_scaled(sum, *weight, cube_trilinear(environment, at, lod));
+    }
+    sum
 }

@@ -25,6 +25,7 @@ pub mod probes;
 pub mod random;
 pub mod reflect;
 pub mod roughness;
+pub mod sphere;
 
 use axes::Axes;
 use columns::Column;

@@ -89,8 +89,17 @@ pub(super) struct MaterialDescription {
     pub(super) frame: Option<Spanned<FrameName>>,
     pub(super) main_direction: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) reflectance: Option<Spanned<OneOrThree>>,
+    pub(super) footprint: Option<FootprintName>,
     pub(super) highlight: Option<Spanned<HighlightDescription>>,
     pub(super) peaks: Option<Spanned<PeaksDescription>>,
+}
+
+/// `footprint = "…"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum FootprintName {
+    Face,
+    Sphere,
 }
 
 /// `frame = "…"`.

@@ -104,6 +104,15 @@ pub struct Vertex {
     pub tangents: [DVec3; 2],
 }
 
+/// Where footprints of reflections lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FootprintPlace {
+    /// On the plane of a cube face (W97).
+    Face,
+    /// On the sphere.
+    Sphere,
+}
+
 /// Surface: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, and for each light its colour times
 /// the highlight or the peaks, per channel.
 #[derive(Clone, Debug)]
@@ -122,6 +131,8 @@ pub struct Material {
     pub main_direction: DVec3,
     /// Share of the environment per channel, 0 to 1.
     pub reflectance: [f32; 3],
+    /// Where footprints of reflections lie; `None` leaves it to how rough the surface is.
+    pub footprint: Option<FootprintPlace>,
     /// Highlight of the lights; not together with peaks.
     pub highlight: Option<Highlight>,
     /// Several normals at a point.

@@ -1,6 +1,6 @@
 //! `--effects` and `--frame`: which effects are on; `--scene`: those that the objects of a scene call for.
 
-use roughxel_core::plan::{Effects, FrameSystem, HorizonKind};
+use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
@@ -10,7 +10,7 @@ use super::{Failure, open_scene};
 
 /// Help of every `--effects`.
 pub(super) const HELP: &str = "Effects that are on: a comma list of bump, roughness (or roughness-iso, which reads d1 \
-    as I1), curvature, footprint, horizon (or horizon-product, F92's product of shares); or all, or none. A datapath looks at those it has: a reflection at all but \
+    as I1), curvature, footprint (or footprint-sphere, for wide lobes), horizon (or horizon-product, F92's product of shares); or all, or none. A datapath looks at those it has: a reflection at all but \
     horizon (without footprint there is one probe at level 0), a highlight at bump and roughness, a peak at horizon";
 
 /// The effects of a comma list.
@@ -25,13 +25,14 @@ pub(super) fn parse(list: &str) -> Result<Effects, String> {
         "roughness" => Ok(Effects { roughness: RoughnessKind::Anisotropic, ..effects }),
         "roughness-iso" => Ok(Effects { roughness: RoughnessKind::Isotropic, ..effects }),
         "curvature" => Ok(Effects { curvature: true, ..effects }),
-        "footprint" => Ok(Effects { footprint: true, ..effects }),
+        "footprint" => Ok(Effects { footprint: FootprintKind::Face, ..effects }),
+        "footprint-sphere" => Ok(Effects { footprint: FootprintKind::Sphere, ..effects }),
         "horizon" => Ok(Effects { horizon: HorizonKind::Correlated, ..effects }),
         "horizon-product" => Ok(Effects { horizon: HorizonKind::Product, ..effects }),
         alone @ ("all" | "none") => Err(format!("`{alone}` stands alone")),
         unknown => Err(format!(
-            "effect `{unknown}` is unknown; there are bump, roughness, roughness-iso, curvature, footprint, horizon, \
-             horizon-product, all, none"
+            "effect `{unknown}` is unknown; there are bump, roughness, roughness-iso, curvature, footprint, \
+             footprint-sphere, horizon, horizon-product, all, none"
         )),
     })
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
+use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
@@ -201,9 +201,18 @@ struct EffectsDef {
     #[serde(with = "RoughnessKindDef")]
     roughness: RoughnessKind,
     curvature: bool,
-    footprint: bool,
+    #[serde(with = "FootprintKindDef")]
+    footprint: FootprintKind,
     #[serde(with = "HorizonKindDef")]
     horizon: HorizonKind,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "FootprintKind", rename_all = "snake_case")]
+enum FootprintKindDef {
+    None,
+    Face,
+    Sphere,
 }
 
 #[derive(Serialize, Deserialize)]

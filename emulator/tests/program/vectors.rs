@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use fixed::types::{I2F30, I4F28};
-use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
+use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::random_fragment;
@@ -409,7 +409,8 @@ fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
         for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
             for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
                 for on in 0..16 {
-                    let [bump, curvature, footprint, horizon] = [0, 1, 2, 3].map(|bit| on >> bit & 1 == 1);
+                    let [bump, curvature, horizon] = [0, 1, 3].map(|bit| on >> bit & 1 == 1);
+                    let footprint = if on >> 2 & 1 == 1 { FootprintKind::Face } else { FootprintKind::None };
                     let horizon = if horizon { HorizonKind::Correlated } else { HorizonKind::None };
                     let effects = Effects { bump, frame, roughness, curvature, footprint, horizon };
                     if effects != effects.of(datapath) {

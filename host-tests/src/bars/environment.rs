@@ -3,13 +3,13 @@
 use glam::DVec3;
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
 use roughxel_core::soft_core::environment_scale;
-use roughxel_emulator::frame::EnvironmentMap;
+use roughxel_emulator::frame::{EnvironmentMap, Look};
 use roughxel_emulator::picture::Picture;
 
 use crate::reference::cube::direction_of;
@@ -38,6 +38,8 @@ pub struct CubeEdgeStep {
     pub lobe: f64,
     /// The same with a deviation of ¼ (14°), beyond what a piece of a plane can stand for.
     pub wide_lobe: f64,
+    /// Footprints on the sphere, with a deviation of 2⁻⁸ to 1 (57°; half the sphere from side to side).
+    pub lobe_on_sphere: f64,
 }
 
 /// Low frequencies in direction, 0…1, another one in each channel.
@@ -83,6 +85,8 @@ enum Footprint {
     Probe { lod: i32 },
     /// A round lobe of a standard deviation, sampled as roughness or as a pixel's box.
     Lobe { radius: f64, rough: bool },
+    /// The same on the sphere.
+    LobeOnSphere { radius: f64, rough: bool },
 }
 
 struct Sampler<'a> {
@@ -94,17 +98,26 @@ impl Sampler<'_> {
     fn sample(&self, direction: DVec3, footprint: Footprint) -> [f64; 3] {
         let (radius, rough) = match footprint {
             Footprint::Probe { .. } => (0.0, false),
-            Footprint::Lobe { radius, rough } => (radius, rough),
+            Footprint::Lobe { radius, rough } | Footprint::LobeOnSphere { radius, rough } => (radius, rough),
         };
-        let plan = ReflectionPlan { bump: false, roughness: RoughnessKind::None, ..ReflectionPlan::FULL };
+        let kind = match footprint {
+            Footprint::Probe { .. } | Footprint::Lobe { .. } => FootprintKind::Face,
+            Footprint::LobeOnSphere { .. } => FootprintKind::Sphere,
+        };
+        let roughness = RoughnessKind::None;
+        let plan = ReflectionPlan { bump: false, roughness, footprint: kind, ..ReflectionPlan::FULL };
         let input = fragment(direction, radius, self.p).wires();
         let scale = environment_scale(EDGE as u16, self.p);
         let stages = datapath::reflection(&input, &scale, &plan, self.p);
         let probes = match footprint {
             Footprint::Probe { lod } => Probes { lod: Fx::from_raw(lod), ..stages.probes },
-            Footprint::Lobe { .. } => stages.probes,
+            Footprint::Lobe { .. } | Footprint::LobeOnSphere { .. } => stages.probes,
         };
-        self.map.sample(&stages.point, &probes, rough, self.p).map(|channel| channel.raw().into())
+        let look = match kind {
+            FootprintKind::Sphere => Look::Sphere(&stages.sweep),
+            FootprintKind::None | FootprintKind::Face => Look::Face(&stages.point, &probes),
+        };
+        self.map.sample(look, rough, self.p).map(|channel| channel.raw().into())
     }
 
     /// Largest step over least variation.
@@ -154,5 +167,9 @@ pub fn cube_edge_step(profile: &Precision) -> CubeEdgeStep {
         probe: largest(&mut (0..LODS).map(|eighths| Footprint::Probe { lod: (eighths << 13) as i32 })),
         lobe: largest(&mut (8..=16).flat_map(|halves| lobes(2_f64.powf(-0.5 * f64::from(halves))))),
         wide_lobe: largest(&mut lobes(0.25).into_iter()),
+        lobe_on_sphere: largest(&mut (0..=16).flat_map(|halves| {
+            let radius = 2_f64.powf(-0.5 * f64::from(halves));
+            [false, true].map(|rough| Footprint::LobeOnSphere { radius, rough })
+        })),
     }
 }

@@ -133,6 +133,8 @@ fn measure(size: [u32; 2], edge: u32) -> Result<bool, String> {
         report.add(&format!("cube edges, one probe, {profile}"), 100.0 * step.probe, "%", &bar);
         report.add(&format!("cube edges, lobes to 3.6°, {profile}"), 100.0 * step.lobe, "%", &bar);
         report.add(&format!("cube edges, lobe of 14°, {profile}"), 100.0 * step.wide_lobe, "%", &Bar::None);
+        let wide = format!("cube edges, lobes on the sphere to 57°, {profile}");
+        report.add(&wide, 100.0 * step.lobe_on_sphere, "%", &bar);
     }
     println!("{}", report.table);
     println!("{}", if report.holds { "every bar holds" } else { "a bar is missed" });

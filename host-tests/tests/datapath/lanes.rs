@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, Rewire, Value};
 use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SHARE};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::{LocalDirection, MapScale, Probes};
@@ -266,7 +266,7 @@ fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
     Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
 }
 
-/// Every stage of every fragment, in lanes with every instruction set and beside the scalar reading.
+/// What fetching needs of every fragment, in lanes with every instruction set and beside the scalar reading: every stage feeds it.
 ///
 /// The surface is made on its own, too, and the reflection of what was made.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
@@ -274,22 +274,33 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
     let surface_inputs: Vec<_> = inputs.iter().map(|input| input.surface).collect();
     for set in InstructionSet::available() {
         let reading = Reading::Lanes(set);
-        let (lanes, footprints) =
-            (reading.reflections(inputs, scale, plan, p), reading.footprints(inputs, scale, plan, p));
         let surfaces = reading.surfaces(&surface_inputs, &plan.surface(), p);
         let made = inputs.iter().zip(&surfaces).map(|(input, &surface)| {
             let ReflectionInput { dview, dnormal, .. } = *input;
             Reflecting { surface, dview, dnormal }
         });
-        let of_surfaces = reading.footprints_of(&made.collect::<Vec<_>>(), scale, plan, p);
-        let lengths = [lanes.len(), footprints.len(), surfaces.len(), of_surfaces.len()];
-        assert_eq!(lengths, [inputs.len(); 4], "{set}");
+        let made: Vec<_> = made.collect();
+        assert_eq!(surfaces.len(), inputs.len(), "{set}");
+        // What fetching needs comes without what the other kind of footprint has.
+        let (footprints, sweeps) = match plan.footprint {
+            FootprintKind::Sphere => (Vec::new(), reading.sweeps(&made, scale, plan, p)),
+            _ => {
+                let [ports, of_surfaces] =
+                    [reading.footprints(inputs, scale, plan, p), reading.footprints_of(&made, scale, plan, p)];
+                assert_eq!(ports.len(), of_surfaces.len());
+                (ports.into_iter().zip(of_surfaces).collect(), Vec::new())
+            }
+        };
+        assert_eq!(footprints.len() + sweeps.len(), inputs.len(), "{set}");
         for (index, expected) in scalar.iter().enumerate() {
             let context = |difference| format!("{set}, {plan:?}: {difference}");
-            same_wires(expected, &lanes[index]).map_err(context).unwrap();
             same_wires(&expected.surface, &surfaces[index]).map_err(context).unwrap();
-            for footprint in [&footprints[index], &of_surfaces[index]] {
-                same_wires(&Footprint::of(expected), footprint).map_err(context).unwrap();
+            if let Some((of_ports, of_surface)) = footprints.get(index) {
+                same_wires(&Footprint::of(expected), of_ports).map_err(context).unwrap();
+                same_wires(&Footprint::of(expected), of_surface).map_err(context).unwrap();
+            }
+            if let Some(sweep) = sweeps.get(index) {
+                same_wires(&expected.sweep, sweep).map_err(context).unwrap();
             }
         }
     }

@@ -18,4 +18,5 @@ mod properties;
 mod readings;
 mod scanline;
 mod small;
+mod sphere;
 mod tile;

@@ -9,7 +9,7 @@ use roughxel_core::block::{Block, MANTISSA, normalise};
 use roughxel_core::datapath::reflection::leave;
 use roughxel_core::datapath::{Reflection, environment_probe, reflection};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::{AxisDirection, Precision, RoughnessKind};
 use roughxel_core::setup::real_number;
@@ -292,7 +292,7 @@ fn curvature_off_equals_a_flat_surface() {
 #[test]
 fn footprint_off_leaves_one_probe_at_the_finest_level_of_the_same_point() {
     let on = ReflectionPlan::FULL;
-    let off = ReflectionPlan { footprint: false, ..on };
+    let off = ReflectionPlan { footprint: FootprintKind::None, ..on };
     let of_footprint = [StatusBit::FootprintZero, StatusBit::FootprintSaturated, StatusBit::ProbesCapped];
     let of_footprint = of_footprint.into_iter().fold(0, |bits, bit| bits | bit.mask());
     for (name, p) in profiles() {

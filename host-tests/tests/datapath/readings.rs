@@ -12,7 +12,7 @@ use roughxel_core::block::Block;
 use roughxel_core::datapath;
 use roughxel_core::elementary;
 use roughxel_core::fx::{Fx, Int};
-use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{
     BlockPair, BlockVector, Port, PortBlock, ReflectionIn, ReflectionInput, SurfaceIn, TextureIn,
 };
@@ -28,7 +28,7 @@ use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, Scalar, counted, first_difference, reread};
 use roughxel_host_tests::space::{plans, profiles, whole_or};
 
-/// Runs both readings on words of the profile's width, probe places included, and compares every integer of every stage.
+/// Runs both readings on words of the profile's width, probes included, and compares every integer of every stage.
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {
     let wires = fragment.wires();
     match p.word_bits() {
@@ -61,6 +61,16 @@ fn compare_on<T: Scalar>(
             Integers::of::<T, _>(&expected),
             Integers::of::<T::Checked, _>(&got),
             "probe {index} of {fragment:?}"
+        );
+    }
+    for index in 0..i64::from(scalar.sweep.count.raw()) {
+        let last = map.last_level.raw();
+        let expected = datapath::sphere_probe(&scalar.sweep, Fx::lit(index), Fx::from_raw(last), p);
+        let got = datapath::sphere_probe(&checked.sweep, Fx::lit(index), Fx::lit(last.into()), p);
+        assert_eq!(
+            Integers::of::<T, _>(&expected),
+            Integers::of::<T::Checked, _>(&got),
+            "probe {index} on the sphere of {fragment:?}"
         );
     }
     counts
@@ -233,7 +243,7 @@ fn readings_agree_on_random_fragments() {
             compare(&random_fragment("readings", index, &p), &ReflectionPlan::FULL, &p);
         });
         let plans = plans();
-        (0..72 * 50_u64).into_par_iter().for_each(|index| {
+        (0..50 * plans.len() as u64).into_par_iter().for_each(|index| {
             let plan = &plans[index as usize % plans.len()];
             compare(&random_fragment("readings under every plan", index, &p), plan, &p);
         });
@@ -504,7 +514,7 @@ fn a_block_that_is_off_costs_nothing() {
             ("isotropic", ReflectionPlan { roughness: RoughnessKind::Isotropic, ..full }),
             ("roughness", ReflectionPlan { roughness: RoughnessKind::None, ..full }),
             ("curvature", ReflectionPlan { curvature: false, ..full }),
-            ("footprint", ReflectionPlan { footprint: false, ..full }),
+            ("footprint", ReflectionPlan { footprint: FootprintKind::None, ..full }),
         ];
         for (effect, plan) in less {
             let without = cost(&plan, &p);
@@ -512,8 +522,13 @@ fn a_block_that_is_off_costs_nothing() {
             assert!(without.hardware() < all.hardware(), "{effect} is still there: {without}");
             assert!(without.of("mul") <= all.of("mul"));
         }
-        let bare =
-            ReflectionPlan { bump: false, roughness: RoughnessKind::None, curvature: false, footprint: false, ..full };
+        let bare = ReflectionPlan {
+            bump: false,
+            roughness: RoughnessKind::None,
+            curvature: false,
+            footprint: FootprintKind::None,
+            ..full
+        };
         // A mirror without any effect needs no frame: 12 products for r, 2 for s and t, 2 in a Newton step.
         let mirror = cost(&bare, &p);
         println!("  plain mirror      {:5} of {}", mirror.hardware(), all.hardware());

@@ -109,6 +109,11 @@ fn outcomes<W: IntegerWord>(
 
     let map = datapath::map_scale::<W>(of_ports::<W, _>(&Value(reflection.edge_texels)).0, p);
     let stages = datapath::reflection(&of_ports::<W, _>(reflection), &map, &effects.reflection(), p);
+    let sweep_index = |index: i32| of_ports::<W, _>(&Value(Fx::from_raw(index))).0;
+    for index in 0..stages.sweep.count.raw().integer() {
+        let probe = datapath::sphere_probe(&stages.sweep, sweep_index(index), map.last_level, p);
+        integers.extend(net_integers(&to_ports::<W, _>(&probe)));
+    }
     for index in 0..16 {
         let index = of_ports::<W, _>(&Value(Fx::from_raw(index))).0;
         let probe = datapath::environment_probe(&stages.point, &stages.probes, index, p);

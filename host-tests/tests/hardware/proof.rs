@@ -81,7 +81,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [(Design, &str, Design, &str); 35] = [
+const CONNECTIONS: [(Design, &str, Design, &str); 39] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
     (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
@@ -89,6 +89,10 @@ const CONNECTIONS: [(Design, &str, Design, &str); 35] = [
     (Design::Reflection, "probes.lod", Design::Levels, "lod"),
     (Design::EnvironmentProbe, "place", Design::FaceAddress, "place"),
     (Design::EnvironmentProbe, "weight", Design::ProbeSum, "weight"),
+    (Design::Reflection, "sweep", Design::SphereProbe, "sweep"),
+    (Design::SphereProbe, "place", Design::FaceAddress, "place"),
+    (Design::SphereProbe, "lod", Design::Levels, "lod"),
+    (Design::SphereProbe, "weight", Design::ProbeSum, "weight"),
     (Design::Texture, "probes", Design::TextureProbe, "probes"),
     (Design::Texture, "probes.lod", Design::Levels, "lod"),
     (Design::TextureProbe, "place", Design::TextureProbe, "centre"),

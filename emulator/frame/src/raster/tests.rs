@@ -60,6 +60,7 @@ fn object(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Object {
             roughness: None,
             frame: FrameSystem::MainDirection,
             main_direction: DVec3::Y,
+            footprint: None,
             reflectance: [0.0; 3],
             highlight: None,
             peaks: None,

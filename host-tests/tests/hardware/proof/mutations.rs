@@ -221,7 +221,7 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Opti
                     || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
                     || at(
                         "core/src/stage/probes.rs",
-                        "raised.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
+                        "lod.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
                     )
                     || design == Design::ColourSample;
             fits.then_some("twice the value still fits")

@@ -1,0 +1,308 @@
+//! Footprints on the sphere: normals as probes, for lobes that no plane of a cube face can hold.
+//!
+//! A lobe is a distribution of normals n + Σ ξ_j·dn_j and views v + Σ ξ_j·dv_j with independent ξ_j of variance 1 (1/12 for the sides of a
+//! pixel). On the tangent plane at r its reflections have the covariance Σ q_j q_jᵀ with q_j = dr_j/|r| without its part along r. Along the
+//! major axis, ξ_j is w_j = ⟨q_j·e₁⟩/λ₁ in the mean for each deviation, so the normals there are n + x·a with a = Σ w_j·dn_j, and their
+//! reflections, views moving along, r + x·Σ w_j·dr_j + x²·(2a⟨v·a⟩ − v|a|²).
+
+use std::sync::OnceLock;
+
+use super::axes::{Axes, axes};
+use super::columns::reflected_derivative;
+use super::cube::{Selection, select};
+use super::ellipse::{WEIGHTS, ellipse};
+use super::linear::{Vector3, add_scaled, cross, dot, norm, normalise_exponent, scale_exponent, scaled};
+use super::probes::ProbeRule;
+use super::reflect::reflect;
+use super::{Inputs, Options, Roughness, frame, perturb, roughness};
+
+/// A footprint on the sphere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lobe {
+    /// r at unit length.
+    pub mirrored: Vector3,
+    /// r, moved by what the probes' own extent does to the mean, in units of |r|.
+    pub centre: Vector3,
+    /// Σ w_j·dr_j over |r|, for one deviation of the probes.
+    pub first: Vector3,
+    /// 2a⟨v·a⟩ − v|a|² over |r|, likewise.
+    pub second: Vector3,
+    /// λ₁, radians.
+    pub major: f64,
+    /// λ₂ before it may be raised, radians.
+    pub minor: f64,
+    /// |dr|/|r| as if no terms cancelled, weighted as in the covariance: rounding moves λ by a small multiple of ε times this.
+    pub scale: f64,
+    /// The probes.
+    pub probes: Vec<LobeProbe>,
+}
+
+/// A probe on the sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LobeProbe {
+    /// Where it looks; `m` in units of |r|.
+    pub at: Selection,
+    /// How much it counts; those of a lobe sum to 1.
+    pub weight: f64,
+    /// Level of detail before it is clamped to the map.
+    pub lod: f64,
+}
+
+/// The lobe of a fragment; `None` where nothing is reflected.
+pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
+    let (normal, normal_exponent) = normalise_exponent(inputs.normal);
+    let (view, view_exponent) = normalise_exponent(inputs.view);
+    let dnormal = inputs.dnormal.map(|d| scale_exponent(d, -normal_exponent));
+    let dview = inputs.dview.map(|d| scale_exponent(d, -view_exponent));
+    let frame = frame::frame(options.frame, normal, inputs.tangents);
+    let normal = perturb::perturb(normal, &frame, inputs.offset);
+    let r = reflect(view, normal);
+    let length = norm(&r);
+    if length == 0.0 {
+        return None;
+    }
+    let none = [0.0; 3];
+    let rough = match options.roughness {
+        Roughness::None => [none; 2],
+        Roughness::Isotropic => roughness::isotropic_tangents(&frame, inputs.roughness[0]),
+        Roughness::Anisotropic => roughness::tangents(&frame, inputs.roughness),
+    };
+    let pairs = [(dview[0], dnormal[0]), (dview[1], dnormal[1]), (none, rough[0]), (none, rough[1])];
+    let moves = pairs.map(|(dv, dn)| scaled(1.0 / length, reflected_derivative(view, normal, dv, dn)));
+
+    // Any two unit vectors across r.
+    let unit = scaled(1.0 / length, r);
+    let least = (0..3).min_by(|&i, &j| unit[i].abs().total_cmp(&unit[j].abs())).unwrap_or(0);
+    let mut helper = none;
+    helper[least] = 1.0;
+    let across = cross(unit, helper);
+    let across = scaled(1.0 / norm(&across), across);
+    let up = cross(unit, across);
+    let columns = moves.map(|dr| [dot(&across, &dr), dot(&up, &dr)]);
+
+    let axes = axes(&ellipse(&columns));
+    let texels = 0.5 * f64::from(inputs.edge_texels);
+    let reach = (axes.major * axes.major - axes.minor * axes.minor).max(0.0).sqrt();
+    let Rule { count, share, minor } = rule(reach, &axes, options);
+    let spread = (axes.major * axes.major - minor * minor).max(0.0).sqrt();
+    let (mut first, mut turn) = (none, none);
+    if axes.major > 0.0 {
+        for (j, q) in columns.iter().enumerate() {
+            let share = WEIGHTS[j] * dot(q, &axes.direction) / axes.major * (spread / axes.major);
+            first = add_scaled(first, share, moves[j]);
+            turn = add_scaled(turn, share, pairs[j].1);
+        }
+    }
+    let second = scaled(1.0 / length, reflect(view, turn));
+    // E[r] = r + Σ W_j(2dn_j⟨v·dn_j⟩ − v|dn_j|²); of it the probes have the mean of x², which is 1, times their bend.
+    let mut rest = scaled(-1.0, second);
+    for ((_, dn), weight) in pairs.iter().zip(WEIGHTS) {
+        rest = add_scaled(rest, weight / length, reflect(view, *dn));
+    }
+    let centre = add_scaled(unit, 1.0 / (1.0 + axes.minor * axes.minor), rest);
+    let lod = (1.8 * 3_f64.sqrt() * minor * texels).log2();
+    let terms = pairs.iter().zip(WEIGHTS).map(|((dv, dn), weight)| {
+        let size = norm(&normal);
+        weight.sqrt() * (3.0 * size * size * norm(dv) + 6.0 * size * norm(&view) * norm(dn)) / length
+    });
+    let scale = terms.fold(0.0, f64::hypot);
+    let probes = points(count, share)
+        .into_iter()
+        .map(|[x, weight]| {
+            let r = add_scaled(add_scaled(centre, x, first), x * x, second);
+            let at = select(r);
+            // A texel there is as large as one in the middle of its face over ρ³.
+            let rho = norm(&[1.0, at.s, at.t]);
+            LobeProbe { at, weight, lod: lod - norm(&r).log2() + 1.5 * rho.log2() }
+        })
+        .collect();
+    Some(Lobe { mirrored: unit, centre, first, second, major: axes.major, minor: axes.minor, scale, probes })
+}
+
+/// How many probes there are.
+struct Rule {
+    count: u32,
+    /// How far they have gone from where one less would stand.
+    share: f64,
+    /// λ₂, raised where they are not enough.
+    minor: f64,
+}
+
+/// N = 1 + ⌈√(λ₁² − λ₂²)/λ₂ − 1/16⌉; in its own places half-way to the next count.
+fn rule(reach: f64, axes: &Axes, options: &Options) -> Rule {
+    let wanted = if reach == 0.0 { 0.0 } else { (reach / axes.minor - 0.0625).max(0.0) };
+    let (count, most) = match options.probe_rule {
+        ProbeRule::Ceiling => (wanted.ceil() + 1.0, options.max_probes),
+        ProbeRule::PowerOfTwo => {
+            let count = wanted.ceil().min(2_f64.powi(40)) as u64 + 1;
+            (count.next_power_of_two() as f64, 1 << options.max_probes.ilog2())
+        }
+    };
+    if count > f64::from(most) {
+        return Rule { count: most, share: 1.0, minor: axes.major / f64::from(most) };
+    }
+    let share = match options.probe_rule {
+        ProbeRule::Ceiling => (2.0 * (wanted - (count - 2.0))).min(1.0),
+        ProbeRule::PowerOfTwo => 1.0,
+    };
+    Rule { count: count as u32, share, minor: axes.minor }
+}
+
+/// Places and weights of `count` probes on their way from `count` − 1: a new one comes with no weight in the middle of an even number, or as half of the
+/// one in the middle of an odd number. The second comes from the first, with which it begins.
+pub fn points(count: u32, share: f64) -> Vec<[f64; 2]> {
+    let to = places(count);
+    let own = 1.0 / f64::from(count);
+    if count <= 2 {
+        return to.into_iter().map(|x| [x, own]).collect();
+    }
+    let less = 1.0 / f64::from(count - 1);
+    let before = places(count - 1);
+    let (sides, middle) = (
+        ((count - 1) / 2) as usize,
+        if count.is_multiple_of(2) { vec![[0.0, 0.5 * less]; 2] } else { vec![[0.0, 0.0]] },
+    );
+    let left = before[..sides].iter().map(|&x| [x, less]);
+    let right = before[before.len() - sides..].iter().map(|&x| [x, less]);
+    let from = left.chain(middle).chain(right);
+    from.zip(to).map(|([x, weight], to)| [x + share * (to - x), weight + share * (own - weight)]).collect()
+}
+
+/// The normal law in `count` points of equal weight: the means of its equally likely parts, stretched to deviation 1.
+pub fn places(count: u32) -> Vec<f64> {
+    // Quantiles by halving take a million densities each; those of a footprint are kept.
+    static KEPT: [OnceLock<Vec<f64>>; 17] = [const { OnceLock::new() }; 17];
+    match KEPT.get(count as usize) {
+        Some(kept) => kept.get_or_init(|| places_of(count)).clone(),
+        None => places_of(count),
+    }
+}
+
+fn places_of(count: u32) -> Vec<f64> {
+    if count <= 1 {
+        return vec![0.0];
+    }
+    let n = f64::from(count);
+    let density_at = |share: f64| if share <= 0.0 || share >= 1.0 { 0.0 } else { density(quantile(share)) };
+    let means: Vec<f64> =
+        (0..count).map(|i| n * (density_at(f64::from(i) / n) - density_at(f64::from(i + 1) / n))).collect();
+    let deviation = (means.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
+    means.into_iter().map(|x| x / deviation).collect()
+}
+
+/// Density of the normal law.
+fn density(x: f64) -> f64 {
+    (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt()
+}
+
+/// Where the normal law has `share` in (0, 1) below it, by halving.
+fn quantile(share: f64) -> f64 {
+    let (mut low, mut high) = (-10.0, 10.0);
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if below(middle) < share {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Share of the normal law below x, by Simpson's rule on [0, x].
+fn below(x: f64) -> f64 {
+    const STEPS: u32 = 2000;
+    let h = x / f64::from(STEPS);
+    let weighted = (0..=STEPS).map(|i| {
+        let weight = if i == 0 || i == STEPS { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        weight * density(f64::from(i) * h)
+    });
+    0.5 + h / 3.0 * weighted.sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::SplitMix64;
+    use super::*;
+
+    fn random_inputs(random: &mut SplitMix64, size: f64) -> Inputs {
+        let mut vector = |size: f64| [0, 1, 2].map(|_| random.uniform(-size, size));
+        Inputs {
+            normal: vector(1.0),
+            view: vector(3.0),
+            tangents: [vector(1.0), vector(1.0)],
+            offset: [vector(0.5)[0], vector(0.5)[0]],
+            roughness: vector(size),
+            dview: [vector(0.01), vector(0.01)],
+            dnormal: [vector(0.01), vector(0.01)],
+            edge_texels: 256,
+        }
+    }
+
+    const OPTIONS: Options = Options {
+        frame: frame::FrameSystem::MainDirection,
+        roughness: Roughness::Anisotropic,
+        probe_rule: ProbeRule::Ceiling,
+        max_probes: 16,
+    };
+
+    #[test]
+    fn places_are_of_mean_zero_and_variance_one() {
+        for count in 2..=16 {
+            let places = places(count);
+            let n = f64::from(count);
+            assert!(places.iter().sum::<f64>().abs() < 1e-12);
+            assert!((places.iter().map(|x| x * x).sum::<f64>() / n - 1.0).abs() < 1e-12);
+            assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+
+    /// The probes and their own extent together have the covariance of the lobe: λ₁² along e₁.
+    #[test]
+    fn narrow_lobes_keep_their_variance() {
+        let mut random = SplitMix64::new(7);
+        for _ in 0..500 {
+            let Some(lobe) = lobe(&random_inputs(&mut random, 0.01), &OPTIONS) else { continue };
+            let minor = if lobe.probes.len() == 16 { lobe.minor.max(lobe.major / 16.0) } else { lobe.minor };
+            let part = dot(&lobe.first, &lobe.centre) / dot(&lobe.centre, &lobe.centre);
+            let along = add_scaled(lobe.first, -part, lobe.centre);
+            // The mean of the lobe moves its centre by λ².
+            let slack = 1e-9 + 10.0 * lobe.major;
+            assert!((norm(&along).hypot(minor) / lobe.major - 1.0).abs() < slack);
+        }
+    }
+
+    /// Where views stand still, probes are reflections of normals on a line: |r| = |v||n + xa|² is quadratic in x.
+    #[test]
+    fn lengths_along_a_lobe_are_those_of_reflected_normals() {
+        let mut random = SplitMix64::new(8);
+        for _ in 0..500 {
+            let still = Inputs { dview: [[0.0; 3]; 2], dnormal: [[0.0; 3]; 2], ..random_inputs(&mut random, 1.0) };
+            let Some(lobe) = lobe(&still, &OPTIONS) else { continue };
+            let length = |x: f64| norm(&add_scaled(add_scaled(lobe.mirrored, x, lobe.first), x * x, lobe.second));
+            let third = length(3.0) - 3.0 * length(1.0) + 3.0 * length(-1.0) - length(-3.0);
+            assert!(third.abs() < 1e-9 * length(3.0).max(length(-3.0)), "{third}");
+        }
+    }
+
+    #[test]
+    fn a_lobe_does_not_know_faces() {
+        // A direction near an edge of the cube, from both sides: the probes move as little as the direction does.
+        let inputs = |tilt: f64| Inputs {
+            normal: [0.0, 0.0, 1.0],
+            view: [-1.0 + tilt, 0.3, 1.0],
+            tangents: [[1.0, 0.0, 0.0], [0.0; 3]],
+            offset: [0.0; 2],
+            roughness: [0.4, 0.1, 0.2],
+            dview: [[0.001, 0.0, 0.0], [0.0, 0.001, 0.0]],
+            dnormal: [[0.0; 3]; 2],
+            edge_texels: 64,
+        };
+        let [a, b] = [-1e-6, 1e-6].map(|tilt| lobe(&inputs(tilt), &OPTIONS).expect("a reflection"));
+        assert_eq!(a.probes.len(), b.probes.len());
+        assert!(norm(&add_scaled(a.first, -1.0, b.first)) < 1e-5);
+        for (a, b) in a.probes.iter().zip(&b.probes) {
+            assert!((a.lod - b.lod).abs() < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Footprints on the sphere against the float64 reference: the mean direction of their probes and its second moments, which neither the order of
+//! probes nor the sign of an axis changes, and their mean level of detail.
+//!
+//! Run with `--nocapture` to see what was reached.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use roughxel_core::plan::{FootprintKind, ReflectionPlan};
+use roughxel_core::ports::{Port, ReflectionIn};
+use roughxel_core::precision::Precision;
+use roughxel_core::probe_list::sphere_probes;
+use roughxel_core::rom::{NORMAL_PLACES, NORMAL_PLACES_OF_ONE_LESS, SPREAD_LIMIT};
+use roughxel_core::soft_core::{environment_scale, reflection};
+use roughxel_emulator::cases::{hard_case_sets, random_fragment};
+use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
+use roughxel_host_tests::space::{profiles, whole_or};
+use roughxel_reference::cube::direction_of;
+use roughxel_reference::linear::norm;
+use roughxel_reference::sphere::{lobe, places, points};
+
+const PLAN: ReflectionPlan = ReflectionPlan { footprint: FootprintKind::Sphere, ..ReflectionPlan::FULL };
+
+/// Weighted mean and second moments of directions, and the mean level of detail.
+#[derive(Default)]
+struct Moments {
+    mean: DVec3,
+    square: [DVec3; 3],
+    lod: f64,
+}
+
+impl Moments {
+    fn add(&mut self, weight: f64, direction: DVec3, lod: f64) {
+        self.mean += weight * direction;
+        for (row, component) in self.square.iter_mut().zip(direction.to_array()) {
+            *row += weight * component * direction;
+        }
+        self.lod += weight * lod;
+    }
+
+    /// Differences of directions and of levels.
+    fn differences(&self, other: &Self) -> [f64; 2] {
+        let square: f64 = self.square.iter().zip(&other.square).map(|(a, b)| (*a - *b).length_squared()).sum();
+        [(self.mean - other.mean).length().max(square.sqrt()), (self.lod - other.lod).abs()]
+    }
+}
+
+fn drawn(fragment: &ReflectionIn, p: &Precision) -> Moments {
+    let map = environment_scale(fragment.edge_texels, p);
+    let sweep = reflection(&fragment.wires(), &map, &PLAN, p).sweep;
+    let mut moments = Moments::default();
+    for probe in sphere_probes(&sweep, map.last_level.raw() as u32, p) {
+        let [s, t] = probe.place.st.map(|s| f64::from(s.raw()) / f64::from(1 << 28));
+        let direction = DVec3::from_array(direction_of(probe.place.face.raw() as usize, s, t)).normalize();
+        moments.add(f64::from(probe.weight.raw()) / 65536.0, direction, f64::from(probe.lod.raw()) / 65536.0);
+    }
+    moments
+}
+
+/// The same of the reference; `None` where the lobe is known too badly to be compared: terms that cancel, or a probe that hardly looks anywhere.
+fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<Moments> {
+    let inputs = reference_inputs(fragment);
+    let lobe = lobe(&inputs, &reference_options(&PLAN, p))?;
+    let last = f64::from(inputs.edge_texels.ilog2());
+    let size = norm(&lobe.first) + norm(&lobe.second) + norm(&lobe.centre);
+    if lobe.minor < lobe.scale / 64.0 || lobe.scale > 64.0 || size > 16.0 {
+        return None;
+    }
+    let mut moments = Moments::default();
+    for probe in &lobe.probes {
+        let direction = DVec3::from_array(direction_of(probe.at.face, probe.at.s, probe.at.t));
+        if probe.at.m * direction.length() < size / 16.0 {
+            return None;
+        }
+        moments.add(probe.weight, direction.normalize(), probe.lod.clamp(0.0, last));
+    }
+    Some(moments)
+}
+
+/// Bars of directions (radians) and of levels: twice and more what the worst of all fragments reached. `paper` knows eight directions of an axis.
+fn bars(name: &str) -> [f64; 2] {
+    let powers = match name {
+        "narrow" => [-8, -5],
+        "paper" => [-2, -3],
+        "compact" => [-9, -5],
+        "standard" => [-11, -7],
+        _ => [-11, -9],
+    };
+    powers.map(|power| 2_f64.powi(power))
+}
+
+#[test]
+fn probes_on_the_sphere_are_those_of_the_reference() {
+    for (name, p) in profiles() {
+        let random = (0..whole_or(200_000_u64, 20_000)).map(|index| random_fragment("sphere", index, &p));
+        let hard = hard_case_sets(&p).into_iter().flat_map(|set| set.cases);
+        let fragments: Vec<ReflectionIn> = random.chain(hard).collect();
+        let errors: Vec<([f64; 2], usize)> = fragments
+            .par_iter()
+            .enumerate()
+            .filter_map(|(index, fragment)| Some((drawn(fragment, &p).differences(&expected(fragment, &p)?), index)))
+            .collect();
+        assert!(errors.len() > fragments.len() / 3, "{name}: {} of {} count", errors.len(), fragments.len());
+        for (figure, bar) in bars(name).into_iter().enumerate() {
+            let worst = errors.iter().max_by(|a, b| a.0[figure].total_cmp(&b.0[figure])).expect("some count");
+            println!(
+                "{name:8} {} 2^{:.2}, bar 2^{:.0}, {}",
+                ["directions", "levels"][figure],
+                worst.0[figure].log2(),
+                bar.log2(),
+                worst.1
+            );
+            assert!(worst.0[figure] <= bar, "{name}: {} {:?}", worst.0[figure], fragments[worst.1]);
+        }
+    }
+}
+
+/// Tables of places against the reference's, which finds quantiles by halving; and the weights of every footprint sum to 1.
+#[test]
+fn places_are_those_of_the_normal_law() {
+    let real = |entry: i32| f64::from(entry) / f64::from(1 << 28);
+    for count in 1..=16_u32 {
+        let row = 16 * (count as usize - 1);
+        let (before, law) = (points(count, 0.0), places(count));
+        for index in 0..count as usize {
+            assert!((real(NORMAL_PLACES[row + index]) - law[index]).abs() < 3e-9, "{count} {index}");
+            assert!((real(NORMAL_PLACES_OF_ONE_LESS[row + index]) - before[index][0]).abs() < 3e-9, "{count} {index}");
+        }
+        let limit = (1.0 - 1.0 / f64::from(count * count)).sqrt();
+        assert!((f64::from(SPREAD_LIMIT[count as usize]) / f64::from(1 << 30) - limit).abs() < 1e-9);
+    }
+}
