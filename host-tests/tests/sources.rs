@@ -358,7 +358,7 @@ fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
     // The scalar datapath is in there: these entry points are not generic.
     let soft_core =
         ["reflection", "fragment", "footprint", "highlight", "lit_peak", "environment_scale", "texture_scale"];
-    let probe_list = ["environment_probes", "texture_probes"];
+    let probe_list = ["environment_probes", "sphere_probes", "texture_probes"];
     for (file, entries) in [("soft_core", &soft_core[..]), ("probe_list", &probe_list)] {
         for entry in entries {
             let is_entry = |symbol: &str| symbol.contains(file) && symbol.contains(entry);

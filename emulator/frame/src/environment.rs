@@ -53,13 +53,14 @@ impl EnvironmentMap {
     /// Taps that [`EnvironmentMap::sample`] reads, four texels each: one of each probe, and another of the coarser level unless its
     /// weight is 0.
     pub fn taps(&self, look: Look<'_>, rough: bool, p: &Precision) -> u64 {
-        let levels = |lod| if texel::levels::<i32>(lod, rough, p).weight.raw() == 0 { 1 } else { 2 };
+        let taps =
+            |lod, fine: u64| if texel::levels::<i32>(lod, rough, p).weight.raw() == 0 { fine } else { fine + fine };
         match look {
-            Look::Face(_, probes) => u64::from(probes.count.raw().unsigned_abs()) * levels(probes.lod),
-            Look::Sphere(sweep) => sphere_probes(sweep, self.pyramid.levels.len() as u32 - 1, p)
-                .iter()
-                .map(|probe| levels(probe.lod))
-                .sum(),
+            Look::Face(_, probes) => taps(probes.lod, probes.count.raw().unsigned_abs().into()),
+            Look::Sphere(sweep) => {
+                let probes = sphere_probes(sweep, self.pyramid.levels.len() as u32 - 1, p);
+                probes.iter().map(|probe| taps(probe.lod, 1)).sum()
+            }
         }
     }
 

@@ -130,9 +130,11 @@ impl ObjectPlan {
                 curvature: mode.filters() && curved_triangles(object) > 0,
                 footprint: match material.footprint {
                     _ if !mode.filters() => FootprintKind::None,
+                    // A smooth surface has no lobe.
+                    _ if kept(true) == RoughnessKind::None => FootprintKind::Face,
                     Some(FootprintPlace::Face) => FootprintKind::Face,
                     Some(FootprintPlace::Sphere) => FootprintKind::Sphere,
-                    None if kept(true) != RoughnessKind::None && is_wide(bump) => FootprintKind::Sphere,
+                    None if is_wide(bump) => FootprintKind::Sphere,
                     None => FootprintKind::Face,
                 },
             }),
@@ -294,11 +296,11 @@ impl ObjectPlan {
         match effect {
             Effect::ColourTexture => self.colour_map = false,
             Effect::Bump => {
-                self.change_reflection(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
+                self.change_reflection(|plan| *plan = ReflectionPlan { bump: false, ..smooth(*plan) });
                 self.change_highlight(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
             }
             Effect::Roughness => {
-                self.change_reflection(|plan| plan.roughness = RoughnessKind::None);
+                self.change_reflection(|plan| *plan = smooth(*plan));
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
             }
             Effect::Environment => self.reflection = None,
@@ -353,6 +355,9 @@ impl ObjectPlan {
             }
             Effect::Bump if material.bump.is_none() => "no `height_map` or `normal_map`".into(),
             Effect::Bump => "nothing is reflected or shines that a bump could move".into(),
+            Effect::Footprint if self.reflection.is_some_and(|plan| plan.footprint == FootprintKind::Sphere) => {
+                format!("mode {mode}; on the sphere")
+            }
             Effect::Footprint if self.texture_footprint => format!("mode {mode}"),
             Effect::Edges if self.edges => format!("mode {mode}"),
             Effect::Edges => format!("mode {mode} shades what it sees sample by sample"),
@@ -383,6 +388,11 @@ impl ObjectPlan {
             Effect::Horizon => "no `peaks`".into(),
         }
     }
+}
+
+/// A plan without roughness, and so without lobes that a face does not hold.
+const fn smooth(plan: ReflectionPlan) -> ReflectionPlan {
+    ReflectionPlan { roughness: RoughnessKind::None, ..plan.on_face() }
 }
 
 /// The largest standard deviation of slopes, of any level, that footprints on a face hold. A lobe is twice as wide.

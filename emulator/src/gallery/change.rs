@@ -7,7 +7,8 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 
 use crate::plan::Effect;
 use crate::scene::{
-    FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Shadowing, Vertex,
+    FootprintPlace, FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Shadowing,
+    Vertex,
 };
 
 /// A change before drawing.
@@ -61,6 +62,13 @@ pub fn single_normal(scene: &mut Scene) {
 /// Bumps that hide each other neither from light nor from eye.
 pub fn no_shadowing(scene: &mut Scene) {
     scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()).for_each(|p| p.shadowing = None);
+}
+
+/// Footprints of reflections on the plane of a face, however rough a surface is (W97).
+pub fn footprints_on_a_face(scene: &mut Scene) {
+    for object in &mut scene.objects {
+        object.material.footprint = Some(FootprintPlace::Face);
+    }
 }
 
 /// Shares of light and eye that are multiplied, where there are any.

@@ -1,8 +1,8 @@
 //! The scenes of the gallery and their columns: the papers' pictures, one entry each.
 
 use super::change::{
-    Change, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing, no_texture, plain_highlight,
-    printed_highlight, product_of_shares, single_normal,
+    Change, footprints_on_a_face, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing,
+    no_texture, plain_highlight, printed_highlight, product_of_shares, single_normal,
 };
 use super::entry::{Column, Entry};
 use crate::plan::{Effect, Mode};
@@ -26,6 +26,9 @@ const SMOOTH: Column = Column { label: NO_TEXTURE, mode: Mode::Unfiltered, chang
 /// The peaks of a multiple surface as one.
 const SINGLE_NORMAL: Column = changed("single normal", Change::Scene(single_normal));
 const NO_SHADOWING: Column = changed("without shadowing", Change::Scene(no_shadowing));
+
+/// W97's own.
+const ON_A_FACE: Column = changed("on a face", Change::Scene(footprints_on_a_face));
 
 /// F92's own.
 const PRODUCT_OF_SHARES: Column = changed("product of shares", Change::Scene(product_of_shares));
@@ -93,7 +96,7 @@ pub const ENTRIES: &[Entry] = &[
         name: "brushed",
         source: "S97 §8",
         shows: "Brushed metal scatters across its scratches only.",
-        columns: &[UNFILTERED, changed("isotropic roughness", ISOTROPIC_ROUGHNESS), FILTERED, SAMPLES_16],
+        columns: &[UNFILTERED, changed("isotropic roughness", ISOTROPIC_ROUGHNESS), ON_A_FACE, FILTERED, SAMPLES_16],
     },
     Entry {
         name: "highlight",
@@ -178,7 +181,7 @@ pub const ENTRIES: &[Entry] = &[
         name: "mesh",
         source: "any OBJ with a normal map",
         shows: "A mesh with texture coordinates, a normal map and an environment.",
-        columns: &[UNFILTERED, ISOTROPIC, FILTERED, SAMPLES_16],
+        columns: &[UNFILTERED, FILTERED, SAMPLES_16],
     },
 ];
 
