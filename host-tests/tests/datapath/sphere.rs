@@ -62,7 +62,7 @@ fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<Moments> {
     let lobe = lobe(&inputs, &reference_options(&PLAN, p))?;
     let last = f64::from(inputs.edge_texels.ilog2());
     let size = norm(&lobe.first) + norm(&lobe.second) + norm(&lobe.centre);
-    if lobe.minor < lobe.scale / 64.0 || lobe.scale > 64.0 || size > 16.0 {
+    if lobe.minor < lobe.scale / 16.0 || lobe.scale > 64.0 || size > 16.0 {
         return None;
     }
     let mut moments = Moments::default();
