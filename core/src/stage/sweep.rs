@@ -2,13 +2,13 @@
 //! assembly steps over the plane of a cube face, which cannot hold a lobe of tens of degrees.
 //!
 //! With columns q_j of dr_j and dn_j, unit deviations all, and e₁ the direction of λ₁: w_j = ⟨q_j·e₁⟩/λ₁ is how far column j goes, in the mean,
-//! per deviation along e₁, Σw² = 1. So n moves by a = Σ w_j·dn_j and r by d = Σ w_j·dr_j + x·(2a⟨v·a⟩ − v|a|²), for r is a polynomial of degree
-//! two in n. Probes of deviation λ₂ stand for λ₁ if their centres have √(λ₁² − λ₂²): nothing where lobes are round, so no direction of
+//! per deviation along e₁, Σw² = 1. So at x deviations n has moved by x·a, a = Σ w_j·dn_j, and r by x·Σ w_j·dr_j + x²·(2a⟨v·a⟩ − v|a|²), for r is
+//! a polynomial of degree two in n. Probes of deviation λ₂ stand for λ₁ if their centres have √(λ₁² − λ₂²): nothing where lobes are round, so no direction of
 //! an axis that is not there decides; and one probe more begins where those before stand, in the middle with no weight or as half of the one that
 //! was there, so no count steps. Where λ₂ was raised to λ₁/N it is that one. What probes are in themselves moves the mean of their
 //! reflections, too: it is r + 2Cv − v·tr C.
 //! A texel at (s, t) is as large as one in the middle of its face over ρ³, ρ² = 1 + s² + t²: LOD = LOD₀ + log₂(|r₀|/|r|) + 1.5·log₂ρ.
-//! Error: directions 2^−(p−5) of the terms; LOD 2^−(lod_bits + 1), beside the logarithms' 2^−17.
+//! Errors of the mean of the probes and of their level, for each profile: `host-tests/tests/datapath/sphere.rs`.
 
 use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, Product, align, dot, normalise, number, places_below};
 use crate::each::each;

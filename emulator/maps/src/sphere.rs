@@ -18,7 +18,7 @@ use roughxel_scene::cube::FACE_AXES;
 pub(crate) const COARSE: u32 = 16;
 /// Texels along an edge of the level that they are made from, at most: texels there differ from pieces of the sphere by a percent.
 pub(crate) const SOURCE: u32 = 64;
-/// Where the kernel ends, texels of 90°/edge: (1 − (r/2·1.21)²)⁴ has a standard deviation of 0.35 of them.
+/// Where the kernel (1 − (r/reach)²)⁴ ends, as a chord for one texel an edge: 1.21 texels of 90°/edge, of which its standard deviation is 0.35.
 const REACH: f64 = 1.9;
 /// Turns of balancing; what is left is at most 0.8 %, at the corners of the cube.
 const TURNS: usize = 32;

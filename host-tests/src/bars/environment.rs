@@ -38,7 +38,8 @@ pub struct CubeEdgeStep {
     pub lobe: f64,
     /// The same with a deviation of ¼ (14°), beyond what a piece of a plane can stand for.
     pub wide_lobe: f64,
-    /// Footprints on the sphere, with a deviation of 2⁻⁸ to 1 (57°; half the sphere from side to side).
+    /// Footprints on the sphere, round ones and three times as long as wide, with a longer deviation of 2⁻⁸ to 1 (57°; half the sphere from
+    /// side to side).
     pub lobe_on_sphere: f64,
 }
 
