@@ -22,15 +22,15 @@
 //! feature `small-code`: blocks are normalised by calls, a fifth (`Standard`) to a third (`Narrow`) fewer bytes for 1.6 times the instructions.
 
 use crate::datapath::{self, Reflection};
-use crate::fx::{Fx, Int};
+use crate::fx::{Control, Fx, Int};
 use crate::plan::{Effects, FootprintKind};
 use crate::ports::{
     CubeProbe, FacePlace, HighlightIn, HighlightOut, Level, Light, MapProbe, PeakIn, PeakOut, Port, ReflectionIn,
-    ReflectionOut, TextureIn,
+    ReflectionOut, SHARE, TextureIn,
 };
 use crate::precision::{Precision, RoughnessKind};
 use crate::sampler::{self, Cube, CubeMemory};
-use crate::signals::{CubePoint, MapScale, Probes, Sweep, TexturePosition};
+use crate::signals::{CubePoint, FacePosition, MapScale, Probes, Sweep, TexturePosition};
 use crate::soft_core::texture_scale;
 use crate::stage::texture::TextureScale;
 use crate::width::{self, IntegerCount, IntegerWord, Whole, of_ports, to_ports};
@@ -167,6 +167,16 @@ pub trait Firmware: Sized {
     }
 }
 
+/// A probe as its ports.
+#[inline(always)]
+fn cube_probe<F: Firmware>(place: &FacePosition<Word<F>>, weight: Control<Word<F>, SHARE>) -> CubeProbe {
+    CubeProbe {
+        face: place.face.raw().integer() as u8,
+        st: place.st.map(|s| Port::of(&Fx::from_raw(s.raw().integer()))),
+        weight: Port::of(&Fx::from_raw(weight.raw().integer())),
+    }
+}
+
 /// A fragment through the reflection datapath.
 #[inline(always)]
 fn reflected<F: Firmware>(fragment: &ReflectionIn, environment: &Environment<F>) -> Reflection<Word<F>> {
@@ -217,11 +227,7 @@ impl<F: Firmware> Footprint<F> {
     pub fn probes(&self) -> impl ExactSizeIterator<Item = CubeProbe> + '_ {
         (0..self.probes.count.raw().integer() as usize).map(|index| {
             let probe = datapath::environment_probe(&self.point, &self.probes, int::<F>(index as i32), knobs::<F>());
-            CubeProbe {
-                face: probe.place.face.raw().integer() as u8,
-                st: probe.place.st.map(|s| Port::of(&Fx::from_raw(s.raw().integer()))),
-                weight: Port::of(&Fx::from_raw(probe.weight.raw().integer())),
-            }
+            cube_probe::<F>(&probe.place, probe.weight)
         })
     }
 
@@ -255,12 +261,7 @@ impl<F: Firmware> SphereFootprint<F> {
         (0..self.sweep.count.raw().integer() as usize).map(|index| {
             let index = int::<F>(index as i32);
             let probe = datapath::sphere_probe(&self.sweep, index, self.last_level, knobs::<F>());
-            let cube_probe = CubeProbe {
-                face: probe.place.face.raw().integer() as u8,
-                st: probe.place.st.map(|s| Port::of(&Fx::from_raw(s.raw().integer()))),
-                weight: Port::of(&Fx::from_raw(probe.weight.raw().integer())),
-            };
-            (cube_probe, Level::from_bits(probe.lod.raw().integer()))
+            (cube_probe::<F>(&probe.place, probe.weight), Level::from_bits(probe.lod.raw().integer()))
         })
     }
 

@@ -10,7 +10,7 @@ use crate::each::each;
 use crate::fx::{Fx, Int};
 use crate::ports::LIGHT;
 use crate::precision::Precision;
-use crate::signals::{CubePoint, FacePosition, Probes, Sweep};
+use crate::signals::{CubePoint, FacePosition, Probes, SphereProbe, Sweep};
 use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::seam::FaceTexel;
 use crate::width::{IntegerCount, IntegerWord};
@@ -82,7 +82,12 @@ pub fn swept_environment<W: IntegerWord, M: CubeMemory>(
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Value<W, LIGHT>; 3] {
-    light::<W, M>(swept_means::<W, M>(sweep, rough, cube, p), cube)
+    let last_level = int::<W>(cube.last_level as i32);
+    let probes = (0..sweep.count.raw().integer()).map(
+        #[inline(always)]
+        |index| sphere_probe(sweep, int::<W>(index), last_level, p),
+    );
+    light::<W, M>(swept_means::<W, M>(probes, rough, cube, p), cube)
 }
 
 #[inline(always)]
@@ -116,17 +121,16 @@ pub fn means<W: IntegerWord, M: CubeMemory>(
     each!(sum in sums => Value(texel::probe_mean(&sum)))
 }
 
-/// The mean of a footprint on the sphere as the stages of pixels take it.
+/// The mean of probes on the sphere as the stages of pixels take it.
 #[inline(always)]
 pub fn swept_means<W: IntegerWord, M: CubeMemory>(
-    sweep: &Sweep<W>,
+    probes: impl Iterator<Item = SphereProbe<W>>,
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Value<W, 32>; 3] {
     let mut sums = [ProbeSum::<W>::zero(); 3];
-    for index in 0..sweep.count.raw().integer() {
-        let probe = sphere_probe(sweep, int::<W>(index), int::<W>(cube.last_level as i32), p);
+    for probe in probes {
         let pair = texel::levels::<W>(probe.lod, rough, p);
         for (sum, channel) in sums.iter_mut().zip(trilinear::<W, M>(&probe.place, &pair, cube, p)) {
             *sum = texel::probe_sum(sum, channel, probe.weight);

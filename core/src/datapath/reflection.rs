@@ -74,11 +74,12 @@ pub fn reflection_of<W: Staged>(
     let reflected = stage!("reflect", reflect::reflect(normal_mod, view, p));
     let point = stage!("cube_face", cube_face::cube_face(&reflected.r, p));
 
+    let mirror = Mirror { normal: normal_mod, view, reflected: &reflected, point: &point };
     let derivatives = [dview, dnormal];
     let Footprint { columns, ellipse, axes, probes, sweep } = match plan.footprint {
         FootprintKind::None => Footprint::none(),
-        FootprintKind::Face => on_face(surface, &reflected, &point, derivatives, map, plan, p),
-        FootprintKind::Sphere => on_sphere(surface, &reflected, &point, derivatives, map, plan, p),
+        FootprintKind::Face => on_face(surface, &mirror, derivatives, map, plan, p),
+        FootprintKind::Sphere => on_sphere(surface, &mirror, derivatives, map, plan, p),
     };
 
     let status = control_stage!("status", {
@@ -151,24 +152,22 @@ fn pixel_side<W: Staged>(
 /// The footprint on the plane of the face (W97).
 #[inline(always)]
 fn on_face<W: Staged>(
-    Surface { normal, view, normal_mod, rough, .. }: &Surface<W>,
-    reflected: &Reflected<W>,
-    point: &CubePoint<W>,
+    Surface { normal, rough, .. }: &Surface<W>,
+    mirror: &Mirror<'_, W>,
     derivatives: [&[PortBlock<W, 3>; 2]; 2],
     map: &MapScale<W>,
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> Footprint<W> {
-    let mirror = Mirror { normal: normal_mod, view, reflected, point };
     let pixel = each!(i in [0, 1] => {
         let [dv, dn] = pixel_side(derivatives, i, plan, p);
-        stage!("columns.pixel", columns::column(&mirror, &dv, &dn, p))
+        stage!("columns.pixel", columns::column(mirror, &dv, &dn, p))
     });
     let (rough, ellipse) = match plan.roughness {
         RoughnessKind::None => ([Block::zero(); 2], pixel_ellipse(&pixel, p)),
         _ => {
             let rough = each!(dn in *rough => {
-                stage!("columns.roughness", columns::column(&mirror, &Block::zero(), &dn.scaled(normal.e), p))
+                stage!("columns.roughness", columns::column(mirror, &Block::zero(), &dn.scaled(normal.e), p))
             });
             let ellipse = stage!("ellipse", {
                 let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
@@ -185,21 +184,19 @@ fn on_face<W: Staged>(
 /// The footprint on the tangent plane of the sphere, with normals as probes.
 #[inline(always)]
 fn on_sphere<W: Staged>(
-    Surface { normal, view, normal_mod, rough, .. }: &Surface<W>,
-    reflected: &Reflected<W>,
-    point: &CubePoint<W>,
+    Surface { normal, rough, .. }: &Surface<W>,
+    mirror: &Mirror<'_, W>,
     derivatives: [&[PortBlock<W, 3>; 2]; 2],
     map: &MapScale<W>,
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> Footprint<W> {
-    let mirror = Mirror { normal: normal_mod, view, reflected, point };
     let [x, y] = each!(i in [0, 1] => pixel_side(derivatives, i, plan, p));
     match plan.roughness {
-        RoughnessKind::None => lobe(&mirror, [x, y], map, p),
+        RoughnessKind::None => lobe(mirror, [x, y], map, p),
         _ => {
             let [first, second] = each!(dn in *rough => [Block::zero(), stage!("columns.turn", dn.scaled(normal.e))]);
-            lobe(&mirror, [x, y, first, second], map, p)
+            lobe(mirror, [x, y, first, second], map, p)
         }
     }
 }

@@ -7,6 +7,7 @@ use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
+use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::signals::Sweep;
 use roughxel_lanes::{Footprint, Reflecting};
 
@@ -240,12 +241,16 @@ impl Prepared<'_> {
         match plan.footprint {
             FootprintKind::None | FootprintKind::Face => {
                 let footprints = self.footprints(&seen, inputs);
-                let looks = footprints.iter().map(|Footprint { point, probes }| Look::Face(point, probes));
-                self.read(looks, is_rough, reflectance, places, sums);
+                for (Footprint { point, probes }, place) in footprints.iter().zip(places.drain(..)) {
+                    self.read(Look::Face(point, probes), is_rough, reflectance, place, sums);
+                }
             }
             FootprintKind::Sphere => {
-                let sweeps = self.sweeps(&seen, inputs);
-                self.read(sweeps.iter().map(Look::Sphere), is_rough, reflectance, places, sums);
+                let last_level = self.environment_scale.last_level.raw().unsigned_abs();
+                for (sweep, place) in self.sweeps(&seen, inputs).iter().zip(places.drain(..)) {
+                    let probes = sphere_probes(sweep, last_level, &self.precision);
+                    self.read(Look::Sphere(&probes), is_rough, reflectance, place, sums);
+                }
             }
         }
         match inputs {
@@ -254,25 +259,23 @@ impl Prepared<'_> {
         }
     }
 
-    /// What the waiting fragments see of the environment, blended with their own colours.
-    fn read<'a>(
+    /// What a fragment sees of the environment, blended with its own colour.
+    fn read(
         &self,
-        looks: impl Iterator<Item = Look<'a>>,
+        look: Look<'_>,
         is_rough: bool,
         reflectance: &[Control<i32, REFLECTANCE>; 3],
-        places: &mut Vec<(Place, [Channel; 3])>,
+        (place, surface): (Place, [Channel; 3]),
         sums: &mut Sums,
     ) {
-        for (look, (place, surface)) in looks.zip(places.drain(..)) {
-            let colour = match &self.environment {
-                Some(map) => {
-                    sums.taps += map.taps(look, is_rough, &self.precision);
-                    map.blended(&surface, (look, is_rough), reflectance, &self.precision)
-                }
-                None => core::array::from_fn(|i| pixel::blend::<i32>(surface[i], Fx::zero(), reflectance[i])),
-            };
-            sums.add(place, colour);
-        }
+        let colour = match &self.environment {
+            Some(map) => {
+                sums.taps += map.taps(look, is_rough, &self.precision);
+                map.blended(&surface, (look, is_rough), reflectance, &self.precision)
+            }
+            None => core::array::from_fn(|i| pixel::blend::<i32>(surface[i], Fx::zero(), reflectance[i])),
+        };
+        sums.add(place, colour);
     }
 
     /// The plan of the waiting fragments without stages that every one of them would feed with zeros, which changes no bit.

@@ -5,9 +5,8 @@ use roughxel_core::datapath::{pixel, texel};
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::ports::REFLECTANCE;
 use roughxel_core::precision::Precision;
-use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::sampler::{self, Cube, CubeMemory};
-use roughxel_core::signals::{CubePoint, Probes, Sweep};
+use roughxel_core::signals::{CubePoint, Probes, SphereProbe};
 use roughxel_core::width::on_words;
 use roughxel_maps::environment::{BrightCube, CubePyramid};
 use roughxel_scene::picture::Picture;
@@ -19,8 +18,8 @@ use super::colour::Channel;
 pub enum Look<'a> {
     /// On the plane of a face.
     Face(&'a CubePoint<i32>, &'a Probes<i32>),
-    /// On the sphere.
-    Sphere(&'a Sweep<i32>),
+    /// On the sphere: its probes.
+    Sphere(&'a [SphereProbe<i32>]),
 }
 
 /// The environment of a scene.
@@ -57,10 +56,7 @@ impl EnvironmentMap {
             |lod, fine: u64| if texel::levels::<i32>(lod, rough, p).weight.raw() == 0 { fine } else { fine + fine };
         match look {
             Look::Face(_, probes) => taps(probes.lod, probes.count.raw().unsigned_abs().into()),
-            Look::Sphere(sweep) => {
-                let probes = sphere_probes(sweep, self.pyramid.levels.len() as u32 - 1, p);
-                probes.iter().map(|probe| taps(probe.lod, 1)).sum()
-            }
+            Look::Sphere(probes) => probes.iter().map(|probe| taps(probe.lod, 1)).sum(),
         }
     }
 
@@ -103,6 +99,7 @@ impl EnvironmentMap {
 fn means<M: CubeMemory>(look: Look<'_>, rough: bool, cube: &Cube<'_, M>, p: &Precision) -> [Value<i32, 32>; 3] {
     match look {
         Look::Face(point, probes) => on_words!(p, |point, probes| sampler::means(point, probes, rough, cube, p)),
-        Look::Sphere(sweep) => on_words!(p, |sweep| sampler::swept_means(sweep, rough, cube, p)),
+        // Of nothing but numbers that control: the same on words of any width.
+        Look::Sphere(probes) => sampler::swept_means(probes.iter().copied(), rough, cube, p),
     }
 }

@@ -124,12 +124,22 @@ impl Outputs {
     }
 }
 
-/// Runs the whole reflection datapath on one fragment.
-///
-/// Degenerate inputs: n = 0 gives zero frame vectors; r = 0 (n_mod = 0 or v = 0) gives face +z, s = t = 0 and zero
-/// columns; a zero footprint gives one probe at level 0.
-pub fn reflection(inputs: &Inputs, options: &Options) -> Outputs {
-    // Exact powers of two, so that squares and cubes neither overflow nor underflow.
+/// A fragment as both kinds of footprint see it: n and v over a power of two each, so that squares and cubes neither overflow nor underflow.
+struct Mirror {
+    normal: Vector3,
+    normal_exponent: i32,
+    view: Vector3,
+    view_exponent: i32,
+    frame: Frame,
+    /// n_mod.
+    perturbed: Vector3,
+    /// r.
+    reflected: Vector3,
+    /// (dv, dn) of the sides of the pixel and of the roughness.
+    pairs: [[Vector3; 2]; 4],
+}
+
+fn mirror(inputs: &Inputs, options: &Options) -> Mirror {
     let (normal, normal_exponent) = normalise_exponent(inputs.normal);
     let (view, view_exponent) = normalise_exponent(inputs.view);
     let dnormal = inputs.dnormal.map(|d| scale_exponent(d, -normal_exponent));
@@ -138,16 +148,25 @@ pub fn reflection(inputs: &Inputs, options: &Options) -> Outputs {
     let frame = frame::frame(options.frame, normal, inputs.tangents);
     let perturbed = perturb::perturb(normal, &frame, inputs.offset);
     let reflected = reflect::reflect(view, perturbed);
-    let selection = cube::select(reflected);
     let zero = [0.0; 3];
     let [tangent_1, tangent_2] = match options.roughness {
         Roughness::None => [zero, zero],
         Roughness::Isotropic => roughness::isotropic_tangents(&frame, inputs.roughness[0]),
         Roughness::Anisotropic => roughness::tangents(&frame, inputs.roughness),
     };
-    let column = |dview, dnormal| columns::column(view, perturbed, &selection, dview, dnormal);
-    let columns =
-        [column(dview[0], dnormal[0]), column(dview[1], dnormal[1]), column(zero, tangent_1), column(zero, tangent_2)];
+    let pairs = [[dview[0], dnormal[0]], [dview[1], dnormal[1]], [zero, tangent_1], [zero, tangent_2]];
+    Mirror { normal, normal_exponent, view, view_exponent, frame, perturbed, reflected, pairs }
+}
+
+/// Runs the whole reflection datapath on one fragment.
+///
+/// Degenerate inputs: n = 0 gives zero frame vectors; r = 0 (n_mod = 0 or v = 0) gives face +z, s = t = 0 and zero
+/// columns; a zero footprint gives one probe at level 0.
+pub fn reflection(inputs: &Inputs, options: &Options) -> Outputs {
+    let Mirror { normal, normal_exponent, view, view_exponent, frame, perturbed, reflected, pairs } =
+        mirror(inputs, options);
+    let selection = cube::select(reflected);
+    let columns = pairs.map(|[dview, dnormal]| columns::column(view, perturbed, &selection, dview, dnormal));
     let (ellipse, axes) = footprint(columns.map(|column| column.q));
     let probes = probes::plan(
         &axes,

@@ -11,10 +11,10 @@ use super::axes::{Axes, axes};
 use super::columns::reflected_derivative;
 use super::cube::{Selection, select};
 use super::ellipse::{WEIGHTS, ellipse};
-use super::linear::{Vector3, add_scaled, cross, dot, norm, normalise_exponent, scale_exponent, scaled};
+use super::linear::{Vector3, add_scaled, cross, dot, norm, scaled};
 use super::probes::ProbeRule;
 use super::reflect::reflect;
-use super::{Inputs, Options, Roughness, frame, perturb, roughness};
+use super::{Inputs, Mirror, Options, mirror};
 
 /// A footprint on the sphere.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,30 +50,17 @@ pub struct LobeProbe {
 
 /// The lobe of a fragment; `None` where nothing is reflected.
 pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
-    let (normal, normal_exponent) = normalise_exponent(inputs.normal);
-    let (view, view_exponent) = normalise_exponent(inputs.view);
-    let dnormal = inputs.dnormal.map(|d| scale_exponent(d, -normal_exponent));
-    let dview = inputs.dview.map(|d| scale_exponent(d, -view_exponent));
-    let frame = frame::frame(options.frame, normal, inputs.tangents);
-    let normal = perturb::perturb(normal, &frame, inputs.offset);
-    let r = reflect(view, normal);
+    let Mirror { view, perturbed: normal, reflected: r, pairs, .. } = mirror(inputs, options);
     let length = norm(&r);
     if length == 0.0 {
         return None;
     }
-    let none = [0.0; 3];
-    let rough = match options.roughness {
-        Roughness::None => [none; 2],
-        Roughness::Isotropic => roughness::isotropic_tangents(&frame, inputs.roughness[0]),
-        Roughness::Anisotropic => roughness::tangents(&frame, inputs.roughness),
-    };
-    let pairs = [(dview[0], dnormal[0]), (dview[1], dnormal[1]), (none, rough[0]), (none, rough[1])];
-    let moves = pairs.map(|(dv, dn)| scaled(1.0 / length, reflected_derivative(view, normal, dv, dn)));
+    let moves = pairs.map(|[dv, dn]| scaled(1.0 / length, reflected_derivative(view, normal, dv, dn)));
 
     // Any two unit vectors across r.
     let unit = scaled(1.0 / length, r);
     let least = (0..3).min_by(|&i, &j| unit[i].abs().total_cmp(&unit[j].abs())).unwrap_or(0);
-    let mut helper = none;
+    let mut helper = [0.0; 3];
     helper[least] = 1.0;
     let across = cross(unit, helper);
     let across = scaled(1.0 / norm(&across), across);
@@ -85,23 +72,23 @@ pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
     let reach = (axes.major * axes.major - axes.minor * axes.minor).max(0.0).sqrt();
     let Rule { count, share, minor } = rule(reach, &axes, options);
     let spread = (axes.major * axes.major - minor * minor).max(0.0).sqrt();
-    let (mut first, mut turn) = (none, none);
+    let (mut first, mut turn) = ([0.0; 3], [0.0; 3]);
     if axes.major > 0.0 {
         for (j, q) in columns.iter().enumerate() {
             let share = WEIGHTS[j] * dot(q, &axes.direction) / axes.major * (spread / axes.major);
             first = add_scaled(first, share, moves[j]);
-            turn = add_scaled(turn, share, pairs[j].1);
+            turn = add_scaled(turn, share, pairs[j][1]);
         }
     }
     let second = scaled(1.0 / length, reflect(view, turn));
     // E[r] = r + Σ W_j(2dn_j⟨v·dn_j⟩ − v|dn_j|²); of it the probes have the mean of x², which is 1, times their bend.
     let mut rest = scaled(-1.0, second);
-    for ((_, dn), weight) in pairs.iter().zip(WEIGHTS) {
+    for ([_, dn], weight) in pairs.iter().zip(WEIGHTS) {
         rest = add_scaled(rest, weight / length, reflect(view, *dn));
     }
     let centre = add_scaled(unit, 1.0 / (1.0 + axes.minor * axes.minor), rest);
     let lod = (1.8 * 3_f64.sqrt() * minor * texels).log2();
-    let terms = pairs.iter().zip(WEIGHTS).map(|((dv, dn), weight)| {
+    let terms = pairs.iter().zip(WEIGHTS).map(|([dv, dn], weight)| {
         let size = norm(&normal);
         weight.sqrt() * (3.0 * size * size * norm(dv) + 6.0 * size * norm(&view) * norm(dn)) / length
     });
@@ -223,6 +210,7 @@ fn below(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::random::SplitMix64;
+    use super::super::{Roughness, frame};
     use super::*;
 
     fn random_inputs(random: &mut SplitMix64, size: f64) -> Inputs {

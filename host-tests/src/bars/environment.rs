@@ -6,6 +6,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
 use roughxel_core::soft_core::environment_scale;
@@ -65,10 +66,12 @@ fn environment() -> EnvironmentMap {
 }
 
 /// A mirror that faces the viewer, so that the ray comes back along v, whose normal turns in both directions so that
-/// the footprint has the standard deviation `radius` (tangent of the angle); no footprint for 0.
-fn fragment(direction: DVec3, radius: f64, p: &Precision) -> ReflectionIn {
+/// the footprint has the standard deviation `radius` (tangent of the angle) along one axis, which turns smoothly with the direction, and an
+/// `aspect` of it along the other; no footprint for 0.
+fn fragment(direction: DVec3, radius: f64, aspect: f64, p: &Precision) -> ReflectionIn {
     let n = direction.normalize();
-    let (across, up) = n.any_orthonormal_pair();
+    let across = n.cross(DVec3::new(0.3, 0.5, 0.8)).normalize();
+    let up = n.cross(across) / aspect;
     // dr = 2|n|² dn for v = n; a pixel's box has variance 1/12.
     let turn = |axis: DVec3| block_vector(axis * (0.5 * 12_f64.sqrt() * radius), p);
     ReflectionIn {
@@ -87,7 +90,7 @@ enum Footprint {
     /// A round lobe of a standard deviation, sampled as roughness or as a pixel's box.
     Lobe { radius: f64, rough: bool },
     /// The same on the sphere.
-    LobeOnSphere { radius: f64, rough: bool },
+    LobeOnSphere { radius: f64, aspect: f64, rough: bool },
 }
 
 struct Sampler<'a> {
@@ -99,7 +102,11 @@ impl Sampler<'_> {
     fn sample(&self, direction: DVec3, footprint: Footprint) -> [f64; 3] {
         let (radius, rough) = match footprint {
             Footprint::Probe { .. } => (0.0, false),
-            Footprint::Lobe { radius, rough } | Footprint::LobeOnSphere { radius, rough } => (radius, rough),
+            Footprint::Lobe { radius, rough } | Footprint::LobeOnSphere { radius, rough, .. } => (radius, rough),
+        };
+        let aspect = match footprint {
+            Footprint::LobeOnSphere { aspect, .. } => aspect,
+            Footprint::Probe { .. } | Footprint::Lobe { .. } => 1.0,
         };
         let kind = match footprint {
             Footprint::Probe { .. } | Footprint::Lobe { .. } => FootprintKind::Face,
@@ -107,15 +114,16 @@ impl Sampler<'_> {
         };
         let roughness = RoughnessKind::None;
         let plan = ReflectionPlan { bump: false, roughness, footprint: kind, ..ReflectionPlan::FULL };
-        let input = fragment(direction, radius, self.p).wires();
+        let input = fragment(direction, radius, aspect, self.p).wires();
         let scale = environment_scale(EDGE as u16, self.p);
         let stages = datapath::reflection(&input, &scale, &plan, self.p);
         let probes = match footprint {
             Footprint::Probe { lod } => Probes { lod: Fx::from_raw(lod), ..stages.probes },
             Footprint::Lobe { .. } | Footprint::LobeOnSphere { .. } => stages.probes,
         };
+        let on_sphere = sphere_probes(&stages.sweep, EDGE.ilog2(), self.p);
         let look = match kind {
-            FootprintKind::Sphere => Look::Sphere(&stages.sweep),
+            FootprintKind::Sphere => Look::Sphere(&on_sphere),
             FootprintKind::None | FootprintKind::Face => Look::Face(&stages.point, &probes),
         };
         self.map.sample(look, rough, self.p).map(|channel| channel.raw().into())
@@ -170,7 +178,8 @@ pub fn cube_edge_step(profile: &Precision) -> CubeEdgeStep {
         wide_lobe: largest(&mut lobes(0.25).into_iter()),
         lobe_on_sphere: largest(&mut (0..=16).flat_map(|halves| {
             let radius = 2_f64.powf(-0.5 * f64::from(halves));
-            [false, true].map(|rough| Footprint::LobeOnSphere { radius, rough })
+            let lobe = |aspect, rough| Footprint::LobeOnSphere { radius, aspect, rough };
+            [lobe(1.0, false), lobe(1.0, true), lobe(3.0, false), lobe(3.0, true)]
         })),
     }
 }
