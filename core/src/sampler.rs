@@ -20,13 +20,23 @@ pub const LINEAR_EXPONENTS: RangeInclusive<i32> = 0..=6;
 /// Exponents of bright codes: one of at most 2^20 × white, whose darkest codes are still twice as fine as linear ones of 2^6.
 pub const BRIGHT_EXPONENTS: RangeInclusive<i32> = 7..=20;
 
+/// Texels along the edge of a face below which levels of an environment do not become smaller, only more blurred: between fewer of them a wide lobe is the
+/// gradient of a bilinear patch, whose edges show.
+pub const COARSEST_EDGE: u32 = 16;
+
+/// Texels along the edge of a face of a level, of `edge` at level 0.
+#[inline(always)]
+pub fn level_edge(edge: u32, level: u32) -> u32 {
+    (edge >> level.min(31)).max(edge.min(COARSEST_EDGE)).max(1)
+}
+
 /// The texels of an environment: six faces in Vulkan's order, level by level.
 pub trait CubeMemory {
     /// Whether codes have an exponent each ([`texel::bright_texel`]), for environments brighter than 64 × white. As a constant, it costs
     /// those that are not so bright nothing.
     const BRIGHT: bool = false;
 
-    /// Three channels at a place of a face, codes of 16 bits: of `max(1, edge >> level)` columns and rows, 0 … 5 faces.
+    /// Three channels at a place of a face, codes of 16 bits: of [`level_edge`] columns and rows, 0 … 5 faces.
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3];
 
     /// The same at (column, row), to its right, below it, and to the right of that: all four on the face. For a memory in which they
@@ -175,7 +185,7 @@ fn face_patch<W: IntegerWord, M: CubeMemory>(
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> FacePatch<W::Count> {
-    let edge = (cube.edge >> level.min(31)).max(1);
+    let edge = level_edge(cube.edge, level);
     let address = texel::face_address::<W>(place, int::<W>(edge as i32), p);
     let index = address.index.map(|index| index.raw().integer());
     let (memory, face) = (cube.memory, place.face.raw().integer());

@@ -224,7 +224,7 @@ const SAMPLER: &str = "../../../core/src/sampler.rs";
 /// Where a frame may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
 const FRAME_ARITHMETIC: [(&str, &str, &str); 10] = [
     ("batch.rs", "shade", "memory: which directions belong to a fragment"),
-    (SAMPLER, "face_patch", "memory: the edge of a level"),
+    (SAMPLER, "level_edge", "memory: the edge of a level"),
     ("lighting.rs", "bytes", "bytes of what is stored"),
     ("lighting.rs", "read", "memory: room for the peaks of all texels"),
     ("lighting.rs", "prepared", "set-up from floats: the colour of a light"),

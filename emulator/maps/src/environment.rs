@@ -6,12 +6,12 @@
 //! Each face is filtered for itself down to levels of 17 texels: a texel next to an edge holds its own side only, and the filter looks
 //! across the edge (the stage `seam` of the datapath). Coarser ones are filtered on the sphere.
 
-use roughxel_core::sampler::{BRIGHT_EXPONENTS, CubeMemory};
+use roughxel_core::sampler::{BRIGHT_EXPONENTS, CubeMemory, level_edge};
 
 use crate::bright;
 use crate::levels::power_of_two;
 use crate::mip::{Level, coded_levels, colour_levels, quantise, round_ratio, smallest_exponent};
-use crate::sphere;
+use crate::sphere::{self, Sources};
 use roughxel_scene::picture::Picture;
 
 /// An environment map with its mip levels.
@@ -19,7 +19,7 @@ use roughxel_scene::picture::Picture;
 pub struct CubePyramid {
     /// Edge of a face at level 0, in texels.
     pub edge: u32,
-    /// Level 0 (full size) first, down to 1×1; six faces each, row 0 at t = −1.
+    /// Level 0 (full size) first, each of [`level_edge`] texels along an edge; six faces each, row 0 at t = −1.
     pub levels: Vec<[Level; 6]>,
     /// log₂ of the unit of the codes, one for all faces: at most 6, or at least 7 where they are bright.
     pub exponent: i32,
@@ -62,34 +62,34 @@ impl CubePyramid {
         pyramid
     }
 
-    /// Filters the coarse levels on the sphere, from the finest level that is small enough.
+    /// Replaces the coarse levels by those that are filtered on the sphere, from the finest level that is small enough.
     fn filter_coarse_levels(&mut self) {
-        let edge = |level: &[Level; 6]| level[0].width;
-        let Some(source) = self.levels.iter().position(|level| edge(level) <= sphere::SOURCE) else { return };
-        let from = edge(&self.levels[source]);
+        let Some(source) = self.levels.iter().find(|level| level[0].width <= sphere::SOURCE) else { return };
         let decoded = |code: u16| if self.is_bright() { bright::decoded(code).into() } else { f64::from(code) };
-        let texels = self.levels[source].iter().flat_map(|face| &face.texels);
-        let texels: Vec<[f64; 3]> = texels.map(|texel| texel.map(decoded)).collect();
+        let texels = source.iter().flat_map(|face| &face.texels);
+        let source = Sources::new(source[0].width, texels.map(|texel| texel.map(decoded)).collect());
         let code = |mean: f64| {
             // Below 2^51, and exact up to the floor.
             let (sum, area) = ((mean * power_of_two(20)).floor() as i64, 1 << 20);
             if self.is_bright() { bright::code_of_ratio(sum, area) } else { round_ratio(sum, area) as u16 }
         };
-        let coarse = source + 1..self.levels.len();
-        let filtered: Vec<(usize, Vec<[u16; 3]>)> = coarse
-            .filter(|&index| edge(&self.levels[index]) <= sphere::COARSE)
-            .map(|index| {
-                let texels = sphere::level(edge(&self.levels[index]), from, &texels);
-                (index, texels.into_iter().map(|texel| texel.map(code)).collect())
+        let coarse = |index: usize| {
+            let width = level_edge(self.edge, index as u32);
+            let nominal = f64::from(self.edge) * power_of_two(-(index as i32));
+            let texels = source.level(width, nominal);
+            let codes: Vec<[u16; 3]> = texels.into_iter().map(|texel| texel.map(code)).collect();
+            let size = (width * width) as usize;
+            [0, 1, 2, 3, 4, 5].map(|face| Level {
+                width,
+                height: width,
+                texels: codes[face * size..(face + 1) * size].to_vec(),
             })
-            .collect();
-        for (index, texels) in filtered {
-            let faces = &mut self.levels[index];
-            let size = faces[0].texels.len();
-            for (face, texels) in faces.iter_mut().zip(texels.chunks(size)) {
-                face.texels.copy_from_slice(texels);
-            }
-        }
+        };
+        let is_fine = |level: &&[Level; 6]| level[0].width > sphere::COARSE;
+        let fine = self.levels.iter().take_while(is_fine).count().max(1);
+        let coarse: Vec<[Level; 6]> = (fine..self.levels.len()).map(coarse).collect();
+        self.levels.truncate(fine);
+        self.levels.extend(coarse);
     }
 
     /// Whether the codes are [`bright`] ones.
@@ -156,9 +156,9 @@ mod tests {
         let cube = CubePyramid::new(&faces);
         assert_eq!((cube.edge, cube.exponent), (6, 2));
         let edges: Vec<_> = cube.levels.iter().map(|level| level[5].height).collect();
-        assert_eq!(edges, [6, 3, 1]);
+        assert_eq!(edges, [6, 6, 6]);
         assert_eq!(cube.levels[0][2].texel(0, 0), [49152; 3]);
-        // One texel a face sees the others, too: 0 to 5 eighths of 16384.
+        // Coarse levels see other faces, too: 0 to 5 eighths of 16384.
         assert!((1..10240).contains(&cube.levels[2][4].texel(0, 0)[0]));
     }
 

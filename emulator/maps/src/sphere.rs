@@ -2,36 +2,43 @@
 //!
 //! A texel of a level of a few texels is a piece of the sphere of tens of degrees, whose shape and size depend on where it lies on its face, and
 //! box after box leaves the corners of the cube in every picture of a wide lobe. So levels of at most [`COARSE`] texels along an edge come
-//! from finer ones by one round kernel, the same everywhere: near a Gaussian of standard deviation 0.35 texels. Its weights are balanced in
-//! turns until every source gives out the light that falls on it and constants stay constant (Sinkhorn and Knopp 1967), so that a small sun is
-//! as bright on every level.
+//! from a finer one by one round kernel, the same everywhere, and none has fewer texels than that: what would be half the size is
+//! blurred for it and keeps its texels, or the gradient of bilinear patches of tens of degrees shows.
+//!
+//! With n texels along an edge if levels went on halving, a bilinear sample has a standard deviation of 0.54 of them: the kernel has what the
+//! interpolation of the texels that there are has not. It is near a Gaussian of the tangent of half the angle, which is what a lobe of
+//! normals around a mirror's is: reflection takes slopes to directions by the stereographic projection. Weights are balanced in turns until every source gives
+//! out the light that falls on it and constants stay constant (Sinkhorn and Knopp 1967), so that a small sun is as bright on every level.
 //!
 //! In float64 by exactly rounded +, −, ×, ÷ and √ in a fixed order: the same bits on every machine and for any number of threads.
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
+use roughxel_core::sampler::COARSEST_EDGE;
 use roughxel_scene::cube::FACE_AXES;
 
 /// Texels along an edge of a face of the levels that are filtered here, at most.
-pub(crate) const COARSE: u32 = 16;
+pub(crate) const COARSE: u32 = COARSEST_EDGE;
 /// Texels along an edge of the level that they are made from, at most: texels there differ from pieces of the sphere by a percent.
 pub(crate) const SOURCE: u32 = 64;
-/// Where the kernel (1 − (r/reach)²)⁴ ends, as a chord for one texel an edge: 1.21 texels of 90°/edge, of which its standard deviation is 0.35.
-const REACH: f64 = 1.9;
-/// Turns of balancing; what is left is at most 0.8 %, at the corners of the cube.
+/// Variance of a bilinear sample in squares of a texel's edge, of which interpolation has a sixth.
+const VARIANCE: f64 = 0.289;
+/// Turns of balancing at most, and what may be left: narrow kernels have 0.8 % after all of them, at the corners of the cube.
 const TURNS: usize = 32;
+const BALANCED: f64 = 0.001;
 
-/// Centre of a texel on the unit sphere, and its solid angle in units of one in the middle of a face.
+/// Centre of a piece of the unit sphere, and its solid angle in units of a texel in the middle of a face.
 #[derive(Clone, Copy)]
-struct Texel {
+struct Piece {
     direction: [f64; 3],
     solid_angle: f64,
 }
 
 /// The texels of six faces, face by face in rows.
-fn texels(edge: u32) -> Vec<Texel> {
+fn texels(edge: u32) -> Vec<Piece> {
     let centre = |i: u32| f64::from(2 * i + 1) / f64::from(edge) - 1.0;
     let texel = |axes: &[(usize, i32); 3], s: f64, t: f64| {
         let square = 1.0 + s * s + t * t;
@@ -40,41 +47,84 @@ fn texels(edge: u32) -> Vec<Texel> {
         for (&(axis, sign), value) in axes.iter().zip([s, t, 1.0]) {
             direction[axis] = f64::from(sign) * value / rho;
         }
-        Texel { direction, solid_angle: 1.0 / (square * rho) }
+        Piece { direction, solid_angle: 1.0 / (square * rho) }
     };
     let face = |axes| (0..edge * edge).map(move |i| texel(axes, centre(i % edge), centre(i / edge)));
     FACE_AXES.iter().flat_map(face).collect()
 }
 
-/// How much of every source goes to every texel of a level: index of the source and weight, texel by texel; weights of a texel sum to 1.
-type Kernel = Vec<Vec<(u32, f64)>>;
+/// Blocks of `block` × `block` texels of faces of `edge`, smaller ones at the ends: which of them each texel is in, and the blocks.
+fn blocks(edge: u32, block: u32) -> (Vec<u32>, Vec<Piece>) {
+    let along = edge.div_ceil(block);
+    let block_of = |index: u32| {
+        let (face, index) = (index / (edge * edge), index % (edge * edge));
+        (face * along + index / edge / block) * along + index % edge / block
+    };
+    let members: Vec<u32> = (0..6 * edge * edge).map(block_of).collect();
+    let mut pieces = vec![Piece { direction: [0.0; 3], solid_angle: 0.0 }; (6 * along * along) as usize];
+    for (&member, texel) in members.iter().zip(texels(edge)) {
+        let piece = &mut pieces[member as usize];
+        piece.solid_angle += texel.solid_angle;
+        for (sum, x) in piece.direction.iter_mut().zip(texel.direction) {
+            *sum += texel.solid_angle * x;
+        }
+    }
+    for Piece { direction, .. } in &mut pieces {
+        let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        *direction = direction.map(|x| x / length);
+    }
+    (members, pieces)
+}
 
-/// Kernels by the edges of their levels, kept: all of a 64-texel source take a tenth of a second and 12 MB.
-static KERNELS: Mutex<BTreeMap<[u32; 2], Arc<Kernel>>> = Mutex::new(BTreeMap::new());
+/// How much of every source goes to every texel of a level: index of the source and weight, texel by texel; weights of a texel sum to 1.
+type Rows = Vec<Vec<(u32, f64)>>;
+
+struct Kernel {
+    /// The block of each texel of the source.
+    members: Vec<u32>,
+    /// Solid angle of each block.
+    solid_angles: Vec<f64>,
+    rows: Rows,
+}
+
+/// Kernels by the edges of level and source and the bits of n, kept: all of a 64-texel source take a fifth of a second and 40 MB.
+static KERNELS: Mutex<BTreeMap<(u32, u32, u64), Arc<Kernel>>> = Mutex::new(BTreeMap::new());
 
 /// A kernel that is kept, or a new one.
-fn kept_kernel(edge: u32, source_edge: u32) -> Arc<Kernel> {
-    let find = || KERNELS.lock().unwrap_or_else(PoisonError::into_inner).get(&[edge, source_edge]).cloned();
+fn kept_kernel(edge: u32, nominal: f64, source_edge: u32) -> Arc<Kernel> {
+    let key = (edge, source_edge, nominal.to_bits());
+    let find = || KERNELS.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
     // Not made under the lock: a thread that waits for it may be one of those that make it.
     find().unwrap_or_else(|| {
-        let made = Arc::new(kernel(edge, source_edge));
-        KERNELS.lock().unwrap_or_else(PoisonError::into_inner).insert([edge, source_edge], Arc::clone(&made));
+        let made = Arc::new(kernel(edge, nominal, source_edge));
+        KERNELS.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&made));
         made
     })
 }
 
-fn kernel(edge: u32, source_edge: u32) -> Kernel {
-    let (targets, sources) = (texels(edge), texels(source_edge));
-    let reach = REACH / f64::from(edge);
-    let mut rows: Kernel = targets
+fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
+    let targets = texels(edge);
+    // Four sources along a texel of the level are more than its kernel can tell apart.
+    let wanted = (4.0 * nominal).ceil().max(8.0) as u32;
+    let (members, sources) = blocks(source_edge, (source_edge / wanted).max(1));
+    let texel = FRAC_PI_2 / nominal;
+    let share = nominal / f64::from(edge);
+    // Of (1 − x²/reach²)⁴ in the plane, a twelfth of reach² along each axis.
+    let square_reach = 12.0 * texel * texel * (VARIANCE - share * share / 6.0);
+    let mut rows: Rows = targets
         .par_iter()
         .map(|target| {
-            let weight = |source: &Texel| {
+            let weight = |source: &Piece| {
                 let [x, y, z] = [0, 1, 2].map(|i| target.direction[i] - source.direction[i]);
-                1.0 - (x * x + y * y + z * z) / (reach * reach)
+                // 4·cos² of half the angle, and 4·tan² of it.
+                let cosine = 4.0 - (x * x + y * y + z * z);
+                let square = 4.0 * (4.0 - cosine) / cosine;
+                // A piece of the plane is (4/cosine)² as large as that of the sphere.
+                let falling = (1.0 - square / square_reach) * (1.0 - square / square_reach) * (4.0 / cosine);
+                if square < square_reach { falling * falling * source.solid_angle } else { 0.0 }
             };
             let inside = (0..).zip(&sources).map(|(index, source)| (index, weight(source)));
-            inside.filter(|(_, w)| *w > 0.0).map(|(index, w)| (index, w * w * (w * w))).collect()
+            inside.filter(|(_, w)| *w > 0.0).collect()
         })
         .collect();
     let given: f64 = sources.iter().map(|source| source.solid_angle).sum();
@@ -90,15 +140,23 @@ fn kernel(edge: u32, source_edge: u32) -> Kernel {
         for &(source, w) in rows.iter().flatten() {
             columns[source as usize] += w;
         }
+        let mut left = 0.0_f64;
+        for (column, source) in columns.iter_mut().zip(&sources) {
+            left = left.max((*column / source.solid_angle - 1.0).abs());
+            *column = source.solid_angle / *column;
+        }
+        if left < BALANCED {
+            break;
+        }
         for (source, w) in rows.iter_mut().flatten() {
-            *w = *w * sources[*source as usize].solid_angle / columns[*source as usize];
+            *w *= columns[*source as usize];
         }
     }
     for row in &mut rows {
         let sum: f64 = row.iter().map(|(_, w)| w).sum();
         scale(row, 1.0 / sum);
     }
-    rows
+    Kernel { members, solid_angles: sources.iter().map(|source| source.solid_angle).collect(), rows }
 }
 
 fn scale(row: &mut [(u32, f64)], factor: f64) {
@@ -107,54 +165,92 @@ fn scale(row: &mut [(u32, f64)], factor: f64) {
     }
 }
 
-/// The texels of a level of `edge` texels a face, six faces in rows, from those of a finer one.
-pub(crate) fn level(edge: u32, source_edge: u32, source: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mean = |row: &Vec<(u32, f64)>| {
-        row.iter().fold([0.0; 3], |sum, &(index, w)| {
-            let texel = source[index as usize];
-            [0, 1, 2].map(|channel| sum[channel] + w * texel[channel])
-        })
-    };
-    kept_kernel(edge, source_edge).par_iter().map(mean).collect()
+/// The level that coarse ones are made from.
+pub(crate) struct Sources {
+    edge: u32,
+    /// Six faces in rows.
+    texels: Vec<[f64; 3]>,
+    /// Solid angle of each texel.
+    solid_angles: Vec<f64>,
+}
+
+impl Sources {
+    pub(crate) fn new(edge: u32, light: Vec<[f64; 3]>) -> Self {
+        Self { edge, texels: light, solid_angles: texels(edge).iter().map(|texel| texel.solid_angle).collect() }
+    }
+
+    /// The texels of a level of `edge` texels a face, six faces in rows, blurred as one of `nominal` would be.
+    pub(crate) fn level(&self, edge: u32, nominal: f64) -> Vec<[f64; 3]> {
+        let Kernel { members, solid_angles, rows } = &*kept_kernel(edge, nominal, self.edge);
+        let mut light = vec![[0.0; 3]; solid_angles.len()];
+        for ((member, texel), solid_angle) in members.iter().zip(&self.texels).zip(&self.solid_angles) {
+            let share = solid_angle / solid_angles[*member as usize];
+            let sum = &mut light[*member as usize];
+            *sum = [0, 1, 2].map(|channel| sum[channel] + share * texel[channel]);
+        }
+        let mean = |row: &Vec<(u32, f64)>| {
+            row.iter().fold([0.0; 3], |sum, &(index, w)| {
+                let source = light[index as usize];
+                [0, 1, 2].map(|channel| sum[channel] + w * source[channel])
+            })
+        };
+        rows.par_iter().map(mean).collect()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Levels of an environment of 64 texels along an edge, and of some others.
+    const LEVELS: [(u32, f64, u32); 9] = [
+        (16, 16.0, 64),
+        (16, 8.0, 64),
+        (16, 4.0, 64),
+        (16, 2.0, 64),
+        (16, 1.0, 64),
+        (16, 9.25, 37),
+        (16, 5.0, 20),
+        (3, 1.5, 3),
+        (2, 1.0, 2),
+    ];
+
     #[test]
     fn every_source_is_as_bright_on_every_level() {
-        for (edge, source_edge) in [(16, 64), (8, 64), (4, 64), (2, 64), (1, 64), (9, 37), (5, 20), (1, 3), (1, 2)] {
-            let (targets, sources) = (texels(edge), texels(source_edge));
-            let (given, taken): (f64, f64) = (
-                sources.iter().map(|source| source.solid_angle).sum(),
-                targets.iter().map(|target| target.solid_angle).sum(),
-            );
-            let mut columns = vec![0.0; sources.len()];
-            for (row, target) in kernel(edge, source_edge).iter().zip(&targets) {
+        for (edge, nominal, source_edge) in LEVELS {
+            let (targets, Kernel { solid_angles, rows, .. }) = (texels(edge), kernel(edge, nominal, source_edge));
+            let (given, taken): (f64, f64) =
+                (solid_angles.iter().sum(), targets.iter().map(|target| target.solid_angle).sum());
+            let mut columns = vec![0.0; solid_angles.len()];
+            for (row, target) in rows.iter().zip(&targets) {
                 assert!((row.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
                 for &(source, w) in row {
                     columns[source as usize] += w * target.solid_angle * given / taken;
                 }
             }
-            for (column, source) in columns.iter().zip(&sources) {
-                let ratio = column / source.solid_angle;
-                assert!((ratio - 1.0).abs() < 0.01, "{edge} of {source_edge}: {ratio}");
+            for (column, solid_angle) in columns.iter().zip(&solid_angles) {
+                let ratio = column / solid_angle;
+                assert!((ratio - 1.0).abs() < 0.01, "{edge} ({nominal}) of {source_edge}: {ratio}");
             }
         }
     }
 
     #[test]
     fn the_kernel_is_round_and_of_one_width_everywhere() {
-        let (edge, source_edge) = (16, 64);
-        let (targets, sources) = (texels(edge), texels(source_edge));
-        for (row, target) in kernel(edge, source_edge).iter().zip(&targets) {
-            let square = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>();
-            let variance: f64 =
-                row.iter().map(|&(source, w)| w * square(target.direction, sources[source as usize].direction)).sum();
-            // Two axes.
-            let deviation = (0.5 * variance).sqrt() * f64::from(edge) / std::f64::consts::FRAC_PI_2;
-            assert!((0.28..0.42).contains(&deviation), "{deviation}");
+        for (nominal, kernel_deviation) in [(16.0, 0.35), (8.0, 0.5), (4.0, 0.53)] {
+            let (edge, source_edge) = (16, 64);
+            let (targets, Kernel { rows, .. }) = (texels(edge), kernel(edge, nominal, source_edge));
+            let (_, sources) = blocks(source_edge, (source_edge as f64 / (4.0 * nominal)) as u32);
+            for (row, target) in rows.iter().zip(&targets) {
+                let square = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>();
+                let variance: f64 = row
+                    .iter()
+                    .map(|&(source, w)| w * square(target.direction, sources[source as usize].direction))
+                    .sum();
+                // Two axes.
+                let deviation = (0.5 * variance).sqrt() * nominal / FRAC_PI_2;
+                assert!((deviation / kernel_deviation - 1.0).abs() < 0.2, "{nominal}: {deviation}");
+            }
         }
     }
 }
