@@ -82,6 +82,12 @@ const fn ln(x: i128) -> i128 {
     2 * sum
 }
 
+/// log₂ x for x ≥ 1.
+const fn log2(x: i128) -> i128 {
+    let shift = (x >> 60).ilog2();
+    (ln(x >> shift) << 60) / LN2 + ONE * shift as i128
+}
+
 /// Reciprocal seeds: entry i is 1/(2x) for the middle x of the i-th of `N` equal intervals of [½, 1), I2F30 with
 /// log₂N + 2 kept fraction bits.
 const fn reciprocal_seeds<const N: usize>() -> [i32; N] {
@@ -269,27 +275,58 @@ const fn normal_quantile(numerator: usize, denominator: usize) -> i128 {
     x
 }
 
-/// The normal law in N points of equal weight, at index 16·(N − 1) + i, 28 fraction bits: the means of its N equally likely parts, stretched to
-/// standard deviation 1 (one point, of no extent, stays at 0).
-pub static NORMAL_PLACES: [i32; MAX_PROBES * MAX_PROBES] = {
+/// The normal law in N parts of equal weight: their means, and what variance those outside have more than that in the middle, three fifths of it: as
+/// much as probes there are wider (more is better for the plane and worse for the sphere in `host-tests/tests/pictures/lobes.rs`). Means are
+/// stretched until both have the variance 1. From the middle on, for N ≥ 2.
+const fn normal_parts(n: usize) -> [[i128; MAX_PROBES]; 2] {
+    let (mut means, mut variances) = ([0; MAX_PROBES], [0; MAX_PROBES]);
+    let count = n as i128;
+    let mut i = n / 2;
+    while i < n {
+        let [above, above_density] = if i + 1 < n {
+            let above = normal_quantile(i + 1, n);
+            [above, normal_density(above)]
+        } else {
+            [0; 2]
+        };
+        let below = if 2 * i + 1 == n { -above } else { normal_quantile(i, n) };
+        let below_density = normal_density(below);
+        means[i] = (below_density - above_density) * count;
+        let rest = mul(below, below_density) - mul(above, above_density);
+        variances[i] = ONE + rest * count - mul(means[i], means[i]);
+        i += 1;
+    }
+    let least = variances[n / 2];
+    let (mut squares, mut missing) = (0, count * ONE);
+    i = n / 2;
+    while i < n {
+        variances[i] = (variances[i] - least) * 3 / 5;
+        squares += 2 * mul(means[i], means[i]);
+        missing -= 2 * variances[i];
+        i += 1;
+    }
+    let stretch = isqrt(((missing << 60) / squares) << 60);
+    i = n / 2;
+    while i < n {
+        means[i] = mul(means[i], stretch);
+        i += 1;
+    }
+    [means, variances]
+}
+
+/// Where the probes of a sweep are, in standard deviations, or by how many levels they are wider than its λ₂: at index 16·(N − 1) + i.
+pub type SweepTable = [i32; MAX_PROBES * MAX_PROBES];
+
+/// The normal law in N points of equal weight, 28 fraction bits: the means of its N equally likely parts, stretched until they and the widths of
+/// [`NORMAL_WIDENINGS`] have standard deviation 1 (one point, of no extent, stays at 0).
+pub static NORMAL_PLACES: SweepTable = {
     let mut table = [0; MAX_PROBES * MAX_PROBES];
     let mut n = 2;
     while n <= MAX_PROBES {
-        let mut means = [0; MAX_PROBES];
-        // A part in the middle has the mean 0.
+        let [means, _] = normal_parts(n);
         let mut i = n.div_ceil(2);
-        let (mut squares, mut below) = (0, normal_density(normal_quantile(i, n)));
         while i < n {
-            let above = if i + 1 < n { normal_density(normal_quantile(i + 1, n)) } else { 0 };
-            means[i] = (below - above) * n as i128;
-            squares += 2 * mul(means[i], means[i]);
-            below = above;
-            i += 1;
-        }
-        let deviation = isqrt((squares / n as i128) << 60);
-        i = n.div_ceil(2);
-        while i < n {
-            let place = round((means[i] << 60) / deviation, 28);
+            let place = round(means[i], 28);
             table[MAX_PROBES * (n - 1) + i] = place;
             table[MAX_PROBES * (n - 1) + n - 1 - i] = -place;
             i += 1;
@@ -299,23 +336,49 @@ pub static NORMAL_PLACES: [i32; MAX_PROBES * MAX_PROBES] = {
     table
 };
 
-/// Where the probes of [`NORMAL_PLACES`] come from as their number grows from N − 1, at the same index: the places of N − 1, and for the new one the
-/// middle. Two come from their own.
-pub static NORMAL_PLACES_OF_ONE_LESS: [i32; MAX_PROBES * MAX_PROBES] = {
-    let mut table = NORMAL_PLACES;
+/// How many levels coarser a probe is because its part of the law is wider than that in the middle, 16 fraction bits: log₂√(1 + R²·v) with the variance v of
+/// the part and N − 5/4 for R = √(λ₁² − λ₂²)/λ₂, which is between N − 2 and N − 1.
+pub static NORMAL_WIDENINGS: SweepTable = {
+    let mut table = [0; MAX_PROBES * MAX_PROBES];
     let mut n = 3;
     while n <= MAX_PROBES {
-        let mut i = 0;
+        let [_, variances] = normal_parts(n);
+        let mut i = n.div_ceil(2);
         while i < n {
-            let from = if 2 * i + 1 < n { i } else { i - 1 };
-            let is_middle = 2 * i + 1 == n || 2 * i + 2 == n || 2 * i == n;
-            table[MAX_PROBES * (n - 1) + i] = if is_middle { 0 } else { NORMAL_PLACES[MAX_PROBES * (n - 2) + from] };
+            let quarters = 4 * n as i128 - 5;
+            let widening = round(log2(ONE + variances[i] * quarters * quarters / 16) / 2, 16);
+            table[MAX_PROBES * (n - 1) + i] = widening;
+            table[MAX_PROBES * (n - 1) + n - 1 - i] = widening;
             i += 1;
         }
         n += 1;
     }
     table
 };
+
+/// What the probes of a table come from as their number grows from N − 1, at the same index: those of N − 1, and for the new one the middle, where a table
+/// has 0. Two come from their own.
+const fn of_one_less(of: &SweepTable) -> SweepTable {
+    let mut table = *of;
+    let mut n = 3;
+    while n <= MAX_PROBES {
+        let mut i = 0;
+        while i < n {
+            let from = if 2 * i + 1 < n { i } else { i - 1 };
+            let is_middle = 2 * i + 1 == n || 2 * i + 2 == n || 2 * i == n;
+            table[MAX_PROBES * (n - 1) + i] = if is_middle { 0 } else { of[MAX_PROBES * (n - 2) + from] };
+            i += 1;
+        }
+        n += 1;
+    }
+    table
+}
+
+/// Where the probes of [`NORMAL_PLACES`] come from as their number grows.
+pub static NORMAL_PLACES_OF_ONE_LESS: SweepTable = of_one_less(&NORMAL_PLACES);
+
+/// How wide those of [`NORMAL_WIDENINGS`] are before.
+pub static NORMAL_WIDENINGS_OF_ONE_LESS: SweepTable = of_one_less(&NORMAL_WIDENINGS);
 
 /// 1/N · 2^16 at index N. Entry 0 repeats entry 1.
 pub static ONE_OVER_COUNT: [i32; MAX_PROBES + 1] = {
@@ -343,9 +406,7 @@ pub static LOG2_OF_COUNT: [i32; MAX_PROBES + 1] = {
     let mut table = [0; MAX_PROBES + 1];
     let mut n = 1;
     while n <= MAX_PROBES {
-        let shift = n.ilog2();
-        let mantissa = (ONE * n as i128) >> shift;
-        table[n] = round((ln(mantissa) << 60) / LN2 + ONE * shift as i128, 16);
+        table[n] = round(log2(ONE * n as i128), 16);
         n += 1;
     }
     table

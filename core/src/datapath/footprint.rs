@@ -45,7 +45,7 @@ pub fn environment_probe<W: Staged>(
 pub fn sphere_probe<W: Staged>(path: &Sweep<W>, index: Int<W>, last_level: Int<W>, p: &Precision) -> SphereProbe<W> {
     let r = stage!("sweep.direction", sweep::direction(path, index, p));
     let place = stage!("sweep.place", cube_face::position(&cube_face::cube_face(&r, p)));
-    let lod = control_stage!("sweep.level", sweep::level(path, &r, last_level, p));
+    let lod = control_stage!("sweep.level", sweep::level(path, index, &r, last_level, p));
     let weight = control_stage!("sweep.weight", sweep::weight(path, index));
     SphereProbe { place, lod, weight }
 }

@@ -7,6 +7,7 @@
 //! an axis that is not there decides; and one probe more begins where those before stand, in the middle with no weight or as half of the one that
 //! was there, so no count steps. Where λ₂ was raised to λ₁/N it is that one. What probes are in themselves moves the mean of their
 //! reflections, too: it is r + 2Cv − v·tr C.
+//! Parts of equal weight are wider far out: probes there have coarser levels, or the tails of a lobe are spots with gaps between them.
 //! A texel at (s, t) is as large as one in the middle of its face over ρ³, ρ² = 1 + s² + t²: LOD = LOD₀ + log₂(|r₀|/|r|) + 1.5·log₂ρ.
 //! Errors of the mean of the probes and of their level, for each profile: `host-tests/tests/datapath/sphere.rs`.
 
@@ -16,7 +17,7 @@ use crate::elementary::{LOGARITHM, half_reciprocal, log2, one_plus, over_length,
 use crate::fx::{Control, Fx, Int, Wide, WideControl};
 use crate::ports::{LOD, OFFSET, SHARE};
 use crate::precision::Precision;
-use crate::rom;
+use crate::rom::{self, SweepTable};
 use crate::signals::{Axes, CountAndLevel, Sweep};
 use crate::word::Word;
 
@@ -165,19 +166,31 @@ fn half_log2<W: Word>(x: &Block<W, 1>, p: &Precision) -> Control<W, LOD> {
     (whole + fraction.to_control()).floor_shr(1)
 }
 
+/// What two tables have for probe `index`, of one probe less and of all, by how far it has gone.
+#[inline(always)]
+fn on_its_way<W: Word, const F: u32, const WIDE: u32>(
+    [from, to]: [&'static SweepTable; 2],
+    sweep: &Sweep<W>,
+    index: Int<W>,
+    keep: u32,
+) -> Control<W, F> {
+    let row = (sweep.count - Fx::int(1)).shl(4) + index;
+    let [from, to] = each!(table in [from, to] => {
+        let entry: Control<W, F> = Fx::lookup(row, table);
+        entry.keep(keep)
+    });
+    let way: WideControl<W, WIDE> = (to - from).mul(sweep.share);
+    from + way.round_to::<F>(keep)
+}
+
 /// The direction of probe `index`: its exponent is that of the sweep's mantissas.
 #[inline(always)]
 pub fn direction<W: Word>(sweep: &Sweep<W>, index: Int<W>, p: &Precision) -> Block<W, 3> {
-    let row = (sweep.count - Fx::int(1)).shl(4) + index;
-    let keep = p.offset_bits();
-    let [from, to] = each!(table in [&rom::NORMAL_PLACES_OF_ONE_LESS, &rom::NORMAL_PLACES] => {
-        let place: Control<W, OFFSET> = Fx::lookup(row, table);
-        place.keep(keep)
-    });
-    let way: WideControl<W, { OFFSET + SHARE }> = (to - from).mul(sweep.share);
+    let tables = [&rom::NORMAL_PLACES_OF_ONE_LESS, &rom::NORMAL_PLACES];
+    let place = on_its_way::<W, OFFSET, { OFFSET + SHARE }>(tables, sweep, index, p.offset_bits());
     // Places of the tables, and what is between them, are below 2.
-    let x: Fx<W, OFFSET> = Fx::of_control((from + way.round_to::<OFFSET>(keep)).saturate(Fx::int(-2), Fx::int(2)));
-    let square: Fx<W, OFFSET> = x.mul::<OFFSET, { 2 * OFFSET }>(x).round_to(keep);
+    let x: Fx<W, OFFSET> = Fx::of_control(place.saturate(Fx::int(-2), Fx::int(2)));
+    let square: Fx<W, OFFSET> = x.mul::<OFFSET, { 2 * OFFSET }>(x).round_to(p.offset_bits());
     let r = each!(i in [0, 1, 2] => {
         // At most 1 + 2 + 4.
         let moved: Wide<W, { OFFSET + MANTISSA }> = x.mul(sweep.first[i]) + square.mul(sweep.second[i]);
@@ -186,9 +199,17 @@ pub fn direction<W: Word>(sweep: &Sweep<W>, index: Int<W>, p: &Precision) -> Blo
     normalise(r, Fx::int(0), p.fraction_bits)
 }
 
-/// Level of detail of a probe that looks along `r`, saturated to the levels of the map and rounded to `lod_bits`.
+/// Level of detail of probe `index`, which looks along `r`, saturated to the levels of the map and rounded to `lod_bits`.
 #[inline(always)]
-pub fn level<W: Word>(sweep: &Sweep<W>, r: &Block<W, 3>, last_level: Int<W>, p: &Precision) -> Control<W, LOD> {
+pub fn level<W: Word>(
+    sweep: &Sweep<W>,
+    index: Int<W>,
+    r: &Block<W, 3>,
+    last_level: Int<W>,
+    p: &Precision,
+) -> Control<W, LOD> {
+    let tables = [&rom::NORMAL_WIDENINGS_OF_ONE_LESS, &rom::NORMAL_WIDENINGS];
+    let widening = on_its_way::<W, LOD, { LOD + SHARE }>(tables, sweep, index, LOD);
     let [x, y, z] = each!(m in r.m => m.abs());
     // With m = |r|/ρ: −log₂|r| + 1.5·log₂ρ = ½·log₂|r| − 1.5·log₂m.
     let half_square = half_log2(&number(dot(&r.m, &r.m), Fx::int(0), p.fraction_bits), p);
@@ -196,7 +217,7 @@ pub fn level<W: Word>(sweep: &Sweep<W>, r: &Block<W, 3>, last_level: Int<W>, p: 
     let largest: Control<W, LOD> = largest.to_control();
     let lengths = half_square.floor_shr(1) - largest - largest.floor_shr(1);
     let e = r.e.saturate(Fx::int(-64), Fx::int(64)).to_control::<LOD>();
-    (sweep.level + lengths - e).saturate(Fx::zero(), last_level.to_control()).keep(p.lod_bits)
+    (sweep.level + widening + lengths - e).saturate(Fx::zero(), last_level.to_control()).keep(p.lod_bits)
 }
 
 /// Weight of probe `index`, in 2^−16 units; the weights of one footprint sum to exactly 2^16.

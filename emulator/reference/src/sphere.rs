@@ -95,12 +95,12 @@ pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
     let scale = terms.fold(0.0, f64::hypot);
     let probes = points(count, share)
         .into_iter()
-        .map(|[x, weight]| {
+        .map(|Point { x, weight, widening }| {
             let r = add_scaled(add_scaled(centre, x, first), x * x, second);
             let at = select(r);
             // A texel there is as large as one in the middle of its face over ρ³.
             let rho = norm(&[1.0, at.s, at.t]);
-            LobeProbe { at, weight, lod: lod - norm(&r).log2() + 1.5 * rho.log2() }
+            LobeProbe { at, weight, lod: lod + widening - norm(&r).log2() + 1.5 * rho.log2() }
         })
         .collect();
     Some(Lobe { mirrored: unit, centre, first, second, major: axes.major, minor: axes.minor, scale, probes })
@@ -135,33 +135,87 @@ fn rule(reach: f64, axes: &Axes, options: &Options) -> Rule {
     Rule { count: count as u32, share, minor: axes.minor }
 }
 
-/// Places and weights of `count` probes on their way from `count` − 1: a new one comes with no weight in the middle of an even number, or as half of the
+/// A probe before there is a lobe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Where it is, in standard deviations.
+    pub x: f64,
+    /// How much it counts.
+    pub weight: f64,
+    /// How many levels coarser it is than one in the middle.
+    pub widening: f64,
+}
+
+/// `count` probes on their way from `count` − 1: a new one comes with no weight in the middle of an even number, or as half of the
 /// one in the middle of an odd number. The second comes from the first, with which it begins.
-pub fn points(count: u32, share: f64) -> Vec<[f64; 2]> {
-    let to = places(count);
+///
+/// A probe stands for a part of the law. Those outside are wider than that in the middle; three fifths of what their variance is
+/// more is in the width of the probe, for R = √(λ₁² − λ₂²)/λ₂ = N − 5/4, and as much less in where they are.
+pub fn points(count: u32, share: f64) -> Vec<Point> {
     let own = 1.0 / f64::from(count);
+    let parts = |count: u32, weight: f64| -> Vec<Point> {
+        let variances = variances(count);
+        let reach = f64::from(count) - 1.25;
+        let mean = variances.iter().sum::<f64>() / variances.len() as f64;
+        let point = |(x, v): (f64, f64)| Point {
+            x: x * (1.0 - mean).sqrt(),
+            weight,
+            widening: 0.5 * (1.0 + reach * reach * v).log2(),
+        };
+        places(count).into_iter().zip(variances).map(point).collect()
+    };
+    let to = parts(count, own);
     if count <= 2 {
-        return to.into_iter().map(|x| [x, own]).collect();
+        return to;
     }
     let less = 1.0 / f64::from(count - 1);
-    let before = places(count - 1);
-    let (sides, middle) = (
-        ((count - 1) / 2) as usize,
-        if count.is_multiple_of(2) { vec![[0.0, 0.5 * less]; 2] } else { vec![[0.0, 0.0]] },
-    );
-    let left = before[..sides].iter().map(|&x| [x, less]);
-    let right = before[before.len() - sides..].iter().map(|&x| [x, less]);
-    let from = left.chain(middle).chain(right);
-    from.zip(to).map(|([x, weight], to)| [x + share * (to - x), weight + share * (own - weight)]).collect()
+    let before = parts(count - 1, less);
+    let new = |weight| Point { x: 0.0, weight, widening: 0.0 };
+    let (sides, middle) =
+        (((count - 1) / 2) as usize, if count.is_multiple_of(2) { vec![new(0.5 * less); 2] } else { vec![new(0.0)] });
+    let (left, right) = (&before[..sides], &before[before.len() - sides..]);
+    let from = left.iter().chain(&middle).chain(right);
+    let mix = |from: f64, to: f64| from + share * (to - from);
+    from.zip(to)
+        .map(|(from, to)| Point {
+            x: mix(from.x, to.x),
+            weight: mix(from.weight, to.weight),
+            widening: mix(from.widening, to.widening),
+        })
+        .collect()
+}
+
+/// Of `count` equally likely parts of the normal law: three fifths of what the variance of each is above that in the middle.
+fn variances(count: u32) -> Vec<f64> {
+    static KEPT: Kept = [const { OnceLock::new() }; 17];
+    kept(&KEPT, count, variances_of)
+}
+
+fn variances_of(count: u32) -> Vec<f64> {
+    let n = f64::from(count);
+    let end = |i: u32| if i == 0 || i == count { 0.0 } else { quantile(f64::from(i) / n) };
+    let density_at = |i: u32| if i == 0 || i == count { 0.0 } else { density(end(i)) };
+    let variance = |i: u32| {
+        let mean = n * (density_at(i) - density_at(i + 1));
+        1.0 + n * (end(i) * density_at(i) - end(i + 1) * density_at(i + 1)) - mean * mean
+    };
+    let least = variance(count / 2);
+    (0..count).map(|i| 0.6 * (variance(i) - least)).collect()
 }
 
 /// The normal law in `count` points of equal weight: the means of its equally likely parts, stretched to deviation 1.
 pub fn places(count: u32) -> Vec<f64> {
-    // Quantiles by halving take a million densities each; those of a footprint are kept.
-    static KEPT: [OnceLock<Vec<f64>>; 17] = [const { OnceLock::new() }; 17];
-    match KEPT.get(count as usize) {
-        Some(kept) => kept.get_or_init(|| places_of(count)).clone(),
-        None => places_of(count),
+    static KEPT: Kept = [const { OnceLock::new() }; 17];
+    kept(&KEPT, count, places_of)
+}
+
+/// Quantiles by halving take a million densities each; those of a footprint are kept.
+type Kept = [OnceLock<Vec<f64>>; 17];
+
+fn kept(kept: &'static Kept, count: u32, made: fn(u32) -> Vec<f64>) -> Vec<f64> {
+    match kept.get(count as usize) {
+        Some(kept) => kept.get_or_init(|| made(count)).clone(),
+        None => made(count),
     }
 }
 
@@ -242,6 +296,21 @@ mod tests {
             assert!(places.iter().sum::<f64>().abs() < 1e-12);
             assert!((places.iter().map(|x| x * x).sum::<f64>() / n - 1.0).abs() < 1e-12);
             assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+
+    /// Where probes are and how much wider they are together have the variance 1, for the R that widths are for; those outside are wider.
+    #[test]
+    fn places_and_widths_are_of_variance_one() {
+        for count in 2..=16 {
+            let reach = f64::from(count) - 1.25;
+            let points = points(count, 1.0);
+            let width = |point: &Point| (4_f64.powf(point.widening) - 1.0) / (reach * reach);
+            let variance: f64 = points.iter().map(|point| point.weight * (point.x * point.x + width(point))).sum();
+            assert!((variance - 1.0).abs() < 1e-12, "{count}: {variance}");
+            let outside = &points[count as usize / 2..];
+            assert!(outside.windows(2).all(|pair| pair[0].widening < pair[1].widening), "{points:?}");
+            assert!(outside[0].widening.abs() < 1e-12 && points[0].widening < 2.5, "{points:?}");
         }
     }
 

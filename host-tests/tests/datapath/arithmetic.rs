@@ -124,7 +124,7 @@ fn rounded_shift_of_a_word_with_no_bit_to_spare_equals_rounding_the_quotient() {
 #[test]
 fn upper_bits_of_every_table_are_the_nearest_words() {
     let sized = (6..=10).flat_map(|bits| [rom::reciprocal(bits), rom::inverse_root(bits)]);
-    let named: [&'static [i32]; 12] = [
+    let named: [&'static [i32]; 14] = [
         &rom::LOG2,
         &rom::EXP2,
         &rom::HALF_LOG2_ONE_MINUS_RATIO,
@@ -136,6 +136,8 @@ fn upper_bits_of_every_table_are_the_nearest_words() {
         &rom::SPREAD_LIMIT,
         &rom::NORMAL_PLACES,
         &rom::NORMAL_PLACES_OF_ONE_LESS,
+        &rom::NORMAL_WIDENINGS,
+        &rom::NORMAL_WIDENINGS_OF_ONE_LESS,
         &rom::ONE_OVER_COUNT,
     ];
     for table in sized.chain(named) {

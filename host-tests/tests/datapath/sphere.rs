@@ -9,14 +9,16 @@ use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::probe_list::sphere_probes;
-use roughxel_core::rom::{NORMAL_PLACES, NORMAL_PLACES_OF_ONE_LESS, SPREAD_LIMIT};
+use roughxel_core::rom::{
+    NORMAL_PLACES, NORMAL_PLACES_OF_ONE_LESS, NORMAL_WIDENINGS, NORMAL_WIDENINGS_OF_ONE_LESS, SPREAD_LIMIT,
+};
 use roughxel_core::soft_core::{environment_scale, reflection};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_host_tests::space::{profiles, whole_or};
 use roughxel_reference::cube::direction_of;
 use roughxel_reference::linear::norm;
-use roughxel_reference::sphere::{lobe, places, points};
+use roughxel_reference::sphere::{lobe, points};
 
 const PLAN: ReflectionPlan = ReflectionPlan { footprint: FootprintKind::Sphere, ..ReflectionPlan::FULL };
 
@@ -114,16 +116,22 @@ fn probes_on_the_sphere_are_those_of_the_reference() {
     }
 }
 
-/// Tables of places against the reference's, which finds quantiles by halving; and the weights of every footprint sum to 1.
+/// Tables of places and widths against the reference's, which finds quantiles by halving; and the weights of every footprint sum to 1.
 #[test]
 fn places_are_those_of_the_normal_law() {
-    let real = |entry: i32| f64::from(entry) / f64::from(1 << 28);
     for count in 1..=16_u32 {
         let row = 16 * (count as usize - 1);
-        let (before, law) = (points(count, 0.0), places(count));
-        for index in 0..count as usize {
-            assert!((real(NORMAL_PLACES[row + index]) - law[index]).abs() < 3e-9, "{count} {index}");
-            assert!((real(NORMAL_PLACES_OF_ONE_LESS[row + index]) - before[index][0]).abs() < 3e-9, "{count} {index}");
+        let tables = [
+            (0.0, &NORMAL_PLACES_OF_ONE_LESS, &NORMAL_WIDENINGS_OF_ONE_LESS),
+            (1.0, &NORMAL_PLACES, &NORMAL_WIDENINGS),
+        ];
+        for (share, places, widenings) in tables {
+            for (index, point) in (row..).zip(points(count, share)) {
+                let place = f64::from(places[index]) * 2_f64.powi(-28);
+                let widening = f64::from(widenings[index]) * 2_f64.powi(-16);
+                assert!((place - point.x).abs() < 3e-9, "{count}: {place}, {point:?}");
+                assert!((widening - point.widening).abs() < 8e-6, "{count}: {widening}, {point:?}");
+            }
         }
         let limit = (1.0 - 1.0 / f64::from(count * count)).sqrt();
         assert!((f64::from(SPREAD_LIMIT[count as usize]) / f64::from(1 << 30) - limit).abs() < 1e-9);

@@ -23,7 +23,7 @@ pub struct Rom {
 impl Rom {
     /// The ROM of a table; `None` for a table the datapath does not have.
     pub fn new(table: Table) -> Option<Self> {
-        let named: [(&'static str, &'static [i32]); 12] = [
+        let named: [(&'static str, &'static [i32]); 14] = [
             ("log2", &rom::LOG2),
             ("exp2", &rom::EXP2),
             ("half_log2_one_minus_ratio", &rom::HALF_LOG2_ONE_MINUS_RATIO),
@@ -35,6 +35,8 @@ impl Rom {
             ("spread_limit", &rom::SPREAD_LIMIT),
             ("normal_places", &rom::NORMAL_PLACES),
             ("normal_places_of_one_less", &rom::NORMAL_PLACES_OF_ONE_LESS),
+            ("normal_widenings", &rom::NORMAL_WIDENINGS),
+            ("normal_widenings_of_one_less", &rom::NORMAL_WIDENINGS_OF_ONE_LESS),
             ("one_over_count", &rom::ONE_OVER_COUNT),
         ];
         let sized = (6..=10).flat_map(|bits| {
