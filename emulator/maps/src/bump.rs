@@ -10,13 +10,13 @@
 mod tests;
 
 use crate::levels::power_of_two;
-use crate::mip::{for_each_level, round_ratio};
-use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, moments};
+use crate::mip::{covers, for_each_level, round_ratio};
+use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, concentration, moments};
 use rayon::prelude::*;
 use roughxel_core::datapath::texel::{BumpCodes, BumpScale};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_scene::{BumpField, FrameSystem, Material, RoughnessField};
+use roughxel_scene::{BumpField, Deviation, FrameSystem, Material, RoughnessField};
 
 /// Fraction bits of the ports that offsets and roughness enter by (I4F28).
 pub const PORT_FRACTION_BITS: i32 = 28;
@@ -28,6 +28,8 @@ pub struct BumpOptions {
     pub negate: bool,
     /// Kind and word length of the roughness.
     pub roughness: RoughnessStorage,
+    /// What the roughness of lost bumps is the deviation of.
+    pub deviation: Deviation,
 }
 
 /// Scales of the codes of one map.
@@ -155,6 +157,7 @@ impl BumpPyramid {
         let options = BumpOptions {
             negate: material.frame != FrameSystem::MainDirection,
             roughness: RoughnessStorage::new(kind, p.roughness_bits),
+            deviation: material.deviation,
         };
         let mut pyramid = Self::new(field, roughness, &options);
         if !filters {
@@ -212,8 +215,21 @@ impl BumpPyramid {
                     roughness: Vec::new(),
                 });
                 let texels = sums.sums.par_iter().enumerate();
-                let covariance = |moments: &Moments| Covariance::of(*moments, sums.area);
-                lost.push(texels.map(|(index, moments)| components(level, index, covariance(moments))).collect());
+                let (columns, rows) = (covers(width, sums.width), covers(height, sums.height));
+                let covariance = |(index, moments): (usize, &Moments)| {
+                    let covariance = Covariance::of(*moments, sums.area);
+                    let cover = [&columns[index % columns.len()], &rows[index / columns.len()]];
+                    let mean = [moments[0], moments[1]].map(|sum| sum as f64 / sums.area as f64);
+                    let factor = match options.deviation {
+                        Deviation::RootMeanSquare => 1.0,
+                        Deviation::Mean => {
+                            let texel = |x: usize, y: usize| offsets[y * width as usize + x].map(f64::from);
+                            concentration(mean, covariance, cover, texel)
+                        }
+                    };
+                    components(level, index, covariance.scaled(factor))
+                };
+                lost.push(texels.map(covariance).collect());
             },
         );
         levels[0].offsets = offsets;

@@ -89,9 +89,18 @@ pub(super) struct MaterialDescription {
     pub(super) frame: Option<Spanned<FrameName>>,
     pub(super) main_direction: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) reflectance: Option<Spanned<OneOrThree>>,
+    pub(super) bump_deviation: Option<DeviationName>,
     pub(super) footprint: Option<FootprintName>,
     pub(super) highlight: Option<Spanned<HighlightDescription>>,
     pub(super) peaks: Option<Spanned<PeaksDescription>>,
+}
+
+/// `bump_deviation = "…"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum DeviationName {
+    Mean,
+    RootMeanSquare,
 }
 
 /// `footprint = "…"`.

@@ -41,4 +41,6 @@ pub use limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT, MAX_FRAME_EDGE_PX, MAX
 pub use mesh::MeshError;
 pub use panorama::faces_from_equirectangular;
 pub use roughness::RoughnessField;
-pub use scene::{Background, Camera, EnvironmentSource, FootprintPlace, Material, Mesh, Object, Scene, Vertex};
+pub use scene::{
+    Background, Camera, Deviation, EnvironmentSource, FootprintPlace, Material, Mesh, Object, Scene, Vertex,
+};

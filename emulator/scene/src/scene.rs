@@ -113,6 +113,17 @@ pub enum FootprintPlace {
     Sphere,
 }
 
+/// Which of the bumps that a level has lost its roughness is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Deviation {
+    /// Most of them: the standard deviation times the squared mean of |deviation| in units of the normal law's, where that is below 1, down to half. The same for bumps
+    /// of the normal law, and less for those that are mostly flat and seldom steep.
+    #[default]
+    Mean,
+    /// All of them, by their squares (S97 §8): the standard deviation.
+    RootMeanSquare,
+}
+
 /// Surface: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, and for each light its colour times
 /// the highlight or the peaks, per channel.
 #[derive(Clone, Debug)]
@@ -131,6 +142,8 @@ pub struct Material {
     pub main_direction: DVec3,
     /// Share of the environment per channel, 0 to 1.
     pub reflectance: [f32; 3],
+    /// What `bump` leaves behind on coarse levels.
+    pub deviation: Deviation,
     /// Where footprints of reflections lie; `None` leaves it to how rough the surface is.
     pub footprint: Option<FootprintPlace>,
     /// Highlight of the lights; not together with peaks.

@@ -5,7 +5,7 @@ use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::*;
 use roughxel_scene::random::SplitMix64;
-use roughxel_scene::{Camera, FrameSystem, Material, Mesh, Object, Vertex};
+use roughxel_scene::{Camera, Deviation, FrameSystem, Material, Mesh, Object, Vertex};
 
 /// Seeded random numbers and vectors.
 struct Random(SplitMix64);
@@ -60,6 +60,7 @@ fn object(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Object {
             roughness: None,
             frame: FrameSystem::MainDirection,
             main_direction: DVec3::Y,
+            deviation: Deviation::default(),
             footprint: None,
             reflectance: [0.0; 3],
             highlight: None,

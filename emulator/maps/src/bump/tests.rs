@@ -12,7 +12,8 @@ fn field(width: u32, height: u32, offset: impl Fn(u32, u32) -> [f32; 2]) -> Bump
 }
 
 fn options(kind: RoughnessKind, bits: u32) -> BumpOptions {
-    BumpOptions { negate: false, roughness: RoughnessStorage::new(kind, bits) }
+    let deviation = Deviation::RootMeanSquare;
+    BumpOptions { negate: false, roughness: RoughnessStorage::new(kind, bits), deviation }
 }
 
 /// Offsets without structure, within ±1.
@@ -343,4 +344,47 @@ fn texels_do_not_depend_on_the_number_of_threads() {
         })
     };
     assert_eq!(build(1).ok(), build(3).ok());
+}
+
+/// Roughness of the coarsest level by most facets over that by all.
+fn shrinkage(field: &BumpField) -> f64 {
+    let [most, all] = [Deviation::Mean, Deviation::RootMeanSquare].map(|deviation| {
+        let options = BumpOptions { deviation, ..options(RoughnessKind::Isotropic, 16) };
+        let pyramid = BumpPyramid::new(field, None, &options);
+        let [deviation, ..] = pyramid.levels.last().unwrap().texel(0, 0).decode(&pyramid.format).roughness;
+        f64::from(deviation)
+    });
+    most / all
+}
+
+#[test]
+fn bumps_of_the_normal_law_have_their_standard_deviation() {
+    // Sums of twelve numbers.
+    let normal = |x: u32, y: u32| {
+        let sum = (0..12).fold([0.0; 2], |sum, k| {
+            let one = noise(x + 1009 * k, y + 2003 * k);
+            [sum[0] + one[0], sum[1] + one[1]]
+        });
+        sum.map(|component| 0.1 * component)
+    };
+    assert!((shrinkage(&field(64, 64, normal)) - 1.0).abs() < 0.03, "{}", shrinkage(&field(64, 64, normal)));
+    // Twice as steep along one axis: deviations are in units of each direction's own.
+    let long = |x, y| [2.0 * normal(x, y)[0], 0.5 * normal(x, y)[1]];
+    assert!((shrinkage(&field(64, 64, long)) - 1.0).abs() < 0.03);
+    // Grooves know one axis, and all of them are as steep.
+    let grooves = |x: u32, _| [if x.is_multiple_of(2) { 0.4 } else { -0.4 }, 0.0];
+    assert_eq!(shrinkage(&field(64, 64, grooves)), 1.0);
+}
+
+#[test]
+fn mostly_flat_bumps_are_less_rough_than_their_standard_deviation() {
+    let seldom = |share: u32| {
+        shrinkage(&field(
+            64,
+            64,
+            |x: u32, y: u32| if (x + 5 * y).is_multiple_of(share) { noise(x, y) } else { [0.0; 2] },
+        ))
+    };
+    assert!((0.55..0.8).contains(&seldom(2)), "{}", seldom(2));
+    assert!((seldom(16) - 0.5).abs() < 1e-4, "{}", seldom(16));
 }

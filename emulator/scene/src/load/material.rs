@@ -5,11 +5,11 @@ use glam::DVec3;
 use super::lights::{self, Available};
 use super::maps::Maps;
 use crate::bump::FrameSystem;
-use crate::description::{FootprintName, FrameName, MaterialDescription};
+use crate::description::{DeviationName, FootprintName, FrameName, MaterialDescription};
 use crate::error::SceneError;
 use crate::lighting::{MAX_PEAK_TEXELS, PeakSource, Peaks};
 use crate::limits::MAX_COORDINATE;
-use crate::scene::{FootprintPlace, Material};
+use crate::scene::{Deviation, FootprintPlace, Material};
 use crate::shapes::{Placement, Shape};
 
 /// What a scene has besides its objects.
@@ -111,6 +111,10 @@ pub(super) fn material(
         frame,
         main_direction: placement.direction(main_direction),
         reflectance: reflectance.map(|channel| channel as f32),
+        deviation: material.bump_deviation.map_or_else(Deviation::default, |deviation| match deviation {
+            DeviationName::Mean => Deviation::Mean,
+            DeviationName::RootMeanSquare => Deviation::RootMeanSquare,
+        }),
         footprint: material.footprint.map(|footprint| match footprint {
             FootprintName::Face => FootprintPlace::Face,
             FootprintName::Sphere => FootprintPlace::Sphere,
