@@ -8,6 +8,7 @@ pub mod checked;
 pub mod designs;
 pub mod imports;
 pub mod one_pixel;
+pub mod photographs;
 pub mod side_by_side;
 pub mod simulators;
 pub mod space;

@@ -3,6 +3,6 @@
 mod frames;
 mod lobes;
 mod peak_pyramid;
-mod photographs;
 mod plan;
+mod real_scenes;
 mod shadows;

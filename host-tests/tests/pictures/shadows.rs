@@ -13,9 +13,8 @@ use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
 
+use roughxel_host_tests::photographs::photograph;
 use roughxel_host_tests::space::whole_or;
-
-use crate::photographs::photograph;
 
 /// A plane to the horizon, its map 30 times along an edge, under one light. The light stands 45° to the side of straight ahead.
 fn plain(height_map: &str, elevation_degrees: f64, shadowing: &str) -> Scene {
