@@ -12,7 +12,7 @@ mod real_scenes;
 pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
-pub use real_scenes::{REAL_SCENE_BAR, RealScene, real_scenes};
+pub use real_scenes::{RealScene, real_scenes};
 
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::frame::Prepared;
