@@ -36,29 +36,12 @@ impl Photograph {
 /// Looked for below `target/photographs`, where `pip install --no-deps --target target/photographs scikit-image` puts it. Panics where it has
 /// to be there: with `ROUGHXEL_REQUIRE_TOOLS` set.
 pub fn photograph(name: &str, edge: u32) -> Option<Photograph> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/photographs/skimage/data").join(name);
-    if !path.exists() {
-        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{} is not there", path.display());
-        eprintln!("SKIPPED: there is no photograph {name}, so nothing here was checked with one");
-        return None;
-    }
-    let mut reader =
-        Decoder::new(BufReader::new(File::open(path).expect("it can be opened"))).read_info().expect("a PNG");
-    let mut grey = vec![0; reader.output_buffer_size().expect("it is small")];
-    let info = reader.next_frame(&mut grey).expect("it is whole");
-    assert_eq!((info.color_type, info.bit_depth), (ColorType::Grayscale, BitDepth::Eight), "{name}");
-    let piece: Vec<u8> =
-        grey.chunks(info.width as usize).take(edge as usize).flat_map(|row| &row[..edge as usize]).copied().collect();
-    Some(Photograph::written(edge, ColorType::Grayscale, &piece))
+    Some(Photograph::written(edge, ColorType::Grayscale, &grey(name, edge)?))
 }
 
-/// A normal map of the slopes of a photograph as heights, which repeats; green up.
+/// A normal map of the slopes of such a square as heights, which repeats; green up.
 pub fn normal_map(name: &str, edge: u32, steepness: f64) -> Option<Photograph> {
-    let heights = photograph(name, edge)?;
-    let mut reader =
-        Decoder::new(BufReader::new(File::open(heights.path()).expect("it is there"))).read_info().expect("a PNG");
-    let mut grey = vec![0; reader.output_buffer_size().expect("it is small")];
-    reader.next_frame(&mut grey).expect("it is whole");
+    let grey = grey(name, edge)?;
     let height = |x: u32, y: u32| f64::from(grey[(y % edge * edge + x % edge) as usize]) / 255.0;
     let pixel = |index: u32| {
         let (x, y) = (index % edge, index / edge);
@@ -70,4 +53,21 @@ pub fn normal_map(name: &str, edge: u32, steepness: f64) -> Option<Photograph> {
     };
     let pixels: Vec<u8> = (0..edge * edge).flat_map(pixel).collect();
     Some(Photograph::written(edge, ColorType::Rgb, &pixels))
+}
+
+/// The square, row by row.
+fn grey(name: &str, edge: u32) -> Option<Vec<u8>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/photographs/skimage/data").join(name);
+    if !path.exists() {
+        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{} is not there", path.display());
+        eprintln!("SKIPPED: there is no photograph {name}, so nothing here was checked with one");
+        return None;
+    }
+    let mut reader =
+        Decoder::new(BufReader::new(File::open(path).expect("it can be opened"))).read_info().expect("a PNG");
+    let mut grey = vec![0; reader.output_buffer_size().expect("it is small")];
+    let info = reader.next_frame(&mut grey).expect("it is whole");
+    assert_eq!((info.color_type, info.bit_depth), (ColorType::Grayscale, BitDepth::Eight), "{name}");
+    let rows = grey.chunks(info.width as usize).take(edge as usize);
+    Some(rows.flat_map(|row| &row[..edge as usize]).copied().collect())
 }

@@ -388,3 +388,18 @@ fn mostly_flat_bumps_are_less_rough_than_their_standard_deviation() {
     assert!((0.55..0.8).contains(&seldom(2)), "{}", seldom(2));
     assert!((seldom(16) - 0.5).abs() < 1e-4, "{}", seldom(16));
 }
+
+#[test]
+fn a_material_chooses_its_deviation() {
+    let pyramid = |key: &str| {
+        let text = format!(
+            "[camera]\neye = [0, 2, 6]\ntarget = [0, 0, 0]\nfov_y = 40\nwidth = 4\nheight = 4\n\
+             [[object]]\nshape = \"plane\"\n[object.material]\n{key}\n\
+             normal_map = {{ generate = \"hammered\", size = 64, dents = 8, slope = 0.2 }}\n"
+        );
+        let scene = roughxel_scene::Scene::from_toml("dents", &text, std::path::Path::new("")).unwrap();
+        BumpPyramid::of_material(&scene.objects[0].material, true, &Precision::STANDARD).unwrap()
+    };
+    assert_eq!(pyramid(""), pyramid("bump_deviation = \"mean\""));
+    assert_ne!(pyramid(""), pyramid("bump_deviation = \"root-mean-square\""));
+}
