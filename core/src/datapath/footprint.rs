@@ -19,10 +19,16 @@ pub(super) fn pixel_ellipse<W: Staged>(pixel: &[Block<W, 2>; 2], p: &Precision) 
     stage!("ellipse", ellipse::ellipse(ellipse::pixel_columns(pixel, p), p))
 }
 
+/// The axes of an ellipse.
+#[inline(always)]
+pub(super) fn principal<W: Staged>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
+    stage!("axes", axes::axes(ellipse, p))
+}
+
 /// The probes that cover an ellipse on a map.
 #[inline(always)]
 pub(super) fn assemble<W: Staged>(ellipse: &Ellipse<W>, map: &MapScale<W>, p: &Precision) -> (Axes<W>, Probes<W>) {
-    let axes = stage!("axes", axes::axes(ellipse, p));
+    let axes = principal(ellipse, p);
     (axes, stage!("probes", probes::probes(&axes, map, p)))
 }
 

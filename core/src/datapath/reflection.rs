@@ -1,6 +1,6 @@
 //! From the surface to the probes on the environment that it reflects.
 
-use crate::block::Block;
+use crate::block::{Block, Mantissa};
 use crate::bundle::{bundle, never};
 use crate::each::each;
 use crate::fx::{Fx, Int};
@@ -8,12 +8,12 @@ use crate::plan::{FootprintKind, ReflectionPlan};
 use crate::ports::{PortBlock, ReflectionInput, ReflectionOutput};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::{Axes, CountAndLevel, CubePoint, Ellipse, MapScale, Probes, Reflected, Sweep};
-use crate::stage::columns::{self, Mirror};
-use crate::stage::{axes, cube_face, ellipse, enter, leave, probes, reflect, sweep};
+use crate::stage::columns::{self, Mirror, TangentPlane};
+use crate::stage::{cube_face, ellipse, enter, leave, probes, reflect, sweep};
 use crate::staged::{Staged, control_stage, stage};
 use crate::status::{Status, StatusBit};
 
-use super::footprint::{assemble, pixel_ellipse};
+use super::footprint::{assemble, pixel_ellipse, principal};
 use super::surface::{Surface, surface};
 
 bundle! {
@@ -201,7 +201,8 @@ fn on_sphere<W: Staged>(
     }
 }
 
-/// The lobe of pairs (dv, dn), the first two of them the sides of a pixel.
+/// The lobe of pairs (dv, dn), the first two of them the sides of a pixel. A stage that does not depend on how many there are is a function
+/// of its own: here it would be compiled for every number.
 #[inline(always)]
 fn lobe<W: Staged, const COLUMNS: usize>(
     mirror: &Mirror<'_, W>,
@@ -209,24 +210,19 @@ fn lobe<W: Staged, const COLUMNS: usize>(
     map: &MapScale<W>,
     p: &Precision,
 ) -> Footprint<W> {
-    let plane = stage!("columns.plane", columns::tangent_plane(mirror.point, p));
-    let moves = each!([dv, dn] in pairs => stage!("columns.derivative", columns::derivative(mirror, &dv, &dn, p)));
-    let q = each!(dr in moves => stage!("columns.sphere", columns::on_sphere(mirror, &plane, &dr, p)));
+    let plane = tangent_plane(mirror, p);
+    let moves = each!([dv, dn] in pairs => derivative(mirror, &dv, &dn, p));
+    let q = each!(dr in moves => column_on_sphere(mirror, &plane, &dr, p));
     let deviations = stage!("ellipse.pixel", ellipse::pixel_columns(&q, p));
     let ellipse = stage!("ellipse", ellipse::ellipse(deviations, p));
-    let axes = stage!("axes", axes::axes(&ellipse, p));
-    let spread = stage!("sweep.spread", sweep::spread(&axes, p));
-    let probes = stage!("probes", probes::count_and_level(&axes, spread, map, p));
+    let (axes, spread, probes) = spread_probes(&ellipse, map, p);
 
     let turns = each!([_, dn] in pairs => dn);
     let shares = stage!("sweep.shares", sweep::shares(deviations, &axes, (spread, probes.count), p));
     let first = stage!("sweep.first", sweep::mixed(&shares, &moves, p));
     let turn = stage!("sweep.turn", sweep::mixed(&shares, &turns, p));
-    let second = stage!("sweep.second", reflect::reflect(&turn, mirror.view, p));
     let shift = stage!("sweep.mean", sweep::mean_shift(&turns, mirror.view, p));
-    let r = &mirror.reflected.r;
-    let centre = stage!("sweep.centre", sweep::centre(r, [&shift, &second.r], &axes, p));
-    let sweep = stage!("sweep", sweep::sweep(r, [&centre, &first, &second.r], &probes, p));
+    let sweep = swept(mirror, [&first, &turn, &shift], &axes, &probes, p);
 
     let mut columns = [Block::zero(); 4];
     for (column, q) in columns.iter_mut().zip(q) {
@@ -235,6 +231,53 @@ fn lobe<W: Staged, const COLUMNS: usize>(
     let none = Footprint::none();
     let CountAndLevel { count, empty, capped, .. } = probes;
     Footprint { columns, ellipse, axes, probes: Probes { count, empty, capped, ..none.probes }, sweep }
+}
+
+#[inline(always)]
+fn tangent_plane<W: Staged>(mirror: &Mirror<'_, W>, p: &Precision) -> TangentPlane<W> {
+    stage!("columns.plane", columns::tangent_plane(mirror.point, p))
+}
+
+#[inline(always)]
+fn derivative<W: Staged>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
+    stage!("columns.derivative", columns::derivative(mirror, dv, dn, p))
+}
+
+#[inline(always)]
+fn column_on_sphere<W: Staged>(
+    mirror: &Mirror<'_, W>,
+    plane: &TangentPlane<W>,
+    dr: &Block<W, 3>,
+    p: &Precision,
+) -> Block<W, 2> {
+    stage!("columns.sphere", columns::on_sphere(mirror, plane, dr, p))
+}
+
+/// The axes of a lobe, how far probes spread over the longer one, and how many there are.
+#[inline(always)]
+fn spread_probes<W: Staged>(
+    ellipse: &Ellipse<W>,
+    map: &MapScale<W>,
+    p: &Precision,
+) -> (Axes<W>, Mantissa<W>, CountAndLevel<W>) {
+    let axes = principal(ellipse, p);
+    let spread = stage!("sweep.spread", sweep::spread(&axes, p));
+    (axes, spread, stage!("probes", probes::count_and_level(&axes, spread, map, p)))
+}
+
+/// The sweep of columns that are mixed: dr, dn, and how far the mean of the lobe lies from r.
+#[inline(always)]
+fn swept<W: Staged>(
+    mirror: &Mirror<'_, W>,
+    [first, turn, shift]: [&Block<W, 3>; 3],
+    axes: &Axes<W>,
+    probes: &CountAndLevel<W>,
+    p: &Precision,
+) -> Sweep<W> {
+    let second = stage!("sweep.second", reflect::reflect(turn, mirror.view, p));
+    let r = &mirror.reflected.r;
+    let centre = stage!("sweep.centre", sweep::centre(r, [shift, &second.r], axes, p));
+    stage!("sweep", sweep::sweep(r, [&centre, first, &second.r], probes, p))
 }
 
 /// The outcomes of the stages in the form of ports.
