@@ -3,11 +3,11 @@
 
 use crate::bundle::Value;
 use crate::datapath;
-use crate::fx::Fx;
+use crate::fx::{Fx, Int};
 use crate::plan::{PeakPlan, ReflectionPlan, SurfacePlan};
 use crate::ports::{
     HighlightIn, HighlightInput, HighlightOut, HighlightOutput, PeakIn, PeakInput, PeakOut, PeakOutput, Port,
-    ReflectionIn, ReflectionInput, ReflectionOut, ReflectionOutput, TextureIn,
+    PortBlock, ReflectionIn, ReflectionInput, ReflectionOut, ReflectionOutput, SurfaceInput, TextureIn,
 };
 use crate::precision::Precision;
 use crate::scalar::Scalar;
@@ -39,7 +39,12 @@ pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>)
 
 /// The scale of an environment whose faces have `edge` texels, read as 1…16384.
 pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
-    let edge = &Value(Fx::from_raw(i32::from(edge)));
+    map_scale(Fx::from_raw(i32::from(edge)), p)
+}
+
+/// The scale of an environment from its port.
+fn map_scale(edge: Int<Scalar>, p: &Precision) -> MapScale<Scalar> {
+    let edge = &Value(edge);
     on_words!(p, |edge| datapath::map_scale(edge.0, p))
 }
 
@@ -50,12 +55,39 @@ pub fn reflection(
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> datapath::Reflection<Scalar> {
-    on_words!(p, |input, map| datapath::reflection(input, map, plan, p))
+    reflection_of(&surface(&input.surface, &plan.surface(), p), [&input.dview, &input.dnormal], map, plan, p)
+}
+
+/// The same of a surface that is made, with the derivatives ∂v and ∂n over the pixel.
+pub fn reflection_of(
+    surface: &datapath::Surface<Scalar>,
+    [dview, dnormal]: [&[PortBlock<Scalar, 3>; 2]; 2],
+    map: &MapScale<Scalar>,
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> datapath::Reflection<Scalar> {
+    on_words!(p, |surface, dview, dnormal, map| datapath::reflection_of(surface, [dview, dnormal], map, plan, p))
+}
+
+/// The perturbed and rough surface of a fragment.
+pub fn surface(input: &SurfaceInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> datapath::Surface<Scalar> {
+    on_words!(p, |input| datapath::surface(input, plan, p))
 }
 
 /// The reflection datapath from ports to ports.
 pub fn fragment(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
-    on_words!(p, |input| datapath::fragment(input, plan, p))
+    let stages = &reflection(input, &map_scale(input.edge_texels, p), plan, p);
+    on_words!(p, |stages| datapath::reflection::leave(stages))
+}
+
+/// The footprint of a pixel in a repeated map of that scale.
+pub fn texture_footprint(
+    duv: &[PortBlock<Scalar, 2>; 2],
+    texture: &TextureScale<Scalar>,
+    map: &MapScale<Scalar>,
+    p: &Precision,
+) -> datapath::TextureFootprint<Scalar> {
+    on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p))
 }
 
 /// The highlight datapath from ports to ports.
@@ -79,11 +111,10 @@ impl TextureIn {
     /// Runs the scalar texture footprint.
     pub fn footprint(
         &self,
-        scale: &(TextureScale<Scalar>, MapScale<Scalar>),
+        (texture, map): &(TextureScale<Scalar>, MapScale<Scalar>),
         p: &Precision,
     ) -> datapath::TextureFootprint<Scalar> {
-        let (duv, (texture, map)) = (&self.duv.wires(), scale);
-        on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p))
+        texture_footprint(&self.duv.wires(), texture, map, p)
     }
 }
 

@@ -356,8 +356,16 @@ fn functions(assembly: &str) -> Vec<(&str, Vec<&str>)> {
 fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
     let assembly = release_assembly();
     // The scalar datapath is in there: these entry points are not generic.
-    let soft_core =
-        ["reflection", "fragment", "footprint", "highlight", "lit_peak", "environment_scale", "texture_scale"];
+    let soft_core = [
+        "surface",
+        "reflection_of",
+        "fragment",
+        "texture_footprint",
+        "highlight",
+        "lit_peak",
+        "map_scale",
+        "texture_scale",
+    ];
     let probe_list = ["environment_probes", "sphere_probes", "texture_probes"];
     for (file, entries) in [("soft_core", &soft_core[..]), ("probe_list", &probe_list)] {
         for entry in entries {

@@ -40,14 +40,11 @@ pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Preci
                 each!(vector in [first, second] => stage!("enter.tangent", enter::enter(vector, p)))
             }
         };
-        stage!(
-            "frame",
-            match plan.frame {
-                FrameSystem::MainDirection => frame::main_direction(&normal, &vectors[0], p),
-                FrameSystem::Natural => frame::natural(&normal, &vectors, p),
-                FrameSystem::NaturalNormalised => frame::natural_normalised(&normal, &vectors, p),
-            }
-        )
+        match plan.frame {
+            FrameSystem::MainDirection => stage!("frame", frame::main_direction(&normal, &vectors[0], p)),
+            FrameSystem::Natural => stage!("frame", frame::natural(&normal, &vectors, p)),
+            FrameSystem::NaturalNormalised => stage!("frame", frame::natural_normalised(&normal, &vectors, p)),
+        }
     } else {
         TangentFrame { e1: Block::zero(), e2: Block::zero(), pole: never::<W>() }
     };
@@ -63,13 +60,10 @@ pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Preci
         RoughnessKind::None => [Block::zero(); 2],
         kind => {
             let d = stage!("enter.roughness", each!(d in input.roughness => enter::enter_offset(d, p)));
-            stage!(
-                "roughness",
-                match kind {
-                    RoughnessKind::Anisotropic => roughness::anisotropic(&d, &frame.e1, &frame.e2, p),
-                    _ => roughness::isotropic(d[0], &frame.e1, &frame.e2, p),
-                }
-            )
+            match kind {
+                RoughnessKind::Anisotropic => stage!("roughness", roughness::anisotropic(&d, &frame.e1, &frame.e2, p)),
+                _ => stage!("roughness", roughness::isotropic(d[0], &frame.e1, &frame.e2, p)),
+            }
         }
     };
     Surface { normal, view, frame, normal_mod, rough }

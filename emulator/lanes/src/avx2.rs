@@ -6,7 +6,7 @@ use core::arch::x86_64::*;
 use fearless_simd::x86::Avx2 as Proof;
 use fearless_simd::{SimdInto, i32x8, i64x4};
 
-use roughxel_core::each::{each, places};
+use roughxel_core::each::each;
 
 use super::vectors::{Table, vectors};
 
@@ -18,7 +18,7 @@ type ShortFlag = __m256i;
 
 vectors! {
     /// x86-64-v3: vectors of 256 bits.
-    Avx2: Proof, as_avx2, 8 lanes of Word, Wide, Flag, Short, ShortFlag;
+    Avx2: Proof, as_avx2, 2 vectors of Word, Wide, Flag, Short, ShortFlag;
 
     to {
         fn words(t, lanes: [i32; 8]) -> Word { let v: i32x8<Proof> = lanes.simd_into(t); v.into() }

@@ -6,7 +6,7 @@ use core::arch::x86_64::*;
 use fearless_simd::x86::Avx512 as Proof;
 use fearless_simd::{SimdInto, i32x16, i64x8};
 
-use roughxel_core::each::{each, places};
+use roughxel_core::each::each;
 use roughxel_core::rom::upper;
 
 use super::vectors::{Table, vectors};
@@ -61,7 +61,7 @@ macro_rules! look_up {
 
 vectors! {
     /// AVX-512 of Ice Lake and later: vectors of 512 bits, masks, leading zeros.
-    Avx512: Proof, as_avx512, 16 lanes of Word, Wide, Flag, Short, ShortFlag;
+    Avx512: Proof, as_avx512, 1 vectors of Word, Wide, Flag, Short, ShortFlag;
 
     to {
         fn words(t, lanes: [i32; 16]) -> Word { let v: i32x16<Proof> = lanes.simd_into(t); v.into() }

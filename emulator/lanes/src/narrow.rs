@@ -73,7 +73,7 @@ macro_rules! halves {
             /// The values, lane 0 first.
             #[inline(always)]
             pub fn lanes(self) -> [$int; NARROW_LANES] {
-                let halves = each!(half in self.0 => half.lanes());
+                let halves = [self.0[0].lanes(), self.0[1].lanes()];
                 each!(i in places() => halves[i % 2][i / 2])
             }
         }
@@ -117,7 +117,7 @@ impl<T: Target> Not for NarrowFlags<T> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        Self { words: self.proof().not_short(self.words), halves: each!(half in self.halves => !half) }
+        Self { words: self.proof().not_short(self.words), halves: [!self.halves[0], !self.halves[1]] }
     }
 }
 
@@ -127,7 +127,7 @@ impl<T: Target> BitAnd for NarrowFlags<T> {
     fn bitand(self, other: Self) -> Self {
         Self {
             words: self.proof().both_short(self.words, other.words),
-            halves: each!(half in [0, 1] => self.halves[half] & other.halves[half]),
+            halves: [self.halves[0] & other.halves[0], self.halves[1] & other.halves[1]],
         }
     }
 }
@@ -138,7 +138,7 @@ impl<T: Target> BitOr for NarrowFlags<T> {
     fn bitor(self, other: Self) -> Self {
         Self {
             words: self.proof().either_short(self.words, other.words),
-            halves: each!(half in [0, 1] => self.halves[half] | other.halves[half]),
+            halves: [self.halves[0] | other.halves[0], self.halves[1] | other.halves[1]],
         }
     }
 }
@@ -153,51 +153,51 @@ impl<T: Target, X: Wire<Flag = FlagLanes<T>, Count = Lanes<T>>> Wire for Halves<
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].add(other.0[half])))
+        Self([self.0[0].add(other.0[0]), self.0[1].add(other.0[1])])
     }
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].sub(other.0[half])))
+        Self([self.0[0].sub(other.0[0]), self.0[1].sub(other.0[1])])
     }
     #[inline(always)]
     fn shl(self, k: u32) -> Self {
-        Self(each!(half in self.0 => half.shl(k)))
+        Self([self.0[0].shl(k), self.0[1].shl(k)])
     }
     #[inline(always)]
     fn sar(self, k: u32) -> Self {
-        Self(each!(half in self.0 => half.sar(k)))
+        Self([self.0[0].sar(k), self.0[1].sar(k)])
     }
     #[inline(always)]
     fn shl_by(self, k: Self::Count) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].shl_by(k.0[half])))
+        Self([self.0[0].shl_by(k.0[0]), self.0[1].shl_by(k.0[1])])
     }
     #[inline(always)]
     fn sar_by(self, k: Self::Count) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].sar_by(k.0[half])))
+        Self([self.0[0].sar_by(k.0[0]), self.0[1].sar_by(k.0[1])])
     }
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].and(other.0[half])))
+        Self([self.0[0].and(other.0[0]), self.0[1].and(other.0[1])])
     }
     #[inline(always)]
     fn or(self, other: Self) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].or(other.0[half])))
+        Self([self.0[0].or(other.0[0]), self.0[1].or(other.0[1])])
     }
     #[inline(always)]
     fn xor(self, other: Self) -> Self {
-        Self(each!(half in [0, 1] => self.0[half].xor(other.0[half])))
+        Self([self.0[0].xor(other.0[0]), self.0[1].xor(other.0[1])])
     }
     #[inline(always)]
     fn lt(self, other: Self) -> NarrowFlags<T> {
-        NarrowFlags::of_halves(each!(half in [0, 1] => self.0[half].lt(other.0[half])))
+        NarrowFlags::of_halves([self.0[0].lt(other.0[0]), self.0[1].lt(other.0[1])])
     }
     #[inline(always)]
     fn select(flag: NarrowFlags<T>, a: Self, b: Self) -> Self {
-        Self(each!(half in [0, 1] => X::select(flag.halves[half], a.0[half], b.0[half])))
+        Self([X::select(flag.halves[0], a.0[0], b.0[0]), X::select(flag.halves[1], a.0[1], b.0[1])])
     }
     #[inline(always)]
     fn leading_zeros(self) -> Self::Count {
-        Halves(each!(half in self.0 => half.leading_zeros()))
+        Halves([self.0[0].leading_zeros(), self.0[1].leading_zeros()])
     }
 }
 
@@ -205,23 +205,23 @@ impl<T: Target> Word for Halves<Lanes<T>> {
     type Wide = Halves<WideLanes<T>>;
     #[inline(always)]
     fn mul(self, other: Self) -> Self::Wide {
-        Halves(each!(half in [0, 1] => self.0[half].mul(other.0[half])))
+        Halves([self.0[0].mul(other.0[0]), self.0[1].mul(other.0[1])])
     }
     #[inline(always)]
     fn widen(self) -> Self::Wide {
-        Halves(each!(half in self.0 => half.widen()))
+        Halves([self.0[0].widen(), self.0[1].widen()])
     }
     #[inline(always)]
     fn narrow(wide: Self::Wide) -> Self {
-        Self(each!(half in wide.0 => Lanes::narrow(half)))
+        Self([Lanes::narrow(wide.0[0]), Lanes::narrow(wide.0[1])])
     }
     #[inline(always)]
     fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
-        Self(each!(half in wide.0 => Lanes::round(half, drop, up)))
+        Self([Lanes::round(wide.0[0], drop, up), Lanes::round(wide.0[1], drop, up)])
     }
     #[inline(always)]
     fn lookup(index: Self, table: &'static [i32]) -> Self {
-        Self(each!(half in index.0 => Lanes::lookup(half, table)))
+        Self([Lanes::lookup(index.0[0], table), Lanes::lookup(index.0[1], table)])
     }
     #[inline(always)]
     fn to_count(self) -> Self {

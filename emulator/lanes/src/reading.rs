@@ -11,6 +11,7 @@ use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, Sweep};
+use roughxel_core::soft_core;
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
@@ -56,6 +57,14 @@ bundle! {
     }
 }
 
+impl<W: Word> Reflecting<W> {
+    /// ∂v and ∂n.
+    #[inline(always)]
+    fn derivatives(&self) -> [&[PortBlock<W, 3>; 2]; 2] {
+        [&self.dview, &self.dnormal]
+    }
+}
+
 /// A way to compute parts of the datapath for many fragments, or the light of many peaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
@@ -81,10 +90,13 @@ fn lanes_of(p: &Precision) -> Option<Width> {
     }
 }
 
-/// What a part of the datapath makes of every input: `$body` on words of the profile's width, in the scalar reading, or in lanes with
-/// what is the same for all fragments spread over them.
+/// What a part of the datapath makes of every input: `$body` in lanes of the profile's width, with what is the same for all fragments spread
+/// over them, or `$scalar`.
 macro_rules! each_fragment {
-    ($reading:expr, $p:expr, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
+    (
+        $reading:expr, $p:expr, $inputs:expr, $results:expr,
+        |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr, else $scalar:expr
+    ) => {
         match ($reading, lanes_of($p)) {
             #[cfg(target_arch = "x86_64")]
             (Self::Lanes(InstructionSet::Avx2), Some(Width::Narrow)) => {
@@ -102,7 +114,7 @@ macro_rules! each_fragment {
             (Self::Lanes(InstructionSet::Avx512), Some(Width::Full)) => {
                 each_fragment!(@lanes Lanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
             }
-            _ => $results.extend($inputs.iter().map(|$input| on_words!($p, |$input $(, $same)*| $body))),
+            _ => $results.extend($inputs.iter().map(|$input| $scalar)),
         }
     };
     (@lanes $lanes:ty, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
@@ -139,9 +151,13 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, p, inputs, &mut results, |input: ReflectionInput<i32>, scale => Footprint<i32>| {
-            Footprint::of(&datapath::reflection(input, scale, &plan.on_face(), p))
-        });
+        each_fragment!(
+            self, p, inputs, &mut results,
+            |input: ReflectionInput<i32>, scale => Footprint<i32>| {
+                Footprint::of(&datapath::reflection(input, scale, &plan.on_face(), p))
+            },
+            else Footprint::of(&soft_core::reflection(input, scale, &plan.on_face(), p))
+        );
         results
     }
 
@@ -154,19 +170,24 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Sweep<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, p, inputs, &mut results, |input: Reflecting<i32>, scale => Sweep<i32>| {
-            let Reflecting { surface, dview, dnormal } = input;
-            datapath::reflection_of(surface, [dview, dnormal], scale, &plan.on_sphere(), p).sweep
-        });
+        each_fragment!(
+            self, p, inputs, &mut results,
+            |input: Reflecting<i32>, scale => Sweep<i32>| {
+                datapath::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_sphere(), p).sweep
+            },
+            else soft_core::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_sphere(), p).sweep
+        );
         results
     }
 
     /// The surface of every fragment, in their order.
     pub fn surfaces(self, inputs: &[SurfaceInput<i32>], plan: &SurfacePlan, p: &Precision) -> Vec<Surface<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, p, inputs, &mut results, |input: SurfaceInput<i32> => Surface<i32>| {
-            datapath::surface(input, plan, p)
-        });
+        each_fragment!(
+            self, p, inputs, &mut results,
+            |input: SurfaceInput<i32> => Surface<i32>| datapath::surface(input, plan, p),
+            else soft_core::surface(input, plan, p)
+        );
         results
     }
 
@@ -179,10 +200,13 @@ impl Reading {
         p: &Precision,
     ) -> Vec<Footprint<i32>> {
         let mut results = Vec::new();
-        each_fragment!(self, p, inputs, &mut results, |input: Reflecting<i32>, scale => Footprint<i32>| {
-            let Reflecting { surface, dview, dnormal } = input;
-            Footprint::of(&datapath::reflection_of(surface, [dview, dnormal], scale, &plan.on_face(), p))
-        });
+        each_fragment!(
+            self, p, inputs, &mut results,
+            |input: Reflecting<i32>, scale => Footprint<i32>| {
+                Footprint::of(&datapath::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_face(), p))
+            },
+            else Footprint::of(&soft_core::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_face(), p))
+        );
         results
     }
 
@@ -194,9 +218,13 @@ impl Reading {
         p: &Precision,
         probes: &mut Vec<Probes<i32>>,
     ) {
-        each_fragment!(self, p, derivatives, probes, |duv: [PortBlock<i32, 2>; 2], texture, scale => Probes<i32>| {
-            datapath::texture_footprint(duv, texture, scale, p).probes
-        });
+        each_fragment!(
+            self, p, derivatives, probes,
+            |duv: [PortBlock<i32, 2>; 2], texture, scale => Probes<i32>| {
+                datapath::texture_footprint(duv, texture, scale, p).probes
+            },
+            else soft_core::texture_footprint(duv, texture, scale, p).probes
+        );
     }
 
     /// Adds the light that every peak returns for one half vector to `lights`, in their order.

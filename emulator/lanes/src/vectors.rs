@@ -123,7 +123,7 @@ vectors_trait! {
 macro_rules! vectors {
     (
         $(#[$doc:meta])*
-        $target:ident: $proof:ident, $detected:ident, $width:literal lanes of $Word:ident, $Wide:ident, $Flag:ident, $Short:ident, $ShortFlag:ident;
+        $target:ident: $proof:ident, $detected:ident, $vectors:tt vectors of $Word:ident, $Wide:ident, $Flag:ident, $Short:ident, $ShortFlag:ident;
         to { $(fn $to:ident($t0:ident, $a0:ident: $lanes0:ty) -> $out0:ident $body0:block)* }
         from { $(fn $from:ident($t1:ident, $a1:ident: $ty1:ident) -> $lanes1:ty $body1:block)* }
         all { $(fn $all:ident($t2:ident, $a2:ident: $ty2:ident) -> $out2:ident $body2:block)* }
@@ -133,8 +133,6 @@ macro_rules! vectors {
         $(fearless_simd::kernel! { #[inline(always)] fn $from($t1: $target, $a1: $ty1) -> $lanes1 { $body1 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
-
-        const VECTORS: usize = $crate::LANES / $width;
 
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -173,11 +171,11 @@ macro_rules! vectors {
         }
 
         impl $crate::vectors::Vectors for $target {
-            type Words = [$Word; VECTORS];
-            type Wides = [$Wide; VECTORS];
-            type Flags = [$Flag; VECTORS];
-            type Shorts = [$Short; VECTORS];
-            type ShortFlags = [$ShortFlag; VECTORS];
+            type Words = [$Word; $vectors];
+            type Wides = [$Wide; $vectors];
+            type Flags = [$Flag; $vectors];
+            type Shorts = [$Short; $vectors];
+            type ShortFlags = [$ShortFlag; $vectors];
 
             #[inline(always)]
             fn detect() -> Self {
@@ -192,13 +190,14 @@ macro_rules! vectors {
             $(
                 #[inline(always)]
                 fn $to(self, lanes: vectors!(@lanes $out0)) -> vectors!(@vectors $out0) {
-                    each!(v in places() => $to(self.0, lanes.as_chunks().0[v]))
+                    let lanes = lanes.as_chunks().0;
+                    vectors!(@each $vectors, $to, self.0, (lanes: $out0))
                 }
             )*
             $(
                 #[inline(always)]
                 fn $from(self, a: vectors!(@vectors $ty1)) -> vectors!(@lanes $ty1) {
-                    let vectors: [$lanes1; VECTORS] = each!(v in places() => $from(self.0, a[v]));
+                    let vectors: [$lanes1; $vectors] = vectors!(@each $vectors, $from, self.0, (a: $ty1));
                     // As a whole: element by element it is a loop through memory.
                     let Some(&lanes) = vectors.as_flattened().first_chunk() else { $crate::vectors::outside() };
                     lanes
@@ -207,13 +206,13 @@ macro_rules! vectors {
             $(
                 #[inline(always)]
                 fn $all(self, value: $ty2) -> vectors!(@vectors $out2) {
-                    [$all(self.0, value); VECTORS]
+                    [$all(self.0, value); $vectors]
                 }
             )*
             $(
                 #[inline(always)]
                 fn $name(self $(, $a: vectors!(@vectors $ty))*) -> vectors!(@vectors $out) {
-                    each!(v in places() => $name(self.0 $(, vectors!(@vector $ty, $a, v))*))
+                    vectors!(@each $vectors, $name, self.0 $(, ($a: $ty))*)
                 }
             )*
         }
@@ -228,9 +227,16 @@ macro_rules! vectors {
     (@vectors ShortFlag) => { Self::ShortFlags };
     (@vectors u32) => { u32 };
     (@vectors Table) => { Table };
-    (@vector u32, $a:ident, $v:ident) => { $a };
-    (@vector Table, $a:ident, $v:ident) => { $a };
-    (@vector $other:ident, $a:ident, $v:ident) => { $a[$v] };
+    // Written out: as a loop every operation is ten blocks, of which a stage has ten thousands before the optimiser sees it whole.
+    (@each 1, $name:ident, $proof:expr $(, ($a:ident: $ty:ident))*) => {
+        [$name($proof $(, vectors!(@vector $ty, $a, 0))*)]
+    };
+    (@each 2, $name:ident, $proof:expr $(, ($a:ident: $ty:ident))*) => {
+        [$name($proof $(, vectors!(@vector $ty, $a, 0))*), $name($proof $(, vectors!(@vector $ty, $a, 1))*)]
+    };
+    (@vector u32, $a:ident, $v:literal) => { $a };
+    (@vector Table, $a:ident, $v:literal) => { $a };
+    (@vector $other:ident, $a:ident, $v:literal) => { $a[$v] };
 }
 #[cfg(target_arch = "x86_64")]
 pub(crate) use vectors;

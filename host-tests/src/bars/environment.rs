@@ -1,7 +1,6 @@
 //! The step across an edge of the cube: a smooth environment through the integer filter on both sides of its edges.
 
 use glam::DVec3;
-use roughxel_core::datapath;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
@@ -9,7 +8,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
-use roughxel_core::soft_core::environment_scale;
+use roughxel_core::soft_core::{self, environment_scale};
 use roughxel_emulator::frame::{EnvironmentMap, Look};
 use roughxel_emulator::picture::Picture;
 
@@ -116,7 +115,7 @@ impl Sampler<'_> {
         let plan = ReflectionPlan { bump: false, roughness, footprint: kind, ..ReflectionPlan::FULL };
         let input = fragment(direction, radius, aspect, self.p).wires();
         let scale = environment_scale(EDGE as u16, self.p);
-        let stages = datapath::reflection(&input, &scale, &plan, self.p);
+        let stages = soft_core::reflection(&input, &scale, &plan, self.p);
         let probes = match footprint {
             Footprint::Probe { lod } => Probes { lod: Fx::from_raw(lod), ..stages.probes },
             Footprint::Lobe { .. } | Footprint::LobeOnSphere { .. } => stages.probes,

@@ -18,11 +18,11 @@ use roughxel_core::ports::{
 };
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_core::signals::{MapScale, Probes, TexturePosition};
-use roughxel_core::soft_core::{environment_scale, texture_scale};
+use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::stage::filter::Patch;
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{blend, filter, moments, probes};
-use roughxel_core::width::narrowed;
+use roughxel_core::width::{IntegerWord, narrowed, of_ports};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, Scalar, counted, first_difference, reread};
@@ -32,13 +32,13 @@ use roughxel_host_tests::space::{plans, profiles, whole_or};
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {
     let wires = fragment.wires();
     match p.word_bits() {
-        16 => compare_on::<i16>(&narrowed(&wires), fragment, plan, p),
+        16 => compare_on::<i16>(&wires, fragment, plan, p),
         _ => compare_on::<i32>(&wires, fragment, plan, p),
     }
 }
 
-fn compare_on<T: Scalar>(
-    input: &ReflectionInput<T>,
+fn compare_on<T: Scalar + IntegerWord>(
+    input: &ReflectionInput<i32>,
     fragment: &ReflectionIn,
     plan: &ReflectionPlan,
     p: &Precision,
@@ -47,11 +47,12 @@ fn compare_on<T: Scalar>(
     let map = probes::face_scale::<T>(Fx::lit(edge.into()), p);
     let checked_map = probes::face_scale::<T::Checked>(Fx::lit(edge.into()), p);
     assert_eq!(Integers::of::<T, _>(&map), Integers::of::<T::Checked, _>(&checked_map));
-    let soft_core = environment_scale(edge, p);
-    assert_eq!((map.log2_texels, map.last_level), (soft_core.log2_texels, soft_core.last_level));
+    let whole_map = environment_scale(edge, p);
+    assert_eq!((map.log2_texels, map.last_level), (whole_map.log2_texels, whole_map.last_level));
 
-    let scalar = datapath::reflection(input, &map, plan, p);
-    let (checked, counts) = counted(|| datapath::reflection(&reread(input), &checked_map, plan, p));
+    let scalar: datapath::Reflection<T> = of_ports(&soft_core::reflection(input, &whole_map, plan, p));
+    let input = reread(&of_ports::<T, _>(input));
+    let (checked, counts) = counted(|| datapath::reflection(&input, &checked_map, plan, p));
     let (expected, got) = (Integers::of::<T, _>(&scalar), Integers::of::<T::Checked, _>(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
     for index in 0..i64::from(scalar.probes.count.raw()) {

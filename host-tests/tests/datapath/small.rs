@@ -2,12 +2,14 @@
 
 use proptest::prelude::*;
 use roughxel_core::bundle::Value;
-use roughxel_core::datapath;
+use roughxel_core::datapath::{self, Reflection};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{Datapath, Effects, HorizonKind};
+use roughxel_core::plan::{Datapath, Effects, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{HighlightIn, HighlightInput, PeakIn, PeakInput, Port, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::Precision;
+use roughxel_core::signals::MapScale;
 use roughxel_core::small::{Full, Half, WideFull, WideHalf, leading_zeros_by_table, product_by_adds, product_by_table};
+use roughxel_core::soft_core;
 use roughxel_core::width::{IntegerCount, IntegerWord, of_ports, to_ports};
 use roughxel_core::word::{WideWire, Word};
 use roughxel_emulator::cases::highlight::{highlight_sets, random_light};
@@ -94,49 +96,89 @@ proptest! {
     }
 }
 
-/// What every datapath makes of what comes in, as integers.
-fn outcomes<W: IntegerWord>(
-    (reflection, light, peak): (&ReflectionInput<i32>, &HighlightInput<i32>, &PeakInput<i32>),
-    effects: &Effects,
+/// What the reading makes of a fragment: every stage, the ports, every probe.
+#[inline(never)]
+fn reflection_on<W: IntegerWord>(input: &ReflectionInput<i32>, plan: &ReflectionPlan, p: &Precision) -> Vec<i64> {
+    let input = of_ports::<W, _>(input);
+    let map = datapath::map_scale::<W>(input.edge_texels, p);
+    let stages = datapath::reflection(&input, &map, plan, p);
+    let mut integers = net_integers(&to_ports::<W, _>(&stages));
+    integers.extend(left_on::<W>(&stages));
+    integers.extend(probes_on::<W>(&stages, &map, p));
+    integers
+}
+
+/// The same in the scalar reading, on words of that width.
+fn scalar_reflection_on<W: IntegerWord>(
+    input: &ReflectionInput<i32>,
+    plan: &ReflectionPlan,
     p: &Precision,
 ) -> Vec<i64> {
-    let out = datapath::fragment(&of_ports::<W, _>(reflection), &effects.reflection(), p);
-    let mut integers = net_integers(&to_ports::<W, _>(&out));
-    let lit = datapath::lit_surface(&of_ports::<W, _>(light), &effects.highlight(), p);
-    integers.extend(net_integers(&to_ports::<W, _>(&datapath::leave_highlight(&lit))));
-    let lit = datapath::lit_peak(&of_ports::<W, _>(peak), &effects.peak(), p);
-    integers.extend(net_integers(&to_ports::<W, _>(&lit)));
+    let map = soft_core::environment_scale(input.edge_texels.raw() as u16, p);
+    let stages = soft_core::reflection(input, &map, plan, p);
+    let mut integers = net_integers(&stages);
+    let (stages, map) = (of_ports::<W, _>(&stages), of_ports::<W, _>(&map));
+    integers.extend(left_on::<W>(&stages));
+    integers.extend(probes_on::<W>(&stages, &map, p));
+    integers
+}
 
-    let map = datapath::map_scale::<W>(of_ports::<W, _>(&Value(reflection.edge_texels)).0, p);
-    let stages = datapath::reflection(&of_ports::<W, _>(reflection), &map, &effects.reflection(), p);
-    let sweep_index = |index: i32| of_ports::<W, _>(&Value(Fx::from_raw(index))).0;
-    for index in 0..stages.sweep.count.raw().integer() {
-        let probe = datapath::sphere_probe(&stages.sweep, sweep_index(index), map.last_level, p);
+/// The ports of its outcomes.
+#[inline(never)]
+fn left_on<W: IntegerWord>(stages: &Reflection<W>) -> Vec<i64> {
+    net_integers(&to_ports::<W, _>(&datapath::reflection::leave(stages)))
+}
+
+/// All its probes, of either kind.
+#[inline(never)]
+fn probes_on<W: IntegerWord>(stages: &Reflection<W>, map: &MapScale<W>, p: &Precision) -> Vec<i64> {
+    let mut integers = Vec::new();
+    let index = |index: i32| of_ports::<W, _>(&Value(Fx::from_raw(index))).0;
+    for i in 0..stages.sweep.count.raw().integer() {
+        let probe = datapath::sphere_probe(&stages.sweep, index(i), map.last_level, p);
         integers.extend(net_integers(&to_ports::<W, _>(&probe)));
     }
-    for index in 0..16 {
-        let index = of_ports::<W, _>(&Value(Fx::from_raw(index))).0;
-        let probe = datapath::environment_probe(&stages.point, &stages.probes, index, p);
+    for i in 0..stages.probes.count.raw().integer().min(16) {
+        let probe = datapath::environment_probe(&stages.point, &stages.probes, index(i), p);
         integers.extend(net_integers(&to_ports::<W, _>(&probe)));
-        if index.raw().integer() + 1 >= stages.probes.count.raw().integer() {
-            break;
-        }
     }
     integers
 }
 
+#[inline(never)]
+fn highlight_on<W: IntegerWord>(input: &HighlightInput<i32>, plan: &SurfacePlan, p: &Precision) -> Vec<i64> {
+    let lit = datapath::lit_surface(&of_ports::<W, _>(input), plan, p);
+    net_integers(&to_ports::<W, _>(&datapath::leave_highlight(&lit)))
+}
+
+#[inline(never)]
+fn lit_peak_on<W: IntegerWord>(input: &PeakInput<i32>, plan: &PeakPlan, p: &Precision) -> Vec<i64> {
+    net_integers(&to_ports::<W, _>(&datapath::lit_peak(&of_ports::<W, _>(input), plan, p)))
+}
+
 /// The small reading and the scalar one.
 fn compare(
-    input: (&ReflectionInput<i32>, &HighlightInput<i32>, &PeakInput<i32>),
+    (reflection, light, peak): (&ReflectionInput<i32>, &HighlightInput<i32>, &PeakInput<i32>),
     effects: &Effects,
     profile: &str,
     p: &Precision,
 ) {
-    let (small, scalar) = match p.word_bits() {
-        16 => (outcomes::<Half>(input, effects, p), outcomes::<i16>(input, effects, p)),
-        _ => (outcomes::<Full>(input, effects, p), outcomes::<i32>(input, effects, p)),
+    let plans = (&effects.reflection(), &effects.highlight(), &effects.peak());
+    let [small, scalar] = if p.word_bits() == 16 {
+        [reflection_on::<Half>(reflection, plans.0, p), scalar_reflection_on::<i16>(reflection, plans.0, p)]
+    } else {
+        [reflection_on::<Full>(reflection, plans.0, p), scalar_reflection_on::<i32>(reflection, plans.0, p)]
     };
-    assert_eq!(small, scalar, "{profile}, {effects:?}, {input:?}");
+    assert_eq!(small, scalar, "{profile}, {effects:?}, {reflection:?}");
+    let [small_light, small_peak] = if p.word_bits() == 16 {
+        [highlight_on::<Half>(light, plans.1, p), lit_peak_on::<Half>(peak, plans.2, p)]
+    } else {
+        [highlight_on::<Full>(light, plans.1, p), lit_peak_on::<Full>(peak, plans.2, p)]
+    };
+    let scalar = net_integers(&soft_core::highlight(light, plans.1, p));
+    assert_eq!(small_light, scalar, "{profile}, {effects:?}, {light:?}");
+    let scalar = net_integers(&soft_core::lit_peak(peak, plans.2, p));
+    assert_eq!(small_peak, scalar, "{profile}, {effects:?}, {peak:?}");
 }
 
 #[test]
