@@ -12,6 +12,7 @@ use crate::precision::Precision;
 use crate::rom::MAX_PROBES;
 use crate::scalar::Scalar;
 use crate::signals::{CubePoint, FaceProbe, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe};
+use crate::soft_core;
 use crate::stage::texture::TextureScale;
 use crate::width::on_words;
 
@@ -43,11 +44,8 @@ pub fn environment_probes(
 
 /// Probes on the sphere, of an environment with levels up to `last_level`.
 pub fn sphere_probes(sweep: &Sweep<Scalar>, last_level: u32, p: &Precision) -> ProbeList<SphereProbe<Scalar>> {
-    let last_level = &Value(Fx::<_, 32>::from_raw(last_level as i32));
-    list(sweep.count, |index| {
-        let index = &Value(index);
-        on_words!(p, |sweep, index, last_level| datapath::sphere_probe(sweep, index.0, last_level.0, p))
-    })
+    let last_level = Fx::from_raw(last_level as i32);
+    list(sweep.count, |index| soft_core::sphere_probe(sweep, index, last_level, p))
 }
 
 /// Probes in a repeated map.

@@ -11,7 +11,7 @@ use crate::ports::{
 };
 use crate::precision::Precision;
 use crate::scalar::Scalar;
-use crate::signals::MapScale;
+use crate::signals::{MapScale, SphereProbe, Sweep};
 use crate::stage::texture::TextureScale;
 use crate::width::on_words;
 
@@ -78,6 +78,17 @@ pub fn surface(input: &SurfaceInput<Scalar>, plan: &SurfacePlan, p: &Precision) 
 pub fn fragment(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
     let stages = &reflection(input, &map_scale(input.edge_texels, p), plan, p);
     on_words!(p, |stages| datapath::reflection::leave(stages))
+}
+
+/// Probe `index` of a footprint on the sphere, of an environment with levels up to `last_level`.
+pub fn sphere_probe(
+    sweep: &Sweep<Scalar>,
+    index: Int<Scalar>,
+    last_level: Int<Scalar>,
+    p: &Precision,
+) -> SphereProbe<Scalar> {
+    let (index, last_level) = (&Value(index), &Value(last_level));
+    on_words!(p, |sweep, index, last_level| datapath::sphere_probe(sweep, index.0, last_level.0, p))
 }
 
 /// The footprint of a pixel in a repeated map of that scale.

@@ -7,13 +7,13 @@ use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
-use roughxel_core::probe_list::sphere_probes;
-use roughxel_core::signals::Sweep;
+use roughxel_core::signals::{SphereProbe, Sweep};
 use roughxel_lanes::{Footprint, Reflecting};
 
 use super::colour::Channel;
 use super::environment::Look;
 use super::lighting::PeaksRead;
+use super::phases::{Phase, PhaseClock};
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, MapReads, Taps};
 use crate::plan::Mode;
@@ -78,6 +78,8 @@ pub(super) struct Waiting {
     inputs: Inputs,
     /// Where each counts, and its colour without the reflection.
     places: Vec<(Place, [Channel; 3])>,
+    /// Probes on the sphere of one batch; the memory is kept for the next one.
+    probes: Vec<SphereProbe<i32>>,
 }
 
 /// What a reflection is made of.
@@ -93,7 +95,7 @@ impl Waiting {
     pub(super) fn of(object: &PreparedObject) -> Self {
         let plan = object.plan.reflection.unwrap_or(ReflectionPlan::FULL);
         let inputs = if object.lighting.is_some() { Inputs::Surfaces(Vec::new()) } else { Inputs::Ports(Vec::new()) };
-        Self { plan, reflectance: object.reflectance, inputs, places: Vec::new() }
+        Self { plan, reflectance: object.reflectance, inputs, places: Vec::new(), probes: Vec::new() }
     }
 
     /// None of the rays that hit nothing: mirrors without bumps.
@@ -105,7 +107,13 @@ impl Waiting {
             curvature: false,
             footprint: if mode.filters() { FootprintKind::Face } else { FootprintKind::None },
         };
-        Self { plan, reflectance: [Fx::int(1); 3], inputs: Inputs::Ports(Vec::new()), places: Vec::new() }
+        Self {
+            plan,
+            reflectance: [Fx::int(1); 3],
+            inputs: Inputs::Ports(Vec::new()),
+            places: Vec::new(),
+            probes: Vec::new(),
+        }
     }
 }
 
@@ -114,12 +122,13 @@ pub(super) struct Sums {
     pub(super) pixels: Vec<[PixelSum<i32>; 3]>,
     /// Taps, of four texels each.
     pub(super) taps: u64,
+    pub(super) clock: PhaseClock,
 }
 
 impl Sums {
     /// No light in so many pixels.
     pub(super) fn new(pixels: usize) -> Self {
-        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0 }
+        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0, clock: PhaseClock::start() }
     }
 
     /// Adds a colour to a pixel, as often as it counts there.
@@ -143,7 +152,9 @@ impl Prepared<'_> {
         sums: &mut Sums,
     ) {
         let Fragments { attributes, places, directions, footprints } = fragments;
+        let caller = sums.clock.enter(Phase::Footprints);
         footprints.set(attributes.iter(), self.reading, &self.precision);
+        sums.clock.enter(Phase::Maps);
         // The taps of a whole batch push its attributes out of the first-level cache.
         let last_taps = if object.lighting.is_some() { attributes.len().saturating_sub(1) } else { 0 };
         reads.begin(last_taps + 1);
@@ -170,7 +181,9 @@ impl Prepared<'_> {
                 }
             }
             Some(lighting) => {
+                sums.clock.enter(Phase::Footprints);
                 let made = self.reading.surfaces(surfaces, &object.plan.surface(), &self.precision);
+                sums.clock.enter(Phase::Lights);
                 for (index, (surface, place)) in made.iter().zip(coloured).enumerate() {
                     let (own, colour) = place;
                     let mut maps =
@@ -191,6 +204,7 @@ impl Prepared<'_> {
         attributes.clear();
         places.clear();
         directions.clear();
+        sums.clock.enter(caller);
     }
 
     /// Lets a fragment wait; with [`REFLECTED`] of them, all are reflected.
@@ -234,22 +248,30 @@ impl Prepared<'_> {
 
     /// The waiting fragments through the reflection datapath, the environment and the blend.
     pub(super) fn fetch(&self, waiting: &mut Waiting, sums: &mut Sums) {
-        let Waiting { plan, reflectance, inputs, places } = waiting;
+        let Waiting { plan, reflectance, inputs, places, probes } = waiting;
         // The bias of rough reflections is the object's, whatever a batch leaves out.
         let is_rough = plan.roughness != RoughnessKind::None;
+        let caller = sums.clock.enter(Phase::Footprints);
         let seen = self.seen(plan, inputs);
         match plan.footprint {
             FootprintKind::None | FootprintKind::Face => {
                 let footprints = self.footprints(&seen, inputs);
+                sums.clock.enter(Phase::Environment);
                 for (Footprint { point, probes }, place) in footprints.iter().zip(places.drain(..)) {
                     self.read(Look::Face(point, probes), is_rough, reflectance, place, sums);
                 }
             }
             FootprintKind::Sphere => {
-                let last_level = self.environment_scale.last_level.raw().unsigned_abs();
-                for (sweep, place) in self.sweeps(&seen, inputs).iter().zip(places.drain(..)) {
-                    let probes = sphere_probes(sweep, last_level, &self.precision);
-                    self.read(Look::Sphere(&probes), is_rough, reflectance, place, sums);
+                let last_level = self.environment_scale.last_level;
+                let sweeps = self.sweeps(&seen, inputs);
+                probes.clear();
+                self.reading.sphere_probes(&sweeps, last_level, &self.precision, probes);
+                sums.clock.enter(Phase::Environment);
+                let mut rest = probes.as_slice();
+                for (sweep, place) in sweeps.iter().zip(places.drain(..)) {
+                    let (own, others) = rest.split_at(sweep.count.raw() as usize);
+                    self.read(Look::Sphere(own), is_rough, reflectance, place, sums);
+                    rest = others;
                 }
             }
         }
@@ -257,6 +279,7 @@ impl Prepared<'_> {
             Inputs::Ports(inputs) => inputs.clear(),
             Inputs::Surfaces(inputs) => inputs.clear(),
         }
+        sums.clock.enter(caller);
     }
 
     /// What a fragment sees of the environment, blended with its own colour.

@@ -11,8 +11,18 @@ use super::batch::{Fragments, Place, Reads, SHADED, Sums, Waiting};
 use super::colour::{Channel, colour_word};
 use super::frame::Frame;
 use super::lighting::Points;
+use super::phases::PhaseTimes;
 use super::prepare::Prepared;
 use crate::raster::{RasterError, SUBPIXELS, Sample, Sampling, TileRect, Triangle, TriangleList, tiles};
+
+/// What drawing took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counted {
+    /// Texels that were read, those of each map and level by themselves.
+    pub texels: u64,
+    /// Where the time went.
+    pub times: PhaseTimes,
+}
 
 /// What a ray that hits nothing sees.
 enum Ray {
@@ -28,29 +38,30 @@ impl Prepared<'_> {
         Ok(self.render_counted(progress)?.0)
     }
 
-    /// The same with the number of texels that were read, those of each map and level by themselves.
-    pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, u64), RasterError> {
+    /// The same with what it took.
+    pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Counted), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
-        let shaded: Vec<(TileRect, Vec<Colour>, u64)> = tiles(width, height)
+        let shaded: Vec<(TileRect, Vec<Colour>, Counted)> = tiles(width, height)
             .collect::<Vec<_>>()
             .into_par_iter()
             .map(|tile| {
-                let (colours, texels) = self.shade_tile(&triangles, tile);
+                let (colours, counted) = self.shade_tile(&triangles, tile);
                 progress();
-                (tile, colours, texels)
+                (tile, colours, counted)
             })
             .collect();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
-        let mut texels = 0;
-        for (tile, colours, read) in shaded {
-            texels += read;
+        let mut counted = Counted::default();
+        for (tile, colours, own) in shaded {
+            counted.texels += own.texels;
+            counted.times.add(&own.times);
             for (row, line) in (0..).zip(colours.chunks(tile.width as usize)) {
                 let start = (tile.y + row) as usize * width as usize + tile.x as usize;
                 pixels[start..start + line.len()].copy_from_slice(line);
             }
         }
-        Ok((Frame { width, height, pixels }, texels))
+        Ok((Frame { width, height, pixels }, counted))
     }
 
     /// Number of progress steps of [`Self::render`].
@@ -67,8 +78,8 @@ impl Prepared<'_> {
         }
     }
 
-    /// The colours of a tile, and the number of texels that were read.
-    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, u64) {
+    /// The colours of a tile, and what they took.
+    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, Counted) {
         let mut sums = Sums::new(tile.width as usize * tile.height as usize);
         let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
         let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
@@ -117,7 +128,8 @@ impl Prepared<'_> {
         };
         let colours = sums.pixels.into_iter().zip(counts);
         let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
-        (colours.collect(), 4 * sums.taps)
+        let colours = colours.collect();
+        (colours, Counted { texels: 4 * sums.taps, times: sums.clock.stop() })
     }
 
     /// What the ray through a pixel sees that hits nothing.

@@ -6,11 +6,11 @@ use std::str::FromStr;
 use roughxel_core::bundle::{Value, bundle};
 use roughxel_core::datapath::{self, Reflection, Surface};
 use roughxel_core::design::Form;
-use roughxel_core::fx::Control;
+use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::Precision;
-use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, Sweep};
+use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, SphereProbe, Sweep};
 use roughxel_core::soft_core;
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
@@ -54,6 +54,16 @@ bundle! {
         dview: [PortBlock<W, 3>; 2],
         /// ∂n/∂x and ∂n/∂y.
         dnormal: [PortBlock<W, 3>; 2],
+    }
+}
+
+bundle! {
+    /// A probe of a footprint on the sphere that is to be made.
+    pub struct Step<W> {
+        /// What it steps along.
+        sweep: Sweep<W>,
+        /// 0 … N − 1.
+        index: Int<W>,
     }
 }
 
@@ -178,6 +188,27 @@ impl Reading {
             else soft_core::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_sphere(), p).sweep
         );
         results
+    }
+
+    /// Adds all probes of every sweep to `probes`, in their order, on an environment with levels up to `last_level`.
+    pub fn sphere_probes(
+        self,
+        sweeps: &[Sweep<i32>],
+        last_level: Int<i32>,
+        p: &Precision,
+        probes: &mut Vec<SphereProbe<i32>>,
+    ) {
+        let steps = sweeps
+            .iter()
+            .flat_map(|&sweep| (0..sweep.count.raw()).map(move |index| Step { sweep, index: Fx::from_raw(index) }));
+        let (steps, last_level) = (steps.collect::<Vec<_>>(), &Value(last_level));
+        each_fragment!(
+            self, p, &steps, probes,
+            |step: Step<i32>, last_level => SphereProbe<i32>| {
+                datapath::sphere_probe(&step.sweep, step.index, last_level.0, p)
+            },
+            else soft_core::sphere_probe(&step.sweep, step.index, last_level.0, p)
+        );
     }
 
     /// The surface of every fragment, in their order.

@@ -126,8 +126,8 @@ impl<'a> FrameMeter<'a> {
         }
         let mut worst = Seen { texels: 0.0, psnr: f64::INFINITY };
         for scene in &self.scenes {
-            let (frame, texels) = scene.prepare(p)?.render_counted(&|| ())?;
-            worst.texels = worst.texels.max(texels as f64 / frame.pixels.len() as f64);
+            let (frame, counted) = scene.prepare(p)?.render_counted(&|| ())?;
+            worst.texels = worst.texels.max(counted.texels as f64 / frame.pixels.len() as f64);
             worst.psnr = worst.psnr.min(RealPicture::from(&frame).psnr(&scene.truth));
         }
         self.seen.borrow_mut().insert(knobs, worst);
@@ -191,8 +191,8 @@ mod tests {
         let (drawn, narrow) = (|| meter.seen.borrow().len(), Precision::NARROW);
         let texels = meter.cost(Clock::Memory, &narrow).expect("frames tell texels");
         let frame = meter.scenes[0].prepare(&narrow).and_then(|prepared| prepared.render_counted(&|| ()));
-        let (frame, read) = frame.expect("a frame");
-        assert_eq!(texels, read as f64 / frame.pixels.len() as f64);
+        let (frame, counted) = frame.expect("a frame");
+        assert_eq!(texels, counted.texels as f64 / frame.pixels.len() as f64);
         assert_eq!(meter.psnr(&narrow), RealPicture::from(&frame).psnr(&meter.scenes[0].truth));
         assert!(meter.cost(Clock::SoftCore, &narrow) > Some(texels));
         assert_eq!(drawn(), 1);

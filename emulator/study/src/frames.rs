@@ -93,7 +93,7 @@ impl Judge {
     /// Draws a frame and judges it; a mode that does not filter with footprints has no same filter to be compared with.
     pub fn frame(&self, mode: Mode, p: &Precision) -> Result<(Frame, FrameFigures), StudyError> {
         let prepared = self.subject.prepare(mode, p)?;
-        let (frame, texels) = prepared.render_counted(&|| ())?;
+        let (frame, counted) = prepared.render_counted(&|| ())?;
         let mut maps: Vec<_> = (0..self.scene().objects.len()).flat_map(|object| prepared.map_bytes(object)).collect();
         // Objects reflect one environment.
         maps.sort_unstable_by_key(|&(effect, bytes)| (effect.name(), bytes));
@@ -109,7 +109,7 @@ impl Judge {
             psnr_truth: finite(drawn.psnr(&self.truth)),
             ssim_truth: ssim(&frame.picture(), &self.truth_shown),
             flip_truth: flip(&frame.picture(), &self.truth_shown),
-            texels: texels as f64 / frame.pixels.len() as f64,
+            texels: counted.texels as f64 / frame.pixels.len() as f64,
             map_bytes: maps.iter().map(|(_, bytes)| bytes).sum(),
             digest: frame.digest(),
         };

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, Rewire, Value};
-use roughxel_core::datapath;
+use roughxel_core::datapath::{self, Reflection};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SHARE};
 use roughxel_core::precision::Precision;
+use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::signals::{LocalDirection, MapScale, Probes};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::width::on_words;
@@ -302,6 +303,14 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
             if let Some(sweep) = sweeps.get(index) {
                 same_wires(&expected.sweep, sweep).map_err(context).unwrap();
             }
+        }
+        let mut probes = Vec::new();
+        reading.sphere_probes(&sweeps, scale.last_level, p, &mut probes);
+        let of_scalar = |stages: &Reflection<i32>| sphere_probes(&stages.sweep, scale.last_level.raw() as u32, p);
+        let expected: Vec<_> = scalar.iter().take(sweeps.len()).flat_map(of_scalar).collect();
+        assert_eq!(probes.len(), expected.len(), "{set}");
+        for (expected, probe) in expected.iter().zip(&probes) {
+            same_wires(expected, probe).unwrap_or_else(|difference| panic!("{set}, {plan:?}: {difference}"));
         }
     }
 }

@@ -1,0 +1,74 @@
+//! Where the time of a frame goes.
+//!
+//! `cargo bench -p roughxel-host-tests --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
+//! pixel and of which phases they are: the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; all others
+//! are what a frame needs beside it. It takes half a minute.
+
+use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use roughxel_core::precision::Precision;
+use roughxel_emulator::frame::{Phase, PhaseTimes, Prepared};
+use roughxel_emulator::plan::Mode;
+use roughxel_emulator::scene::Scene;
+
+/// A bumpy plane to the horizon that mirrors the sky: 512² texels, faces of 512².
+const PLANE: &str = r#"
+[camera]
+eye = [0, 2.2, 6]
+target = [0, 0.6, -2]
+fov_y = 45
+width = 640
+height = 480
+[environment]
+generate = "sky"
+face_edge = 512
+[[object]]
+shape = "plane"
+size = [400, 400]
+uv_repeat = [100, 100]
+[object.material]
+reflectance = [0.9, 0.9, 0.9]
+normal_map = { generate = "hammered", size = 512, dents = 24, slope = 0.2 }
+"#;
+
+const MODES: [(&str, Mode); 3] =
+    [("unfiltered", Mode::Unfiltered), ("footprint", Mode::Footprint), ("16 samples", Mode::Supersampled { edge: 4 })];
+
+/// Frames of which the fastest counts.
+const FRAMES: usize = 5;
+
+fn scenes() -> Vec<Scene> {
+    let plane = Scene::from_toml("plane", PLANE, std::path::Path::new("")).expect("the scene is good");
+    let built_in = ["lake", "zebra", "globe", "mesh", "denim-plane"].map(|name| {
+        let scene = Scene::builtin(name).expect("the scene is built in").expect("built-in scenes are read");
+        scene.with_size(640, 480).expect("the size is allowed")
+    });
+    [plane].into_iter().chain(built_in).collect()
+}
+
+fn fastest(prepared: &Prepared<'_>) -> PhaseTimes {
+    let frames = (0..FRAMES).map(|_| prepared.render_counted(&|| ()).expect("the scene can be drawn").1.times);
+    frames.min_by_key(PhaseTimes::sum).expect("there are frames")
+}
+
+fn main() {
+    let mut table = Table::new();
+    let header = ["scene", "mode", "ns a pixel"].into_iter().chain(Phase::ALL.map(Phase::name));
+    table.load_style(UTF8_FULL_CONDENSED).set_header(header.collect::<Vec<_>>());
+    for column in 2..3 + Phase::ALL.len() {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
+    for scene in scenes() {
+        for (name, mode) in MODES {
+            let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene can be drawn");
+            let times = one_thread.install(|| fastest(&prepared));
+            let pixels = f64::from(scene.camera.width) * f64::from(scene.camera.height);
+            let a_pixel = |time: std::time::Duration| format!("{:.0}", time.as_secs_f64() * 1e9 / pixels);
+            let phases = Phase::ALL.map(|phase| a_pixel(times.of(phase)));
+            table.add_row([scene.name.clone(), name.into(), a_pixel(times.sum())].into_iter().chain(phases));
+        }
+    }
+    println!("Fastest of {FRAMES} frames of 640×480, one thread, nanoseconds a pixel.\n{table}");
+}
