@@ -37,7 +37,7 @@ impl Prepared<'_> {
             let &(x, y, index) = fragments.get(i * fragments.len() / count.max(1))?;
             let object = triangles.object_index(index);
             let prepared = &self.objects[object];
-            let triangle = triangles.triangle(index, prepared.plan.needs_tangents())?;
+            let triangle = triangles.triangle(index, prepared.needs())?;
             let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
             let plan = prepared.plan.reflection?;
             let attributes = triangle.fragment(x, y);

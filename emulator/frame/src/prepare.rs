@@ -19,7 +19,7 @@ use super::environment::EnvironmentMap;
 use super::lighting::{Lighting, PeakMap};
 use super::texture::{BumpMap, ColourMap, RepeatedMap};
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
-use crate::raster::{Projection, RasterError};
+use crate::raster::{Needs, Projection, RasterError};
 
 /// A scene with its maps built for one profile and mode; borrows the scene's geometry.
 pub struct Prepared<'a> {
@@ -51,6 +51,14 @@ impl PreparedObject {
         let colour = self.colour_map.as_ref().map(ColourMap::map);
         let bump = self.bump_map.as_ref().map(BumpMap::map);
         [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
+    }
+}
+
+impl PreparedObject {
+    /// The attributes that its fragments read.
+    pub(super) fn needs(&self) -> Needs {
+        let uv = self.maps().next().is_some();
+        Needs { tangents: self.plan.needs_tangents(), uv, duv: uv && self.plan.texture_footprint }
     }
 }
 

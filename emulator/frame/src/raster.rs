@@ -23,7 +23,7 @@ mod tests;
 
 use thiserror::Error;
 
-pub use attributes::{FragmentAttributes, PointFromTriangle, Triangle};
+pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};
 pub use camera::Projection;
 pub use coverage::{Sample, Sampling};
 pub use edges::TileBuffer;

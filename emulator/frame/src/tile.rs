@@ -99,7 +99,7 @@ impl Prepared<'_> {
             let object = triangles.object_index(index);
             let prepared = &self.objects[object];
             if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                let triangle = triangles.triangle(index, prepared.plan.needs_tangents());
+                let triangle = triangles.triangle(index, prepared.needs());
                 let set_up = triangle.map(|triangle| {
                     let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
                     (triangle, points.unwrap_or_default())

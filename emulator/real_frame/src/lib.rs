@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::raster::{Projection, RasterError, Sample, Sampling, TileRect, TriangleList, tiles};
+use roughxel_frame::raster::{Needs, Projection, RasterError, Sample, Sampling, TileRect, TriangleList, tiles};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
 
@@ -128,7 +128,10 @@ fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect,
             Some(index) => {
                 let object = triangles.object_index(index);
                 if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                    current = Some((index, triangles.triangle(index, shader.needs_tangents(object))));
+                    current = Some((
+                        index,
+                        triangles.triangle(index, Needs { tangents: shader.needs_tangents(object), ..Needs::ALL }),
+                    ));
                 }
                 match &current {
                     Some((_, Some(triangle))) => shader.fragment(object, &triangle.fragment(x, y)),

@@ -9,7 +9,7 @@ use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::Precision;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::Mode;
-use roughxel_emulator::raster::{Projection, SUBPIXELS, Sampling, TileRect, TriangleList, tiles};
+use roughxel_emulator::raster::{Needs, Projection, SUBPIXELS, Sampling, TileRect, TriangleList, tiles};
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::scene::picture::Picture;
 use roughxel_host_tests::space::whole_or;
@@ -103,8 +103,9 @@ fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
     let projection = Projection::new(&scene.camera).expect("it is good");
     let triangles = TriangleList::new(&projection, &scene.objects).expect("they are good");
     let main = scene.objects[0].material.main_direction.to_array();
+    let needs = Needs { tangents: false, uv: false, duv: false };
     let shade = |x: i32, y: i32, triangle: u32, shift: usize| {
-        let attributes = triangles.triangle(triangle, false).expect("it is seen").fragment(x, y);
+        let attributes = triangles.triangle(triangle, needs).expect("it is seen").fragment(x, y);
         let (normal, view) = (real(attributes.normal), real(attributes.view));
         let [normal, view] = [normal, view].map(|v| scaled(1.0 / norm(&v), v));
         let axes = frame::frame(frame::FrameSystem::MainDirection, normal, [main, [0.0; 3]]);

@@ -31,7 +31,7 @@ pub struct FragmentAttributes {
     pub normal: BlockVector,
     /// Vector v from the surface to the eye, in pixels of the picture plane; see [`Projection::ray_view`].
     pub view: BlockVector,
-    /// p_u and p_v in world units per repeat, perspective-correct; zero unless the triangle was set up with tangents.
+    /// p_u and p_v in world units per repeat, perspective-correct.
     pub frame_vectors: [BlockVector; 2],
     /// ∂v/∂x and ∂v/∂y per pixel (y down), in the units of `view`.
     pub dview: [BlockVector; 2],
@@ -41,6 +41,22 @@ pub struct FragmentAttributes {
     pub uv: [U0F32; 2],
     /// ∂(u, v)/∂x and ∂(u, v)/∂y in repeats per pixel (y down).
     pub duv: [BlockPair; 2],
+}
+
+/// Attributes that not every object reads; those that are not read are zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// p_u and p_v: S97 systems 1 and 2.
+    pub tangents: bool,
+    /// u and v: maps.
+    pub uv: bool,
+    /// Their derivatives: maps with footprints. Not without u and v.
+    pub duv: bool,
+}
+
+impl Needs {
+    /// All.
+    pub const ALL: Self = Self { tangents: true, uv: true, duv: true };
 }
 
 /// One value at each corner of a triangle, per component: `corner[component][i] · 2^exponent`, 52 bits.
@@ -79,6 +95,7 @@ pub struct Triangle<'a> {
     dnormal: [BlockVector; 2],
     uv: CornerValues<2>,
     tangents: Option<[CornerValues<3>; 2]>,
+    needs: Needs,
 }
 
 impl<'a> Triangle<'a> {
@@ -86,7 +103,7 @@ impl<'a> Triangle<'a> {
     pub(super) fn new(
         projection: &'a Projection,
         vertices: [&roughxel_scene::Vertex; 3],
-        needs_tangents: bool,
+        needs: Needs,
     ) -> Option<Self> {
         let polygon = ScreenPolygon::new(projection, vertices.map(|v| v.position))?;
         let middle = |span: [i32; 2]| (span[0] + span[1]) / 2;
@@ -118,8 +135,10 @@ impl<'a> Triangle<'a> {
             normals,
             dnormal,
             uv: corner_uv(vertices.map(|v| v.uv.to_array())),
-            tangents: needs_tangents
+            tangents: needs
+                .tangents
                 .then(|| [0, 1].map(|i| CornerValues::from_vectors(vertices.map(|v| v.tangents[i])))),
+            needs,
         })
     }
 
@@ -133,29 +152,41 @@ impl<'a> Triangle<'a> {
         let (weights, sum) = self.weights_at(x - self.reference[0], y - self.reference[1]);
 
         let normal = self.normals.corner.map(|corner| weighted_sum(weights, corner));
-        let quotient = Quotient::by(sum);
-        let uv_exponent = self.uv.exponent;
-        let uv_codes = self.uv.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
-        let duv = self.slopes.slope.map(|slope| {
-            let rise = [0, 1].map(|component| {
-                let here = round_shift(uv_codes[component], Quotient::EXTRA_BITS) as i64;
-                weighted_sum(slope, self.uv.corner[component].map(|corner| corner - here))
-            });
-            quotient.of_wide(rise, self.slopes.exponent + uv_exponent + FORM_BITS)
-        });
-        FragmentAttributes {
+        let mut fragment = FragmentAttributes {
             normal: block_vector(normal, self.normals.exponent - FORM_BITS),
             view: self.projection.ray_view(x_subpx, y_subpx),
-            frame_vectors: self.tangents.map_or([BlockVector::default(); 2], |tangents| {
-                tangents.map(|tangent| {
-                    let codes = tangent.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
-                    block_vector(codes, tangent.exponent - Quotient::EXTRA_BITS as i32)
-                })
-            }),
             dview: self.projection.dview(),
             dnormal: self.dnormal,
-            uv: uv_codes.map(|code| wrapped(code, uv_exponent - Quotient::EXTRA_BITS as i32)),
-            duv,
+            ..FragmentAttributes::default()
+        };
+        if self.needs.uv || self.tangents.is_some() {
+            let quotient = Quotient::by(sum);
+            if let Some(tangents) = self.tangents {
+                fragment.frame_vectors = tangents.map(|tangent| {
+                    let codes = tangent.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
+                    block_vector(codes, tangent.exponent - Quotient::EXTRA_BITS as i32)
+                });
+            }
+            if self.needs.uv {
+                self.place(weights, &quotient, &mut fragment);
+            }
+        }
+        fragment
+    }
+
+    /// Texture coordinates and their derivatives.
+    fn place(&self, weights: [i64; 3], quotient: &Quotient, fragment: &mut FragmentAttributes) {
+        let exponent = self.uv.exponent;
+        let codes = self.uv.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
+        fragment.uv = codes.map(|code| wrapped(code, exponent - Quotient::EXTRA_BITS as i32));
+        if self.needs.duv {
+            fragment.duv = self.slopes.slope.map(|slope| {
+                let rise = [0, 1].map(|component| {
+                    let here = round_shift(codes[component], Quotient::EXTRA_BITS) as i64;
+                    weighted_sum(slope, self.uv.corner[component].map(|corner| corner - here))
+                });
+                quotient.of_wide(rise, self.slopes.exponent + exponent + FORM_BITS)
+            });
         }
     }
 

@@ -4,7 +4,7 @@
 //! piece over more than [`MAX_BINNED_TILES`] tiles is kept in one list for all tiles, which bounds the memory.
 //! The order of drawing cannot change the picture, so neither can the order of the lists.
 
-use super::attributes::Triangle;
+use super::attributes::{Needs, Triangle};
 use super::camera::Projection;
 use super::clip::ScreenPolygon;
 use super::edges::{DepthPlane, ScreenTriangle, TileBuffer};
@@ -86,14 +86,12 @@ impl<'a> TriangleList<'a> {
     }
 
     /// Setup of a triangle's attributes; `None` when no sample of the frame can show it.
-    ///
-    /// `needs_tangents`: whether p_u and p_v are interpolated (S97 systems 1 and 2); without, fragments have zero tangents.
-    pub fn triangle(&self, triangle: u32, needs_tangents: bool) -> Option<Triangle<'a>> {
+    pub fn triangle(&self, triangle: u32, needs: Needs) -> Option<Triangle<'a>> {
         let object_index = self.object_index(triangle);
         let object = self.objects.get(object_index)?;
         let index = (triangle - self.first_triangle[object_index]) as usize;
         let vertices = corner_vertices(object, index, object.mesh.triangles.get(index)?).ok()?;
-        Triangle::new(self.projection, vertices, needs_tangents)
+        Triangle::new(self.projection, vertices, needs)
     }
 
     /// Finds the visible triangle of one sample per pixel of `tile`, at `sample_offset_subpx` from the pixel's top-left

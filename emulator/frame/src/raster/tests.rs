@@ -152,7 +152,7 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
     let objects = one_triangle(corners);
     let list = TriangleList::new(&projection, &objects).expect("a list");
     let samples = visible(&list, &projection, [77, 201]);
-    let Some(triangle) = list.triangle(0, true) else {
+    let Some(triangle) = list.triangle(0, Needs::ALL) else {
         assert!(samples.is_empty());
         return 0;
     };
@@ -258,7 +258,7 @@ fn normal_derivative_is_the_difference_of_normals() {
         vertex(DVec3::new(0.0, 1.8, 0.0), DVec3::new(0.2, 1.0, 0.1), DVec2::Y),
     ]);
     let list = TriangleList::new(&projection, &objects).expect("a list");
-    let triangle = list.triangle(0, false).expect("visible");
+    let triangle = list.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("visible");
     let at = |x: i32, y: i32| triangle.fragment(x * SUBPIXELS, y * SUBPIXELS);
     for y in (50..90).step_by(7) {
         for x in (50..80).step_by(5) {
@@ -295,7 +295,7 @@ fn directions_to_a_point_start_where_the_ray_meets_the_triangle() {
     let corners = [DVec3::new(-3.0, -1.0, -2.0), DVec3::new(4.0, -1.5, -9.0), DVec3::new(0.5, 2.5, -4.0)];
     let objects = one_triangle(corners.map(|corner| vertex(corner, DVec3::Z, DVec2::ZERO)));
     let list = TriangleList::new(&projection, &objects).expect("a list");
-    let triangle = list.triangle(0, false).expect("visible");
+    let triangle = list.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("visible");
     let plane = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let (mut seen, mut worst) = (0, 0.0_f64);
     for light in [DVec3::new(1.0, 3.0, 2.0), DVec3::new(0.0, 0.0, -3.0), DVec3::new(-500.0, 40.0, 1000.0)] {
@@ -327,7 +327,10 @@ fn texture_coordinates_far_from_zero_lose_nothing() {
     let (near_zero, far) = (one_triangle(corners), one_triangle(shifted));
     let near_zero = TriangleList::new(&projection, &near_zero).expect("a list");
     let far = TriangleList::new(&projection, &far).expect("a list");
-    let (a, b) = (near_zero.triangle(0, false).expect("seen"), far.triangle(0, false).expect("seen"));
+    let (a, b) = (
+        near_zero.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("seen"),
+        far.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("seen"),
+    );
     for (x, y, _) in visible(&near_zero, &projection, PIXEL_CENTRE_SUBPX) {
         assert_eq!(a.fragment(x, y).uv, b.fragment(x, y).uv);
         assert_eq!(a.fragment(x, y).duv, b.fragment(x, y).duv);
@@ -352,7 +355,7 @@ fn normals_pass_through_zero_between_opposite_corners() {
     let list = TriangleList::new(&projection, &objects).expect("a list");
     let middle = 64 * SUBPIXELS + SUBPIXELS / 2;
     for (x, y, number) in visible(&list, &projection, PIXEL_CENTRE_SUBPX) {
-        let triangle = list.triangle(number, false).expect("visible");
+        let triangle = list.triangle(number, Needs { tangents: false, ..Needs::ALL }).expect("visible");
         let fragment = triangle.fragment(x, y);
         let (n, dn) = (vector_value(fragment.normal), vector_value(fragment.dnormal[0]));
         // n grows by dn per pixel away from the middle, to the last bits on the way through zero.
@@ -374,7 +377,10 @@ fn clipping_changes_no_attribute() {
     let projection = Projection::new(&plain_camera(200, 200)).expect("a camera");
     let inside = TriangleList::new(&projection, &inside).expect("a list");
     let beyond = TriangleList::new(&projection, &beyond).expect("a list");
-    let (a, b) = (inside.triangle(0, false).expect("seen"), beyond.triangle(0, false).expect("seen"));
+    let (a, b) = (
+        inside.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("seen"),
+        beyond.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("seen"),
+    );
     let samples = visible(&inside, &projection, PIXEL_CENTRE_SUBPX);
     assert!(samples.len() > 300);
     for (x, y, _) in samples {
@@ -547,8 +553,8 @@ fn a_clipped_room_around_the_eye_has_no_holes() {
         assert_eq!(samples.len(), 64 * 40);
         for (x, y, number) in samples {
             // No setup may fail.
-            assert!(list.triangle(number, true).is_some());
-            let fragment = list.triangle(number, true).map(|t| t.fragment(x, y));
+            assert!(list.triangle(number, Needs::ALL).is_some());
+            let fragment = list.triangle(number, Needs::ALL).map(|t| t.fragment(x, y));
             assert!(fragment.is_some_and(|f| f.normal != BlockVector::default()));
         }
     }
@@ -569,7 +575,7 @@ fn triangles_without_area_or_behind_the_eye_are_left_out() {
         let objects = one_triangle(corners);
         let list = TriangleList::new(&projection, &objects).expect("a list");
         let samples = visible(&list, &projection, PIXEL_CENTRE_SUBPX);
-        if let Some(triangle) = list.triangle(0, true) {
+        if let Some(triangle) = list.triangle(0, Needs::ALL) {
             // Only the one with huge coordinates may reach the frame; its attributes still exist.
             assert!(corners.iter().any(|v| v.position.x > 1e200));
             triangle.fragment(0, 0);
@@ -605,7 +611,7 @@ fn slivers_seen_edge_on_stay_within_their_corners() {
             let depth = buffer.depth_at((x >> 8) as u32, (y >> 8) as u32).expect("covered") as f64 / 2f64.powi(56);
             // One step of depth, and float64's rounding of w.
             assert!(depth >= low * (1.0 - 1e-12) && depth <= high * (1.0 + 1e-12), "{depth} {low} {high}");
-            let fragment = list.triangle(number, true).expect("visible").fragment(x, y);
+            let fragment = list.triangle(number, Needs::ALL).expect("visible").fragment(x, y);
             // An eighth of the corners' range is what a sample half a sub-pixel outside may leave it by.
             let [u, v] = fragment.uv.map(|c| c.to_num::<f64>());
             assert!((0.1 - 0.05..=0.3 + 0.05).contains(&u) && (0.2 - 0.05..=0.4 + 0.05).contains(&v), "{u} {v} {lift}");
@@ -628,6 +634,30 @@ fn frames_of_one_pixel_and_of_4096_pixels_work() {
 }
 
 #[test]
+fn attributes_that_nobody_reads_are_zero_and_change_no_other() {
+    let camera = plain_camera(32, 32);
+    let projection = Projection::new(&camera).expect("a camera");
+    let objects = one_triangle(ground(50.0, 4.0));
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let samples = visible(&list, &projection, PIXEL_CENTRE_SUBPX);
+    assert!(!samples.is_empty());
+    for (x, y, number) in samples {
+        let of = |needs| list.triangle(number, needs).expect("visible").fragment(x, y);
+        let (all, none) = (of(Needs::ALL), FragmentAttributes::default());
+        for bits in 0..8 {
+            let [tangents, uv, duv] = [1, 2, 4].map(|bit| bits & bit != 0);
+            let expected = FragmentAttributes {
+                frame_vectors: if tangents { all.frame_vectors } else { none.frame_vectors },
+                uv: if uv { all.uv } else { none.uv },
+                duv: if uv && duv { all.duv } else { none.duv },
+                ..all
+            };
+            assert_eq!(of(Needs { tangents, uv, duv }), expected, "at {x}, {y}");
+        }
+    }
+}
+
+#[test]
 fn back_faces_are_drawn_with_the_same_attributes() {
     let projection = Projection::new(&camera(64, 64)).expect("a camera");
     let mut random = Random::new(41);
@@ -641,8 +671,8 @@ fn back_faces_are_drawn_with_the_same_attributes() {
     assert_eq!(samples, visible(&back, &projection, PIXEL_CENTRE_SUBPX));
     for (x, y, _) in samples {
         let (a, b) = (
-            front.triangle(0, false).expect("seen").fragment(x, y),
-            back.triangle(0, false).expect("seen").fragment(x, y),
+            front.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("seen").fragment(x, y),
+            back.triangle(0, Needs { tangents: false, ..Needs::ALL }).expect("seen").fragment(x, y),
         );
         let (n, m) = (vector_value(a.normal), vector_value(b.normal));
         // Only the order of float64 operations differs.
