@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p roughxel-host-tests --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
 //! pixel and of which phases they are: the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; all others
-//! are what a frame needs beside it. It takes half a minute.
+//! are what a frame needs beside it. It takes about a minute.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::Precision;

@@ -52,9 +52,7 @@ impl PreparedObject {
         let bump = self.bump_map.as_ref().map(BumpMap::map);
         [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
     }
-}
 
-impl PreparedObject {
     /// The attributes that its fragments read.
     pub(super) fn needs(&self) -> Needs {
         let uv = self.maps().next().is_some();

@@ -134,6 +134,8 @@ macro_rules! vectors {
         $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
 
+        const _: () = assert!(size_of::<[$Word; $vectors]>() == size_of::<[i32; $crate::LANES]>(), "vectors hold every lane");
+
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         pub struct $target($proof);
