@@ -4,16 +4,17 @@
 
 use core::ops::RangeInclusive;
 
-use crate::bundle::Value;
+use crate::bundle::{Value, bundle};
 use crate::datapath::{environment_probe, pixel, sphere_probe, texel};
-use crate::each::each;
-use crate::fx::{Fx, Int};
-use crate::ports::LIGHT;
+use crate::each::{each, places};
+use crate::fetch::{Fetch, int};
+use crate::fx::{Control, Fx, Int};
+use crate::ports::{LIGHT, REFLECTANCE, SHARE};
 use crate::precision::Precision;
-use crate::signals::{CubePoint, FacePosition, Probes, SphereProbe, Sweep};
+use crate::signals::{CubePoint, FacePosition, Probes, Sweep};
 use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::seam::FaceTexel;
-use crate::width::{IntegerCount, IntegerWord};
+use crate::word::Word;
 
 /// Exponents of linear codes: an environment of at most 2^6 × white.
 pub const LINEAR_EXPONENTS: RangeInclusive<i32> = 0..=6;
@@ -71,100 +72,155 @@ impl<M> Copy for Cube<'_, M> {}
 /// Four texels of a level as integers, with the weights of the right and of the lower ones.
 type FacePatch<C> = ([[Fx<C, 32>; 3]; 4], [Fx<C, WEIGHT>; 2]);
 
+bundle! {
+    /// What a footprint sees of an environment, before its unit.
+    pub struct Seen<W> {
+        /// The mean of each channel, as the stages of pixels take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright,
+        /// which cuts what is brighter than 64 × white after the reflectance of a surface and not before.
+        mean: [Int<W>; 3],
+        /// Bilinear samples read: one of each probe, and another of the coarser level unless its weight is 0.
+        #[range(0..=32)]
+        taps: Int<W>,
+    }
+}
+
 /// The mean colour of a footprint, I8F24: trilinear probes along its major axis; a rough one is sampled with the roughness bias. Of a
 /// bright environment it is cut to the largest number below 64.
 #[inline(always)]
-pub fn environment<W: IntegerWord, M: CubeMemory>(
+pub fn environment<W: Fetch, M: CubeMemory>(
     point: &CubePoint<W>,
     probes: &Probes<W>,
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Value<W, LIGHT>; 3] {
-    light::<W, M>(means::<W, M>(point, probes, rough, cube, p), cube)
+    light::<W, M>(&means::<W, M>(point, probes, rough, cube, p), cube)
 }
 
 /// The mean colour of a footprint on the sphere, in the same way: trilinear probes, each with its own level.
 #[inline(always)]
-pub fn swept_environment<W: IntegerWord, M: CubeMemory>(
+pub fn swept_environment<W: Fetch, M: CubeMemory>(
     sweep: &Sweep<W>,
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Value<W, LIGHT>; 3] {
-    let last_level = int::<W>(cube.last_level as i32);
-    let probes = (0..sweep.count.raw().integer()).map(
-        #[inline(always)]
-        |index| sphere_probe(sweep, int::<W>(index), last_level, p),
-    );
-    light::<W, M>(swept_means::<W, M>(probes, rough, cube, p), cube)
+    light::<W, M>(&swept_means::<W, M>(sweep, rough, cube, p), cube)
 }
 
 #[inline(always)]
-fn light<W: IntegerWord, M: CubeMemory>(means: [Value<W, 32>; 3], cube: &Cube<'_, M>) -> [Value<W, LIGHT>; 3] {
-    let exponent = int::<W>(cube.exponent);
-    each!(mean in means => Value(if M::BRIGHT {
-        pixel::bright_blend::<W>(Fx::zero(), mean.0, exponent, Fx::int(1))
+fn light<W: Fetch, M: CubeMemory>(seen: &Seen<W>, cube: &Cube<'_, M>) -> [Value<W, LIGHT>; 3] {
+    let unit = int::<W>(cube.exponent);
+    each!(mean in seen.mean => Value(if M::BRIGHT {
+        pixel::bright_blend::<W>(Fx::zero(), mean, unit, Fx::int(1))
     } else {
-        pixel::colour::<W>(mean.0, exponent)
+        pixel::colour::<W>(mean, unit)
     }))
 }
 
-/// The same mean as the stages of pixels take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright, which cuts what
-/// is brighter than 64 × white after the reflectance of a surface and not before.
+/// What a surface shows that reflects an environment in its unit, 2^`exponent` in linear light: its own colour and what it sees, by its reflectance.
 #[inline(always)]
-pub fn means<W: IntegerWord, M: CubeMemory>(
+pub fn blended<W: Fetch, M: CubeMemory>(
+    surface: &[Control<W, LIGHT>; 3],
+    seen: &Seen<W>,
+    reflectance: &[Control<W, REFLECTANCE>; 3],
+    exponent: i32,
+) -> [Value<W, LIGHT>; 3] {
+    let unit = int::<W>(exponent);
+    each!(i in [0, 1, 2] => Value(if M::BRIGHT {
+        pixel::bright_blend::<W>(surface[i], seen.mean[i], unit, reflectance[i])
+    } else {
+        pixel::blend::<W>(surface[i], pixel::colour::<W>(seen.mean[i], unit), reflectance[i])
+    }))
+}
+
+/// What a footprint on its face sees.
+#[inline(always)]
+pub fn means<W: Fetch, M: CubeMemory>(
     point: &CubePoint<W>,
     probes: &Probes<W>,
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
-) -> [Value<W, 32>; 3] {
-    let pair = texel::levels::<W>(probes.lod, rough, p);
-    let mut sums = [ProbeSum::<W>::zero(); 3];
-    for index in 0..probes.count.raw().integer() {
-        let probe = environment_probe(point, probes, int::<W>(index), p);
-        for (sum, channel) in sums.iter_mut().zip(trilinear::<W, M>(&probe.place, &pair, cube, p)) {
-            *sum = texel::probe_sum(sum, channel, probe.weight);
-        }
+) -> Seen<W> {
+    let pair = texel::levels::<W>(probes.lod, W::known(rough), p);
+    let mut sum = Sum::none();
+    for turn in 0..W::most(probes.count) {
+        let (index, counts) = W::turn(turn, probes.count);
+        let probe = environment_probe(point, probes, index, p);
+        sum.add::<M>((&probe.place, probe.weight), &pair, counts, cube, p);
     }
-    each!(sum in sums => Value(texel::probe_mean(&sum)))
+    sum.seen()
 }
 
-/// The mean of probes on the sphere as the stages of pixels take it.
+/// What a footprint on the sphere sees.
 #[inline(always)]
-pub fn swept_means<W: IntegerWord, M: CubeMemory>(
-    probes: impl Iterator<Item = SphereProbe<W>>,
+pub fn swept_means<W: Fetch, M: CubeMemory>(
+    sweep: &Sweep<W>,
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
-) -> [Value<W, 32>; 3] {
-    let mut sums = [ProbeSum::<W>::zero(); 3];
-    for probe in probes {
-        let pair = texel::levels::<W>(probe.lod, rough, p);
-        for (sum, channel) in sums.iter_mut().zip(trilinear::<W, M>(&probe.place, &pair, cube, p)) {
-            *sum = texel::probe_sum(sum, channel, probe.weight);
-        }
+) -> Seen<W> {
+    let last_level = int::<W>(cube.last_level as i32);
+    let mut sum = Sum::none();
+    for turn in 0..W::most(sweep.count) {
+        let (index, counts) = W::turn(turn, sweep.count);
+        let probe = sphere_probe(sweep, index, last_level, p);
+        let pair = texel::levels::<W>(probe.lod, W::known(rough), p);
+        sum.add::<M>((&probe.place, probe.weight), &pair, counts, cube, p);
     }
-    each!(sum in sums => Value(texel::probe_mean(&sum)))
+    sum.seen()
+}
+
+/// Probes of a footprint so far.
+struct Sum<W: Word> {
+    channels: [ProbeSum<W>; 3],
+    taps: Int<W>,
+}
+
+impl<W: Fetch> Sum<W> {
+    #[inline(always)]
+    fn none() -> Self {
+        Self { channels: [ProbeSum::zero(); 3], taps: Fx::zero() }
+    }
+
+    /// With a probe, if it counts.
+    #[inline(always)]
+    fn add<M: CubeMemory>(
+        &mut self,
+        (place, weight): (&FacePosition<W>, Control<W, SHARE>),
+        pair: &LevelPair<W>,
+        counts: W::Flag,
+        cube: &Cube<'_, M>,
+        p: &Precision,
+    ) {
+        let weight = Fx::select(counts, weight, Fx::zero());
+        let sample = trilinear::<W, M>(place, pair, cube, p);
+        self.channels = each!(i in [0, 1, 2] => texel::probe_sum(&self.channels[i], sample[i], weight));
+        let taps = Fx::select(pair.weight.is_zero(), Fx::int(1), Fx::int(2));
+        self.taps = self.taps + Fx::select(counts, taps, Fx::zero());
+    }
+
+    #[inline(always)]
+    fn seen(self) -> Seen<W> {
+        Seen { mean: each!(sum in self.channels => texel::probe_mean(&sum)), taps: self.taps }
+    }
 }
 
 #[inline(always)]
-fn int<W: IntegerWord>(integer: i32) -> Int<W> {
-    Fx::from_raw(W::Count::of_integer(integer))
-}
-
-#[inline(always)]
-fn trilinear<W: IntegerWord, M: CubeMemory>(
+fn trilinear<W: Fetch, M: CubeMemory>(
     place: &FacePosition<W>,
     pair: &LevelPair<W>,
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Int<W>; 3] {
-    let fine = pair.level.raw().integer() as u32;
-    let coarse = (fine + 1).min(cube.last_level);
-    let a = face_patch::<W, M>(fine, place, cube, p);
-    let b = if pair.weight.raw().integer() == 0 { a } else { face_patch::<W, M>(coarse, place, cube, p) };
+    let a = face_patch::<W, M>(pair.level, place, cube, p);
+    let b = if W::any(!pair.weight.is_zero()) {
+        let coarse = (pair.level + Fx::int(1)).min(int::<W>(cube.last_level as i32));
+        face_patch::<W, M>(coarse, place, cube, p)
+    } else {
+        a
+    };
     each!(channel in [0, 1, 2] => {
         let [a, b] = each!((texels, weight) in [&a, &b] => {
             Patch::<W> { texels: each!(texel in *texels => texel[channel]), weight: *weight }
@@ -177,59 +233,86 @@ fn trilinear<W: IntegerWord, M: CubeMemory>(
     })
 }
 
+/// [`level_edge`] of every fragment.
+#[inline(always)]
+fn edge_of<W: Fetch>(edge: u32, level: Int<W>) -> Int<W> {
+    let edge = int::<W>(edge as i32);
+    edge.floor_shr_by(level).max(edge.min(int::<W>(COARSEST_EDGE as i32))).max(Fx::int(1))
+}
+
 /// What a bilinear sample of a level reads; what lies beyond the face comes from its neighbours.
 #[inline(always)]
-fn face_patch<W: IntegerWord, M: CubeMemory>(
-    level: u32,
+fn face_patch<W: Fetch, M: CubeMemory>(
+    level: Int<W>,
     place: &FacePosition<W>,
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> FacePatch<W::Count> {
-    let edge = level_edge(cube.edge, level);
-    let address = texel::face_address::<W>(place, int::<W>(edge as i32), p);
-    let index = address.index.map(|index| index.raw().integer());
-    let (memory, face) = (cube.memory, place.face.raw().integer());
-    let codes = if index.iter().all(|index| (0..edge as i32 - 1).contains(index)) {
-        memory.patch(level, face as u32, index[0] as u32, index[1] as u32)
-    } else if M::BRIGHT {
-        let decoded = |code: u16| texel::bright_texel::<i32>(int::<i32>(code.into())).raw();
-        let corner = |three: &_| texel::bright_corner::<i32>(three).raw();
-        let texels = seam_texels(level, face, index, edge, memory, decoded, corner);
-        return (each!(texel in texels => each!(channel in texel => int::<W>(channel))), address.weight);
-    } else {
-        let corner = |three: &_| texel::corner::<i32>(three).raw() as u16;
-        seam_texels(level, face, index, edge, memory, |code| code, corner)
-    };
-    let channel = |code: u16| {
-        let code = int::<W>(code.into());
+    let edge = edge_of::<W>(cube.edge, level);
+    let Address { index, weight } = texel::face_address::<W>(place, edge, p);
+    let last = edge - Fx::int(1);
+    let [s, t] = each!(index in index => index.ge(Fx::zero()) & index.lt(last));
+    let is_inside = s & t;
+    let inside = Fx::select(is_inside, Fx::int(1), Fx::zero());
+    let address = each!(number in [inside, level, place.face, index[0], index[1]] => number.raw());
+    let memory = cube.memory;
+    let codes = W::gather(
+        address,
+        #[inline(always)]
+        |[inside, level, face, column, row]| {
+            if inside == 0 {
+                return [0; 12];
+            }
+            flat(memory.patch(level as u32, face as u32, column as u32, row as u32))
+        },
+    );
+    let mut texels = each!(code in codes => {
+        let code = Fx::from_raw(code);
         if M::BRIGHT { texel::bright_texel::<W>(code) } else { code }
-    };
-    (each!(texel in codes => each!(code in texel => channel(code))), address.weight)
+    });
+    if W::any(!is_inside) {
+        let beside = W::gather(
+            address,
+            #[inline(always)]
+            |[inside, level, face, column, row]| {
+                if inside != 0 {
+                    return [0; 12];
+                }
+                seam_texels(level as u32, face, [column, row], level_edge(cube.edge, level as u32), memory)
+            },
+        );
+        texels = each!(i in places() => Fx::select(is_inside, texels[i], Fx::from_raw(beside[i])));
+    }
+    (each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel])), weight)
+}
+
+/// Channels of a patch one after the other.
+#[inline(always)]
+fn flat<T: Copy + Into<i32>>(patch: [[T; 3]; 4]) -> [i32; 12] {
+    each!(i in places() => patch[i / 3][i % 3].into())
 }
 
 /// The same beside an edge. A call of its own: few probes come here, and inlined it leaves no registers for all others. What it works
 /// out controls alone, so words of any width have the same.
 #[inline(never)]
-fn seam_texels<M: CubeMemory, T: Copy + Into<i32>>(
-    level: u32,
-    face: i32,
-    index: [i32; 2],
-    edge: u32,
-    memory: &M,
-    decoded: impl Fn(u16) -> T,
-    corner: impl Fn(&[Int<i32>; 3]) -> T,
-) -> [[T; 3]; 4] {
+fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32, memory: &M) -> [i32; 12] {
+    let decoded = |code: u16| {
+        let code = Int::<i32>::int(code.into());
+        if M::BRIGHT { texel::bright_texel::<i32>(code) } else { code }
+    };
+    let corner = |three: &_| if M::BRIGHT { texel::bright_corner::<i32>(three) } else { texel::corner::<i32>(three) };
     let read = |texel: FaceTexel<i32>| {
         let [column, row] = texel.index.map(|index| index.raw() as u32);
-        memory.texel(level, texel.face.raw() as u32, column, row).map(&decoded)
+        memory.texel(level, texel.face.raw() as u32, column, row).map(decoded)
     };
     let address = Address::<i32> { index: index.map(Fx::from_raw), weight: [Fx::zero(); 2] };
-    texel::face_texels(Fx::from_raw(face), &address, Fx::from_raw(edge as i32)).map(|texel| {
+    let texels = texel::face_texels(Fx::from_raw(face), &address, Fx::from_raw(edge as i32)).map(|texel| {
         let own = read(texel.texel);
         if !texel.corner {
             return own;
         }
         let [s, t] = texel.across.map(read);
-        core::array::from_fn(|channel| corner(&[own, s, t].map(|texel| Fx::from_raw(texel[channel].into()))))
-    })
+        core::array::from_fn(|channel| corner(&[own, s, t].map(|texel| texel[channel])))
+    });
+    flat(texels.map(|texel| texel.map(Fx::raw)))
 }

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p roughxel-host-tests --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
 //! pixel and of which phases they are: the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; all others
-//! are what a frame needs beside it. It takes about a minute.
+//! are what a frame needs beside it. It takes about a minute; `-- NAME…` draws the scenes of these names alone.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::Precision;
@@ -60,7 +60,8 @@ fn main() {
         }
     }
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
-    for scene in scenes() {
+    let names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    for scene in scenes().into_iter().filter(|scene| names.is_empty() || names.contains(&scene.name)) {
         for (name, mode) in MODES {
             let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene can be drawn");
             let times = one_thread.install(|| fastest(&prepared));

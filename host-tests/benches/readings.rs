@@ -31,7 +31,7 @@ use roughxel_core::soft_core::{environment_scale, reflection};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::lanes::{InstructionSet, Reading};
+use roughxel_emulator::lanes::{InstructionSet, Ports, Reading};
 use roughxel_emulator::net::bench::Bench;
 use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::verilog::{Options, Verilog};
@@ -251,12 +251,12 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     let edge_texels = set.edge_texels;
     let lanes = |name, set, profile: Precision| {
         let scale = environment_scale(edge_texels, &profile);
-        let mut inputs = Vec::with_capacity(BATCH);
+        let mut inputs = Ports::default();
         Contender::new(name, move || {
             for fragments in ports.chunks(BATCH) {
                 inputs.clear();
                 inputs.extend(fragments.iter().map(Port::wires));
-                black_box(Reading::Lanes(set).footprints(&inputs, &scale, &ReflectionPlan::FULL, &profile));
+                black_box(inputs.footprints(Reading::Lanes(set), (&scale, &ReflectionPlan::FULL), &profile));
             }
         })
     };

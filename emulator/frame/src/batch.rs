@@ -1,26 +1,25 @@
-//! Fragments that wait, and what they go through together: footprints, fetches, surfaces, lights; the reflection datapath.
+//! Fragments that wait, and what they go through together: footprints, maps, surfaces, lights, the environment.
 
 use roughxel_core::datapath::Surface;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::datapath::texel::Bump;
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
-use roughxel_core::ports::{BlockVector, Port, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
+use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
-use roughxel_core::signals::{SphereProbe, Sweep};
-use roughxel_lanes::{Footprint, Reflecting};
+use roughxel_core::signals::{Sweep, TexturePosition};
+use roughxel_lanes::{Bare, Bumped, Columns, Derivatives, Footprint, Look, Shown};
 
 use super::colour::Channel;
-use super::environment::Look;
-use super::lighting::PeaksRead;
+use super::lighting::{PeaksRead, Spot};
 use super::phases::{Phase, PhaseClock};
 use super::prepare::{Prepared, PreparedObject};
-use super::texture::{Footprints, MapReads, Taps};
+use super::texture::{Footprints, TextureDerivatives};
 use crate::plan::Mode;
 use crate::raster::FragmentAttributes;
 
-/// Fragments that wait to be shaded, at most: their attributes stay in a first-level cache.
-pub(super) const SHADED: usize = 64;
+/// Fragments that wait to be shaded, at most: their columns stay in a second-level cache.
+pub(super) const SHADED: usize = 128;
 
 /// Where a colour counts.
 #[derive(Clone, Copy)]
@@ -31,89 +30,122 @@ pub(super) struct Place {
     pub(super) times: u32,
 }
 
+/// What the fragments of an object have beside their places: columns that its plan does not read stay empty.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    /// They have a surface, which reflects or shines.
+    surface: bool,
+    /// They reflect.
+    derivatives: bool,
+    /// They read maps.
+    uv: bool,
+    /// With footprints.
+    duv: bool,
+    /// In place of p_u and p_v.
+    main_direction: Option<BlockVector>,
+}
+
 /// Fragments of one object that wait to be shaded.
 pub(super) struct Fragments {
-    pub(super) attributes: Vec<FragmentAttributes>,
+    parts: Parts,
+    bare: Columns<Bare<i32>>,
+    derivatives: Columns<Derivatives<i32>>,
+    centres: Columns<TexturePosition<i32>>,
+    duv: Columns<TextureDerivatives>,
     /// Where each counts.
-    pub(super) places: Vec<Place>,
+    places: Vec<Place>,
     /// From each to every light.
     pub(super) directions: Vec<BlockVector>,
-    pub(super) footprints: Footprints,
+    footprints: Footprints,
 }
 
 impl Fragments {
     /// None of an object.
     pub(super) fn of(object: &PreparedObject) -> Self {
-        let footprints = Footprints::new(object.maps().filter(|_| object.plan.texture_footprint));
-        Self { attributes: Vec::new(), places: Vec::new(), directions: Vec::new(), footprints }
-    }
-}
-
-/// What shading a batch reads; its memory is kept for the next one.
-#[derive(Default)]
-pub(super) struct Reads {
-    /// Of each fragment whose lights read again what its colour has read; else of the one that reads.
-    taps: Vec<Taps>,
-    peaks: PeaksRead,
-    colours: Vec<[Channel; 3]>,
-    surfaces: Vec<SurfaceInput<i32>>,
-}
-
-impl Reads {
-    /// Nothing read, with so many taps.
-    fn begin(&mut self, taps: usize) {
-        self.taps.resize_with(taps.max(self.taps.len()), Taps::default);
-        self.colours.clear();
-        self.surfaces.clear();
-    }
-}
-
-/// Fragments that wait for the reflection datapath, at most: their inputs stay in a second-level cache.
-const REFLECTED: usize = 256;
-
-/// Fragments of one plan that wait for the reflection datapath.
-pub(super) struct Waiting {
-    plan: ReflectionPlan,
-    reflectance: [Control<i32, REFLECTANCE>; 3],
-    inputs: Inputs,
-    /// Where each counts, and its colour without the reflection.
-    places: Vec<(Place, [Channel; 3])>,
-    /// Probes on the sphere of one batch; the memory is kept for the next one.
-    probes: Vec<SphereProbe<i32>>,
-}
-
-/// What a reflection is made of.
-enum Inputs {
-    /// The ports of each fragment.
-    Ports(Vec<ReflectionInput<i32>>),
-    /// The surface of each, which its lights have seen.
-    Surfaces(Vec<Reflecting<i32>>),
-}
-
-impl Waiting {
-    /// None of an object; without a reflection none will come.
-    pub(super) fn of(object: &PreparedObject) -> Self {
-        let plan = object.plan.reflection.unwrap_or(ReflectionPlan::FULL);
-        let inputs = if object.lighting.is_some() { Inputs::Surfaces(Vec::new()) } else { Inputs::Ports(Vec::new()) };
-        Self { plan, reflectance: object.reflectance, inputs, places: Vec::new(), probes: Vec::new() }
-    }
-
-    /// None of the rays that hit nothing: mirrors without bumps.
-    pub(super) fn rays(mode: Mode) -> Self {
-        let plan = ReflectionPlan {
-            bump: false,
-            frame: FrameSystem::MainDirection,
-            roughness: RoughnessKind::None,
-            curvature: false,
-            footprint: if mode.filters() { FootprintKind::Face } else { FootprintKind::None },
+        let needs = object.needs();
+        let parts = Parts {
+            surface: object.plan.reflection.is_some() || object.lighting.is_some(),
+            derivatives: object.plan.reflection.is_some(),
+            uv: needs.uv,
+            duv: needs.duv,
+            main_direction: (!needs.tangents).then_some(object.main_direction),
         };
+        Self::with(parts, Footprints::new(object.maps().filter(|_| object.plan.texture_footprint)))
+    }
+
+    /// None of the rays that hit nothing.
+    pub(super) fn rays() -> Self {
+        let none = Some(BlockVector::default());
+        let parts = Parts { surface: true, derivatives: true, uv: false, duv: false, main_direction: none };
+        Self::with(parts, Footprints::default())
+    }
+
+    fn with(parts: Parts, footprints: Footprints) -> Self {
         Self {
-            plan,
-            reflectance: [Fx::int(1); 3],
-            inputs: Inputs::Ports(Vec::new()),
+            parts,
+            bare: Columns::default(),
+            derivatives: Columns::default(),
+            centres: Columns::default(),
+            duv: Columns::default(),
             places: Vec::new(),
-            probes: Vec::new(),
+            directions: Vec::new(),
+            footprints,
         }
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Lets a fragment wait.
+    pub(super) fn push(&mut self, place: Place, attributes: &FragmentAttributes) {
+        let FragmentAttributes { normal, view, frame_vectors, dview, dnormal, uv, duv } = attributes;
+        let Parts { surface, derivatives, uv: has_uv, duv: has_duv, main_direction } = self.parts;
+        if surface {
+            let frame_vectors = main_direction.map_or(*frame_vectors, |main| [main, BlockVector::default()]);
+            let frame_vectors = frame_vectors.wires();
+            self.bare.push(&Bare { normal: normal.wires(), view: view.wires(), frame_vectors });
+        }
+        if derivatives {
+            self.derivatives.push(&Derivatives { dview: dview.wires(), dnormal: dnormal.wires() });
+        }
+        if has_uv {
+            self.centres.push(&TexturePosition { uv: uv.wires() });
+        }
+        if has_duv {
+            self.duv.push(&duv.wires());
+        }
+        self.places.push(place);
+    }
+
+    fn clear(&mut self) {
+        let Self { parts: _, bare, derivatives, centres, duv, places, directions, footprints: _ } = self;
+        (bare.clear(), derivatives.clear(), centres.clear(), duv.clear());
+        (places.clear(), directions.clear());
+    }
+}
+
+/// What a batch of fragments becomes on its way; its memory is kept for the next one.
+#[derive(Default)]
+pub(super) struct Batch {
+    colours: Columns<Shown<i32>>,
+    bumps: Columns<Bumped<i32>>,
+    surfaces: Columns<Surface<i32>>,
+    footprints: Columns<Footprint<i32>>,
+    sweeps: Columns<Sweep<i32>>,
+    shown: Columns<Shown<i32>>,
+    peaks: PeaksRead,
+}
+
+/// The plan of rays that hit nothing: mirrors without bumps.
+fn ray_plan(mode: Mode) -> ReflectionPlan {
+    ReflectionPlan {
+        bump: false,
+        frame: FrameSystem::MainDirection,
+        roughness: RoughnessKind::None,
+        curvature: false,
+        footprint: if mode.filters() { FootprintKind::Face } else { FootprintKind::None },
     }
 }
 
@@ -139,211 +171,145 @@ impl Sums {
             }
         }
     }
+
+    /// Adds the colours of a batch.
+    fn add_all(&mut self, places: &[Place], colours: &Columns<Shown<i32>>) {
+        for (&place, shown) in places.iter().zip(colours.iter()) {
+            self.add(place, shown.channels);
+        }
+    }
+
+    /// Counts the taps of a batch.
+    fn count<B>(&mut self, batch: &Columns<B>, taps: impl Fn(&B) -> i32)
+    where
+        B: roughxel_core::design::Form,
+    {
+        self.taps += batch.iter().map(|fragment| u64::from(taps(&fragment).unsigned_abs())).sum::<u64>();
+    }
 }
 
 impl Prepared<'_> {
-    /// The waiting fragments of an object: footprints, fetches, surfaces, lights; what reflects waits again.
-    pub(super) fn shade(
-        &self,
-        object: &PreparedObject,
-        fragments: &mut Fragments,
-        waiting: &mut Waiting,
-        reads: &mut Reads,
-        sums: &mut Sums,
-    ) {
-        let Fragments { attributes, places, directions, footprints } = fragments;
+    /// The waiting fragments of an object: footprints, maps, surfaces, lights, the environment.
+    pub(super) fn shade(&self, object: &PreparedObject, fragments: &mut Fragments, batch: &mut Batch, sums: &mut Sums) {
+        if fragments.len() == 0 {
+            return;
+        }
+        let (reading, p) = (self.reading, &self.precision);
         let caller = sums.clock.enter(Phase::Footprints);
-        footprints.set(attributes.iter(), self.reading, &self.precision);
+        fragments.footprints.set(&fragments.duv, reading, p);
         sums.clock.enter(Phase::Maps);
-        // The taps of a whole batch push its attributes out of the first-level cache.
-        let last_taps = if object.lighting.is_some() { attributes.len().saturating_sub(1) } else { 0 };
-        reads.begin(last_taps + 1);
-        let Reads { taps, peaks, colours, surfaces } = reads;
-        let has_surface = object.plan.reflection.is_some() || object.lighting.is_some();
-        for (index, attributes) in attributes.iter().enumerate() {
-            let taps = &mut taps[index.min(last_taps)];
-            let mut maps = MapReads::new(attributes, (footprints, index), taps, &self.precision);
-            colours.push(object.colour(&mut maps));
-            if has_surface {
-                surfaces.push(self.surface_input(object, attributes, &mut maps));
-            }
+        let spots = (&fragments.centres, &fragments.footprints);
+        match &object.colour_map {
+            None => batch.colours.fill(fragments.len(), &Shown { channels: object.colour, taps: Fx::zero() }),
+            Some(map) => map.sample(spots, &object.colour, (reading, p), &mut batch.colours),
         }
-        let coloured = places.iter().copied().zip(colours.iter().copied());
-        match &object.lighting {
-            None if object.plan.reflection.is_none() => coloured.for_each(|(place, colour)| sums.add(place, colour)),
-            None => {
-                for ((attributes, place), &surface) in attributes.iter().zip(coloured).zip(&*surfaces) {
-                    let FragmentAttributes { dview, dnormal, .. } = attributes;
-                    let edge_texels = Fx::int(1);
-                    let input =
-                        ReflectionInput { surface, dview: dview.wires(), dnormal: dnormal.wires(), edge_texels };
-                    self.reflect(waiting, place, &input, sums);
-                }
-            }
-            Some(lighting) => {
-                sums.clock.enter(Phase::Footprints);
-                let made = self.reading.surfaces(surfaces, &object.plan.surface(), &self.precision);
+        sums.count(&batch.colours, |shown| shown.taps.raw());
+        if fragments.parts.surface {
+            self.bumps(object, fragments, &mut batch.bumps);
+            sums.count(&batch.bumps, |bumped| bumped.taps.raw());
+            sums.clock.enter(Phase::Footprints);
+            let seen = object.plan.reflection.map(|plan| seen(&plan, fragments, &batch.bumps));
+            let plan = match (&object.lighting, &seen) {
+                (None, Some(seen)) => seen.surface(),
+                _ => object.plan.surface(),
+            };
+            reading.surfaces(&fragments.bare, &batch.bumps, &plan, p, &mut batch.surfaces);
+            if object.lighting.is_some() {
                 sums.clock.enter(Phase::Lights);
-                for (index, (surface, place)) in made.iter().zip(coloured).enumerate() {
-                    let (own, colour) = place;
-                    let mut maps =
-                        MapReads::again(&attributes[index], (footprints, index), &mut taps[index], &self.precision);
-                    let directions = &directions[index * lighting.lights()..][..lighting.lights()];
-                    let lit = (&surfaces[index], surface);
-                    lighting.shine(lit, directions, &mut maps, peaks, (self.reading, &self.precision), |light| {
-                        sums.add(own, light);
-                    });
-                    match object.plan.reflection {
-                        None => sums.add(own, colour),
-                        Some(_) => self.reflect_surface(waiting, place, surface, &attributes[index], sums),
-                    }
-                }
+                self.light(object, fragments, batch, sums);
             }
+            if let (Some(plan), Some(seen)) = (&object.plan.reflection, &seen) {
+                // The bias of rough reflections is the object's, whatever a batch leaves out.
+                let is_rough = plan.roughness != RoughnessKind::None;
+                self.reflect((seen, is_rough), &object.reflectance, fragments, batch, sums);
+            } else {
+                sums.add_all(&fragments.places, &batch.colours);
+            }
+        } else {
+            sums.add_all(&fragments.places, &batch.colours);
         }
-        sums.taps += taps.iter_mut().map(Taps::fetched).sum::<u64>();
-        attributes.clear();
-        places.clear();
-        directions.clear();
+        fragments.clear();
         sums.clock.enter(caller);
     }
 
-    /// Lets a fragment wait; with [`REFLECTED`] of them, all are reflected.
-    pub(super) fn reflect(
-        &self,
-        waiting: &mut Waiting,
-        place: (Place, [Channel; 3]),
-        input: &ReflectionInput<i32>,
-        sums: &mut Sums,
-    ) {
-        let Inputs::Ports(inputs) = &mut waiting.inputs else {
-            unreachable!("surfaces of an object without lights are made with the reflection")
-        };
-        inputs.push(*input);
-        self.wait(waiting, place, sums);
+    /// The waiting rays that hit nothing and see the environment.
+    pub(super) fn shade_rays(&self, rays: &mut Fragments, batch: &mut Batch, sums: &mut Sums) {
+        if rays.len() == 0 {
+            return;
+        }
+        let caller = sums.clock.enter(Phase::Footprints);
+        let plan = seen(&ray_plan(self.mode), rays, &batch.bumps);
+        batch.colours.fill(rays.len(), &Shown { channels: [Fx::zero(); 3], taps: Fx::zero() });
+        batch.bumps.fill(rays.len(), &flat());
+        self.reading.surfaces(&rays.bare, &batch.bumps, &plan.surface(), &self.precision, &mut batch.surfaces);
+        self.reflect((&plan, false), &[Fx::int(1); 3], rays, batch, sums);
+        rays.clear();
+        sums.clock.enter(caller);
     }
 
-    /// The same with a surface that is made.
-    fn reflect_surface(
-        &self,
-        waiting: &mut Waiting,
-        place: (Place, [Channel; 3]),
-        surface: &Surface<i32>,
-        attributes: &FragmentAttributes,
-        sums: &mut Sums,
-    ) {
-        let Inputs::Surfaces(inputs) = &mut waiting.inputs else {
-            unreachable!("surfaces of an object with lights are made before the reflection")
-        };
-        let FragmentAttributes { dview, dnormal, .. } = attributes;
-        inputs.push(Reflecting { surface: *surface, dview: dview.wires(), dnormal: dnormal.wires() });
-        self.wait(waiting, place, sums);
-    }
-
-    fn wait(&self, waiting: &mut Waiting, place: (Place, [Channel; 3]), sums: &mut Sums) {
-        waiting.places.push(place);
-        if waiting.places.len() == REFLECTED {
-            self.fetch(waiting, sums);
+    /// What each light makes of surfaces that are made.
+    fn light(&self, object: &PreparedObject, fragments: &Fragments, batch: &mut Batch, sums: &mut Sums) {
+        let Some(lighting) = &object.lighting else { return };
+        let Fragments { centres, footprints, places, directions, .. } = fragments;
+        for (fragment, &place) in places.iter().enumerate() {
+            let (input, surface) =
+                (ports(&fragments.bare.get(fragment), &batch.bumps.get(fragment)), batch.surfaces.get(fragment));
+            let directions = &directions[fragment * lighting.lights()..][..lighting.lights()];
+            let spot = Spot { centres, footprints, fragment };
+            let read = (self.reading, &self.precision);
+            let taps = lighting.shine((&input, &surface), directions, spot, &mut batch.peaks, read, |light| {
+                sums.add(place, light);
+            });
+            sums.taps += taps;
         }
     }
 
-    /// The waiting fragments through the reflection datapath, the environment and the blend.
-    pub(super) fn fetch(&self, waiting: &mut Waiting, sums: &mut Sums) {
-        let Waiting { plan, reflectance, inputs, places, probes } = waiting;
-        // The bias of rough reflections is the object's, whatever a batch leaves out.
-        let is_rough = plan.roughness != RoughnessKind::None;
-        let caller = sums.clock.enter(Phase::Footprints);
-        let seen = self.seen(plan, inputs);
-        match plan.footprint {
+    /// What the environment makes of surfaces that are made, with the colours of a batch; `seen` is the plan and whether its object is rough.
+    fn reflect(
+        &self,
+        (seen, is_rough): (&ReflectionPlan, bool),
+        reflectance: &[Control<i32, REFLECTANCE>; 3],
+        fragments: &Fragments,
+        batch: &mut Batch,
+        sums: &mut Sums,
+    ) {
+        let Batch { colours, surfaces, footprints, sweeps, shown, .. } = batch;
+        let (scale, p, derivatives) = (&self.environment_scale, &self.precision, &fragments.derivatives);
+        sums.clock.enter(Phase::Footprints);
+        let look = match seen.footprint {
             FootprintKind::None | FootprintKind::Face => {
-                let footprints = self.footprints(&seen, inputs);
-                sums.clock.enter(Phase::Environment);
-                for (Footprint { point, probes }, place) in footprints.iter().zip(places.drain(..)) {
-                    self.read(Look::Face(point, probes), is_rough, reflectance, place, sums);
-                }
+                self.reading.footprints(surfaces, derivatives, (scale, seen), p, footprints);
+                Look::Face(footprints)
             }
             FootprintKind::Sphere => {
-                let last_level = self.environment_scale.last_level;
-                let sweeps = self.sweeps(&seen, inputs);
-                probes.clear();
-                self.reading.sphere_probes(&sweeps, last_level, &self.precision, probes);
-                sums.clock.enter(Phase::Environment);
-                let mut rest = probes.as_slice();
-                for (sweep, place) in sweeps.iter().zip(places.drain(..)) {
-                    let (own, others) = rest.split_at(sweep.count.raw() as usize);
-                    self.read(Look::Sphere(own), is_rough, reflectance, place, sums);
-                    rest = others;
+                self.reading.sweeps(surfaces, derivatives, (scale, seen), p, sweeps);
+                Look::Sphere(sweeps)
+            }
+        };
+        sums.clock.enter(Phase::Environment);
+        match &self.environment {
+            Some(map) => {
+                self.reading.environment(look, colours, (map.texels(), is_rough, reflectance), p, shown);
+                sums.count(shown, |shown| shown.taps.raw());
+                sums.add_all(&fragments.places, shown);
+            }
+            None => {
+                for (&place, own) in fragments.places.iter().zip(colours.iter()) {
+                    let channel = |i: usize| pixel::blend::<i32>(own.channels[i], Fx::zero(), reflectance[i]);
+                    sums.add(place, core::array::from_fn(channel));
                 }
             }
         }
-        match inputs {
-            Inputs::Ports(inputs) => inputs.clear(),
-            Inputs::Surfaces(inputs) => inputs.clear(),
-        }
-        sums.clock.enter(caller);
     }
 
-    /// What a fragment sees of the environment, blended with its own colour.
-    fn read(
-        &self,
-        look: Look<'_>,
-        is_rough: bool,
-        reflectance: &[Control<i32, REFLECTANCE>; 3],
-        (place, surface): (Place, [Channel; 3]),
-        sums: &mut Sums,
-    ) {
-        let colour = match &self.environment {
+    /// Bumps and roughness of the waiting fragments of an object.
+    fn bumps(&self, object: &PreparedObject, fragments: &Fragments, bumps: &mut Columns<Bumped<i32>>) {
+        match &object.bump_map {
+            None => bumps.fill(fragments.len(), &flat()),
             Some(map) => {
-                sums.taps += map.taps(look, is_rough, &self.precision);
-                map.blended(&surface, (look, is_rough), reflectance, &self.precision)
+                let spots = (&fragments.centres, &fragments.footprints);
+                map.sample(spots, object.plan.roughness(), (self.reading, &self.precision), bumps);
             }
-            None => core::array::from_fn(|i| pixel::blend::<i32>(surface[i], Fx::zero(), reflectance[i])),
-        };
-        sums.add(place, colour);
-    }
-
-    /// The plan of the waiting fragments without stages that every one of them would feed with zeros, which changes no bit.
-    fn seen(&self, plan: &ReflectionPlan, inputs: &Inputs) -> ReflectionPlan {
-        let is_flat = |dnormal: &[PortBlock<i32, 3>; 2]| dnormal.iter().flat_map(|dn| dn.mantissa).all(is_zero);
-        let (is_smooth, is_flat) = match inputs {
-            Inputs::Ports(inputs) => (
-                inputs.iter().all(|input| input.surface.roughness.into_iter().all(is_zero)),
-                inputs.iter().all(|input| is_flat(&input.dnormal)),
-            ),
-            Inputs::Surfaces(inputs) => (
-                inputs.iter().all(|input| input.surface.rough.iter().flat_map(|d| d.m).all(is_zero)),
-                inputs.iter().all(|input| is_flat(&input.dnormal)),
-            ),
-        };
-        ReflectionPlan {
-            roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
-            curvature: plan.curvature && !is_flat,
-            ..*plan
-        }
-    }
-
-    /// Where the waiting fragments look.
-    fn footprints(&self, plan: &ReflectionPlan, inputs: &Inputs) -> Vec<Footprint<i32>> {
-        let (scale, p) = (&self.environment_scale, &self.precision);
-        match inputs {
-            Inputs::Ports(inputs) => self.reading.footprints(inputs, scale, plan, p),
-            Inputs::Surfaces(inputs) => self.reading.footprints_of(inputs, scale, plan, p),
-        }
-    }
-
-    /// The same of footprints on the sphere.
-    fn sweeps(&self, plan: &ReflectionPlan, inputs: &Inputs) -> Vec<Sweep<i32>> {
-        let (scale, p) = (&self.environment_scale, &self.precision);
-        match inputs {
-            Inputs::Ports(inputs) => {
-                let ports: Vec<SurfaceInput<i32>> = inputs.iter().map(|input| input.surface).collect();
-                let surfaces = self.reading.surfaces(&ports, &plan.surface(), p);
-                let reflecting = surfaces.into_iter().zip(inputs).map(|(surface, input)| {
-                    let ReflectionInput { dview, dnormal, .. } = *input;
-                    Reflecting { surface, dview, dnormal }
-                });
-                self.reading.sweeps(&reflecting.collect::<Vec<_>>(), scale, plan, p)
-            }
-            Inputs::Surfaces(inputs) => self.reading.sweeps(inputs, scale, plan, p),
         }
     }
 
@@ -351,41 +317,33 @@ impl Prepared<'_> {
     pub(super) fn surface_input(
         &self,
         object: &PreparedObject,
+        place: Place,
         attributes: &FragmentAttributes,
-        reads: &mut MapReads<'_>,
     ) -> SurfaceInput<i32> {
-        let plan = &object.plan;
-        let none = || Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] };
-        let bump =
-            object.bump_map.as_ref().map_or_else(none, |map| map.sample(reads, plan.roughness(), &self.precision));
-        let vectors = if plan.needs_tangents() {
-            attributes.frame_vectors
-        } else {
-            [object.main_direction, BlockVector::default()]
-        };
-        SurfaceInput {
-            normal: attributes.normal.wires(),
-            view: attributes.view.wires(),
-            frame_vectors: vectors.wires(),
-            offset: bump.offset,
-            roughness: bump.roughness,
-        }
+        let (mut fragments, mut bumps) = (Fragments::of(object), Columns::default());
+        fragments.push(place, attributes);
+        fragments.footprints.set(&fragments.duv, self.reading, &self.precision);
+        self.bumps(object, &fragments, &mut bumps);
+        ports(&fragments.bare.get(0), &bumps.get(0))
     }
 }
 
-fn is_zero<const INT: u32>(word: Fx<i32, INT>) -> bool {
-    word.raw() == 0
+/// No bump, no roughness.
+fn flat() -> Bumped<i32> {
+    Bumped { bump: Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] }, taps: Fx::zero() }
 }
 
-impl PreparedObject {
-    /// Colour of a fragment without its reflection and its lights.
-    fn colour(&self, reads: &mut MapReads<'_>) -> [Channel; 3] {
-        match &self.colour_map {
-            None => self.colour,
-            Some(map) => {
-                let sample = map.sample(reads);
-                core::array::from_fn(|i| pixel::modulated::<i32>(sample[i], self.colour[i]))
-            }
-        }
+fn ports(bare: &Bare<i32>, bumped: &Bumped<i32>) -> SurfaceInput<i32> {
+    let (Bare { normal, view, frame_vectors }, Bump { offset, roughness }) = (*bare, bumped.bump);
+    SurfaceInput { normal, view, frame_vectors, offset, roughness }
+}
+
+/// The plan of the waiting fragments without stages that every one of them would feed with zeros, which changes no bit.
+fn seen(plan: &ReflectionPlan, fragments: &Fragments, bumps: &Columns<Bumped<i32>>) -> ReflectionPlan {
+    let is_smooth = plan.roughness == RoughnessKind::None || bumps.is_smooth();
+    ReflectionPlan {
+        roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
+        curvature: plan.curvature && !fragments.derivatives.is_flat(),
+        ..*plan
     }
 }

@@ -7,9 +7,8 @@ use roughxel_core::ports::{BlockVector, Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::block_vector;
 
-use super::batch::Fragments;
+use super::batch::Place;
 use super::prepare::Prepared;
-use super::texture::{MapReads, Taps};
 use crate::raster::{FragmentAttributes, PIXEL_CENTRE_SUBPX, RasterError, SUBPIXELS, TileBuffer, TriangleList, tiles};
 
 impl Prepared<'_> {
@@ -41,11 +40,8 @@ impl Prepared<'_> {
             let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
             let plan = prepared.plan.reflection?;
             let attributes = triangle.fragment(x, y);
-            let mut footprints = Fragments::of(prepared).footprints;
-            footprints.set([&attributes].into_iter(), self.reading, &self.precision);
-            let mut taps = Taps::default();
-            let mut maps = MapReads::new(&attributes, (&footprints, 0), &mut taps, &self.precision);
-            let surface = SurfaceIn::of(&self.surface_input(prepared, &attributes, &mut maps));
+            let place = Place { pixel: 0, times: 1 };
+            let surface = SurfaceIn::of(&self.surface_input(prepared, place, &attributes));
             let edge_texels = self.environment.as_ref().map_or(1, |map| map.edge() as u16);
             let FragmentAttributes { dview, dnormal, .. } = attributes;
             let input = ReflectionIn { surface, dview, dnormal, edge_texels };

@@ -25,9 +25,9 @@ mod texture;
 mod tile;
 
 pub use colour::{Channel, Colour, MAX_MAP_EXPONENT};
-pub use environment::{EnvironmentMap, Look};
+pub use environment::EnvironmentMap;
 pub use frame::Frame;
 pub use phases::{Phase, PhaseTimes};
 pub use prepare::Prepared;
-pub use texture::{ColourMap, Footprints, MapReads, Taps};
+pub use texture::{ColourMap, Footprints, TextureDerivatives};
 pub use tile::Counted;

@@ -4,25 +4,25 @@
 //! the light they return: they are summed in the texel and filtered like any other, never averaged themselves (F92 §2.4).
 
 use roughxel_core::bundle::Value;
-use roughxel_core::datapath::{self, Surface, pixel, texel};
+use roughxel_core::datapath::{self, Surface, pixel};
 use roughxel_core::each::{each, places};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{HorizonKind, SurfacePlan};
 use roughxel_core::ports::{BlockVector, Horizon, Port, ShininessPort, StoredHorizon, StoredPeak, SurfaceInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak, uniform_law};
-use roughxel_core::signals::{LocalDirection, PeakSum};
+use roughxel_core::signals::{LocalDirection, PeakSum, TexturePosition};
 use roughxel_core::width::on_words;
 
 use crate::plan::ObjectPlan;
 use crate::raster::{PointFromTriangle, Triangle};
-use roughxel_lanes::{PackedPeak, PeakList, Reading};
+use roughxel_lanes::{Columns, PackedPeak, PeakList, Reading, RepeatedMap};
 use roughxel_maps::peak_pyramid::{self as pyramid, MAX_PEAKS, PeakPyramid};
 use roughxel_scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
 use super::colour::{Channel, colour_word};
 use super::printed;
-use super::texture::{MapReads, RepeatedMap, Taps};
+use super::texture::{Footprints, Taps};
 
 /// What shines in an object, and the lights that make it.
 pub(super) struct Lighting {
@@ -127,13 +127,28 @@ pub(super) struct PeaksRead {
     horizons: Vec<Horizon<i32>>,
     lights: Vec<Channel>,
     /// The light of each texel.
-    sums: Vec<[i32; 1]>,
+    sums: Vec<i32>,
+    /// What the fragment reads of the map of the peaks.
+    taps: Taps,
+}
+
+/// A fragment of a batch in the maps that it reads.
+#[derive(Clone, Copy)]
+pub(super) struct Spot<'a> {
+    pub(super) centres: &'a Columns<TexturePosition<i32>>,
+    pub(super) footprints: &'a Footprints,
+    /// In the batch.
+    pub(super) fragment: usize,
 }
 
 impl PeaksRead {
-    /// Reads the texels of the probes, once what a probe shares with the one before; the texels of `taps` then name their
-    /// places in [`Self::sums`].
-    fn read(&mut self, map: &PeakMap, taps: &mut Taps) {
+    /// Reads the texels of the probes, once what a probe shares with the one before; the texels of [`Self::taps`] then name their
+    /// places in [`Self::sums`]. Returns the bilinear samples.
+    fn read(&mut self, map: &PeakMap, spot: Spot<'_>, p: &Precision) -> u64 {
+        let Spot { centres, footprints, fragment } = spot;
+        let probes = footprints.of(&map.map).map(|probes| probes.get(fragment));
+        let taps = &mut self.taps;
+        taps.set(&map.map, &centres.get(fragment), probes.as_ref(), p);
         let most = 4 * RUN * taps.levels().iter().map(Vec::len).sum::<usize>();
         if self.indices.len() < most {
             self.indices.resize(most, 0);
@@ -145,6 +160,7 @@ impl PeaksRead {
             let mut before = [(NO_TEXEL, NO_PLACE); 4];
             for patch in patches {
                 let now = each!(texel in patch.texels => {
+                    let texel = texel.raw() as u32;
                     let same = |place, &(read, at): &(u32, u32)| if read == texel { at } else { place };
                     let shared = before.iter().fold(NO_PLACE, same);
                     let is_new = shared == NO_PLACE;
@@ -157,7 +173,7 @@ impl PeaksRead {
                     texels += u32::from(is_new);
                     (texel, place)
                 });
-                patch.texels = each!((_, place) in now => place);
+                patch.texels = each!((_, place) in now => Fx::from_raw(place as i32));
                 before = now;
             }
         }
@@ -167,7 +183,8 @@ impl PeaksRead {
         if !map.horizons.is_empty() {
             self.horizons.extend(indices.iter().map(|&index| map.horizons[index as usize]));
         }
-        self.sums.resize(texels as usize, [0]);
+        self.sums.resize(texels as usize, 0);
+        self.taps.count()
     }
 
     /// Sums the peaks of each texel, lit by one light.
@@ -175,9 +192,9 @@ impl PeaksRead {
         self.lights.clear();
         reading.peaks(half, &self.peaks, p, &mut self.lights);
         let sums = &mut self.sums[..];
-        sums.fill([0]);
+        sums.fill(0);
         for (&owner, &light) in self.owners.iter().zip(&self.lights) {
-            let [sum] = &mut sums[owner as usize];
+            let sum = &mut sums[owner as usize];
             *sum =
                 datapath::peak_sum(&PeakSum::<i32> { light: Fx::from_raw(*sum), saturated: false }, light).light.raw();
         }
@@ -284,16 +301,17 @@ impl Lighting {
     }
 
     /// Hands the colour that each light makes of a surface to `add`, with the direction to each light; `input` is what the surface
-    /// was made of.
+    /// was made of. Returns the bilinear samples read.
     pub(super) fn shine(
         &self,
         (input, surface): (&SurfaceInput<i32>, &Surface<i32>),
         directions: &[BlockVector],
-        reads: &mut MapReads<'_>,
+        spot: Spot<'_>,
         read: &mut PeaksRead,
         (reading, p): (Reading, &Precision),
         mut add: impl FnMut([Channel; 3]),
-    ) {
+    ) -> u64 {
+        let mut taps = 0;
         let mut add = |light: &PreparedLight, returned: Channel| {
             add(light.colour.map(|channel| pixel::modulated::<i32>(returned, channel)));
         };
@@ -322,8 +340,7 @@ impl Lighting {
                 }
             }
             Lobes::Map(map) => {
-                let taps = reads.take(&map.map);
-                read.read(map, taps);
+                taps = read.read(map, spot, p);
                 let eye = (!map.horizons.is_empty()).then(|| {
                     on_words!(p, |surface| {
                         let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
@@ -348,11 +365,11 @@ impl Lighting {
                         read.peaks.weigh(read.horizons.iter().map(visible));
                     }
                     read.light(&lit.direction, reading, p);
-                    let [returned] = taps.mean(&read.sums, texel::word_sample::<i32>, |sample| sample);
-                    add(light, returned.reread());
+                    add(light, read.taps.mean(&read.sums));
                 }
             }
         }
+        taps
     }
 }
 

@@ -9,7 +9,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
 use roughxel_core::soft_core::environment_scale;
-use roughxel_lanes::Reading;
+use roughxel_lanes::{Reading, RepeatedMap};
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::peak_pyramid::{PeakPyramid, ScenePeaks};
 use roughxel_scene::{Background, Light, Material, Scene};
@@ -17,7 +17,7 @@ use roughxel_scene::{Background, Light, Material, Scene};
 use super::colour::{Channel, colour_word};
 use super::environment::EnvironmentMap;
 use super::lighting::{Lighting, PeakMap};
-use super::texture::{BumpMap, ColourMap, RepeatedMap};
+use super::texture::{BumpMap, ColourMap};
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::{Needs, Projection, RasterError};
 

@@ -3,17 +3,19 @@
 use rayon::prelude::*;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionInput, SurfaceIn};
+use roughxel_core::ports::BlockVector;
 use roughxel_scene::Background;
 
 use super::Colour;
-use super::batch::{Fragments, Place, Reads, SHADED, Sums, Waiting};
+use super::batch::{Batch, Fragments, Place, SHADED, Sums};
 use super::colour::{Channel, colour_word};
 use super::frame::Frame;
 use super::lighting::Points;
 use super::phases::PhaseTimes;
 use super::prepare::Prepared;
-use crate::raster::{RasterError, SUBPIXELS, Sample, Sampling, TileRect, Triangle, TriangleList, tiles};
+use crate::raster::{
+    FragmentAttributes, RasterError, SUBPIXELS, Sample, Sampling, TileRect, Triangle, TriangleList, tiles,
+};
 
 /// What drawing took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,7 +31,7 @@ enum Ray {
     /// A colour.
     Colour([Channel; 3]),
     /// The environment, as this mirror reflects it.
-    Reflection(ReflectionInput<i32>),
+    Reflection(FragmentAttributes),
 }
 
 impl Prepared<'_> {
@@ -82,9 +84,8 @@ impl Prepared<'_> {
     fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, Counted) {
         let mut sums = Sums::new(tile.width as usize * tile.height as usize);
         let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
-        let mut waiting: Vec<Waiting> = self.objects.iter().map(Waiting::of).collect();
-        let mut rays = Waiting::rays(self.mode);
-        let mut reads = Reads::default();
+        let mut rays = Fragments::rays();
+        let mut batch = Batch::default();
         let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
         let counts = triangles.samples(tile, self.sampling(), |sample| {
             let Sample { pixel, position: [x, y], triangle, times } = sample;
@@ -92,7 +93,12 @@ impl Prepared<'_> {
             let Some(index) = triangle else {
                 match self.background(x, y) {
                     Ray::Colour(colour) => sums.add(place, colour),
-                    Ray::Reflection(input) => self.reflect(&mut rays, (place, [Fx::zero(); 3]), &input, &mut sums),
+                    Ray::Reflection(attributes) => {
+                        rays.push(place, &attributes);
+                        if rays.len() == SHADED {
+                            self.shade_rays(&mut rays, &mut batch, &mut sums);
+                        }
+                    }
                 }
                 return;
             };
@@ -107,20 +113,19 @@ impl Prepared<'_> {
                 current = Some((index, set_up));
             }
             let Some((_, Some((triangle, points)))) = &current else { return };
-            let Fragments { attributes, places, directions, .. } = &mut fragments[object];
-            attributes.push(triangle.fragment(x, y));
-            places.push(place);
+            let fragments = &mut fragments[object];
+            fragments.push(place, &triangle.fragment(x, y));
             if let Some(lighting) = &prepared.lighting {
-                lighting.directions(triangle, points, [x, y], directions);
+                lighting.directions(triangle, points, [x, y], &mut fragments.directions);
             }
-            if attributes.len() == SHADED {
-                self.shade(prepared, &mut fragments[object], &mut waiting[object], &mut reads, &mut sums);
+            if fragments.len() == SHADED {
+                self.shade(prepared, fragments, &mut batch, &mut sums);
             }
         });
-        for ((object, fragments), waiting) in self.objects.iter().zip(&mut fragments).zip(&mut waiting) {
-            self.shade(object, fragments, waiting, &mut reads, &mut sums);
+        for (object, fragments) in self.objects.iter().zip(&mut fragments) {
+            self.shade(object, fragments, &mut batch, &mut sums);
         }
-        waiting.iter_mut().chain([&mut rays]).for_each(|waiting| self.fetch(waiting, &mut sums));
+        self.shade_rays(&mut rays, &mut batch, &mut sums);
         // Samples are what the datapath is compared with, and edges are the front end's: their mean, to nearest, is no stage.
         let mean = |sum: PixelSum<i32>, count: u32| {
             let count = i64::from(count);
@@ -146,8 +151,7 @@ impl Prepared<'_> {
                 let view = self.projection.ray_view(x, y);
                 let ray = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
                 let dview = self.projection.dview();
-                let surface = SurfaceIn { normal: ray, view: ray, ..SurfaceIn::default() };
-                Ray::Reflection(ReflectionIn { surface, dview, ..ReflectionIn::default() }.wires())
+                Ray::Reflection(FragmentAttributes { normal: ray, view: ray, dview, ..FragmentAttributes::default() })
             }
         }
     }

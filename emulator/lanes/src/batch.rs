@@ -1,21 +1,16 @@
-//! Batches: fragments side by side in lanes, through a part of the datapath, and one by one again.
+//! Batches: fragments in columns, side by side through a part of the datapath, and in columns again.
 
-use std::mem;
+use std::ops::Range;
 
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::design::{Form, In};
-use roughxel_core::each::each;
+use roughxel_core::each::{each, places};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{Wire, Word};
 
+use super::columns::{Columns, Rows, RowsMut};
 use super::vectors::Vectors;
 use super::{LANES, Lanes, Target};
-
-/// A word of a group of fragments: lane i stands in part `i % PARTS`.
-type Row<const PARTS: usize> = [[i32; LANES]; PARTS];
-
-/// Words of a group of fragments, in the order of a walk.
-type Group<const PARTS: usize, const WORDS: usize> = [Row<PARTS>; WORDS];
 
 /// Lanes of words of any width, for `PARTS` times [`LANES`] fragments: mantissas and counts enter and leave as words of 32 bits.
 pub(super) trait Side<const PARTS: usize>: Staged {
@@ -51,49 +46,26 @@ impl<T: Target> Side<1> for Lanes<T> {
     }
 }
 
-/// Adds what `body` makes of every input to `results`, in their order. The last group is filled up with what its lanes held before. `IN` and
-/// `OUT` are the words of an input and of a result: groups of one size for all would mostly be zeros that nobody reads.
-pub(super) fn map<
-    W: Side<PARTS>,
-    I: Form,
-    O: Bundle<W, In<i32>: Form>,
-    const PARTS: usize,
-    const IN: usize,
-    const OUT: usize,
->(
-    inputs: &[I],
-    results: &mut Vec<O::In<i32>>,
-    body: impl Fn(&In<I, W>) -> O,
+/// Puts what `body` makes of every input into `results`, in their order, in place of what they held. Lanes behind the last fragment of a
+/// group hold its first one.
+pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const PARTS: usize>(
+    inputs: I,
+    results: &mut Columns<O::In<i32>>,
+    body: impl Fn(&I::In<W>) -> O,
 ) {
-    const { assert!(I::WORDS == IN && O::WORDS == OUT, "a group has the words of its walk") }
-    let store = |group: &mut Group<PARTS, IN>, fragments: &[I]| {
-        for (lane, fragment) in fragments.iter().enumerate() {
-            fragment.rewire::<i32, _>(&mut Store { group, lane, next: 0 });
-        }
-    };
-    let mut out = [[[0; LANES]; PARTS]; OUT];
-    let (mut into, mut next) = (&mut [[[0; LANES]; PARTS]; IN], &mut [[[0; LANES]; PARTS]; IN]);
-    results.reserve(inputs.len());
-    let mut groups = inputs.chunks(PARTS * LANES).peekable();
-    if let Some(fragments) = groups.peek() {
-        store(next, fragments);
-    }
-    while let Some(fragments) = groups.next() {
-        mem::swap(&mut into, &mut next);
-        // A group ahead: a vector loaded from words just stored waits for the last of them.
-        if let Some(fragments) = groups.peek() {
-            store(next, fragments);
-        }
+    results.resize(inputs.len());
+    for group in 0..inputs.len().div_ceil(PARTS * LANES) {
         // The composer and both walks are compiled for the instruction set, as the stages are.
         let form = W::Set::run(
             #[inline(always)]
             || {
-                let input = fragments[0].rewire::<W, _>(&mut Load { group: into, proof: W::Set::proof(), next: 0 });
-                body(&input).rewire(&mut Unload { group: &mut out, next: 0 })
+                let lanes = PARTS * LANES * group..inputs.len().min(PARTS * LANES * (group + 1));
+                let first = lanes.start;
+                let input = inputs.load::<W, PARTS>(lanes, W::Set::proof());
+                body(&input).rewire(&mut Unload::<PARTS> { rows: results.rows_mut(), first, next: 0 })
             },
         );
-        let lanes = 0..fragments.len();
-        results.extend(lanes.map(|lane| -> O::In<i32> { form.rewire(&mut Lane { group: &out, lane, next: 0 }) }));
+        results.set_form(form);
     }
 }
 
@@ -103,53 +75,97 @@ pub(super) fn spread<W: Side<PARTS>, B: Form, const PARTS: usize>(bundle: &B) ->
     bundle.rewire::<W, _>(&mut Spread::<_, PARTS>(W::Set::proof()))
 }
 
-/// Puts the words of a walk into a lane of a group; a wide wire is two of them, a flag is 0 or 1.
-struct Store<'a, const PARTS: usize, const WORDS: usize> {
-    group: &'a mut Group<PARTS, WORDS>,
-    lane: usize,
-    next: usize,
+/// Inputs of a part of the datapath: fragments in columns, or several bundles of each.
+pub(super) trait Inputs: Copy {
+    /// Those of a group, in another reading.
+    type In<W: Word>;
+    /// Fragments.
+    fn len(self) -> usize;
+    /// Those of the scalar reading.
+    fn at(self, index: usize) -> Self::In<i32>;
+    /// Those of a group: so many fragments as it has lanes, or the last ones.
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> Self::In<W>;
 }
 
-impl<const PARTS: usize, const WORDS: usize> Rewire<i32, i32> for Store<'_, PARTS, WORDS> {
+impl<B: Form> Inputs for &Columns<B> {
+    type In<W: Word> = In<B, W>;
     #[inline(always)]
-    fn word(&mut self, wire: i32, _: u32) -> i32 {
-        self.group[self.next][self.lane % PARTS][self.lane / PARTS % LANES] = wire;
-        self.next += 1;
-        wire
+    fn len(self) -> usize {
+        Columns::len(self)
     }
     #[inline(always)]
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.word(wire, fraction_bits)
+    fn at(self, index: usize) -> B {
+        self.get(index)
     }
     #[inline(always)]
-    fn wide(&mut self, wire: i64, _: u32) -> i64 {
-        self.word(wire as i32, 0);
-        self.word((wire >> 32) as i32, 0);
-        wire
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> In<B, W> {
+        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { rows: self.rows(), lanes, proof, next: 0 })
+    }
+}
+
+impl<A: Inputs, B: Inputs> Inputs for (A, B) {
+    type In<W: Word> = (A::In<W>, B::In<W>);
+    #[inline(always)]
+    fn len(self) -> usize {
+        self.0.len()
     }
     #[inline(always)]
-    fn flag(&mut self, wire: bool) -> bool {
-        self.word(i32::from(wire), 0);
-        wire
+    fn at(self, index: usize) -> Self::In<i32> {
+        (self.0.at(index), self.1.at(index))
+    }
+    #[inline(always)]
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> Self::In<W> {
+        (self.0.load::<W, PARTS>(lanes.clone(), proof), self.1.load::<W, PARTS>(lanes, proof))
+    }
+}
+
+impl<A: Inputs, B: Inputs, C: Inputs> Inputs for (A, B, C) {
+    type In<W: Word> = (A::In<W>, B::In<W>, C::In<W>);
+    #[inline(always)]
+    fn len(self) -> usize {
+        self.0.len()
+    }
+    #[inline(always)]
+    fn at(self, index: usize) -> Self::In<i32> {
+        (self.0.at(index), self.1.at(index), self.2.at(index))
+    }
+    #[inline(always)]
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> Self::In<W> {
+        let two = (self.0, self.1).load::<W, PARTS>(lanes.clone(), proof);
+        (two.0, two.1, self.2.load::<W, PARTS>(lanes, proof))
     }
 }
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
-struct Load<'a, T, const PARTS: usize, const WORDS: usize> {
-    group: &'a Group<PARTS, WORDS>,
+struct Load<'a, T, const PARTS: usize> {
+    rows: Rows<'a>,
+    lanes: Range<usize>,
     proof: T,
     next: usize,
 }
 
-impl<T: Target, const PARTS: usize, const WORDS: usize> Load<'_, T, PARTS, WORDS> {
+impl<T: Target, const PARTS: usize> Load<'_, T, PARTS> {
     #[inline(always)]
     fn row(&mut self) -> [Lanes<T>; PARTS] {
+        let row = self.rows.row(self.next);
         self.next += 1;
-        each!(part in self.group[self.next - 1] => Lanes(self.proof.words(part), self.proof))
+        each!(part in places() => {
+            let first = self.lanes.start + LANES * part;
+            let mut words = Rows::lanes(row, first);
+            if self.lanes.end < first + LANES {
+                // The last group: what its other lanes read must be a fragment, too.
+                for (lane, word) in words.iter_mut().enumerate() {
+                    if first + lane >= self.lanes.end {
+                        *word = row[self.lanes.start];
+                    }
+                }
+            }
+            Lanes(self.proof.words(words), self.proof)
+        })
     }
 }
 
-impl<W: Side<PARTS>, const PARTS: usize, const WORDS: usize> Rewire<i32, W> for Load<'_, W::Set, PARTS, WORDS> {
+impl<W: Side<PARTS>, const PARTS: usize> Rewire<i32, W> for Load<'_, W::Set, PARTS> {
     #[inline(always)]
     fn word(&mut self, _: i32, _: u32) -> W {
         W::of_mantissas(self.row())
@@ -198,22 +214,25 @@ impl<W: Side<PARTS>, const PARTS: usize> Rewire<i32, W> for Spread<W::Set, PARTS
     }
 }
 
-/// Puts the wires of a walk into a group of words; a wide wire is two of them, a flag is 0 or 1.
-struct Unload<'a, const PARTS: usize, const WORDS: usize> {
-    group: &'a mut Group<PARTS, WORDS>,
+/// Puts the wires of a walk into columns; a wide wire is two words, a flag is 0 or 1.
+struct Unload<'a, const PARTS: usize> {
+    rows: RowsMut<'a>,
+    first: usize,
     next: usize,
 }
 
-impl<const PARTS: usize, const WORDS: usize> Unload<'_, PARTS, WORDS> {
+impl<const PARTS: usize> Unload<'_, PARTS> {
     #[inline(always)]
     fn row<T: Target>(&mut self, words: [Lanes<T>; PARTS]) -> i32 {
-        self.group[self.next] = each!(part in words => part.lanes());
+        for (part, words) in words.into_iter().enumerate() {
+            self.rows.set_lanes(self.next, self.first + LANES * part, words.lanes());
+        }
         self.next += 1;
         0
     }
 }
 
-impl<W: Side<PARTS>, const PARTS: usize, const WORDS: usize> Rewire<W, i32> for Unload<'_, PARTS, WORDS> {
+impl<W: Side<PARTS>, const PARTS: usize> Rewire<W, i32> for Unload<'_, PARTS> {
     #[inline(always)]
     fn word(&mut self, wire: W, _: u32) -> i32 {
         self.row(wire.mantissas())
@@ -232,33 +251,5 @@ impl<W: Side<PARTS>, const PARTS: usize, const WORDS: usize> Rewire<W, i32> for 
     fn flag(&mut self, wire: W::Flag) -> bool {
         self.row(W::counts(Wire::select(wire, Wire::lit(1), Wire::lit(0))));
         false
-    }
-}
-
-/// Takes the words of one lane in the order of a walk.
-struct Lane<'a, const PARTS: usize, const WORDS: usize> {
-    group: &'a Group<PARTS, WORDS>,
-    lane: usize,
-    next: usize,
-}
-
-impl<const PARTS: usize, const WORDS: usize> Rewire<i32, i32> for Lane<'_, PARTS, WORDS> {
-    #[inline(always)]
-    fn word(&mut self, _: i32, _: u32) -> i32 {
-        self.next += 1;
-        self.group[self.next - 1][self.lane % PARTS][self.lane / PARTS % LANES]
-    }
-    #[inline(always)]
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.word(wire, fraction_bits)
-    }
-    #[inline(always)]
-    fn wide(&mut self, _: i64, _: u32) -> i64 {
-        let [low, high] = [self.word(0, 0), self.word(0, 0)];
-        i64::from(high) << 32 | i64::from(low.cast_unsigned())
-    }
-    #[inline(always)]
-    fn flag(&mut self, _: bool) -> bool {
-        self.word(0, 0) != 0
     }
 }

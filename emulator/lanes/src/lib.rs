@@ -21,10 +21,13 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod batch;
+mod columns;
+mod fetch;
 mod narrow;
 mod peak_list;
 mod reading;
 mod target;
+mod texels;
 mod vectors;
 
 use std::ops::{BitAnd, BitOr, Not};
@@ -37,10 +40,12 @@ use roughxel_core::word::{WideWire, Wire, Word};
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
+pub use columns::Columns;
 pub use narrow::{Halves, KEPT, NARROW_LANES, NarrowFlags, NarrowLanes};
 pub use peak_list::{PackedPeak, PeakList};
-pub use reading::{Footprint, Reading, Reflecting};
+pub use reading::{Bare, Bumped, Derivatives, Footprint, Look, Places, Ports, Reading, Shown};
 pub use target::{InstructionSet, Target};
+pub use texels::{CubeTexels, MapTexels, RepeatedMap};
 
 /// Fragments side by side on words of 32 bits, whatever the instruction set.
 pub const LANES: usize = 16;

@@ -26,7 +26,7 @@ pub struct NarrowLanes<T: Target>(T::Shorts, T);
 
 /// A wire of [`NARROW_LANES`] fragments as two, of the even and of the odd ones.
 #[derive(Clone, Copy, Debug)]
-pub struct Halves<X>([X; 2]);
+pub struct Halves<X>(pub(super) [X; 2]);
 
 /// A flag of [`NARROW_LANES`] fragments.
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +93,12 @@ impl<T: Target> NarrowFlags<T> {
     pub fn lanes(self) -> [bool; NARROW_LANES] {
         let halves = self.halves.map(FlagLanes::lanes);
         core::array::from_fn(|i| halves[i % 2][i / 2])
+    }
+
+    /// Of the even and of the odd lanes.
+    #[inline(always)]
+    pub(super) fn halves(self) -> [FlagLanes<T>; 2] {
+        self.halves
     }
 
     #[inline(always)]

@@ -4,22 +4,28 @@ use std::fmt;
 use std::str::FromStr;
 
 use roughxel_core::bundle::{Value, bundle};
-use roughxel_core::datapath::{self, Reflection, Surface};
-use roughxel_core::design::Form;
+use roughxel_core::datapath::texel::{Bump, BumpMoments, BumpSample, BumpScale};
+use roughxel_core::datapath::{self, Reflection, Surface, pixel, texel};
+use roughxel_core::each::each;
+use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
-use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
-use roughxel_core::precision::Precision;
-use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, SphereProbe, Sweep};
+use roughxel_core::ports::{LIGHT, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::repeated::{self, Mean, View};
+use roughxel_core::sampler::{self, Cube, CubeMemory, Seen};
+use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, Sweep, TexturePosition};
 use roughxel_core::soft_core;
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
 
-use super::batch::{map, spread};
+use super::batch::{Inputs, map, spread};
+use super::columns::Columns;
 use super::narrow::KEPT;
 use super::peak_list::{self, PeakList};
 use super::target::InstructionSet;
+use super::texels::{BrightCube, CubeTexels, LinearCube, MapTexels};
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512, Lanes, NarrowLanes};
 
@@ -37,6 +43,22 @@ bundle! {
     }
 }
 
+impl Columns<Bumped<i32>> {
+    /// Whether no fragment is rough.
+    pub fn is_smooth(&self) -> bool {
+        // Behind the two words of the offset.
+        (2..5).all(|word| self.row(word).iter().all(|&d| d == 0))
+    }
+}
+
+impl Columns<Derivatives<i32>> {
+    /// Whether no fragment's surface is curved.
+    pub fn is_flat(&self) -> bool {
+        // Blocks of three words and an exponent: ∂v/∂x, ∂v/∂y, ∂n/∂x, ∂n/∂y.
+        [8, 9, 10, 12, 13, 14].into_iter().all(|word| self.row(word).iter().all(|&m| m == 0))
+    }
+}
+
 impl<W: Word> Footprint<W> {
     /// That part of a reflection.
     #[inline(always)]
@@ -46,10 +68,20 @@ impl<W: Word> Footprint<W> {
 }
 
 bundle! {
-    /// A fragment whose surface is made.
-    pub struct Reflecting<W> {
-        /// Its surface.
-        surface: Surface<W>,
+    /// What the surface of a fragment is made of, beside its bumps.
+    pub struct Bare<W> {
+        /// Unnormalised normal.
+        normal: PortBlock<W, 3>,
+        /// From the surface to the eye.
+        view: PortBlock<W, 3>,
+        /// p_u and p_v, or the main direction and nothing.
+        frame_vectors: [PortBlock<W, 3>; 2],
+    }
+}
+
+bundle! {
+    /// How a fragment's surface and its view change over a pixel.
+    pub struct Derivatives<W> {
         /// ∂v/∂x and ∂v/∂y.
         dview: [PortBlock<W, 3>; 2],
         /// ∂n/∂x and ∂n/∂y.
@@ -58,21 +90,160 @@ bundle! {
 }
 
 bundle! {
-    /// A probe of a footprint on the sphere that is to be made.
-    pub struct Step<W> {
-        /// What it steps along.
-        sweep: Sweep<W>,
-        /// 0 … N − 1.
-        index: Int<W>,
+    /// Bumps and roughness of a fragment, and what was read for them.
+    pub struct Bumped<W> {
+        /// As the ports of the surface take them.
+        bump: Bump<W>,
+        /// Bilinear samples.
+        #[range(0..=32)]
+        taps: Int<W>,
     }
 }
 
-impl<W: Word> Reflecting<W> {
-    /// ∂v and ∂n.
-    #[inline(always)]
-    fn derivatives(&self) -> [&[PortBlock<W, 3>; 2]; 2] {
-        [&self.dview, &self.dnormal]
+bundle! {
+    /// A colour, and what was read for it.
+    pub struct Shown<W> {
+        /// Linear light.
+        #[range(0..64)]
+        channels: [Control<W, LIGHT>; 3],
+        /// Bilinear samples.
+        #[range(0..=32)]
+        taps: Int<W>,
     }
+}
+
+/// Fragments as ports, taken apart: for who has them one by one.
+#[derive(Clone, Debug, Default)]
+pub struct Ports {
+    /// Without bumps.
+    pub bare: Columns<Bare<i32>>,
+    /// Bumps and roughness; nothing was read for them.
+    pub bumps: Columns<Bumped<i32>>,
+    /// Over the pixel.
+    pub derivatives: Columns<Derivatives<i32>>,
+}
+
+impl Extend<ReflectionInput<i32>> for Ports {
+    fn extend<I: IntoIterator<Item = ReflectionInput<i32>>>(&mut self, inputs: I) {
+        for ReflectionInput { surface, dview, dnormal, .. } in inputs {
+            let SurfaceInput { normal, view, frame_vectors, offset, roughness } = surface;
+            self.bare.push(&Bare { normal, view, frame_vectors });
+            self.bumps.push(&Bumped { bump: Bump { offset, roughness }, taps: Fx::zero() });
+            self.derivatives.push(&Derivatives { dview, dnormal });
+        }
+    }
+}
+
+impl FromIterator<ReflectionInput<i32>> for Ports {
+    fn from_iter<I: IntoIterator<Item = ReflectionInput<i32>>>(inputs: I) -> Self {
+        let mut ports = Self::default();
+        ports.extend(inputs);
+        ports
+    }
+}
+
+impl Ports {
+    /// Leaves no fragment; the memory is kept.
+    pub fn clear(&mut self) {
+        (self.bare.clear(), self.bumps.clear(), self.derivatives.clear());
+    }
+
+    /// What fetching needs of every fragment, on the planes of faces.
+    pub fn footprints(
+        &self,
+        reading: Reading,
+        scale_and_plan: (&MapScale<i32>, &ReflectionPlan),
+        p: &Precision,
+    ) -> Columns<Footprint<i32>> {
+        let (mut surfaces, mut footprints) = (Columns::default(), Columns::default());
+        reading.surfaces(&self.bare, &self.bumps, &scale_and_plan.1.surface(), p, &mut surfaces);
+        reading.footprints(&surfaces, &self.derivatives, scale_and_plan, p, &mut footprints);
+        footprints
+    }
+}
+
+/// Where fragments look in an environment, and over which footprints.
+#[derive(Clone, Copy, Debug)]
+pub enum Look<'a> {
+    /// On the planes of its faces.
+    Face(&'a Columns<Footprint<i32>>),
+    /// On the sphere.
+    Sphere(&'a Columns<Sweep<i32>>),
+}
+
+/// What fragments look up in a repeated map.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    /// Texture coordinates.
+    pub centres: &'a Columns<TexturePosition<i32>>,
+    /// Footprints around them; none where nothing is filtered.
+    pub footprints: Option<&'a Columns<Probes<i32>>>,
+}
+
+/// The ports of a surface.
+#[inline(always)]
+fn ports<W: Word>(bare: &Bare<W>, bump: &Bump<W>) -> SurfaceInput<W> {
+    let Bare { normal, view, frame_vectors } = *bare;
+    SurfaceInput { normal, view, frame_vectors, offset: bump.offset, roughness: bump.roughness }
+}
+
+/// A colour of one's own, blended with what is seen.
+#[inline(always)]
+fn shown_of<W: Fetch, M: CubeMemory>(
+    own: &Shown<W>,
+    seen: &Seen<W>,
+    reflectance: &[Value<W, REFLECTANCE>; 3],
+    cube: &Cube<'_, M>,
+) -> Shown<W> {
+    let reflectance = each!(Value(share) in *reflectance => share);
+    let channels = sampler::blended::<W, M>(&own.channels, seen, &reflectance, cube.exponent);
+    Shown { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
+}
+
+/// The colour of a repeated map times `own`.
+#[inline(always)]
+fn colour<W: Fetch>(
+    view: &View<'_, W>,
+    texels: &[[u16; 3]],
+    exponent: i32,
+    own: &[Value<W, LIGHT>; 3],
+    p: &Precision,
+) -> Shown<W> {
+    let mean = repeated::mean(view, texels, texel::colour_sample::<W>, same::<W, 3>, p);
+    let unit = Fx::int(exponent.into());
+    let channels = each!(i in [0, 1, 2] => pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own[i].0));
+    Shown { channels, taps: mean.taps }
+}
+
+#[inline(always)]
+fn same<W: Word, const CHANNELS: usize>(sample: [Int<W>; CHANNELS]) -> [Int<W>; CHANNELS] {
+    sample
+}
+
+/// Bumps and roughness of a map.
+#[inline(always)]
+fn bump<W: Fetch>(
+    view: &View<'_, W>,
+    texels: &[[i32; 5]],
+    scale: &BumpScale<W>,
+    kind: RoughnessKind,
+    p: &Precision,
+) -> Bumped<W> {
+    let (moments, taps) = if kind == RoughnessKind::None {
+        let Mean { channels: [b1, b2], taps } = repeated::mean(view, texels, texel::word_sample::<W>, same::<W, 2>, p);
+        ([b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps)
+    } else {
+        let Mean { channels, taps } = repeated::mean(
+            view,
+            texels,
+            texel::word_sample::<W>,
+            #[inline(always)]
+            |sample| texel::bump_probe(&BumpSample::<W>::of_words(sample)).words(),
+            p,
+        );
+        (channels, taps)
+    };
+    Bumped { bump: texel::bump(&BumpMoments::<W>::of_words(moments), scale, kind, p), taps }
 }
 
 /// A way to compute parts of the datapath for many fragments, or the light of many peaks.
@@ -105,30 +276,36 @@ fn lanes_of(p: &Precision) -> Option<Width> {
 macro_rules! each_fragment {
     (
         $reading:expr, $p:expr, $inputs:expr, $results:expr,
-        |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr, else $scalar:expr
+        |$input:pat_param $(, $same:ident)*| $body:expr, else $scalar:expr
     ) => {
         match ($reading, lanes_of($p)) {
             #[cfg(target_arch = "x86_64")]
             (Self::Lanes(InstructionSet::Avx2), Some(Width::Narrow)) => {
-                each_fragment!(@lanes NarrowLanes<Avx2>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+                each_fragment!(@lanes NarrowLanes<Avx2>, $inputs, $results, |$input $(, $same)*| $body);
             }
             #[cfg(target_arch = "x86_64")]
             (Self::Lanes(InstructionSet::Avx2), Some(Width::Full)) => {
-                each_fragment!(@lanes Lanes<Avx2>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+                each_fragment!(@lanes Lanes<Avx2>, $inputs, $results, |$input $(, $same)*| $body);
             }
             #[cfg(target_arch = "x86_64")]
             (Self::Lanes(InstructionSet::Avx512), Some(Width::Narrow)) => {
-                each_fragment!(@lanes NarrowLanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+                each_fragment!(@lanes NarrowLanes<Avx512>, $inputs, $results, |$input $(, $same)*| $body);
             }
             #[cfg(target_arch = "x86_64")]
             (Self::Lanes(InstructionSet::Avx512), Some(Width::Full)) => {
-                each_fragment!(@lanes Lanes<Avx512>, $inputs, $results, |$input: $in $(, $same)* => $out| $body);
+                each_fragment!(@lanes Lanes<Avx512>, $inputs, $results, |$input $(, $same)*| $body);
             }
-            _ => $results.extend($inputs.iter().map(|$input| $scalar)),
+            _ => {
+                $results.clear();
+                for index in 0..Inputs::len($inputs) {
+                    let $input = &$inputs.at(index);
+                    $results.push(&$scalar);
+                }
+            }
         }
     };
-    (@lanes $lanes:ty, $inputs:expr, $results:expr, |$input:ident: $in:ty $(, $same:ident)* => $out:ty| $body:expr) => {
-        map::<$lanes, _, _, _, { words::<$in>() }, { words::<$out>() }>(
+    (@lanes $lanes:ty, $inputs:expr, $results:expr, |$input:pat_param $(, $same:ident)*| $body:expr) => {
+        map::<$lanes, _, _, _>(
             $inputs,
             $results,
             #[inline(always)]
@@ -140,122 +317,181 @@ macro_rules! each_fragment {
     };
 }
 
-/// Words of a bundle.
-#[cfg(target_arch = "x86_64")]
-const fn words<F: Form>() -> usize {
-    F::WORDS
-}
-
 impl Reading {
     /// The fastest on this machine.
     pub fn best() -> Self {
         InstructionSet::best().map_or(Self::Scalar, Self::Lanes)
     }
 
-    /// What fetching needs of every fragment, in their order.
+    /// The surface of every fragment, with its bumps.
+    pub fn surfaces(
+        self,
+        bare: &Columns<Bare<i32>>,
+        bumps: &Columns<Bumped<i32>>,
+        plan: &SurfacePlan,
+        p: &Precision,
+        surfaces: &mut Columns<Surface<i32>>,
+    ) {
+        each_fragment!(
+            self, p, (bare, bumps), surfaces,
+            |(bare, bumped)| datapath::surface(&ports(bare, &bumped.bump), plan, p),
+            else soft_core::surface(&ports(bare, &bumped.bump), plan, p)
+        );
+    }
+
+    /// What fetching needs of every fragment whose surface is made, on the planes of faces.
     pub fn footprints(
         self,
-        inputs: &[ReflectionInput<i32>],
-        scale: &MapScale<i32>,
-        plan: &ReflectionPlan,
+        surfaces: &Columns<Surface<i32>>,
+        derivatives: &Columns<Derivatives<i32>>,
+        (scale, plan): (&MapScale<i32>, &ReflectionPlan),
         p: &Precision,
-    ) -> Vec<Footprint<i32>> {
-        let mut results = Vec::new();
+        footprints: &mut Columns<Footprint<i32>>,
+    ) {
         each_fragment!(
-            self, p, inputs, &mut results,
-            |input: ReflectionInput<i32>, scale => Footprint<i32>| {
-                Footprint::of(&datapath::reflection(input, scale, &plan.on_face(), p))
+            self, p, (surfaces, derivatives), footprints,
+            |(surface, d), scale| {
+                Footprint::of(&datapath::reflection_of(surface, [&d.dview, &d.dnormal], scale, &plan.on_face(), p))
             },
-            else Footprint::of(&soft_core::reflection(input, scale, &plan.on_face(), p))
+            else Footprint::of(&soft_core::reflection_of(surface, [&d.dview, &d.dnormal], scale, &plan.on_face(), p))
         );
-        results
     }
 
-    /// What the probes on the sphere step along, of every fragment whose surface is made, in their order.
+    /// What the probes on the sphere step along, of every fragment whose surface is made.
     pub fn sweeps(
         self,
-        inputs: &[Reflecting<i32>],
-        scale: &MapScale<i32>,
-        plan: &ReflectionPlan,
+        surfaces: &Columns<Surface<i32>>,
+        derivatives: &Columns<Derivatives<i32>>,
+        (scale, plan): (&MapScale<i32>, &ReflectionPlan),
         p: &Precision,
-    ) -> Vec<Sweep<i32>> {
-        let mut results = Vec::new();
-        each_fragment!(
-            self, p, inputs, &mut results,
-            |input: Reflecting<i32>, scale => Sweep<i32>| {
-                datapath::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_sphere(), p).sweep
-            },
-            else soft_core::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_sphere(), p).sweep
-        );
-        results
-    }
-
-    /// Adds all probes of every sweep to `probes`, in their order, on an environment with levels up to `last_level`.
-    pub fn sphere_probes(
-        self,
-        sweeps: &[Sweep<i32>],
-        last_level: Int<i32>,
-        p: &Precision,
-        probes: &mut Vec<SphereProbe<i32>>,
+        sweeps: &mut Columns<Sweep<i32>>,
     ) {
-        let steps = sweeps
-            .iter()
-            .flat_map(|&sweep| (0..sweep.count.raw()).map(move |index| Step { sweep, index: Fx::from_raw(index) }));
-        let (steps, last_level) = (steps.collect::<Vec<_>>(), &Value(last_level));
         each_fragment!(
-            self, p, &steps, probes,
-            |step: Step<i32>, last_level => SphereProbe<i32>| {
-                datapath::sphere_probe(&step.sweep, step.index, last_level.0, p)
+            self, p, (surfaces, derivatives), sweeps,
+            |(surface, d), scale| {
+                datapath::reflection_of(surface, [&d.dview, &d.dnormal], scale, &plan.on_sphere(), p).sweep
             },
-            else soft_core::sphere_probe(&step.sweep, step.index, last_level.0, p)
+            else soft_core::reflection_of(surface, [&d.dview, &d.dnormal], scale, &plan.on_sphere(), p).sweep
         );
     }
 
-    /// The surface of every fragment, in their order.
-    pub fn surfaces(self, inputs: &[SurfaceInput<i32>], plan: &SurfacePlan, p: &Precision) -> Vec<Surface<i32>> {
-        let mut results = Vec::new();
-        each_fragment!(
-            self, p, inputs, &mut results,
-            |input: SurfaceInput<i32> => Surface<i32>| datapath::surface(input, plan, p),
-            else soft_core::surface(input, plan, p)
-        );
-        results
-    }
-
-    /// What fetching needs of every fragment whose surface is made, in their order.
-    pub fn footprints_of(
+    /// What every fragment shows: its own colour and what it sees of the environment, by its reflectance; a rough one looks with the
+    /// roughness bias.
+    pub fn environment(
         self,
-        inputs: &[Reflecting<i32>],
-        scale: &MapScale<i32>,
-        plan: &ReflectionPlan,
+        look: Look<'_>,
+        own: &Columns<Shown<i32>>,
+        (map, is_rough, reflectance): (&CubeTexels, bool, &[Control<i32, REFLECTANCE>; 3]),
         p: &Precision,
-    ) -> Vec<Footprint<i32>> {
-        let mut results = Vec::new();
-        each_fragment!(
-            self, p, inputs, &mut results,
-            |input: Reflecting<i32>, scale => Footprint<i32>| {
-                Footprint::of(&datapath::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_face(), p))
-            },
-            else Footprint::of(&soft_core::reflection_of(&input.surface, input.derivatives(), scale, &plan.on_face(), p))
-        );
-        results
+        shown: &mut Columns<Shown<i32>>,
+    ) {
+        let reflectance = &reflectance.map(Value);
+        macro_rules! look {
+            ($inputs:expr, $memory:ident, |$at:ident, $cube:ident| $seen:expr) => {{
+                let memory = $memory(map);
+                let $cube = &map.cube(&memory);
+                each_fragment!(
+                    self, p, $inputs, shown,
+                    |($at, own), reflectance| {
+                        shown_of::<_, $memory<'_>>(own, &$seen, reflectance, $cube)
+                    },
+                    else on_words!(p, |$at, own, reflectance| {
+                        shown_of::<_, $memory<'_>>(own, &$seen, reflectance, $cube)
+                    })
+                );
+            }};
+        }
+        macro_rules! looks {
+            ($memory:ident) => {
+                match look {
+                    Look::Face(footprints) => look!((footprints, own), $memory, |footprint, cube| {
+                        sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
+                    }),
+                    Look::Sphere(sweeps) => {
+                        look!((sweeps, own), $memory, |sweep, cube| sampler::swept_means(sweep, is_rough, cube, p))
+                    }
+                }
+            };
+        }
+        if map.is_bright() {
+            looks!(BrightCube);
+        } else {
+            looks!(LinearCube);
+        }
     }
 
-    /// Adds the probes that every fragment reads of maps of one scale to `probes`, in their order.
+    /// The footprint of every fragment in maps of one scale.
     pub fn texture_footprints(
         self,
-        derivatives: &[[PortBlock<i32, 2>; 2]],
+        derivatives: &Columns<[PortBlock<i32, 2>; 2]>,
         (texture, scale): &(TextureScale<i32>, MapScale<i32>),
         p: &Precision,
-        probes: &mut Vec<Probes<i32>>,
+        probes: &mut Columns<Probes<i32>>,
     ) {
         each_fragment!(
             self, p, derivatives, probes,
-            |duv: [PortBlock<i32, 2>; 2], texture, scale => Probes<i32>| {
-                datapath::texture_footprint(duv, texture, scale, p).probes
-            },
+            |duv, texture, scale| datapath::texture_footprint(duv, texture, scale, p).probes,
             else soft_core::texture_footprint(duv, texture, scale, p).probes
         );
+    }
+
+    /// The colour of a map at every fragment times `own`; its channels are in units of 2^`exponent`.
+    pub fn colours(
+        self,
+        places: Places<'_>,
+        (map, exponent, own): (&MapTexels<[u16; 3]>, i32, &[Control<i32, LIGHT>; 3]),
+        p: &Precision,
+        colours: &mut Columns<Shown<i32>>,
+    ) {
+        let own = &own.map(Value);
+        let (texels, levels, texture) = (&map.texels[..], &map.map.levels[..], &map.map.scale.0);
+        match places.footprints {
+            Some(footprints) => each_fragment!(
+                self, p, (places.centres, footprints), colours,
+                |(centre, probes), own, texture| {
+                    colour(&View { centre, footprint: Some((probes, texture)), levels }, texels, exponent, own, p)
+                },
+                else on_words!(p, |centre, probes, own, texture| {
+                    colour(&View { centre, footprint: Some((probes, texture)), levels }, texels, exponent, own, p)
+                })
+            ),
+            None => each_fragment!(
+                self, p, places.centres, colours,
+                |centre, own| colour(&View { centre, footprint: None, levels }, texels, exponent, own, p),
+                else on_words!(p, |centre, own| {
+                    colour(&View { centre, footprint: None, levels }, texels, exponent, own, p)
+                })
+            ),
+        }
+    }
+
+    /// Bumps and roughness of a map at every fragment.
+    pub fn bumps(
+        self,
+        places: Places<'_>,
+        (map, scale, kind): (&MapTexels<[i32; 5]>, &BumpScale<i32>, RoughnessKind),
+        p: &Precision,
+        bumps: &mut Columns<Bumped<i32>>,
+    ) {
+        let (texels, levels, texture) = (&map.texels[..], &map.map.levels[..], &map.map.scale.0);
+        match places.footprints {
+            Some(footprints) => each_fragment!(
+                self, p, (places.centres, footprints), bumps,
+                |(centre, probes), scale, texture| {
+                    bump(&View { centre, footprint: Some((probes, texture)), levels }, texels, scale, kind, p)
+                },
+                else on_words!(p, |centre, probes, scale, texture| {
+                    bump(&View { centre, footprint: Some((probes, texture)), levels }, texels, scale, kind, p)
+                })
+            ),
+            None => each_fragment!(
+                self, p, places.centres, bumps,
+                |centre, scale| bump(&View { centre, footprint: None, levels }, texels, scale, kind, p),
+                else on_words!(p, |centre, scale| {
+                    bump(&View { centre, footprint: None, levels }, texels, scale, kind, p)
+                })
+            ),
+        }
     }
 
     /// Adds the light that every peak returns for one half vector to `lights`, in their order.

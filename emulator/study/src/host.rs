@@ -18,7 +18,7 @@ use roughxel_float::math::Std;
 use roughxel_float::{Environment, Footprint, Fragment};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_lanes::Reading;
+use roughxel_lanes::{Ports, Reading};
 use roughxel_reference as reference;
 use roughxel_scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -175,8 +175,11 @@ impl Bench {
         let p = black_box(*p);
         let scale = environment_scale(self.edge_texels, &p);
         Box::new(move || {
+            let mut ports = Ports::default();
             for inputs in self.wires.chunks(BATCH) {
-                black_box(reading.footprints(inputs, &scale, &ReflectionPlan::FULL, &p));
+                ports.clear();
+                ports.extend(inputs.iter().copied());
+                black_box(ports.footprints(reading, (&scale, &ReflectionPlan::FULL), &p));
             }
         })
     }

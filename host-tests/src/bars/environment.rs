@@ -5,11 +5,11 @@ use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
 use roughxel_core::soft_core::{self, environment_scale};
-use roughxel_emulator::frame::{EnvironmentMap, Look};
+use roughxel_emulator::frame::EnvironmentMap;
+use roughxel_emulator::lanes;
 use roughxel_emulator::picture::Picture;
 
 use crate::reference::cube::direction_of;
@@ -120,12 +120,13 @@ impl Sampler<'_> {
             Footprint::Probe { lod } => Probes { lod: Fx::from_raw(lod), ..stages.probes },
             Footprint::Lobe { .. } | Footprint::LobeOnSphere { .. } => stages.probes,
         };
-        let on_sphere = sphere_probes(&stages.sweep, EDGE.ilog2(), self.p);
-        let look = match kind {
-            FootprintKind::Sphere => Look::Sphere(&on_sphere),
-            FootprintKind::None | FootprintKind::Face => Look::Face(&stages.point, &probes),
+        let sample = match kind {
+            FootprintKind::Sphere => self.map.sample_sphere(&stages.sweep, rough, self.p),
+            FootprintKind::None | FootprintKind::Face => {
+                self.map.sample(&lanes::Footprint { point: stages.point, probes }, rough, self.p)
+            }
         };
-        self.map.sample(look, rough, self.p).map(|channel| channel.raw().into())
+        sample.map(|channel| channel.raw().into())
     }
 
     /// Largest step over least variation.

@@ -1,13 +1,14 @@
 //! The ground plane of [`reference::ground_plane`](crate::reference::ground_plane) through the integer texture path.
 
 use fixed::types::{I2F30, U0F32};
-use roughxel_core::ports::{BlockPair, TextureIn};
+use roughxel_core::fx::Fx;
+use roughxel_core::ports::{BlockPair, Port, TextureIn};
 use roughxel_core::precision::Precision;
+use roughxel_core::signals::TexturePosition;
 use roughxel_core::soft_core::texture_scale;
-use roughxel_emulator::frame::{ColourMap, MapReads, Taps};
-use roughxel_emulator::lanes::Reading;
+use roughxel_emulator::frame::ColourMap;
+use roughxel_emulator::lanes::{Columns, Reading};
 use roughxel_emulator::picture::Picture;
-use roughxel_emulator::raster::FragmentAttributes;
 
 use crate::reference::ground_plane::{GroundPixel, GroundReference, GroundTexture, HEIGHT, TEXTURE_EDGE, WIDTH};
 use crate::reference::linear::normalise_exponent;
@@ -26,13 +27,14 @@ pub struct GroundFigures {
 pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile: &Precision) -> GroundFigures {
     let map = ColourMap::new(&picture(texture), true);
     let scale = texture_scale([TEXTURE_EDGE as u16; 2]);
-    let (mut probes, mut footprints, mut taps) = (0, map.footprints(), Taps::default());
+    let (mut probes, mut footprints, mut colours) = (0, map.footprints(), Columns::default());
     let psnr = reference.psnr(|pixel| {
-        let attributes = attributes(pixel);
-        probes += TextureIn { uv: attributes.uv, duv: attributes.duv }.footprint(&scale, profile).probes.count.raw();
-        footprints.set([&attributes].into_iter(), Reading::Scalar, profile);
-        let mut reads = MapReads::new(&attributes, (&footprints, 0), &mut taps, profile);
-        f64::from(map.sample(&mut reads)[0].raw()) / f64::from(1 << 24)
+        let ports = ports(pixel);
+        probes += ports.footprint(&scale, profile).probes.count.raw();
+        footprints.set(&Columns::from_iter([ports.duv.wires()]), Reading::Scalar, profile);
+        let centres = Columns::from_iter([TexturePosition { uv: ports.uv.wires() }]);
+        map.sample((&centres, &footprints), &[Fx::int(1); 3], (Reading::Scalar, profile), &mut colours);
+        f64::from(colours.get(0).channels[0].raw()) / f64::from(1 << 24)
     });
     GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }
 }
@@ -45,11 +47,11 @@ fn picture(texture: GroundTexture) -> Picture {
 }
 
 /// Coordinates and derivatives of a pixel, to nearest on the ports.
-fn attributes(pixel: &GroundPixel) -> FragmentAttributes {
+fn ports(pixel: &GroundPixel) -> TextureIn {
     let turns = |u: f64| U0F32::from_bits(((u - u.floor()) * 2_f64.powi(32)) as u32);
     let pair = |derivative: [f64; 2]| {
         let (mantissa, exponent) = normalise_exponent(derivative);
         BlockPair { mantissa: mantissa.map(I2F30::from_num), exponent: exponent as i16 }
     };
-    FragmentAttributes { uv: pixel.uv.map(turns), duv: pixel.derivatives.map(pair), ..FragmentAttributes::default() }
+    TextureIn { uv: pixel.uv.map(turns), duv: pixel.derivatives.map(pair) }
 }

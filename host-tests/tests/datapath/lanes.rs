@@ -5,13 +5,15 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, Rewire, Value};
-use roughxel_core::datapath::{self, Reflection};
+use roughxel_core::datapath;
+use roughxel_core::datapath::texel::{Bump, BumpScale};
+use roughxel_core::design::Form;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SHARE};
-use roughxel_core::precision::Precision;
-use roughxel_core::probe_list::sphere_probes;
-use roughxel_core::signals::{LocalDirection, MapScale, Probes};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::sampler::level_edge;
+use roughxel_core::signals::{LocalDirection, MapScale, Probes, TexturePosition};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
@@ -20,8 +22,8 @@ use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    Footprint, Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, PackedPeak, PeakList, Reading,
-    Reflecting, Target, WideLanes,
+    Bumped, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes, Look, MapTexels,
+    NARROW_LANES, NarrowLanes, PackedPeak, PeakList, Places, Ports, Reading, RepeatedMap, Shown, Target, WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -272,46 +274,164 @@ fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
 /// The surface is made on its own, too, and the reflection of what was made.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
     let scalar: Vec<_> = inputs.iter().map(|input| soft_core::reflection(input, scale, plan, p)).collect();
-    let surface_inputs: Vec<_> = inputs.iter().map(|input| input.surface).collect();
+    let ports = Ports::from_iter(inputs.iter().copied());
     for set in InstructionSet::available() {
         let reading = Reading::Lanes(set);
-        let surfaces = reading.surfaces(&surface_inputs, &plan.surface(), p);
-        let made = inputs.iter().zip(&surfaces).map(|(input, &surface)| {
-            let ReflectionInput { dview, dnormal, .. } = *input;
-            Reflecting { surface, dview, dnormal }
-        });
-        let made: Vec<_> = made.collect();
-        assert_eq!(surfaces.len(), inputs.len(), "{set}");
+        let (mut surfaces, mut footprints, mut sweeps) = (Columns::default(), Columns::default(), Columns::default());
+        reading.surfaces(&ports.bare, &ports.bumps, &plan.surface(), p, &mut surfaces);
         // What fetching needs comes without what the other kind of footprint has.
-        let (footprints, sweeps) = match plan.footprint {
-            FootprintKind::Sphere => (Vec::new(), reading.sweeps(&made, scale, plan, p)),
-            _ => {
-                let [ports, of_surfaces] =
-                    [reading.footprints(inputs, scale, plan, p), reading.footprints_of(&made, scale, plan, p)];
-                assert_eq!(ports.len(), of_surfaces.len());
-                (ports.into_iter().zip(of_surfaces).collect(), Vec::new())
+        match plan.footprint {
+            FootprintKind::Sphere => {
+                reading.sweeps(&surfaces, &ports.derivatives, (scale, plan), p, &mut sweeps);
             }
-        };
-        assert_eq!(footprints.len() + sweeps.len(), inputs.len(), "{set}");
+            _ => reading.footprints(&surfaces, &ports.derivatives, (scale, plan), p, &mut footprints),
+        }
+        assert_eq!([surfaces.len(), footprints.len() + sweeps.len()], [inputs.len(); 2], "{set}");
         for (index, expected) in scalar.iter().enumerate() {
             let context = |difference| format!("{set}, {plan:?}: {difference}");
-            same_wires(&expected.surface, &surfaces[index]).map_err(context).unwrap();
-            if let Some((of_ports, of_surface)) = footprints.get(index) {
-                same_wires(&Footprint::of(expected), of_ports).map_err(context).unwrap();
-                same_wires(&Footprint::of(expected), of_surface).map_err(context).unwrap();
+            same_wires(&expected.surface, &surfaces.get(index)).map_err(context).unwrap();
+            if index < footprints.len() {
+                same_wires(&Footprint::of(expected), &footprints.get(index)).map_err(context).unwrap();
             }
-            if let Some(sweep) = sweeps.get(index) {
-                same_wires(&expected.sweep, sweep).map_err(context).unwrap();
+            if index < sweeps.len() {
+                same_wires(&expected.sweep, &sweeps.get(index)).map_err(context).unwrap();
             }
         }
-        let mut probes = Vec::new();
-        reading.sphere_probes(&sweeps, scale.last_level, p, &mut probes);
-        let of_scalar = |stages: &Reflection<i32>| sphere_probes(&stages.sweep, scale.last_level.raw() as u32, p);
-        let expected: Vec<_> = scalar.iter().take(sweeps.len()).flat_map(of_scalar).collect();
-        assert_eq!(probes.len(), expected.len(), "{set}");
-        for (expected, probe) in expected.iter().zip(&probes) {
-            same_wires(expected, probe).unwrap_or_else(|difference| panic!("{set}, {plan:?}: {difference}"));
-        }
+    }
+}
+
+/// All readings of this machine but the scalar one.
+fn lanes() -> impl Iterator<Item = Reading> {
+    InstructionSet::available().map(Reading::Lanes)
+}
+
+/// Every wire of every fragment is that of the scalar reading.
+fn same_columns<B: Form>(expected: &Columns<B>, got: &Columns<B>, context: &dyn Fn() -> String) {
+    assert_eq!(expected.len(), got.len(), "{}", context());
+    for (expected, got) in expected.iter().zip(got.iter()) {
+        same_wires(&expected, &got).unwrap_or_else(|difference| panic!("{}: {difference}", context()));
+    }
+}
+
+#[test]
+fn environments_in_lanes_are_those_of_the_scalar_reading() {
+    for (name, p) in profiles() {
+        (0..60_u64).into_par_iter().for_each(|index| {
+            let mut random = SplitMix64::for_element(name, index);
+            let edge: u32 = [1, 2, 5, 16, 24, 64][random.below(6) as usize];
+            let (is_bright, is_filtered) = (random.below(2) == 1, random.below(4) > 0);
+            let levels = if is_filtered { 1 + edge.ilog2() } else { 1 };
+            let texels = (0..levels).map(|level| 6 * level_edge(edge, level).pow(2)).sum::<u32>();
+            let exponent = if is_bright { 7 + random.below(14) as i32 } else { random.below(7) as i32 };
+            let texels: Vec<_> = (0..texels).map(|_| [(); 3].map(|()| random.next_u64() as u16)).collect();
+            let map = CubeTexels::new(edge, exponent, is_bright, &[&texels]);
+
+            let mut scale = environment_scale(edge as u16, &p);
+            scale.last_level = Fx::from_raw(levels as i32 - 1);
+            let fragments = (0..1 + index % 70).map(|i| random_fragment(name, 1000 * index + i, &p).wires());
+            let ports = Ports::from_iter(fragments);
+            let plan = &ReflectionPlan::FULL;
+            let (mut surfaces, mut footprints, mut sweeps) = <(Columns<_>, Columns<_>, Columns<_>)>::default();
+            Reading::Scalar.surfaces(&ports.bare, &ports.bumps, &plan.surface(), &p, &mut surfaces);
+            Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut footprints);
+            Reading::Scalar.sweeps(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut sweeps);
+            let own = Columns::from_iter(surfaces.iter().map(|_| Shown {
+                channels: [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32)),
+                taps: Fx::from_raw(0),
+            }));
+            let reflectance = [(); 3].map(|()| Fx::from_raw(random.below(0x1_0001) as i32));
+            let look = (&map, random.below(2) == 1, &reflectance);
+            for at in [Look::Face(&footprints), Look::Sphere(&sweeps)] {
+                let (mut expected, mut got) = (Columns::default(), Columns::default());
+                Reading::Scalar.environment(at, &own, look, &p, &mut expected);
+                for reading in lanes() {
+                    reading.environment(at, &own, look, &p, &mut got);
+                    same_columns(&expected, &got, &|| format!("{name}, {reading}, edge {edge}, bright {is_bright}"));
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
+    for (name, p) in profiles() {
+        (0..120_u64).into_par_iter().for_each(|index| {
+            let mut random = SplitMix64::for_element(name, index);
+            let size = [(); 2].map(|()| {
+                let log2 = random.below(7);
+                1 + random.below(1 << log2) as u32
+            });
+            let halves = |level: u32| size.map(|edge| (edge >> level).max(1));
+            let last = size[0].max(size[1]).ilog2();
+            let map = RepeatedMap::new((0..=last).map(halves).map(|[width, height]| (width, height)));
+            let texels: u32 = (0..=last).map(halves).map(|[width, height]| width * height).sum();
+            let colours: Vec<_> = (0..texels).map(|_| [(); 3].map(|()| random.next_u64() as u16)).collect();
+            // b of at most 1 and a covariance, as a decoded texel has.
+            let mut share = || random.below(1 << 29) as i32 - (1 << 28);
+            let bumps: Vec<_> = (0..texels)
+                .map(|_| {
+                    let [b1, b2, k11, k12, k22] = [(); 5].map(|()| share());
+                    [b1, b2, k11.abs(), k12 / 2, k22.abs()]
+                })
+                .collect();
+
+            let count = 1 + index % 70;
+            let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
+            let mut bits = AnyBits(SplitMix64::for_element(name, !index));
+            let derivatives = Columns::from_iter((0..count).map(|_| {
+                [(); 2].map(|()| {
+                    let any: PortBlock<i32, 2> = blank.rewire(&mut bits);
+                    PortBlock { exponent: Fx::from_raw(bits.0.below(12) as i32 - 10), ..any }
+                })
+            }));
+            let mut probes = Columns::default();
+            Reading::Scalar.texture_footprints(&derivatives, &map.scale, &p, &mut probes);
+            let uv = |_| TexturePosition { uv: [(); 2].map(|()| Fx::from_raw(random.below(1 << 32) as i64)) };
+            let centres = Columns::from_iter((0..count).map(uv));
+            let own = [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32));
+            let exponent = random.below(7) as i32;
+            let scale = BumpScale {
+                offset_down: Fx::from_raw(random.below(17) as i32),
+                roughness_down: Fx::from_raw(random.below(28) as i32),
+                exponent: Fx::from_raw(random.below(17) as i32 - 13),
+            };
+            let colours = &MapTexels { map: map.clone(), texels: colours };
+            let bumps = &MapTexels { map, texels: bumps };
+            for footprints in [None, Some(&probes)] {
+                let places = Places { centres: &centres, footprints };
+                let context = |what: &str| format!("{name}, {what}, {size:?}, filtered {}", footprints.is_some());
+                let (mut expected, mut got) = (Columns::default(), Columns::default());
+                Reading::Scalar.colours(places, (colours, exponent, &own), &p, &mut expected);
+                for reading in lanes() {
+                    reading.colours(places, (colours, exponent, &own), &p, &mut got);
+                    same_columns(&expected, &got, &|| context(&format!("colours, {reading}")));
+                }
+                for kind in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
+                    let (mut expected, mut got) = (Columns::default(), Columns::default());
+                    Reading::Scalar.bumps(places, (bumps, &scale, kind), &p, &mut expected);
+                    for reading in lanes() {
+                        reading.bumps(places, (bumps, &scale, kind), &p, &mut got);
+                        same_columns(&expected, &got, &|| context(&format!("bumps {kind:?}, {reading}")));
+                    }
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn columns_know_their_words() {
+    let blank = PortBlock { mantissa: [Fx::from_raw(0); 3], exponent: Fx::from_raw(3) };
+    let one = PortBlock { mantissa: [0, 0, 1].map(Fx::from_raw), ..blank };
+    for (dview, dnormal, is_flat) in [([one; 2], [blank; 2], true), ([blank; 2], [blank, one], false)] {
+        assert_eq!(Columns::from_iter([Derivatives { dview, dnormal }]).is_flat(), is_flat);
+    }
+    for (offset, roughness, is_smooth) in
+        [([1, 1], [0; 3], true), ([0, 0], [0, 0, 1], false), ([0, 0], [1, 0, 0], false)]
+    {
+        let bump = Bump { offset: offset.map(Fx::from_raw), roughness: roughness.map(Fx::from_raw) };
+        assert_eq!(Columns::from_iter([Bumped { bump, taps: Fx::from_raw(9) }]).is_smooth(), is_smooth);
     }
 }
 
@@ -394,9 +514,10 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     let fragments: Vec<_> = (0..LANES as u64).map(|index| random_fragment("mixed", index, &p)).collect();
     let inputs = wires(&fragments);
     let scale = scale_of(&inputs, &p);
-    let footprints = Reading::best().footprints(&inputs, &scale, &ReflectionPlan::FULL, &p);
+    let ports = Ports::from_iter(inputs.iter().copied());
+    let footprints = ports.footprints(Reading::best(), (&scale, &ReflectionPlan::FULL), &p);
     let distinct = |of: fn(&Footprint<i32>) -> i32| {
-        let mut values: Vec<_> = footprints.iter().map(of).collect();
+        let mut values: Vec<_> = footprints.iter().map(|footprint| of(&footprint)).collect();
         values.sort_unstable();
         values.dedup();
         values.len()
@@ -434,19 +555,20 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                 let exponent = if index % 2 == 0 { any.exponent.raw() >> 16 } else { bits.0.below(24) as i32 - 16 };
                 PortBlock { exponent: Fx::from_raw(exponent), ..any }
             };
-            let derivatives: Vec<_> = (0..index % 50).map(|_| [derivative(), derivative()]).collect();
+            let derivatives = Columns::from_iter((0..index % 50).map(|_| [derivative(), derivative()]));
             let (texture, map) = (&scale.0, &scale.1);
             let scalar = derivatives.iter().map(|duv| {
+                let duv = &duv;
                 on_words!(&p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, &p).probes)
             });
             let scalar: Vec<Probes<i32>> = scalar.collect();
             for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
-                let mut probes = Vec::new();
+                let mut probes = Columns::default();
                 reading.texture_footprints(&derivatives, &scale, &p, &mut probes);
                 assert_eq!(probes.len(), scalar.len());
-                for ((expected, got), duv) in scalar.iter().zip(&probes).zip(&derivatives) {
+                for ((expected, got), duv) in scalar.iter().zip(probes.iter()).zip(derivatives.iter()) {
                     let context = |difference| format!("{name}, {reading}, {size:?}, {duv:?}: {difference}");
-                    same_wires(expected, got).map_err(context).unwrap();
+                    same_wires(expected, &got).map_err(context).unwrap();
                 }
             }
         });

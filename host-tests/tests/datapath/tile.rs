@@ -6,7 +6,7 @@ use roughxel_core::ports::Port;
 use roughxel_core::sampler::{self, Cube};
 use roughxel_core::soft_core::environment_scale;
 use roughxel_core::width::on_words;
-use roughxel_emulator::lanes::Reading;
+use roughxel_emulator::lanes::{Ports, Reading};
 
 #[path = "../../../core/firmware/src/tile.rs"]
 #[expect(unreachable_pub, reason = "it is the firmware's")]
@@ -29,9 +29,10 @@ fn the_tile_of_the_firmware_is_that_of_the_emulator() {
     for (profile, expected) in HASHES {
         let p = &profile.precision();
         let (plan, map) = (Effects::ALL.reflection(), environment_scale(SKY_EDGE, p));
+        let ports = Ports::from_iter(inputs.iter().copied());
         for reading in [Reading::Scalar, Reading::best()] {
             let mut hash = Hash::default();
-            for (place, footprint) in places.iter().zip(reading.footprints(&inputs, &map, &plan, p)) {
+            for (place, footprint) in places.iter().zip(ports.footprints(reading, (&map, &plan), p).iter()) {
                 let (point, probes) = (&footprint.point, &footprint.probes);
                 let colour = on_words!(p, |point, probes| sampler::environment(point, probes, true, cube, p));
                 place.iter().copied().chain(colour.map(|Value(channel)| channel.raw())).for_each(|part| hash.add(part));

@@ -1,0 +1,68 @@
+//! Readings that address a memory: of one fragment, or of several side by side, each with an address and a number of probes of its own.
+
+use crate::each::each;
+use crate::fx::{Fx, Int};
+use crate::staged::Staged;
+use crate::width::{IntegerCount, IntegerWord};
+use crate::word::Wire;
+
+/// A word whose reading finds texels.
+pub trait Fetch: Staged {
+    /// The largest count of a fragment: so many turns a loop over the probes of all has.
+    fn most(count: Int<Self>) -> i32;
+
+    /// The place of turn `turn` in a fragment's own loop of `count` turns, and whether it has one: a fragment that is done repeats its last,
+    /// which must not count.
+    fn turn(turn: i32, count: Int<Self>) -> (Int<Self>, Self::Flag);
+
+    /// Whether it is so of any fragment.
+    fn any(flag: Self::Flag) -> bool;
+
+    /// What `read` finds at the address of each fragment.
+    fn gather<const IN: usize, const OUT: usize>(
+        address: [Self::Count; IN],
+        read: impl Fn([i32; IN]) -> [i32; OUT],
+    ) -> [Self::Count; OUT];
+
+    /// A decision that is known before.
+    #[inline(always)]
+    fn known(flag: bool) -> Self::Flag {
+        Self::Count::lit(0).lt(Self::Count::lit(i64::from(flag)))
+    }
+}
+
+impl<W: IntegerWord> Fetch for W {
+    #[inline(always)]
+    fn most(count: Int<Self>) -> i32 {
+        count.raw().integer()
+    }
+
+    #[inline(always)]
+    fn turn(turn: i32, _: Int<Self>) -> (Int<Self>, bool) {
+        (Fx::from_raw(W::Count::of_integer(turn)), true)
+    }
+
+    #[inline(always)]
+    fn any(flag: bool) -> bool {
+        flag
+    }
+
+    #[inline(always)]
+    fn gather<const IN: usize, const OUT: usize>(
+        address: [W::Count; IN],
+        read: impl Fn([i32; IN]) -> [i32; OUT],
+    ) -> [W::Count; OUT] {
+        each!(texel in read(each!(word in address => word.integer())) => W::Count::of_integer(texel))
+    }
+
+    #[inline(always)]
+    fn known(flag: bool) -> bool {
+        flag
+    }
+}
+
+/// The integer of every fragment.
+#[inline(always)]
+pub(crate) fn int<W: Wire>(integer: i32) -> Int<W> {
+    Fx::int(i64::from(integer))
+}

@@ -1,0 +1,185 @@
+//! From the probes of a footprint to what a repeated map holds there: frames fetch colours, bumps and the places of peaks by it.
+//!
+//! As in [`sampler`](crate::sampler), arithmetic is that of the composer ([`texel`]); here are the loops around it and the fetches.
+
+use crate::datapath::{texel, texture_probe};
+use crate::each::{each, places};
+use crate::fetch::{Fetch, int};
+use crate::fx::{Control, Fx, Int};
+use crate::ports::SHARE;
+use crate::precision::Precision;
+use crate::signals::{Probes, TexturePosition};
+use crate::stage::filter::{LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::texture::TextureScale;
+use crate::word::Word;
+
+/// A level of a repeated map in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level {
+    /// Columns and rows, 1…16384.
+    pub size: [i32; 2],
+    /// Texels of the levels before.
+    pub start: i32,
+}
+
+/// Where a fragment looks in a repeated map.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a, W: Word> {
+    /// The middle.
+    pub centre: &'a TexturePosition<W>,
+    /// Around it, with the scale of the map; without it there is one probe, of the finest level.
+    pub footprint: Option<(&'a Probes<W>, &'a TextureScale<W>)>,
+    /// Of the map, the finest first, at least one; texels are in rows.
+    pub levels: &'a [Level],
+}
+
+/// Four neighbours on one level.
+#[derive(Clone, Copy, Debug)]
+pub struct Tap<W: Word> {
+    /// Their places among the texels of all levels: (0,0), (1,0), (0,1), (1,1).
+    pub texels: [Int<W>; 4],
+    /// Weights of the right and of the lower ones, [0, 1).
+    pub weight: [Control<W, WEIGHT>; 2],
+}
+
+/// What a probe reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Read<W: Word> {
+    /// Whether it is one of the fragment's own.
+    pub counts: W::Flag,
+    /// Its weight, 0 if it does not count; those of a footprint sum to 1.
+    pub weight: Control<W, SHARE>,
+    /// On the finer level.
+    pub fine: Tap<W>,
+    /// On the coarser one, unless its weight is 0 for all fragments.
+    pub coarse: Option<Tap<W>>,
+    /// Weight of the coarser level.
+    pub level_weight: Control<W, LEVEL_WEIGHT>,
+}
+
+/// Hands what each probe of a fragment reads to `take`, in their order.
+#[inline(always)]
+pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(Read<W>)) {
+    let Some((probes, scale)) = view.footprint else {
+        let fine = tap::<W>(view.centre, finest::<W>(view.levels), p);
+        let level_weight = Fx::zero();
+        return take(Read { counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });
+    };
+    let LevelPair { level, weight: level_weight } = texel::levels::<W>(probes.lod, W::known(false), p);
+    let fine = level_of::<W>(level, view.levels);
+    let coarse = W::any(!level_weight.is_zero()).then(
+        #[inline(always)]
+        || level_of::<W>(level + Fx::int(1), view.levels),
+    );
+    for turn in 0..W::most(probes.count) {
+        let (index, counts) = W::turn(turn, probes.count);
+        let probe = texture_probe(view.centre, probes, index, scale, p);
+        let weight = Fx::select(counts, probe.weight, Fx::zero());
+        let fine = tap::<W>(&probe.place, fine, p);
+        let coarse = match coarse {
+            Some(level) => Some(tap::<W>(&probe.place, level, p)),
+            None => None,
+        };
+        take(Read { counts, weight, fine, coarse, level_weight });
+    }
+}
+
+/// What a footprint holds of a map, and the bilinear samples read for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Mean<W: Word, const CHANNELS: usize> {
+    /// The mean of each channel.
+    pub channels: [Int<W>; CHANNELS],
+    /// Bilinear samples.
+    pub taps: Int<W>,
+}
+
+/// Averages the first `CHANNELS` channels of texels over the probes; `filter` interpolates those of a probe, `probe` turns them into what is averaged.
+#[inline(always)]
+pub fn mean<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
+    view: &View<'_, W>,
+    texels: &[[T; STORED]],
+    filter: impl Fn(&Patch<W>, &Patch<W>, Control<W, LEVEL_WEIGHT>) -> Int<W>,
+    probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS],
+    p: &Precision,
+) -> Mean<W, CHANNELS> {
+    let mut sums = [ProbeSum::<W>::zero(); CHANNELS];
+    let mut taps = Fx::zero();
+    reads(
+        view,
+        p,
+        #[inline(always)]
+        |read: Read<W>| {
+            let fine = texels_of::<W, T, STORED, CHANNELS>(&read.fine, texels);
+            let coarse = match &read.coarse {
+                // Both levels are one: what they share is computed once.
+                None => fine,
+                Some(tap) => texels_of(tap, texels),
+            };
+            let coarse_weight = match &read.coarse {
+                None => read.fine.weight,
+                Some(tap) => tap.weight,
+            };
+            let sample = probe(each!(channel in places() => {
+                let [fine, coarse] = each!((texels, weight) in [(&fine, read.fine.weight), (&coarse, coarse_weight)] => {
+                    Patch::<W> { texels: each!(texel in *texels => texel[channel]), weight }
+                });
+                filter(&fine, &coarse, read.level_weight)
+            }));
+            sums = each!(channel in places() => texel::probe_sum(&sums[channel], sample[channel], read.weight));
+            let levels = Fx::select(read.level_weight.is_zero(), Fx::int(1), Fx::int(2));
+            taps = taps + Fx::select(read.counts, levels, Fx::zero());
+        },
+    );
+    Mean { channels: each!(sum in sums => texel::probe_mean(&sum)), taps }
+}
+
+#[inline(always)]
+fn texels_of<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
+    tap: &Tap<W>,
+    texels: &[[T; STORED]],
+) -> [[Int<W>; CHANNELS]; 4] {
+    each!(place in tap.texels => {
+        let read = W::gather(
+            [place.raw()],
+            #[inline(always)]
+            |[place]| {
+                let texel = &texels[place as usize];
+                each!(channel in places() => texel[channel].into())
+            },
+        );
+        each!(channel in read => Fx::from_raw(channel))
+    })
+}
+
+/// Columns, rows and start of a level.
+type Place<W> = [Int<W>; 3];
+
+#[inline(always)]
+fn finest<W: Fetch>(levels: &[Level]) -> Place<W> {
+    let Level { size: [width, height], start } = levels[0];
+    each!(number in [width, height, start] => int::<W>(number))
+}
+
+/// Of every fragment; beyond the last one the last.
+#[inline(always)]
+fn level_of<W: Fetch>(level: Int<W>, levels: &[Level]) -> Place<W> {
+    let last = levels.len() - 1;
+    let read = W::gather(
+        [level.raw()],
+        #[inline(always)]
+        |[level]| {
+            let Level { size: [width, height], start } = levels[(level as usize).min(last)];
+            [width, height, start]
+        },
+    );
+    each!(number in read => Fx::from_raw(number))
+}
+
+/// What a bilinear sample of a level reads.
+#[inline(always)]
+fn tap<W: Fetch>(place: &TexturePosition<W>, [width, height, start]: Place<W>, p: &Precision) -> Tap<W> {
+    let address = texel::repeat_address(place, [width, height], p);
+    let [x0, x1] = address.columns;
+    let [y0, y1] = each!(row in address.rows => start + Fx::from_raw(W::Count::narrow(row.raw().mul(width.raw()))));
+    Tap { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight: address.weight }
+}

@@ -1,0 +1,93 @@
+//! Fetches of fragments side by side: each has an address, a level and a number of probes of its own.
+
+use roughxel_core::each::{each, places};
+use roughxel_core::fetch::Fetch;
+use roughxel_core::fx::{Fx, Int};
+use roughxel_core::word::Wire;
+
+use super::narrow::Halves;
+use super::{FlagLanes, LANES, Lanes, NarrowFlags, NarrowLanes, Target};
+
+/// Whether there is any.
+#[inline(always)]
+fn any<T: Target>(flag: FlagLanes<T>) -> bool {
+    let [one, zero] = each!(value in [1, 0] => flag.1.splat(value));
+    flag.1.word_lanes(flag.1.select(flag.0, one, zero)).iter().fold(0, |any, lane| any | lane) != 0
+}
+
+#[inline(always)]
+fn most<T: Target>(count: Lanes<T>) -> i32 {
+    count.lanes().iter().fold(0, |most, &count| most.max(count))
+}
+
+/// The place of a turn, and whether the fragment has so many.
+#[inline(always)]
+fn turn<C: Wire>(turn: i32, count: Fx<C, 32>) -> (Fx<C, 32>, C::Flag) {
+    let turn = Fx::int(turn.into());
+    (turn.min(count - Fx::int(1)).max(Fx::zero()), turn.lt(count))
+}
+
+/// By a loop over the lanes: vectors that address a memory are not safe, and no faster where texels lie side by side.
+#[inline(always)]
+fn gather<T: Target, const IN: usize, const OUT: usize>(
+    address: [Lanes<T>; IN],
+    read: &impl Fn([i32; IN]) -> [i32; OUT],
+) -> [Lanes<T>; OUT] {
+    let proof = address[0].1;
+    let address = each!(words in address => words.lanes());
+    let mut rows = [[0; LANES]; OUT];
+    for lane in 0..LANES {
+        let texel = read(each!(words in address => words[lane]));
+        for word in 0..OUT {
+            rows[word][lane] = texel[word];
+        }
+    }
+    each!(row in rows => Lanes(proof.words(row), proof))
+}
+
+impl<T: Target> Fetch for Lanes<T> {
+    #[inline(always)]
+    fn most(count: Int<Self>) -> i32 {
+        most(count.raw())
+    }
+    #[inline(always)]
+    fn turn(index: i32, count: Int<Self>) -> (Int<Self>, FlagLanes<T>) {
+        turn(index, count)
+    }
+    #[inline(always)]
+    fn any(flag: FlagLanes<T>) -> bool {
+        any(flag)
+    }
+    #[inline(always)]
+    fn gather<const IN: usize, const OUT: usize>(
+        address: [Self; IN],
+        read: impl Fn([i32; IN]) -> [i32; OUT],
+    ) -> [Self; OUT] {
+        gather(address, &read)
+    }
+}
+
+impl<T: Target> Fetch for NarrowLanes<T> {
+    #[inline(always)]
+    fn most(count: Int<Self>) -> i32 {
+        let Halves([even, odd]) = count.raw();
+        most(even).max(most(odd))
+    }
+    #[inline(always)]
+    fn turn(index: i32, count: Int<Self>) -> (Int<Self>, NarrowFlags<T>) {
+        turn(index, count)
+    }
+    #[inline(always)]
+    fn any(flag: NarrowFlags<T>) -> bool {
+        let [even, odd] = flag.halves();
+        any(even) || any(odd)
+    }
+    #[inline(always)]
+    fn gather<const IN: usize, const OUT: usize>(
+        address: [Halves<Lanes<T>>; IN],
+        read: impl Fn([i32; IN]) -> [i32; OUT],
+    ) -> [Halves<Lanes<T>>; OUT] {
+        let [even, odd] = each!(half in [0, 1] => gather(each!(words in address => words.0[half]), &read));
+        each!(word in places() => Halves([even[word], odd[word]]))
+    }
+}
