@@ -14,6 +14,7 @@ use crate::precision::Precision;
 use crate::signals::{CubePoint, FacePosition, Probes, Sweep};
 use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
 use crate::stage::seam::FaceTexel;
+use crate::staged::stage;
 use crate::word::Word;
 
 /// Exponents of linear codes: an environment of at most 2^6 × white.
@@ -33,14 +34,17 @@ pub fn level_edge(edge: u32, level: u32) -> u32 {
 
 /// The texels of an environment: six faces in Vulkan's order, level by level.
 pub trait CubeMemory {
-    /// Whether codes have an exponent each ([`texel::bright_texel`]), for environments brighter than 64 × white. As a constant, it costs
-    /// those that are not so bright nothing.
-    const BRIGHT: bool = false;
-
     /// Three channels at a place of a face, codes of 16 bits: of [`level_edge`] columns and rows, 0 … 5 faces.
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3];
 
-    /// The same at (column, row), to its right, below it, and to the right of that: all four on the face. For a memory in which they
+    /// Whether codes have an exponent each ([`texel::bright_texel`]), for environments brighter than 64 × white. A memory that says so without
+    /// looking costs those that are not so bright nothing.
+    #[inline(always)]
+    fn is_bright(&self) -> bool {
+        false
+    }
+
+    /// Texels at (column, row), to its right, below it, and to the right of that: all four on the face. For a memory in which they
     /// are found faster together.
     #[inline(always)]
     fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
@@ -69,8 +73,16 @@ impl<M> Clone for Cube<'_, M> {
 }
 impl<M> Copy for Cube<'_, M> {}
 
-/// Four texels of a level as integers, with the weights of the right and of the lower ones.
-type FacePatch<C> = ([[Fx<C, 32>; 3]; 4], [Fx<C, WEIGHT>; 2]);
+bundle! {
+    /// Four texels of a level as integers.
+    pub struct FacePatch<W> {
+        /// Channels of the texels (0,0), (1,0), (0,1), (1,1).
+        texels: [[Int<W>; 3]; 4],
+        /// Weights of the right and of the lower ones, [0, 1).
+        #[range(0..1)]
+        weight: [Control<W, WEIGHT>; 2],
+    }
+}
 
 bundle! {
     /// What a footprint sees of an environment, before its unit.
@@ -110,24 +122,24 @@ pub fn swept_environment<W: Fetch, M: CubeMemory>(
 
 #[inline(always)]
 fn light<W: Fetch, M: CubeMemory>(seen: &Seen<W>, cube: &Cube<'_, M>) -> [Value<W, LIGHT>; 3] {
-    let unit = int::<W>(cube.exponent);
-    each!(mean in seen.mean => Value(if M::BRIGHT {
+    let (unit, is_bright) = (int::<W>(cube.exponent), cube.memory.is_bright());
+    each!(mean in seen.mean => Value(if is_bright {
         pixel::bright_blend::<W>(Fx::zero(), mean, unit, Fx::int(1))
     } else {
         pixel::colour::<W>(mean, unit)
     }))
 }
 
-/// What a surface shows that reflects an environment in its unit, 2^`exponent` in linear light: its own colour and what it sees, by its reflectance.
+/// What a surface shows that reflects an environment: its own colour and what it sees, by its reflectance.
 #[inline(always)]
 pub fn blended<W: Fetch, M: CubeMemory>(
     surface: &[Control<W, LIGHT>; 3],
     seen: &Seen<W>,
     reflectance: &[Control<W, REFLECTANCE>; 3],
-    exponent: i32,
+    cube: &Cube<'_, M>,
 ) -> [Value<W, LIGHT>; 3] {
-    let unit = int::<W>(exponent);
-    each!(i in [0, 1, 2] => Value(if M::BRIGHT {
+    let (unit, is_bright) = (int::<W>(cube.exponent), cube.memory.is_bright());
+    each!(i in [0, 1, 2] => Value(if is_bright {
         pixel::bright_blend::<W>(surface[i], seen.mean[i], unit, reflectance[i])
     } else {
         pixel::blend::<W>(surface[i], pixel::colour::<W>(seen.mean[i], unit), reflectance[i])
@@ -214,18 +226,18 @@ fn trilinear<W: Fetch, M: CubeMemory>(
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Int<W>; 3] {
-    let a = face_patch::<W, M>(pair.level, place, cube, p);
+    let a = stage!("fetch.face", face_patch::<W, M>(pair.level, place, cube, p));
     let b = if W::any(!pair.weight.is_zero()) {
         let coarse = (pair.level + Fx::int(1)).min(int::<W>(cube.last_level as i32));
-        face_patch::<W, M>(coarse, place, cube, p)
+        stage!("fetch.face", face_patch::<W, M>(coarse, place, cube, p))
     } else {
         a
     };
     each!(channel in [0, 1, 2] => {
-        let [a, b] = each!((texels, weight) in [&a, &b] => {
-            Patch::<W> { texels: each!(texel in *texels => texel[channel]), weight: *weight }
+        let [a, b] = each!(level in [&a, &b] => {
+            Patch::<W> { texels: each!(texel in level.texels => texel[channel]), weight: level.weight }
         });
-        if M::BRIGHT {
+        if cube.memory.is_bright() {
             texel::word_sample(&a, &b, pair.weight)
         } else {
             texel::colour_sample(&a, &b, pair.weight)
@@ -247,7 +259,7 @@ fn face_patch<W: Fetch, M: CubeMemory>(
     place: &FacePosition<W>,
     cube: &Cube<'_, M>,
     p: &Precision,
-) -> FacePatch<W::Count> {
+) -> FacePatch<W> {
     let edge = edge_of::<W>(cube.edge, level);
     let Address { index, weight } = texel::face_address::<W>(place, edge, p);
     let last = edge - Fx::int(1);
@@ -268,7 +280,7 @@ fn face_patch<W: Fetch, M: CubeMemory>(
     );
     let mut texels = each!(code in codes => {
         let code = Fx::from_raw(code);
-        if M::BRIGHT { texel::bright_texel::<W>(code) } else { code }
+        if memory.is_bright() { texel::bright_texel::<W>(code) } else { code }
     });
     if W::any(!is_inside) {
         let beside = W::gather(
@@ -283,13 +295,26 @@ fn face_patch<W: Fetch, M: CubeMemory>(
         );
         texels = each!(i in places() => Fx::select(is_inside, texels[i], Fx::from_raw(beside[i])));
     }
-    (each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel])), weight)
+    FacePatch { texels: each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel])), weight }
 }
 
 /// Channels of a patch one after the other.
 #[inline(always)]
-fn flat<T: Copy + Into<i32>>(patch: [[T; 3]; 4]) -> [i32; 12] {
-    each!(i in places() => patch[i / 3][i % 3].into())
+fn flat<T: Into<i32>>([[a, b, c], [d, e, f], [g, h, i], [j, k, l]]: [[T; 3]; 4]) -> [i32; 12] {
+    [
+        a.into(),
+        b.into(),
+        c.into(),
+        d.into(),
+        e.into(),
+        f.into(),
+        g.into(),
+        h.into(),
+        i.into(),
+        j.into(),
+        k.into(),
+        l.into(),
+    ]
 }
 
 /// The same beside an edge. A call of its own: few probes come here, and inlined it leaves no registers for all others. What it works
@@ -298,9 +323,10 @@ fn flat<T: Copy + Into<i32>>(patch: [[T; 3]; 4]) -> [i32; 12] {
 fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32, memory: &M) -> [i32; 12] {
     let decoded = |code: u16| {
         let code = Int::<i32>::int(code.into());
-        if M::BRIGHT { texel::bright_texel::<i32>(code) } else { code }
+        if memory.is_bright() { texel::bright_texel::<i32>(code) } else { code }
     };
-    let corner = |three: &_| if M::BRIGHT { texel::bright_corner::<i32>(three) } else { texel::corner::<i32>(three) };
+    let corner =
+        |three: &_| if memory.is_bright() { texel::bright_corner::<i32>(three) } else { texel::corner::<i32>(three) };
     let read = |texel: FaceTexel<i32>| {
         let [column, row] = texel.index.map(|index| index.raw() as u32);
         memory.texel(level, texel.face.raw() as u32, column, row).map(decoded)

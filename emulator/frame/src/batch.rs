@@ -16,7 +16,10 @@ use super::phases::{Phase, PhaseClock};
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, TextureDerivatives};
 use crate::plan::Mode;
-use crate::raster::FragmentAttributes;
+use crate::raster::{AttributeRows, FragmentAttributes, Row, SIDE, same_rows};
+use roughxel_lanes::LANES;
+
+const _: () = assert!(SIDE == LANES, "attributes are made in vectors of lanes");
 
 /// Fragments that wait to be shaded, at most: their columns stay in a second-level cache.
 pub(super) const SHADED: usize = 128;
@@ -117,6 +120,30 @@ impl Fragments {
             self.duv.push(&duv.wires());
         }
         self.places.push(place);
+    }
+
+    /// Lets fragments wait that stand side by side; `derivatives` are those of [`Triangle::derivative_rows`](crate::raster::Triangle::derivative_rows).
+    pub(super) fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &[Row; 16]) {
+        let Parts { surface, derivatives: has_derivatives, uv, duv, main_direction } = self.parts;
+        let count = places.len();
+        if surface {
+            let mut bare = rows.bare;
+            if let Some(main) = main_direction {
+                bare[8..12].copy_from_slice(&same_rows(&main));
+                bare[12..].fill([0; SIDE]);
+            }
+            self.bare.append(count, &bare);
+        }
+        if has_derivatives {
+            self.derivatives.append(count, derivatives);
+        }
+        if uv {
+            self.centres.append(count, &rows.uv);
+        }
+        if duv {
+            self.duv.append(count, &rows.duv);
+        }
+        self.places.extend_from_slice(places);
     }
 
     fn clear(&mut self) {

@@ -12,20 +12,21 @@
 //! contributions"), so their derivatives are constant over a triangle; the sign of ∂v is that of erratum 11.
 
 mod attributes;
+mod blocks;
 mod camera;
 mod clip;
 mod coverage;
 mod edges;
-mod fixed_block;
 mod setup;
 #[cfg(test)]
 mod tests;
 
 use thiserror::Error;
 
-pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};
+pub use attributes::{AttributeRows, FragmentAttributes, Needs, PointFromTriangle, Positions, Triangle};
+pub use blocks::{Row, SIDE, same_rows};
 pub use camera::Projection;
-pub use coverage::{Sample, Sampling};
+pub use coverage::{Run, Sampling};
 pub use edges::TileBuffer;
 pub use setup::TriangleList;
 

@@ -10,11 +10,11 @@ use super::Colour;
 use super::batch::{Batch, Fragments, Place, SHADED, Sums};
 use super::colour::{Channel, colour_word};
 use super::frame::Frame;
-use super::lighting::Points;
 use super::phases::PhaseTimes;
-use super::prepare::Prepared;
+use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
-    FragmentAttributes, RasterError, SUBPIXELS, Sample, Sampling, TileRect, Triangle, TriangleList, tiles,
+    AttributeRows, FragmentAttributes, Positions, RasterError, Run, SIDE, SUBPIXELS, Sampling, TileRect, TriangleList,
+    tiles,
 };
 
 /// What drawing took.
@@ -83,49 +83,15 @@ impl Prepared<'_> {
     /// The colours of a tile, and what they took.
     fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, Counted) {
         let mut sums = Sums::new(tile.width as usize * tile.height as usize);
-        let mut fragments: Vec<Fragments> = self.objects.iter().map(Fragments::of).collect();
-        let mut rays = Fragments::rays();
         let mut batch = Batch::default();
-        let mut current: Option<(u32, Option<(Triangle<'_>, Points)>)> = None;
-        let counts = triangles.samples(tile, self.sampling(), |sample| {
-            let Sample { pixel, position: [x, y], triangle, times } = sample;
-            let place = Place { pixel, times };
-            let Some(index) = triangle else {
-                match self.background(x, y) {
-                    Ray::Colour(colour) => sums.add(place, colour),
-                    Ray::Reflection(attributes) => {
-                        rays.push(place, &attributes);
-                        if rays.len() == SHADED {
-                            self.shade_rays(&mut rays, &mut batch, &mut sums);
-                        }
-                    }
-                }
-                return;
-            };
-            let object = triangles.object_index(index);
-            let prepared = &self.objects[object];
-            if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                let triangle = triangles.triangle(index, prepared.needs());
-                let set_up = triangle.map(|triangle| {
-                    let points = prepared.lighting.as_ref().map(|lighting| lighting.points(&triangle));
-                    (triangle, points.unwrap_or_default())
-                });
-                current = Some((index, set_up));
+        let (runs, counts) = triangles.samples(tile, self.sampling());
+        let object_of = |run: &Run| run.triangle.map(|triangle| triangles.object_index(triangle));
+        for runs in runs.chunk_by(|a, b| a.triangle == b.triangle || object_of(a) == object_of(b)) {
+            match object_of(&runs[0]) {
+                None => self.shade_background(runs, &mut batch, &mut sums),
+                Some(object) => self.shade_object(&self.objects[object], triangles, runs, &mut batch, &mut sums),
             }
-            let Some((_, Some((triangle, points)))) = &current else { return };
-            let fragments = &mut fragments[object];
-            fragments.push(place, &triangle.fragment(x, y));
-            if let Some(lighting) = &prepared.lighting {
-                lighting.directions(triangle, points, [x, y], &mut fragments.directions);
-            }
-            if fragments.len() == SHADED {
-                self.shade(prepared, fragments, &mut batch, &mut sums);
-            }
-        });
-        for (object, fragments) in self.objects.iter().zip(&mut fragments) {
-            self.shade(object, fragments, &mut batch, &mut sums);
         }
-        self.shade_rays(&mut rays, &mut batch, &mut sums);
         // Samples are what the datapath is compared with, and edges are the front end's: their mean, to nearest, is no stage.
         let mean = |sum: PixelSum<i32>, count: u32| {
             let count = i64::from(count);
@@ -135,6 +101,62 @@ impl Prepared<'_> {
         let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
         let colours = colours.collect();
         (colours, Counted { texels: 4 * sums.taps, times: sums.clock.stop() })
+    }
+
+    /// The samples of an object.
+    fn shade_object(
+        &self,
+        object: &PreparedObject,
+        triangles: &TriangleList<'_>,
+        runs: &[Run],
+        batch: &mut Batch,
+        sums: &mut Sums,
+    ) {
+        let mut fragments = Fragments::of(object);
+        for runs in runs.chunk_by(|a, b| a.triangle == b.triangle) {
+            let triangle = runs[0].triangle.and_then(|index| triangles.triangle(index, object.needs()));
+            let Some(triangle) = triangle else { continue };
+            let points = object.lighting.as_ref().map(|lighting| lighting.points(&triangle)).unwrap_or_default();
+            let derivatives = triangle.derivative_rows();
+            for_each_side(runs, |places, positions| {
+                let mut rows = AttributeRows::default();
+                self.reading.run(
+                    #[inline(always)]
+                    || triangle.fragments(positions, &mut rows),
+                );
+                fragments.append(places, &rows, &derivatives);
+                if let Some(lighting) = &object.lighting {
+                    for lane in 0..places.len() {
+                        let position = positions.map(|row| row[lane]);
+                        lighting.directions(&triangle, &points, position, &mut fragments.directions);
+                    }
+                }
+                if fragments.len() + SIDE > SHADED {
+                    self.shade(object, &mut fragments, batch, sums);
+                }
+            });
+        }
+        self.shade(object, &mut fragments, batch, sums);
+    }
+
+    /// The samples that show nothing.
+    fn shade_background(&self, runs: &[Run], batch: &mut Batch, sums: &mut Sums) {
+        let mut rays = Fragments::rays();
+        for run in runs {
+            for (pixel, [x, y]) in run.samples() {
+                let place = Place { pixel, times: run.times };
+                match self.background(x, y) {
+                    Ray::Colour(colour) => sums.add(place, colour),
+                    Ray::Reflection(attributes) => {
+                        rays.push(place, &attributes);
+                        if rays.len() == SHADED {
+                            self.shade_rays(&mut rays, batch, sums);
+                        }
+                    }
+                }
+            }
+        }
+        self.shade_rays(&mut rays, batch, sums);
     }
 
     /// What the ray through a pixel sees that hits nothing.
@@ -154,5 +176,30 @@ impl Prepared<'_> {
                 Ray::Reflection(FragmentAttributes { normal: ray, view: ray, dview, ..FragmentAttributes::default() })
             }
         }
+    }
+}
+
+/// Hands the samples of runs to `take`, [`SIDE`] at a time: their places and positions; behind the last one, the last again.
+fn for_each_side(runs: &[Run], mut take: impl FnMut(&[Place], &Positions)) {
+    let mut places = [Place { pixel: 0, times: 0 }; SIDE];
+    let mut positions = [[0; SIDE]; 2];
+    let mut count = 0;
+    for run in runs {
+        for (pixel, [x, y]) in run.samples() {
+            places[count] = Place { pixel, times: run.times };
+            (positions[0][count], positions[1][count]) = (x, y);
+            count += 1;
+            if count == SIDE {
+                take(&places, &positions);
+                count = 0;
+            }
+        }
+    }
+    if count > 0 {
+        for row in &mut positions {
+            let last = row[count - 1];
+            row[count..].fill(last);
+        }
+        take(&places[..count], &positions);
     }
 }

@@ -1,7 +1,5 @@
 //! Batches: fragments in columns, side by side through a part of the datapath, and in columns again.
 
-use std::ops::Range;
-
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::design::{Form, In};
 use roughxel_core::each::{each, places};
@@ -46,8 +44,8 @@ impl<T: Target> Side<1> for Lanes<T> {
     }
 }
 
-/// Puts what `body` makes of every input into `results`, in their order, in place of what they held. Lanes behind the last fragment of a
-/// group hold its first one.
+/// Puts what `body` makes of every input into `results`, in their order, in place of what they held. Lanes behind the last fragment hold what
+/// was there before, of other batches, or zeros: any of it is a fragment.
 pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const PARTS: usize>(
     inputs: I,
     results: &mut Columns<O::In<i32>>,
@@ -59,9 +57,8 @@ pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const 
         let form = W::Set::run(
             #[inline(always)]
             || {
-                let lanes = PARTS * LANES * group..inputs.len().min(PARTS * LANES * (group + 1));
-                let first = lanes.start;
-                let input = inputs.load::<W, PARTS>(lanes, W::Set::proof());
+                let first = PARTS * LANES * group;
+                let input = inputs.load::<W, PARTS>(first, W::Set::proof());
                 body(&input).rewire(&mut Unload::<PARTS> { rows: results.rows_mut(), first, next: 0 })
             },
         );
@@ -83,8 +80,8 @@ pub(super) trait Inputs: Copy {
     fn len(self) -> usize;
     /// Those of the scalar reading.
     fn at(self, index: usize) -> Self::In<i32>;
-    /// Those of a group: so many fragments as it has lanes, or the last ones.
-    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> Self::In<W>;
+    /// Those of a group that begins with fragment `first`.
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> Self::In<W>;
 }
 
 impl<B: Form> Inputs for &Columns<B> {
@@ -98,8 +95,8 @@ impl<B: Form> Inputs for &Columns<B> {
         self.get(index)
     }
     #[inline(always)]
-    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> In<B, W> {
-        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { rows: self.rows(), lanes, proof, next: 0 })
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> In<B, W> {
+        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { rows: self.rows(), first, proof, next: 0 })
     }
 }
 
@@ -114,8 +111,8 @@ impl<A: Inputs, B: Inputs> Inputs for (A, B) {
         (self.0.at(index), self.1.at(index))
     }
     #[inline(always)]
-    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> Self::In<W> {
-        (self.0.load::<W, PARTS>(lanes.clone(), proof), self.1.load::<W, PARTS>(lanes, proof))
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> Self::In<W> {
+        (self.0.load::<W, PARTS>(first, proof), self.1.load::<W, PARTS>(first, proof))
     }
 }
 
@@ -130,16 +127,16 @@ impl<A: Inputs, B: Inputs, C: Inputs> Inputs for (A, B, C) {
         (self.0.at(index), self.1.at(index), self.2.at(index))
     }
     #[inline(always)]
-    fn load<W: Side<PARTS>, const PARTS: usize>(self, lanes: Range<usize>, proof: W::Set) -> Self::In<W> {
-        let two = (self.0, self.1).load::<W, PARTS>(lanes.clone(), proof);
-        (two.0, two.1, self.2.load::<W, PARTS>(lanes, proof))
+    fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> Self::In<W> {
+        let two = (self.0, self.1).load::<W, PARTS>(first, proof);
+        (two.0, two.1, self.2.load::<W, PARTS>(first, proof))
     }
 }
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
 struct Load<'a, T, const PARTS: usize> {
     rows: Rows<'a>,
-    lanes: Range<usize>,
+    first: usize,
     proof: T,
     next: usize,
 }
@@ -150,16 +147,7 @@ impl<T: Target, const PARTS: usize> Load<'_, T, PARTS> {
         let row = self.rows.row(self.next);
         self.next += 1;
         each!(part in places() => {
-            let first = self.lanes.start + LANES * part;
-            let mut words = Rows::lanes(row, first);
-            if self.lanes.end < first + LANES {
-                // The last group: what its other lanes read must be a fragment, too.
-                for (lane, word) in words.iter_mut().enumerate() {
-                    if first + lane >= self.lanes.end {
-                        *word = row[self.lanes.start];
-                    }
-                }
-            }
+            let words = Rows::lanes(row, self.first + LANES * part);
             Lanes(self.proof.words(words), self.proof)
         })
     }

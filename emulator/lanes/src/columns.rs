@@ -1,6 +1,6 @@
 //! Bundles of many fragments, wire by wire: what lanes load and store without putting words together one by one.
 
-use roughxel_core::bundle::Rewire;
+use roughxel_core::bundle::{End, Rewire};
 use roughxel_core::design::Form;
 
 use super::{LANES, NARROW_LANES};
@@ -91,13 +91,16 @@ impl<B: Form> Columns<B> {
         &self.words[word * self.stride..][..self.len]
     }
 
-    /// Adds `count` fragments word by word, at most a vector of them; each word has room for a whole vector. They have the parts of `form`.
-    pub fn append(&mut self, count: usize, form: &B, words: &[[i32; LANES]]) {
-        assert!(count <= LANES && words.len() == B::WORDS, "a vector of each word");
-        self.form = Some(*form);
+    /// Adds `count` fragments word by word, at most a vector of them: a row of each word, in the order of a walk.
+    ///
+    /// # Panics
+    /// If there are more, or not a row of each word.
+    pub fn append(&mut self, count: usize, rows: &[[i32; LANES]]) {
+        assert!(count <= LANES && rows.len() == B::WORDS, "a vector of each word");
+        self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
-        for (row, words) in self.words.chunks_exact_mut(self.stride).zip(words) {
-            row[self.len..][..LANES].copy_from_slice(words);
+        for (words, row) in self.words.chunks_exact_mut(self.stride).zip(rows) {
+            words[self.len..][..LANES].copy_from_slice(row);
         }
         self.len += count;
     }

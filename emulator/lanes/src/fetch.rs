@@ -34,15 +34,24 @@ fn gather<T: Target, const IN: usize, const OUT: usize>(
     read: &impl Fn([i32; IN]) -> [i32; OUT],
 ) -> [Lanes<T>; OUT] {
     let proof = address[0].1;
-    let address = each!(words in address => words.lanes());
     let mut rows = [[0; LANES]; OUT];
+    read_all(&each!(words in address => words.lanes()), &mut rows, read);
+    each!(row in rows => Lanes(proof.words(row), proof))
+}
+
+/// A function of its own: the same for every instruction set.
+#[inline(never)]
+fn read_all<const IN: usize, const OUT: usize>(
+    address: &[[i32; LANES]; IN],
+    rows: &mut [[i32; LANES]; OUT],
+    read: &impl Fn([i32; IN]) -> [i32; OUT],
+) {
     for lane in 0..LANES {
-        let texel = read(each!(words in address => words[lane]));
+        let texel = read(each!(word in places() => address[word][lane]));
         for word in 0..OUT {
             rows[word][lane] = texel[word];
         }
     }
-    each!(row in rows => Lanes(proof.words(row), proof))
 }
 
 impl<T: Target> Fetch for Lanes<T> {

@@ -25,7 +25,9 @@ use super::columns::Columns;
 use super::narrow::KEPT;
 use super::peak_list::{self, PeakList};
 use super::target::InstructionSet;
-use super::texels::{BrightCube, CubeTexels, LinearCube, MapTexels};
+#[cfg(target_arch = "x86_64")]
+use super::target::Target;
+use super::texels::{CubeTexels, MapTexels};
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512, Lanes, NarrowLanes};
 
@@ -196,7 +198,7 @@ fn shown_of<W: Fetch, M: CubeMemory>(
     cube: &Cube<'_, M>,
 ) -> Shown<W> {
     let reflectance = each!(Value(share) in *reflectance => share);
-    let channels = sampler::blended::<W, M>(&own.channels, seen, &reflectance, cube.exponent);
+    let channels = sampler::blended(&own.channels, seen, &reflectance, cube);
     Shown { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
 }
 
@@ -323,6 +325,18 @@ impl Reading {
         InstructionSet::best().map_or(Self::Scalar, Self::Lanes)
     }
 
+    /// Runs `body`, compiled for the instruction set if it is inlined: loops over [`LANES`](super::LANES) places become vectors.
+    #[inline(always)]
+    pub fn run<R>(self, body: impl FnOnce() -> R) -> R {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Lanes(InstructionSet::Avx2) => Avx2::run(body),
+            #[cfg(target_arch = "x86_64")]
+            Self::Lanes(InstructionSet::Avx512) => Avx512::run(body),
+            _ => body(),
+        }
+    }
+
     /// The surface of every fragment, with its bumps.
     pub fn surfaces(
         self,
@@ -385,38 +399,23 @@ impl Reading {
         p: &Precision,
         shown: &mut Columns<Shown<i32>>,
     ) {
-        let reflectance = &reflectance.map(Value);
+        let (reflectance, cube) = (&reflectance.map(Value), &map.cube());
         macro_rules! look {
-            ($inputs:expr, $memory:ident, |$at:ident, $cube:ident| $seen:expr) => {{
-                let memory = $memory(map);
-                let $cube = &map.cube(&memory);
+            ($inputs:expr, |$at:ident| $seen:expr) => {
                 each_fragment!(
                     self, p, $inputs, shown,
-                    |($at, own), reflectance| {
-                        shown_of::<_, $memory<'_>>(own, &$seen, reflectance, $cube)
-                    },
-                    else on_words!(p, |$at, own, reflectance| {
-                        shown_of::<_, $memory<'_>>(own, &$seen, reflectance, $cube)
-                    })
-                );
-            }};
-        }
-        macro_rules! looks {
-            ($memory:ident) => {
-                match look {
-                    Look::Face(footprints) => look!((footprints, own), $memory, |footprint, cube| {
-                        sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
-                    }),
-                    Look::Sphere(sweeps) => {
-                        look!((sweeps, own), $memory, |sweep, cube| sampler::swept_means(sweep, is_rough, cube, p))
-                    }
-                }
+                    |($at, own), reflectance| shown_of(own, &$seen, reflectance, cube),
+                    else on_words!(p, |$at, own, reflectance| shown_of(own, &$seen, reflectance, cube))
+                )
             };
         }
-        if map.is_bright() {
-            looks!(BrightCube);
-        } else {
-            looks!(LinearCube);
+        match look {
+            Look::Face(footprints) => look!((footprints, own), |footprint| {
+                sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
+            }),
+            Look::Sphere(sweeps) => {
+                look!((sweeps, own), |sweep| sampler::swept_means(sweep, is_rough, cube, p));
+            }
         }
     }
 

@@ -64,59 +64,41 @@ impl CubeTexels {
         self.is_bright
     }
 
-    /// As the sampler takes it; its memory is `M`, [`LinearCube`] or [`BrightCube`] as it is bright.
-    pub(super) fn cube<'a, M>(&self, memory: &'a M) -> Cube<'a, M> {
+    /// As the sampler takes it.
+    pub(super) fn cube(&self) -> Cube<'_, Self> {
         let last_level = self.starts.len() as u32 - 1;
-        Cube { memory, edge: self.edge, last_level, exponent: self.exponent }
+        Cube { memory: self, edge: self.edge, last_level, exponent: self.exponent }
     }
 
+    /// The place of a texel and the texels of a row. A lane without a fragment may ask for one that there is not.
     #[inline(always)]
     fn place(&self, level: u32, face: u32, column: u32, row: u32) -> (usize, usize) {
         let edge = level_edge(self.edge, level) as usize;
-        (self.starts[level as usize] + (face as usize * edge + row as usize) * edge + column as usize, edge)
+        let start = self.starts.get(level as usize).copied().unwrap_or(self.texels.len());
+        (start + (face as usize * edge + row as usize) * edge + column as usize, edge)
+    }
+}
+
+impl CubeMemory for CubeTexels {
+    #[inline(always)]
+    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
+        let texel = self.texels.get(self.place(level, face, column, row).0);
+        let [red, green, blue, _] = texel.copied().unwrap_or_default();
+        [red, green, blue]
     }
 
     #[inline(always)]
-    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
-        let [red, green, blue, _] = self.texels[self.place(level, face, column, row).0];
-        [red, green, blue]
+    fn is_bright(&self) -> bool {
+        self.is_bright
     }
 
     #[inline(always)]
     fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
         let (first, edge) = self.place(level, face, column, row);
-        let rows = &self.texels[first..][..edge + 2];
+        let Some(rows) = self.texels.get(first..first + edge + 2) else { return [[0; 3]; 4] };
         each!([red, green, blue, _] in [rows[0], rows[1], rows[edge], rows[edge + 1]] => [red, green, blue])
     }
 }
-
-macro_rules! memory {
-    ($(#[$doc:meta])* $name:ident, $bright:literal) => {
-        $(#[$doc])*
-        pub(super) struct $name<'a>(pub(super) &'a CubeTexels);
-
-        impl CubeMemory for $name<'_> {
-            const BRIGHT: bool = $bright;
-            #[inline(always)]
-            fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
-                self.0.texel(level, face, column, row)
-            }
-            #[inline(always)]
-            fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
-                self.0.patch(level, face, column, row)
-            }
-        }
-    };
-}
-
-memory!(
-    /// An environment of at most 64 × white.
-    LinearCube, false
-);
-memory!(
-    /// A brighter one.
-    BrightCube, true
-);
 
 /// Geometry of a repeated map.
 #[derive(Clone, Debug)]

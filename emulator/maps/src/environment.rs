@@ -6,7 +6,7 @@
 //! Each face is filtered for itself down to levels of 17 texels: a texel next to an edge holds its own side only, and the filter looks
 //! across the edge (the stage `seam` of the datapath). Coarser ones are filtered on the sphere.
 
-use roughxel_core::sampler::{BRIGHT_EXPONENTS, CubeMemory, level_edge};
+use roughxel_core::sampler::{BRIGHT_EXPONENTS, level_edge};
 
 use crate::bright;
 use crate::levels::power_of_two;
@@ -104,41 +104,6 @@ impl CubePyramid {
         } else {
             f64::from(code) * power_of_two(self.exponent - 16)
         }
-    }
-}
-
-/// A pyramid of bright codes as a memory.
-#[derive(Clone, Copy, Debug)]
-pub struct BrightCube<'a>(pub &'a CubePyramid);
-
-impl CubeMemory for BrightCube<'_> {
-    const BRIGHT: bool = true;
-
-    #[inline(always)]
-    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
-        self.0.texel(level, face, column, row)
-    }
-
-    #[inline(always)]
-    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
-        self.0.patch(level, face, column, row)
-    }
-}
-
-/// One of linear codes.
-impl CubeMemory for CubePyramid {
-    #[inline(always)]
-    fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
-        self.levels[level as usize][face as usize].texel(column, row)
-    }
-
-    /// Side by side in memory.
-    #[inline(always)]
-    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
-        let level = &self.levels[level as usize][face as usize];
-        let first = row as usize * level.width as usize + column as usize;
-        [first, first + 1, first + level.width as usize, first + level.width as usize + 1]
-            .map(|index| level.texels[index])
     }
 }
 

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::raster::{Needs, Projection, RasterError, Sample, Sampling, TileRect, TriangleList, tiles};
+use roughxel_frame::raster::{Needs, Projection, RasterError, Sampling, TileRect, TriangleList, tiles};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
 
@@ -120,28 +120,23 @@ pub fn work(scene: &Scene) -> u64 {
 /// The mean over the samples of each pixel.
 fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; tile.width as usize * tile.height as usize];
-    let mut current = None;
-    let counts = triangles.samples(tile, sampling, |sample| {
-        let Sample { pixel, position: [x, y], triangle, times } = sample;
-        let colour = match triangle {
-            None => shader.background(x, y),
-            Some(index) => {
-                let object = triangles.object_index(index);
-                if current.as_ref().is_none_or(|(held, _)| *held != index) {
-                    current = Some((
-                        index,
-                        triangles.triangle(index, Needs { tangents: shader.needs_tangents(object), ..Needs::ALL }),
-                    ));
-                }
-                match &current {
-                    Some((_, Some(triangle))) => shader.fragment(object, &triangle.fragment(x, y)),
-                    _ => [0.0; 3],
-                }
+    let (runs, counts) = triangles.samples(tile, sampling);
+    for runs in runs.chunk_by(|a, b| a.triangle == b.triangle) {
+        let shown = runs[0].triangle.map(|index| {
+            let object = triangles.object_index(index);
+            let needs = Needs { tangents: shader.needs_tangents(object), ..Needs::ALL };
+            (object, triangles.triangle(index, needs))
+        });
+        for (times, (pixel, [x, y])) in runs.iter().flat_map(|run| run.samples().map(|sample| (run.times, sample))) {
+            let colour = match &shown {
+                None => shader.background(x, y),
+                Some((object, Some(triangle))) => shader.fragment(*object, &triangle.fragment(x, y)),
+                Some((_, None)) => [0.0; 3],
+            };
+            for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
+                *sum += f64::from(times) * channel;
             }
-        };
-        for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
-            *sum += f64::from(times) * channel;
         }
-    });
+    }
     sums.into_iter().zip(counts).map(|(sum, count)| sum.map(|channel| channel / f64::from(count))).collect()
 }

@@ -9,7 +9,7 @@ use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::Precision;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::Mode;
-use roughxel_emulator::raster::{Needs, Projection, SUBPIXELS, Sampling, TileRect, TriangleList, tiles};
+use roughxel_emulator::raster::{Needs, Projection, Run, SUBPIXELS, Sampling, TileRect, TriangleList, tiles};
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::scene::picture::Picture;
 use roughxel_host_tests::space::whole_or;
@@ -124,15 +124,14 @@ fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
     let mut pixels = vec![[0.0; 3]; (width * height) as usize];
     for tile in tiles(width, height) {
         let TileRect { x: left, y: top, width: columns, .. } = tile;
-        let mut samples = Vec::new();
-        triangles.samples(tile, Sampling::Grid { edge: SAMPLES as u32 }, |sample| samples.push(sample));
-        let shaded: Vec<(usize, [f64; 3])> = samples
-            .into_par_iter()
-            .map(|sample| {
-                let [x, y] = sample.position;
+        let (runs, _) = triangles.samples(tile, Sampling::Grid { edge: SAMPLES as u32 });
+        let shaded: Vec<(usize, [f64; 3])> = runs
+            .par_iter()
+            .flat_map_iter(|run| run.samples().map(|sample| (run.triangle, sample)))
+            .map(|(triangle, (pixel, [x, y]))| {
                 let place = [x, y].map(|p| (p % SUBPIXELS * SAMPLES / SUBPIXELS) as usize);
                 let shift = 16 * (place[0] + SAMPLES as usize * place[1]) + 5 * place[1];
-                (sample.pixel, sample.triangle.map_or([0.5; 3], |triangle| shade(x, y, triangle, shift)))
+                (pixel, triangle.map_or([0.5; 3], |triangle| shade(x, y, triangle, shift)))
             })
             .collect();
         for (pixel, colour) in shaded {
@@ -170,13 +169,11 @@ fn inside(scene: &Scene) -> Vec<bool> {
     let (width, height) = (projection.width() as usize, projection.height() as usize);
     let mut hits = vec![0; width * height];
     for tile in tiles(width as u32, height as u32) {
-        triangles.samples(tile, Sampling::Grid { edge: 4 }, |sample| {
-            let (x, y) = (
-                tile.x as usize + sample.pixel % tile.width as usize,
-                tile.y as usize + sample.pixel / tile.width as usize,
-            );
-            hits[y * width + x] += usize::from(sample.triangle.is_some());
-        });
+        let (runs, _) = triangles.samples(tile, Sampling::Grid { edge: 4 });
+        for (pixel, _) in runs.iter().filter(|run| run.triangle.is_some()).flat_map(Run::samples) {
+            let columns = tile.width as usize;
+            hits[(tile.y as usize + pixel / columns) * width + tile.x as usize + pixel % columns] += 1;
+        }
     }
     hits.into_iter().map(|hits| hits == 16).collect()
 }

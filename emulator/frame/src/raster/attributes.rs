@@ -1,28 +1,22 @@
-//! Attributes of a fragment from the plane equations of its triangle.
+//! Attributes of fragments from the plane equations of their triangle.
 //!
 //! The weights eᵢ(x, y) = βᵢ/w (βᵢ barycentric in the plane of the triangle) are linear on the screen and come from the
 //! whole triangle by homogeneous cross products, so clipping and snapping change no value. Every attribute is a sum over the
 //! three corners: n = Σ eᵢ nᵢ up to one scale per triangle, and aᵢ perspective-correct = Σ eᵢ aᵢ / Σ eᵢ with one
-//! integer division per fragment. ∂(u, v) = Σ ∂eᵢ ((u, v)ᵢ − (u, v)) / Σ eᵢ: no two large terms are subtracted.
-//! Error: weights 2⁻⁵⁹ of the largest in view, plus float64's rounding in the setup (tests: 2⁻²⁸ of |n|, 1/256 texel).
+//! division per fragment. ∂(u, v) = Σ ∂eᵢ ((u, v)ᵢ − (u, v)) / Σ eᵢ: no two large terms are subtracted.
+//!
+//! All of it is float64 with correctly rounded +, −, × and ÷ alone, none of them fused, sixteen fragments at a time where there are so many: the same
+//! bits on every machine. Error: weights 2⁻⁵¹ of the largest in view (tests: 2⁻²⁸ of |n|, 1/256 texel).
 
 use fixed::types::U0F32;
 use glam::DVec3;
 use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::SUBPIXELS;
+use super::blocks::{Row, SIDE, block, block_rows, port, same_rows, scaled, turns};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
-use super::fixed_block::{
-    FORM_BITS, FormSlopes, LinearForm, block_pair, block_vector, encode, magnitude_bits, round_shift, scaled_forms,
-    slopes_per_pixel,
-};
-
-/// Bits of a normalised Σ eᵢ, and of the product with its reciprocal.
-const SUM_BITS: u32 = 60;
-/// Bits of the integers of [`encode`].
-const CODE_BITS: u32 = 52;
 
 /// What the datapath needs to know about one fragment; vectors in world space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +37,27 @@ pub struct FragmentAttributes {
     pub duv: [BlockPair; 2],
 }
 
+/// The same of [`SIDE`] fragments side by side, word by word: of a vector its mantissas, then its exponent; of a texture coordinate the lower
+/// and the upper half of a wide word.
+#[derive(Clone, Copy, Debug)]
+pub struct AttributeRows {
+    /// `normal`, `view`, `frame_vectors`.
+    pub bare: [Row; 16],
+    /// `uv`.
+    pub uv: [Row; 4],
+    /// `duv`.
+    pub duv: [Row; 6],
+}
+
+impl Default for AttributeRows {
+    fn default() -> Self {
+        Self { bare: [[0; SIDE]; 16], uv: [[0; SIDE]; 4], duv: [[0; SIDE]; 6] }
+    }
+}
+
+/// Positions of [`SIDE`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
+pub type Positions = [Row; 2];
+
 /// Attributes that not every object reads; those that are not read are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
@@ -59,24 +74,36 @@ impl Needs {
     pub const ALL: Self = Self { tangents: true, uv: true, duv: true };
 }
 
-/// One value at each corner of a triangle, per component: `corner[component][i] · 2^exponent`, 52 bits.
+/// The values of one component at the three corners.
+type Corners = [f64; 3];
+
+/// A vector at each corner of a triangle, by component, in units of 2^exponent: below 2.
 #[derive(Clone, Copy, Debug)]
-struct CornerValues<const N: usize> {
-    corner: [[i64; 3]; N],
+struct CornerVectors {
+    components: [Corners; 3],
     exponent: i32,
 }
 
-impl CornerValues<3> {
-    fn from_vectors(corners: [DVec3; 3]) -> Self {
+impl CornerVectors {
+    fn new(corners: [DVec3; 3]) -> Self {
         let components = [0, 1, 2].map(|component| corners.map(|v| v[component]));
-        let (codes, exponent) = encode::<9>(flatten(components));
-        Self { corner: unflatten(codes), exponent }
+        let (flat, exponent) = scaled::<9>(core::array::from_fn(|i| components[i / 3][i % 3]));
+        Self { components: core::array::from_fn(|row| core::array::from_fn(|i| flat[3 * row + i])), exponent }
+    }
+
+    #[inline(always)]
+    fn at(&self, weights: Corners) -> [f64; 3] {
+        let [x, y, z] = &self.components;
+        [weighted_sum(weights, x), weighted_sum(weights, y), weighted_sum(weights, z)]
     }
 }
 
 /// Vectors from a triangle to a point, at its corners: what [`Triangle::direction_to`] interpolates.
 #[derive(Clone, Copy, Debug)]
-pub struct PointFromTriangle(CornerValues<3>);
+pub struct PointFromTriangle(CornerVectors);
+
+/// A linear function on the screen: constant, per sub-pixel x, per sub-pixel y.
+type Plane = [f64; 3];
 
 /// A triangle with the setup of its attributes.
 #[derive(Clone, Debug)]
@@ -87,14 +114,17 @@ pub struct Triangle<'a> {
     /// Sub-pixel position that the weights' constants belong to.
     reference: [i32; 2],
     corners: [DVec3; 3],
-    weights: [LinearForm; 3],
+    /// Of one scale: below 2 in view.
+    weights: [Plane; 3],
     /// Least value a weight is allowed: zero where the triangle is thinner than snapping moves its edges.
-    least_weight: i64,
-    slopes: FormSlopes,
-    normals: CornerValues<3>,
+    least_weight: f64,
+    /// Of the weights, per pixel.
+    slopes: [Corners; 2],
+    normals: CornerVectors,
     dnormal: [BlockVector; 2],
-    uv: CornerValues<2>,
-    tangents: Option<[CornerValues<3>; 2]>,
+    /// Less a whole number of repeats.
+    uv: [Corners; 2],
+    tangents: Option<[CornerVectors; 2]>,
     needs: Needs,
 }
 
@@ -113,31 +143,23 @@ impl<'a> Triangle<'a> {
             [0, 1].map(|end| [polygon.columns[end], polygon.rows[end]].map(|px| (px + end as i32) * SUBPIXELS));
 
         let (planes, is_thin) = weight_planes(&polygon, reference_px.map(f64::from));
-        let extent =
-            [0, 1].map(|axis| f64::from((bounds[1][axis] - reference[axis]).max(reference[axis] - bounds[0][axis])));
-        let constant = [[1.0, 0.0, 0.0]; 3];
-        let (weights, _) = scaled_forms(planes, extent).or_else(|| scaled_forms(constant, extent))?;
-        let slopes = slopes_per_pixel(&weights);
+        let weights = scaled_planes(planes, bounds, reference)?;
+        let slopes = [1, 2].map(|axis| weights.map(|plane| plane[axis] * f64::from(SUBPIXELS)));
 
-        let normals = CornerValues::from_vectors(vertices.map(|v| unit(v.normal).map_or(DVec3::ZERO, |(n, _)| n)));
-        let dnormal = slopes.slope.map(|slope| {
-            let derivative = normals.corner.map(|corner| weighted_sum(slope, corner));
-            block_vector(derivative, slopes.exponent + normals.exponent)
-        });
+        let normals = CornerVectors::new(vertices.map(|v| unit(v.normal).map_or(DVec3::ZERO, |(n, _)| n)));
+        let dnormal = slopes.map(|slope| port(block(normals.at(slope), normals.exponent)));
         Some(Self {
             projection,
             bounds,
             reference,
             corners: vertices.map(|v| v.position),
             weights,
-            least_weight: if is_thin { 0 } else { i64::MIN },
+            least_weight: if is_thin { 0.0 } else { f64::NEG_INFINITY },
             slopes,
             normals,
             dnormal,
             uv: corner_uv(vertices.map(|v| v.uv.to_array())),
-            tangents: needs
-                .tangents
-                .then(|| [0, 1].map(|i| CornerValues::from_vectors(vertices.map(|v| v.tangents[i])))),
+            tangents: needs.tangents.then(|| [0, 1].map(|i| CornerVectors::new(vertices.map(|v| v.tangents[i])))),
             needs,
         })
     }
@@ -145,79 +167,122 @@ impl<'a> Triangle<'a> {
     /// Attributes at a sample that shows this triangle; position in sub-pixels of 1/256 px from the frame's corner.
     ///
     /// Any position has a result: it is taken to the nearest one within the bounds of the visible part.
-    /// Rounding: one to nearest per port word, after integer sums of 2⁻⁵⁹ relative error or better.
+    /// Rounding: one to nearest per port word, after sums of 2⁻⁵¹ relative error or better.
     pub fn fragment(&self, x_subpx: i32, y_subpx: i32) -> FragmentAttributes {
-        let [[left, top], [right, bottom]] = self.bounds;
-        let (x, y) = (x_subpx.clamp(left, right), y_subpx.clamp(top, bottom));
-        let (weights, sum) = self.weights_at(x - self.reference[0], y - self.reference[1]);
-
-        let normal = self.normals.corner.map(|corner| weighted_sum(weights, corner));
+        let (weights, reciprocal) = self.weights_at(x_subpx, y_subpx);
         let mut fragment = FragmentAttributes {
-            normal: block_vector(normal, self.normals.exponent - FORM_BITS),
+            normal: port(block(self.normals.at(weights), self.normals.exponent)),
             view: self.projection.ray_view(x_subpx, y_subpx),
             dview: self.projection.dview(),
             dnormal: self.dnormal,
             ..FragmentAttributes::default()
         };
-        if self.needs.uv || self.tangents.is_some() {
-            let quotient = Quotient::by(sum);
-            if let Some(tangents) = self.tangents {
-                fragment.frame_vectors = tangents.map(|tangent| {
-                    let codes = tangent.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
-                    block_vector(codes, tangent.exponent - Quotient::EXTRA_BITS as i32)
-                });
-            }
-            if self.needs.uv {
-                self.place(weights, &quotient, &mut fragment);
+        if let Some(tangents) = &self.tangents {
+            let at = |tangent: &CornerVectors| port(block(scale(tangent.at(weights), reciprocal), tangent.exponent));
+            fragment.frame_vectors = tangents.each_ref().map(at);
+        }
+        if self.needs.uv {
+            let uv = self.uv_at(weights, reciprocal);
+            fragment.uv = uv.map(|u| U0F32::from_bits(turns(u)));
+            if self.needs.duv {
+                fragment.duv = [0, 1].map(|axis| port(block(self.duv_at(axis, uv, reciprocal), 0)));
             }
         }
         fragment
     }
 
-    /// Texture coordinates and their derivatives.
-    fn place(&self, weights: [i64; 3], quotient: &Quotient, fragment: &mut FragmentAttributes) {
-        let exponent = self.uv.exponent;
-        let codes = self.uv.corner.map(|corner| quotient.of(weighted_sum(weights, corner)));
-        fragment.uv = codes.map(|code| wrapped(code, exponent - Quotient::EXTRA_BITS as i32));
-        if self.needs.duv {
-            fragment.duv = self.slopes.slope.map(|slope| {
-                let rise = [0, 1].map(|component| {
-                    let here = round_shift(codes[component], Quotient::EXTRA_BITS) as i64;
-                    weighted_sum(slope, self.uv.corner[component].map(|corner| corner - here))
-                });
-                quotient.of_wide(rise, self.slopes.exponent + exponent + FORM_BITS)
-            });
+    /// The same of [`SIDE`] samples.
+    #[inline(always)]
+    pub fn fragments(&self, positions: &Positions, rows: &mut AttributeRows) {
+        let mut weights = [[0.0; SIDE]; 3];
+        let mut reciprocal = [0.0; SIDE];
+        for lane in 0..SIDE {
+            let (here, over) = self.weights_at(positions[0][lane], positions[1][lane]);
+            for (row, weight) in weights.iter_mut().zip(here) {
+                row[lane] = weight;
+            }
+            reciprocal[lane] = over;
         }
+        let at = |lane: usize| [weights[0][lane], weights[1][lane], weights[2][lane]];
+        let AttributeRows { bare, uv, duv } = rows;
+        block_rows(&mut bare[..4], self.normals.exponent, |lane| self.normals.at(at(lane)));
+        self.projection.ray_views(positions, &mut bare[4..8]);
+        if let Some([u, v]) = &self.tangents {
+            block_rows(&mut bare[8..12], u.exponent, |lane| scale(u.at(at(lane)), reciprocal[lane]));
+            block_rows(&mut bare[12..], v.exponent, |lane| scale(v.at(at(lane)), reciprocal[lane]));
+        }
+        if self.needs.uv {
+            let mut places = [[0.0; SIDE]; 2];
+            for lane in 0..SIDE {
+                let [u, v] = self.uv_at(at(lane), reciprocal[lane]);
+                (places[0][lane], places[1][lane]) = (u, v);
+                (uv[0][lane], uv[2][lane]) = (turns(u) as i32, turns(v) as i32);
+            }
+            if self.needs.duv {
+                let here = |lane: usize| [places[0][lane], places[1][lane]];
+                block_rows(&mut duv[..3], 0, |lane| self.duv_at(0, here(lane), reciprocal[lane]));
+                block_rows(&mut duv[3..], 0, |lane| self.duv_at(1, here(lane), reciprocal[lane]));
+            }
+        }
+    }
+
+    /// ∂v and ∂n of all its fragments, as rows of [`AttributeRows`].
+    pub fn derivative_rows(&self) -> [Row; 16] {
+        let [[vx, vy], [nx, ny]] = [self.projection.dview(), self.dnormal].map(|d| d.each_ref().map(same_rows));
+        core::array::from_fn(|row| [vx, vy, nx, ny][row / 4][row % 4])
     }
 
     /// Setup of the directions to a point in the world, once a triangle.
     pub fn point(&self, point: DVec3) -> PointFromTriangle {
-        PointFromTriangle(CornerValues::from_vectors(self.corners.map(|corner| point - corner)))
+        PointFromTriangle(CornerVectors::new(self.corners.map(|corner| point - corner)))
     }
 
     /// Direction from the surface to a point, at a sample as in [`Self::fragment`]; its length means nothing, for
     /// Σ eᵢ (P − pᵢ) is Σ eᵢ times the vector. Rounding as there.
     pub fn direction_to(&self, point: &PointFromTriangle, x_subpx: i32, y_subpx: i32) -> BlockVector {
-        let [[left, top], [right, bottom]] = self.bounds;
-        let (x, y) = (x_subpx.clamp(left, right), y_subpx.clamp(top, bottom));
-        let (weights, _) = self.weights_at(x - self.reference[0], y - self.reference[1]);
-        block_vector(point.0.corner.map(|corner| weighted_sum(weights, corner)), point.0.exponent - FORM_BITS)
+        let (weights, _) = self.weights_at(x_subpx, y_subpx);
+        port(block(point.0.at(weights), point.0.exponent))
     }
 
-    /// Weights at a position relative to the reference, below 2^60 each, and their positive sum.
+    /// Weights at a position and the reciprocal of their positive sum.
     ///
     /// On a triangle so thin that all weights vanish at a sample it covers, the corners count alike.
-    fn weights_at(&self, x: i32, y: i32) -> ([i64; 3], i64) {
-        let weights = self.weights.map(|form| form.at(x, y).max(self.least_weight));
-        let sum = weights.iter().sum::<i64>();
-        if sum > 0 { (weights, sum) } else { ([1; 3], 3) }
+    #[inline(always)]
+    fn weights_at(&self, x_subpx: i32, y_subpx: i32) -> (Corners, f64) {
+        let [[left, top], [right, bottom]] = self.bounds;
+        let x = f64::from(x_subpx.max(left).min(right) - self.reference[0]);
+        let y = f64::from(y_subpx.max(top).min(bottom) - self.reference[1]);
+        let [a, b, c] = &self.weights;
+        let weight = |plane: &Plane| (plane[0] + plane[1] * x + plane[2] * y).max(self.least_weight);
+        let [a, b, c] = [weight(a), weight(b), weight(c)];
+        let sum = a + b + c;
+        let counts = sum > 0.0;
+        let or_one = |weight: f64| if counts { weight } else { 1.0 };
+        ([or_one(a), or_one(b), or_one(c)], 1.0 / if counts { sum } else { 3.0 })
+    }
+
+    /// u and v.
+    #[inline(always)]
+    fn uv_at(&self, weights: Corners, reciprocal: f64) -> [f64; 2] {
+        let [u, v] = &self.uv;
+        [weighted_sum(weights, u) * reciprocal, weighted_sum(weights, v) * reciprocal]
+    }
+
+    /// ∂(u, v) along an axis.
+    #[inline(always)]
+    fn duv_at(&self, axis: usize, [u, v]: [f64; 2], reciprocal: f64) -> [f64; 2] {
+        let rise = |corners: &Corners, here: f64| {
+            let [a, b, c] = *corners;
+            weighted_sum(self.slopes[axis], &[a - here, b - here, c - here]) * reciprocal
+        };
+        [rise(&self.uv[0], u), rise(&self.uv[1], v)]
     }
 }
 
-/// Plane equations of the weights around a screen point (pixels), `[constant, per sub-pixel x, per sub-pixel y]`, any common scale.
+/// Plane equations of the weights around a screen point (pixels), any common scale.
 /// Second: whether half a sub-pixel beyond an edge the weights may be wrong by more than an eighth of
 /// their sum, because the triangle is seen edge-on or reaches close to its horizon.
-fn weight_planes(polygon: &ScreenPolygon, reference_px: [f64; 2]) -> ([[f64; 3]; 3], bool) {
+fn weight_planes(polygon: &ScreenPolygon, reference_px: [f64; 2]) -> ([Plane; 3], bool) {
     let [a, b, c] = polygon.corners.map(|corner| relative_to(corner, reference_px));
     let determinant = a.dot(b.cross(c));
     let sign = if determinant < 0.0 { -1.0 } else { 1.0 };
@@ -232,79 +297,43 @@ fn weight_planes(polygon: &ScreenPolygon, reference_px: [f64; 2]) -> ([[f64; 3];
     (planes, !is_thick)
 }
 
-/// Texture coordinates of the corners less a whole number of repeats, so that they stay small.
-fn corner_uv(corners: [[f64; 2]; 3]) -> CornerValues<2> {
-    let components = [0, 1].map(|component| {
-        let values = corners.map(|uv| uv[component]);
+/// The planes times a power of two, so that weights stay below 2 in view: no attribute leaves float64. Where they are no numbers, or all zero, the
+/// corners count alike.
+fn scaled_planes(planes: [Plane; 3], bounds: [[i32; 2]; 2], reference: [i32; 2]) -> Option<[Plane; 3]> {
+    let extent =
+        [0, 1].map(|axis| f64::from((bounds[1][axis] - reference[axis]).max(reference[axis] - bounds[0][axis])));
+    let bound = planes
+        .iter()
+        .map(|p| p[0].abs() + p[1].abs() * extent[0].max(1.0) + p[2].abs() * extent[1].max(1.0))
+        .fold(0.0, f64::max);
+    let is_finite = planes.as_flattened().iter().sum::<f64>().is_finite() && bound.is_finite() && bound > 0.0;
+    let planes = if is_finite { planes } else { [[1.0, 0.0, 0.0]; 3] };
+    // The bound with them, so that they are scaled by it.
+    let mut numbers = [if is_finite { bound } else { 1.0 }; 10];
+    numbers[1..].copy_from_slice(planes.as_flattened());
+    let (numbers, _) = scaled(numbers);
+    let (planes, _) = numbers[1..].as_chunks();
+    planes.first_chunk().copied()
+}
+
+/// Texture coordinates of the corners less a whole number of repeats, so that they stay small; by coordinate.
+fn corner_uv(corners: [[f64; 2]; 3]) -> [Corners; 2] {
+    // One of 2^64 repeats has no fraction left.
+    let most = 2_f64.powi(64);
+    [0, 1].map(|component| {
+        let values = corners.map(|uv| if uv[component].is_finite() { uv[component].clamp(-most, most) } else { 0.0 });
         let base = (values.iter().sum::<f64>() / 3.0).floor();
         values.map(|value| value - base)
-    });
-    let (codes, exponent) = encode::<6>(flatten(components));
-    CornerValues { corner: unflatten(codes), exponent }
+    })
 }
 
-/// Σ weight·value; 60 + 53 + 2 bits at most.
-fn weighted_sum(weights: [i64; 3], values: [i64; 3]) -> i128 {
-    let [a, b, c] = [0, 1, 2].map(|i| i128::from(weights[i]) * i128::from(values[i]));
-    a + b + c
+/// Σ weight·value.
+#[inline(always)]
+fn weighted_sum(weights: Corners, values: &Corners) -> f64 {
+    weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2]
 }
 
-/// Division of several sums by one Σ eᵢ: a single integer division, then products.
-struct Quotient {
-    /// 2^120 / (sum · 2^shift), at most 2^61.
-    reciprocal: i128,
-    /// Brings the sum to [2^59, 2^60).
-    shift: i32,
-}
-
-impl Quotient {
-    /// Fraction bits of [`Quotient::of`].
-    const EXTRA_BITS: u32 = 16;
-
-    /// `sum` is positive and below 2^62.
-    fn by(sum: i64) -> Self {
-        let shift = sum.leading_zeros() as i32 - (i64::BITS - SUM_BITS) as i32;
-        let normalised = if shift < 0 { sum >> -shift } else { sum << shift };
-        Self { reciprocal: (1_i128 << (2 * SUM_BITS)) / i128::from(normalised), shift }
-    }
-
-    /// `numerator / sum` with 16 fraction bits, for a numerator that is a weighted sum of 52-bit codes.
-    ///
-    /// Saturates at ±2^53 codes; weights within the triangle cannot exceed 2^52.
-    fn of(&self, numerator: i128) -> i128 {
-        let shift = self.shift - CODE_BITS as i32;
-        // |numerator| < 2^116 and shift ≤ 7.
-        let aligned = if shift < 0 { round_shift(numerator, shift.unsigned_abs()) } else { numerator << shift };
-        let limit = 1 << (SUM_BITS + 1);
-        let product = aligned.clamp(-limit, limit) * self.reciprocal;
-        round_shift(product, 2 * SUM_BITS - CODE_BITS - Self::EXTRA_BITS)
-    }
-
-    /// `numerators · 2^exponent / sum` as a block, for numerators of any size.
-    fn of_wide(&self, numerators: [i128; 2], exponent: i32) -> BlockPair {
-        let excess = magnitude_bits(&numerators).saturating_sub(SUM_BITS);
-        let products = numerators.map(|numerator| round_shift(numerator, excess) * self.reciprocal);
-        block_pair(products, exponent + excess as i32 + self.shift - 2 * SUM_BITS as i32)
-    }
-}
-
-/// `code · 2^exponent` modulo 1, to nearest.
-fn wrapped(code: i128, exponent: i32) -> U0F32 {
-    let shift = exponent + u32::BITS as i32;
-    let bits = match shift {
-        ..-120 => 0,
-        -120..0 => round_shift(code, shift.unsigned_abs()),
-        // A coordinate of 2^64 repeats has no fraction left.
-        0..64 => code << shift,
-        64.. => 0,
-    };
-    U0F32::from_bits(bits as u32)
-}
-
-fn flatten<const ROWS: usize, const ALL: usize>(rows: [[f64; 3]; ROWS]) -> [f64; ALL] {
-    core::array::from_fn(|i| rows[i / 3][i % 3])
-}
-
-fn unflatten<const ROWS: usize, const ALL: usize>(values: [i64; ALL]) -> [[i64; 3]; ROWS] {
-    core::array::from_fn(|row| core::array::from_fn(|i| values[3 * row + i]))
+#[inline(always)]
+fn scale([x, y, z]: [f64; 3], factor: f64) -> [f64; 3] {
+    [x * factor, y * factor, z * factor]
 }

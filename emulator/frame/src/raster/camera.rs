@@ -7,7 +7,8 @@
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::BlockVector;
 
-use super::fixed_block::{LinearForm, block_from_reals, block_vector, scaled_forms};
+use super::attributes::Positions;
+use super::blocks::{Row, block, block_rows, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
 use roughxel_scene::Camera;
 
@@ -22,8 +23,8 @@ pub struct Projection {
     right: DVec3,
     down: DVec3,
     forward: DVec3,
-    view: [LinearForm; 3],
-    view_exponent: i32,
+    /// v by component: constant, per sub-pixel x, per sub-pixel y.
+    view: [[f64; 3]; 3],
     dview: [BlockVector; 2],
 }
 
@@ -60,10 +61,7 @@ impl Projection {
         // v(x, y) in pixels over sub-pixel positions.
         let corner = 0.5 * (f64::from(width) * right + f64::from(height) * down) - focal_px * forward;
         let per_subpixel = 1.0 / f64::from(SUBPIXELS);
-        let planes = [0, 1, 2].map(|i| [corner[i], -right[i] * per_subpixel, -down[i] * per_subpixel]);
-        let extent = [width, height].map(|edge| f64::from(edge) * f64::from(SUBPIXELS));
-        let (view, view_exponent) =
-            scaled_forms(planes, extent).ok_or(RasterError::Orientation { problem: "the view is not finite" })?;
+        let view = [0, 1, 2].map(|i| [corner[i], -right[i] * per_subpixel, -down[i] * per_subpixel]);
         Ok(Self {
             width,
             height,
@@ -74,8 +72,7 @@ impl Projection {
             down,
             forward,
             view,
-            view_exponent,
-            dview: [-right, -down].map(|v| block_from_reals(v.to_array())),
+            dview: [-right, -down].map(|v| port(block(v.to_array(), 0))),
         })
     }
 
@@ -98,11 +95,24 @@ impl Projection {
     /// View vector v = −ray of a sample, in pixels of the picture plane, so |v| ≥ z₀; world space.
     ///
     /// Position in sub-pixels of 1/256 px, taken to the nearest one inside the frame. The direction of the line of sight,
-    /// as the background needs it, is −v. Rounding: to nearest, after an error below 2⁻⁵⁸ of the largest |v|.
+    /// as the background needs it, is −v. Rounding: to nearest, after an error below 2⁻⁵⁰ of the largest |v|.
     pub fn ray_view(&self, x_subpx: i32, y_subpx: i32) -> BlockVector {
-        let x = x_subpx.clamp(0, self.width as i32 * SUBPIXELS);
-        let y = y_subpx.clamp(0, self.height as i32 * SUBPIXELS);
-        block_vector(self.view.map(|form| i128::from(form.at(x, y))), self.view_exponent)
+        port(block(self.view_at(x_subpx, y_subpx), 0))
+    }
+
+    /// The same of samples side by side.
+    #[inline(always)]
+    pub(super) fn ray_views(&self, positions: &Positions, rows: &mut [Row]) {
+        block_rows(rows, 0, |lane| self.view_at(positions[0][lane], positions[1][lane]));
+    }
+
+    #[inline(always)]
+    fn view_at(&self, x_subpx: i32, y_subpx: i32) -> [f64; 3] {
+        let x = f64::from(x_subpx.max(0).min(self.width as i32 * SUBPIXELS));
+        let y = f64::from(y_subpx.max(0).min(self.height as i32 * SUBPIXELS));
+        let [a, b, c] = &self.view;
+        let component = |plane: &[f64; 3]| plane[0] + plane[1] * x + plane[2] * y;
+        [component(a), component(b), component(c)]
     }
 
     /// ∂v/∂x and ∂v/∂y per pixel (y down), in the units of [`Projection::ray_view`]: two orthogonal unit vectors.

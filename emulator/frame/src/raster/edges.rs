@@ -6,8 +6,8 @@
 
 use glam::DVec3;
 
+use super::blocks::scale_by_power_of_two;
 use super::clip::ScreenPolygon;
-use super::fixed_block::scale_by_power_of_two;
 use super::{SUBPIXELS, TileRect};
 
 /// Fraction bits of a depth: near/w = 1 is 2^56.
@@ -206,7 +206,17 @@ impl TileBuffer {
 
     /// Visible triangles of the rectangle, row by row from the top left.
     pub fn triangles(&self) -> impl Iterator<Item = Option<u32>> {
-        self.triangle.iter().map(|&t| (t != NO_TRIANGLE).then_some(t))
+        self.triangle.iter().map(|&triangle| Self::shown(triangle))
+    }
+
+    /// The same as [`Self::shown`] reads them.
+    pub(super) fn visible(&self) -> &[u32] {
+        &self.triangle
+    }
+
+    /// The triangle that a number says, if any.
+    pub(super) fn shown(number: u32) -> Option<u32> {
+        (number != NO_TRIANGLE).then_some(number)
     }
 
     pub(super) fn clear(&mut self, rect: TileRect) {

@@ -1,7 +1,9 @@
 //! The rasteriser against ray–plane intersection in float64, and its hard cases.
 
+use fixed::types::{I2F30, U0F32};
 use glam::{DVec2, DVec3};
-use roughxel_core::ports::{BlockPair, BlockVector};
+use roughxel_core::ports::{BlockPair, BlockPort, BlockVector};
+use roughxel_lanes::{InstructionSet, Reading};
 
 use super::*;
 use roughxel_scene::random::SplitMix64;
@@ -633,6 +635,63 @@ fn frames_of_one_pixel_and_of_4096_pixels_work() {
     }
 }
 
+/// A word of a side of fragments as [`FragmentAttributes`] has it.
+fn of_rows(rows: &AttributeRows, derivatives: &[Row; 16], lane: usize) -> FragmentAttributes {
+    fn block<const N: usize>(rows: &[Row], lane: usize) -> BlockPort<N> {
+        let mantissa = core::array::from_fn(|i| I2F30::from_bits(rows[i][lane]));
+        BlockPort { mantissa, exponent: rows[N][lane] as i16 }
+    }
+    let four = |rows: &[Row; 16]| [0, 4, 8, 12].map(|first| block::<3>(&rows[first..], lane));
+    let ([normal, view, u, v], [vx, vy, nx, ny]) = (four(&rows.bare), four(derivatives));
+    assert_eq!([rows.uv[1][lane], rows.uv[3][lane]], [0; 2], "upper halves of what is below 2^32");
+    FragmentAttributes {
+        normal,
+        view,
+        frame_vectors: [u, v],
+        dview: [vx, vy],
+        dnormal: [nx, ny],
+        uv: [0, 2].map(|row| U0F32::from_bits(rows.uv[row][lane].cast_unsigned())),
+        duv: [0, 3].map(|first| block::<2>(&rows.duv[first..], lane)),
+    }
+}
+
+#[test]
+fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
+    let mut random = Random::new(51);
+    let projection = Projection::new(&camera(96, 64)).expect("a camera");
+    let mut visible_triangles = 0;
+    for i in 0..400 {
+        let far = if i % 4 == 0 { 900.0 } else { 1.5 };
+        let corners = [0; 3].map(|_| {
+            let uv = DVec2::new(random.real(-far, far), random.real(-3.0, 3.0));
+            vertex(random.vector(far), random.vector(1.0) * 7.0, uv)
+        });
+        let objects = one_triangle(corners);
+        let list = TriangleList::new(&projection, &objects).expect("a list");
+        for bits in 0..8 {
+            let needs = Needs { tangents: bits & 1 != 0, uv: bits & 2 != 0, duv: bits & 4 != 0 };
+            let Some(triangle) = list.triangle(0, needs) else { continue };
+            visible_triangles += 1;
+            // In the frame, and beside it.
+            let positions = [97, 65].map(|edge| [0; SIDE].map(|_| random.real(-300.0, f64::from(edge) * 256.0) as i32));
+            let derivatives = triangle.derivative_rows();
+            let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar]);
+            for reading in readings {
+                let mut rows = AttributeRows::default();
+                reading.run(
+                    #[inline(always)]
+                    || triangle.fragments(&positions, &mut rows),
+                );
+                for lane in 0..SIDE {
+                    let expected = triangle.fragment(positions[0][lane], positions[1][lane]);
+                    assert_eq!(of_rows(&rows, &derivatives, lane), expected, "{reading}, {needs:?}");
+                }
+            }
+        }
+    }
+    assert!(visible_triangles > 1000, "{visible_triangles}");
+}
+
 #[test]
 fn attributes_that_nobody_reads_are_zero_and_change_no_other() {
     let camera = plain_camera(32, 32);
@@ -713,11 +772,27 @@ fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
     assert_eq!(error.to_string(), "object \"test\": triangle 0 names vertex 0, but the mesh has 0");
 }
 
-/// Samples of a frame of one tile, and how many each pixel has.
+/// A sample of a frame of one tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sample {
+    pixel: usize,
+    position: [i32; 2],
+    triangle: Option<u32>,
+    times: u32,
+}
+
+/// Samples of a frame of one tile, by pixel, and how many each pixel has.
 fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<Sample>, Vec<u32>) {
-    let mut found = Vec::new();
-    let counts = list.samples(tile, sampling, |sample| found.push(sample));
-    (found, counts)
+    let (runs, counts) = list.samples(tile, sampling);
+    let key = |run: &Run| run.triangle.unwrap_or(u32::MAX);
+    assert!(runs.is_sorted_by_key(key) && runs.iter().all(|run| run.count > 0), "by triangle");
+    let one = |run: &Run| {
+        let Run { triangle, times, .. } = *run;
+        run.samples().map(move |(pixel, position)| Sample { pixel, position, triangle, times })
+    };
+    let mut samples: Vec<Sample> = runs.iter().flat_map(one).collect();
+    samples.sort_by_key(|sample| (sample.pixel, sample.position));
+    (samples, counts)
 }
 
 #[test]
