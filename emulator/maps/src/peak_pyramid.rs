@@ -6,6 +6,7 @@
 //! same on every level. Directions are those of the local frame: x along the rows of the map, y with their index, z outwards.
 //! Every texel is computed by itself in one order, with software logarithms: the same bits for any number of threads.
 
+mod blocks;
 mod build;
 mod cache;
 mod fit;

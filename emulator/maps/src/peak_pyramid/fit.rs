@@ -6,11 +6,16 @@
 //! means one angle anywhere on the hemisphere, the pole is no special place); and ν, which runs through ln n = low … high
 //! as ν/√(1 + ν²) runs from −1 to 1. After every fit the amplitudes are scaled to the energy of the density (erratum 24).
 
+use std::cell::RefCell;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, f64x8};
 use glam::DVec3;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-use super::spread::{HEMISPHERE, SAMPLES, log_power, neighbours, power};
+use super::blocks::{Block, LANES, LEVEL, cosines, powers};
+use super::spread::{BLOCKS, HEMISPHERE, SAMPLES, neighbours, power};
 
 /// Most peaks of a fit.
 pub(super) const MAX_PEAKS: usize = 7;
@@ -69,11 +74,13 @@ pub(super) fn fit(density: &[f64], spread_exponent: f64) -> Fit {
     // Exactly one facet has the exponent it was spread with: that must not be the end of the range.
     let range = ExponentRange { low: 0.0, high: libm::log(2.0 * spread_exponent) };
     let relative: Vec<f64> = density.iter().map(|value| value / largest).collect();
+    let blocks = Block::list(relative.iter().copied());
     let mut peaks: Vec<FittedPeak> = Vec::new();
     let mut residual = relative.clone();
+    let mut space = Space::default();
     loop {
         peaks.push(guess(&residual, range));
-        let problem = Problem::new(&relative, range, &peaks);
+        let problem = Problem::new(&blocks, range, &peaks, space);
         let solver = LevenbergMarquardt::new()
             .with_ftol(TOLERANCE)
             .with_xtol(TOLERANCE)
@@ -81,6 +88,7 @@ pub(super) fn fit(density: &[f64], spread_exponent: f64) -> Fit {
             .with_patience(PATIENCE);
         let (problem, _) = solver.minimize(problem);
         peaks = problem.peaks();
+        space = problem.space;
         let model = evaluate(&peaks);
         let scale = HEMISPHERE.integral(relative.iter().copied()) / HEMISPHERE.integral(model.iter().copied());
         let scale = if scale.is_finite() { scale } else { 1.0 };
@@ -105,11 +113,24 @@ pub(super) fn fit(density: &[f64], spread_exponent: f64) -> Fit {
 
 /// Σ a cosⁿα at every sample.
 fn evaluate(peaks: &[FittedPeak]) -> Vec<f64> {
-    let at = |direction: &DVec3| {
-        let share = |peak: &FittedPeak| power(peak.direction.dot(*direction), peak.exponent);
-        peaks.iter().map(|peak| peak.amplitude * share(peak)).sum()
-    };
-    HEMISPHERE.directions.iter().map(at).collect()
+    let mut values: Vec<f64> =
+        dispatch!(*LEVEL, simd => evaluate_blocks(simd, peaks)).into_iter().flat_map(|Block(lanes)| lanes).collect();
+    values.truncate(SAMPLES);
+    values
+}
+
+#[inline(always)]
+fn evaluate_blocks<S: Simd>(simd: S, peaks: &[FittedPeak]) -> Vec<Block> {
+    let mut blocks = vec![Block::ZERO; BLOCKS];
+    for peak in peaks {
+        let exponent = f64x8::splat(simd, peak.exponent);
+        for (sum, (directions, _)) in blocks.iter_mut().zip(&HEMISPHERE.blocks) {
+            if let Some([share, _]) = powers(cosines(simd, peak.direction, directions), exponent) {
+                *sum = Block::store(sum.load(simd) + share * peak.amplitude);
+            }
+        }
+    }
+    blocks
 }
 
 /// A peak at the maximum of a residual, as narrow as its neighbours tell.
@@ -189,18 +210,62 @@ impl State {
 /// The solver sees residuals r through |r|, Jᵀr and JᵀJ alone, so r' = (|r|, 0, …) and J' = (rᵀJ/|r|; R) with
 /// RᵀR = JᵀJ − (rᵀJ)ᵀ(rᵀJ)/|r|² lead it the same way: its factorisation of J, two thirds of a build, has 4k + 1 rows
 /// instead of 1297.
+///
+/// Samples go in blocks, and a peak is nowhere but in blocks where it is not negligible. What is left out adds zeros.
 struct Problem<'a> {
-    density: &'a [f64],
+    density: &'a [Block],
     range: ExponentRange,
     variables: DVector<f64>,
     states: Vec<State>,
-    /// cosⁿα and ln cosⁿα of every peak at every sample: peak · SAMPLES + sample.
-    shares: Vec<[f64; 2]>,
-    residuals: DVector<f64>,
+    space: Space,
+}
+
+/// What a problem works out for every block; taken from one problem to the next.
+#[derive(Default)]
+struct Space {
+    /// Of every peak.
+    shares: Vec<Shares>,
+    residuals: Vec<Block>,
+    /// Derivatives of the residuals by the four variables of every peak: peak · BLOCKS + block, in its blocks.
+    slopes: RefCell<Vec<[Block; 4]>>,
+}
+
+/// A peak at every sample.
+struct Shares {
+    blocks: BlockSet,
+    /// cosⁿα and ln cosⁿα, in these blocks.
+    powers: Vec<[Block; 2]>,
+}
+
+/// Some of the blocks, bit by bit.
+#[derive(Clone, Copy, Debug, Default)]
+struct BlockSet([u64; BLOCKS.div_ceil(64)]);
+
+impl BlockSet {
+    #[inline(always)]
+    fn add(&mut self, block: usize) {
+        self.0[block / 64] |= 1 << (block % 64);
+    }
+
+    #[inline(always)]
+    fn common(self, other: Self) -> Self {
+        Self(std::array::from_fn(|word| self.0[word] & other.0[word]))
+    }
+
+    /// Runs over the blocks in order.
+    #[inline(always)]
+    fn each(self, mut visit: impl FnMut(usize)) {
+        for (word, mut bits) in self.0.into_iter().enumerate() {
+            while bits != 0 {
+                visit(64 * word + bits.trailing_zeros() as usize);
+                bits &= bits - 1;
+            }
+        }
+    }
 }
 
 impl<'a> Problem<'a> {
-    fn new(density: &'a [f64], range: ExponentRange, peaks: &[FittedPeak]) -> Self {
+    fn new(density: &'a [Block], range: ExponentRange, peaks: &[FittedPeak], mut space: Space) -> Self {
         let variables = peaks.iter().flat_map(|peak| {
             // A peak straight down has no stereographic coordinates; its neighbour has.
             let scale = 1.0 / (1.0 + peak.direction.z).max(1e-6);
@@ -208,14 +273,11 @@ impl<'a> Problem<'a> {
             [peak.amplitude.sqrt(), x * scale, y * scale, range.to_variable(peak.exponent)]
         });
         let variables = DVector::from_iterator(4 * peaks.len(), variables);
-        let mut problem = Self {
-            density,
-            range,
-            variables: DVector::zeros(0),
-            states: Vec::new(),
-            shares: Vec::new(),
-            residuals: DVector::zeros(SAMPLES),
-        };
+        let shares = || Shares { blocks: BlockSet::default(), powers: vec![[Block::ZERO; 2]; BLOCKS] };
+        space.shares.resize_with(peaks.len(), shares);
+        space.residuals.resize(BLOCKS, Block::ZERO);
+        space.slopes.get_mut().resize(peaks.len() * BLOCKS, [Block::ZERO; 4]);
+        let mut problem = Self { density, range, variables: DVector::zeros(0), states: Vec::new(), space };
         problem.set_params(&variables);
         problem
     }
@@ -229,28 +291,159 @@ impl<'a> Problem<'a> {
         self.states.iter().map(peak).collect()
     }
 
-    /// Derivatives of the residuals by the variables.
-    fn slopes(&self) -> DMatrix<f64> {
-        let mut slopes = DMatrix::zeros(SAMPLES, 4 * self.states.len());
-        let hemisphere = &*HEMISPHERE;
-        let columns = slopes.as_mut_slice().chunks_exact_mut(4 * SAMPLES);
-        for ((state, shares), columns) in self.states.iter().zip(self.shares.chunks_exact(SAMPLES)).zip(columns) {
+    /// Shares of all peaks, and residuals.
+    #[inline(always)]
+    fn evaluate<S: Simd>(&mut self, simd: S) {
+        let Space { shares, residuals, .. } = &mut self.space;
+        for (residual, density) in residuals.iter_mut().zip(self.density) {
+            *residual = Block::store(-density.load(simd));
+        }
+        for (state, shares) in self.states.iter().zip(shares) {
             let amplitude = state.root * state.root;
-            for (sample, &[share, log]) in shares.iter().enumerate() {
-                if share == 0.0 {
-                    continue;
+            let exponent = f64x8::splat(simd, state.exponent);
+            shares.blocks = BlockSet::default();
+            for (block, (residual, (directions, _))) in residuals.iter_mut().zip(&HEMISPHERE.blocks).enumerate() {
+                if let Some([share, log]) = powers(cosines(simd, state.direction, directions), exponent) {
+                    *residual = Block::store(residual.load(simd) + share * amplitude);
+                    shares.blocks.add(block);
+                    shares.powers[block] = [share, log].map(Block::store);
                 }
-                let direction = hemisphere.directions[sample];
-                let weighted = hemisphere.weights[sample] * share;
-                let by_cosine = weighted * amplitude * state.exponent / state.direction.dot(direction);
-                columns[sample] = 2.0 * state.root * weighted;
-                columns[SAMPLES + sample] = by_cosine * state.tangents[0].dot(direction);
-                columns[2 * SAMPLES + sample] = by_cosine * state.tangents[1].dot(direction);
-                columns[3 * SAMPLES + sample] = weighted * amplitude * log * state.log_slope;
             }
         }
-        slopes
+        for (residual, (_, weights)) in residuals.iter_mut().zip(&HEMISPHERE.blocks) {
+            *residual = Block::store(residual.load(simd) * weights.load(simd));
+        }
     }
+
+    /// |r|.
+    fn norm(&self) -> f64 {
+        let residuals = &self.space.residuals;
+        let [[square]] = dispatch!(*LEVEL, simd => {
+            products(simd, BlockSet::ALL, |block| [residuals[block]], |block| [residuals[block]])
+        });
+        square.sqrt()
+    }
+
+    /// Derivatives of the residuals by the variables.
+    #[inline(always)]
+    fn slopes<S: Simd>(&self, simd: S) {
+        let mut slopes = self.space.slopes.borrow_mut();
+        let zero = f64x8::splat(simd, 0.0);
+        for ((state, shares), slopes) in self.states.iter().zip(&self.space.shares).zip(slopes.chunks_exact_mut(BLOCKS))
+        {
+            let amplitude = state.root * state.root;
+            shares.blocks.each(|block| {
+                let (directions, weights) = &HEMISPHERE.blocks[block];
+                let [share, log] = shares.powers[block].map(|values| values.load(simd));
+                let weighted = weights.load(simd) * share;
+                let by_cosine = weighted * amplitude * state.exponent / cosines(simd, state.direction, directions);
+                // Where the cosine is 0 or below there is no share.
+                let by_cosine = share.simd_gt(zero).select(by_cosine, zero);
+                slopes[block] = [
+                    weighted * (2.0 * state.root),
+                    by_cosine * cosines(simd, state.tangents[0], directions),
+                    by_cosine * cosines(simd, state.tangents[1], directions),
+                    weighted * amplitude * log * state.log_slope,
+                ]
+                .map(Block::store);
+            });
+        }
+    }
+
+    /// rᵀJ/|r| in the first row, JᵀJ below, on and right of the diagonal.
+    #[inline(always)]
+    fn normal_equations<S: Simd>(&self, simd: S) -> DMatrix<f64> {
+        self.slopes(simd);
+        let slopes = self.space.slopes.borrow();
+        let Space { shares, residuals, .. } = &self.space;
+        let norm = self.norm();
+        let along = |residual: &Block| {
+            let along = residual.load(simd) / norm;
+            // Where nothing is left there is no direction of it either.
+            Block::store(if norm > 0.0 { along } else { f64x8::splat(simd, 0.0) })
+        };
+        let along: Vec<Block> = residuals.iter().map(along).collect();
+        let count = 4 * self.states.len();
+        let mut equations = DMatrix::zeros(count + 1, count);
+        for (column, (own, of)) in slopes.chunks_exact(BLOCKS).zip(shares).enumerate() {
+            let [towards] = products(simd, of.blocks, |block| [along[block]], |block| own[block]);
+            equations.view_mut((0, 4 * column), (1, 4)).copy_from_slice(&towards);
+            for (row, (other, with)) in slopes.chunks_exact(BLOCKS).zip(shares).enumerate().take(column + 1) {
+                let common = of.blocks.common(with.blocks);
+                // Two rows of four: eight sums, as many as there are registers for everywhere.
+                for half in [0, 2] {
+                    let rows = products(
+                        simd,
+                        common,
+                        |block| [other[block][half], other[block][half + 1]],
+                        |block| own[block],
+                    );
+                    for (index, row_of_four) in rows.iter().enumerate() {
+                        let place = (1 + 4 * row + half + index, 4 * column);
+                        equations.view_mut(place, (1, 4)).copy_from_slice(row_of_four);
+                    }
+                }
+            }
+        }
+        equations
+    }
+}
+
+impl BlockSet {
+    const ALL: Self = {
+        let mut all = [u64::MAX; BLOCKS.div_ceil(64)];
+        all[BLOCKS / 64] = (1 << (BLOCKS % 64)) - 1;
+        Self(all)
+    };
+}
+
+/// Products of lists that are 0 outside of some blocks: every one of `left` with every one of `right`.
+///
+/// Summed in the order of [`dot`], in which whole blocks are eight sums and what is left is added one by one.
+#[inline(always)]
+fn products<S: Simd, const M: usize, const N: usize>(
+    simd: S,
+    blocks: BlockSet,
+    left: impl Fn(usize) -> [Block; M],
+    right: impl Fn(usize) -> [Block; N],
+) -> [[f64; N]; M] {
+    let mut sums = [[f64x8::splat(simd, 0.0); N]; M];
+    let mut last = [[0.0; N]; M];
+    blocks.each(|block| {
+        let (left, right) = (left(block), right(block));
+        if block == BLOCKS - 1 {
+            last = left.map(|left| right.map(|right| left.0[0] * right.0[0]));
+            return;
+        }
+        let right = right.map(|right| right.load(simd));
+        for (sums, left) in sums.iter_mut().zip(left) {
+            let left = left.load(simd);
+            for (sum, right) in sums.iter_mut().zip(right) {
+                *sum += left * right;
+            }
+        }
+    });
+    std::array::from_fn(|i| std::array::from_fn(|j| joined(sums[i][j].into()) + last[i][j]))
+}
+
+/// One sum of eight.
+#[inline(always)]
+fn joined(sums: [f64; LANES]) -> f64 {
+    (sums[0] + sums[4]) + (sums[1] + sums[5]) + (sums[2] + sums[6]) + (sums[3] + sums[7])
+}
+
+/// The product of two short lists.
+#[inline(always)]
+fn dot(left: &[f64], right: &[f64]) -> f64 {
+    let (wholes, rest) = left.as_chunks::<LANES>();
+    let (other_wholes, other_rest) = right.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (left, right) in wholes.iter().zip(other_wholes) {
+        for ((sum, left), right) in sums.iter_mut().zip(left).zip(right) {
+            *sum += left * right;
+        }
+    }
+    rest.iter().zip(other_rest).fold(joined(sums), |sum, (left, right)| sum + left * right)
 }
 
 impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
@@ -261,22 +454,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     fn set_params(&mut self, variables: &DVector<f64>) {
         self.variables = variables.clone();
         self.states = variables.as_slice().as_chunks().0.iter().map(|four| State::new(*four, self.range)).collect();
-        self.shares.clear();
-        for (residual, density) in self.residuals.iter_mut().zip(self.density) {
-            *residual = -density;
-        }
-        for state in &self.states {
-            let amplitude = state.root * state.root;
-            for (residual, direction) in self.residuals.iter_mut().zip(&HEMISPHERE.directions) {
-                let log = log_power(state.direction.dot(*direction), state.exponent);
-                let [share, log] = log.map_or([0.0; 2], |log| [libm::exp(log), log]);
-                *residual += amplitude * share;
-                self.shares.push([share, log]);
-            }
-        }
-        for (residual, weight) in self.residuals.iter_mut().zip(&HEMISPHERE.weights) {
-            *residual *= weight;
-        }
+        dispatch!(*LEVEL, simd => self.evaluate(simd));
     }
 
     fn params(&self) -> DVector<f64> {
@@ -285,30 +463,32 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
     fn residuals(&self) -> Option<DVector<f64>> {
         let mut residuals = DVector::zeros(self.variables.len() + 1);
-        residuals[0] = self.residuals.norm();
+        residuals[0] = self.norm();
         Some(residuals)
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let slopes = self.slopes();
-        let count = slopes.ncols();
-        let along = self.residuals.normalize().map(|share| if share.is_finite() { share } else { 0.0 });
-        let mut jacobian = DMatrix::zeros(count + 1, count);
-        for column in 0..count {
-            jacobian[(0, column)] = slopes.column(column).dot(&along);
+        let mut jacobian = dispatch!(*LEVEL, simd => self.normal_equations(simd));
+        let rows = jacobian.nrows();
+        // From column to column JᵀJ gives way to R: what is left of the diagonal is not looked at before.
+        for column in 0..jacobian.ncols() {
+            let (before, from_here) = jacobian.as_mut_slice().split_at_mut(column * rows);
+            let own = &mut from_here[..rows];
             for row in 0..=column {
                 // Of the product RᵀR without the rows of J' above, this one is the first where R has the column.
-                let above = jacobian.view((0, row), (row + 1, 1)).dot(&jacobian.view((0, column), (row + 1, 1)));
-                let rest = slopes.column(row).dot(&slopes.column(column)) - above;
-                jacobian[(row + 1, column)] = if row < column {
-                    let diagonal: f64 = jacobian[(row + 1, row)];
-                    if diagonal > 0.0 { rest / diagonal } else { 0.0 }
-                } else if rest > DEPENDENT * (rest + above) {
-                    rest.sqrt()
+                let place = row + 1;
+                if row < column {
+                    let other = &before[row * rows..][..=place];
+                    let above = dot(&other[..place], &own[..place]);
+                    let rest = own[place] - above;
+                    own[place] = if other[place] > 0.0 { rest / other[place] } else { 0.0 };
                 } else {
-                    0.0
-                };
+                    let above = dot(&own[..place], &own[..place]);
+                    let rest = own[place] - above;
+                    own[place] = if rest > DEPENDENT * (rest + above) { rest.sqrt() } else { 0.0 };
+                }
             }
+            own[column + 2..].fill(0.0);
         }
         Some(jacobian)
     }
@@ -323,6 +503,30 @@ mod tests {
         FittedPeak { amplitude, direction: DVec3::from(direction).normalize(), exponent }
     }
 
+    impl<'a> Problem<'a> {
+        fn of(density: &'a [Block], range: ExponentRange, peaks: &[FittedPeak]) -> Self {
+            Self::new(density, range, peaks, Space::default())
+        }
+
+        /// The residuals, sample by sample.
+        fn rest(&self) -> DVector<f64> {
+            DVector::from_iterator(SAMPLES, self.space.residuals.iter().flat_map(|block| block.0).take(SAMPLES))
+        }
+
+        /// Their derivatives, sample by sample.
+        fn derivatives(&self) -> DMatrix<f64> {
+            dispatch!(*LEVEL, simd => self.slopes(simd));
+            let slopes = self.space.slopes.borrow();
+            let value = |sample: usize, variable: usize| {
+                let (peak, block) = (variable / 4, sample / LANES);
+                let mut there = false;
+                self.space.shares[peak].blocks.each(|other| there |= other == block);
+                if there { slopes[peak * BLOCKS + block][variable % 4].0[sample % LANES] } else { 0.0 }
+            };
+            DMatrix::from_fn(SAMPLES, 4 * self.states.len(), value)
+        }
+    }
+
     #[test]
     fn the_jacobian_is_that_of_the_residuals() {
         let range = ExponentRange { low: 0.0, high: libm::log(256.0) };
@@ -333,16 +537,16 @@ mod tests {
             peak(0.3, [-0.4, 0.5, -0.1], 12.0),
             peak(2.0, [0.3, -0.2, 0.9], 250.0),
         ];
-        let density = vec![0.1; SAMPLES];
-        let problem = Problem::new(&density, range, &peaks);
-        let jacobian = problem.slopes();
+        let density = Block::list([0.1; SAMPLES]);
+        let problem = Problem::of(&density, range, &peaks);
+        let jacobian = problem.derivatives();
         for variable in 0..16 {
             let residuals = |step: f64| {
-                let mut moved = Problem::new(&density, range, &peaks);
+                let mut moved = Problem::of(&density, range, &peaks);
                 let mut variables = moved.params();
                 variables[variable] += step;
                 moved.set_params(&variables);
-                moved.residuals
+                moved.rest()
             };
             let step = 1e-5;
             let numeric = (residuals(step) - residuals(-step)) / (2.0 * step);
@@ -369,14 +573,15 @@ mod tests {
         let wanted = evaluate(&[peak(0.9, [0.2, 0.0, 1.0], 30.0)]);
         // Where nothing is left there is no direction of it either.
         for density in [wanted, evaluate(&peaks)] {
-            let problem = Problem::new(&density, range, &peaks);
-            let (slopes, few) = (problem.slopes(), problem.jacobian().expect("derivatives exist everywhere"));
+            let density = Block::list(density);
+            let problem = Problem::of(&density, range, &peaks);
+            let (slopes, few) = (problem.derivatives(), problem.jacobian().expect("derivatives exist everywhere"));
             let rest = problem.residuals().expect("residuals exist everywhere");
             assert_eq!(few.shape(), (17, 16));
-            assert!((rest.norm() - problem.residuals.norm()).abs() < 1e-15);
+            assert!((rest.norm() - problem.rest().norm()).abs() < 1e-15);
             let norms = slopes.column_iter().map(|column| column.norm()).collect::<Vec<_>>();
             let products = slopes.tr_mul(&slopes) - few.tr_mul(&few);
-            let towards = slopes.tr_mul(&problem.residuals) - few.tr_mul(&rest);
+            let towards = slopes.tr_mul(&problem.rest()) - few.tr_mul(&rest);
             for (row, column) in (0..16).flat_map(|row| (0..16).map(move |column| (row, column))) {
                 // The root of DEPENDENT, where a column is left out.
                 assert!(products[(row, column)].abs() < 1e-6 * norms[row] * norms[column], "{row} {column}");

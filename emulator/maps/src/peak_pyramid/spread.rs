@@ -8,8 +8,12 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::LazyLock;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, f64x8};
 use glam::DVec3;
 use rayon::prelude::*;
+
+use super::blocks::{Block, Directions, LANES, LEVEL, NEGLIGIBLE, cosines, powers};
 
 /// Rings of samples from the pole to the horizon.
 const RINGS: usize = 18;
@@ -21,8 +25,8 @@ pub(super) const SAMPLES: usize = 1 + RINGS * SECTORS;
 const POLAR_ANGLE: f64 = 5.0 / 12.0 / 360.0 * TAU;
 /// Largest exponent that the grid resolves.
 const LARGEST_SPREAD: f64 = 128.0;
-/// ln of the share of its maximum below which a facet is taken as 0 at a sample: 1e-13.
-const NEGLIGIBLE: f64 = -30.0;
+/// Blocks of samples; of the last one only the first lane is a sample.
+pub(super) const BLOCKS: usize = SAMPLES.div_ceil(LANES);
 
 /// The directions that a density is sampled in.
 pub(super) struct Hemisphere {
@@ -30,8 +34,9 @@ pub(super) struct Hemisphere {
     pub(super) directions: Vec<DVec3>,
     /// Solid angles of the sectors, in steradians; their sum is 2π.
     pub(super) solid_angles: Vec<f64>,
-    /// Their roots, by which a residual is weighted.
-    pub(super) weights: Vec<f64>,
+    /// In blocks the directions, and the roots of the solid angles, by which a residual is weighted; zeros behind the last sample, to
+    /// which no peak has a cosine above 0.
+    pub(super) blocks: Vec<(Directions, Block)>,
 }
 
 /// The grid, made once.
@@ -49,8 +54,11 @@ pub(super) static HEMISPHERE: LazyLock<Hemisphere> = LazyLock::new(|| {
             solid_angles.push(TAU / SECTORS as f64 * (libm::cos(inner) - libm::cos(outer)));
         }
     }
-    let weights = solid_angles.iter().map(|angle| angle.sqrt()).collect();
-    Hemisphere { directions, solid_angles, weights }
+    let weights = solid_angles.iter().map(|angle: &f64| angle.sqrt());
+    let along = |axis: usize| Block::list(directions.iter().map(|direction| direction[axis]));
+    let axes = along(0).into_iter().zip(along(1)).zip(along(2)).map(|((x, y), z)| [x, y, z]);
+    let blocks = axes.zip(Block::list(weights)).collect();
+    Hemisphere { directions, solid_angles, blocks }
 });
 
 impl Hemisphere {
@@ -86,13 +94,28 @@ pub(super) struct Facet {
 
 /// Σ a cosⁿα of facets at every sample. Each sample is summed by one thread in the order of the facets.
 pub(super) fn density(facets: &[Facet], exponent: f64) -> Vec<f64> {
+    let block = |(directions, _): &(Directions, Block)| dispatch!(*LEVEL, simd => density_of_block(simd, directions, facets, exponent));
+    // A few facets are summed before another thread has heard of them.
+    let least = BLOCKS.min(1 + 4096 / facets.len().max(1));
+    let blocks: Vec<Block> = HEMISPHERE.blocks.par_iter().with_min_len(least).map(block).collect();
+    let mut density: Vec<f64> = blocks.into_iter().flat_map(|Block(lanes)| lanes).collect();
+    density.truncate(SAMPLES);
+    density
+}
+
+#[inline(always)]
+fn density_of_block<S: Simd>(simd: S, directions: &Directions, facets: &[Facet], exponent: f64) -> Block {
     // A facet of another width keeps its energy 2π/(n + 1).
     let spread = spread_exponent(exponent);
     let gain = (spread + 1.0) / (exponent + 1.0);
-    let sample = |direction: &DVec3| {
-        facets.iter().map(|facet| gain * power(facet.normal.dot(*direction), spread) * facet.amplitude).sum()
-    };
-    HEMISPHERE.directions.par_iter().with_min_len(32).map(sample).collect()
+    let spread = f64x8::splat(simd, spread);
+    let mut sum = f64x8::splat(simd, 0.0);
+    for facet in facets {
+        if let Some([power, _]) = powers(cosines(simd, facet.normal, directions), spread) {
+            sum += power * gain * facet.amplitude;
+        }
+    }
+    Block::store(sum)
 }
 
 /// ln cosⁿα where cosⁿα is not negligible.

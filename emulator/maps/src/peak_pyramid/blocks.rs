@@ -1,0 +1,254 @@
+//! Blocks: eight samples side by side, with the vectors of the machine; powers of their cosines.
+//!
+//! Logarithm and exponential are those of the crate `libm`, operation by operation, with choices in place of its branches: the same bits, whatever the
+//! instruction set, and no fused operation. They are for the few arguments that powers have: cosines that are not negligible, and negative logarithms.
+//!
+//! `libm` has them from FreeBSD's `e_log.c` and `e_exp.c`: Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Developed at
+//! SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and distribute this software is freely granted, provided that this
+//! notice is preserved.
+
+use std::sync::LazyLock;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, f64x8, u64x8};
+use glam::DVec3;
+
+/// Samples of a block.
+pub(super) const LANES: usize = 8;
+
+/// What the machine has, looked up once.
+pub(super) static LEVEL: LazyLock<Level> = LazyLock::new(Level::new);
+
+/// Eight numbers that one vector is loaded from: where a cache line begins, for a vector of 512 bits is as long.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Block(pub(super) [f64; LANES]);
+
+impl Block {
+    pub(super) const ZERO: Self = Self([0.0; LANES]);
+
+    /// Blocks of a list, with zeros behind its end.
+    pub(super) fn list(values: impl IntoIterator<Item = f64>) -> Vec<Self> {
+        let mut blocks = Vec::new();
+        for (index, value) in values.into_iter().enumerate() {
+            if index % LANES == 0 {
+                blocks.push(Self::ZERO);
+            }
+            if let Some(Self(lanes)) = blocks.last_mut() {
+                lanes[index % LANES] = value;
+            }
+        }
+        blocks
+    }
+
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(self, simd: S) -> f64x8<S> {
+        f64x8::simd_from(simd, self.0)
+    }
+
+    #[inline(always)]
+    pub(super) fn store<S: Simd>(values: f64x8<S>) -> Self {
+        Self(values.into())
+    }
+}
+
+/// Coordinates of eight directions.
+pub(super) type Directions = [Block; 3];
+
+/// Cosines between one direction and eight, summed as [`DVec3::dot`] sums.
+#[inline(always)]
+pub(super) fn cosines<S: Simd>(simd: S, direction: DVec3, [x, y, z]: &Directions) -> f64x8<S> {
+    x.load(simd) * direction.x + y.load(simd) * direction.y + z.load(simd) * direction.z
+}
+
+/// ln of the share of its maximum below which a facet is taken as 0 at a sample: 1e-13.
+pub(super) const NEGLIGIBLE: f64 = -30.0;
+
+/// cosⁿα and ln cosⁿα, both 0 where cosⁿα is negligible; nothing where all eight are. Exponents are at least 1.
+#[inline(always)]
+pub(super) fn powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<[f64x8<S>; 2]> {
+    let simd = cos.simd;
+    let zero = f64x8::splat(simd, 0.0);
+    // ln x ≤ x − 1 settles most samples without a logarithm.
+    let near = cos.simd_gt(zero) & (exponent * (cos - 1.0)).simd_ge(NEGLIGIBLE);
+    if near.all_false() {
+        return None;
+    }
+    let logs = exponent * log(cos);
+    let near = near & logs.simd_gt(NEGLIGIBLE);
+    Some([near.select(exp(logs), zero), near.select(logs, zero)])
+}
+
+/// ln x of normal numbers above 0; anything else gives anything.
+///
+/// Of cosines that are not negligible, none is subnormal: the logarithm would be below −708.
+#[inline(always)]
+fn log<S: Simd>(x: f64x8<S>) -> f64x8<S> {
+    const LN2_HI: f64 = 6.931_471_803_691_238_164_90e-01;
+    const LN2_LO: f64 = 1.908_214_929_270_587_700_02e-10;
+    const LG1: f64 = 6.666_666_666_666_735_130e-01;
+    const LG2: f64 = 3.999_999_999_940_941_908e-01;
+    const LG3: f64 = 2.857_142_874_366_239_149e-01;
+    const LG4: f64 = 2.222_219_843_214_978_396e-01;
+    const LG5: f64 = 1.818_357_216_161_805_012e-01;
+    const LG6: f64 = 1.531_383_769_920_937_332e-01;
+    const LG7: f64 = 1.479_819_860_511_658_591e-01;
+    /// Upper halves of the bits of 1 and of √½.
+    const ONE: u64 = 0x3ff0_0000 << 32;
+    const ROOT: u64 = 0x3fe6_a09e << 32;
+    let simd = x.simd;
+    // x = 2^k (1 + f) with 1 + f from √½ to √2.
+    let bits: u64x8<S> = x.bitcast::<u64x8<S>>() + (ONE - ROOT);
+    let k = small_integer(bits >> 52) - (SMALL_INTEGERS + 1023.0);
+    let f = ((bits & (u64::MAX >> 12)) + ROOT).bitcast::<f64x8<S>>() - 1.0;
+    let half_square = f64x8::splat(simd, 0.5) * f * f;
+    let s = f / (f64x8::splat(simd, 2.0) + f);
+    let z = s * s;
+    let w = z * z;
+    let even = w * (w * (w * LG6 + LG4) + LG2);
+    let odd = z * (w * (w * (w * LG7 + LG5) + LG3) + LG1);
+    s * (half_square + (odd + even)) + k * LN2_LO - half_square + f + k * LN2_HI
+}
+
+/// eˣ from −700 to 2^−28; anything else gives anything.
+#[inline(always)]
+fn exp<S: Simd>(x: f64x8<S>) -> f64x8<S> {
+    const LN2_HI: f64 = 6.931_471_803_691_238_164_90e-01;
+    const LN2_LO: f64 = 1.908_214_929_270_587_700_02e-10;
+    const INVERSE_LN2: f64 = 1.442_695_040_888_963_387_00;
+    const P1: f64 = 1.666_666_666_666_660_190_37e-01;
+    const P2: f64 = -2.777_777_777_701_559_338_42e-03;
+    const P3: f64 = 6.613_756_321_437_934_361_17e-05;
+    const P4: f64 = -1.653_390_220_546_525_153_90e-06;
+    const P5: f64 = 4.138_136_797_057_238_460_39e-08;
+    /// Where `libm`, which compares the upper halves of the bits, chooses: about 1.5 ln 2, 0.5 ln 2 and 2^−28.
+    const LARGE: f64 = f64::from_bits(0x3ff0_a2b2 << 32);
+    const MEDIUM: f64 = f64::from_bits(0x3fd6_2e43 << 32);
+    const TINY: f64 = f64::from_bits(0x3e30_0001 << 32);
+    let simd = x.simd;
+    let [zero, one] = [0.0, 1.0].map(|value| f64x8::splat(simd, value));
+    let size = x.abs();
+    // x = k ln 2 + hi − lo. Rounded towards 0, which is up.
+    let rounded = (x * INVERSE_LN2 - 0.5).ceil();
+    let k = size.simd_ge(LARGE).select(rounded, size.simd_ge(MEDIUM).select(-one, zero));
+    let (high, low) = (x - k * LN2_HI, k * LN2_LO);
+    let rest = high - low;
+    let square = rest * rest;
+    let c = rest - square * (square * (square * (square * (square * P5 + P4) + P3) + P2) + P1);
+    let y = one + (rest * c / (f64x8::splat(simd, 2.0) - c) - low + high);
+    // 2^k: k + 1023 in the last bits, moved to where an exponent is.
+    let scale = (k + (LARGE_INTEGERS + 1023.0)).bitcast::<u64x8<S>>() << 52;
+    size.simd_ge(TINY).select(y * scale.bitcast::<f64x8<S>>(), one + x)
+}
+
+/// 2^52: added to a small number that is not negative, its last bits are that integer.
+const SMALL_INTEGERS: f64 = 4_503_599_627_370_496.0;
+/// 1.5·2^52: as [`SMALL_INTEGERS`], for negative ones, too.
+const LARGE_INTEGERS: f64 = 6_755_399_441_055_744.0;
+
+/// 2^52 + an integer below 2^52.
+#[inline(always)]
+fn small_integer<S: Simd>(integer: u64x8<S>) -> f64x8<S> {
+    (integer | SMALL_INTEGERS.to_bits()).bitcast()
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use roughxel_scene::random::SplitMix64;
+
+    use super::*;
+
+    /// Every instruction set that this machine has.
+    pub(crate) fn levels() -> Vec<Level> {
+        let level = Level::new();
+        let mut levels = vec![level];
+        #[cfg(target_arch = "x86_64")]
+        levels.extend(
+            [level.as_sse2().map(Level::Sse2), level.as_sse4_2().map(Level::Sse4_2), level.as_avx2().map(Level::Avx2)]
+                .into_iter()
+                .flatten(),
+        );
+        levels
+    }
+
+    #[inline(always)]
+    fn logs<S: Simd>(simd: S, x: Block) -> Block {
+        Block::store(log(x.load(simd)))
+    }
+
+    #[inline(always)]
+    fn exps<S: Simd>(simd: S, x: Block) -> Block {
+        Block::store(exp(x.load(simd)))
+    }
+
+    #[inline(always)]
+    fn shares<S: Simd>(simd: S, cos: Block, exponent: Block) -> [Block; 2] {
+        powers(cos.load(simd), exponent.load(simd)).map_or([Block::ZERO; 2], |both| both.map(Block::store))
+    }
+
+    /// Numbers, and those with the bits around theirs.
+    fn around(values: &[f64]) -> Vec<f64> {
+        let steps = |value: &f64| {
+            let bits = value.to_bits();
+            (0..64).map(move |step| f64::from_bits(bits - 32 + step))
+        };
+        values.iter().flat_map(steps).collect()
+    }
+
+    fn same(x: &[f64], wanted: impl Fn(f64) -> f64, got: impl Fn(Level, Block) -> Block) {
+        for level in levels() {
+            for block in x.as_chunks().0 {
+                for (x, got) in block.iter().zip(got(level, Block(*block)).0) {
+                    assert_eq!(got.to_bits(), wanted(*x).to_bits(), "{level:?}: {x:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn logarithms_are_those_of_libm() {
+        let mut random = SplitMix64::new(1);
+        let mut x = around(&[1.0, 0.5, 0.25, std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2, 1e-13, 1e-300]);
+        x.extend((0..100_000).map(|_| random.uniform(0.0, 1.0)).filter(|x| *x > 0.0));
+        x.extend((0..100_000).map(|_| 1.0 - 1e-6 * random.uniform(0.0, 1.0)));
+        same(&x, libm::log, |level, x| dispatch!(level, simd => logs(simd, x)));
+    }
+
+    #[test]
+    fn exponentials_are_those_of_libm() {
+        let mut random = SplitMix64::new(2);
+        let limits = [0x3ff0_a2b2_u64, 0x3fd6_2e42, 0x3fd6_2e43, 0x3e30_0000, 0x3e30_0001];
+        let limits: Vec<f64> = limits.iter().map(|high| -f64::from_bits(high << 32)).collect();
+        let mut x = around(&limits);
+        x.extend(around(&[1e-16, -1e-16, 1e-9, -1e-9, -30.0, -0.5, -1.0, -std::f64::consts::LN_2]));
+        x.extend([0.0; LANES].map(|zero: f64| -zero));
+        x.extend((0..200_000).map(|_| -30.0 * random.uniform(0.0, 1.0)));
+        x.extend((0..100_000).map(|_| -1.2 * random.uniform(0.0, 1.0)));
+        // Half way between two integers the next one is chosen.
+        let halves: Vec<f64> = (1..43).map(|k| -(f64::from(k) + 0.5) * std::f64::consts::LN_2).collect();
+        x.extend(around(&halves));
+        same(&x, libm::exp, |level, x| dispatch!(level, simd => exps(simd, x)));
+    }
+
+    #[test]
+    fn powers_are_those_of_one_cosine() {
+        let mut random = SplitMix64::new(3);
+        let mut cosines = around(&[1.0, 0.5]);
+        cosines.extend([0.0, -0.0, -1.0, f64::MIN_POSITIVE, 1e-320, 1e-17, 1e-13, 9.3e-14]);
+        cosines.extend((0..20_000).map(|_| 2.0 * random.uniform(0.0, 1.0) - 1.0));
+        for (index, block) in cosines.as_chunks::<LANES>().0.iter().enumerate() {
+            let exponents: [f64; LANES] = std::array::from_fn(|lane| {
+                if index % 3 == 0 { 1.0 } else { 1.0 + 255.0 * random.uniform(0.0, 1.0) * lane as f64 / 7.0 }
+            });
+            for level in levels() {
+                let [shares, logs] = dispatch!(level, simd => shares(simd, Block(*block), Block(exponents)));
+                for lane in 0..LANES {
+                    let wanted = super::super::spread::log_power(block[lane], exponents[lane]);
+                    let wanted = wanted.map_or([0.0; 2], |log| [libm::exp(log), log]);
+                    assert_eq!([shares.0[lane], logs.0[lane]].map(f64::to_bits), wanted.map(f64::to_bits));
+                }
+            }
+        }
+    }
+}
