@@ -42,8 +42,8 @@ impl Block {
     }
 
     #[inline(always)]
-    pub(super) fn load<S: Simd>(self, simd: S) -> f64x8<S> {
-        f64x8::simd_from(simd, self.0)
+    pub(super) fn load<S: Simd>(&self, simd: S) -> f64x8<S> {
+        f64x8::from_slice(simd, &self.0)
     }
 
     #[inline(always)]

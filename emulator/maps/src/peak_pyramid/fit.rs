@@ -242,6 +242,20 @@ struct Shares {
 struct BlockSet([u64; BLOCKS.div_ceil(64)]);
 
 impl BlockSet {
+    /// Blocks of eight samples.
+    const WHOLE: Self = {
+        let mut blocks = [u64::MAX; BLOCKS.div_ceil(64)];
+        blocks[(BLOCKS - 1) / 64] = (1 << ((BLOCKS - 1) % 64)) - 1;
+        Self(blocks)
+    };
+    /// The last one, of one sample.
+    const LAST: Self = {
+        let mut blocks = [0; BLOCKS.div_ceil(64)];
+        blocks[(BLOCKS - 1) / 64] = 1 << ((BLOCKS - 1) % 64);
+        Self(blocks)
+    };
+    const ALL: Self = Self([u64::MAX; BLOCKS.div_ceil(64)]);
+
     #[inline(always)]
     fn add(&mut self, block: usize) {
         self.0[block / 64] |= 1 << (block % 64);
@@ -319,7 +333,7 @@ impl<'a> Problem<'a> {
     fn norm(&self) -> f64 {
         let residuals = &self.space.residuals;
         let [[square]] = dispatch!(*LEVEL, simd => {
-            products(simd, BlockSet::ALL, |block| [residuals[block]], |block| [residuals[block]])
+            products(simd, BlockSet::ALL, |block| [&residuals[block]], |block| [&residuals[block]])
         });
         square.sqrt()
     }
@@ -366,7 +380,7 @@ impl<'a> Problem<'a> {
         let count = 4 * self.states.len();
         let mut equations = DMatrix::zeros(count + 1, count);
         for (column, (own, of)) in slopes.chunks_exact(BLOCKS).zip(shares).enumerate() {
-            let [towards] = products(simd, of.blocks, |block| [along[block]], |block| own[block]);
+            let [towards] = products(simd, of.blocks, |block| [&along[block]], |block| own[block].each_ref());
             equations.view_mut((0, 4 * column), (1, 4)).copy_from_slice(&towards);
             for (row, (other, with)) in slopes.chunks_exact(BLOCKS).zip(shares).enumerate().take(column + 1) {
                 let common = of.blocks.common(with.blocks);
@@ -375,8 +389,8 @@ impl<'a> Problem<'a> {
                     let rows = products(
                         simd,
                         common,
-                        |block| [other[block][half], other[block][half + 1]],
-                        |block| own[block],
+                        |block| [&other[block][half], &other[block][half + 1]],
+                        |block| own[block].each_ref(),
                     );
                     for (index, row_of_four) in rows.iter().enumerate() {
                         let place = (1 + 4 * row + half + index, 4 * column);
@@ -389,41 +403,35 @@ impl<'a> Problem<'a> {
     }
 }
 
-impl BlockSet {
-    const ALL: Self = {
-        let mut all = [u64::MAX; BLOCKS.div_ceil(64)];
-        all[BLOCKS / 64] = (1 << (BLOCKS % 64)) - 1;
-        Self(all)
-    };
-}
-
 /// Products of lists that are 0 outside of some blocks: every one of `left` with every one of `right`.
 ///
 /// Summed in the order of [`dot`], in which whole blocks are eight sums and what is left is added one by one.
 #[inline(always)]
-fn products<S: Simd, const M: usize, const N: usize>(
+fn products<'a, S: Simd, const M: usize, const N: usize>(
     simd: S,
     blocks: BlockSet,
-    left: impl Fn(usize) -> [Block; M],
-    right: impl Fn(usize) -> [Block; N],
+    left: impl Fn(usize) -> [&'a Block; M],
+    right: impl Fn(usize) -> [&'a Block; N],
 ) -> [[f64; N]; M] {
     let mut sums = [[f64x8::splat(simd, 0.0); N]; M];
-    let mut last = [[0.0; N]; M];
-    blocks.each(|block| {
-        let (left, right) = (left(block), right(block));
-        if block == BLOCKS - 1 {
-            last = left.map(|left| right.map(|right| left.0[0] * right.0[0]));
-            return;
-        }
-        let right = right.map(|right| right.load(simd));
-        for (sums, left) in sums.iter_mut().zip(left) {
+    blocks.common(BlockSet::WHOLE).each(|block| {
+        let right = right(block).map(|right| right.load(simd));
+        for (sums, left) in sums.iter_mut().zip(left(block)) {
             let left = left.load(simd);
             for (sum, right) in sums.iter_mut().zip(right) {
                 *sum += left * right;
             }
         }
     });
-    std::array::from_fn(|i| std::array::from_fn(|j| joined(sums[i][j].into()) + last[i][j]))
+    let mut products = sums.map(|sums| sums.map(|sum| joined(sum.into())));
+    blocks.common(BlockSet::LAST).each(|block| {
+        for (sums, left) in products.iter_mut().zip(left(block)) {
+            for (sum, right) in sums.iter_mut().zip(right(block)) {
+                *sum += left.0[0] * right.0[0];
+            }
+        }
+    });
+    products
 }
 
 /// One sum of eight.
