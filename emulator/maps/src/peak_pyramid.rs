@@ -18,7 +18,7 @@ mod spread;
 
 pub use build::multiple_surface;
 pub use cache::Cached;
-pub use levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid};
+pub use levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
 pub use scene_peaks::{ObjectPeakError, ScenePeaks};
 pub use source::{
     BuildOptions, EXPONENTS, FacetWeight, MAX_AMPLITUDE, MAX_PEAKS, MAX_SURFACE_WEIGHT, PeakError, PeakSource,

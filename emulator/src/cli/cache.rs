@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use roughxel_core::setup::AMPLITUDE_LIMIT;
-use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
+use roughxel_emulator::maps::peak_pyramid::{ScenePeaks, Steps};
 use roughxel_emulator::scene::Scene;
 
 use super::Failure;
@@ -34,9 +34,16 @@ impl CacheArgs {
     /// peaks that are too bright.
     pub(super) fn peaks(&self, scene: &Scene, filters: bool) -> Result<ScenePeaks, Failure> {
         let bar = late_progress(ScenePeaks::steps(scene, filters), &format!("{}: peaks", scene.name));
-        let peaks = ScenePeaks::new(scene, filters, self.directory().as_deref(), &|done| bar.inc(done));
+        let progress = |steps: Steps| match steps {
+            Steps::Fitted(done) => bar.inc(done),
+            Steps::Found(done) => bar.skip(done),
+        };
+        let peaks = ScenePeaks::new(scene, filters, self.directory().as_deref(), &progress);
         bar.finish();
         let peaks = peaks?;
+        for path in &peaks.damaged {
+            complain(&format!("warning: {}: damaged, its peaks were fitted again", path.display()));
+        }
         if let Some(reason) = &peaks.not_kept {
             self.warn(reason);
         }

@@ -69,6 +69,12 @@ impl LateProgress {
         }
     }
 
+    /// So much needs not be done: it says nothing about the time that the rest takes.
+    pub(super) fn skip(&self, done: u64) {
+        self.bar.inc(done);
+        self.bar.reset_eta();
+    }
+
     /// Removes the bar.
     pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
@@ -76,7 +82,7 @@ impl LateProgress {
 }
 
 fn styled(bar: ProgressBar, what: &str) -> ProgressBar {
-    let template = "{msg} {wide_bar} {human_pos}/{human_len} {eta}";
+    let template = "{msg} {wide_bar} {human_pos}/{human_len} {eta} left";
     // A template that does not parse leaves the default style.
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);

@@ -172,6 +172,45 @@ fn peaks_are_built_once_and_a_torn_or_foreign_file_is_replaced() {
 }
 
 #[test]
+fn what_is_killed_goes_on_where_it_was_to_the_same_bytes() {
+    let directory = tempfile::tempdir().unwrap();
+    let home = directory.path();
+    let map = "height_map = { generate = \"bumps\", size = 96, cells = 12 }\npeaks = { shadowing = true }";
+    let path = scene(home, LIGHT, map);
+    let [whole, cache] = ["whole", "killed"].map(|name| home.join(name));
+    let place = |cache: &Path| cache.to_str().unwrap().to_owned();
+    let (wanted, _) = drawn(home, &path, &["--cache", &place(&whole)]);
+    // Killed as soon as the first part is there; the others take their time.
+    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
+    command.args(["render", path.to_str().unwrap(), "-o", home.join("never.png").to_str().unwrap(), "--size", "16x12"]);
+    let mut child =
+        command.args(["--cache", &place(&cache)]).stdin(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let parts = || {
+        let kept = fs::read_dir(&cache).into_iter().flatten().map(|entry| entry.unwrap().path());
+        let parts = kept.filter(|path| path.is_dir()).flat_map(|path| fs::read_dir(path).into_iter().flatten());
+        parts.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|end| end == "part"))
+    };
+    while parts().next().is_none() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before a part was seen");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!home.join("never.png").exists());
+    let count = parts().count();
+    assert!(count > 0 && kept(&cache).iter().all(|path| path.is_dir()), "the pyramid itself is not kept yet");
+    // A part that was damaged is told of by its name; what became of the others is found.
+    let torn = parts().next().unwrap();
+    fs::write(&torn, "torn").unwrap();
+    let (figures, warnings) = drawn(home, &path, &["--cache", &place(&cache)]);
+    assert!(warnings.starts_with(&format!("warning: {}: damaged", torn.display())), "{warnings}");
+    assert_eq!(warnings.lines().count(), 1);
+    assert_eq!((&figures["digest"], &figures["peaks"]["built"]), (&wanted["digest"], &1.into()));
+    let ([one], [other]) = (&kept(&whole)[..], &kept(&cache)[..]) else { panic!("one file each, and no parts") };
+    assert!(one.file_name() == other.file_name() && fs::read(one).unwrap() == fs::read(other).unwrap());
+}
+
+#[test]
 fn a_cache_that_cannot_be_written_is_a_warning() {
     let directory = tempfile::tempdir().unwrap();
     let home = directory.path();

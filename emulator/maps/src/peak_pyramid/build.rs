@@ -1,39 +1,113 @@
 //! From maps to peaks: every texel of every level, by itself.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use glam::DVec3;
 use rayon::prelude::*;
+use sha2::{Digest, Sha256};
 
 use super::fit;
 use super::law::{Tally, knot};
-use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid};
+use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
 use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, MAX_SURFACE_WEIGHT, PeakError, PeakSource, unit};
 use super::spread::{Facet, density, power, sharpened, spread_exponent};
 use crate::horizon::{HorizonSlopes, horizon_slopes};
 use crate::mip::{Cover, covers};
 
+/// Consecutive texels of a level, in rows; what is kept of a build that is interrupted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Part {
+    pub(super) level: usize,
+    pub(super) first: usize,
+    pub(super) texels: usize,
+}
+
+/// Most texels of a part: some half a second of fits.
+const PART: usize = 256;
+
+/// The texels of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Texels {
+    pub(super) peaks: Vec<Vec<Peak>>,
+    pub(super) fits: FitCounts,
+}
+
+/// Where finished parts go, and come from when their build was interrupted.
+pub(super) trait Parts {
+    /// The part, if an earlier build has finished it.
+    fn find(&mut self, part: Part) -> Option<Texels>;
+    /// Keeps it for a later build.
+    fn keep(&mut self, part: Part, texels: &Texels);
+}
+
+/// Nothing is kept.
+struct NoParts;
+
+impl Parts for NoParts {
+    fn find(&mut self, _: Part) -> Option<Texels> {
+        None
+    }
+
+    fn keep(&mut self, _: Part, _: &Texels) {}
+}
+
+/// Fits of a level by the facets they are of.
+type Fits = HashMap<Key, Arc<fit::Fit>>;
+
+/// Hash of facets.
+type Key = [u8; 32];
+
 impl PeakPyramid {
-    /// Builds all levels; `progress` is called [`PeakSource::steps`] times, from any thread.
+    /// Builds all levels; `progress` is called with steps that are done, [`PeakSource::steps`] in all, from any thread.
     ///
     /// Errors: sizes, normals, heights and options out of range, before anything is built.
-    pub fn build(source: &PeakSource, options: &BuildOptions, progress: &(dyn Fn() + Sync)) -> Result<Self, PeakError> {
+    pub fn build(
+        source: &PeakSource,
+        options: &BuildOptions,
+        progress: &(dyn Fn(Steps) + Sync),
+    ) -> Result<Self, PeakError> {
+        Self::build_in_parts(source, options, progress, &mut NoParts)
+    }
+
+    /// As [`PeakPyramid::build`], but takes the parts that are there, and keeps the others as soon as they are.
+    ///
+    /// The parts of a level come one after the other, each from all threads; levels that take no time have none.
+    pub(super) fn build_in_parts(
+        source: &PeakSource,
+        options: &BuildOptions,
+        progress: &(dyn Fn(Steps) + Sync),
+        parts: &mut dyn Parts,
+    ) -> Result<Self, PeakError> {
         let base = Base::new(source, options)?;
         let mut levels = vec![base.level()];
         let mut fits = FitCounts::default();
         for (to_width, to_height) in source.upper_levels() {
-            let (columns, rows) = (covers(source.width, to_width), covers(source.height, to_height));
-            let takes_time = source.takes_time((to_width, to_height));
-            let texels: Vec<(Vec<Peak>, Option<fit::Fit>)> = (0..columns.len() * rows.len())
-                .into_par_iter()
-                .map(|index| {
-                    let texel = base.texel(&columns[index % columns.len()], &rows[index / columns.len()]);
-                    if takes_time {
-                        progress();
-                    }
-                    texel
-                })
-                .collect();
-            fits = texels.iter().filter_map(|(_, fit)| fit.as_ref()).fold(fits, FitCounts::add);
-            levels.push(PeakLevel::new(to_width, to_height, texels.into_iter().map(|(peaks, _)| peaks)));
+            let covers = (covers(source.width, to_width), covers(source.height, to_height));
+            let count = covers.0.len() * covers.1.len();
+            let mut known = Fits::new();
+            let mut peaks = Vec::with_capacity(count);
+            if source.takes_time((to_width, to_height)) {
+                for first in (0..count).step_by(PART) {
+                    let part = Part { level: levels.len(), first, texels: PART.min(count - first) };
+                    let texels = if let Some(texels) = parts.find(part) {
+                        progress(Steps::Found(part.texels as u64));
+                        texels
+                    } else {
+                        let texels = base.texels(&covers, part, &mut known, &|done| progress(Steps::Fitted(done)));
+                        parts.keep(part, &texels);
+                        texels
+                    };
+                    peaks.extend(texels.peaks);
+                    fits = fits.and(texels.fits);
+                }
+            } else {
+                let all = Part { level: levels.len(), first: 0, texels: count };
+                let texels = base.texels(&covers, all, &mut known, &|_| ());
+                peaks = texels.peaks;
+                fits = fits.and(texels.fits);
+            }
+            levels.push(PeakLevel::new(to_width, to_height, peaks.into_iter()));
         }
         Ok(Self { levels, fits })
     }
@@ -50,8 +124,12 @@ impl PeakPyramid {
 pub fn multiple_surface(source: &PeakSource, options: &BuildOptions) -> Result<Vec<Peak>, PeakError> {
     let base = Base::new(source, options)?;
     let cover = |size| covers(size, 1).into_iter().next();
-    let texel = cover(source.width).zip(cover(source.height)).map(|(column, row)| base.texel(&column, &row));
-    Ok(texel.map_or_else(Vec::new, |(peaks, _)| peaks))
+    let texel = cover(source.width).zip(cover(source.height)).map(|(column, row)| {
+        let below = base.facets(&column, &row);
+        let fit = below.takes_fit().then(|| base.fit(&below));
+        base.texel(&below, fit.as_ref())
+    });
+    Ok(texel.unwrap_or_default())
 }
 
 /// Level 0, checked.
@@ -117,7 +195,7 @@ impl Base {
     }
 
     /// Texels of level 0 below a texel in the order of their normals' bits, none of amplitude 0, and the facets of those that share one.
-    fn facets(&self, column: &Cover, row: &Cover) -> (Vec<Facet>, Vec<Texel>) {
+    fn facets(&self, column: &Cover, row: &Cover) -> Below {
         let area = (column.total() * row.total()) as f64;
         let mut texels: Vec<Texel> = (row.first..=row.last)
             .flat_map(|y| (column.first..=column.last).map(move |x| (x, y)))
@@ -135,20 +213,58 @@ impl Base {
             amplitude: texels.iter().fold(0.0, |sum, texel| sum + texel.amplitude),
             texels: texels.len(),
         };
-        (texels.chunk_by(same).map(facet).collect(), texels)
+        Below { facets: texels.chunk_by(same).map(facet).collect(), texels }
     }
 
-    /// Peaks of one texel above level 0, and the fit if it took one.
-    fn texel(&self, column: &Cover, row: &Cover) -> (Vec<Peak>, Option<fit::Fit>) {
-        let (facets, texels) = self.facets(column, row);
-        if facets.len() <= MAX_PEAKS {
-            return (self.peaks(&facets, &texels), None);
+    /// Texels of one part of a level.
+    ///
+    /// Texels whose facets are the same, to the bit, have the same fit, which is made once in a level: `known` has those of the parts before.
+    fn texels(
+        &self,
+        covers: &(Vec<Cover>, Vec<Cover>),
+        part: Part,
+        known: &mut Fits,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Texels {
+        let (columns, rows) = covers;
+        let gather = |index: usize| {
+            let below = self.facets(&columns[index % columns.len()], &rows[index / columns.len()]);
+            let key = below.takes_fit().then(|| below.key());
+            (below, key)
+        };
+        let gathered: Vec<(Below, Option<Key>)> =
+            (part.first..part.first + part.texels).into_par_iter().map(gather).collect();
+        let mut new: Vec<(Key, &Below)> = Vec::new();
+        for (below, key) in &gathered {
+            if let Some(key) = key.filter(|key| !known.contains_key(key)) {
+                known.insert(key, Arc::default());
+                new.push((key, below));
+            }
         }
-        let spread = spread_exponent(self.exponent);
-        let fit = fit::fit(&density(&facets, self.exponent), spread);
-        let shares = if self.slopes.is_empty() { Vec::new() } else { shares(&fit.peaks, &facets) };
-        let peaks = fit
-            .peaks
+        let fit = |(key, below): &(Key, &Below)| {
+            let fit = Arc::new(self.fit(below));
+            progress(1);
+            (*key, fit)
+        };
+        let fitted: Vec<(Key, Arc<fit::Fit>)> = new.par_iter().map(fit).collect();
+        known.extend(fitted);
+        progress((part.texels - new.len()) as u64);
+        let of = |key: &Option<Key>| key.as_ref().and_then(|key| known.get(key)).map(Arc::as_ref);
+        let peaks = gathered.par_iter().map(|(below, key)| self.texel(below, of(key))).collect();
+        let fits = gathered.iter().filter_map(|(_, key)| of(key)).fold(FitCounts::default(), FitCounts::add);
+        Texels { peaks, fits }
+    }
+
+    /// The fit of facets.
+    fn fit(&self, below: &Below) -> fit::Fit {
+        fit::fit(&density(&below.facets, self.exponent), spread_exponent(self.exponent))
+    }
+
+    /// Peaks of one texel above level 0, by the fit of its facets if it took one.
+    fn texel(&self, Below { facets, texels }: &Below, fit: Option<&fit::Fit>) -> Vec<Peak> {
+        let Some(fit) = fit else { return self.peaks(facets, texels) };
+        let shares = if self.slopes.is_empty() { Vec::new() } else { shares(&fit.peaks, facets) };
+        fit.peaks
             .iter()
             .enumerate()
             .map(|(index, peak)| {
@@ -157,11 +273,10 @@ impl Base {
                     amplitude: peak.amplitude * (exponent + 1.0) / (peak.exponent + 1.0),
                     normal: peak.direction,
                     exponent,
-                    horizon: self.horizon(&facets, &texels, |facet| shares[facet][index]),
+                    horizon: self.horizon(facets, texels, |facet| shares[facet][index]),
                 }
             })
-            .collect();
-        (peaks, Some(fit))
+            .collect()
     }
 
     /// Facets as peaks of their own.
@@ -218,6 +333,30 @@ fn shares(peaks: &[fit::FittedPeak], facets: &[Facet]) -> Vec<[f64; MAX_PEAKS]> 
     facets.iter().map(share).collect()
 }
 
+/// What lies below a texel.
+struct Below {
+    facets: Vec<Facet>,
+    texels: Vec<Texel>,
+}
+
+impl Below {
+    /// Whether there are more facets than peaks.
+    fn takes_fit(&self) -> bool {
+        self.facets.len() > MAX_PEAKS
+    }
+
+    /// Hash of all that a fit depends on but the options.
+    fn key(&self) -> Key {
+        let mut hash = Sha256::new();
+        for facet in &self.facets {
+            for number in facet.normal.to_array().into_iter().chain([facet.amplitude]) {
+                hash.update(number.to_le_bytes());
+            }
+        }
+        hash.finalize().into()
+    }
+}
+
 /// A texel of level 0 in one above it.
 #[derive(Clone, Copy)]
 struct Texel {
@@ -254,7 +393,7 @@ pub(super) mod tests {
     }
 
     fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
-        PeakPyramid::build(source, options, &|| ()).expect("the source is good")
+        PeakPyramid::build(source, options, &|_| ()).expect("the source is good")
     }
 
     #[test]
@@ -339,8 +478,9 @@ pub(super) mod tests {
     fn progress_is_told_of_texels_that_may_take_a_fit() {
         let count = |source: &PeakSource| {
             let steps = std::sync::atomic::AtomicU64::new(0);
-            let step = || {
-                steps.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let step = |done: Steps| {
+                let (Steps::Fitted(done) | Steps::Found(done)) = done;
+                steps.fetch_add(done, std::sync::atomic::Ordering::Relaxed);
             };
             PeakPyramid::build(source, &OPTIONS, &step).expect("the source is good");
             assert_eq!(steps.into_inner(), source.steps());
@@ -369,6 +509,33 @@ pub(super) mod tests {
         let alone = with(1);
         assert!(alone.fits.fitted > 0);
         assert_eq!(with(3), alone);
+    }
+
+    #[test]
+    fn equal_neighbourhoods_share_the_fit_that_each_would_have() {
+        let tile = PeakSource { heights: None, ..hills(4, 4) };
+        let tiled = |columns: u32, rows: u32| {
+            let place = |index: u32| (index / (4 * columns) % 4 * 4 + index % 4) as usize;
+            let normals = (0..16 * columns * rows).map(|index| tile.normals[place(index)]).collect();
+            PeakSource { width: 4 * columns, height: 4 * rows, normals, heights: None, rows_apart: 1.0 }
+        };
+        let alone = multiple_surface(&tile, &OPTIONS).expect("the source is good");
+        let base = Base::new(&tiled(4, 2), &OPTIONS).expect("the source is good");
+        let covers = (covers(16, 4), covers(8, 2));
+        let mut known = Fits::new();
+        let steps = std::sync::atomic::AtomicU64::new(0);
+        let texels = base.texels(&covers, Part { level: 2, first: 0, texels: 8 }, &mut known, &|done| {
+            steps.fetch_add(done, std::sync::atomic::Ordering::Relaxed);
+        });
+        assert_eq!((known.len(), steps.into_inner(), texels.fits.fitted), (1, 8, 8));
+        assert!(alone.len() > 1 && texels.peaks.iter().all(|peaks| *peaks == alone));
+        // The last bit of one normal makes another neighbourhood.
+        let mut source = tiled(4, 2);
+        source.normals[5].x += 1e-15;
+        let base = Base::new(&source, &OPTIONS).expect("the source is good");
+        let mut known = Fits::new();
+        base.texels(&covers, Part { level: 2, first: 0, texels: 8 }, &mut known, &|_| ());
+        assert_eq!(known.len(), 2);
     }
 
     #[test]
@@ -402,7 +569,7 @@ pub(super) mod tests {
     #[test]
     fn bad_sources_and_options_are_named() {
         let error = |source: &PeakSource, options: &BuildOptions| {
-            let error = PeakPyramid::build(source, options, &|| ()).expect_err("it is bad");
+            let error = PeakPyramid::build(source, options, &|_| ()).expect_err("it is bad");
             assert_eq!(multiple_surface(source, options), Err(error.clone()));
             error
         };

@@ -14,16 +14,21 @@ use glam::DVec3;
 use roughxel_scene::output::OutputFile;
 use sha2::{Digest, Sha256};
 
-use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid};
+use super::build::{Part, Parts, Texels};
+use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
 use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, PeakError, PeakSource, texels};
 use crate::levels::level_sizes;
 
 /// First bytes of a file; the number changes with the format and with every change of what is built.
 const MAGIC: &[u8] = b"roughxel peak pyramid 3\n";
+/// As [`MAGIC`], of a part of a pyramid; the key of the pyramid is in it, too, and with it the number above.
+const PART_MAGIC: &[u8] = b"roughxel part of peaks 1\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
 /// Bytes of the counts that precede the levels.
 const COUNTS: usize = 5 * 8;
+/// Bytes of a part's level, first texel and number of texels.
+const PLACE: usize = 3 * 8;
 
 /// A pyramid that may have been on disk.
 #[derive(Debug)]
@@ -34,29 +39,118 @@ pub struct Cached {
     pub read: bool,
     /// Why it could not be kept for the next time; the pyramid is good all the same.
     pub not_kept: Option<io::Error>,
+    /// Of its texels that may take a fit, those that an interrupted build had kept.
+    pub resumed: u64,
+    /// Files of an interrupted build that were damaged; what should be in them was fitted again.
+    pub damaged: Vec<PathBuf>,
+}
+
+impl Cached {
+    /// A pyramid that was never on disk.
+    pub(super) fn new(pyramid: PeakPyramid) -> Self {
+        Self { pyramid, read: false, not_kept: None, resumed: 0, damaged: Vec::new() }
+    }
 }
 
 impl PeakPyramid {
     /// As [`PeakPyramid::build`], but reads the pyramid from a directory if it was built before, and keeps it there if not.
     ///
-    /// The directory is made if it is missing; `progress` is not called where the pyramid is read. A cache file of the largest map
-    /// with heights has 0.5 GB. Errors: those of [`PeakPyramid::build`] only.
+    /// The directory is made if it is missing. A build that is interrupted leaves the parts that it has finished there, and the next one takes
+    /// them: the pyramid has the same bits. A cache file of the largest map with heights has 0.5 GB. Errors: those of [`PeakPyramid::build`] only.
     pub fn cached(
         directory: &Path,
         source: &PeakSource,
         options: &BuildOptions,
-        progress: &(dyn Fn() + Sync),
+        progress: &(dyn Fn(Steps) + Sync),
     ) -> Result<Cached, PeakError> {
         source.check()?;
         options.check()?;
         let key = key(source, options);
         let path = path(directory, &key);
         if let Some(pyramid) = read(&path, &key, source) {
-            return Ok(Cached { pyramid, read: true, not_kept: None });
+            progress(Steps::Found(source.steps()));
+            return Ok(Cached { read: true, ..Cached::new(pyramid) });
         }
-        let pyramid = Self::build(source, options, progress)?;
+        let mut parts = KeptParts::new(path.with_extension("parts"), key, source.heights.is_some());
+        let pyramid = Self::build_in_parts(source, options, progress, &mut parts)?;
         let not_kept = write(&path, &key, &pyramid).err();
-        Ok(Cached { pyramid, read: false, not_kept })
+        if not_kept.is_none() {
+            parts.remove();
+        }
+        Ok(Cached { not_kept, resumed: parts.resumed, damaged: parts.damaged, ..Cached::new(pyramid) })
+    }
+}
+
+/// The parts of a pyramid on disk.
+struct KeptParts {
+    directory: PathBuf,
+    key: [u8; HASH],
+    with_horizon: bool,
+    /// Whether parts can be written; a directory that cannot is told of when the pyramid itself is not kept.
+    writable: bool,
+    resumed: u64,
+    damaged: Vec<PathBuf>,
+}
+
+impl KeptParts {
+    fn new(directory: PathBuf, key: [u8; HASH], with_horizon: bool) -> Self {
+        Self { directory, key, with_horizon, writable: true, resumed: 0, damaged: Vec::new() }
+    }
+
+    fn path(&self, part: Part) -> PathBuf {
+        self.directory.join(format!("{}-{}.part", part.level, part.first))
+    }
+
+    /// What precedes the counts of a part.
+    fn head(&self, part: Part) -> Vec<u8> {
+        let place = [part.level, part.first, part.texels].map(|number| (number as u64).to_le_bytes());
+        [PART_MAGIC, &self.key, place.as_flattened()].concat()
+    }
+
+    /// A part from the bytes of its file; `None` for whatever is wrong with them.
+    fn parse(&self, part: Part, bytes: &[u8]) -> Option<Texels> {
+        let (content, hash) = bytes.split_last_chunk::<HASH>()?;
+        if Sha256::digest(content)[..] != hash[..] {
+            return None;
+        }
+        let (numbers, rest) = content.strip_prefix(self.head(part).as_slice())?.as_chunks();
+        let mut numbers = Numbers(numbers.iter());
+        let fits = numbers.fits(part.texels)?;
+        let peaks: Option<_> = (0..part.texels).map(|_| numbers.texel(MAX_PEAKS, self.with_horizon)).collect();
+        (rest.is_empty() && numbers.0.len() == 0).then_some(Texels { peaks: peaks?, fits })
+    }
+
+    /// Removes all of them.
+    fn remove(&self) {
+        // What is left is replaced, or in nobody's way.
+        let _ = fs::remove_dir_all(&self.directory);
+    }
+}
+
+impl Parts for KeptParts {
+    fn find(&mut self, part: Part) -> Option<Texels> {
+        let path = self.path(part);
+        let file = File::open(&path).ok()?;
+        let longest = (PART_MAGIC.len() + 2 * HASH + PLACE + COUNTS) as u64
+            + part.texels as u64 * longest_texel(MAX_PEAKS, self.with_horizon);
+        let mut bytes = Vec::new();
+        let read = file.take(longest + 1).read_to_end(&mut bytes);
+        let texels = read.ok().and_then(|_| self.parse(part, &bytes));
+        match &texels {
+            Some(_) => self.resumed += part.texels as u64,
+            None => self.damaged.push(path),
+        }
+        texels
+    }
+
+    fn keep(&mut self, part: Part, texels: &Texels) {
+        if !self.writable {
+            return;
+        }
+        let mut bytes = self.head(part);
+        put_fits(&mut bytes, &texels.fits);
+        texels.peaks.iter().for_each(|texel| put_texel(&mut bytes, texel));
+        self.writable = write_sealed(&self.path(part), &bytes).is_ok();
     }
 }
 
@@ -90,34 +184,52 @@ fn path(directory: &Path, key: &[u8; HASH]) -> PathBuf {
 
 fn write(path: &Path, key: &[u8; HASH], pyramid: &PeakPyramid) -> io::Result<()> {
     let mut bytes = [MAGIC, key].concat();
-    let FitCounts { fitted, seven, missed, worst_rms, worst_maximum } = pyramid.fits;
+    put_fits(&mut bytes, &pyramid.fits);
+    for level in &pyramid.levels {
+        for y in 0..level.height {
+            for x in 0..level.width {
+                put_texel(&mut bytes, level.texel(x, y));
+            }
+        }
+    }
+    write_sealed(path, &bytes)
+}
+
+fn put_fits(bytes: &mut Vec<u8>, fits: &FitCounts) {
+    let FitCounts { fitted, seven, missed, worst_rms, worst_maximum } = *fits;
     for count in [fitted, seven, missed] {
         bytes.extend((count as u64).to_le_bytes());
     }
     for share in [worst_rms, worst_maximum] {
         bytes.extend(share.to_le_bytes());
     }
-    for level in &pyramid.levels {
-        for y in 0..level.height {
-            for x in 0..level.width {
-                let texel = level.texel(x, y);
-                bytes.extend((texel.len() as u64).to_le_bytes());
-                let mut number = |value: f64| bytes.extend(value.to_le_bytes());
-                for peak in texel {
-                    [peak.amplitude, peak.exponent].into_iter().chain(peak.normal.to_array()).for_each(&mut number);
-                    for Horizon { mean, deviation, low, width } in peak.horizon.iter().flatten() {
-                        [*mean, *deviation, *low, *width].into_iter().for_each(&mut number);
-                    }
-                }
-            }
+}
+
+fn put_texel(bytes: &mut Vec<u8>, texel: &[Peak]) {
+    bytes.extend((texel.len() as u64).to_le_bytes());
+    let mut number = |value: f64| bytes.extend(value.to_le_bytes());
+    for peak in texel {
+        [peak.amplitude, peak.exponent].into_iter().chain(peak.normal.to_array()).for_each(&mut number);
+        for Horizon { mean, deviation, low, width } in peak.horizon.iter().flatten() {
+            [*mean, *deviation, *low, *width].into_iter().for_each(&mut number);
         }
     }
-    let hash = Sha256::digest(&bytes);
+}
+
+/// A file with the hash of its bytes behind them, whole or not at all.
+fn write_sealed(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let hash = Sha256::digest(bytes);
     path.parent().map_or(Ok(()), fs::create_dir_all)?;
     let mut file = OutputFile::create(path)?;
-    file.write_all(&bytes)?;
+    file.write_all(bytes)?;
     file.write_all(&hash)?;
     file.commit()
+}
+
+/// Bytes of a texel of so many peaks.
+fn longest_texel(peaks: usize, with_horizon: bool) -> u64 {
+    let peak = 8 * (5 + if with_horizon { 16 } else { 0 });
+    8 + peaks as u64 * peak
 }
 
 /// The pyramid of a file; `None` for whatever is wrong with it.
@@ -126,8 +238,8 @@ fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyrami
     let metadata = file.metadata().ok()?;
     // The file is as long as its peaks; no pyramid of this size is longer than this.
     let texels = all_texels(source);
-    let peak = 8 * (5 + if source.heights.is_some() { 16 } else { 0 });
-    let longest = (MAGIC.len() + 2 * HASH + COUNTS) as u64 + texels * (8 + MAX_PEAKS as u64 * peak);
+    let longest =
+        (MAGIC.len() + 2 * HASH + COUNTS) as u64 + texels * longest_texel(MAX_PEAKS, source.heights.is_some());
     if !metadata.is_file() || metadata.len() > longest {
         return None;
     }
@@ -161,25 +273,34 @@ impl Numbers<'_> {
         let value = f64::from_le_bytes(*self.0.next()?);
         range.contains(&value).then_some(value)
     }
+
+    /// How fits went, of at most so many.
+    fn fits(&mut self, most: usize) -> Option<FitCounts> {
+        Some(FitCounts {
+            fitted: self.count(most)?,
+            seven: self.count(most)?,
+            missed: self.count(most)?,
+            worst_rms: self.real(0.0..=f64::MAX)?,
+            worst_maximum: self.real(0.0..=f64::MAX)?,
+        })
+    }
+
+    /// A texel of at most so many peaks.
+    fn texel(&mut self, most: usize, with_horizon: bool) -> Option<Vec<Peak>> {
+        let peaks = self.count(most)?;
+        (0..peaks).map(|_| peak(self, with_horizon)).collect()
+    }
 }
 
 /// A pyramid from its numbers, each within the range it has in a pyramid.
 fn parse(numbers: &mut Numbers<'_>, source: &PeakSource) -> Option<PeakPyramid> {
-    let most = all_texels(source) as usize;
-    let fits = FitCounts {
-        fitted: numbers.count(most)?,
-        seven: numbers.count(most)?,
-        missed: numbers.count(most)?,
-        worst_rms: numbers.real(0.0..=f64::MAX)?,
-        worst_maximum: numbers.real(0.0..=f64::MAX)?,
-    };
+    let fits = numbers.fits(all_texels(source) as usize)?;
     let mut levels = Vec::new();
     for (width, height) in level_sizes(source.width, source.height) {
         let mut texels = Vec::with_capacity(width as usize * height as usize);
         for _ in 0..width * height {
-            let peaks = numbers.count(if levels.is_empty() { 1 } else { MAX_PEAKS })?;
-            let texel: Option<Vec<Peak>> = (0..peaks).map(|_| peak(numbers, source.heights.is_some())).collect();
-            texels.push(texel?);
+            let most = if levels.is_empty() { 1 } else { MAX_PEAKS };
+            texels.push(numbers.texel(most, source.heights.is_some())?);
         }
         levels.push(PeakLevel::new(width, height, texels.into_iter()));
     }
@@ -207,20 +328,100 @@ fn peak(numbers: &mut Numbers<'_>, with_horizon: bool) -> Option<Peak> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     use super::super::build::tests::{OPTIONS, hills};
     use super::*;
 
-    /// The pyramid, whether it was read, and how often progress was reported.
-    fn cached(directory: &Path, source: &PeakSource, options: &BuildOptions) -> (PeakPyramid, bool, usize) {
-        let steps = AtomicUsize::new(0);
-        let cached = PeakPyramid::cached(directory, source, options, &|| {
-            steps.fetch_add(1, Ordering::Relaxed);
+    /// The pyramid, whether it was read, and how many texels were fitted.
+    fn cached(directory: &Path, source: &PeakSource, options: &BuildOptions) -> (PeakPyramid, bool, u64) {
+        let (fitted, found) = (AtomicU64::new(0), AtomicU64::new(0));
+        let cached = PeakPyramid::cached(directory, source, options, &|steps| {
+            match steps {
+                Steps::Fitted(done) => fitted.fetch_add(done, Ordering::Relaxed),
+                Steps::Found(done) => found.fetch_add(done, Ordering::Relaxed),
+            };
         });
         let cached = cached.expect("the source is good");
+        let (fitted, found) = (fitted.into_inner(), found.into_inner());
         assert!(cached.not_kept.is_none());
-        (cached.pyramid, cached.read, steps.into_inner())
+        assert_eq!(fitted + found, source.steps());
+        assert_eq!(found, if cached.read { source.steps() } else { cached.resumed });
+        (cached.pyramid, cached.read, fitted)
+    }
+
+    /// Builds until so many texels are fitted, and is interrupted.
+    fn interrupted(directory: &Path, source: &PeakSource, after: u64) {
+        let fitted = AtomicU64::new(0);
+        let progress = |steps: Steps| {
+            let Steps::Fitted(done) = steps else { return };
+            assert!(fitted.fetch_add(done, Ordering::Relaxed) + done < after, "the interruption of this test");
+        };
+        let built = std::panic::catch_unwind(|| PeakPyramid::cached(directory, source, &OPTIONS, &progress));
+        assert!(built.is_err(), "it was not interrupted");
+    }
+
+    /// The one file of a directory, and no other thing.
+    fn only_file(directory: &Path) -> Vec<u8> {
+        let names: Vec<PathBuf> =
+            fs::read_dir(directory).expect("a directory").map(|entry| entry.expect("an entry").path()).collect();
+        let [name] = &names[..] else { panic!("{names:?}") };
+        fs::read(name).expect("a file")
+    }
+
+    #[test]
+    fn an_interrupted_build_goes_on_to_the_same_bytes() {
+        // Levels of 272, 64, 16, 4 texels and one: the first has two parts. One in eight of its texels takes a fit.
+        let mut source = hills(68, 64);
+        for (index, normal) in source.normals.iter_mut().enumerate() {
+            if (index % 68 / 4 + index / 68 / 4) % 8 > 0 {
+                *normal = DVec3::Z;
+            }
+        }
+        let [whole, directory] = [(); 2].map(|()| tempfile::tempdir().expect("a directory"));
+        cached(whole.path(), &source, &OPTIONS);
+        let wanted = only_file(whole.path());
+        // In the first part, in the second, in the next level, in that after it.
+        for (after, kept) in [(9, 0), (260, 256), (30, 272), (70, 336)] {
+            interrupted(directory.path(), &source, after);
+            let parts = path(directory.path(), &key(&source, &OPTIONS)).with_extension("parts");
+            let found = fs::read_dir(&parts).map_or(0, Iterator::count);
+            assert_eq!(found, [0, 256, 272, 336].iter().filter(|texels| **texels < kept).count(), "after {after}");
+        }
+        let (_, read, fitted) = cached(directory.path(), &source, &OPTIONS);
+        assert!(!read && fitted == source.steps() - 336, "{fitted}");
+        assert!(only_file(directory.path()) == wanted, "other bytes, or parts that are left");
+    }
+
+    #[test]
+    fn damaged_parts_are_told_of_and_fitted_again() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let source = hills(16, 16);
+        let (wanted, ..) = cached(directory.path(), &source, &OPTIONS);
+        let pyramid = path(directory.path(), &key(&source, &OPTIONS));
+        fs::remove_file(&pyramid).expect("it is there");
+        // The level of 16 texels is kept.
+        interrupted(directory.path(), &source, 17);
+        let place = pyramid.with_extension("parts").join("2-0.part");
+        let good = fs::read(&place).expect("a part is kept");
+        let mut changed = good.clone();
+        changed[good.len() / 2] ^= 1;
+        let resealed = |content: &[u8]| [content, &Sha256::digest(content)[..]].concat();
+        // Of another level, but whole.
+        let mut moved = good[..good.len() - HASH].to_vec();
+        moved[PART_MAGIC.len() + HASH] += 1;
+        for bad in [&good[..good.len() / 2], &[], &changed, &[&good[..], &[0]].concat(), &resealed(&moved)] {
+            fs::create_dir_all(place.parent().expect("a directory")).expect("it can be made");
+            fs::write(&place, bad).expect("it can be written");
+            let cached = PeakPyramid::cached(directory.path(), &source, &OPTIONS, &|_| ()).expect("the source is good");
+            assert_eq!((cached.damaged, cached.resumed), (vec![place.clone()], 0));
+            assert_eq!(cached.pyramid, wanted);
+            fs::remove_file(&pyramid).expect("it is there");
+        }
+        fs::create_dir_all(place.parent().expect("a directory")).expect("it can be made");
+        fs::write(&place, good).expect("it can be written");
+        let cached = PeakPyramid::cached(directory.path(), &source, &OPTIONS, &|_| ()).expect("the source is good");
+        assert_eq!((cached.damaged, cached.resumed, cached.pyramid), (Vec::new(), 16, wanted));
     }
 
     #[test]
@@ -228,7 +429,7 @@ mod tests {
         let directory = tempfile::tempdir().expect("a directory");
         for source in [hills(4, 3), PeakSource { heights: None, ..hills(3, 5) }] {
             let (built, read, steps) = cached(directory.path(), &source, &OPTIONS);
-            assert!(!read && steps as u64 == source.steps() && built.fits.fitted > 0);
+            assert!(!read && steps == source.steps() && built.fits.fitted > 0);
             assert_eq!(cached(directory.path(), &source, &OPTIONS), (built, true, 0));
         }
     }
@@ -306,7 +507,7 @@ mod tests {
         let file = directory.path().join("file");
         fs::write(&file, "").expect("the file can be written");
         for place in [&file, &file.join("below")] {
-            let cached = PeakPyramid::cached(place, &hills(2, 2), &OPTIONS, &|| ()).expect("the source is good");
+            let cached = PeakPyramid::cached(place, &hills(2, 2), &OPTIONS, &|_| ()).expect("the source is good");
             assert!(!cached.read && cached.not_kept.is_some());
         }
     }

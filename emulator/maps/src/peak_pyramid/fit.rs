@@ -49,7 +49,7 @@ impl FittedPeak {
 }
 
 /// Peaks and what they leave of a density.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Fit {
     pub(super) peaks: Vec<FittedPeak>,
     /// Root mean square of the residual over that of the density.

@@ -65,13 +65,13 @@ impl Tally {
             return Horizon { mean, deviation: 0.0, low: mean, width: 0.0 };
         }
         let deviation = variance.sqrt();
-        let [low, width] = self.falling(mean, deviation);
+        let [low, width] = self.nearest(mean, deviation);
         Horizon { mean, deviation, low, width }
     }
 
     /// Low end and width of the falling law nearest to the tally, searched from that of the same moments; in few steps, each at least as good
     /// as the one before.
-    fn falling(&self, mean: f64, deviation: f64) -> [f64; 2] {
+    fn nearest(&self, mean: f64, deviation: f64) -> [f64; 2] {
         let mut below = 0.0;
         let shares = std::array::from_fn::<f64, KNOTS, _>(|knot| {
             below += self.knots[knot];
@@ -102,10 +102,8 @@ fn search<S: Simd>(simd: S, shares: &[f64; KNOTS], mut law: [f64; 2]) -> [f64; 2
             law,
             law,
         ];
-        let best = errors(simd, shares, moved)
-            .into_iter()
-            .zip(moved)
-            .fold((least, law), |a, b| if b.0 < a.0 { b } else { a });
+        let best =
+            errors(simd, shares, moved).into_iter().zip(moved).fold((least, law), |a, b| if b.0 < a.0 { b } else { a });
         step *= if best.0 < least { 1.0 } else { 0.5 };
         (least, law) = best;
     }
@@ -137,6 +135,12 @@ const STEPS: u32 = 14;
 mod tests {
     use super::*;
     use roughxel_scene::random::SplitMix64;
+
+    /// The share of facets below a slope.
+    fn falling(slope: f64, low: f64, width: f64) -> f64 {
+        let rest = 1.0 - ((slope - low) / width).clamp(0.0, 1.0);
+        1.0 - rest * rest
+    }
 
     fn tally(slopes: impl IntoIterator<Item = f64>) -> Tally {
         let mut tally = Tally::EMPTY;

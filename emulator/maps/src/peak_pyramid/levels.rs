@@ -71,6 +71,15 @@ impl PeakLevel {
     }
 }
 
+/// Texels that may take a fit, and are there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Steps {
+    /// Built now.
+    Fitted(u64),
+    /// Read, which takes no time, from a file that an earlier build has kept.
+    Found(u64),
+}
+
 /// How the fits went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FitCounts {
@@ -87,6 +96,17 @@ pub struct FitCounts {
 }
 
 impl FitCounts {
+    /// Those of this part and of another.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            fitted: self.fitted + other.fitted,
+            seven: self.seven + other.seven,
+            missed: self.missed + other.missed,
+            worst_rms: self.worst_rms.max(other.worst_rms),
+            worst_maximum: self.worst_maximum.max(other.worst_maximum),
+        }
+    }
+
     pub(super) fn add(mut self, fit: &fit::Fit) -> Self {
         self.fitted += 1;
         self.seven += usize::from(fit.peaks.len() == MAX_PEAKS);

@@ -1,14 +1,14 @@
 //! The pyramids of a scene: built before its frames, so that frames of several modes share them.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use roughxel_scene::{Material, Object, Scene};
 use thiserror::Error;
 
 use super::cache::Cached;
-use super::levels::PeakPyramid;
+use super::levels::{PeakPyramid, Steps};
 use super::source::{BuildOptions, PeakError, PeakSource};
 
 /// Why an object of a scene has no pyramid.
@@ -31,6 +31,10 @@ pub struct ScenePeaks {
     pub built: usize,
     /// Why some were not kept for the next time, if so; the pyramids are good all the same.
     pub not_kept: Option<io::Error>,
+    /// Texels that an interrupted build had kept: [`Cached::resumed`].
+    pub resumed: u64,
+    /// Damaged files of interrupted builds: [`Cached::damaged`].
+    pub damaged: Vec<PathBuf>,
     /// Peaks that storage cuts: [`PeakPyramid::cut`].
     pub cut: usize,
 }
@@ -44,7 +48,7 @@ impl ScenePeaks {
         scene: &Scene,
         filters: bool,
         cache: Option<&Path>,
-        progress: &(dyn Fn(u64) + Sync),
+        progress: &(dyn Fn(Steps) + Sync),
     ) -> Result<Self, ObjectPeakError> {
         let mut peaks = Self::default();
         for (index, object) in scene.objects.iter().enumerate() {
@@ -53,11 +57,13 @@ impl ScenePeaks {
                 continue;
             }
             let failed = |source| ObjectPeakError { object: object.name.clone(), source };
-            let cached = PeakPyramid::of_material(&object.material, filters, cache, &progress).map_err(failed)?;
+            let cached = PeakPyramid::of_material(&object.material, filters, cache, progress).map_err(failed)?;
             peaks.pyramids.push(cached.map(|cached| {
                 peaks.read += usize::from(cached.read);
                 peaks.built += usize::from(!cached.read);
                 peaks.cut += cached.pyramid.cut();
+                peaks.resumed += cached.resumed;
+                peaks.damaged.extend(cached.damaged);
                 peaks.not_kept = peaks.not_kept.take().or(cached.not_kept);
                 Arc::new(cached.pyramid)
             }));
@@ -90,20 +96,16 @@ impl PeakPyramid {
         material: &Material,
         filters: bool,
         cache: Option<&Path>,
-        progress: &(dyn Fn(u64) + Sync),
+        progress: &(dyn Fn(Steps) + Sync),
     ) -> Result<Option<Cached>, PeakError> {
         let Some((source, options)) = PeakSource::of_material(material).zip(BuildOptions::of_material(material)) else {
             return Ok(None);
         };
-        let new = |pyramid| Cached { pyramid, read: false, not_kept: None };
         let cached = match cache {
-            _ if !filters => new(Self::base(&source, &options)?),
-            Some(directory) => Self::cached(directory, &source, &options, &|| progress(1))?,
-            None => new(Self::build(&source, &options, &|| progress(1))?),
+            _ if !filters => Cached::new(Self::base(&source, &options)?),
+            Some(directory) => Self::cached(directory, &source, &options, progress)?,
+            None => Cached::new(Self::build(&source, &options, progress)?),
         };
-        if cached.read {
-            progress(source.steps());
-        }
         Ok(Some(cached))
     }
 }
@@ -142,7 +144,8 @@ mod tests {
     /// The pyramids, whose progress is what was said before.
     fn built(scene: &Scene, filters: bool, cache: Option<&Path>) -> ScenePeaks {
         let steps = AtomicU64::new(0);
-        let count = |done| {
+        let count = |done: Steps| {
+            let (Steps::Fitted(done) | Steps::Found(done)) = done;
             steps.fetch_add(done, Ordering::Relaxed);
         };
         let peaks = ScenePeaks::new(scene, filters, cache, &count).expect("the scene is good");

@@ -107,7 +107,7 @@ impl PeakSource {
         Some(if peaks.shadowing.is_some() { source } else { Self { heights: None, ..source } })
     }
 
-    /// How often [`PeakPyramid::build`](super::PeakPyramid::build) reports progress: once a texel of each level that takes more than seven of
+    /// How many steps [`PeakPyramid::build`](super::PeakPyramid::build) reports: one a texel of each level that takes more than seven of
     /// level 0 together, for the others take no time.
     pub fn steps(&self) -> u64 {
         self.upper_levels().filter(|size| self.takes_time(*size)).map(texels).sum()
