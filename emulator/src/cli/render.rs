@@ -91,7 +91,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
             "scene": scene.name, "mode": args.mode.to_string(), "profile": profile.name,
             "reading": reading.to_string(), "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
             "digest": frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
-            "peaks": { "built": peaks.built, "read": peaks.read },
+            "peaks": { "built": peaks.built, "read": peaks.read, "resumed": peaks.resumed },
         });
         writeln!(out, "{figures:#}")?;
     } else {

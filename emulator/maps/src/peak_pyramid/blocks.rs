@@ -64,19 +64,28 @@ pub(super) fn cosines<S: Simd>(simd: S, direction: DVec3, [x, y, z]: &Directions
 /// ln of the share of its maximum below which a facet is taken as 0 at a sample: 1e-13.
 pub(super) const NEGLIGIBLE: f64 = -30.0;
 
-/// cosⁿα and ln cosⁿα, both 0 where cosⁿα is negligible; nothing where all eight are. Exponents are at least 1.
+/// cosⁿα, 0 where it is negligible; nothing where all eight are. Exponents are at least 1.
 #[inline(always)]
-pub(super) fn powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<[f64x8<S>; 2]> {
+pub(super) fn powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<f64x8<S>> {
+    log_powers(cos, exponent).map(shares)
+}
+
+/// ln cosⁿα, [`NEGLIGIBLE`] where cosⁿα is; nothing where all eight are.
+#[inline(always)]
+pub(super) fn log_powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<f64x8<S>> {
     let simd = cos.simd;
-    let zero = f64x8::splat(simd, 0.0);
     // ln x ≤ x − 1 settles most samples without a logarithm.
-    let near = cos.simd_gt(zero) & (exponent * (cos - 1.0)).simd_ge(NEGLIGIBLE);
+    let near = cos.simd_gt(0.0) & (exponent * (cos - 1.0)).simd_ge(NEGLIGIBLE);
     if near.all_false() {
         return None;
     }
-    let logs = exponent * log(cos);
-    let near = near & logs.simd_gt(NEGLIGIBLE);
-    Some([near.select(exp(logs), zero), near.select(logs, zero)])
+    Some(near.select(exponent * log(cos), f64x8::splat(simd, NEGLIGIBLE)))
+}
+
+/// cosⁿα by its logarithm, 0 where it is negligible.
+#[inline(always)]
+pub(super) fn shares<S: Simd>(logs: f64x8<S>) -> f64x8<S> {
+    logs.simd_gt(NEGLIGIBLE).select(exp(logs), f64x8::splat(logs.simd, 0.0))
 }
 
 /// ln x of normal numbers above 0; anything else gives anything.
@@ -183,8 +192,9 @@ mod tests {
     }
 
     #[inline(always)]
-    fn shares<S: Simd>(simd: S, cos: Block, exponent: Block) -> [Block; 2] {
-        powers(cos.load(simd), exponent.load(simd)).map_or([Block::ZERO; 2], |both| both.map(Block::store))
+    fn both<S: Simd>(simd: S, cos: Block, exponent: Block) -> [Block; 2] {
+        let none = [Block::ZERO, Block([NEGLIGIBLE; LANES])];
+        log_powers(cos.load(simd), exponent.load(simd)).map_or(none, |logs| [shares(logs), logs].map(Block::store))
     }
 
     /// Numbers, and those with the bits around theirs.
@@ -242,11 +252,12 @@ mod tests {
                 if index % 3 == 0 { 1.0 } else { 1.0 + 255.0 * random.uniform(0.0, 1.0) * lane as f64 / 7.0 }
             });
             for level in levels() {
-                let [shares, logs] = dispatch!(level, simd => shares(simd, Block(*block), Block(exponents)));
+                let [shares, logs] = dispatch!(level, simd => both(simd, Block(*block), Block(exponents)));
                 for lane in 0..LANES {
                     let wanted = super::super::spread::log_power(block[lane], exponents[lane]);
-                    let wanted = wanted.map_or([0.0; 2], |log| [libm::exp(log), log]);
-                    assert_eq!([shares.0[lane], logs.0[lane]].map(f64::to_bits), wanted.map(f64::to_bits));
+                    let wanted = wanted.map_or([0.0, NEGLIGIBLE], |log| [libm::exp(log), log]);
+                    let got = [shares.0[lane], logs.0[lane].max(NEGLIGIBLE)];
+                    assert_eq!(got.map(f64::to_bits), wanted.map(f64::to_bits));
                 }
             }
         }

@@ -14,7 +14,7 @@ use glam::DVec3;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-use super::blocks::{Block, LANES, LEVEL, cosines, powers};
+use super::blocks::{self, Block, LANES, LEVEL, cosines, log_powers, powers};
 use super::spread::{BLOCKS, HEMISPHERE, SAMPLES, neighbours, power};
 
 /// Most peaks of a fit.
@@ -125,7 +125,7 @@ fn evaluate_blocks<S: Simd>(simd: S, peaks: &[FittedPeak]) -> Vec<Block> {
     for peak in peaks {
         let exponent = f64x8::splat(simd, peak.exponent);
         for (sum, (directions, _)) in blocks.iter_mut().zip(&HEMISPHERE.blocks) {
-            if let Some([share, _]) = powers(cosines(simd, peak.direction, directions), exponent) {
+            if let Some(share) = powers(cosines(simd, peak.direction, directions), exponent) {
                 *sum = Block::store(sum.load(simd) + share * peak.amplitude);
             }
         }
@@ -233,7 +233,7 @@ struct Space {
 /// A peak at every sample.
 struct Shares {
     blocks: BlockSet,
-    /// cosⁿα and ln cosⁿα, in these blocks.
+    /// cosⁿα and, unless it is 0, ln cosⁿα, in these blocks.
     powers: Vec<[Block; 2]>,
 }
 
@@ -316,13 +316,19 @@ impl<'a> Problem<'a> {
             let amplitude = state.root * state.root;
             let exponent = f64x8::splat(simd, state.exponent);
             shares.blocks = BlockSet::default();
-            for (block, (residual, (directions, _))) in residuals.iter_mut().zip(&HEMISPHERE.blocks).enumerate() {
-                if let Some([share, log]) = powers(cosines(simd, state.direction, directions), exponent) {
-                    *residual = Block::store(residual.load(simd) + share * amplitude);
+            // Logarithms first, then exponentials: two short runs of dependent operations overlap from block to block, one long one does not.
+            for (block, (directions, _)) in HEMISPHERE.blocks.iter().enumerate() {
+                if let Some(logs) = log_powers(cosines(simd, state.direction, directions), exponent) {
                     shares.blocks.add(block);
-                    shares.powers[block] = [share, log].map(Block::store);
+                    shares.powers[block][1] = Block::store(logs);
                 }
             }
+            shares.blocks.each(|block| {
+                let [share, logs] = &mut shares.powers[block];
+                let powers = blocks::shares(logs.load(simd));
+                *share = Block::store(powers);
+                residuals[block] = Block::store(residuals[block].load(simd) + powers * amplitude);
+            });
         }
         for (residual, (_, weights)) in residuals.iter_mut().zip(&HEMISPHERE.blocks) {
             *residual = Block::store(residual.load(simd) * weights.load(simd));

@@ -111,7 +111,7 @@ fn density_of_block<S: Simd>(simd: S, directions: &Directions, facets: &[Facet],
     let spread = f64x8::splat(simd, spread);
     let mut sum = f64x8::splat(simd, 0.0);
     for facet in facets {
-        if let Some([power, _]) = powers(cosines(simd, facet.normal, directions), spread) {
+        if let Some(power) = powers(cosines(simd, facet.normal, directions), spread) {
             sum += power * gain * facet.amplitude;
         }
     }
