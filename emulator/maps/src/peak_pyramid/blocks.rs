@@ -88,20 +88,22 @@ pub(super) fn shares<S: Simd>(logs: f64x8<S>) -> f64x8<S> {
     logs.simd_gt(NEGLIGIBLE).select(exp(logs), f64x8::splat(logs.simd, 0.0))
 }
 
+/// ln 2 in two parts: a small integer times the first is exact.
+const LN2_HI: f64 = 0.693_147_180_369_123_8;
+const LN2_LO: f64 = 1.908_214_929_270_587_7e-10;
+
 /// ln x of normal numbers above 0; anything else gives anything.
 ///
 /// Of cosines that are not negligible, none is subnormal: the logarithm would be below −708.
 #[inline(always)]
 fn log<S: Simd>(x: f64x8<S>) -> f64x8<S> {
-    const LN2_HI: f64 = 6.931_471_803_691_238_164_90e-01;
-    const LN2_LO: f64 = 1.908_214_929_270_587_700_02e-10;
-    const LG1: f64 = 6.666_666_666_666_735_130e-01;
-    const LG2: f64 = 3.999_999_999_940_941_908e-01;
-    const LG3: f64 = 2.857_142_874_366_239_149e-01;
-    const LG4: f64 = 2.222_219_843_214_978_396e-01;
-    const LG5: f64 = 1.818_357_216_161_805_012e-01;
-    const LG6: f64 = 1.531_383_769_920_937_332e-01;
-    const LG7: f64 = 1.479_819_860_511_658_591e-01;
+    const LG1: f64 = 0.666_666_666_666_673_5;
+    const LG2: f64 = 0.399_999_999_994_094_2;
+    const LG3: f64 = 0.285_714_287_436_623_9;
+    const LG4: f64 = 0.222_221_984_321_497_84;
+    const LG5: f64 = 0.181_835_721_616_180_5;
+    const LG6: f64 = 0.153_138_376_992_093_73;
+    const LG7: f64 = 0.147_981_986_051_165_86;
     /// Upper halves of the bits of 1 and of √½.
     const ONE: u64 = 0x3ff0_0000 << 32;
     const ROOT: u64 = 0x3fe6_a09e << 32;
@@ -122,14 +124,11 @@ fn log<S: Simd>(x: f64x8<S>) -> f64x8<S> {
 /// eˣ from −700 to 2^−28; anything else gives anything.
 #[inline(always)]
 fn exp<S: Simd>(x: f64x8<S>) -> f64x8<S> {
-    const LN2_HI: f64 = 6.931_471_803_691_238_164_90e-01;
-    const LN2_LO: f64 = 1.908_214_929_270_587_700_02e-10;
-    const INVERSE_LN2: f64 = 1.442_695_040_888_963_387_00;
-    const P1: f64 = 1.666_666_666_666_660_190_37e-01;
-    const P2: f64 = -2.777_777_777_701_559_338_42e-03;
-    const P3: f64 = 6.613_756_321_437_934_361_17e-05;
-    const P4: f64 = -1.653_390_220_546_525_153_90e-06;
-    const P5: f64 = 4.138_136_797_057_238_460_39e-08;
+    const P1: f64 = 0.166_666_666_666_666_02;
+    const P2: f64 = -0.002_777_777_777_701_559_3;
+    const P3: f64 = 6.613_756_321_437_934e-05;
+    const P4: f64 = -1.653_390_220_546_525_2e-06;
+    const P5: f64 = 4.138_136_797_057_238_5e-08;
     /// Where `libm`, which compares the upper halves of the bits, chooses: about 1.5 ln 2, 0.5 ln 2 and 2^−28.
     const LARGE: f64 = f64::from_bits(0x3ff0_a2b2 << 32);
     const MEDIUM: f64 = f64::from_bits(0x3fd6_2e43 << 32);
@@ -138,7 +137,7 @@ fn exp<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     let [zero, one] = [0.0, 1.0].map(|value| f64x8::splat(simd, value));
     let size = x.abs();
     // x = k ln 2 + hi − lo. Rounded towards 0, which is up.
-    let rounded = (x * INVERSE_LN2 - 0.5).ceil();
+    let rounded = (x * std::f64::consts::LOG2_E - 0.5).ceil();
     let k = size.simd_ge(LARGE).select(rounded, size.simd_ge(MEDIUM).select(-one, zero));
     let (high, low) = (x - k * LN2_HI, k * LN2_LO);
     let rest = high - low;
