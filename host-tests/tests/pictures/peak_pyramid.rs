@@ -16,7 +16,7 @@ fn options(exponent: f64, weight: FacetWeight) -> BuildOptions {
 }
 
 fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
-    PeakPyramid::build(source, options, &|| ()).expect("the source is good")
+    PeakPyramid::build(source, options, &|_| ()).expect("the source is good")
 }
 
 /// A square map of heights, in texels, at the centres of its texels; normals by central differences.
