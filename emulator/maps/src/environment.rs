@@ -6,6 +6,7 @@
 //! Each face is filtered for itself down to levels of 17 texels: a texel next to an edge holds its own side only, and the filter looks
 //! across the edge (the stage `seam` of the datapath). Coarser ones are filtered on the sphere.
 
+use rayon::prelude::*;
 use roughxel_core::sampler::{BRIGHT_EXPONENTS, level_edge};
 
 use crate::bright;
@@ -44,7 +45,7 @@ impl CubePyramid {
             "an environment needs six square faces of one size"
         );
         let mut pyramids = faces.each_ref().map(|face| {
-            let pixels = face.pixels.iter();
+            let pixels = face.pixels.par_iter();
             let levels = if is_bright {
                 let texels = pixels.map(|pixel| bright::quantise(*pixel, exponent)).collect();
                 coded_levels(edge, edge, texels, |code| bright::decoded(code).into(), bright::code_of_ratio)
@@ -87,7 +88,8 @@ impl CubePyramid {
         };
         let is_fine = |level: &&[Level; 6]| level[0].width > sphere::COARSE;
         let fine = self.levels.iter().take_while(is_fine).count().max(1);
-        let coarse: Vec<[Level; 6]> = (fine..self.levels.len()).map(coarse).collect();
+        // Side by side, for the balancing of a kernel is one thread's work.
+        let coarse: Vec<[Level; 6]> = (fine..self.levels.len()).into_par_iter().map(coarse).collect();
         self.levels.truncate(fine);
         self.levels.extend(coarse);
     }

@@ -62,12 +62,11 @@ impl ColourPyramid {
     /// If `picture` has no pixels, or not `width · height` of them.
     pub fn with_exponent(picture: &Picture, exponent: i32) -> Self {
         let row = picture.width as usize;
-        let texels = picture
-            .pixels
-            .chunks_exact(row)
-            .rev()
-            .flat_map(|pixels| pixels.iter().map(|pixel| quantise(*pixel, exponent)))
-            .collect();
+        let mut texels = vec![[0; 3]; picture.pixels.len()];
+        let rows = picture.pixels.par_chunks_exact(row).rev();
+        texels.par_chunks_exact_mut(row).zip(rows).for_each(|(texels, pixels)| {
+            texels.iter_mut().zip(pixels).for_each(|(texel, pixel)| *texel = quantise(*pixel, exponent));
+        });
         Self { levels: colour_levels(picture.width, picture.height, texels), exponent }
     }
 }
@@ -76,11 +75,14 @@ impl ColourPyramid {
 ///
 /// 0 for LDR pictures, where 1.0 saturates to code 65535. Infinite and NaN pixels do not count.
 pub fn smallest_exponent<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> i32 {
+    // The maximum of numbers alone: the same in any order.
+    let brightest_of = |brightest: f32, pixel: &[f32; 3]| {
+        pixel.iter().filter(|value| value.is_finite()).fold(brightest, |brightest, value| brightest.max(*value))
+    };
     let brightest = pictures
         .into_iter()
-        .flat_map(|picture| picture.pixels.iter().flatten())
-        .filter(|value| value.is_finite())
-        .fold(0.0, |brightest: f32, value| brightest.max(*value));
+        .map(|picture| picture.pixels.par_iter().fold(|| 0.0, brightest_of).reduce(|| 0.0, f32::max))
+        .fold(0.0, f32::max);
     let mut exponent = 0;
     while f64::from(brightest) > power_of_two(exponent) {
         exponent += 1;
@@ -91,8 +93,9 @@ pub fn smallest_exponent<'a>(pictures: impl IntoIterator<Item = &'a Picture>) ->
 /// Codes of one pixel: value · 65536 / 2^exponent to nearest, ties up, saturated to 0…65535; NaN gives 0.
 pub(crate) fn quantise(pixel: [f32; 3], exponent: i32) -> [u16; 3] {
     let scale = 65536.0 * power_of_two(-exponent);
-    // Exact up to the floor: 24 bits times a power of two, plus one half, fit a float64. The cast saturates.
-    pixel.map(|value| (f64::from(value) * scale + 0.5).floor() as u16)
+    // Exact up to the cast: 24 bits times a power of two, plus one half, fit a float64. It saturates, so that below zero cutting is as good
+    // as the floor, for which many machines call a function.
+    pixel.map(|value| (f64::from(value) * scale + 0.5) as u16)
 }
 
 /// All levels over the texels of level 0.
