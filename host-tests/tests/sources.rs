@@ -230,7 +230,7 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 10] = [
     ("lighting.rs", "prepared", "set-up from floats: the colour of a light"),
     ("texture.rs", "new", "memory: where levels begin; bytes of what is stored"),
     ("texture.rs", "tap", "memory: the place of a row in a level"),
-    ("tile.rs", "render_counted", "memory: the place of a tile in the picture"),
+    ("tile.rs", "render_counted", "memory: room for the pixels"),
     (
         "tile.rs",
         "shade_tile",

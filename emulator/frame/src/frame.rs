@@ -1,9 +1,15 @@
 //! A finished frame: as a picture, against another, as a digest.
 
-use roughxel_scene::picture::Picture;
+use rayon::prelude::*;
+use roughxel_scene::picture::{self, Picture};
 use sha2::{Digest, Sha256};
 
 use super::Colour;
+
+/// A colour in linear light, rounded once.
+fn linear(colour: Colour) -> [f32; 3] {
+    colour.map(|channel| (f64::from(channel) / f64::from(1 << 24)) as f32)
+}
 
 /// A finished frame, rows top to bottom.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,11 +23,23 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Bytes of memory for each pixel of a frame that becomes a file, at most at a time: 12 of its colour and ¼ of the list of rows of tiles
+    /// while it is drawn; 12 and 3 of [`Self::srgb_codes`] then; and without the frame 3 and what they are compressed to, at most 3.
+    /// Beside it there are the scene and its maps, and about a MiB a thread.
+    pub const BYTES_A_PIXEL: u64 = 15;
+
     /// The frame in linear light.
     pub fn picture(&self) -> Picture {
-        let pixels =
-            self.pixels.iter().map(|pixel| pixel.map(|channel| (f64::from(channel) / f64::from(1 << 24)) as f32));
-        Picture { width: self.width, height: self.height, pixels: pixels.collect() }
+        Picture {
+            width: self.width,
+            height: self.height,
+            pixels: self.pixels.par_iter().copied().map(linear).collect(),
+        }
+    }
+
+    /// The frame as sRGB codes, three of each pixel: those of what [`Self::picture`] holds, without holding it.
+    pub fn srgb_codes(&self) -> Vec<u8> {
+        picture::srgb_codes(&self.pixels, |pixel| linear(*pixel))
     }
 
     /// Peak signal to noise ratio against a frame of the same size, dB: linear light, range 1, all channels, colours

@@ -16,6 +16,7 @@ use roughxel_scene::{Background, Light, Material, Scene};
 
 use super::colour::{Channel, colour_word};
 use super::environment::EnvironmentMap;
+use super::frame::Frame;
 use super::lighting::{Lighting, PeakMap};
 use super::texture::{BumpMap, ColourMap};
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
@@ -190,5 +191,21 @@ impl<'a> Prepared<'a> {
         .into_iter()
         .filter_map(|(effect, bytes)| Some((effect, bytes?)))
         .collect()
+    }
+
+    /// Bytes of all maps, those that objects share once for each, and the environment once.
+    pub fn all_map_bytes(&self) -> u64 {
+        let of_object = |object: &PreparedObject| {
+            let colour = object.colour_map.as_ref().map_or(0, ColourMap::bytes);
+            let bump = object.bump_map.as_ref().map_or([0; 2], BumpMap::bytes);
+            let lighting = object.lighting.as_ref().map_or([0; 2], Lighting::bytes);
+            colour + bump.into_iter().chain(lighting).sum::<u64>()
+        };
+        self.environment.as_ref().map_or(0, EnvironmentMap::bytes) + self.objects.iter().map(of_object).sum::<u64>()
+    }
+
+    /// Bytes that the frame takes until it is a file, at most at a time: [`Frame::BYTES_A_PIXEL`] of each pixel.
+    pub fn frame_bytes(&self) -> u64 {
+        Frame::BYTES_A_PIXEL * u64::from(self.projection.width()) * u64::from(self.projection.height())
     }
 }

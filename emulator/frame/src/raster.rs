@@ -21,6 +21,7 @@ mod setup;
 #[cfg(test)]
 mod tests;
 
+use roughxel_scene::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
 pub use attributes::{AttributeRows, FragmentAttributes, Needs, PointFromTriangle, Positions, Triangle};
@@ -47,7 +48,9 @@ pub const MAX_TRIANGLES: u32 = 1 << 29;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RasterError {
     /// The frame has no pixels or is too large.
-    #[error("camera: a frame of {width}×{height} pixels; give a width and a height of 1 to {MAX_EDGE_PX}")]
+    #[error(
+        "camera: a frame of {width}×{height} pixels; give a width and a height of 1 to {MAX_EDGE_PX} and at most {MAX_FRAME_PIXELS} pixels"
+    )]
     FrameSize {
         /// Width asked for, pixels.
         width: u32,
@@ -115,4 +118,24 @@ pub fn tiles(width: u32, height: u32) -> impl Iterator<Item = TileRect> {
             height: TILE_EDGE_PX.min(height - y),
         })
     })
+}
+
+/// The same tiles, each with its rows of the frame's pixels, so that tiles are written side by side without a copy of the frame. The list
+/// is 16 bytes for each row of a tile, ¼ byte a pixel.
+///
+/// # Panics
+/// If `width` is 0 and the frame has pixels.
+pub fn tile_rows<T>(pixels: &mut [T], width: u32, height: u32) -> Vec<(TileRect, Vec<&mut [T]>)> {
+    let edge = TILE_EDGE_PX as usize;
+    let mut places: Vec<(TileRect, Vec<&mut [T]>)> =
+        tiles(width, height).map(|tile| (tile, Vec::with_capacity(tile.height as usize))).collect();
+    let across = width.div_ceil(TILE_EDGE_PX) as usize;
+    for (places, band) in places.chunks_mut(across).zip(pixels.chunks_mut(width as usize * edge)) {
+        for row in band.chunks_mut(width as usize) {
+            for ((_, rows), part) in places.iter_mut().zip(row.chunks_mut(edge)) {
+                rows.push(part);
+            }
+        }
+    }
+    places
 }

@@ -14,7 +14,7 @@ use super::phases::PhaseTimes;
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
     AttributeRows, FragmentAttributes, Positions, RasterError, Run, SIDE, SUBPIXELS, Sampling, TileRect, TriangleList,
-    tiles,
+    tile_rows, tiles,
 };
 
 /// What drawing took.
@@ -24,6 +24,15 @@ pub struct Counted {
     pub texels: u64,
     /// Where the time went.
     pub times: PhaseTimes,
+}
+
+impl Counted {
+    /// Both together.
+    fn with(mut self, other: Self) -> Self {
+        self.texels += other.texels;
+        self.times.add(&other.times);
+        self
+    }
 }
 
 /// What a ray that hits nothing sees.
@@ -44,25 +53,19 @@ impl Prepared<'_> {
     pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Counted), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
-        let shaded: Vec<(TileRect, Vec<Colour>, Counted)> = tiles(width, height)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|tile| {
-                let (colours, counted) = self.shade_tile(&triangles, tile);
-                progress();
-                (tile, colours, counted)
-            })
-            .collect();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
-        let mut counted = Counted::default();
-        for (tile, colours, own) in shaded {
-            counted.texels += own.texels;
-            counted.times.add(&own.times);
-            for (row, line) in (0..).zip(colours.chunks(tile.width as usize)) {
-                let start = (tile.y + row) as usize * width as usize + tile.x as usize;
-                pixels[start..start + line.len()].copy_from_slice(line);
-            }
-        }
+        // Each tile goes to its own rows of the one frame as soon as it is shaded: there is no second copy, and nobody waits.
+        let counted = tile_rows(&mut pixels, width, height)
+            .into_par_iter()
+            .map(|(tile, rows)| {
+                let (colours, counted) = self.shade_tile(&triangles, tile);
+                for (row, line) in rows.into_iter().zip(colours.chunks(tile.width as usize)) {
+                    row.copy_from_slice(line);
+                }
+                progress();
+                counted
+            })
+            .reduce(Counted::default, Counted::with);
         Ok((Frame { width, height, pixels }, counted))
     }
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 use comfy_table::{ContentArrangement, Table};
-use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::frame::{Frame, Prepared};
 use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
 use roughxel_emulator::study::plan::{EffectReport, Hardware, ObjectReport, explain, measure};
 use roughxel_emulator::study::profile_file::NamedPrecision;
@@ -25,6 +25,8 @@ Say which effects each object of a scene has, why, and what they cost.
                each of its fetches (environment: per probe; maps: per channel and probe)
   x of them    multipliers of two wires
   maps         memory of its maps with all their levels
+  memory       what the frame takes until it is a file, at most at a time, and the maps of all objects; the rest are the
+               scene as it was read and about a MiB a thread
   share        of the time of a frame: 1 - t(without)/t(with), the median of some rounds; with --measure
 
 Exit codes: 0 done, 1 failure, 2 usage.
@@ -46,7 +48,7 @@ pub(super) struct PlanArgs {
     /// Rounds of a measurement.
     #[arg(long, default_value_t = 7, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), requires = "measure")]
     rounds: u32,
-    /// Size of the measured frames in pixels instead of the scene's.
+    /// Size of the frame in pixels instead of the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     size: Option<[u32; 2]>,
     /// Threads, at most one for each core.
@@ -66,6 +68,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let peaks = args.cache.peaks(&scene, args.mode.filters())?;
     let prepared = Prepared::with_peaks(&scene, args.mode, profile, &peaks)?;
     let mut reports = explain(&scene, &prepared, &args.mode.precision(profile));
+    let (frame_bytes, map_bytes) = (prepared.frame_bytes(), prepared.all_map_bytes());
     drop(prepared);
     if args.measure {
         let effects = reports.iter().flat_map(|report| &report.effects).filter(|effect| effect.decision.on).count();
@@ -77,13 +80,20 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     if args.json {
         let objects: Vec<_> = reports.iter().map(object_json).collect();
         let mode = args.mode.to_string();
-        writeln!(out, "{:#}", json!({ "scene": scene.name, "mode": mode, "profile": name, "objects": objects }))?;
+        let plan = json!({
+            "scene": scene.name, "mode": mode, "profile": name, "objects": objects,
+            "frame_bytes": frame_bytes, "map_bytes": map_bytes,
+        });
+        writeln!(out, "{plan:#}")?;
         return Ok(());
     }
     for report in &reports {
         writeln!(out, "{}: {}", report.name, summary(&report.plan))?;
         writeln!(out, "{}", table(report, args.measure))?;
     }
+    let [frame, maps] = [frame_bytes, map_bytes].map(indicatif::HumanBytes);
+    let size = format!("{}x{}", scene.camera.width, scene.camera.height);
+    writeln!(out, "memory: frame {frame} ({size}, {} bytes a pixel), maps {maps}", Frame::BYTES_A_PIXEL)?;
     if reports.is_empty() {
         complain("the scene has no objects");
     }

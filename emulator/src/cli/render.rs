@@ -10,7 +10,7 @@ use roughxel_core::plan::{Datapath, ReflectionPlan};
 use roughxel_core::ports::ReflectionIn;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::lanes::Reading;
-use roughxel_emulator::picture::write_png_srgb;
+use roughxel_emulator::picture::write_png_codes;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::profile_file::NamedPrecision;
@@ -78,7 +78,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let frame = prepared.render(&|| bar.inc(1))?;
     let drawing = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
-    write_png_srgb(&output, &frame.picture())?;
+    let (width, height) = (frame.width, frame.height);
+    let digest = args.json.then(|| frame.digest());
+    let codes = frame.srgb_codes();
+    // Encoding takes as much memory again as the codes do, in place of the frame.
+    drop(frame);
+    write_png_codes(&output, [width, height], &codes)?;
+    drop(codes);
     let vectors = match &args.capture {
         Some(directory) => capture(&scene, &prepared, args.mode, &profile, directory)?,
         None => Vec::new(),
@@ -89,13 +95,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
         let figures = json!({
             "scene": scene.name, "mode": args.mode.to_string(), "profile": profile.name,
-            "reading": reading.to_string(), "width": frame.width, "height": frame.height, "picture": output.display().to_string(),
-            "digest": frame.digest(), "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
+            "reading": reading.to_string(), "width": width, "height": height, "picture": output.display().to_string(),
+            "digest": digest, "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
             "peaks": { "built": peaks.built, "read": peaks.read, "resumed": peaks.resumed },
         });
         writeln!(out, "{figures:#}")?;
     } else {
-        let (width, height) = (frame.width, frame.height);
         writeln!(out, "{}: {width}x{height}, {}, {drawing:.2} s", output.display(), args.mode)?;
         for set in vectors {
             writeln!(out, "{}: {} vectors", set.files[0].name, set.count)?;

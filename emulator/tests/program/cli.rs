@@ -318,6 +318,20 @@ fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
 }
 
 #[test]
+fn a_plan_says_what_the_frame_and_all_maps_take() {
+    let plan = json(&["plan", "lake", "--size", "320x200", "--json"]);
+    assert_eq!(plan["frame_bytes"], 15 * 320 * 200);
+    let effects = plan["objects"][0]["effects"].as_array().unwrap();
+    // One object: its maps are all that there are.
+    let maps: u64 = effects.iter().map(|effect| effect["map_bytes"].as_u64().unwrap()).sum();
+    assert!(maps > 1 << 20);
+    assert_eq!(plan["map_bytes"], maps);
+    let text = roughxel(&["plan", "lake", "--size", "320x200"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("memory: frame 937.50 KiB (320x200, 15 bytes a pixel), maps "), "{text}");
+}
+
+#[test]
 fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
     use sha2::{Digest, Sha256};
     let directory = tempfile::tempdir().unwrap();

@@ -10,7 +10,7 @@ use roughxel_core::ports::BlockVector;
 use super::attributes::Positions;
 use super::blocks::{Row, block, block_rows, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
-use roughxel_scene::Camera;
+use roughxel_scene::{Camera, MAX_FRAME_PIXELS};
 
 /// Camera of one frame, ready for the rasteriser.
 #[derive(Clone, Debug)]
@@ -38,7 +38,9 @@ impl Projection {
     /// target in one place, up along the line of sight.
     pub fn new(camera: &Camera) -> Result<Self, RasterError> {
         let (width, height) = (camera.width, camera.height);
-        if !(1..=MAX_EDGE_PX).contains(&width) || !(1..=MAX_EDGE_PX).contains(&height) {
+        let edge = 1..=MAX_EDGE_PX;
+        let is_too_large = u64::from(width) * u64::from(height) > MAX_FRAME_PIXELS;
+        if !edge.contains(&width) || !edge.contains(&height) || is_too_large {
             return Err(RasterError::FrameSize { width, height });
         }
         let fov_y_degrees = camera.fov_y_degrees;

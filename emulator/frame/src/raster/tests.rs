@@ -740,6 +740,24 @@ fn back_faces_are_drawn_with_the_same_attributes() {
 }
 
 #[test]
+fn the_rows_of_the_tiles_are_the_frame() {
+    for (width, height) in [(1, 1), (64, 64), (65, 1), (1, 200), (130, 129), (200, 64)] {
+        let mut pixels = vec![[0; 2]; (width * height) as usize];
+        let places = tile_rows(&mut pixels, width, height);
+        assert!(places.iter().map(|(tile, _)| *tile).eq(tiles(width, height)));
+        for (tile, rows) in places {
+            assert_eq!(rows.len(), tile.height as usize);
+            for (y, row) in (tile.y..).zip(rows) {
+                assert_eq!(row.len(), tile.width as usize);
+                (tile.x..).zip(row).for_each(|(x, pixel)| *pixel = [x, y]);
+            }
+        }
+        let expected = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        assert!(pixels.into_iter().eq(expected), "{width}x{height}");
+    }
+}
+
+#[test]
 fn triangles_are_numbered_through_the_objects() {
     let projection = Projection::new(&camera(8, 8)).expect("a camera");
     let corner = vertex(DVec3::ZERO, DVec3::Z, DVec2::ZERO);
@@ -755,6 +773,9 @@ fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
     let good = camera(64, 64);
     assert!(Projection::new(&Camera { width: 0, ..good }).is_err());
     assert!(Projection::new(&Camera { height: MAX_EDGE_PX + 1, ..good }).is_err());
+    // 2^26 pixels and no more, whatever their shape.
+    assert!(Projection::new(&Camera { width: MAX_EDGE_PX, height: 4096, ..good }).is_ok());
+    assert!(Projection::new(&Camera { width: MAX_EDGE_PX, height: 4097, ..good }).is_err());
     for fov_y_degrees in [0.0, -5.0, 180.0, f64::NAN, 1e-12] {
         assert!(matches!(Projection::new(&Camera { fov_y_degrees, ..good }), Err(RasterError::FieldOfView { .. })));
     }

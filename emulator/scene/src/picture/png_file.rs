@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::{Encoding, Picture, PictureError, check_size, linear_to_srgb8, open, srgb_to_linear};
 use crate::output::OutputFile;
 
@@ -83,21 +85,40 @@ pub(super) fn decode_table(largest: u32, encoding: Encoding) -> Vec<f32> {
 /// # Errors
 /// A directory that is missing or read-only, a full disk, a picture without pixels or not `width · height` of them.
 pub fn write_png_srgb(path: &Path, picture: &Picture) -> Result<(), PictureError> {
+    write_png_codes(path, [picture.width, picture.height], &srgb_codes(&picture.pixels, |pixel| *pixel))
+}
+
+/// The sRGB code of each channel of `pixels`, by [`linear_to_srgb8`] of what `linear` makes of them. Each goes to its own place: nothing is
+/// held beside the codes.
+pub fn srgb_codes<T: Sync>(pixels: &[T], linear: impl Fn(&T) -> [f32; 3] + Sync) -> Vec<u8> {
+    let mut codes = vec![0; 3 * pixels.len()];
+    codes.par_chunks_exact_mut(3).zip(pixels).for_each(|(codes, pixel)| {
+        codes.iter_mut().zip(linear(pixel)).for_each(|(code, value)| *code = linear_to_srgb8(value));
+    });
+    codes
+}
+
+/// As [`write_png_srgb`], of codes, three of each pixel in rows from the top: who has them needs no picture in linear light, which is
+/// four times as large.
+///
+/// # Errors
+/// As [`write_png_srgb`].
+pub fn write_png_codes(path: &Path, size: [u32; 2], codes: &[u8]) -> Result<(), PictureError> {
     let written = OutputFile::create(path).and_then(|mut file| {
-        encode_png(&mut file, picture)?;
+        encode_png(&mut file, size, codes)?;
         file.commit()
     });
     written.map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
 }
 
-fn encode_png(writer: &mut dyn Write, picture: &Picture) -> std::io::Result<()> {
-    let mut encoder = png::Encoder::new(writer, picture.width, picture.height);
+/// The compressed picture is held as a whole, for it is one chunk of the file: at most what the codes take and a thousandth.
+fn encode_png(writer: &mut dyn Write, [width, height]: [u32; 2], codes: &[u8]) -> std::io::Result<()> {
+    let mut encoder = png::Encoder::new(writer, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-    let bytes: Vec<u8> = picture.pixels.iter().flatten().map(|value| linear_to_srgb8(*value)).collect();
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&bytes)?;
+    writer.write_image_data(codes)?;
     writer.finish()?;
     Ok(())
 }

@@ -1,0 +1,62 @@
+//! What a frame takes of memory until it is a file. A test program of its own: the system counts whole processes.
+
+use std::fs;
+
+use roughxel_core::precision::Precision;
+use roughxel_frame::plan::Mode;
+use roughxel_frame::{Frame, Prepared};
+use roughxel_scene::Scene;
+use roughxel_scene::picture::write_png_codes;
+
+/// Most memory that this process has held, bytes; none where the system does not say.
+fn most_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
+}
+
+/// Draws a scene of this size and writes it as the program does; the bytes that are stated for it.
+fn draw(scene: Scene, [width, height]: [u32; 2]) -> u64 {
+    let folder = tempfile::tempdir().expect("there is a place for files");
+    let scene = scene.with_size(width, height).expect("the size is allowed");
+    let prepared = Prepared::new(&scene, Mode::Footprint, &Precision::STANDARD).expect("the scene can be drawn");
+    let frame = prepared.render(&|| ()).expect("the scene can be drawn");
+    let codes = frame.srgb_codes();
+    drop(frame);
+    write_png_codes(&folder.path().join("a.png"), [width, height], &codes).expect("it can be written");
+    prepared.frame_bytes()
+}
+
+/// A floor under a ramp: quickly drawn, and all that a frame takes is its pixels.
+const FLOOR: &str = r#"
+[camera]
+eye = [0, 1, 3]
+target = [0, 0, 0]
+[background]
+top = [0.1, 0.2, 0.4]
+bottom = [0.8, 0.7, 0.6]
+[[object]]
+shape = "plane"
+[object.material]
+colour = [0.5, 0.4, 0.3]
+"#;
+
+#[test]
+fn a_frame_takes_the_bytes_that_are_stated() {
+    let floor = || Scene::from_toml("floor.toml", FLOOR, ".".as_ref()).expect("the scene is good");
+    // Threads, libraries and what a small frame takes.
+    draw(floor(), [640, 480]);
+    let Some(before) = most_memory() else {
+        println!("SKIPPED: this system does not say what a process has held");
+        return;
+    };
+    let size = [4096, 1536];
+    let stated = draw(floor(), size);
+    assert_eq!(stated, Frame::BYTES_A_PIXEL * 4096 * 1536);
+    let grown = most_memory().expect("it did say") - before;
+    // The small frame has its place in it, and allocators keep some; a copy of the frame would be 12 bytes a pixel more.
+    let pixel = grown as f64 / f64::from(size[0] * size[1]);
+    println!("{pixel:.2} bytes a pixel");
+    assert!(pixel > 12.0, "{pixel} bytes a pixel: less than a frame is");
+    assert!(pixel < Frame::BYTES_A_PIXEL as f64 + 1.0, "{pixel} bytes a pixel, {} stated", Frame::BYTES_A_PIXEL);
+}
