@@ -20,10 +20,14 @@ use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
 
-use super::batch::{Inputs, map, spread};
+use super::batch::Inputs;
+#[cfg(target_arch = "x86_64")]
+use super::batch::{map, spread};
 use super::columns::Columns;
 use super::narrow::KEPT;
-use super::peak_list::{self, PeakList};
+#[cfg(target_arch = "x86_64")]
+use super::peak_list;
+use super::peak_list::PeakList;
 use super::target::InstructionSet;
 #[cfg(target_arch = "x86_64")]
 use super::target::Target;
@@ -399,7 +403,7 @@ impl Reading {
         p: &Precision,
         shown: &mut Columns<Shown<i32>>,
     ) {
-        let (reflectance, cube) = (&reflectance.map(Value), &map.cube());
+        let (reflectance, cube) = (&reflectance.map(Value::<i32, _>), &map.cube());
         macro_rules! look {
             ($inputs:expr, |$at:ident| $seen:expr) => {
                 each_fragment!(
@@ -442,7 +446,7 @@ impl Reading {
         p: &Precision,
         colours: &mut Columns<Shown<i32>>,
     ) {
-        let own = &own.map(Value);
+        let own = &own.map(Value::<i32, _>);
         let (texels, levels, texture) = (&map.texels[..], &map.map.levels[..], &map.map.scale.0);
         match places.footprints {
             Some(footprints) => each_fragment!(

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::Failure;
+use crate::frames;
 use crate::image::Image;
 use crate::target::Target;
 
@@ -27,6 +28,8 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
         wrong_entry(target, &program)?;
         if target.is_small() {
             smallest(target)?;
+        } else {
+            frames::run(target)?;
         }
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! Builds the firmware for small processors, runs it in QEMU, and tabulates what it costs. `cargo firmware --help` from the project's root.
 
 mod check;
+mod frames;
 mod image;
 mod knobs;
 mod measure;
@@ -16,7 +17,8 @@ const HELP: &str = "\
 The datapath on small processors: the same bits, and what it costs.
 
 cargo firmware check [TARGET…]
-    Golden vectors, a tile of a picture, and a table with one wrong entry that both must notice, on every target or on those named.
+    Golden vectors, a tile of a picture, and a table with one wrong entry that both must notice, on every target or on those named;
+    on aarch64 and s390x golden frames of the emulator, too.
 cargo firmware price [--quick] [-o FILE]
     Instructions, bytes and stack of every plan, as one table: core/firmware/PRICE.md. The same numbers every time with one compiler.
     --quick: two profiles on one target, to standard output.

@@ -1,6 +1,7 @@
 //! Processors: how programs are built for them and run on them.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
@@ -27,6 +28,11 @@ pub fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the board is inside of it").to_path_buf()
 }
 
+/// The root of the project, whose workspace has the emulator.
+pub fn root() -> PathBuf {
+    firmware().join("../..")
+}
+
 /// Where what is built is put.
 pub fn built() -> PathBuf {
     firmware().join("target")
@@ -40,6 +46,17 @@ fn rustup_has(triple: &'static str) -> bool {
         Command::new("rustup").args(["target", "add", triple]).output().is_ok_and(|output| output.status.success())
     })
 }
+
+/// How the program that draws frames is optimised: libraries hardly, for they read scenes and little more; what every texel and pixel goes
+/// through as in a release. It takes two minutes of one core to build for a processor, and its frames 48 s on s390x; with everything at
+/// the first level they take about twice as long.
+const FRAMES_PROFILE: [&str; 5] = [
+    "profile.release.opt-level=1",
+    "profile.release.package.roughxel-core.opt-level=3",
+    "profile.release.package.roughxel-frame.opt-level=3",
+    "profile.release.package.roughxel-maps.opt-level=3",
+    "profile.release.package.roughxel-scene.opt-level=3",
+];
 
 impl Target {
     /// Every one.
@@ -164,11 +181,42 @@ impl Target {
         Ok(folder.join(triple).join("release").join(program))
     }
 
+    /// Builds the program that draws whole frames with the emulator's packages; where it is. `None` where there is no standard library for
+    /// the processor: the sources that a distribution ships with its compiler are enough for `core` alone.
+    pub fn build_frames(self) -> Result<Option<PathBuf>, Failure> {
+        let triple = self.triple();
+        if !rustup_has(triple) {
+            return Ok(None);
+        }
+        // That of the project: what runs in the compiler is there for all of its builds.
+        let folder = root().join("target");
+        let key = triple.replace('-', "_").to_uppercase();
+        let mut cargo = Command::new("cargo");
+        cargo
+            .current_dir(root())
+            .args(["build", "--release", "--locked", "--quiet", "--package", "roughxel-frame", "--example", "golden"])
+            .args(["--target", triple, "--target-dir"])
+            .arg(&folder)
+            .env(format!("CARGO_TARGET_{key}_LINKER"), format!("{}-linux-gnu-gcc", self.name()));
+        cargo.args(FRAMES_PROFILE.iter().flat_map(|setting| ["--config", setting]));
+        let output = cargo.output().map_err(|error| Failure::trouble(format!("cargo: {error}")))?;
+        if !output.status.success() {
+            let text = String::from_utf8_lossy(&output.stderr);
+            return Err(Failure::trouble(format!("the frames cannot be built for {}:\n{text}", self.name())));
+        }
+        Ok(Some(folder.join(triple).join("release/examples/golden")))
+    }
+
     /// Runs a program: its exit code and what it printed.
     pub fn run(self, program: &Path) -> Result<(i32, String), Failure> {
+        self.run_with(program, &[])
+    }
+
+    /// The same with arguments, where it has an operating system that hands them on.
+    pub fn run_with(self, program: &Path, arguments: &[&OsStr]) -> Result<(i32, String), Failure> {
         let (words, package) = self.emulator();
         let mut command = Command::new(words[0]);
-        command.args(&words[1..]).arg(program);
+        command.args(&words[1..]).arg(program).args(arguments);
         let output = command.output().map_err(|error| {
             Failure::trouble(format!("{}: {error}; it is in the Debian package {package}", words[0]))
         })?;
