@@ -121,10 +121,10 @@ pub fn tiles(width: u32, height: u32) -> impl Iterator<Item = TileRect> {
 }
 
 /// The same tiles, each with its rows of the frame's pixels, so that tiles are written side by side without a copy of the frame. The list
-/// is 16 bytes for each row of a tile, ¼ byte a pixel.
+/// is 16 bytes for each row of a tile, ¼ byte a pixel of whole tiles.
 ///
 /// # Panics
-/// If `width` is 0 and the frame has pixels.
+/// If `width` is 0.
 pub fn tile_rows<T>(pixels: &mut [T], width: u32, height: u32) -> Vec<(TileRect, Vec<&mut [T]>)> {
     let edge = TILE_EDGE_PX as usize;
     let mut places: Vec<(TileRect, Vec<&mut [T]>)> =
