@@ -216,20 +216,25 @@ fn core_is_no_std_and_safe() {
 }
 
 /// Files of a frame through which a value goes from texel to pixel.
-const SHADING: [&str; 6] = ["batch.rs", "environment.rs", "lighting.rs", "texture.rs", "tile.rs", SAMPLER];
+const SHADING: [&str; 7] = ["batch.rs", "environment.rs", "lighting.rs", "texture.rs", "tile.rs", SAMPLER, REPEATED];
 
 /// What frames and firmware fetch from an environment by, seen from there.
 const SAMPLER: &str = "../../../core/src/sampler.rs";
+/// What they fetch from repeated maps by.
+const REPEATED: &str = "../../../core/src/repeated.rs";
 
 /// Where a frame may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
-const FRAME_ARITHMETIC: [(&str, &str, &str); 10] = [
-    ("batch.rs", "shade", "memory: which directions belong to a fragment"),
+const FRAME_ARITHMETIC: [(&str, &str, &str); 13] = [
+    ("batch.rs", "light", "memory: which directions belong to a fragment"),
+    ("environment.rs", "bytes", "bytes of what is stored"),
     (SAMPLER, "level_edge", "memory: the edge of a level"),
+    (SAMPLER, "edge_of", "memory: the same of every fragment"),
+    (SAMPLER, "face_patch", "memory: the channels of four texels"),
+    (REPEATED, "tap", "memory: the place of a row in a level"),
     ("lighting.rs", "bytes", "bytes of what is stored"),
     ("lighting.rs", "read", "memory: room for the peaks of all texels"),
     ("lighting.rs", "prepared", "set-up from floats: the colour of a light"),
-    ("texture.rs", "new", "memory: where levels begin; bytes of what is stored"),
-    ("texture.rs", "tap", "memory: the place of a row in a level"),
+    ("texture.rs", "new", "bytes of what is stored"),
     ("tile.rs", "render_counted", "memory: room for the pixels"),
     (
         "tile.rs",

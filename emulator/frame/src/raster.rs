@@ -1,7 +1,7 @@
 //! From triangles to fragments: camera, clipping, setup and the integer rasteriser.
 //!
-//! The host turns every triangle into fixed-point plane equations with exactly rounded float64 operations only
-//! (+, −, ×, ÷, √; the field of view goes through `libm`), and everything per sample is integer: the same
+//! The host turns every triangle into plane equations with exactly rounded float64 operations only (+, −, ×, ÷, √; the field of view
+//! goes through `libm`). What is visible at a sample is found in integers, its attributes with the same few operations of float64: the same
 //! bits on every machine and for every order of tiles. Drawing is deferred: [`TriangleList::rasterise_tile`] finds the
 //! visible triangle of each sample, [`Triangle::fragment`] its attributes, as ports of the datapath.
 //!
@@ -24,8 +24,8 @@ mod tests;
 use roughxel_scene::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
-pub use attributes::{AttributeRows, FragmentAttributes, Needs, PointFromTriangle, Positions, Triangle};
-pub use blocks::{Row, SIDE, same_rows};
+pub use attributes::{AttributeRows, FragmentAttributes, Needs, PointFromTriangle, Triangle};
+pub use blocks::{Positions, Row, SIDE, same_rows};
 pub use camera::Projection;
 pub use coverage::{Run, Sampling};
 pub use edges::TileBuffer;

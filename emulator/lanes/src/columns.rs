@@ -3,7 +3,10 @@
 use roughxel_core::bundle::{End, Rewire};
 use roughxel_core::design::Form;
 
-use super::{LANES, NARROW_LANES};
+use super::LANES;
+
+/// Fragments of the larger group of lanes: rows have room for whole ones.
+const GROUP: usize = 2 * LANES;
 
 /// A bundle of each of many fragments; a row holds one word of all.
 #[derive(Clone, Debug)]
@@ -131,7 +134,7 @@ impl<B: Form> Columns<B> {
 
     /// Room for so many.
     fn grow(&mut self, len: usize) {
-        let needed = len.next_multiple_of(NARROW_LANES) + LANES;
+        let needed = len.next_multiple_of(GROUP) + LANES;
         if needed <= self.stride {
             return;
         }

@@ -13,7 +13,7 @@ use glam::DVec3;
 use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::SUBPIXELS;
-use super::blocks::{Row, SIDE, block, block_rows, port, same_rows, scaled, turns};
+use super::blocks::{Positions, Row, SIDE, block, block_rows, port, same_rows, scaled, turns};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
@@ -54,9 +54,6 @@ impl Default for AttributeRows {
         Self { bare: [[0; SIDE]; 16], uv: [[0; SIDE]; 4], duv: [[0; SIDE]; 6] }
     }
 }
-
-/// Positions of [`SIDE`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
-pub type Positions = [Row; 2];
 
 /// Attributes that not every object reads; those that are not read are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,6 +12,9 @@ pub const SIDE: usize = 16;
 /// A word of each of [`SIDE`] fragments.
 pub type Row = [i32; SIDE];
 
+/// Positions of [`SIDE`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
+pub type Positions = [Row; 2];
+
 /// Fraction bits of a mantissa.
 const MANTISSA_BITS: i32 = 30;
 

@@ -7,8 +7,7 @@
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::BlockVector;
 
-use super::attributes::Positions;
-use super::blocks::{Row, block, block_rows, port};
+use super::blocks::{Positions, Row, block, block_rows, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
 use roughxel_scene::{Camera, MAX_FRAME_PIXELS};
 
