@@ -3,6 +3,7 @@
 use roughxel_core::datapath::Surface;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::datapath::texel::Bump;
+use roughxel_core::design::Form;
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
@@ -148,8 +149,12 @@ impl Fragments {
 
     fn clear(&mut self) {
         let Self { parts: _, bare, derivatives, centres, duv, places, directions, footprints: _ } = self;
-        (bare.clear(), derivatives.clear(), centres.clear(), duv.clear());
-        (places.clear(), directions.clear());
+        bare.clear();
+        derivatives.clear();
+        centres.clear();
+        duv.clear();
+        places.clear();
+        directions.clear();
     }
 }
 
@@ -207,10 +212,7 @@ impl Sums {
     }
 
     /// Counts the taps of a batch.
-    fn count<B>(&mut self, batch: &Columns<B>, taps: impl Fn(&B) -> i32)
-    where
-        B: roughxel_core::design::Form,
-    {
+    fn count<B: Form>(&mut self, batch: &Columns<B>, taps: impl Fn(&B) -> i32) {
         self.taps += batch.iter().map(|fragment| u64::from(taps(&fragment).unsigned_abs())).sum::<u64>();
     }
 }

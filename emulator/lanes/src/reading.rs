@@ -151,7 +151,9 @@ impl FromIterator<ReflectionInput<i32>> for Ports {
 impl Ports {
     /// Leaves no fragment; the memory is kept.
     pub fn clear(&mut self) {
-        (self.bare.clear(), self.bumps.clear(), self.derivatives.clear());
+        self.bare.clear();
+        self.bumps.clear();
+        self.derivatives.clear();
     }
 
     /// What fetching needs of every fragment, on the planes of faces.

@@ -682,8 +682,8 @@ fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
                     #[inline(always)]
                     || triangle.fragments(&positions, &mut rows),
                 );
-                for lane in 0..SIDE {
-                    let expected = triangle.fragment(positions[0][lane], positions[1][lane]);
+                for (lane, (x, y)) in positions[0].into_iter().zip(positions[1]).enumerate() {
+                    let expected = triangle.fragment(x, y);
                     assert_eq!(of_rows(&rows, &derivatives, lane), expected, "{reading}, {needs:?}");
                 }
             }
