@@ -3,7 +3,6 @@
 use roughxel_core::datapath::Surface;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::datapath::texel::Bump;
-use roughxel_core::design::Form;
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
@@ -206,14 +205,9 @@ impl Sums {
 
     /// Adds the colours of a batch.
     fn add_all(&mut self, places: &[Place], colours: &Columns<Shown<i32>>) {
-        for (&place, shown) in places.iter().zip(colours.iter()) {
-            self.add(place, shown.channels);
+        for (&place, colour) in places.iter().zip(colours.colours()) {
+            self.add(place, colour);
         }
-    }
-
-    /// Counts the taps of a batch.
-    fn count<B: Form>(&mut self, batch: &Columns<B>, taps: impl Fn(&B) -> i32) {
-        self.taps += batch.iter().map(|fragment| u64::from(taps(&fragment).unsigned_abs())).sum::<u64>();
     }
 }
 
@@ -232,10 +226,10 @@ impl Prepared<'_> {
             None => batch.colours.fill(fragments.len(), &Shown { channels: object.colour, taps: Fx::zero() }),
             Some(map) => map.sample(spots, &object.colour, (reading, p), &mut batch.colours),
         }
-        sums.count(&batch.colours, |shown| shown.taps.raw());
+        sums.taps += batch.colours.taps();
         if fragments.parts.surface {
             self.bumps(object, fragments, &mut batch.bumps);
-            sums.count(&batch.bumps, |bumped| bumped.taps.raw());
+            sums.taps += batch.bumps.taps();
             sums.clock.enter(Phase::Footprints);
             let seen = object.plan.reflection.map(|plan| seen(&plan, fragments, &batch.bumps));
             let plan = match (&object.lighting, &seen) {
@@ -319,12 +313,12 @@ impl Prepared<'_> {
         match &self.environment {
             Some(map) => {
                 self.reading.environment(look, colours, (map.texels(), is_rough, reflectance), p, shown);
-                sums.count(shown, |shown| shown.taps.raw());
+                sums.taps += shown.taps();
                 sums.add_all(&fragments.places, shown);
             }
             None => {
-                for (&place, own) in fragments.places.iter().zip(colours.iter()) {
-                    let channel = |i: usize| pixel::blend::<i32>(own.channels[i], Fx::zero(), reflectance[i]);
+                for (&place, own) in fragments.places.iter().zip(colours.colours()) {
+                    let channel = |i: usize| pixel::blend::<i32>(own[i], Fx::zero(), reflectance[i]);
                     sums.add(place, core::array::from_fn(channel));
                 }
             }

@@ -24,8 +24,8 @@ mod tests;
 use roughxel_scene::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
-pub use attributes::{AttributeRows, FragmentAttributes, Needs, PointFromTriangle, Triangle};
-pub use blocks::{Positions, Row, SIDE, same_rows};
+pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};
+pub use blocks::{AttributeRows, Positions, Row, SIDE, same_rows};
 pub use camera::Projection;
 pub use coverage::{Run, Sampling};
 pub use edges::TileBuffer;

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::BlockVector;
 use roughxel_scene::Background;
 
 use super::Colour;
@@ -13,8 +12,7 @@ use super::frame::Frame;
 use super::phases::PhaseTimes;
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
-    AttributeRows, FragmentAttributes, Positions, RasterError, Run, SIDE, SUBPIXELS, Sampling, TileRect, TriangleList,
-    tile_rows, tiles,
+    AttributeRows, Positions, RasterError, Run, SIDE, SUBPIXELS, Sampling, TileRect, TriangleList, tile_rows, tiles,
 };
 
 /// What drawing took.
@@ -33,14 +31,6 @@ impl Counted {
         self.times.add(&other.times);
         self
     }
-}
-
-/// What a ray that hits nothing sees.
-enum Ray {
-    /// A colour.
-    Colour([Channel; 3]),
-    /// The environment, as this mirror reflects it.
-    Reflection(FragmentAttributes),
 }
 
 impl Prepared<'_> {
@@ -144,40 +134,37 @@ impl Prepared<'_> {
 
     /// The samples that show nothing.
     fn shade_background(&self, runs: &[Run], batch: &mut Batch, sums: &mut Sums) {
-        let mut rays = Fragments::rays();
-        for run in runs {
-            for (pixel, [x, y]) in run.samples() {
-                let place = Place { pixel, times: run.times };
-                match self.background(x, y) {
-                    Ray::Colour(colour) => sums.add(place, colour),
-                    Ray::Reflection(attributes) => {
-                        rays.push(place, &attributes);
-                        if rays.len() == SHADED {
-                            self.shade_rays(&mut rays, batch, sums);
-                        }
-                    }
+        if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
+            let (mut rays, derivatives) = (Fragments::rays(), self.projection.mirror_derivatives());
+            for_each_side(runs, |places, positions| {
+                let mut rows = AttributeRows::default();
+                self.reading.run(
+                    #[inline(always)]
+                    || self.projection.mirror_rays(positions, &mut rows),
+                );
+                rays.append(places, &rows, &derivatives);
+                if rays.len() + SIDE > SHADED {
+                    self.shade_rays(&mut rays, batch, sums);
                 }
+            });
+            return self.shade_rays(&mut rays, batch, sums);
+        }
+        for run in runs {
+            for (pixel, [_, y]) in run.samples() {
+                sums.add(Place { pixel, times: run.times }, self.background(y));
             }
         }
-        self.shade_rays(&mut rays, batch, sums);
     }
 
-    /// What the ray through a pixel sees that hits nothing.
-    fn background(&self, x: i32, y: i32) -> Ray {
-        match (&self.scene.background, &self.environment) {
-            (Background::Colour(colour), _) => Ray::Colour(colour_word(*colour)),
-            (Background::Ramp { top, bottom }, _) => {
+    /// The colour of a sample in row `y` sub-pixels that shows neither an object nor an environment.
+    fn background(&self, y: i32) -> [Channel; 3] {
+        match &self.scene.background {
+            Background::Colour(colour) => colour_word(*colour),
+            Background::Ramp { top, bottom } => {
                 let down = y as f32 / (self.projection.height() as i32 * SUBPIXELS) as f32;
-                Ray::Colour(colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down)))
+                colour_word(core::array::from_fn(|i| top[i] + (bottom[i] - top[i]) * down))
             }
-            (Background::Environment, None) => Ray::Colour([Fx::zero(); 3]),
-            (Background::Environment, Some(_)) => {
-                // A mirror facing the ray from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|², and a footprint as wide as the pixel's.
-                let view = self.projection.ray_view(x, y);
-                let ray = BlockVector { mantissa: view.mantissa.map(|m| -m), ..view };
-                let dview = self.projection.dview();
-                Ray::Reflection(FragmentAttributes { normal: ray, view: ray, dview, ..FragmentAttributes::default() })
-            }
+            Background::Environment => [Fx::zero(); 3],
         }
     }
 }

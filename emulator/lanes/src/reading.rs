@@ -55,6 +55,29 @@ impl Columns<Bumped<i32>> {
         // Behind the two words of the offset.
         (2..5).all(|word| self.row(word).iter().all(|&d| d == 0))
     }
+
+    /// Bilinear samples of all.
+    pub fn taps(&self) -> u64 {
+        // Behind the five words of the bump.
+        sum(self.row(5))
+    }
+}
+
+impl Columns<Shown<i32>> {
+    /// The colour of each.
+    pub fn colours(&self) -> impl Iterator<Item = [Control<i32, LIGHT>; 3]> + '_ {
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.row(channel));
+        red.iter().zip(green).zip(blue).map(|((&red, &green), &blue)| [red, green, blue].map(Fx::from_raw))
+    }
+
+    /// Bilinear samples of all.
+    pub fn taps(&self) -> u64 {
+        sum(self.row(3))
+    }
+}
+
+fn sum(taps: &[i32]) -> u64 {
+    taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
 }
 
 impl Columns<Derivatives<i32>> {

@@ -13,7 +13,7 @@ use glam::DVec3;
 use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::SUBPIXELS;
-use super::blocks::{Positions, Row, SIDE, block, block_rows, port, same_rows, scaled, turns};
+use super::blocks::{AttributeRows, Positions, Row, SIDE, block, block_rows, port, same_rows, scaled, turns};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
@@ -35,24 +35,6 @@ pub struct FragmentAttributes {
     pub uv: [U0F32; 2],
     /// ∂(u, v)/∂x and ∂(u, v)/∂y in repeats per pixel (y down).
     pub duv: [BlockPair; 2],
-}
-
-/// The same of [`SIDE`] fragments side by side, word by word: of a vector its mantissas, then its exponent; of a texture coordinate the lower
-/// and the upper half of a wide word.
-#[derive(Clone, Copy, Debug)]
-pub struct AttributeRows {
-    /// `normal`, `view`, `frame_vectors`.
-    pub bare: [Row; 16],
-    /// `uv`.
-    pub uv: [Row; 4],
-    /// `duv`.
-    pub duv: [Row; 6],
-}
-
-impl Default for AttributeRows {
-    fn default() -> Self {
-        Self { bare: [[0; SIDE]; 16], uv: [[0; SIDE]; 4], duv: [[0; SIDE]; 6] }
-    }
 }
 
 /// Attributes that not every object reads; those that are not read are zero.

@@ -15,6 +15,24 @@ pub type Row = [i32; SIDE];
 /// Positions of [`SIDE`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
 pub type Positions = [Row; 2];
 
+/// The attributes of [`SIDE`] fragments side by side, word by word: of a vector its mantissas, then its exponent; of a texture coordinate the lower
+/// and the upper half of a wide word.
+#[derive(Clone, Copy, Debug)]
+pub struct AttributeRows {
+    /// `normal`, `view`, `frame_vectors`.
+    pub bare: [Row; 16],
+    /// `uv`.
+    pub uv: [Row; 4],
+    /// `duv`.
+    pub duv: [Row; 6],
+}
+
+impl Default for AttributeRows {
+    fn default() -> Self {
+        Self { bare: [[0; SIDE]; 16], uv: [[0; SIDE]; 4], duv: [[0; SIDE]; 6] }
+    }
+}
+
 /// Fraction bits of a mantissa.
 const MANTISSA_BITS: i32 = 30;
 

@@ -7,7 +7,7 @@
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::BlockVector;
 
-use super::blocks::{Positions, Row, block, block_rows, port};
+use super::blocks::{AttributeRows, Positions, Row, SIDE, block, block_rows, port, same_rows};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
 use roughxel_scene::{Camera, MAX_FRAME_PIXELS};
 
@@ -101,6 +101,19 @@ impl Projection {
         port(block(self.view_at(x_subpx, y_subpx), 0))
     }
 
+    /// The rays of samples side by side as normals and views of mirrors that face them from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|².
+    #[inline(always)]
+    pub fn mirror_rays(&self, positions: &Positions, rows: &mut AttributeRows) {
+        let (normal, rest) = rows.bare.split_at_mut(4);
+        self.ray_views(positions, normal);
+        for row in &mut normal[..3] {
+            for mantissa in row {
+                *mantissa = -*mantissa;
+            }
+        }
+        rest[..4].copy_from_slice(normal);
+    }
+
     /// The same of samples side by side.
     #[inline(always)]
     pub(super) fn ray_views(&self, positions: &Positions, rows: &mut [Row]) {
@@ -119,6 +132,12 @@ impl Projection {
     /// ∂v/∂x and ∂v/∂y per pixel (y down), in the units of [`Projection::ray_view`]: two orthogonal unit vectors.
     pub fn dview(&self) -> [BlockVector; 2] {
         self.dview
+    }
+
+    /// ∂v and no ∂n, as rows of [`Derivatives`](roughxel_lanes::Derivatives): a footprint as wide as the pixel.
+    pub fn mirror_derivatives(&self) -> [Row; 16] {
+        let [vx, vy] = self.dview.each_ref().map(same_rows);
+        core::array::from_fn(|row| [vx, vy].as_flattened().get(row).copied().unwrap_or([0; SIDE]))
     }
 
     /// Homogeneous screen coordinates (x·w, y·w, w) of a world position: x and y in pixels, w the distance along
