@@ -2,10 +2,9 @@
 //!
 //! Whole frames through the integer datapath: visibility, fetches and the stages of each object's plan.
 //!
-//! Deferred: a tile's visible triangles first, then each pixel once. Fragments of an object wait until a batch of them
-//! gets its footprints, and what reflects waits again for the reflection datapath, so that lanes are full. Tiles are
-//! independent, so the bits of a frame do not depend on the number of threads. Memory between address and texel lives
-//! here; everything between texel and pixel is a stage of `roughxel-core`.
+//! Deferred: a tile's visible triangles first, then each pixel once, triangle by triangle. Fragments of an object wait until they are a batch, and
+//! go side by side through footprints, maps, surfaces and the environment; lights take them one by one. Tiles are
+//! independent, so the bits of a frame do not depend on the number of threads. Everything between texel and pixel is a stage of `roughxel-core`.
 //!
 //! [`raster`] finds the visible fragments, [`plan`] says which stages each object needs, `prepare` has the maps and
 //! constants of the objects, `tile` asks for what is visible, `batch` takes what waits through the stages.
