@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use crate::Failure;
-use crate::frames;
 use crate::image::Image;
 use crate::target::Target;
 
@@ -28,10 +27,6 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
         wrong_entry(target, &program)?;
         if target.is_small() {
             smallest(target)?;
-        }
-        // Of another family, and with the other order of bytes.
-        if target == Target::S390X {
-            frames::run(target)?;
         }
     }
     Ok(())
