@@ -2,6 +2,7 @@
 //!
 //! As in [`sampler`](crate::sampler), arithmetic is that of the composer ([`texel`]); here are the loops around it and the fetches.
 
+use crate::datapath::texel::Quad;
 use crate::datapath::{texel, texture_probe};
 use crate::each::{each, places};
 use crate::fetch::{Fetch, int};
@@ -9,7 +10,7 @@ use crate::fx::{Control, Fx, Int};
 use crate::ports::SHARE;
 use crate::precision::Precision;
 use crate::signals::{Probes, TexturePosition};
-use crate::stage::filter::{LEVEL_WEIGHT, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::filter::{LEVEL_WEIGHT, LevelPair, ProbeSum, WEIGHT};
 use crate::stage::texture::TextureScale;
 use crate::word::Word;
 
@@ -98,7 +99,7 @@ pub struct Mean<W: Word, const CHANNELS: usize> {
 pub fn mean<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
     view: &View<'_, W>,
     texels: &[[T; STORED]],
-    filter: impl Fn(&Patch<W>, &Patch<W>, Control<W, LEVEL_WEIGHT>) -> Int<W>,
+    filter: impl Fn(&Quad<W, CHANNELS>, Option<&Quad<W, CHANNELS>>, Control<W, LEVEL_WEIGHT>) -> [Int<W>; CHANNELS],
     probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS],
     p: &Precision,
 ) -> Mean<W, CHANNELS> {
@@ -109,36 +110,26 @@ pub fn mean<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: 
         p,
         #[inline(always)]
         |read: Read<W>| {
-            let fine = texels_of::<W, T, STORED, CHANNELS>(&read.fine, texels);
+            let fine = quad_of::<W, T, STORED, CHANNELS>(&read.fine, texels);
             let coarse = match &read.coarse {
-                // Both levels are one: what they share is computed once.
-                None => fine,
-                Some(tap) => texels_of(tap, texels),
+                None => None,
+                Some(tap) => Some(quad_of(tap, texels)),
             };
-            let coarse_weight = match &read.coarse {
-                None => read.fine.weight,
-                Some(tap) => tap.weight,
-            };
-            let sample = probe(each!(channel in places() => {
-                let [fine, coarse] = each!((texels, weight) in [(&fine, read.fine.weight), (&coarse, coarse_weight)] => {
-                    Patch::<W> { texels: each!(texel in *texels => texel[channel]), weight }
-                });
-                filter(&fine, &coarse, read.level_weight)
-            }));
-            sums = each!(channel in places() => texel::probe_sum(&sums[channel], sample[channel], read.weight));
+            let sample = probe(filter(&fine, coarse.as_ref(), read.level_weight));
+            sums = texel::probe_sums(&sums, &sample, read.weight);
             let levels = Fx::select(read.level_weight.is_zero(), Fx::int(1), Fx::int(2));
             taps = taps + Fx::select(read.counts, levels, Fx::zero());
         },
     );
-    Mean { channels: each!(sum in sums => texel::probe_mean(&sum)), taps }
+    Mean { channels: texel::probe_means(&sums), taps }
 }
 
 #[inline(always)]
-fn texels_of<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
+fn quad_of<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
     tap: &Tap<W>,
     texels: &[[T; STORED]],
-) -> [[Int<W>; CHANNELS]; 4] {
-    each!(place in tap.texels => {
+) -> Quad<W, CHANNELS> {
+    let texels = each!(place in tap.texels => {
         let read = W::gather(
             [place.raw()],
             #[inline(always)]
@@ -148,7 +139,8 @@ fn texels_of<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS:
             },
         );
         each!(channel in read => Fx::from_raw(channel))
-    })
+    });
+    Quad { texels, weight: tap.weight }
 }
 
 /// Columns, rows and start of a level.

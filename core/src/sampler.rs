@@ -5,14 +5,15 @@
 use core::ops::RangeInclusive;
 
 use crate::bundle::{Value, bundle};
-use crate::datapath::{environment_probe, pixel, sphere_probe, texel};
+use crate::datapath::texel::Quad;
+use crate::datapath::{cube_place, environment_probe, pixel, sphere_probe, texel};
 use crate::each::{each, places};
 use crate::fetch::{Fetch, int};
 use crate::fx::{Control, Fx, Int};
 use crate::ports::{LIGHT, REFLECTANCE, SHARE};
 use crate::precision::Precision;
 use crate::signals::{CubePoint, FacePosition, Probes, Sweep};
-use crate::stage::filter::{Address, LevelPair, Patch, ProbeSum, WEIGHT};
+use crate::stage::filter::{Address, LevelPair, ProbeSum};
 use crate::stage::seam::FaceTexel;
 use crate::staged::stage;
 use crate::word::Word;
@@ -74,17 +75,6 @@ impl<M> Clone for Cube<'_, M> {
 impl<M> Copy for Cube<'_, M> {}
 
 bundle! {
-    /// Four texels of a level as integers.
-    pub struct FacePatch<W> {
-        /// Channels of the texels (0,0), (1,0), (0,1), (1,1).
-        texels: [[Int<W>; 3]; 4],
-        /// Weights of the right and of the lower ones, [0, 1).
-        #[range(0..1)]
-        weight: [Control<W, WEIGHT>; 2],
-    }
-}
-
-bundle! {
     /// What a footprint sees of an environment, before its unit.
     pub struct Seen<W> {
         /// The mean of each channel, as the stages of pixels take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright,
@@ -138,12 +128,21 @@ pub fn blended<W: Fetch, M: CubeMemory>(
     reflectance: &[Control<W, REFLECTANCE>; 3],
     cube: &Cube<'_, M>,
 ) -> [Value<W, LIGHT>; 3] {
-    let (unit, is_bright) = (int::<W>(cube.exponent), cube.memory.is_bright());
-    each!(i in [0, 1, 2] => Value(if is_bright {
-        pixel::bright_blend::<W>(surface[i], seen.mean[i], unit, reflectance[i])
+    let unit = int::<W>(cube.exponent);
+    if cube.memory.is_bright() {
+        pixel::bright_reflected(surface, &seen.mean, unit, reflectance)
     } else {
-        pixel::blend::<W>(surface[i], pixel::colour::<W>(seen.mean[i], unit), reflectance[i])
-    }))
+        pixel::reflected(surface, &seen.mean, unit, reflectance)
+    }
+}
+
+/// What a point of the cube sees without a footprint: one bilinear sample of the finest level.
+#[inline(always)]
+pub fn point_means<W: Fetch, M: CubeMemory>(point: &CubePoint<W>, cube: &Cube<'_, M>, p: &Precision) -> Seen<W> {
+    let mut sum = Sum::none();
+    let pair = LevelPair { level: Fx::zero(), weight: Fx::zero() };
+    sum.add::<M>((&cube_place(point), Fx::int(1)), &pair, W::known(true), cube, p);
+    sum.seen()
 }
 
 /// What a footprint on its face sees.
@@ -208,14 +207,14 @@ impl<W: Fetch> Sum<W> {
     ) {
         let weight = Fx::select(counts, weight, Fx::zero());
         let sample = trilinear::<W, M>(place, pair, cube, p);
-        self.channels = each!(i in [0, 1, 2] => texel::probe_sum(&self.channels[i], sample[i], weight));
+        self.channels = texel::probe_sums(&self.channels, &sample, weight);
         let taps = Fx::select(pair.weight.is_zero(), Fx::int(1), Fx::int(2));
         self.taps = self.taps + Fx::select(counts, taps, Fx::zero());
     }
 
     #[inline(always)]
     fn seen(self) -> Seen<W> {
-        Seen { mean: each!(sum in self.channels => texel::probe_mean(&sum)), taps: self.taps }
+        Seen { mean: texel::probe_means(&self.channels), taps: self.taps }
     }
 }
 
@@ -226,23 +225,18 @@ fn trilinear<W: Fetch, M: CubeMemory>(
     cube: &Cube<'_, M>,
     p: &Precision,
 ) -> [Int<W>; 3] {
-    let a = stage!("fetch.face", face_patch::<W, M>(pair.level, place, cube, p));
-    let b = if W::any(!pair.weight.is_zero()) {
-        let coarse = (pair.level + Fx::int(1)).min(int::<W>(cube.last_level as i32));
-        stage!("fetch.face", face_patch::<W, M>(coarse, place, cube, p))
+    let fine = stage!("fetch.face", face_quad::<W, M>(pair.level, place, cube, p));
+    let coarse = if W::any(!pair.weight.is_zero()) {
+        let level = (pair.level + Fx::int(1)).min(int::<W>(cube.last_level as i32));
+        Some(stage!("fetch.face", face_quad::<W, M>(level, place, cube, p)))
     } else {
-        a
+        None
     };
-    each!(channel in [0, 1, 2] => {
-        let [a, b] = each!(level in [&a, &b] => {
-            Patch::<W> { texels: each!(texel in level.texels => texel[channel]), weight: level.weight }
-        });
-        if cube.memory.is_bright() {
-            texel::word_sample(&a, &b, pair.weight)
-        } else {
-            texel::colour_sample(&a, &b, pair.weight)
-        }
-    })
+    if cube.memory.is_bright() {
+        texel::word_samples(&fine, coarse.as_ref(), pair.weight)
+    } else {
+        texel::colour_samples(&fine, coarse.as_ref(), pair.weight)
+    }
 }
 
 /// [`level_edge`] of every fragment.
@@ -254,12 +248,12 @@ fn edge_of<W: Fetch>(edge: u32, level: Int<W>) -> Int<W> {
 
 /// What a bilinear sample of a level reads; what lies beyond the face comes from its neighbours.
 #[inline(always)]
-fn face_patch<W: Fetch, M: CubeMemory>(
+fn face_quad<W: Fetch, M: CubeMemory>(
     level: Int<W>,
     place: &FacePosition<W>,
     cube: &Cube<'_, M>,
     p: &Precision,
-) -> FacePatch<W> {
+) -> Quad<W, 3> {
     let edge = edge_of::<W>(cube.edge, level);
     let Address { index, weight } = texel::face_address::<W>(place, edge, p);
     let last = edge - Fx::int(1);
@@ -295,7 +289,7 @@ fn face_patch<W: Fetch, M: CubeMemory>(
         );
         texels = each!(i in places() => Fx::select(is_inside, texels[i], Fx::from_raw(beside[i])));
     }
-    FacePatch { texels: each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel])), weight }
+    Quad { texels: each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel])), weight }
 }
 
 /// Channels of a patch one after the other.

@@ -7,7 +7,7 @@ use crate::fx::Int;
 use crate::ports::PortBlock;
 use crate::precision::Precision;
 use crate::signals::{
-    Axes, CubePoint, Ellipse, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe,
+    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe,
 };
 use crate::stage::texture::TextureScale;
 use crate::stage::{axes, cube_face, ellipse, enter, probes, sweep, texture};
@@ -30,6 +30,12 @@ pub(super) fn principal<W: Staged>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<
 pub(super) fn assemble<W: Staged>(ellipse: &Ellipse<W>, map: &MapScale<W>, p: &Precision) -> (Axes<W>, Probes<W>) {
     let axes = principal(ellipse, p);
     (axes, stage!("probes", probes::probes(&axes, map, p)))
+}
+
+/// Where a point of the cube is read: the place of an environment footprint's only probe.
+#[inline(always)]
+pub fn cube_place<W: Staged>(point: &CubePoint<W>) -> FacePosition<W> {
+    stage!("place", cube_face::position(point))
 }
 
 /// Probe `index` of an environment footprint: on its face, or across the edge where it leaves the face.

@@ -1,6 +1,7 @@
 //! From samples to the colour of a pixel, one channel at a time.
 
-use crate::bundle::bundle;
+use crate::bundle::{Value, bundle};
+use crate::each::each;
 use crate::fx::{Control, Int};
 use crate::ports::{LIGHT, REFLECTANCE};
 use crate::stage::{blend, pixel};
@@ -37,6 +38,32 @@ pub fn bright_blend<W: Staged>(
     reflectance: Control<W, REFLECTANCE>,
 ) -> Control<W, LIGHT> {
     control_stage!("blend.bright", blend::bright::<W>(surface, mean, exponent, reflectance))
+}
+
+/// [`colour`] and [`blend`] of every channel, as one stage.
+#[inline(always)]
+pub fn reflected<W: Staged>(
+    surface: &[Control<W, LIGHT>; 3],
+    mean: &[Int<W>; 3],
+    exponent: Int<W>,
+    reflectance: &[Control<W, REFLECTANCE>; 3],
+) -> [Value<W, LIGHT>; 3] {
+    stage!("blend", each!(i in [0, 1, 2] => {
+        Value(blend::blend::<W>(surface[i], pixel::colour::<W>(mean[i], exponent), reflectance[i]))
+    }))
+}
+
+/// [`bright_blend`] of every channel, as one stage.
+#[inline(always)]
+pub fn bright_reflected<W: Staged>(
+    surface: &[Control<W, LIGHT>; 3],
+    mean: &[Int<W>; 3],
+    exponent: Int<W>,
+    reflectance: &[Control<W, REFLECTANCE>; 3],
+) -> [Value<W, LIGHT>; 3] {
+    stage!("blend.bright", each!(i in [0, 1, 2] => {
+        Value(blend::bright::<W>(surface[i], mean[i], exponent, reflectance[i]))
+    }))
 }
 
 bundle! {

@@ -108,6 +108,7 @@ struct Footprint<W: Staged> {
 
 impl<W: Staged> Footprint<W> {
     /// A point.
+    #[inline(always)]
     fn none() -> Self {
         let number = Block::zero();
         let probes = Probes {

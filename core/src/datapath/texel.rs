@@ -2,7 +2,7 @@
 
 use crate::block::{Block, of_control};
 use crate::bundle::{Value, bundle};
-use crate::each::each;
+use crate::each::{each, places};
 use crate::fx::{Control, Fx, Int};
 use crate::ports::{LOD, OFFSET, SHARE};
 use crate::precision::{Precision, RoughnessKind};
@@ -92,6 +92,79 @@ pub fn colour_sample<W: Staged>(fine: &Patch<W>, coarse: &Patch<W>, level_weight
 #[inline(always)]
 pub fn word_sample<W: Staged>(fine: &Patch<W>, coarse: &Patch<W>, level_weight: Control<W, LEVEL_WEIGHT>) -> Int<W> {
     control_stage!("filter.trilinear", filter::trilinear(fine, coarse, level_weight, 0))
+}
+
+bundle! {
+    /// Four texels of a level with all their channels.
+    pub struct Quad<W, const CHANNELS: usize> {
+        /// The texels (0,0), (1,0), (0,1), (1,1).
+        texels: [[Int<W>; CHANNELS]; 4],
+        /// Weights of the right and of the lower ones, [0, 1).
+        #[range(0..1)]
+        weight: [Control<W, WEIGHT>; 2],
+    }
+}
+
+/// [`colour_sample`] of every channel, as one stage: what their weights have in common is worked out once. Without a coarser level both are one.
+#[inline(always)]
+pub fn colour_samples<W: Staged, const CHANNELS: usize>(
+    fine: &Quad<W, CHANNELS>,
+    coarse: Option<&Quad<W, CHANNELS>>,
+    level_weight: Control<W, LEVEL_WEIGHT>,
+) -> [Int<W>; CHANNELS] {
+    samples(fine, coarse, level_weight, 8)
+}
+
+/// The same as [`colour_samples`] of [`word_sample`].
+#[inline(always)]
+pub fn word_samples<W: Staged, const CHANNELS: usize>(
+    fine: &Quad<W, CHANNELS>,
+    coarse: Option<&Quad<W, CHANNELS>>,
+    level_weight: Control<W, LEVEL_WEIGHT>,
+) -> [Int<W>; CHANNELS] {
+    samples(fine, coarse, level_weight, 0)
+}
+
+#[inline(always)]
+fn samples<W: Staged, const CHANNELS: usize>(
+    fine: &Quad<W, CHANNELS>,
+    coarse: Option<&Quad<W, CHANNELS>>,
+    level_weight: Control<W, LEVEL_WEIGHT>,
+    extra: u32,
+) -> [Int<W>; CHANNELS] {
+    let samples = match coarse {
+        None => stage!("filter.trilinear", each!(channel in places() => {
+            let one = patch(fine, channel);
+            Value::<W, 32>(filter::trilinear(&one, &one, level_weight, extra))
+        })),
+        Some(coarse) => stage!("filter.trilinear", each!(channel in places() => {
+            Value::<W, 32>(filter::trilinear(&patch(fine, channel), &patch(coarse, channel), level_weight, extra))
+        })),
+    };
+    each!(Value(sample) in samples => sample)
+}
+
+/// One channel of four texels.
+#[inline(always)]
+fn patch<W: Staged, const CHANNELS: usize>(quad: &Quad<W, CHANNELS>, channel: usize) -> Patch<W> {
+    Patch { texels: each!(texel in quad.texels => texel[channel]), weight: quad.weight }
+}
+
+/// [`probe_sum`] of every channel, as one stage.
+#[inline(always)]
+pub fn probe_sums<W: Staged, const CHANNELS: usize>(
+    sums: &[ProbeSum<W>; CHANNELS],
+    samples: &[Int<W>; CHANNELS],
+    weight: Control<W, SHARE>,
+) -> [ProbeSum<W>; CHANNELS] {
+    stage!("filter.sum", each!(channel in places() => sums[channel].add(samples[channel], weight)))
+}
+
+/// [`probe_mean`] of every channel, as one stage.
+#[inline(always)]
+pub fn probe_means<W: Staged, const CHANNELS: usize>(sums: &[ProbeSum<W>; CHANNELS]) -> [Int<W>; CHANNELS] {
+    let means = stage!("filter.mean", each!(sum in *sums => Value::<W, 32>(sum.mean())));
+    each!(Value(mean) in means => mean)
 }
 
 /// A sum over probes with one more.

@@ -302,7 +302,7 @@ impl Prepared<'_> {
         let look = match seen.footprint {
             FootprintKind::None | FootprintKind::Face => {
                 self.reading.footprints(surfaces, derivatives, (scale, seen), p, footprints);
-                Look::Face(footprints)
+                if seen.footprint == FootprintKind::None { Look::Point(footprints) } else { Look::Face(footprints) }
             }
             FootprintKind::Sphere => {
                 self.reading.sweeps(surfaces, derivatives, (scale, seen), p, sweeps);

@@ -6,14 +6,7 @@ use roughxel_core::fx::{Fx, Int};
 use roughxel_core::word::Wire;
 
 use super::narrow::Halves;
-use super::{FlagLanes, LANES, Lanes, NarrowFlags, NarrowLanes, Target};
-
-/// Whether there is any.
-#[inline(always)]
-fn any<T: Target>(flag: FlagLanes<T>) -> bool {
-    let [one, zero] = each!(value in [1, 0] => flag.1.splat(value));
-    flag.1.word_lanes(flag.1.select(flag.0, one, zero)).iter().fold(0, |any, lane| any | lane) != 0
-}
+use super::{FlagLanes, LANES, Lanes, NarrowFlags, NarrowLanes, Target, any};
 
 #[inline(always)]
 fn most<T: Target>(count: Lanes<T>) -> i32 {
@@ -88,8 +81,7 @@ impl<T: Target> Fetch for NarrowLanes<T> {
     }
     #[inline(always)]
     fn any(flag: NarrowFlags<T>) -> bool {
-        let [even, odd] = flag.halves();
-        any(even) || any(odd)
+        flag.is_any()
     }
     #[inline(always)]
     fn gather<const IN: usize, const OUT: usize>(

@@ -176,8 +176,19 @@ macro_rules! wire {
             fn leading_zeros(self) -> Lanes<T> {
                 Lanes(self.1.$leading_zeros(self.0), self.1)
             }
+            #[inline(always)]
+            fn unless<B>(flag: FlagLanes<T>, instead: B, body: impl FnOnce() -> B) -> B {
+                if any(!flag) { body() } else { instead }
+            }
         }
     };
+}
+
+/// Whether any lane has the flag.
+#[inline(always)]
+fn any<T: Target>(flag: FlagLanes<T>) -> bool {
+    let [one, zero] = [flag.1.splat(1), flag.1.splat(0)];
+    flag.1.word_lanes(flag.1.select(flag.0, one, zero)).iter().fold(0, |any, lane| any | lane) != 0
 }
 
 wire!(Lanes, i32, splat, add, sub, shl, sar, shl_by, sar_by, and, or, xor, lt, select, leading_zeros);

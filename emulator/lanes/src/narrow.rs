@@ -12,7 +12,7 @@ use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
 use super::batch::Side;
-use super::{FlagLanes, LANES, Lanes, Target, WideLanes, stage};
+use super::{FlagLanes, LANES, Lanes, Target, WideLanes, any, stage};
 
 /// Kept fraction bits of the profiles that run in narrow lanes: all that a word of 16 bits has.
 pub const KEPT: u32 = 14;
@@ -95,10 +95,11 @@ impl<T: Target> NarrowFlags<T> {
         core::array::from_fn(|i| halves[i % 2][i / 2])
     }
 
-    /// Of the even and of the odd lanes.
+    /// Whether any lane has it.
     #[inline(always)]
-    pub(super) fn halves(self) -> [FlagLanes<T>; 2] {
-        self.halves
+    pub(super) fn is_any(self) -> bool {
+        let [even, odd] = self.halves;
+        any(even | odd)
     }
 
     #[inline(always)]
@@ -303,6 +304,10 @@ impl<T: Target> Wire for NarrowLanes<T> {
     #[inline(always)]
     fn select(flag: NarrowFlags<T>, a: Self, b: Self) -> Self {
         Self(a.1.select_short(flag.words, a.0, b.0), a.1)
+    }
+    #[inline(always)]
+    fn unless<B>(flag: NarrowFlags<T>, instead: B, body: impl FnOnce() -> B) -> B {
+        if (!flag).is_any() { body() } else { instead }
     }
     #[inline(always)]
     fn leading_zeros(self) -> Self::Count {

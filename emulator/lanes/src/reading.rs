@@ -196,6 +196,8 @@ impl Ports {
 /// Where fragments look in an environment, and over which footprints.
 #[derive(Clone, Copy, Debug)]
 pub enum Look<'a> {
+    /// At points, over no footprint: the probes do not matter.
+    Point(&'a Columns<Footprint<i32>>),
     /// On the planes of its faces.
     Face(&'a Columns<Footprint<i32>>),
     /// On the sphere.
@@ -240,7 +242,7 @@ fn colour<W: Fetch>(
     own: &[Value<W, LIGHT>; 3],
     p: &Precision,
 ) -> Shown<W> {
-    let mean = repeated::mean(view, texels, texel::colour_sample::<W>, same::<W, 3>, p);
+    let mean = repeated::mean(view, texels, texel::colour_samples::<W, _>, same::<W, 3>, p);
     let unit = Fx::int(exponent.into());
     let channels = each!(i in [0, 1, 2] => pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own[i].0));
     Shown { channels, taps: mean.taps }
@@ -261,13 +263,13 @@ fn bump<W: Fetch>(
     p: &Precision,
 ) -> Bumped<W> {
     let (moments, taps) = if kind == RoughnessKind::None {
-        let Mean { channels: [b1, b2], taps } = repeated::mean(view, texels, texel::word_sample::<W>, same::<W, 2>, p);
+        let Mean { channels: [b1, b2], taps } = repeated::mean(view, texels, texel::word_samples::<W, _>, same::<W, 2>, p);
         ([b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps)
     } else {
         let Mean { channels, taps } = repeated::mean(
             view,
             texels,
-            texel::word_sample::<W>,
+            texel::word_samples::<W, _>,
             #[inline(always)]
             |sample| texel::bump_probe(&BumpSample::<W>::of_words(sample)).words(),
             p,
@@ -439,6 +441,9 @@ impl Reading {
             };
         }
         match look {
+            Look::Point(footprints) => {
+                look!((footprints, own), |footprint| sampler::point_means(&footprint.point, cube, p));
+            }
             Look::Face(footprints) => look!((footprints, own), |footprint| {
                 sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
             }),

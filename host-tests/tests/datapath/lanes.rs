@@ -341,7 +341,14 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             }));
             let reflectance = [(); 3].map(|()| Fx::from_raw(random.below(0x1_0001) as i32));
             let look = (&map, random.below(2) == 1, &reflectance);
-            for at in [Look::Face(&footprints), Look::Sphere(&sweeps)] {
+            // Without a footprint the one probe is the point.
+            let plan = &ReflectionPlan { footprint: FootprintKind::None, ..*plan };
+            let (mut points, mut shown) = (Columns::default(), [Columns::default(), Columns::default()]);
+            Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut points);
+            Reading::Scalar.environment(Look::Point(&points), &own, look, &p, &mut shown[0]);
+            Reading::Scalar.environment(Look::Face(&points), &own, look, &p, &mut shown[1]);
+            same_columns(&shown[0], &shown[1], &|| format!("{name}, a point, edge {edge}"));
+            for at in [Look::Point(&footprints), Look::Face(&footprints), Look::Sphere(&sweeps)] {
                 let (mut expected, mut got) = (Columns::default(), Columns::default());
                 Reading::Scalar.environment(at, &own, look, &p, &mut expected);
                 for reading in lanes() {
