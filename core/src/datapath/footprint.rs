@@ -7,7 +7,8 @@ use crate::fx::Int;
 use crate::ports::PortBlock;
 use crate::precision::Precision;
 use crate::signals::{
-    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe,
+    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition,
+    TextureProbe,
 };
 use crate::stage::texture::TextureScale;
 use crate::stage::{axes, cube_face, ellipse, enter, probes, sweep, texture};

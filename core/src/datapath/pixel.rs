@@ -48,9 +48,12 @@ pub fn reflected<W: Staged>(
     exponent: Int<W>,
     reflectance: &[Control<W, REFLECTANCE>; 3],
 ) -> [Value<W, LIGHT>; 3] {
-    stage!("blend", each!(i in [0, 1, 2] => {
-        Value(blend::blend::<W>(surface[i], pixel::colour::<W>(mean[i], exponent), reflectance[i]))
-    }))
+    stage!(
+        "blend",
+        each!(i in [0, 1, 2] => {
+            Value(blend::blend::<W>(surface[i], pixel::colour::<W>(mean[i], exponent), reflectance[i]))
+        })
+    )
 }
 
 /// [`bright_blend`] of every channel, as one stage.
@@ -61,9 +64,12 @@ pub fn bright_reflected<W: Staged>(
     exponent: Int<W>,
     reflectance: &[Control<W, REFLECTANCE>; 3],
 ) -> [Value<W, LIGHT>; 3] {
-    stage!("blend.bright", each!(i in [0, 1, 2] => {
-        Value(blend::bright::<W>(surface[i], mean[i], exponent, reflectance[i]))
-    }))
+    stage!(
+        "blend.bright",
+        each!(i in [0, 1, 2] => {
+            Value(blend::bright::<W>(surface[i], mean[i], exponent, reflectance[i]))
+        })
+    )
 }
 
 bundle! {

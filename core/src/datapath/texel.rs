@@ -133,13 +133,19 @@ fn samples<W: Staged, const CHANNELS: usize>(
     extra: u32,
 ) -> [Int<W>; CHANNELS] {
     let samples = match coarse {
-        None => stage!("filter.trilinear", each!(channel in places() => {
-            let one = patch(fine, channel);
-            Value::<W, 32>(filter::trilinear(&one, &one, level_weight, extra))
-        })),
-        Some(coarse) => stage!("filter.trilinear", each!(channel in places() => {
-            Value::<W, 32>(filter::trilinear(&patch(fine, channel), &patch(coarse, channel), level_weight, extra))
-        })),
+        None => stage!(
+            "filter.trilinear",
+            each!(channel in places() => {
+                let one = patch(fine, channel);
+                Value::<W, 32>(filter::trilinear(&one, &one, level_weight, extra))
+            })
+        ),
+        Some(coarse) => stage!(
+            "filter.trilinear",
+            each!(channel in places() => {
+                Value::<W, 32>(filter::trilinear(&patch(fine, channel), &patch(coarse, channel), level_weight, extra))
+            })
+        ),
     };
     each!(Value(sample) in samples => sample)
 }

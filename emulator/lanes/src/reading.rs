@@ -263,7 +263,8 @@ fn bump<W: Fetch>(
     p: &Precision,
 ) -> Bumped<W> {
     let (moments, taps) = if kind == RoughnessKind::None {
-        let Mean { channels: [b1, b2], taps } = repeated::mean(view, texels, texel::word_samples::<W, _>, same::<W, 2>, p);
+        let Mean { channels: [b1, b2], taps } =
+            repeated::mean(view, texels, texel::word_samples::<W, _>, same::<W, 2>, p);
         ([b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps)
     } else {
         let Mean { channels, taps } = repeated::mean(
