@@ -24,6 +24,9 @@ pub trait Fetch: Staged {
         read: impl Fn([i32; IN]) -> [i32; OUT],
     ) -> [Self::Count; OUT];
 
+    /// Hands words of every fragment to `take`, one fragment after the other.
+    fn scatter<const WORDS: usize>(words: [Self::Count; WORDS], take: impl FnMut([i32; WORDS]));
+
     /// A decision that is known before.
     #[inline(always)]
     fn known(flag: bool) -> Self::Flag {
@@ -53,6 +56,11 @@ impl<W: IntegerWord> Fetch for W {
         read: impl Fn([i32; IN]) -> [i32; OUT],
     ) -> [W::Count; OUT] {
         each!(texel in read(each!(word in address => word.integer())) => W::Count::of_integer(texel))
+    }
+
+    #[inline(always)]
+    fn scatter<const WORDS: usize>(words: [W::Count; WORDS], mut take: impl FnMut([i32; WORDS])) {
+        take(each!(word in words => word.integer()));
     }
 
     #[inline(always)]

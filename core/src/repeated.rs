@@ -46,6 +46,8 @@ pub struct Tap<W: Word> {
 /// What a probe reads.
 #[derive(Clone, Copy, Debug)]
 pub struct Read<W: Word> {
+    /// Which probe it is, from 0.
+    pub turn: i32,
     /// Whether it is one of the fragment's own.
     pub counts: W::Flag,
     /// Its weight, 0 if it does not count; those of a footprint sum to 1.
@@ -64,7 +66,7 @@ pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(R
     let Some((probes, scale)) = view.footprint else {
         let fine = tap::<W>(view.centre, finest::<W>(view.levels), p);
         let level_weight = Fx::zero();
-        return take(Read { counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });
+        return take(Read { turn: 0, counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });
     };
     let LevelPair { level, weight: level_weight } = texel::levels::<W>(probes.lod, W::known(false), p);
     let fine = level_of::<W>(level, view.levels);
@@ -81,7 +83,7 @@ pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(R
             Some(level) => Some(tap::<W>(&probe.place, level, p)),
             None => None,
         };
-        take(Read { counts, weight, fine, coarse, level_weight });
+        take(Read { turn, counts, weight, fine, coarse, level_weight });
     }
 }
 
@@ -94,11 +96,12 @@ pub struct Mean<W: Word, const CHANNELS: usize> {
     pub taps: Int<W>,
 }
 
-/// Averages the first `CHANNELS` channels of texels over the probes; `filter` interpolates those of a probe, `probe` turns them into what is averaged.
+/// Averages channels of texels over the probes: `quad` finds those of a tap, given the turn of its probe and 0 for the finer level or 1 for the coarser;
+/// `filter` interpolates them, `probe` turns them into what is averaged.
 #[inline(always)]
-pub fn mean<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
+pub fn mean<W: Fetch, const CHANNELS: usize>(
     view: &View<'_, W>,
-    texels: &[[T; STORED]],
+    quad: impl Fn(&Tap<W>, [i32; 2]) -> Quad<W, CHANNELS>,
     filter: impl Fn(&Quad<W, CHANNELS>, Option<&Quad<W, CHANNELS>>, Control<W, LEVEL_WEIGHT>) -> [Int<W>; CHANNELS],
     probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS],
     p: &Precision,
@@ -110,11 +113,11 @@ pub fn mean<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: 
         p,
         #[inline(always)]
         |read: Read<W>| {
-            let fine = quad_of::<W, T, STORED, CHANNELS>(&read.fine, texels);
-            let coarse = match &read.coarse {
-                None => None,
-                Some(tap) => Some(quad_of(tap, texels)),
-            };
+            let fine = quad(&read.fine, [read.turn, 0]);
+            let coarse = read.coarse.as_ref().map(
+                #[inline(always)]
+                |tap| quad(tap, [read.turn, 1]),
+            );
             let sample = probe(filter(&fine, coarse.as_ref(), read.level_weight));
             sums = texel::probe_sums(&sums, &sample, read.weight);
             let levels = Fx::select(read.level_weight.is_zero(), Fx::int(1), Fx::int(2));
@@ -124,23 +127,26 @@ pub fn mean<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: 
     Mean { channels: texel::probe_means(&sums), taps }
 }
 
+/// How [`mean`] finds the first `CHANNELS` channels of texels as a memory holds them.
 #[inline(always)]
-fn quad_of<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
-    tap: &Tap<W>,
+pub fn stored<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
     texels: &[[T; STORED]],
-) -> Quad<W, CHANNELS> {
-    let texels = each!(place in tap.texels => {
-        let read = W::gather(
-            [place.raw()],
-            #[inline(always)]
-            |[place]| {
-                let texel = &texels[place as usize];
-                each!(channel in places() => texel[channel].into())
-            },
-        );
-        each!(channel in read => Fx::from_raw(channel))
-    });
-    Quad { texels, weight: tap.weight }
+) -> impl Fn(&Tap<W>, [i32; 2]) -> Quad<W, CHANNELS> {
+    #[inline(always)]
+    |tap, _| {
+        let texels = each!(place in tap.texels => {
+            let read = W::gather(
+                [place.raw()],
+                #[inline(always)]
+                |[place]| {
+                    let texel = &texels[place as usize];
+                    each!(channel in places() => texel[channel].into())
+                },
+            );
+            each!(channel in read => Fx::from_raw(channel))
+        });
+        Quad { texels, weight: tap.weight }
+    }
 }
 
 /// Columns, rows and start of a level.

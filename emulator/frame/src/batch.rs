@@ -8,16 +8,15 @@ use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
 use roughxel_core::signals::{Sweep, TexturePosition};
-use roughxel_lanes::{Bare, Bumped, Columns, Derivatives, Footprint, Look, Shown};
+use roughxel_lanes::{Bare, Bumped, Columns, Derivatives, Footprint, LANES, Look, RepeatedMap, Shown};
 
 use super::colour::Channel;
-use super::lighting::{PeaksRead, Spot};
+use super::lighting::{Directions, Lit};
 use super::phases::{Phase, PhaseClock};
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, TextureDerivatives};
 use crate::plan::Mode;
 use crate::raster::{AttributeRows, FragmentAttributes, Row, SIDE, same_rows};
-use roughxel_lanes::LANES;
 
 const _: () = assert!(SIDE == LANES, "attributes are made in vectors of lanes");
 
@@ -57,8 +56,8 @@ pub(super) struct Fragments {
     duv: Columns<TextureDerivatives>,
     /// Where each counts.
     places: Vec<Place>,
-    /// From each to every light.
-    pub(super) directions: Vec<BlockVector>,
+    /// From each to the lights that stand in the scene.
+    pub(super) directions: Directions,
     footprints: Footprints,
 }
 
@@ -91,7 +90,7 @@ impl Fragments {
             centres: Columns::default(),
             duv: Columns::default(),
             places: Vec::new(),
-            directions: Vec::new(),
+            directions: Directions::new(),
             footprints,
         }
     }
@@ -153,7 +152,7 @@ impl Fragments {
         centres.clear();
         duv.clear();
         places.clear();
-        directions.clear();
+        directions.iter_mut().for_each(Columns::clear);
     }
 }
 
@@ -166,7 +165,7 @@ pub(super) struct Batch {
     footprints: Columns<Footprint<i32>>,
     sweeps: Columns<Sweep<i32>>,
     shown: Columns<Shown<i32>>,
-    peaks: PeaksRead,
+    lit: Lit,
 }
 
 /// The plan of rays that hit nothing: mirrors without bumps.
@@ -245,10 +244,9 @@ impl Prepared<'_> {
                 // The bias of rough reflections is the object's, whatever a batch leaves out.
                 let is_rough = plan.roughness != RoughnessKind::None;
                 self.reflect((seen, is_rough), &object.reflectance, fragments, batch, sums);
-            } else {
-                sums.add_all(&fragments.places, &batch.colours);
             }
-        } else {
+        }
+        if object.plan.reflection.is_none() {
             sums.add_all(&fragments.places, &batch.colours);
         }
         fragments.clear();
@@ -273,18 +271,17 @@ impl Prepared<'_> {
     /// What each light makes of surfaces that are made.
     fn light(&self, object: &PreparedObject, fragments: &Fragments, batch: &mut Batch, sums: &mut Sums) {
         let Some(lighting) = &object.lighting else { return };
-        let Fragments { centres, footprints, places, directions, .. } = fragments;
-        for (fragment, &place) in places.iter().enumerate() {
-            let (input, surface) =
-                (ports(&fragments.bare.get(fragment), &batch.bumps.get(fragment)), batch.surfaces.get(fragment));
-            let directions = &directions[fragment * lighting.lights()..][..lighting.lights()];
-            let spot = Spot { centres, footprints, fragment };
-            let read = (self.reading, &self.precision);
-            let taps = lighting.shine((&input, &surface), directions, spot, &mut batch.peaks, read, |light| {
-                sums.add(place, light);
-            });
-            sums.taps += taps;
-        }
+        let Fragments { bare, centres, footprints, places, directions, .. } = fragments;
+        let Batch { bumps, surfaces, lit, .. } = batch;
+        let taps = lighting.shine(
+            surfaces,
+            |fragment| ports(&bare.get(fragment), &bumps.get(fragment)),
+            (directions, |map: &RepeatedMap| footprints.places(centres, map)),
+            lit,
+            (self.reading, &self.precision),
+            |shown| sums.add_all(places, shown),
+        );
+        sums.taps += taps;
     }
 
     /// What the environment makes of surfaces that are made, with the colours of a batch; `seen` is the plan and whether its object is rough.

@@ -17,7 +17,7 @@ use roughxel_scene::{Background, Light, Material, Scene};
 use super::colour::{Channel, colour_word};
 use super::environment::EnvironmentMap;
 use super::frame::Frame;
-use super::lighting::{Lighting, PeakMap};
+use super::lighting::{Lighting, peak_texels};
 use super::texture::{BumpMap, ColourMap};
 use crate::plan::{Decision, Effect, Mode, ObjectPlan};
 use crate::raster::{Needs, Projection, RasterError};
@@ -74,7 +74,7 @@ fn lighting(
     match (&material.highlight, plan.highlight, &material.peaks, plan.peaks) {
         (Some(highlight), Some(plan), ..) => Some(Lighting::highlight(highlight, lights, plan, p)),
         (.., Some(peaks), Some(plan)) => {
-            let map = pyramid.map(|pyramid| PeakMap::new(pyramid, mode.filters(), horizon));
+            let map = pyramid.map(|pyramid| peak_texels(pyramid, mode.filters(), horizon));
             Some(Lighting::peaks(peaks, map, lights, plan, p))
         }
         _ => None,

@@ -1,12 +1,10 @@
 //! Repeated maps: the footprints of fragments in them, colours, and bumps with their second moments.
 
 use roughxel_core::datapath::texel::{self, BumpCodes, BumpScale};
-use roughxel_core::fx::{Control, Fx};
-use roughxel_core::ports::{PortBlock, SHARE};
+use roughxel_core::fx::Fx;
+use roughxel_core::ports::PortBlock;
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::repeated::{self, Tap, View};
 use roughxel_core::signals::{MapScale, Probes, TexturePosition};
-use roughxel_core::stage::filter::{Patch, ProbeSum};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_lanes::{Bumped, Columns, MapTexels, Places, Reading, RepeatedMap, Shown};
 use roughxel_maps::bump::BumpPyramid;
@@ -50,69 +48,10 @@ impl Footprints {
         }
     }
 
-    /// Those in a map; none where nothing is filtered.
-    pub(super) fn of(&self, map: &RepeatedMap) -> Option<&Columns<Probes<i32>>> {
-        self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.probes)
-    }
-}
-
-/// What a fragment reads of a map, one probe after the other: its memory is kept for the next one.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Taps {
-    /// Of the probes; they sum to 1.
-    weights: Vec<Control<i32, SHARE>>,
-    /// What each probe reads of the finer level, and of the coarser one unless its weight is 0.
-    levels: [Vec<Tap<i32>>; 2],
-    /// Weight of the coarser level, raw.
-    level_weight: i32,
-}
-
-impl Taps {
-    /// The probes of a footprint, or one at the finest level.
-    pub(super) fn set(
-        &mut self,
-        map: &RepeatedMap,
-        centre: &TexturePosition<i32>,
-        probes: Option<&Probes<i32>>,
-        p: &Precision,
-    ) {
-        let [fine, coarse] = &mut self.levels;
-        fine.clear();
-        coarse.clear();
-        self.weights.clear();
-        let footprint = probes.map(|probes| (probes, &map.scale.0));
-        repeated::reads(&View { centre, footprint, levels: &map.levels }, p, |read| {
-            self.weights.push(read.weight);
-            fine.push(read.fine);
-            coarse.extend(read.coarse);
-            self.level_weight = read.level_weight.raw();
-        });
-    }
-
-    /// Bilinear samples.
-    pub(super) fn count(&self) -> u64 {
-        self.levels.iter().map(|taps| taps.len() as u64).sum()
-    }
-
-    /// The taps of each level, probe by probe.
-    pub(super) fn levels(&mut self) -> &mut [Vec<Tap<i32>>; 2] {
-        &mut self.levels
-    }
-
-    /// The mean over the probes of what stands in the places of the texels.
-    pub(super) fn mean(&self, values: &[i32]) -> Channel {
-        let mut sum = ProbeSum::<i32>::zero();
-        let [fine, coarse] = &self.levels;
-        let coarse = if coarse.is_empty() { fine } else { coarse };
-        for ((&weight, fine), coarse) in self.weights.iter().zip(fine).zip(coarse) {
-            let [fine, coarse] = [fine, coarse].map(|tap| Patch::<i32> {
-                texels: tap.texels.map(|place| Fx::from_raw(values[place.raw() as usize])),
-                weight: tap.weight,
-            });
-            let sample = texel::word_sample(&fine, &coarse, Fx::from_raw(self.level_weight));
-            sum = texel::probe_sum(&sum, sample, weight);
-        }
-        texel::probe_mean(&sum).reread()
+    /// Where fragments at these places look in a map.
+    pub(super) fn places<'a>(&'a self, centres: &'a Columns<TexturePosition<i32>>, map: &RepeatedMap) -> Places<'a> {
+        let footprints = self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.probes);
+        Places { centres, footprints }
     }
 }
 
@@ -159,7 +98,7 @@ impl ColourMap {
         (reading, p): (Reading, &Precision),
         colours: &mut Columns<Shown<i32>>,
     ) {
-        let places = Places { centres, footprints: footprints.of(&self.texels.map) };
+        let places = footprints.places(centres, &self.texels.map);
         reading.colours(places, (&self.texels, self.exponent, own), p, colours);
     }
 }
@@ -208,7 +147,7 @@ impl BumpMap {
         (reading, p): (Reading, &Precision),
         bumps: &mut Columns<Bumped<i32>>,
     ) {
-        let places = Places { centres, footprints: footprints.of(&self.texels.map) };
+        let places = footprints.places(centres, &self.texels.map);
         reading.bumps(places, (&self.texels, &self.scale, kind), p, bumps);
     }
 }

@@ -1,12 +1,14 @@
 //! Batches: fragments in columns, side by side through a part of the datapath, and in columns again.
 
-use roughxel_core::bundle::{Bundle, Rewire};
+use roughxel_core::bundle::{Bundle, Rewire, Value};
 use roughxel_core::design::{Form, In};
 use roughxel_core::each::{each, places};
+use roughxel_core::fx::Fx;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{Wire, Word};
 
 use super::columns::{Columns, Rows, RowsMut};
+use super::peaks::PeakPairs;
 use super::vectors::Vectors;
 use super::{LANES, Lanes, Target};
 
@@ -45,7 +47,7 @@ impl<T: Target> Side<1> for Lanes<T> {
 }
 
 /// Puts what `body` makes of every input into `results`, in their order, in place of what they held. Lanes behind the last fragment hold what
-/// was there before, of other batches, or zeros: any of it is a fragment.
+/// was there before, of other batches, or zeros: `body` takes any.
 pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const PARTS: usize>(
     inputs: I,
     results: &mut Columns<O::In<i32>>,
@@ -116,22 +118,83 @@ impl<A: Inputs, B: Inputs> Inputs for (A, B) {
     }
 }
 
-impl<A: Inputs, B: Inputs, C: Inputs> Inputs for (A, B, C) {
-    type In<W: Word> = (A::In<W>, B::In<W>, C::In<W>);
+/// Wires of rows, one after the other.
+macro_rules! rewire_rows {
+    ($rows:ident) => {
+        impl<W: Side<PARTS>, const PARTS: usize> Rewire<i32, W> for $rows<'_, W::Set, PARTS> {
+            #[inline(always)]
+            fn word(&mut self, _: i32, _: u32) -> W {
+                W::of_mantissas(self.row())
+            }
+            #[inline(always)]
+            fn control(&mut self, _: i32, _: u32) -> W::Count {
+                W::of_counts(self.row())
+            }
+            #[inline(always)]
+            fn wide(&mut self, _: i64, _: u32) -> <W::Count as Word>::Wide {
+                let [low, high] = [W::of_counts(self.row()), W::of_counts(self.row())];
+                high.widen().shl(32).or(low.widen().and(Wire::lit(0xffff_ffff)))
+            }
+            #[inline(always)]
+            fn flag(&mut self, _: bool) -> W::Flag {
+                W::Count::lit(0).lt(W::of_counts(self.row()))
+            }
+        }
+    };
+}
+
+/// A peak of each, in its map, and the bundle of its fragment.
+impl<B: Form> Inputs for (&PeakPairs, &Columns<B>) {
+    type In<W: Word> = (Value<W, 32>, In<B, W>);
     #[inline(always)]
     fn len(self) -> usize {
         self.0.len()
     }
     #[inline(always)]
     fn at(self, index: usize) -> Self::In<i32> {
-        (self.0.at(index), self.1.at(index), self.2.at(index))
+        let (pairs, bundles) = self;
+        (Value(Fx::from_raw(pairs.peaks[index])), bundles.get(pairs.fragments[index] as usize))
     }
     #[inline(always)]
     fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> Self::In<W> {
-        let two = (self.0, self.1).load::<W, PARTS>(first, proof);
-        (two.0, two.1, self.2.load::<W, PARTS>(first, proof))
+        let (pairs, bundles) = self;
+        let [peaks, fragments] = each!(words in [&pairs.peaks, &pairs.fragments] => {
+            each!(part in places::<PARTS>() => Rows::lanes(words, first + LANES * part))
+        });
+        let peak = W::of_counts(each!(words in peaks => Lanes(proof.words(words), proof)));
+        // By fragment: most groups are of one.
+        let (one, last) = (fragments[0][0], fragments[PARTS - 1][LANES - 1]);
+        let bundle = if one == last {
+            spread::<W, _, _>(&bundles.get(one as usize))
+        } else {
+            bundles.form().rewire::<W, _>(&mut Pick::<_, PARTS> { rows: bundles.rows(), fragments, proof, next: 0 })
+        };
+        (Value(Fx::from_raw(peak)), bundle)
     }
 }
+
+/// Takes the words of any fragments in the order of a walk.
+struct Pick<'a, T, const PARTS: usize> {
+    rows: Rows<'a>,
+    fragments: [[i32; LANES]; PARTS],
+    proof: T,
+    next: usize,
+}
+
+impl<T: Target, const PARTS: usize> Pick<'_, T, PARTS> {
+    #[inline(always)]
+    fn row(&mut self) -> [Lanes<T>; PARTS] {
+        let row = self.rows.row(self.next);
+        self.next += 1;
+        each!(part in places() => {
+            let fragments = self.fragments[part];
+            let words = each!(lane in places() => row.get(fragments[lane] as usize).copied().unwrap_or(0));
+            Lanes(self.proof.words(words), self.proof)
+        })
+    }
+}
+
+rewire_rows!(Pick);
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
 struct Load<'a, T, const PARTS: usize> {
@@ -153,25 +216,7 @@ impl<T: Target, const PARTS: usize> Load<'_, T, PARTS> {
     }
 }
 
-impl<W: Side<PARTS>, const PARTS: usize> Rewire<i32, W> for Load<'_, W::Set, PARTS> {
-    #[inline(always)]
-    fn word(&mut self, _: i32, _: u32) -> W {
-        W::of_mantissas(self.row())
-    }
-    #[inline(always)]
-    fn control(&mut self, _: i32, _: u32) -> W::Count {
-        W::of_counts(self.row())
-    }
-    #[inline(always)]
-    fn wide(&mut self, _: i64, _: u32) -> <W::Count as Word>::Wide {
-        let [low, high] = [W::of_counts(self.row()), W::of_counts(self.row())];
-        high.widen().shl(32).or(low.widen().and(Wire::lit(0xffff_ffff)))
-    }
-    #[inline(always)]
-    fn flag(&mut self, _: bool) -> W::Flag {
-        W::Count::lit(0).lt(W::of_counts(self.row()))
-    }
-}
+rewire_rows!(Load);
 
 /// The same wire in every lane.
 struct Spread<T, const PARTS: usize>(T);

@@ -6,7 +6,7 @@ use roughxel_core::design::Form;
 use super::LANES;
 
 /// Fragments of the larger group of lanes: rows have room for whole ones.
-const GROUP: usize = 2 * LANES;
+pub(super) const GROUP: usize = 2 * LANES;
 
 /// A bundle of each of many fragments; a row holds one word of all.
 #[derive(Clone, Debug)]

@@ -47,6 +47,15 @@ fn read_all<const IN: usize, const OUT: usize>(
     }
 }
 
+/// One fragment after the other.
+#[inline(always)]
+fn scatter<T: Target, const WORDS: usize>(words: [Lanes<T>; WORDS], take: &mut impl FnMut([i32; WORDS])) {
+    let rows = each!(row in words => row.lanes());
+    for lane in 0..LANES {
+        take(each!(row in rows => row[lane]));
+    }
+}
+
 impl<T: Target> Fetch for Lanes<T> {
     #[inline(always)]
     fn most(count: Int<Self>) -> i32 {
@@ -66,6 +75,10 @@ impl<T: Target> Fetch for Lanes<T> {
         read: impl Fn([i32; IN]) -> [i32; OUT],
     ) -> [Self; OUT] {
         gather(address, &read)
+    }
+    #[inline(always)]
+    fn scatter<const WORDS: usize>(words: [Self; WORDS], mut take: impl FnMut([i32; WORDS])) {
+        scatter(words, &mut take);
     }
 }
 
@@ -90,5 +103,11 @@ impl<T: Target> Fetch for NarrowLanes<T> {
     ) -> [Halves<Lanes<T>>; OUT] {
         let [even, odd] = each!(half in [0, 1] => gather(each!(words in address => words.0[half]), &read));
         each!(word in places() => Halves([even[word], odd[word]]))
+    }
+    #[inline(always)]
+    fn scatter<const WORDS: usize>(words: [Halves<Lanes<T>>; WORDS], mut take: impl FnMut([i32; WORDS])) {
+        for half in [0, 1] {
+            scatter(each!(word in words => word.0[half]), &mut take);
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Which reading computes surfaces, footprints and peaks: the bits are the same, the time is not.
+//! Which reading computes surfaces, footprints, maps and environments: the bits are the same, the time is not.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,32 +12,20 @@ use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{LIGHT, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::repeated::{self, Mean, View};
+use roughxel_core::repeated::{self, Mean, View, stored};
 use roughxel_core::sampler::{self, Cube, CubeMemory, Seen};
-use roughxel_core::signals::{CubePoint, LocalDirection, MapScale, Probes, Sweep, TexturePosition};
+use roughxel_core::signals::{CubePoint, MapScale, Probes, Sweep, TexturePosition};
 use roughxel_core::soft_core;
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
 
-use super::batch::Inputs;
-#[cfg(target_arch = "x86_64")]
-use super::batch::{map, spread};
 use super::columns::Columns;
 use super::narrow::KEPT;
-#[cfg(target_arch = "x86_64")]
-use super::peak_list;
-use super::peak_list::PeakList;
 use super::target::InstructionSet;
-#[cfg(target_arch = "x86_64")]
-use super::target::Target;
 use super::texels::{CubeTexels, MapTexels};
 #[cfg(target_arch = "x86_64")]
-use super::{Avx2, Avx512, Lanes, NarrowLanes};
-
-/// Peaks that are worth a group of lanes, at least. With four of them in lanes unfiltered frames take 0.92 (`denim-plane`) and 0.99
-/// (`cylinders-plane`) of the time with AVX-512, but 1.05 and 1.17 with AVX2.
-const FEW: usize = 5;
+use super::{Avx2, Avx512, Target};
 
 bundle! {
     /// What fetching needs of a reflection: where it looks, and over which footprint.
@@ -242,7 +230,7 @@ fn colour<W: Fetch>(
     own: &[Value<W, LIGHT>; 3],
     p: &Precision,
 ) -> Shown<W> {
-    let mean = repeated::mean(view, texels, texel::colour_samples::<W, _>, same::<W, 3>, p);
+    let mean = repeated::mean(view, stored(texels), texel::colour_samples::<W, _>, same::<W, 3>, p);
     let unit = Fx::int(exponent.into());
     let channels = each!(i in [0, 1, 2] => pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own[i].0));
     Shown { channels, taps: mean.taps }
@@ -264,12 +252,12 @@ fn bump<W: Fetch>(
 ) -> Bumped<W> {
     let (moments, taps) = if kind == RoughnessKind::None {
         let Mean { channels: [b1, b2], taps } =
-            repeated::mean(view, texels, texel::word_samples::<W, _>, same::<W, 2>, p);
+            repeated::mean(view, stored(texels), texel::word_samples::<W, _>, same::<W, 2>, p);
         ([b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps)
     } else {
         let Mean { channels, taps } = repeated::mean(
             view,
-            texels,
+            stored(texels),
             texel::word_samples::<W, _>,
             #[inline(always)]
             |sample| texel::bump_probe(&BumpSample::<W>::of_words(sample)).words(),
@@ -290,7 +278,7 @@ pub enum Reading {
 }
 
 /// Words that lanes have.
-enum Width {
+pub(super) enum Width {
     /// Of 16 bits, all kept.
     Narrow,
     /// Of 32 bits.
@@ -298,7 +286,7 @@ enum Width {
 }
 
 /// The lanes of a profile; `None` of 12 and 13 kept bits, which no named one has and the scalar reading runs.
-fn lanes_of(p: &Precision) -> Option<Width> {
+pub(super) fn lanes_of(p: &Precision) -> Option<Width> {
     match p.word_bits() {
         16 => (p.fraction_bits == KEPT).then_some(Width::Narrow),
         _ => Some(Width::Full),
@@ -312,44 +300,46 @@ macro_rules! each_fragment {
         $reading:expr, $p:expr, $inputs:expr, $results:expr,
         |$input:pat_param $(, $same:ident)*| $body:expr, else $scalar:expr
     ) => {
-        match ($reading, lanes_of($p)) {
+        match ($reading, $crate::reading::lanes_of($p)) {
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), Some(Width::Narrow)) => {
-                each_fragment!(@lanes NarrowLanes<Avx2>, $inputs, $results, |$input $(, $same)*| $body);
+            (Self::Lanes($crate::InstructionSet::Avx2), Some($crate::reading::Width::Narrow)) => {
+                each_fragment!(@lanes $crate::NarrowLanes<$crate::Avx2>, $inputs, $results, |$input $(, $same)*| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), Some(Width::Full)) => {
-                each_fragment!(@lanes Lanes<Avx2>, $inputs, $results, |$input $(, $same)*| $body);
+            (Self::Lanes($crate::InstructionSet::Avx2), Some($crate::reading::Width::Full)) => {
+                each_fragment!(@lanes $crate::Lanes<$crate::Avx2>, $inputs, $results, |$input $(, $same)*| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), Some(Width::Narrow)) => {
-                each_fragment!(@lanes NarrowLanes<Avx512>, $inputs, $results, |$input $(, $same)*| $body);
+            (Self::Lanes($crate::InstructionSet::Avx512), Some($crate::reading::Width::Narrow)) => {
+                each_fragment!(@lanes $crate::NarrowLanes<$crate::Avx512>, $inputs, $results, |$input $(, $same)*| $body);
             }
             #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), Some(Width::Full)) => {
-                each_fragment!(@lanes Lanes<Avx512>, $inputs, $results, |$input $(, $same)*| $body);
+            (Self::Lanes($crate::InstructionSet::Avx512), Some($crate::reading::Width::Full)) => {
+                each_fragment!(@lanes $crate::Lanes<$crate::Avx512>, $inputs, $results, |$input $(, $same)*| $body);
             }
             _ => {
                 $results.clear();
-                for index in 0..Inputs::len($inputs) {
-                    let $input = &$inputs.at(index);
+                for index in 0..$crate::batch::Inputs::len($inputs) {
+                    let $input = &$crate::batch::Inputs::at($inputs, index);
                     $results.push(&$scalar);
                 }
             }
         }
     };
     (@lanes $lanes:ty, $inputs:expr, $results:expr, |$input:pat_param $(, $same:ident)*| $body:expr) => {
-        map::<$lanes, _, _, _>(
+        $crate::batch::map::<$lanes, _, _, _>(
             $inputs,
             $results,
             #[inline(always)]
             |$input| {
-                $(let $same = &spread::<$lanes, _, _>($same);)*
+                $(let $same = &$crate::batch::spread::<$lanes, _, _>($same);)*
                 $body
             },
         )
     };
 }
+
+pub(super) use each_fragment;
 
 impl Reading {
     /// The fastest on this machine.
@@ -524,39 +514,6 @@ impl Reading {
                 else on_words!(p, |centre, scale| {
                     bump(&View { centre, footprint: None, levels }, texels, scale, kind, p)
                 })
-            ),
-        }
-    }
-
-    /// Adds the light that every peak returns for one half vector to `lights`, in their order.
-    pub fn peaks(
-        self,
-        half: &LocalDirection<i32>,
-        peaks: &PeakList,
-        p: &Precision,
-        lights: &mut Vec<Control<i32, LIGHT>>,
-    ) {
-        match (self, lanes_of(p)) {
-            #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), Some(Width::Narrow)) if peaks.len() >= FEW => {
-                peak_list::lights::<NarrowLanes<Avx2>, _>(half, peaks, p, lights);
-            }
-            #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx2), Some(Width::Full)) if peaks.len() >= FEW => {
-                peak_list::lights::<Lanes<Avx2>, _>(half, peaks, p, lights);
-            }
-            #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), Some(Width::Narrow)) if peaks.len() >= FEW => {
-                peak_list::lights::<NarrowLanes<Avx512>, _>(half, peaks, p, lights);
-            }
-            #[cfg(target_arch = "x86_64")]
-            (Self::Lanes(InstructionSet::Avx512), Some(Width::Full)) if peaks.len() >= FEW => {
-                peak_list::lights::<Lanes<Avx512>, _>(half, peaks, p, lights);
-            }
-            _ => lights.extend(
-                peaks
-                    .iter()
-                    .map(|(words, weight)| on_words!(p, |half| Value(datapath::packed_peak(half, words, weight, p))).0),
             ),
         }
     }

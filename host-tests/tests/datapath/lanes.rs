@@ -4,16 +4,16 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_core::bundle::{Bundle, Rewire, Value};
+use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::datapath;
 use roughxel_core::datapath::texel::{Bump, BumpScale};
 use roughxel_core::design::Form;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
-use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SHARE};
+use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::level_edge;
-use roughxel_core::signals::{LocalDirection, MapScale, Probes, TexturePosition};
+use roughxel_core::signals::{MapScale, Probes, TexturePosition};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
@@ -23,7 +23,7 @@ use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
     Bumped, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes, Look, MapTexels,
-    NARROW_LANES, NarrowLanes, PackedPeak, PeakList, Places, Ports, Reading, RepeatedMap, Shown, Target, WideLanes,
+    NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, Shown, Target, WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -34,7 +34,7 @@ use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::{plans, sweep, whole_or};
 
 /// The named profiles, and words of 16 bits with as few kept as a profile may.
-fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
+pub(super) fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
     let narrowest = ("narrowest", Precision { fraction_bits: 12, ..Precision::NARROW });
     roughxel_host_tests::space::profiles().into_iter().chain([narrowest])
 }
@@ -301,12 +301,12 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
 }
 
 /// All readings of this machine but the scalar one.
-fn lanes() -> impl Iterator<Item = Reading> {
+pub(super) fn lanes() -> impl Iterator<Item = Reading> {
     InstructionSet::available().map(Reading::Lanes)
 }
 
 /// Every wire of every fragment is that of the scalar reading.
-fn same_columns<B: Form>(expected: &Columns<B>, got: &Columns<B>, context: &dyn Fn() -> String) {
+pub(super) fn same_columns<B: Form>(expected: &Columns<B>, got: &Columns<B>, context: &dyn Fn() -> String) {
     assert_eq!(expected.len(), got.len(), "{}", context());
     for (expected, got) in expected.iter().zip(got.iter()) {
         same_wires(&expected, &got).unwrap_or_else(|difference| panic!("{}: {difference}", context()));
@@ -360,19 +360,41 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
     }
 }
 
+/// A map of any size, with 1 to 70 fragments that look somewhere in it, and their footprints.
+pub(super) fn random_views(
+    name: &str,
+    index: u64,
+    p: &Precision,
+) -> (RepeatedMap, Columns<TexturePosition<i32>>, Columns<Probes<i32>>) {
+    let mut bits = AnyBits(SplitMix64::for_element(name, !index));
+    let size = [(); 2].map(|()| {
+        let log2 = bits.0.below(7);
+        1 + bits.0.below(1 << log2) as u32
+    });
+    let last = size[0].max(size[1]).ilog2();
+    let map = RepeatedMap::new((0..=last).map(|level| size.map(|edge| (edge >> level).max(1)).into()));
+    let count = 1 + index % 70;
+    let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
+    let derivatives = Columns::from_iter((0..count).map(|_| {
+        [(); 2].map(|()| {
+            let any: PortBlock<i32, 2> = blank.rewire(&mut bits);
+            PortBlock { exponent: Fx::from_raw(bits.0.below(12) as i32 - 10), ..any }
+        })
+    }));
+    let mut probes = Columns::default();
+    Reading::Scalar.texture_footprints(&derivatives, &map.scale, p, &mut probes);
+    let uv = |_| TexturePosition { uv: [(); 2].map(|()| Fx::from_raw(bits.0.below(1 << 32) as i64)) };
+    (map, Columns::from_iter((0..count).map(uv)), probes)
+}
+
 #[test]
 fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
     for (name, p) in profiles() {
         (0..120_u64).into_par_iter().for_each(|index| {
             let mut random = SplitMix64::for_element(name, index);
-            let size = [(); 2].map(|()| {
-                let log2 = random.below(7);
-                1 + random.below(1 << log2) as u32
-            });
-            let halves = |level: u32| size.map(|edge| (edge >> level).max(1));
-            let last = size[0].max(size[1]).ilog2();
-            let map = RepeatedMap::new((0..=last).map(halves).map(|[width, height]| (width, height)));
-            let texels: u32 = (0..=last).map(halves).map(|[width, height]| width * height).sum();
+            let (map, centres, probes) = random_views(name, index, &p);
+            let (size, texels) =
+                (map.size(), map.levels.iter().map(|level| level.size[0] * level.size[1]).sum::<i32>());
             let colours: Vec<_> = (0..texels).map(|_| [(); 3].map(|()| random.next_u64() as u16)).collect();
             // b of at most 1 and a covariance, as a decoded texel has.
             let mut share = || random.below(1 << 29) as i32 - (1 << 28);
@@ -383,19 +405,6 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
                 })
                 .collect();
 
-            let count = 1 + index % 70;
-            let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
-            let mut bits = AnyBits(SplitMix64::for_element(name, !index));
-            let derivatives = Columns::from_iter((0..count).map(|_| {
-                [(); 2].map(|()| {
-                    let any: PortBlock<i32, 2> = blank.rewire(&mut bits);
-                    PortBlock { exponent: Fx::from_raw(bits.0.below(12) as i32 - 10), ..any }
-                })
-            }));
-            let mut probes = Columns::default();
-            Reading::Scalar.texture_footprints(&derivatives, &map.scale, &p, &mut probes);
-            let uv = |_| TexturePosition { uv: [(); 2].map(|()| Fx::from_raw(random.below(1 << 32) as i64)) };
-            let centres = Columns::from_iter((0..count).map(uv));
             let own = [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32));
             let exponent = random.below(7) as i32;
             let scale = BumpScale {
@@ -484,7 +493,7 @@ fn random_fragments_give_the_bits_of_the_scalar_reading() {
 }
 
 /// Puts any bits on the wires.
-struct AnyBits(SplitMix64);
+pub(super) struct AnyBits(pub(super) SplitMix64);
 
 impl Rewire<i32, i32> for AnyBits {
     fn word(&mut self, _: i32, _: u32) -> i32 {
@@ -582,43 +591,8 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
     }
 }
 
-#[test]
-fn peaks_in_lanes_are_those_of_the_scalar_reading() {
-    for (name, p) in profiles() {
-        (0..2000_u64).into_par_iter().for_each(|index| {
-            let mut bits = AnyBits(SplitMix64::for_element(name, index));
-            let half = LocalDirection { unit: [Fx::from_raw(0); 3], none: false };
-            let map: Vec<Peak<i32>> = (0..20).map(|_| stored_peak(&mut bits)).collect();
-            let indices: Vec<u32> = (0..index % 50).map(|_| bits.0.below(20) as u32).collect();
-            let weight = |_| Fx::from_raw((corner(&mut bits.0) as i32).rem_euclid(0x1_0001));
-            let mut weights: Vec<Fx<i32, SHARE>> = indices.iter().map(weight).collect();
-            let half = LocalDirection { none: bits.0.below(8) == 0, ..half.rewire(&mut bits) };
-            let half = LocalDirection { unit: half.unit.map(|x| Fx::from_raw(x.raw() >> 1)), ..half };
-
-            let mut list = PeakList::default();
-            list.gather(&map.iter().map(PackedPeak::from).collect::<Vec<_>>(), &indices);
-            if index % 3 == 0 {
-                weights.fill(Fx::int(1));
-            } else {
-                list.weigh(weights.iter().copied());
-            }
-            let expected = indices.iter().zip(&weights).map(|(&index, &weight)| {
-                let (half, peak) = (&half, &map[index as usize]);
-                on_words!(&p, |half, peak| Value(datapath::peak(half, peak, weight, &p))).0.raw()
-            });
-            let expected: Vec<i32> = expected.collect();
-            for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
-                let mut lights = Vec::new();
-                reading.peaks(&half, &list, &p, &mut lights);
-                let lights: Vec<i32> = lights.iter().map(|light| light.raw()).collect();
-                assert_eq!(lights, expected, "{name}, {reading}, {half:?}, {map:?}, {indices:?}");
-            }
-        });
-    }
-}
-
 /// A peak of any bits that a map stores.
-fn stored_peak(bits: &mut AnyBits) -> Peak<i32> {
+pub(super) fn stored_peak(bits: &mut AnyBits) -> Peak<i32> {
     let zero = Fx::from_raw(0);
     let any: Peak<i32> = Peak { normal: [Fx::from_raw(0); 3], amplitude: zero, exponent: zero }.rewire(bits);
     let code = |x: Fx<i32, 32>| Fx::from_raw(x.raw() & 0xffff);

@@ -11,6 +11,7 @@ mod hard_cases;
 mod highlight;
 mod horizon;
 mod lanes;
+mod lit_lanes;
 mod lemmas;
 mod lit_peak;
 mod peaks;

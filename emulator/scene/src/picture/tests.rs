@@ -128,6 +128,15 @@ fn codes_round_to_nearest_on_the_srgb_scale_and_clamp() {
         assert_eq!(linear_to_srgb8(middle * (1.0 - 1e-6)), code);
         assert_eq!(linear_to_srgb8(middle * (1.0 + 1e-6)), code + 1);
     }
+    // Beside every half-way point, and beside every part of 0…1 in which one is looked up.
+    let half_way: Vec<f64> = (0..255).map(|code| srgb_to_linear((f64::from(code) + 0.5) / 255.0)).collect();
+    let parts = (0..=4096).map(|part| part as f32 / 4096.0);
+    for value in half_way.iter().map(|&middle| middle as f32).chain(parts) {
+        for value in [value.next_down(), value, value.next_up()] {
+            let code = half_way.iter().filter(|&&middle| middle <= f64::from(value)).count();
+            assert_eq!(usize::from(linear_to_srgb8(value)), code, "{value}");
+        }
+    }
     assert_eq!(linear_to_srgb8(-1.0), 0);
     assert_eq!(linear_to_srgb8(f32::NAN), 0);
     assert_eq!(linear_to_srgb8(f32::INFINITY), 255);

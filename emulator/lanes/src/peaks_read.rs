@@ -1,0 +1,132 @@
+//! The peaks of a map that a batch of fragments reads.
+//!
+//! A fragment reads up to 32 patches of four texels with a few peaks each, and two texels of five twice. So light is computed of pairs, a fragment and a peak of a
+//! texel that it reads, once each, side by side whatever fragments they are of; then it is summed by texel, and texels are filtered like any other.
+
+use roughxel_core::bundle::Value;
+use roughxel_core::datapath;
+use roughxel_core::each::each;
+use roughxel_core::fx::{Control, Fx};
+use roughxel_core::ports::LIGHT;
+use roughxel_core::precision::Precision;
+use roughxel_core::signals::{LocalDirection, PeakSum};
+
+use super::columns::{Columns, GROUP};
+use super::lights::{PatchesRead, Slopes};
+use super::peaks::{MOST_PEAKS, PATCHES, Patches, PeakPairs, PeakTexels, slot};
+use super::reading::{Places, Reading, Shown};
+
+/// Room for the peaks of a texel.
+#[inline(always)]
+fn run<T>(peaks: &mut [T]) -> &mut [T; MOST_PEAKS] {
+    peaks.first_chunk_mut().unwrap_or_else(|| unreachable!("room was made for a whole run"))
+}
+
+/// No map has this texel.
+const NO_TEXEL: u32 = u32::MAX;
+
+/// No batch reads this many texels.
+const NO_PLACE: u32 = u32::MAX;
+
+/// The peaks that a batch of fragments reads of a map; its memory is kept for the next one.
+#[derive(Debug, Default)]
+pub struct PeaksRead {
+    /// 0, 1, 2, … of the fragments, and of as many more as a group of lanes.
+    numbers: Columns<Value<i32, 32>>,
+    /// How many patches each fragment reads.
+    read: Columns<PatchesRead<i32>>,
+    /// Their texels; then the places of those in `sums`.
+    patches: Vec<[i32; 4]>,
+    pairs: PeakPairs,
+    /// The texel of each pair, as its place in `sums`.
+    owners: Vec<u32>,
+    lights: Columns<Value<i32, LIGHT>>,
+    /// The light of each texel.
+    sums: Vec<i32>,
+}
+
+impl PeaksRead {
+    /// Reads the peaks of a batch of fragments, once what a probe shares with the one before. Returns the bilinear samples.
+    pub fn read(&mut self, map: &PeakTexels, places: Places<'_>, reading: Reading, p: &Precision) -> u64 {
+        let fragments = places.centres.len();
+        let room = fragments + GROUP;
+        if self.numbers.len() < room {
+            self.numbers = (0..room as i32).map(|number| Value(Fx::from_raw(number))).collect();
+            self.patches.resize(PATCHES * room, [0; 4]);
+        }
+        let patches = Patches::of(&mut self.patches);
+        reading.peak_patches(places, &map.map, &self.numbers, &patches, p, &mut self.read);
+        let [turns, levels] = [0, 1].map(|word| self.read.row(word));
+        let taps = turns.iter().zip(levels).map(|(&turns, &levels)| (turns * levels) as u64).sum();
+        // Compiled for the instruction set: runs of indices are vectors.
+        reading.run(
+            #[inline(always)]
+            || self.pair(map),
+        );
+        taps
+    }
+
+    /// Names the peaks of all texels that are read; patches then hold the places of their sums.
+    #[inline(always)]
+    fn pair(&mut self, map: &PeakTexels) {
+        let Self { read, patches, pairs, owners, sums, .. } = self;
+        let [turns, levels] = [0, 1].map(|word| read.row(word));
+        let (begins, patches) = (&map.begins[..], Patches::of(patches));
+        let (mut peaks, mut texels) = (0, 0);
+        for (fragment, (&turns, &levels)) in turns.iter().zip(levels).enumerate() {
+            let first = peaks;
+            let most = peaks + MOST_PEAKS * 4 * (turns * levels) as usize;
+            pairs.reserve(most);
+            if owners.len() < most + MOST_PEAKS {
+                owners.resize(most + MOST_PEAKS, 0);
+            }
+            for level in 0..levels {
+                let mut before = [(NO_TEXEL, NO_PLACE); 4];
+                for turn in 0..turns {
+                    let patch = patches.at(fragment as i32, slot(turn, level));
+                    let now = each!(texel in patch.get() => {
+                        let texel = texel as u32;
+                        let same = |place, &(read, at): &(u32, u32)| if read == texel { at } else { place };
+                        let shared = before.iter().fold(NO_PLACE, same);
+                        let is_new = shared == NO_PLACE;
+                        let [begin, end] = each!(i in [0, 1] => begins[texel as usize + i]);
+                        // Written in any case and kept if new: whether a texel is shared cannot be predicted, nor how many peaks it has.
+                        run(&mut pairs.peaks[peaks..]).iter_mut().zip(begin as i32..).for_each(|(at, peak)| *at = peak);
+                        run(&mut owners[peaks..]).fill(texels);
+                        let place = if is_new { texels } else { shared };
+                        peaks += if is_new { end - begin } else { 0 } as usize;
+                        texels += u32::from(is_new);
+                        (texel, place)
+                    });
+                    patch.set(each!((_, place) in now => place as i32));
+                    before = now;
+                }
+            }
+            pairs.fragments[first..peaks].fill(fragment as i32);
+        }
+        pairs.end(peaks);
+        sums.resize(texels as usize, 0);
+    }
+
+    /// What the fragments whose peaks were read show of a light of this colour; `views` are their half vectors, and their slopes if the map
+    /// has horizons.
+    pub fn shine(
+        &mut self,
+        (map, places): (&PeakTexels, Places<'_>),
+        views: (&Columns<LocalDirection<i32>>, Option<&Columns<Slopes<i32>>>),
+        colour: &[Control<i32, LIGHT>; 3],
+        (reading, p): (Reading, &Precision),
+        shown: &mut Columns<Shown<i32>>,
+    ) {
+        let Self { numbers, patches, pairs, owners, lights, sums, .. } = self;
+        reading.peaks(pairs, views, map, p, lights);
+        sums.fill(0);
+        for (&owner, &light) in owners.iter().zip(lights.row(0)) {
+            let sum = &mut sums[owner as usize];
+            let before = PeakSum::<i32> { light: Fx::from_raw(*sum), saturated: false };
+            *sum = datapath::peak_sum(&before, Fx::from_raw(light)).light.raw();
+        }
+        let patches = Patches::of(patches);
+        reading.peak_means((places, numbers), (&map.map, &patches, sums), colour, p, shown);
+    }
+}

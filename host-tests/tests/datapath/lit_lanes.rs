@@ -1,0 +1,234 @@
+//! Lights in lanes give the bits of the datapath of one fragment: highlights, given peaks, and the peaks of a map, which are read once however many probes share
+//! them.
+
+use rayon::prelude::*;
+use roughxel_core::bundle::Value;
+use roughxel_core::datapath::{self, Surface, texel};
+use roughxel_core::fetch::Fetch;
+use roughxel_core::fx::{Control, Fx};
+use roughxel_core::plan::{FrameSystem, HorizonKind, SurfacePlan};
+use roughxel_core::ports::{Horizon, LIGHT, Port, PortBlock, StoredHorizon};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::repeated::{self, Tap, View};
+use roughxel_core::setup::shininess;
+use roughxel_core::signals::{LocalDirection, PeakSum, Probes, TexturePosition};
+use roughxel_core::width::on_words;
+use roughxel_emulator::cases::random_fragment;
+use roughxel_emulator::lanes::{
+    Columns, MOST_PEAKS, PackedPeak, PeakTexels, PeaksRead, Places, Ports, Reading, RepeatedMap, Shown, Slopes,
+};
+use roughxel_emulator::random::SplitMix64;
+
+use super::lanes::{AnyBits, lanes, profiles, random_views, same_columns, stored_peak};
+
+/// All readings of this machine.
+fn readings() -> impl Iterator<Item = Reading> {
+    lanes().chain([Reading::Scalar])
+}
+
+/// As many random surfaces, with the direction from each to a light.
+fn lit_surfaces(
+    (name, index): (&str, u64),
+    count: usize,
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> (Columns<Surface<i32>>, Columns<PortBlock<i32, 3>>) {
+    let fragments =
+        |from: u64| (0..count as u64).map(move |i| random_fragment(name, from + 1000 * index + i, p).wires());
+    let ports = Ports::from_iter(fragments(0));
+    let mut surfaces = Columns::default();
+    Reading::Scalar.surfaces(&ports.bare, &ports.bumps, plan, p, &mut surfaces);
+    (surfaces, fragments(500).map(|other| other.surface.view).collect())
+}
+
+const PLAN: SurfacePlan =
+    SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic, local: true };
+
+/// What a light of this colour adds where so much of it returns.
+fn shown(returned: Control<i32, LIGHT>, colour: &[Control<i32, LIGHT>; 3]) -> Shown<i32> {
+    let channels = colour.map(|channel| datapath::pixel::modulated::<i32>(returned, channel));
+    Shown { channels, taps: Fx::from_raw(0) }
+}
+
+fn any_colour(random: &mut SplitMix64) -> [Control<i32, LIGHT>; 3] {
+    [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32))
+}
+
+fn half(surface: &Surface<i32>, light: &PortBlock<i32, 3>, p: &Precision) -> LocalDirection<i32> {
+    let lit = on_words!(p, |surface, light| datapath::peak_light(surface, light, p));
+    LocalDirection { none: lit.direction.none || lit.side.below, ..lit.direction }
+}
+
+fn slopes(surface: &Surface<i32>, light: &PortBlock<i32, 3>, p: &Precision) -> Slopes<i32> {
+    let lit = on_words!(p, |surface, light| datapath::peak_light(surface, light, p)).light;
+    let eye = on_words!(p, |surface| datapath::local_components(&surface.view, &surface.frame, &surface.normal, p));
+    let [light, eye] = [&lit, &eye].map(|local| on_words!(p, |local| datapath::horizon_slopes(local, p)));
+    Slopes { light, eye }
+}
+
+fn packed_light(
+    peak: &PackedPeak,
+    half: &LocalDirection<i32>,
+    weight: Control<i32, 16>,
+    p: &Precision,
+) -> Control<i32, LIGHT> {
+    let words = peak.words();
+    on_words!(p, |half| Value(datapath::packed_peak(half, words, weight, p))).0
+}
+
+/// The sum of peaks, one after the other.
+fn sum(lights: impl Iterator<Item = Control<i32, LIGHT>>) -> Control<i32, LIGHT> {
+    let none = PeakSum::<i32> { light: Fx::from_raw(0), saturated: false };
+    lights.fold(none, |sum, light| datapath::peak_sum(&sum, light)).light
+}
+
+#[test]
+fn highlights_and_given_peaks_in_lanes_are_those_of_one_fragment() {
+    for (name, p) in profiles() {
+        (0..100_u64).into_par_iter().for_each(|index| {
+            let mut bits = AnyBits(SplitMix64::for_element(name, index));
+            let roughness = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
+            let plan = SurfacePlan { roughness: roughness[index as usize % 3], ..PLAN };
+            let count = 1 + index as usize % 70;
+            let (surfaces, lights) = lit_surfaces((name, index), count, &plan, &p);
+            let lit = || surfaces.iter().zip(lights.iter());
+            let colour = any_colour(&mut bits.0);
+            let shininess = &shininess(1.0 + bits.0.below(8192) as f64).wires();
+            let given: Vec<PackedPeak> = (0..index % 9).map(|_| PackedPeak::from(&stored_peak(&mut bits))).collect();
+
+            let highlights = Columns::from_iter(lit().map(|(surface, light)| {
+                let (surface, light) = (&surface, &light);
+                let f = on_words!(&p, |surface, light, shininess| {
+                    let gloss = datapath::gloss(surface, shininess, &plan, &p);
+                    datapath::highlight(surface, &gloss, light, &p)
+                });
+                shown(f.f, &colour)
+            }));
+            let halves = Columns::from_iter(lit().map(|(surface, light)| half(&surface, &light, &p)));
+            let peaks = Columns::from_iter(halves.iter().map(|half| {
+                let light = given.iter().map(|peak| packed_light(peak, &half, Fx::int(1), &p));
+                shown(sum(light), &colour)
+            }));
+            let slopes = Columns::from_iter(lit().map(|(surface, light)| slopes(&surface, &light, &p)));
+            for reading in readings() {
+                let context = |what: &'static str| move || format!("{name} {index}, {reading}, {what}");
+                let mut got = Columns::default();
+                reading.highlights((&surfaces, &lights), (shininess, &plan), &colour, &p, &mut got);
+                same_columns(&highlights, &got, &context("highlights"));
+                let mut got = Columns::default();
+                reading.halves((&surfaces, &lights), &p, &mut got);
+                same_columns(&halves, &got, &context("halves"));
+                let mut got = Columns::default();
+                reading.slopes((&surfaces, &lights), &p, &mut got);
+                same_columns(&slopes, &got, &context("slopes"));
+                let mut got = Columns::default();
+                reading.given_peaks(&halves, &given, &colour, &p, &mut got);
+                same_columns(&peaks, &got, &context("given peaks"));
+            }
+        });
+    }
+}
+
+/// Up to seven peaks in every texel, half of the maps with horizons.
+fn random_peaks(map: RepeatedMap, index: u64, bits: &mut AnyBits) -> PeakTexels {
+    let texels: i32 = map.levels.iter().map(|level| level.size[0] * level.size[1]).sum();
+    let ends = (0..texels).scan(0, |end, _| {
+        *end += bits.0.below(MOST_PEAKS as u64) as u32;
+        Some(*end)
+    });
+    let begins: Vec<u32> = std::iter::once(0).chain(ends).collect();
+    let count = begins.last().map_or(0, |&end| end);
+    let kind =
+        [HorizonKind::None, HorizonKind::Correlated, HorizonKind::None, HorizonKind::Product][index as usize % 4];
+    let horizon = |random: &mut SplitMix64| -> Horizon<i32> {
+        let mut code = || random.next_u64() as u16;
+        let low = [(); 4].map(|()| fixed::types::I4F12::from_bits(code() as i16));
+        StoredHorizon { low, inverse_width: [(); 4].map(|()| code() >> (code() % 16)) }.wires()
+    };
+    PeakTexels {
+        map,
+        begins,
+        peaks: (0..count).map(|_| PackedPeak::from(&stored_peak(bits))).collect(),
+        horizons: (0..if kind == HorizonKind::None { 0 } else { count }).map(|_| horizon(&mut bits.0)).collect(),
+        kind,
+    }
+}
+
+/// The light of a texel, peak by peak.
+fn texel_light(texel: i32, map: &PeakTexels, half: &LocalDirection<i32>, slopes: &Slopes<i32>, p: &Precision) -> i32 {
+    let [begin, end] = [0, 1].map(|next| map.begins[texel as usize + next] as usize);
+    let light = |index: usize| {
+        let weight = map.horizons.get(index).map_or(Fx::int(1), |horizon| {
+            let Slopes { light, eye } = slopes;
+            on_words!(p, |light, eye, horizon| Value(datapath::horizon(light, eye, horizon, map.kind, p))).0
+        });
+        packed_light(&map.peaks[index], half, weight, p)
+    };
+    sum((begin..end).map(light)).raw()
+}
+
+/// What the texels of a map are to a fragment, averaged over its footprint, and the bilinear samples read.
+fn mean<W: Fetch>(view: &View<'_, W>, light: &dyn Fn(i32) -> i32, p: &Precision) -> Shown<W> {
+    let quad = |tap: &Tap<W>, _| {
+        let texels = tap.texels.map(|texel| W::gather([texel.raw()], |[texel]| [light(texel)]).map(Fx::from_raw));
+        texel::Quad { texels, weight: tap.weight }
+    };
+    let mean = repeated::mean(view, quad, texel::word_samples::<W, 1>, |sample| sample, p);
+    Shown { channels: [mean.channels[0].reread(); 3], taps: mean.taps }
+}
+
+fn averaged(
+    centre: &TexturePosition<i32>,
+    probes: Option<&Probes<i32>>,
+    map: &PeakTexels,
+    light: &dyn Fn(i32) -> i32,
+    p: &Precision,
+) -> Shown<i32> {
+    let (levels, texture) = (&map.map.levels[..], &map.map.scale.0);
+    match probes {
+        None => on_words!(p, |centre| mean(&View { centre, footprint: None, levels }, light, p)),
+        Some(probes) => on_words!(p, |centre, probes, texture| {
+            mean(&View { centre, footprint: Some((probes, texture)), levels }, light, p)
+        }),
+    }
+}
+
+#[test]
+fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
+    for (name, p) in profiles() {
+        (0..120_u64).into_par_iter().for_each(|index| {
+            let mut bits = AnyBits(SplitMix64::for_element(name, index));
+            let (map, centres, probes) = random_views(name, index, &p);
+            let map = &random_peaks(map, index, &mut bits);
+            let (surfaces, lights) = lit_surfaces((name, index), centres.len(), &PLAN, &p);
+            let colour = any_colour(&mut bits.0);
+            for footprints in [None, Some(&probes)] {
+                let places = Places { centres: &centres, footprints };
+                let mut taps = 0;
+                let expected = Columns::from_iter((0..centres.len()).map(|fragment| {
+                    let (surface, light) = (surfaces.get(fragment), lights.get(fragment));
+                    let (half, slopes) = (half(&surface, &light, &p), slopes(&surface, &light, &p));
+                    let light = |texel| texel_light(texel, map, &half, &slopes, &p);
+                    let probes = footprints.map(|probes| probes.get(fragment));
+                    let mean = averaged(&centres.get(fragment), probes.as_ref(), map, &light, &p);
+                    taps += mean.taps.raw() as u64;
+                    shown(mean.channels[0], &colour)
+                }));
+                let (mut halves, mut slopes) = (Columns::default(), Columns::default());
+                for reading in readings() {
+                    let (mut read, mut got) = (PeaksRead::default(), Columns::default());
+                    reading.halves((&surfaces, &lights), &p, &mut halves);
+                    reading.slopes((&surfaces, &lights), &p, &mut slopes);
+                    let views = (&halves, (!map.horizons.is_empty()).then_some(&slopes));
+                    // Twice: what a batch leaves in the memory of the next one changes nothing.
+                    for turn in 0..2 {
+                        let context = || format!("{name} {index}, {reading}, {footprints:?}, turn {turn}");
+                        assert_eq!(read.read(map, places, reading, &p), taps, "{}", context());
+                        read.shine((map, places), views, &colour, (reading, &p), &mut got);
+                        same_columns(&expected, &got, &context);
+                    }
+                }
+            }
+        });
+    }
+}
