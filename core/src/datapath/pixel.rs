@@ -40,7 +40,7 @@ pub fn bright_blend<W: Staged>(
     control_stage!("blend.bright", blend::bright::<W>(surface, mean, exponent, reflectance))
 }
 
-/// [`colour`] and [`blend`] of every channel, as one stage.
+/// [`colour`] and [`blend`](fn@blend) of every channel, as one stage.
 #[inline(always)]
 pub fn reflected<W: Staged>(
     surface: &[Control<W, LIGHT>; 3],
