@@ -45,8 +45,8 @@ endtask
 task report(input [8*16-1:0] stage);
     begin
         $display("%s %0s %s: %0d vectors, %0d fields compared, %0d wrong, %0d words damaged",
-                 vectors == 0 ? "NONE" : wrong == 0 && damaged == 0 ? "PASS" : "FAIL", stage, `SET_NAME, vectors, compared,
-                 wrong, damaged);
+                 vectors == 0 ? "NONE" : wrong == 0 && damaged == 0 ? "PASS" : "FAIL", stage, `SET_NAME, vectors,
+                 compared, wrong, damaged);
         $finish;
     end
 endtask
