@@ -84,7 +84,7 @@ fn check_value(digits: &str) -> u32 {
     bits.fold(u32::MAX, |crc, bit| (crc << 1) ^ if crc >> 31 == bit { 0 } else { 0x04c1_1db7 })
 }
 
-/// A committed set in which the last bit of `reflected_x` of vector 1 is the other one, with the right check value or not.
+/// A committed set with the last bit of `reflected_x` of vector 1 inverted, and with the right check value or not.
 fn altered(directory: &Path, is_checked: bool) -> PathBuf {
     let path = |file: &str| directory.join(format!("random_standard.{file}"));
     for file in ["hex", "json"] {
