@@ -9,6 +9,7 @@ mod export;
 mod format;
 mod layout;
 mod manifest;
+mod rom;
 mod sets;
 mod verify;
 mod word;
@@ -23,6 +24,7 @@ pub use export::{SetInfo, export, export_with};
 pub use format::{FormatError, in_page, tables};
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Manifest, SCHEMA};
+pub use rom::rom_files;
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
 pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
 

@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|list|format`.
+//! `roughxel vectors export|verify|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -9,11 +9,11 @@ use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::input::open_file;
-use roughxel_emulator::output::OutputFile;
+use roughxel_emulator::output::{OutputFile, write_files};
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
     Cause, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
-    export_with, hard_sets, in_page, manifests_in, random_set, tables, verify,
+    export_with, hard_sets, in_page, manifests_in, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
@@ -38,6 +38,9 @@ pub(super) enum VectorsCommand {
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
     #[command(long_about = FORMAT_HELP)]
     Format(FormatArgs),
+    /// Write the tables of the arithmetic, a hex file each, as vectors/SPEC.md describes them.
+    #[command(after_help = CONVENTIONS)]
+    Rom(RomArgs),
 }
 
 const FORMAT_HELP: &str = "\
@@ -109,9 +112,17 @@ pub(super) struct FormatArgs {
     write: Option<PathBuf>,
 }
 
+#[derive(Args)]
+pub(super) struct RomArgs {
+    /// Directory; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
 pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
     match command {
         VectorsCommand::Format(args) => format(args),
+        VectorsCommand::Rom(args) => rom(args),
         VectorsCommand::Export(args) => export(args),
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::List(args) => list(args),
@@ -406,4 +417,12 @@ fn format(args: &FormatArgs) -> Result<(), Failure> {
         file.commit()
     };
     write().into_diagnostic().wrap_err_with(|| failed("write")).map_err(Failure::Error)
+}
+
+fn rom(args: &RomArgs) -> Result<(), Failure> {
+    check_directory(&args.output)?;
+    let files = rom_files();
+    let count = files.len();
+    write_files(&args.output, files)?;
+    Ok(writeln!(io::stdout().lock(), "{count} tables in {}", args.output.display())?)
 }

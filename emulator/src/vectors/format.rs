@@ -1,7 +1,7 @@
 //! The tables of fields in `vectors/FORMAT.md`: a row a declared field, made of the layouts' columns.
 
 use roughxel_core::design::Design;
-use roughxel_core::plan::{Datapath, Effects, FrameSystem};
+use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem};
 use roughxel_core::precision::Precision;
 use thiserror::Error;
 
@@ -44,27 +44,36 @@ pub fn tables() -> String {
 struct Row {
     /// Each with whether it is there whatever the frame.
     columns: Vec<(Column, bool)>,
+    /// On which kind of footprint the first one is, where that is not both.
+    footprint: Option<&'static str>,
 }
 
 /// The declared fields of a datapath, in the order of the word.
 fn rows(datapath: Datapath) -> Vec<Row> {
-    // The frame system is the one choice that swaps columns; every other effect only adds some.
-    let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
-    let [main, natural, normalised] = frames.map(|frame| {
-        let effects = Effects { frame, ..Effects::ALL };
+    // The frame system and the kind of footprint are the choices that swap columns; every other effect only adds some.
+    let columns_of = |effects: Effects| {
         // Formats come out as symbols, the same under every profile.
         columns(&Net::of(Design::of(datapath), &effects, &Precision::STANDARD), datapath, &Precision::STANDARD)
-    });
+    };
+    let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+    let [main, natural, normalised] = frames.map(|frame| columns_of(Effects { frame, ..Effects::ALL }));
+    let sphere = columns_of(Effects { footprint: FootprintKind::Sphere, ..Effects::ALL });
     let mut rows: Vec<Row> = Vec::new();
-    for ((column, natural), normalised) in main.into_iter().zip(natural).zip(normalised) {
-        let exists = [column.exists, natural.exists, normalised.exists];
-        if !exists.contains(&true) {
+    for (((main, natural), normalised), sphere) in main.into_iter().zip(natural).zip(normalised).zip(sphere) {
+        let on_face = [main.exists, natural.exists, normalised.exists];
+        if !on_face.contains(&true) && !sphere.exists {
             continue;
         }
-        let column = (column, !exists.contains(&false));
+        let always = on_face == [main.exists; 3];
+        // That of the sphere has the main direction.
+        let (column, footprint) = match (main.exists, sphere.exists) {
+            (true, false) => (main, Some("; not with `footprint-sphere`")),
+            (false, true) => (sphere, Some("; only with `footprint-sphere`")),
+            _ => (main, None),
+        };
         match rows.last_mut() {
-            Some(row) if row.first().declared == column.0.declared => row.columns.push(column),
-            _ => rows.push(Row { columns: vec![column] }),
+            Some(row) if row.first().declared == column.declared => row.columns.push((column, always)),
+            _ => rows.push(Row { columns: vec![(column, always)], footprint }),
         }
     }
     rows
@@ -86,7 +95,8 @@ impl Row {
         let stage = &first.field.stage;
         let [unit, text] = [&first.field.unit, &first.text].map(|text| text.replace('|', "\\|"));
         let (names, format) = (self.names(), self.format());
-        format!("| {names} | `{}` | {direction} | {stage} | {format} | {unit} | {text} |", first.declared)
+        let (declared, footprint) = (&first.declared, self.footprint.unwrap_or_default());
+        format!("| {names} | `{declared}` | {direction} | {stage} | {format} | {unit} | {text}{footprint} |")
     }
 
     /// The names of the columns; of those that differ in the last part alone the first is whole. In brackets what is not there

@@ -103,6 +103,7 @@ fn what_cannot_be_written_is_told_before_the_work() {
         &["render", scene, "--capture", below],
         &["choose", "--psnr", "40", "--scene", scene, "-o", nowhere],
         &["vectors", "export", "--scene", scene, "-o", below],
+        &["vectors", "rom", "-o", below],
         &["verilog", "--scene", scene, "-o", below],
         &["gallery", "-o", below],
         &["demo", "-o", below],

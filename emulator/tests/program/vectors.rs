@@ -435,24 +435,30 @@ fn the_committed_smoke_sets_verify() {
 
 #[test]
 fn the_smoke_command_writes_the_committed_sets() {
+    writes_what_is_committed(&["vectors", "export", "--smoke"], "vectors/smoke");
+}
+
+#[test]
+fn the_rom_command_writes_the_committed_tables() {
+    writes_what_is_committed(&["vectors", "rom"], "vectors/rom");
+}
+
+/// Runs a command with `-o`: it has to write the files of a folder of the repository, and no others.
+fn writes_what_is_committed(arguments: &[&str], folder: &str) {
     let directory = tempfile::tempdir().unwrap();
-    assert_eq!(
-        roughxel(&["vectors", "export", "--smoke", "-o", directory.path().to_str().unwrap()]).status.code(),
-        Some(0)
-    );
+    let output = roughxel(&[arguments, &["-o", directory.path().to_str().unwrap()]].concat());
+    assert_eq!(output.status.code(), Some(0));
     let files = |path: &Path| -> Vec<_> {
         let mut names: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         names.sort();
         names
     };
-    let committed = repository().join("vectors/smoke");
+    let committed = repository().join(folder);
     assert_eq!(files(directory.path()), files(&committed));
     for name in files(&committed) {
         // No assert_eq: it would print the files.
-        assert!(
-            fs::read(committed.join(&name)).unwrap() == fs::read(directory.path().join(&name)).unwrap(),
-            "{name:?}"
-        );
+        let same = fs::read(committed.join(&name)).unwrap() == fs::read(directory.path().join(&name)).unwrap();
+        assert!(same, "{name:?}: run `roughxel {} -o {folder}`", arguments.join(" "));
     }
 }
 

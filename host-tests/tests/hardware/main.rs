@@ -1,4 +1,5 @@
-//! The recorded datapath: the proof of its ranges, and the Verilog made of it.
+//! The recorded datapath: the proof of its ranges, and the Verilog made of it; and the folder of vectors on its own.
 
+mod folder;
 mod proof;
 mod rtl;
