@@ -224,15 +224,13 @@ const SAMPLER: &str = "../../../core/src/sampler.rs";
 const REPEATED: &str = "../../../core/src/repeated.rs";
 
 /// Where a frame may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
-const FRAME_ARITHMETIC: [(&str, &str, &str); 13] = [
-    ("batch.rs", "light", "memory: which directions belong to a fragment"),
+const FRAME_ARITHMETIC: [(&str, &str, &str); 11] = [
     ("environment.rs", "bytes", "bytes of what is stored"),
     (SAMPLER, "level_edge", "memory: the edge of a level"),
     (SAMPLER, "edge_of", "memory: the same of every fragment"),
     (SAMPLER, "face_quad", "memory: the channels of four texels"),
     (REPEATED, "tap", "memory: the place of a row in a level"),
     ("lighting.rs", "bytes", "bytes of what is stored"),
-    ("lighting.rs", "read", "memory: room for the peaks of all texels"),
     ("lighting.rs", "prepared", "set-up from floats: the colour of a light"),
     ("texture.rs", "new", "bytes of what is stored"),
     ("tile.rs", "render_counted", "memory: room for the pixels"),
