@@ -193,11 +193,10 @@ impl Lighting {
         mut add: impl FnMut(&Columns<Shown<i32>>),
     ) -> u64 {
         let Lit { directions: same, halves, slopes, peaks, shown } = lit;
-        let map = match &self.lobes {
-            Lobes::Map(map) => Some((map, places(&map.map))),
-            _ => None,
+        let taps = match &self.lobes {
+            Lobes::Map(map) => peaks.read(map, places(&map.map), reading, p),
+            Lobes::Highlight(_) | Lobes::Printed(_) | Lobes::Given(_) => 0,
         };
-        let taps = map.map_or(0, |(map, places)| peaks.read(map, places, reading, p));
         let mut points = directions.iter();
         for PreparedLight { place, direction, colour } in &self.lights {
             let directions = match place {
@@ -225,15 +224,14 @@ impl Lighting {
                     reading.halves((surfaces, directions), p, halves);
                     reading.given_peaks(halves, given, colour, p, shown);
                 }
-                Lobes::Map(_) => {
-                    let Some((map, places)) = map else { continue };
+                Lobes::Map(map) => {
                     reading.halves((surfaces, directions), p, halves);
                     let has_horizons = !map.horizons.is_empty();
                     if has_horizons {
                         reading.slopes((surfaces, directions), p, slopes);
                     }
                     let views = (&*halves, has_horizons.then_some(&*slopes));
-                    peaks.shine((map, places), views, colour, (reading, p), shown);
+                    peaks.shine((map, places(&map.map)), views, colour, (reading, p), shown);
                 }
             }
             add(shown);
