@@ -1,4 +1,4 @@
-//! Golden vectors: packed hex and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
+//! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
 //! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
 //! field and bit of a difference. A word ends in a check value that locates a single flipped bit in any field, inputs
@@ -20,10 +20,10 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 pub use datapath::Inputs;
-pub use export::{SetInfo, export, export_with};
+pub use export::{SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
 pub use layout::{Direction, Field, Layout};
-pub use manifest::{FORMAT_VERSION, Manifest, SCHEMA};
+pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA};
 pub use rom::rom_files;
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
 pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
@@ -45,7 +45,7 @@ pub enum VectorError {
         source: io::Error,
     },
     /// A directory without a single set.
-    #[error("{}: no vector set here (a set is NAME.json beside NAME.hex)", .0.display())]
+    #[error("{}: no vector set here (a set is NAME.json beside NAME.hex or NAME.bin)", .0.display())]
     NoSets(PathBuf),
     /// Not a manifest this version understands.
     #[error("{}: {problem}", .path.display())]
@@ -55,20 +55,20 @@ pub enum VectorError {
         /// What is wrong, with line and column where there is one, and the remedy.
         problem: String,
     },
-    /// A line of a hex file is not a word of the set.
+    /// A line of a file of words, or a record, is not a word of the set.
     #[error("{}:{line}: {problem}", .path.display())]
     Line {
-        /// The hex file.
+        /// The file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line or record, from 1.
         line: u64,
         /// What is wrong.
         problem: String,
     },
-    /// A hex file holds another number of vectors than its manifest says.
+    /// A file holds another number of vectors than its manifest says.
     #[error("{}: {found} vectors, but the manifest says {expected}; the file is cut short or was added to", .path.display())]
     Count {
-        /// The hex file.
+        /// The file.
         path: PathBuf,
         /// Words in the file.
         found: u64,

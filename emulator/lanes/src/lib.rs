@@ -26,6 +26,7 @@ mod avx2;
 mod avx512;
 mod batch;
 mod columns;
+mod designs;
 mod fetch;
 mod lights;
 mod narrow;

@@ -10,7 +10,7 @@ use roughxel_core::plan::Datapath;
 use roughxel_emulator::demo::{DEMO_MODES, DEMO_SCENES, DemoScene, demo_scene};
 use roughxel_emulator::study::accuracy::measure;
 use roughxel_emulator::study::profile_file::NamedPrecision;
-use roughxel_emulator::vectors::{SetInfo, VectorSet, export, export_with, hard_sets};
+use roughxel_emulator::vectors::{SetInfo, VectorSet, Words, export, export_with, hard_sets};
 use serde_json::json;
 
 use super::cache::CacheArgs;
@@ -66,14 +66,24 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
             let description = format!("fragments of a frame: {name}");
             let (datapath, effects) = (Datapath::Reflection, scene.plan.into());
             let (name, description, precision) = (&set, &description, *precision);
-            let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
+            let info = SetInfo {
+                name,
+                description,
+                seed: None,
+                datapath,
+                effects,
+                precision,
+                profile,
+                words: Words::default(),
+            };
             sets.push(export(&info, &scene.captured, &vectors)?);
         }
         scenes.push(scene);
     }
     for VectorSet { name, description, effects, cases } in hard_sets(precision) {
         let (datapath, precision) = (cases.datapath(), *precision);
-        let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
+        let info =
+            SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
         sets.push(export_with(&info, cases.count(), &|index| cases.inputs(index), &vectors, &|_| {})?);
     }
     bar.set_message("accuracy");

@@ -14,7 +14,7 @@ use roughxel_emulator::picture::write_png_codes;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::profile_file::NamedPrecision;
-use roughxel_emulator::vectors::{Manifest, SetInfo, export};
+use roughxel_emulator::vectors::{Manifest, SetInfo, Words, export};
 use serde_json::json;
 
 use super::cache::CacheArgs;
@@ -140,7 +140,8 @@ fn capture(
         let name = format!("frame_{}_{index}", file_stem(&scene.name));
         let (name, description, effects) = (&name, &description, (*plan).into());
         let datapath = Datapath::Reflection;
-        let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
+        let info =
+            SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
         written.push(export(&info, fragments, directory)?);
     }
     Ok(written)

@@ -12,8 +12,8 @@ use roughxel_emulator::input::open_file;
 use roughxel_emulator::output::{OutputFile, write_files};
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Cause, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
-    export_with, hard_sets, in_page, manifests_in, random_set, rom_files, tables, verify,
+    Cause, Form, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
+    Words, export_with, hard_sets, in_page, manifests_in, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
@@ -83,6 +83,12 @@ pub(super) struct ExportArgs {
     /// random vectors of each under `compact` and `narrow`.
     #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
+    /// Words as records of bytes, NAME.bin, for programs, instead of as text, NAME.hex, for simulators.
+    #[arg(long, conflicts_with = "smoke")]
+    bin: bool,
+    /// Inputs and outputs only, without the outcomes of stages between them.
+    #[arg(long, conflicts_with = "smoke")]
+    no_taps: bool,
     /// Summary as JSON.
     #[arg(long)]
     json: bool,
@@ -90,7 +96,7 @@ pub(super) struct ExportArgs {
 
 #[derive(Args)]
 pub(super) struct VerifyArgs {
-    /// Directories of sets, or single ones (NAME.json or NAME.hex).
+    /// Directories of sets, or single ones (NAME.json, NAME.hex or NAME.bin).
     #[arg(required = true, value_name = "DIR|MANIFEST")]
     paths: Vec<PathBuf>,
     /// Result as JSON.
@@ -135,6 +141,7 @@ struct Export<'a> {
     /// Effects instead of those of each set.
     effects: Option<Effects>,
     frame: Option<FrameSystem>,
+    words: Words,
     directory: &'a Path,
 }
 
@@ -174,7 +181,7 @@ impl Export<'_> {
     ) -> SetInfo<'b> {
         let NamedPrecision { name: profile, precision, .. } = self.profile;
         let effects = self.effects(effects);
-        SetInfo { name, description, seed, datapath, effects, precision: *precision, profile }
+        SetInfo { name, description, seed, datapath, effects, precision: *precision, profile, words: self.words }
     }
 
     fn write(
@@ -195,7 +202,8 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     let ExportArgs { effects, frame, output, .. } = args;
     check_directory(output)?;
     let profile = &args.profile.open()?;
-    let export = Export { profile, effects: *effects, frame: *frame, directory: output };
+    let words = Words { taps: !args.no_taps, form: if args.bin { Form::Bin } else { Form::Hex } };
+    let export = Export { profile, effects: *effects, frame: *frame, words, directory: output };
     if args.smoke {
         smoke(output, &mut written)?;
     } else if let Some(scene) = &args.scene {
@@ -262,7 +270,7 @@ fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
     let mut add = |manifest| written.push((directory.to_path_buf(), manifest));
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
         let profile = &named.into();
-        let export = Export { profile, effects: None, frame: None, directory };
+        let export = Export { profile, effects: None, frame: None, words: Words::default(), directory };
         for set in hard_sets(&profile.precision).iter().filter(|_| named == Profile::Standard) {
             let is_reflection = set.cases.datapath() == Datapath::Reflection;
             add(export.cases(set, if is_reflection { SMOKE_REFLECTIONS } else { SMOKE_LIGHTS })?);
@@ -284,7 +292,7 @@ fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
     for path in &args.paths {
         let manifests = match path.extension() {
             _ if path.is_dir() => manifests_in(path),
-            Some(extension) if extension == "hex" => Ok(vec![path.with_extension("json")]),
+            Some(extension) if extension == "hex" || extension == "bin" => Ok(vec![path.with_extension("json")]),
             _ => Ok(vec![path.clone()]),
         };
         match manifests {

@@ -1,7 +1,8 @@
-//! Export: inputs through their datapath into `NAME.hex`, then `NAME.json`.
+//! Export: inputs through their datapath into `NAME.hex` or `NAME.bin`, then `NAME.json`.
 
 use std::fs;
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -9,18 +10,20 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use sha2::{Digest, Sha256};
 
-use super::datapath::{Inputs, outcome};
+use super::datapath::{Batch, Inputs};
 use super::layout::Layout;
-use super::manifest::{FORMAT_VERSION, FileEntry, Manifest, ProfileKnobs, SCHEMA, Seed};
-use super::word::{check_value, write_word};
+use super::manifest::{FORMAT_VERSION, FileEntry, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
+use super::word::{check_value, pack, write_record, write_word};
 use super::{MAX_VECTORS, VectorError};
 use crate::output::OutputFile;
 
 /// How [`crate::random::SplitMix64::for_element`] finds the numbers of one vector.
 const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15)";
 
-/// Words computed at once.
-const BATCH: u64 = 1 << 13;
+/// Words of a task: the wires of all stages stay in a processor's cache.
+const TASK: u64 = 1 << 9;
+/// Words computed before they are written, while those before them are.
+const BATCH: u64 = 1 << 14;
 
 /// What is known of a set before its vectors are.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +42,24 @@ pub struct SetInfo<'a> {
     pub precision: Precision,
     /// Name of the profile: of a named one, of a profile file, or `custom`.
     pub profile: &'a str,
+    /// What words hold, and how they are written.
+    pub words: Words,
+}
+
+/// What the words of a set hold, and how they are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Words {
+    /// With the outcomes of stages between the ports.
+    pub taps: bool,
+    /// As text or as bytes.
+    pub form: Form,
+}
+
+impl Default for Words {
+    /// Everything, as text.
+    fn default() -> Self {
+        Self { taps: true, form: Form::Hex }
+    }
 }
 
 impl SetInfo<'_> {
@@ -77,7 +98,8 @@ pub fn export_with(
         return Err(VectorError::Size { set: info.name.into(), count });
     }
     let stem = info.file_stem();
-    let (hex_path, json_path) = (directory.join(format!("{stem}.hex")), directory.join(format!("{stem}.json")));
+    let file_name = format!("{stem}.{}", info.words.form.extension());
+    let (words_path, json_path) = (directory.join(&file_name), directory.join(format!("{stem}.json")));
     let error = |path: &Path| {
         let path = path.to_path_buf();
         move |source: io::Error| VectorError::Io { action: "write", path, source }
@@ -85,34 +107,38 @@ pub fn export_with(
     fs::create_dir_all(directory).map_err(error(directory))?;
 
     let effects = info.effects.of(info.datapath);
-    let layout = Layout::new(info.datapath, &effects, &info.precision);
-    let mut hex = Hashed::new(OutputFile::create(&hex_path).map_err(error(&hex_path))?);
-    let title = format!(
-        "// roughxel vectors: set {}, profile {}, {count} words of {} bits, fields in {stem}.json\n",
-        info.name,
-        info.profile,
-        layout.word_bits()
-    );
-    hex.write(title.as_bytes()).map_err(error(&hex_path))?;
+    let layout = Layout::new(info.datapath, &effects, &info.precision, info.words.taps);
+    let mut words = Hashed::new(OutputFile::create(&words_path).map_err(error(&words_path))?);
+    if info.words.form == Form::Hex {
+        let title = format!(
+            "// roughxel vectors: set {}, profile {}, {count} words of {} bits, fields in {stem}.json\n",
+            info.name,
+            info.profile,
+            layout.word_bits()
+        );
+        words.write(title.as_bytes()).map_err(error(&words_path))?;
+    }
+    let batch = |start: u64| -> Vec<Result<Vec<u8>, VectorError>> {
+        let vectors = start..count.min(start + BATCH);
+        let tasks: Vec<_> =
+            vectors.clone().step_by(TASK as usize).map(|first| first..vectors.end.min(first + TASK)).collect();
+        tasks.into_par_iter().map(|vectors| written(&layout, info, vectors, input)).collect()
+    };
+    let mut ready = batch(0);
     for start in (0..count).step_by(BATCH as usize) {
-        let lines: Vec<_> = (start..count.min(start + BATCH))
-            .into_par_iter()
-            .map(|index| {
-                vector_line(&layout, info, &input(index)).map_err(|field| VectorError::Inexact {
-                    set: info.name.into(),
-                    index,
-                    field: layout.fields()[field].name.clone(),
-                })
-            })
-            .collect();
-        for line in lines {
-            hex.write(&line?).map_err(error(&hex_path))?;
-        }
+        let write = || -> Result<(), VectorError> {
+            for task in ready {
+                words.write(&task?).map_err(error(&words_path))?;
+            }
+            Ok(())
+        };
+        let (done, next) = rayon::join(write, || batch(start + BATCH));
+        done?;
+        ready = next;
         progress(count.min(start + BATCH));
     }
 
-    let file_name = format!("{stem}.hex");
-    let Hashed { file, hash, bytes } = hex;
+    let Hashed { file, hash, bytes } = words;
     let manifest = Manifest {
         schema: SCHEMA.into(),
         format_version: FORMAT_VERSION,
@@ -123,6 +149,7 @@ pub fn export_with(
         datapath: info.datapath,
         effects,
         seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
+        taps: info.words.taps,
         count,
         word_bits: layout.word_bits(),
         files: vec![FileEntry { name: file_name, bytes, sha256: hex_digest(hash) }],
@@ -132,20 +159,46 @@ pub fn export_with(
     serde_json::to_writer_pretty(&mut json, &manifest).map_err(|e| error(&json_path)(e.into()))?;
     json.write_all(b"\n").map_err(error(&json_path))?;
     // The manifest last: a set whose words are not in place has none, or one whose hash tells.
-    file.commit().map_err(error(&hex_path))?;
+    file.commit().map_err(error(&words_path))?;
     json.commit().map_err(error(&json_path))?;
     Ok(manifest)
 }
 
-/// The line of one vector, or the field that cannot hold its port.
-fn vector_line(layout: &Layout, info: &SetInfo<'_>, Inputs(inputs): &Inputs) -> Result<Vec<u8>, usize> {
-    let outputs = outcome(info.datapath, inputs, &info.effects, &info.precision);
-    let mut bits = layout.encode(inputs, &outputs)?;
-    bits.push(check_value(layout.fields(), &bits));
-    let mut line = Vec::with_capacity(layout.line_length() + 1);
-    write_word(&mut line, layout.fields(), &bits);
-    line.push(b'\n');
-    Ok(line)
+/// The words of some vectors as they are written.
+fn written(
+    layout: &Layout,
+    info: &SetInfo<'_>,
+    vectors: Range<u64>,
+    input: &(dyn Fn(u64) -> Inputs + Sync),
+) -> Result<Vec<u8>, VectorError> {
+    let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
+    let (fields, rows, digits) = (layout.fields(), layout.rows(&batch), layout.data_digits());
+    let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (layout.line_length() + 1));
+    let (mut bits, mut packed) = (Vec::with_capacity(fields.len()), Vec::new());
+    for (place, index) in vectors.enumerate() {
+        bits.clear();
+        for (field, &(row, drop)) in fields.iter().zip(&rows) {
+            bits.push(field.bits(row[place].into(), drop).ok_or_else(|| VectorError::Inexact {
+                set: info.name.into(),
+                index,
+                field: field.name.clone(),
+            })?);
+        }
+        pack(fields, &bits, digits, &mut packed);
+        let check = check_value(&packed, digits);
+        match info.words.form {
+            Form::Hex => {
+                bits.push(check);
+                write_word(&mut text, fields, &bits);
+                text.push(b'\n');
+            }
+            Form::Bin => {
+                packed.push(check);
+                write_record(&mut text, &packed, digits);
+            }
+        }
+    }
+    Ok(text)
 }
 
 /// A file and the hash of what went into it.

@@ -16,6 +16,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::status::StatusBit;
 use serde::{Deserialize, Serialize};
 
+use super::datapath::Batch;
 use crate::net::graph::Net;
 
 /// Bits of the check value at the end of a word.
@@ -75,6 +76,13 @@ impl Field {
         let bits = u64::from(bits) << spare;
         if self.signed { bits.cast_signed() >> spare } else { (bits >> spare).cast_signed() }
     }
+
+    /// The field's bits of an integer whose lowest `drop` bits the profile drops; `None` if it has others than the field keeps.
+    #[inline]
+    pub(super) fn bits(&self, integer: i64, drop: u32) -> Option<u32> {
+        let bits = (integer >> drop) as u32 & mask(self.width);
+        (self.integer(bits) << drop == integer).then_some(bits)
+    }
 }
 
 /// Where the integer of a field is.
@@ -99,10 +107,11 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The fields of a datapath under its effects and `p`.
-    pub fn new(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
+    /// The fields of a datapath under its effects and `p`, with those between stages or without.
+    pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
         let net = Net::of(Design::of(datapath), effects, p);
-        let columns = columns(&net, datapath, p).into_iter().filter(|column| column.exists);
+        let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
+        let columns = columns(&net, datapath, p).into_iter().filter(is_shown);
         let (mut fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
             columns.map(|column| (column.field, (column.source, column.drop))).unzip();
         fields.push(Field {
@@ -152,10 +161,20 @@ impl Layout {
         self.word_bits() as usize / 4 + self.fields.len() - 1
     }
 
+    /// Bytes of a word's record.
+    pub(crate) fn record_bytes(&self) -> usize {
+        self.word_bits().div_ceil(8) as usize
+    }
+
     /// The field at bit `place` of the word and the bit inside it.
     pub(crate) fn field_at(&self, place: u32) -> Option<(usize, u32)> {
         let index = self.fields.iter().position(|field| field.lsb <= place)?;
         Some((index, place - self.fields[index].lsb))
+    }
+
+    /// Digits of a word above its check value.
+    pub(crate) fn data_digits(&self) -> u32 {
+        (self.word_bits() - CHECK_BITS) / 4
     }
 
     /// The fields' bits of the integers of ports and outputs, the check value left out; or the first field that is too narrow
@@ -166,10 +185,18 @@ impl Layout {
                 Source::Port(place) => inputs[place],
                 Source::Output(place) => outputs[place],
             };
-            let bits = (integer >> drop) as u32 & mask(field.width);
-            if field.integer(bits) << drop == integer { Ok(bits) } else { Err(index) }
+            field.bits(integer, drop).ok_or(index)
         };
         self.fields.iter().zip(&self.sources).enumerate().map(encode_field).collect()
+    }
+
+    /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
+    pub(super) fn rows<'a>(&self, batch: &'a Batch) -> Vec<(&'a [i32], u32)> {
+        let row = |&(source, drop): &(Source, u32)| match source {
+            Source::Port(place) => (batch.port(place), drop),
+            Source::Output(place) => (batch.output(place), drop),
+        };
+        self.sources.iter().map(row).collect()
     }
 
     /// The integers of the ports in the fields' bits of a word; ports without a field are 0.

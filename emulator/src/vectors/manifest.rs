@@ -44,6 +44,9 @@ pub struct Manifest {
     pub effects: Effects,
     /// Where the fragments come from.
     pub seed: Option<Seed>,
+    /// Whether words have the outcomes of stages between the ports, too.
+    #[serde(default = "has_taps", skip_serializing_if = "Clone::clone")]
+    pub taps: bool,
     /// Vectors.
     pub count: u64,
     /// Bits of a word.
@@ -52,6 +55,11 @@ pub struct Manifest {
     pub files: Vec<FileEntry>,
     /// The fields of a word, most significant first.
     pub fields: Vec<Field>,
+}
+
+/// Manifests do not say that they have taps.
+const fn has_taps() -> bool {
+    true
 }
 
 /// A profile with every knob.
@@ -73,6 +81,25 @@ pub struct Seed {
     pub name: String,
     /// The hash.
     pub rule: String,
+}
+
+/// How words are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A line of hex digits each, for `$readmemh`.
+    Hex,
+    /// A record of bytes each, big endian.
+    Bin,
+}
+
+impl Form {
+    /// Extension of the file.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Hex => "hex",
+            Self::Bin => "bin",
+        }
+    }
 }
 
 /// A file of the set.
@@ -135,15 +162,24 @@ impl Manifest {
         if file.name.is_empty() || file.name.starts_with('.') || file.name.contains(['/', '\\']) {
             return Err(format!("file name `{}` is no plain name beside the manifest", file.name));
         }
+        if self.form().is_none() {
+            return Err(format!("file `{}` is neither .hex nor .bin", file.name));
+        }
         if self.effects != self.effects.of(self.datapath) {
             return Err(format!("effects that the datapath `{}` does not have are on", self.datapath.name()));
         }
         self.check_fields(&self.layout())
     }
 
+    /// How its words are written; `None` of a name that does not say it.
+    pub(super) fn form(&self) -> Option<Form> {
+        let extension = Path::new(&self.files.first()?.name).extension()?;
+        [Form::Hex, Form::Bin].into_iter().find(|form| extension == form.extension())
+    }
+
     /// The layout of its words.
     pub(super) fn layout(&self) -> Layout {
-        Layout::new(self.datapath, &self.effects, &self.profile.knobs)
+        Layout::new(self.datapath, &self.effects, &self.profile.knobs, self.taps)
     }
 
     fn check_fields(&self, layout: &Layout) -> Result<(), String> {

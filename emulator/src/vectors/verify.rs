@@ -1,7 +1,7 @@
 //! Verify: every value recomputed from the inputs in the file, every difference named.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -12,8 +12,8 @@ use super::VectorError;
 use super::datapath::outcome;
 use super::export::hex_digest;
 use super::layout::{Field, Layout};
-use super::manifest::Manifest;
-use super::word::{check_value, locate_flip, read_word, write_word};
+use super::manifest::{Form, Manifest};
+use super::word::{check_value, locate_flip, pack, read_record, read_word};
 use crate::input::open_file;
 
 /// Most mismatches that are described; all are counted.
@@ -66,7 +66,7 @@ pub struct Mismatch {
     pub set: String,
     /// Index of the vector, from 0.
     pub index: u64,
-    /// Line of the hex file, from 1.
+    /// Line of the file, or record, from 1.
     pub line: u64,
     /// Earliest stage that differs, or the stage of the flipped bit.
     pub stage: String,
@@ -86,14 +86,16 @@ pub struct Mismatch {
 
 /// The manifests of a directory, in the order of their names.
 ///
-/// Errors: unreadable, a hex file without its manifest, or none at all.
+/// Errors: unreadable, words without their manifest, or none at all.
 pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
     let error = |source| VectorError::Io { action: "read", path: directory.into(), source };
     let entries = fs::read_dir(directory).map_err(error)?;
     let mut files: Vec<_> = entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>().map_err(error)?;
     files.sort();
     let has_extension = |path: &Path, extension| path.extension().is_some_and(|e| e == extension);
-    let lonely = |path: &&PathBuf| has_extension(path, "hex") && !path.with_extension("json").exists();
+    let lonely = |path: &&PathBuf| {
+        (has_extension(path, "hex") || has_extension(path, "bin")) && !path.with_extension("json").exists()
+    };
     if let Some(path) = files.iter().find(lonely) {
         return Err(VectorError::Manifest {
             path: path.with_extension("json"),
@@ -115,7 +117,8 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
     let error = |source| VectorError::Io { action: "read", path: path.clone(), source };
     let line_error = |line, problem| VectorError::Line { path: path.clone(), line, problem };
 
-    let mut file = BufReader::with_capacity(1 << 16, open_file(&path).map_err(error)?);
+    let file = BufReader::with_capacity(1 << 16, open_file(&path).map_err(error)?);
+    let form = manifest.form().unwrap_or(Form::Hex);
     let mut result = Verification {
         set: manifest.set.clone(),
         profile: manifest.profile.name.clone(),
@@ -124,33 +127,22 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
         mismatching: 0,
         mismatches: Vec::new(),
     };
-    let checker = Checker { layout: &layout, manifest: &manifest };
-    let mut hash = Sha256::new();
-    let (mut line_number, mut count, mut at_end) = (0_u64, 0_u64, false);
+    let checker = Checker { layout: &layout, manifest: &manifest, form };
+    let mut words = WordReader { file, form, layout: &layout, hash: Sha256::new(), line: 0 };
+    let (mut count, mut at_end) = (0_u64, false);
     while !at_end {
         let mut batch: Vec<(u64, u64, Vec<u8>)> = Vec::with_capacity(BATCH);
         while batch.len() < BATCH {
-            let mut line = Vec::with_capacity(layout.line_length() + 1);
-            let read = file.by_ref().take(MAX_LINE).read_until(b'\n', &mut line).map_err(error)?;
-            if read == 0 {
+            let Some(word) = words.next().map_err(error)? else {
                 at_end = true;
                 break;
-            }
-            line_number += 1;
-            hash.update(&line);
-            if line.last() == Some(&b'\n') {
-                line.pop();
-            } else if read as u64 == MAX_LINE {
-                return Err(line_error(line_number, format!("longer than {MAX_LINE} characters")));
-            }
-            if line.starts_with(b"//") {
-                continue;
-            }
+            };
+            let word = word.map_err(|problem| line_error(words.line, problem))?;
             if count == manifest.count {
                 let (found, expected) = (count + 1, manifest.count);
                 return Err(VectorError::Count { path: path.clone(), found, expected });
             }
-            batch.push((count, line_number, line));
+            batch.push((count, words.line, word));
             count += 1;
         }
         let compared: Vec<_> =
@@ -168,24 +160,68 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
     if count != manifest.count {
         return Err(VectorError::Count { path, found: count, expected: manifest.count });
     }
-    result.hash_matches = hex_digest(hash) == entry.sha256;
+    result.hash_matches = hex_digest(words.hash) == entry.sha256;
     Ok(result)
+}
+
+/// The words of a file, one after the other, and the hash of what was read.
+struct WordReader<'a, R> {
+    file: R,
+    form: Form,
+    layout: &'a Layout,
+    hash: Sha256,
+    /// Lines or records read.
+    line: u64,
+}
+
+impl<R: BufRead> WordReader<'_, R> {
+    /// The next word without its end of line, or what is wrong with it; `None` at the end.
+    fn next(&mut self) -> io::Result<Option<Result<Vec<u8>, String>>> {
+        match self.form {
+            Form::Hex => loop {
+                let mut line = Vec::with_capacity(self.layout.line_length() + 1);
+                let read = self.file.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)?;
+                if read == 0 {
+                    return Ok(None);
+                }
+                self.line += 1;
+                self.hash.update(&line);
+                if line.last() == Some(&b'\n') {
+                    line.pop();
+                } else if read as u64 == MAX_LINE {
+                    return Ok(Some(Err(format!("longer than {MAX_LINE} characters"))));
+                }
+                if !line.starts_with(b"//") {
+                    return Ok(Some(Ok(line)));
+                }
+            },
+            Form::Bin => {
+                let mut record = Vec::with_capacity(self.layout.record_bytes());
+                self.file.by_ref().take(self.layout.record_bytes() as u64).read_to_end(&mut record)?;
+                self.line += u64::from(!record.is_empty());
+                self.hash.update(&record);
+                Ok((!record.is_empty()).then_some(Ok(record)))
+            }
+        }
+    }
 }
 
 struct Checker<'a> {
     layout: &'a Layout,
     manifest: &'a Manifest,
+    form: Form,
 }
 
 impl Checker<'_> {
     /// Compares one line with what its inputs give; an error says what is wrong with a line that is no word.
     fn compare(&self, index: u64, line: u64, text: &[u8]) -> Result<Option<Mismatch>, String> {
         let fields = self.layout.fields();
-        let found = read_word(text, self.layout)?;
+        let found = match self.form {
+            Form::Hex => read_word(text, self.layout)?,
+            Form::Bin => read_record(text, self.layout)?,
+        };
         let (expected, unfit) = self.expected(&found);
-        let mut again = Vec::with_capacity(text.len());
-        write_word(&mut again, fields, &expected);
-        if unfit.is_none() && again == text {
+        if unfit.is_none() && found == expected {
             return Ok(None);
         }
 
@@ -204,7 +240,7 @@ impl Checker<'_> {
         // The check value is compared with the word it stands in, not with the expected one.
         let data = fields.len() - 1;
         let differing: Vec<_> = (0..data).filter(|&i| found[i] != expected[i] || unfit == Some(i)).collect();
-        let syndrome = check_value(fields, &found) ^ found[data];
+        let syndrome = self.check_value(&found) ^ found[data];
         let flipped = if syndrome == 0 { None } else { locate_flip(syndrome, self.layout.word_bits()) };
         if let Some((at, bit)) = flipped.and_then(|place| self.layout.field_at(place)) {
             return Ok(Some(mismatch(&fields[at], 1 << bit, found[at], Cause::FlippedBit, differing.len())));
@@ -225,7 +261,15 @@ impl Checker<'_> {
             unfit = Some(field);
             found[..found.len() - 1].to_vec()
         });
-        bits.push(check_value(self.layout.fields(), &bits));
+        bits.push(self.check_value(&bits));
         (bits, unfit)
+    }
+
+    /// The check value of the fields above it.
+    fn check_value(&self, bits: &[u32]) -> u32 {
+        let (data, digits) = (self.layout.fields().len() - 1, self.layout.data_digits());
+        let mut packed = Vec::new();
+        pack(&self.layout.fields()[..data], &bits[..data], digits, &mut packed);
+        check_value(&packed, digits)
     }
 }

@@ -1,4 +1,7 @@
-//! A vector word as text: hex digits, fields separated by underscores, the check value last.
+//! A vector word as text or as bytes: the fields' bits, most significant first, the check value last.
+//!
+//! As text it is hex digits with underscores between fields, as bytes the same digits two a byte, big endian, a zero digit first where
+//! they are odd.
 //!
 //! The check value is a CRC-32 (polynomial 04c11db7, not reflected, start ffffffff, no final inversion) over the
 //! bits above it, most significant first. The polynomial is primitive, so in words below 2^32 bits every single
@@ -8,21 +11,28 @@ use super::layout::{CHECK_BITS, Field, Layout};
 
 const POLYNOMIAL: u32 = 0x04c1_1db7;
 
-/// The remainder after one more hex digit, from the remainder's top four bits and the digit.
-const BY_DIGIT: [u32; 16] = {
-    let mut table = [0; 16];
-    let mut digit = 0;
-    while digit < 16 {
-        let mut remainder = (digit as u32) << 28;
-        let mut bit = 0;
-        while bit < 4 {
-            remainder = next_remainder(remainder);
-            bit += 1;
+/// Bytes that the check value takes in at once.
+const SLICES: usize = 8;
+
+/// The remainder of a byte that so many bytes follow.
+const BY_BYTE: [[u32; 256]; SLICES] = {
+    let mut tables = [[0; 256]; SLICES];
+    let mut byte = 0;
+    while byte < 256 {
+        let mut remainder = (byte as u32) << 24;
+        let mut followers = 0;
+        while followers < SLICES {
+            let mut bit = 0;
+            while bit < 8 {
+                remainder = next_remainder(remainder);
+                bit += 1;
+            }
+            tables[followers][byte] = remainder;
+            followers += 1;
         }
-        table[digit] = remainder;
-        digit += 1;
+        byte += 1;
     }
-    table
+    tables
 };
 
 /// x · remainder modulo the polynomial.
@@ -30,15 +40,40 @@ const fn next_remainder(remainder: u32) -> u32 {
     remainder << 1 ^ if remainder >> 31 == 1 { POLYNOMIAL } else { 0 }
 }
 
-/// The check value of the fields above it.
-pub(crate) fn check_value(fields: &[Field], bits: &[u32]) -> u32 {
-    let data = fields.iter().zip(bits).filter(|(field, _)| field.stage != "check");
-    data.fold(u32::MAX, |remainder, (field, &bits)| {
-        (0..field.digits()).rev().fold(remainder, |remainder, digit| {
-            let index = remainder >> 28 ^ (bits >> (4 * digit) & 15);
-            remainder << 4 ^ BY_DIGIT[index as usize]
-        })
-    })
+/// The remainder after so many bytes more, the last ones of `bytes`.
+fn after(bytes: u64, count: usize) -> u32 {
+    (0..count).fold(0, |sum, followers| sum ^ BY_BYTE[followers][(bytes >> (8 * followers) & 255) as usize])
+}
+
+/// The digits of a word's fields eight by eight, the last field at the end of the last eight; zeros before the first.
+///
+/// `digits` are those of all fields. Of a whole word the check value is the last element.
+pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec<u32>) {
+    packed.clear();
+    let (mut waiting, mut count) = (0_u64, digits.wrapping_neg() % 8 * 4);
+    for (field, &bits) in fields.iter().zip(bits) {
+        let width = 4 * field.digits();
+        // Below 32 bits wait, a field has at most 32.
+        waiting = waiting << width | u64::from(bits);
+        count += width;
+        if count >= 32 {
+            count -= 32;
+            packed.push((waiting >> count) as u32);
+        }
+    }
+}
+
+/// The check value of a word's digits above it, as [`pack`] puts them.
+pub(crate) fn check_value(packed: &[u32], digits: u32) -> u32 {
+    let Some((&first, rest)) = packed.split_first() else { return u32::MAX };
+    let in_first = (digits + 7) % 8 + 1;
+    let begun =
+        (0..4 * in_first).rev().fold(u32::MAX, |remainder, bit| next_remainder(remainder ^ (first >> bit & 1) << 31));
+    let (pairs, last) = rest.as_chunks::<2>();
+    let remainder = pairs
+        .iter()
+        .fold(begun, |remainder, &[high, low]| after(u64::from(remainder ^ high) << 32 | u64::from(low), 8));
+    last.iter().fold(remainder, |remainder, &word| after(u64::from(remainder ^ word), 4))
 }
 
 /// Which bit of a word of `word_bits` was flipped, if one was: the word's own place whose remainder is `syndrome`,
@@ -64,8 +99,41 @@ pub(crate) fn write_word(line: &mut Vec<u8>, fields: &[Field], bits: &[u32]) {
         if index > 0 {
             line.push(b'_');
         }
-        line.extend((0..field.digits()).rev().map(|digit| b"0123456789abcdef"[(bits >> (4 * digit) & 15) as usize]));
+        line.extend_from_slice(&hex_digits(bits)[8 - field.digits() as usize..]);
     }
+}
+
+/// Eight lower-case hex digits.
+fn hex_digits(bits: u32) -> [u8; 8] {
+    // A digit a byte, in three steps; then what lies between the codes of 9 and a, where it is one of the letters.
+    let halves = u64::from(bits >> 16) << 32 | u64::from(bits & 0xffff);
+    let bytes = (halves << 8 | halves) & 0x00ff_00ff_00ff_00ff;
+    let digits = (bytes << 4 | bytes) & 0x0f0f_0f0f_0f0f_0f0f;
+    let is_letter = (digits + 0x0606_0606_0606_0606) >> 4 & 0x0101_0101_0101_0101;
+    (digits + 0x3030_3030_3030_3030 + is_letter * u64::from(b'a' - b'9' - 1)).to_be_bytes()
+}
+
+/// Appends the record of a word as [`pack`] puts it, its check value included.
+pub(crate) fn write_record(records: &mut Vec<u8>, packed: &[u32], digits: u32) {
+    let Some((first, rest)) = packed.split_first() else { return };
+    let in_first = ((digits + 7) % 8 + 1).div_ceil(2) as usize;
+    records.extend_from_slice(&first.to_be_bytes()[4 - in_first..]);
+    records.extend(rest.iter().flat_map(|word| word.to_be_bytes()));
+}
+
+/// The fields' bits of a record, padding included, or what is wrong with it.
+pub(crate) fn read_record(record: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
+    let digit = |place: u32| u32::from(record[record.len() - 1 - place as usize / 2] >> (4 * (place % 2)) & 15);
+    let digits = layout.word_bits() / 4;
+    if record.len() != digits.div_ceil(2) as usize {
+        return Err(format!("{} bytes, but a word of this set has {}", record.len(), digits.div_ceil(2)));
+    }
+    if digits % 2 == 1 && digit(digits) != 0 {
+        return Err(format!("the first digit is {:x}, but words of {digits} digits begin with a zero", digit(digits)));
+    }
+    let bits =
+        |field: &Field| (0..field.digits()).rev().fold(0, |bits, place| bits << 4 | digit(field.lsb / 4 + place));
+    Ok(layout.fields().iter().map(bits).collect())
 }
 
 /// The fields' bits of a line, padding included, or what is wrong with it.

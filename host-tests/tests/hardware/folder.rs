@@ -7,7 +7,9 @@ use std::process::{Command, Output};
 
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::vectors::{Manifest, RANDOM_SETS, SetInfo, export_with, hard_sets, manifests_in, random_set};
+use roughxel_emulator::vectors::{
+    Manifest, RANDOM_SETS, SetInfo, Words, export_with, hard_sets, manifests_in, random_set,
+};
 use roughxel_host_tests::simulators::{have, hdl, run};
 use roughxel_host_tests::space::{effects, in_turn, profiles, sweep, whole_or};
 
@@ -32,7 +34,16 @@ fn right(output: &Output) -> usize {
 fn random(directory: &Path, number: usize, effects: Effects, datapath: Datapath, of: (&str, Precision), count: u64) {
     let (profile, precision) = of;
     let name = format!("{}_{number}", RANDOM_SETS[datapath as usize].0);
-    let info = SetInfo { name: &name, description: "test", seed: Some(&name), datapath, effects, precision, profile };
+    let info = SetInfo {
+        name: &name,
+        description: "test",
+        seed: Some(&name),
+        datapath,
+        effects,
+        precision,
+        profile,
+        words: Words::default(),
+    };
     let input = |index| random_set(datapath, &name, index, &precision);
     export_with(&info, count, &input, directory, &|_| {}).expect("the set can be written");
 }
@@ -66,7 +77,16 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
             let (count, step) = (set.cases.count(), whole_or(1, 5));
             let effects = Effects { footprint: FootprintKind::Sphere, ..set.effects };
             let (name, description, datapath) = (set.name, "test", set.cases.datapath());
-            let info = SetInfo { name, description, seed: None, datapath, effects, precision, profile };
+            let info = SetInfo {
+                name,
+                description,
+                seed: None,
+                datapath,
+                effects,
+                precision,
+                profile,
+                words: Words::default(),
+            };
             let input = |index| set.cases.inputs(index * step);
             export_with(&info, count.div_ceil(step), &input, directory.path(), &|_| {}).expect("it can be written");
         }
