@@ -1205,36 +1205,48 @@ def read_manifest(path: str) -> Manifest:
     return manifest
 
 
+def read_words(path: str, digits: int) -> Iterator[Tuple[str, int]]:
+    """Words of a file with their places in it: lines of NAME.hex, records of NAME.bin. Raises Unreadable."""
+    if path.endswith(".bin"):
+        size = -(-digits // 2)
+        with open(path, "rb") as file:
+            for place, record in enumerate(iter(lambda: file.read(size), b""), 1):
+                if len(record) != size or int.from_bytes(record, "big") >> 4 * digits:
+                    raise Unreadable(f"{path}:{place}: not a record of {digits} digits in {size} bytes")
+                yield f"{path}:{place}", int.from_bytes(record, "big")
+        return
+    with open(path, encoding="ascii", newline="\n") as file:
+        for place, line in enumerate(file, 1):
+            text = line.rstrip("\n")
+            if text.startswith("//"):
+                continue
+            hexadecimal = text.replace("_", "")
+            if len(hexadecimal) != digits or hexadecimal.strip("0123456789abcdef"):
+                raise Unreadable(f"{path}:{place}: not a word of {digits} hex digits")
+            yield f"{path}:{place}", int(hexadecimal, 16)
+
+
 def load(path: str) -> Iterator[Fields]:
     """Vectors of NAME.json as dictionaries of all fields, signed ones as such. Raises Unreadable."""
     manifest = read_manifest(path)
     words_path = os.path.join(os.path.dirname(path), manifest["files"][0]["name"])
-    digits = manifest["word_bits"] // 4
     layout = [(field["name"], field["lsb"], field["width"], field["signed"]) for field in manifest["fields"]]
     padding = sum(((1 << -(-width // 4) * 4) - (1 << width)) << lsb for _, lsb, width, _ in layout)
     count = 0
     try:
-        with open(words_path, encoding="ascii", newline="\n") as file:
-            for place, line in enumerate(file, 1):
-                text = line.rstrip("\n")
-                if text.startswith("//"):
-                    continue
-                hexadecimal = text.replace("_", "")
-                if len(hexadecimal) != digits or hexadecimal.strip("0123456789abcdef"):
-                    raise Unreadable(f"{words_path}:{place}: not a word of {digits} hex digits")
-                word = int(hexadecimal, 16)
-                if check_value(word >> 32, manifest["word_bits"] - 32) != word & 0xffffffff:
-                    raise Unreadable(f"{words_path}:{place}: check value of vector {count} is wrong: damaged word")
-                if word & padding:
-                    raise Unreadable(f"{words_path}:{place}: a field of vector {count} has bits above its width")
-                vector = {}
-                for name, lsb, width, signed in layout:
-                    value = (word >> lsb) & ((1 << width) - 1)
-                    vector[name] = value - (1 << width) if signed and value >> (width - 1) else value
-                count += 1
-                if count > manifest["count"]:
-                    raise Unreadable(f"{words_path}:{place}: more than the {manifest['count']} words of the manifest")
-                yield vector
+        for place, word in read_words(words_path, manifest["word_bits"] // 4):
+            if check_value(word >> 32, manifest["word_bits"] - 32) != word & 0xffffffff:
+                raise Unreadable(f"{place}: check value of vector {count} is wrong: damaged word")
+            if word & padding:
+                raise Unreadable(f"{place}: a field of vector {count} has bits above its width")
+            vector = {}
+            for name, lsb, width, signed in layout:
+                value = (word >> lsb) & ((1 << width) - 1)
+                vector[name] = value - (1 << width) if signed and value >> (width - 1) else value
+            count += 1
+            if count > manifest["count"]:
+                raise Unreadable(f"{place}: more than the {manifest['count']} words of the manifest")
+            yield vector
     except (OSError, UnicodeError) as error:
         raise Unreadable(f"{words_path}: {error}") from error
     if count != manifest["count"]:

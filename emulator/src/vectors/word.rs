@@ -67,8 +67,15 @@ pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec
 pub(crate) fn check_value(packed: &[u32], digits: u32) -> u32 {
     let Some((&first, rest)) = packed.split_first() else { return u32::MAX };
     let in_first = (digits + 7) % 8 + 1;
-    let begun =
-        (0..4 * in_first).rev().fold(u32::MAX, |remainder, bit| next_remainder(remainder ^ (first >> bit & 1) << 31));
+    let by_digit = |remainder: u32, place: u32| {
+        let with_digit = remainder ^ (first >> (4 * place) & 15) << 28;
+        (0..4).fold(with_digit, |remainder, _| next_remainder(remainder))
+    };
+    let begun = if in_first == 8 {
+        after(u64::from(u32::MAX ^ first), 4)
+    } else {
+        (0..in_first).rev().fold(u32::MAX, by_digit)
+    };
     let (pairs, last) = rest.as_chunks::<2>();
     let remainder = pairs
         .iter()

@@ -10,8 +10,8 @@ use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::vectors::{
-    Cause, Direction, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, export_with, hard_sets,
-    in_page, random_set, tables, verify,
+    Cause, Direction, Form, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, Words, export, export_with,
+    hard_sets, in_page, random_set, tables, verify,
 };
 
 fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
@@ -23,6 +23,7 @@ fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
         effects: Effects::ALL,
         precision: Profile::by_name(profile).unwrap().precision(),
         profile,
+        words: Words::default(),
     }
 }
 
@@ -188,6 +189,77 @@ fn two_flipped_bits_are_damage_at_the_earliest_stage() {
     assert_eq!((mismatch.index, mismatch.stage.as_str(), mismatch.cause), (1, "reflect", Cause::Damaged));
 }
 
+/// Both forms of the same vectors, with taps or without, in directories of their own.
+fn both_forms(datapath: Datapath, profile: &str, taps: bool) -> [(tempfile::TempDir, Manifest); 2] {
+    [Form::Hex, Form::Bin].map(|form| {
+        let directory = tempfile::tempdir().unwrap();
+        let info = SetInfo { datapath, words: Words { taps, form }, ..info("random", profile) };
+        let input = |index| random_set(datapath, "test", index, &info.precision);
+        let manifest = export_with(&info, 40, &input, directory.path(), &|_| {}).unwrap();
+        (directory, manifest)
+    })
+}
+
+#[test]
+fn records_are_the_digits_of_the_words_and_verify() {
+    let (mut odd, mut taps_left_out) = (0, 0);
+    for datapath in Datapath::ALL {
+        for profile in Profile::ALL.map(Profile::name) {
+            for taps in [true, false] {
+                let [(text, hex), (bytes, bin)] = both_forms(datapath, profile, taps);
+                let path =
+                    |directory: &tempfile::TempDir, manifest: &Manifest| directory.path().join(&manifest.files[0].name);
+                let lines = fs::read_to_string(path(&text, &hex)).unwrap();
+                let digits: String = lines
+                    .lines()
+                    .filter(|line| !line.starts_with("//"))
+                    .map(|line| padded(&line.replace('_', "")))
+                    .collect();
+                let records: String =
+                    fs::read(path(&bytes, &bin)).unwrap().iter().map(|byte| format!("{byte:02x}")).collect();
+                assert_eq!(digits, records, "{} {profile}", datapath.name());
+                assert_eq!(hex.fields, bin.fields);
+                assert_eq!(hex.fields.iter().any(|field| field.direction == Direction::Tap), taps);
+                odd += u32::from(bin.word_bits % 8 == 4);
+                taps_left_out += u32::from(!taps);
+                for (directory, manifest) in [(&text, &hex), (&bytes, &bin)] {
+                    let result = verify(&directory.path().join(format!("random_{profile}.json")), &|_| {}).unwrap();
+                    assert!(result.passed(), "{} {profile}: {result:?}", datapath.name());
+                    assert_eq!(manifest.taps, taps);
+                }
+            }
+        }
+    }
+    assert!(odd > 0 && taps_left_out > 0, "words of an odd number of digits: {odd}");
+}
+
+/// An even number of digits.
+fn padded(digits: &str) -> String {
+    if digits.len() % 2 == 1 { format!("0{digits}") } else { digits.into() }
+}
+
+#[test]
+fn a_flipped_bit_of_a_record_is_located_and_a_record_cut_short_is_told() {
+    let [_, (directory, manifest)] = both_forms(Datapath::Reflection, "standard", true);
+    let (bin, json) = (directory.path().join("random_standard.bin"), directory.path().join("random_standard.json"));
+    let whole = fs::read(&bin).unwrap();
+    let field = manifest.fields.iter().find(|field| field.name == "reflected_x").unwrap();
+    let record = manifest.word_bits.div_ceil(8) as usize;
+    let mut bytes = whole.clone();
+    bytes[8 * record - 1 - field.lsb as usize / 8] ^= 1 << (field.lsb % 8);
+    fs::write(&bin, bytes).unwrap();
+    let result = verify(&json, &|_| {}).unwrap();
+    let mismatch = &result.mismatches[0];
+    assert_eq!((mismatch.index, mismatch.line, mismatch.field.as_str(), mismatch.bit), (7, 8, "reflected_x", 0));
+    assert_eq!((mismatch.cause, result.mismatching), (Cause::FlippedBit, 1));
+
+    fs::write(&bin, &whole[..whole.len() - 3]).unwrap();
+    let error = verify(&json, &|_| {}).unwrap_err().to_string();
+    assert!(error.contains("random_standard.bin:40: ") && error.contains("bytes"), "{error}");
+    fs::write(&bin, &whole[..whole.len() - record]).unwrap();
+    assert!(matches!(verify(&json, &|_| {}), Err(VectorError::Count { found: 39, expected: 40, .. })));
+}
+
 #[test]
 fn a_changed_comment_changes_the_hash_and_no_vector() {
     let set = Set::random(2);
@@ -276,7 +348,7 @@ fn fields_tile_the_word_and_have_unique_names() {
         ["narrow", "paper", "compact", "standard", "precise"].map(|name| Profile::by_name(name).unwrap().precision());
     let layouts = profiles.iter().flat_map(|p| {
         let effects = [Effects::ALL, Effects::NONE].into_iter();
-        effects.flat_map(move |effects| Datapath::ALL.map(|datapath| Layout::new(datapath, &effects, p)))
+        effects.flat_map(move |effects| Datapath::ALL.map(|datapath| Layout::new(datapath, &effects, p, true)))
     });
     for layout in layouts {
         let mut end = layout.word_bits();
@@ -416,7 +488,7 @@ fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
                     if effects != effects.of(datapath) {
                         continue;
                     }
-                    let layout = Layout::new(datapath, &effects, &Precision::COMPACT);
+                    let layout = Layout::new(datapath, &effects, &Precision::COMPACT, true);
                     let mut rest = listed.iter();
                     for field in layout.fields().iter().filter(|field| field.direction != Direction::Check) {
                         assert!(rest.any(|name| *name == field.name), "{}: {effects:?}", field.name);

@@ -4,6 +4,7 @@
 mod accuracy;
 mod arithmetic;
 mod seam;
+mod design_lanes;
 mod elementary;
 mod filter;
 mod float_datapath;

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Precision;
 use roughxel_emulator::vectors::{
-    Manifest, RANDOM_SETS, SetInfo, Words, export_with, hard_sets, manifests_in, random_set,
+    Form, Manifest, RANDOM_SETS, SetInfo, Words, export_with, hard_sets, manifests_in, random_set,
 };
 use roughxel_host_tests::simulators::{have, hdl, run};
 use roughxel_host_tests::space::{effects, in_turn, profiles, sweep, whole_or};
@@ -55,6 +55,32 @@ fn the_python_model_is_right_on_every_committed_set() {
     }
     let sets = manifests_in(&vectors("smoke")).expect("the committed sets").len();
     assert_eq!(right(&run(&mut model())), sets + 1);
+}
+
+#[test]
+fn the_python_model_reads_records_and_words_without_taps() {
+    if !have("python3") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    for (profile, precision) in profiles() {
+        for (name, datapath, description) in RANDOM_SETS {
+            let (seed, effects) = (Some(name), Effects::ALL);
+            let words = Words { taps: false, form: Form::Bin };
+            let info = SetInfo { name, description, seed, datapath, effects, precision, profile, words };
+            let input = |index| random_set(datapath, name, index, &precision);
+            export_with(&info, 50, &input, directory.path(), &|_| {}).expect("the set can be written");
+        }
+    }
+    let sets = manifests_in(directory.path()).expect("sets");
+    assert_eq!(right(&run(model().arg(directory.path()))), sets.len() + 1);
+
+    let words = sets[0].with_extension("bin");
+    let mut bytes = fs::read(&words).expect("records");
+    bytes[40] ^= 8;
+    fs::write(&words, bytes).expect("they can be written");
+    let output = model().arg(&sets[0]).output().expect("python3");
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]
