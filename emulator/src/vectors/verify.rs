@@ -1,25 +1,21 @@
 //! Verify: every value recomputed from the inputs in the file, every difference named.
 
+use std::fmt;
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use super::VectorError;
 use super::datapath::outcome;
-use super::export::hex_digest;
 use super::layout::{Field, Layout};
+use super::lines::{Line, Lines};
 use super::manifest::Manifest;
 use super::word::{check_value, locate_flip, read_word, write_word};
-use crate::input::open_file;
 
 /// Most mismatches that are described; all are counted.
 const DESCRIBED: usize = 10;
-/// Longest line: beyond every word and comment.
-const MAX_LINE: u64 = 4096;
 /// Words compared at once.
 const BATCH: usize = 1 << 12;
 
@@ -84,6 +80,25 @@ pub struct Mismatch {
     pub fields_differing: usize,
 }
 
+/// A sentence: set, index, line, stage, field, bit and what happened to it.
+impl fmt::Display for Mismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { set, index, line, stage, field, bit, found, expected, cause, fields_differing } = self;
+        write!(f, "{set} #{index} (line {line}): stage {stage}, field {field}, bit {bit}: ")?;
+        match cause {
+            Cause::FlippedBit => write!(f, "flipped in the file ({found:x}, was {expected:x})"),
+            Cause::Damaged => write!(
+                f,
+                "{found:x} in the file, {expected:x} computed; several bits of the word are damaged, {fields_differing} fields differ"
+            ),
+            Cause::Computed => write!(
+                f,
+                "{found:x} in the file, {expected:x} computed by this version; {fields_differing} fields differ"
+            ),
+        }
+    }
+}
+
 /// The manifests of a directory, in the order of their names.
 ///
 /// Errors: unreadable, a hex file without its manifest, or none at all.
@@ -110,12 +125,7 @@ pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
 pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout();
-    let entry = &manifest.files[0];
-    let path = manifest_path.with_file_name(&entry.name);
-    let error = |source| VectorError::Io { action: "read", path: path.clone(), source };
-    let line_error = |line, problem| VectorError::Line { path: path.clone(), line, problem };
-
-    let mut file = BufReader::with_capacity(1 << 16, open_file(&path).map_err(error)?);
+    let mut lines = Lines::open(manifest_path, &manifest)?;
     let mut result = Verification {
         set: manifest.set.clone(),
         profile: manifest.profile.name.clone(),
@@ -125,38 +135,20 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
         mismatches: Vec::new(),
     };
     let checker = Checker { layout: &layout, manifest: &manifest };
-    let mut hash = Sha256::new();
-    let (mut line_number, mut count, mut at_end) = (0_u64, 0_u64, false);
+    let (mut count, mut at_end) = (0, false);
     while !at_end {
-        let mut batch: Vec<(u64, u64, Vec<u8>)> = Vec::with_capacity(BATCH);
+        let mut batch: Vec<Line> = Vec::with_capacity(BATCH);
         while batch.len() < BATCH {
-            let mut line = Vec::with_capacity(layout.line_length() + 1);
-            let read = file.by_ref().take(MAX_LINE).read_until(b'\n', &mut line).map_err(error)?;
-            if read == 0 {
+            let Some(line) = lines.next()? else {
                 at_end = true;
                 break;
-            }
-            line_number += 1;
-            hash.update(&line);
-            if line.last() == Some(&b'\n') {
-                line.pop();
-            } else if read as u64 == MAX_LINE {
-                return Err(line_error(line_number, format!("longer than {MAX_LINE} characters")));
-            }
-            if line.starts_with(b"//") {
-                continue;
-            }
-            if count == manifest.count {
-                let (found, expected) = (count + 1, manifest.count);
-                return Err(VectorError::Count { path: path.clone(), found, expected });
-            }
-            batch.push((count, line_number, line));
-            count += 1;
+            };
+            batch.push(line);
         }
-        let compared: Vec<_> =
-            batch.par_iter().map(|(index, line, text)| (*line, checker.compare(*index, *line, text))).collect();
-        for (line, outcome) in compared {
-            if let Some(mismatch) = outcome.map_err(|problem| line_error(line, problem))? {
+        count += batch.len() as u64;
+        let compared: Vec<_> = batch.par_iter().map(|line| (line.number, checker.compare(line))).collect();
+        for (number, outcome) in compared {
+            if let Some(mismatch) = outcome.map_err(|problem| lines.problem(number, problem))? {
                 result.mismatching += 1;
                 if result.mismatches.len() < DESCRIBED {
                     result.mismatches.push(mismatch);
@@ -165,27 +157,28 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
         }
         progress(count);
     }
-    if count != manifest.count {
-        return Err(VectorError::Count { path, found: count, expected: manifest.count });
-    }
-    result.hash_matches = hex_digest(hash) == entry.sha256;
+    result.hash_matches = lines.hash_matches()?;
     Ok(result)
 }
 
-struct Checker<'a> {
-    layout: &'a Layout,
-    manifest: &'a Manifest,
+/// Recomputes the words of a set.
+pub(super) struct Checker<'a> {
+    /// Of its words.
+    pub(super) layout: &'a Layout,
+    /// Of the set.
+    pub(super) manifest: &'a Manifest,
 }
 
 impl Checker<'_> {
     /// Compares one line with what its inputs give; an error says what is wrong with a line that is no word.
-    fn compare(&self, index: u64, line: u64, text: &[u8]) -> Result<Option<Mismatch>, String> {
+    pub(super) fn compare(&self, line: &Line) -> Result<Option<Mismatch>, String> {
+        let &Line { index, number: line, ref text } = line;
         let fields = self.layout.fields();
         let found = read_word(text, self.layout)?;
         let (expected, unfit) = self.expected(&found);
         let mut again = Vec::with_capacity(text.len());
         write_word(&mut again, fields, &expected);
-        if unfit.is_none() && again == text {
+        if unfit.is_none() && again == *text {
             return Ok(None);
         }
 
@@ -216,7 +209,7 @@ impl Checker<'_> {
     }
 
     /// The word that belongs to the inputs of `found`, and the field its value does not fit, if any.
-    fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
+    pub(super) fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
         let inputs = self.layout.decode(found);
         let Manifest { datapath, effects, profile, .. } = self.manifest;
         let outputs = outcome(*datapath, &inputs, effects, &profile.knobs);
