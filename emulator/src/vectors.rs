@@ -13,6 +13,7 @@ mod lines;
 mod manifest;
 mod rom;
 mod sets;
+mod vcd;
 mod verify;
 mod word;
 
@@ -29,6 +30,7 @@ pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Manifest, SCHEMA};
 pub use rom::rom_files;
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
 
 /// Most vectors of one set.

@@ -4,13 +4,15 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use miette::{Context, IntoDiagnostic};
+use roughxel_emulator::output::OutputFile;
 use roughxel_emulator::vectors::{
-    DeviceWord, Explained, Explanation, Got, Mismatch, Vector, VectorError, Wrong, manifests_in,
+    DeviceWord, Explained, Explanation, Got, Mismatch, Vector, VectorError, Wrong, manifests_in, vcd,
 };
 use serde_json::json;
 
-use super::Failure;
 use super::console::{complain, new_table};
+use super::{Failure, check_file};
 
 pub(super) const LONG_HELP: &str = "\
 Print every field of one vector, stage by stage in the order of the pipeline: its hex digits in the word, its integer, its
@@ -21,6 +23,7 @@ the field. Then which way the datapath decided and float64, and the sticky bits 
   roughxel vectors explain vectors/smoke/random_standard --index 3
   roughxel vectors explain 'DIR/SET#3' --got 0d4f1a_..._91ca0c4d  # the word that a device has
   roughxel vectors explain 'DIR/SET#3' --got face=4 --got lod=1a0 # or some of its fields
+  roughxel vectors explain 'DIR/SET#3' --vcd vector.vcd           # for a waveform viewer, too
 
 A device's word is compared field by field: the first wrong stage, its field and its highest wrong bit are named, and every
 wrong field is marked. The check value counts as right if it belongs to the device's word or is that of the set.
@@ -46,6 +49,10 @@ pub(super) struct ExplainArgs {
     /// What a device has: a whole word in the set's format, underscores or not, or one of its fields as often as needed.
     #[arg(long, value_name = "WORD|FIELD=HEX")]
     got: Vec<String>,
+    /// The vector as a value change dump for waveform viewers, too: a scope a stage, a variable a field, a time step a stage.
+    /// Fields of --got stand beside the expected ones as NAME_got.
+    #[arg(long, value_name = "FILE")]
+    vcd: Option<PathBuf>,
     /// Explanation as JSON.
     #[arg(long)]
     json: bool,
@@ -53,6 +60,9 @@ pub(super) struct ExplainArgs {
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     let (set, index) = split(args)?;
+    if let Some(path) = &args.vcd {
+        check_file(path)?;
+    }
     let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(|error| match error {
         VectorError::Index { .. } => Failure::Usage(error.to_string()),
         error => error.into(),
@@ -65,6 +75,9 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     let compared = device.filter(|_| vector.mismatch().is_none());
     let explanation = vector.explain(compared.as_ref());
 
+    if let Some(path) = &args.vcd {
+        write_vcd(path, &explanation)?;
+    }
     let mut out = io::stdout().lock();
     if args.json {
         let difference = vector.mismatch();
@@ -89,6 +102,16 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
         Some(wrong) => Err(Failure::Mismatch(first_wrong(&explanation, wrong))),
         None => Ok(()),
     }
+}
+
+fn write_vcd(path: &Path, explanation: &Explanation) -> Result<(), Failure> {
+    let write = || {
+        let mut file = OutputFile::create(path)?;
+        file.write_all(vcd(explanation).as_bytes())?;
+        file.commit()
+    };
+    let failed = || format!("cannot write {}", path.display());
+    write().into_diagnostic().wrap_err_with(failed).map_err(Failure::Error)
 }
 
 /// The set and the index.

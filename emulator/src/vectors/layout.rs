@@ -126,7 +126,8 @@ impl Layout {
         // In the order in which the stages run; inputs are before, the check value after all of them.
         let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
         for (rank, run) in net.runs.iter().enumerate() {
-            runs.entry(run.base()).or_insert(rank + 1);
+            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
+            runs.insert(run.base(), rank + 1);
         }
         let ranks = fields.iter().map(|field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX)).collect();
         Self { fields, sources, ports: net.ports.len(), ranks }

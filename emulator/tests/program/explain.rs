@@ -1,5 +1,6 @@
 //! `vectors explain`: one vector beside float64, and where a device's word goes wrong first.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -101,6 +102,37 @@ fn every_field_is_explained_in_the_order_of_the_pipeline() {
                 stages.dedup();
                 assert_eq!(stages.len(), count, "{set} #{index}: {stages:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn stages_come_in_the_order_of_the_format_description() {
+    let page = fs::read_to_string(smoke("../FORMAT.md")).unwrap();
+    let listed = page.split_once("Stages in pipeline order:").unwrap().1.split_once('.').unwrap().0;
+    let listed: Vec<&str> = listed.split(',').map(|name| name.split_whitespace().next().unwrap()).collect();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().to_str().unwrap();
+    let export = [
+        "vectors",
+        "export",
+        "random",
+        "--count",
+        "1",
+        "--effects",
+        "bump,roughness,curvature,footprint-sphere",
+        "-o",
+        path,
+    ];
+    assert!(Command::new(env!("CARGO_BIN_EXE_roughxel")).args(export).output().unwrap().status.success());
+    let sphere = directory.path().join("random_standard.json");
+    for path in RANDOM.map(|set| manifest(&format!("{set}_standard"))).into_iter().chain([sphere]) {
+        let explanation = Vector::read(&path, 0).unwrap().explain(None);
+        let mut rest = listed.iter();
+        let mut stages: Vec<&str> = explanation.fields.iter().map(|field| field.stage.as_str()).collect();
+        stages.dedup();
+        for stage in &stages[..stages.len() - 1] {
+            assert!(rest.any(|listed| listed == stage), "{stage} in {stages:?}, but {listed:?}");
         }
     }
 }
@@ -384,4 +416,98 @@ fn a_damaged_set_is_told_as_verify_tells_it() {
     assert!(stderr(&[&at(&directory, 4)], 1).contains("random_standard.hex:6: "));
     let directory = copied(|text| text.lines().take(9).fold(String::new(), |all, line| all + line + "\n"));
     assert!(stderr(&[&at(&directory, 20)], 1).contains("8 vectors, but the manifest says 256"));
+}
+
+/// A variable of a value change dump: its scopes, its width, its changes.
+#[derive(Debug, Default)]
+struct Wave {
+    name: String,
+    scopes: Vec<String>,
+    width: usize,
+    changes: Vec<(u64, String)>,
+}
+
+/// Reads a value change dump as IEEE 1364 describes it: keywords and their texts to `$end`, then changes.
+fn read_vcd(text: &str) -> Vec<Wave> {
+    let (mut waves, mut places, mut scopes) = (Vec::<Wave>::new(), HashMap::new(), Vec::new());
+    let (header, body) = text.split_once("$enddefinitions $end\n").unwrap();
+    for declaration in header.split("$end").map(str::trim).filter(|declaration| !declaration.is_empty()) {
+        let words: Vec<&str> = declaration.split_whitespace().collect();
+        match words[..] {
+            ["$scope", "module", name] => scopes.push(name.to_owned()),
+            ["$upscope"] => assert!(scopes.pop().is_some()),
+            ["$var", "wire", width, id, name, ref range @ ..] => {
+                let width: usize = width.parse().unwrap();
+                let expected = if width > 1 { vec![format!("[{}:0]", width - 1)] } else { vec![] };
+                assert_eq!(range, expected, "{name}");
+                assert!(places.insert(id.to_owned(), waves.len()).is_none(), "{id} is there twice");
+                waves.push(Wave { name: name.to_owned(), scopes: scopes.clone(), width, ..Wave::default() });
+            }
+            ["$timescale", "1", "ns"] => assert!(scopes.is_empty()),
+            _ => assert!(words[0] == "$version" || words[0] == "$comment", "{declaration}"),
+        }
+    }
+    assert!(scopes.is_empty());
+    let mut time = None;
+    let mut at = 0;
+    for line in body.lines() {
+        if let Some(next) = line.strip_prefix('#') {
+            let next = next.parse().unwrap();
+            assert!(time.is_none_or(|time| time < next), "time goes on");
+            (time, at) = (Some(next), next);
+        } else if line != "$dumpvars" && line != "$end" {
+            let (value, id) = match line.strip_prefix('b') {
+                Some(vector) => vector.split_once(' ').unwrap(),
+                None => line.split_at(1),
+            };
+            let wave = &mut waves[places[id]];
+            assert!(value.len() <= wave.width && value.bytes().all(|c| matches!(c, b'0' | b'1' | b'x')), "{line}");
+            assert_eq!(line.starts_with('b'), wave.width > 1, "{line}");
+            wave.changes.push((at, value.to_owned()));
+        }
+    }
+    waves
+}
+
+#[test]
+fn a_dump_has_every_field_in_the_scope_and_at_the_time_of_its_stage() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("vector.vcd");
+    for set in RANDOM.map(|set| format!("{set}_standard")) {
+        stdout(&[&format!("{}#2", smoke(&set).display()), "--vcd", path.to_str().unwrap()], 0);
+        let waves = read_vcd(&fs::read_to_string(&path).unwrap());
+        let explanation = explanation(&set, 2);
+        let mut stages: Vec<&str> = explanation.fields.iter().map(|field| field.stage.as_str()).collect();
+        stages.dedup();
+        assert_eq!(waves.len(), explanation.fields.len());
+        for (wave, field) in waves.iter().zip(&explanation.fields) {
+            assert_eq!((&wave.name, wave.width), (&field.field, field.width as usize));
+            let module = format!("{}_2", explanation.set);
+            assert_eq!(wave.scopes, [module.as_str(), &field.stage]);
+            let time = stages.iter().position(|stage| *stage == field.stage).unwrap() as u64;
+            let bits = format!("{:b}", u32::from_str_radix(&field.raw, 16).unwrap());
+            assert_eq!(wave.changes, [(0, "x".to_owned()), (time, bits)], "{}", field.field);
+        }
+    }
+}
+
+#[test]
+fn a_dump_has_a_device_beside_what_was_expected() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("vector.vcd");
+    let set = format!("{}#2", smoke("random_standard").display());
+    let got = flipped("random_standard", 2, "direction_t", 0);
+    stdout(&[&set, "--got", &got, "--vcd", path.to_str().unwrap()], 3);
+    let waves = read_vcd(&fs::read_to_string(&path).unwrap());
+    assert_eq!(waves.len(), 2 * explanation("random_standard", 2).fields.len());
+    for pair in waves.chunks(2) {
+        assert_eq!(pair[1].name, format!("{}_got", pair[0].name));
+        assert_eq!(pair[0].changes == pair[1].changes, pair[0].name != "direction_t", "{pair:?}");
+    }
+    stdout(&[&set, "--got", "face=0", "--got", "lod=0", "--vcd", path.to_str().unwrap()], 3);
+    let waves = read_vcd(&fs::read_to_string(&path).unwrap());
+    let names: Vec<_> = waves.iter().filter(|wave| wave.name.ends_with("_got")).map(|wave| &wave.name[..]).collect();
+    assert_eq!(names, ["face_got", "lod_got"]);
+    let message = stderr(&[&set, "--vcd", "no/such/folder/vector.vcd"], 1);
+    assert!(message.contains("vector.vcd"), "{message}");
 }
