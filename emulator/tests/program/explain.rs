@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use glam::DVec3;
 use roughxel_emulator::study::accuracy::{CANCELLATION, Figure};
-use roughxel_emulator::vectors::{Direction, Explained, Explanation, Manifest, Vector};
+use roughxel_emulator::vectors::{Direction, Explained, Explanation, Manifest, Real, Vector};
 use serde_json::Value;
 
 const RANDOM: [&str; 3] = ["random", "random_highlight", "random_peak"];
@@ -178,7 +178,7 @@ fn errors_against_float64_hold_the_table_of_accuracy() {
             assert!(of_frame <= bar(Figure::Frame), "#{index} frame: {of_frame}");
         }
 
-        let Some(major) = field(&explanation, "major_m").float64.and_then(|real| real.value()) else { continue };
+        let Some(major) = field(&explanation, "major_m").float64.and_then(Real::value) else { continue };
         if major == 0.0 {
             continue;
         }
