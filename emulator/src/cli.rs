@@ -11,6 +11,7 @@ mod cost;
 mod demo;
 mod effects;
 mod eval;
+mod explain;
 mod failure;
 mod gallery;
 mod plan;

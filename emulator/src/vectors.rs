@@ -1,16 +1,19 @@
 //! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
 //! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
-//! field and bit of a difference. A word ends in a check value that locates a single flipped bit in any field, inputs
+//! field and bit of a difference, [`Vector`] explains one word beside the float64 reference. A word ends in a check value that locates a single flipped bit in any field, inputs
 //! included, where recomputation alone would show only its consequences.
 
 mod datapath;
+mod explain;
 mod export;
 mod format;
 mod layout;
+mod lines;
 mod manifest;
 mod rom;
 mod sets;
+mod vcd;
 mod verify;
 mod word;
 
@@ -20,12 +23,14 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 pub use datapath::Inputs;
+pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation, Got, Real, Vector, Wrong};
 pub use export::{SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA};
 pub use rom::rom_files;
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
 
 /// Most vectors of one set.
@@ -84,6 +89,16 @@ pub enum VectorError {
         /// The set.
         set: String,
         /// Asked for.
+        count: u64,
+    },
+    /// A set has no vector of that index.
+    #[error("{}: there is no vector #{index}; the set has {count}, #0 to #{}", .path.display(), .count - 1)]
+    Index {
+        /// The manifest.
+        path: PathBuf,
+        /// Asked for.
+        index: u64,
+        /// Vectors of the set.
         count: u64,
     },
     /// A port value has more bits than the profile keeps, so its field cannot hold it.

@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|list|format|rom`.
+//! `roughxel vectors export|verify|explain|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -12,13 +12,13 @@ use roughxel_emulator::input::open_file;
 use roughxel_emulator::output::{OutputFile, write_files};
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Cause, Form, Inputs, MAX_VECTORS, Manifest, Mismatch, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification,
-    Words, export_with, hard_sets, in_page, manifests_in, random_set, rom_files, tables, verify,
+    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification, Words,
+    export_with, hard_sets, in_page, manifests_in, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
 use super::console::{complain, new_table, progress};
-use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, on_one_line, parse_profile};
+use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile};
 
 /// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
 const SMOKE_REFLECTIONS: u64 = 1000;
@@ -33,6 +33,9 @@ pub(super) enum VectorsCommand {
     /// Recompute every value of sets and compare; name set, index, stage, field and bit of each difference.
     #[command(after_help = CONVENTIONS)]
     Verify(VerifyArgs),
+    /// Explain one vector: every field stage by stage beside float64, and where a device's word goes wrong first.
+    #[command(long_about = explain::LONG_HELP, after_help = CONVENTIONS)]
+    Explain(explain::ExplainArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -131,6 +134,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Rom(args) => rom(args),
         VectorsCommand::Export(args) => export(args),
         VectorsCommand::Verify(args) => verify_all(args),
+        VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }
@@ -364,28 +368,13 @@ fn describe(out: &mut impl Write, path: &Path, result: &Verification) -> io::Res
         n => writeln!(out, "differs  {set} ({profile}): {n} of {count} vectors; {hash}")?,
     }
     for mismatch in mismatches {
-        writeln!(out, "  {}", sentence(mismatch))?;
+        writeln!(out, "  {mismatch}")?;
     }
     let described = mismatches.len() as u64;
     if *mismatching > described {
         writeln!(out, "  and {} more", mismatching - described)?;
     }
     Ok(())
-}
-
-fn sentence(mismatch: &Mismatch) -> String {
-    let Mismatch { set, index, line, stage, field, bit, found, expected, cause, fields_differing } = mismatch;
-    let place = format!("{set} #{index} (line {line}): stage {stage}, field {field}, bit {bit}");
-    match cause {
-        Cause::FlippedBit => format!("{place}: flipped in the file ({found:x}, was {expected:x})"),
-        Cause::Damaged => format!(
-            "{place}: {found:x} in the file, {expected:x} computed; several bits of the word are damaged, \
-             {fields_differing} fields differ"
-        ),
-        Cause::Computed => format!(
-            "{place}: {found:x} in the file, {expected:x} computed by this version; {fields_differing} fields differ"
-        ),
-    }
 }
 
 fn list(args: &ListArgs) -> Result<(), Failure> {

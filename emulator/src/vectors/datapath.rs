@@ -60,7 +60,7 @@ pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: 
 }
 
 /// The bundle with these integers on its wires.
-fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
+pub(super) fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
     filled(&B::limit::<i32>(End::Low), inputs)
 }
 

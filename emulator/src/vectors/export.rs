@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use super::datapath::{Batch, Inputs};
 use super::layout::Layout;
 use super::manifest::{FORMAT_VERSION, FileEntry, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
-use super::word::{check_value, pack, write_record, write_word};
+use super::word::{check_of, pack, write_record, write_word};
 use super::{MAX_VECTORS, VectorError};
 use crate::output::OutputFile;
 
@@ -185,7 +185,7 @@ fn written(
             })?);
         }
         pack(fields, &bits, digits, &mut packed);
-        let check = check_value(&packed, digits);
+        let check = check_of(&packed, digits);
         match info.words.form {
             Form::Hex => {
                 bits.push(check);

@@ -135,7 +135,8 @@ impl Layout {
         // In the order in which the stages run; inputs are before, the check value after all of them.
         let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
         for (rank, run) in net.runs.iter().enumerate() {
-            runs.entry(run.base()).or_insert(rank + 1);
+            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
+            runs.insert(run.base(), rank + 1);
         }
         let ranks = fields.iter().map(|field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX)).collect();
         Self { fields, sources, ports: net.ports.len(), ranks }
@@ -159,11 +160,6 @@ impl Layout {
     /// Characters of a word's line, underscores included, the end of line not.
     pub(crate) fn line_length(&self) -> usize {
         self.word_bits() as usize / 4 + self.fields.len() - 1
-    }
-
-    /// Bytes of a word's record.
-    pub(crate) fn record_bytes(&self) -> usize {
-        self.word_bits().div_ceil(8) as usize
     }
 
     /// The field at bit `place` of the word and the bit inside it.

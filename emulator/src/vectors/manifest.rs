@@ -62,6 +62,11 @@ const fn has_taps() -> bool {
     true
 }
 
+/// Whether a file is named as those of a form are.
+fn has_extension(name: &str, form: Form) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension == form.extension())
+}
+
 /// A profile with every knob.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -162,7 +167,7 @@ impl Manifest {
         if file.name.is_empty() || file.name.starts_with('.') || file.name.contains(['/', '\\']) {
             return Err(format!("file name `{}` is no plain name beside the manifest", file.name));
         }
-        if self.form().is_none() {
+        if ![Form::Hex, Form::Bin].into_iter().any(|form| has_extension(&file.name, form)) {
             return Err(format!("file `{}` is neither .hex nor .bin", file.name));
         }
         if self.effects != self.effects.of(self.datapath) {
@@ -171,10 +176,10 @@ impl Manifest {
         self.check_fields(&self.layout())
     }
 
-    /// How its words are written; `None` of a name that does not say it.
-    pub(super) fn form(&self) -> Option<Form> {
-        let extension = Path::new(&self.files.first()?.name).extension()?;
-        [Form::Hex, Form::Bin].into_iter().find(|form| extension == form.extension())
+    /// How its words are written.
+    pub(super) fn form(&self) -> Form {
+        // The name of a manifest that was read has one of the two extensions.
+        if has_extension(&self.files[0].name, Form::Bin) { Form::Bin } else { Form::Hex }
     }
 
     /// The layout of its words.

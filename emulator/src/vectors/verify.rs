@@ -1,25 +1,21 @@
 //! Verify: every value recomputed from the inputs in the file, every difference named.
 
+use std::fmt;
 use std::fs;
-use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use super::VectorError;
 use super::datapath::outcome;
-use super::export::hex_digest;
 use super::layout::{Field, Layout};
-use super::manifest::{Form, Manifest};
-use super::word::{check_value, locate_flip, pack, read_record, read_word};
-use crate::input::open_file;
+use super::lines::{Line, Lines};
+use super::manifest::Manifest;
+use super::word::{check_value, locate_flip};
 
 /// Most mismatches that are described; all are counted.
 const DESCRIBED: usize = 10;
-/// Longest line: beyond every word and comment.
-const MAX_LINE: u64 = 4096;
 /// Words compared at once.
 const BATCH: usize = 1 << 12;
 
@@ -84,6 +80,25 @@ pub struct Mismatch {
     pub fields_differing: usize,
 }
 
+/// A sentence: set, index, line, stage, field, bit and what happened to it.
+impl fmt::Display for Mismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { set, index, line, stage, field, bit, found, expected, cause, fields_differing } = self;
+        write!(f, "{set} #{index} (line {line}): stage {stage}, field {field}, bit {bit}: ")?;
+        match cause {
+            Cause::FlippedBit => write!(f, "flipped in the file ({found:x}, was {expected:x})"),
+            Cause::Damaged => write!(
+                f,
+                "{found:x} in the file, {expected:x} computed; several bits of the word are damaged, {fields_differing} fields differ"
+            ),
+            Cause::Computed => write!(
+                f,
+                "{found:x} in the file, {expected:x} computed by this version; {fields_differing} fields differ"
+            ),
+        }
+    }
+}
+
 /// The manifests of a directory, in the order of their names.
 ///
 /// Errors: unreadable, words without their manifest, or none at all.
@@ -112,13 +127,7 @@ pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
 pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout();
-    let entry = &manifest.files[0];
-    let path = manifest_path.with_file_name(&entry.name);
-    let error = |source| VectorError::Io { action: "read", path: path.clone(), source };
-    let line_error = |line, problem| VectorError::Line { path: path.clone(), line, problem };
-
-    let file = BufReader::with_capacity(1 << 16, open_file(&path).map_err(error)?);
-    let form = manifest.form().unwrap_or(Form::Hex);
+    let mut lines = Lines::open(manifest_path, &manifest)?;
     let mut result = Verification {
         set: manifest.set.clone(),
         profile: manifest.profile.name.clone(),
@@ -127,28 +136,21 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
         mismatching: 0,
         mismatches: Vec::new(),
     };
-    let checker = Checker { layout: &layout, manifest: &manifest, form };
-    let mut words = WordReader { file, form, layout: &layout, hash: Sha256::new(), line: 0 };
-    let (mut count, mut at_end) = (0_u64, false);
+    let checker = Checker { layout: &layout, manifest: &manifest };
+    let (mut count, mut at_end) = (0, false);
     while !at_end {
-        let mut batch: Vec<(u64, u64, Vec<u8>)> = Vec::with_capacity(BATCH);
+        let mut batch: Vec<Line> = Vec::with_capacity(BATCH);
         while batch.len() < BATCH {
-            let Some(word) = words.next().map_err(error)? else {
+            let Some(line) = lines.next()? else {
                 at_end = true;
                 break;
             };
-            let word = word.map_err(|problem| line_error(words.line, problem))?;
-            if count == manifest.count {
-                let (found, expected) = (count + 1, manifest.count);
-                return Err(VectorError::Count { path: path.clone(), found, expected });
-            }
-            batch.push((count, words.line, word));
-            count += 1;
+            batch.push(line);
         }
-        let compared: Vec<_> =
-            batch.par_iter().map(|(index, line, text)| (*line, checker.compare(*index, *line, text))).collect();
-        for (line, outcome) in compared {
-            if let Some(mismatch) = outcome.map_err(|problem| line_error(line, problem))? {
+        count += batch.len() as u64;
+        let compared: Vec<_> = batch.par_iter().map(|line| (line.number, checker.compare(line))).collect();
+        for (number, outcome) in compared {
+            if let Some(mismatch) = outcome.map_err(|problem| lines.problem(number, problem))? {
                 result.mismatching += 1;
                 if result.mismatches.len() < DESCRIBED {
                     result.mismatches.push(mismatch);
@@ -157,73 +159,28 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
         }
         progress(count);
     }
-    if count != manifest.count {
-        return Err(VectorError::Count { path, found: count, expected: manifest.count });
-    }
-    result.hash_matches = hex_digest(words.hash) == entry.sha256;
+    result.hash_matches = lines.hash_matches()?;
     Ok(result)
 }
 
-/// The words of a file, one after the other, and the hash of what was read.
-struct WordReader<'a, R> {
-    file: R,
-    form: Form,
-    layout: &'a Layout,
-    hash: Sha256,
-    /// Lines or records read.
-    line: u64,
-}
-
-impl<R: BufRead> WordReader<'_, R> {
-    /// The next word without its end of line, or what is wrong with it; `None` at the end.
-    fn next(&mut self) -> io::Result<Option<Result<Vec<u8>, String>>> {
-        match self.form {
-            Form::Hex => loop {
-                let mut line = Vec::with_capacity(self.layout.line_length() + 1);
-                let read = self.file.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)?;
-                if read == 0 {
-                    return Ok(None);
-                }
-                self.line += 1;
-                self.hash.update(&line);
-                if line.last() == Some(&b'\n') {
-                    line.pop();
-                } else if read as u64 == MAX_LINE {
-                    return Ok(Some(Err(format!("longer than {MAX_LINE} characters"))));
-                }
-                if !line.starts_with(b"//") {
-                    return Ok(Some(Ok(line)));
-                }
-            },
-            Form::Bin => {
-                let mut record = Vec::with_capacity(self.layout.record_bytes());
-                self.file.by_ref().take(self.layout.record_bytes() as u64).read_to_end(&mut record)?;
-                self.line += u64::from(!record.is_empty());
-                self.hash.update(&record);
-                Ok((!record.is_empty()).then_some(Ok(record)))
-            }
-        }
-    }
-}
-
-struct Checker<'a> {
-    layout: &'a Layout,
-    manifest: &'a Manifest,
-    form: Form,
+/// Recomputes the words of a set.
+pub(super) struct Checker<'a> {
+    /// Of its words.
+    pub(super) layout: &'a Layout,
+    /// Of the set.
+    pub(super) manifest: &'a Manifest,
 }
 
 impl Checker<'_> {
     /// Compares one line with what its inputs give; an error says what is wrong with a line that is no word.
-    fn compare(&self, index: u64, line: u64, text: &[u8]) -> Result<Option<Mismatch>, String> {
+    pub(super) fn compare(&self, line: &Line) -> Result<Option<Mismatch>, String> {
         let fields = self.layout.fields();
-        let found = match self.form {
-            Form::Hex => read_word(text, self.layout)?,
-            Form::Bin => read_record(text, self.layout)?,
-        };
+        let found = line.bits(self.layout)?;
         let (expected, unfit) = self.expected(&found);
         if unfit.is_none() && found == expected {
             return Ok(None);
         }
+        let &Line { index, number: line, .. } = line;
 
         let mismatch = |field: &Field, difference: u32, found: u32, cause, fields_differing| Mismatch {
             set: self.manifest.set.clone(),
@@ -240,7 +197,7 @@ impl Checker<'_> {
         // The check value is compared with the word it stands in, not with the expected one.
         let data = fields.len() - 1;
         let differing: Vec<_> = (0..data).filter(|&i| found[i] != expected[i] || unfit == Some(i)).collect();
-        let syndrome = self.check_value(&found) ^ found[data];
+        let syndrome = check_value(self.layout, &found) ^ found[data];
         let flipped = if syndrome == 0 { None } else { locate_flip(syndrome, self.layout.word_bits()) };
         if let Some((at, bit)) = flipped.and_then(|place| self.layout.field_at(place)) {
             return Ok(Some(mismatch(&fields[at], 1 << bit, found[at], Cause::FlippedBit, differing.len())));
@@ -252,7 +209,7 @@ impl Checker<'_> {
     }
 
     /// The word that belongs to the inputs of `found`, and the field its value does not fit, if any.
-    fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
+    pub(super) fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
         let inputs = self.layout.decode(found);
         let Manifest { datapath, effects, profile, .. } = self.manifest;
         let outputs = outcome(*datapath, &inputs, effects, &profile.knobs);
@@ -261,15 +218,7 @@ impl Checker<'_> {
             unfit = Some(field);
             found[..found.len() - 1].to_vec()
         });
-        bits.push(self.check_value(&bits));
+        bits.push(check_value(self.layout, &bits));
         (bits, unfit)
-    }
-
-    /// The check value of the fields above it.
-    fn check_value(&self, bits: &[u32]) -> u32 {
-        let (data, digits) = (self.layout.fields().len() - 1, self.layout.data_digits());
-        let mut packed = Vec::new();
-        pack(&self.layout.fields()[..data], &bits[..data], digits, &mut packed);
-        check_value(&packed, digits)
     }
 }

@@ -64,7 +64,7 @@ pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec
 }
 
 /// The check value of a word's digits above it, as [`pack`] puts them.
-pub(crate) fn check_value(packed: &[u32], digits: u32) -> u32 {
+pub(crate) fn check_of(packed: &[u32], digits: u32) -> u32 {
     let Some((&first, rest)) = packed.split_first() else { return u32::MAX };
     let in_first = (digits + 7) % 8 + 1;
     let by_digit = |remainder: u32, place: u32| {
@@ -81,6 +81,14 @@ pub(crate) fn check_value(packed: &[u32], digits: u32) -> u32 {
         .iter()
         .fold(begun, |remainder, &[high, low]| after(u64::from(remainder ^ high) << 32 | u64::from(low), 8));
     last.iter().fold(remainder, |remainder, &word| after(u64::from(remainder ^ word), 4))
+}
+
+/// The check value of a word from its fields' bits; of one among them nothing is read.
+pub(crate) fn check_value(layout: &Layout, bits: &[u32]) -> u32 {
+    let (data, digits) = (layout.fields().len() - 1, layout.data_digits());
+    let mut packed = Vec::new();
+    pack(&layout.fields()[..data], &bits[..data], digits, &mut packed);
+    check_of(&packed, digits)
 }
 
 /// Which bit of a word of `word_bits` was flipped, if one was: the word's own place whose remainder is `syndrome`,

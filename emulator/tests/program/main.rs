@@ -3,6 +3,7 @@
 mod choose;
 mod cli;
 mod eval;
+mod explain;
 mod gallery;
 mod peaks;
 mod profile;
