@@ -2,8 +2,9 @@
 //!
 //! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
 //! field and bit of a difference. A word ends in a check value that locates a single flipped bit in any field, inputs
-//! included, where recomputation alone would show only its consequences.
+//! included, where recomputation alone would show only its consequences. [`Bench`] is what compares a device with a set in a simulator.
 
+mod bench;
 mod datapath;
 mod export;
 mod format;
@@ -19,6 +20,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+pub use bench::{BENCH_README, Bench, BenchError, Device};
 pub use datapath::Inputs;
 pub use export::{SetInfo, export, export_with};
 pub use format::{FormatError, in_page, tables};
