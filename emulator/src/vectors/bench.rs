@@ -126,6 +126,12 @@ impl Bench {
         };
         let inputs = fields(&[Direction::In]);
         let mut outputs = fields(&[Direction::Tap, Direction::Out]);
+        // A stage that is off hands its input on: its field counts as that of the stage behind it.
+        for index in (1..outputs.len()).rev() {
+            if outputs[index - 1].0 == usize::MAX {
+                outputs[index - 1].0 = outputs[index].0;
+            }
+        }
         // Of a stage the fields stay in the word's order.
         outputs.sort_by_key(|(rank, _)| *rank);
         let [inputs, outputs] = [inputs, outputs].map(|fields| fields.into_iter().map(|(_, field)| field).collect());
