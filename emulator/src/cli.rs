@@ -3,6 +3,7 @@
 //! Data goes to stdout, progress and errors to stderr. Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 
 mod arguments;
+mod bench;
 mod cache;
 mod choose;
 mod completions;

@@ -1,9 +1,11 @@
 //! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
 //! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
-//! field and bit of a difference, [`Vector`] explains one word beside the float64 reference. A word ends in a check value that locates a single flipped bit in any field, inputs
-//! included, where recomputation alone would show only its consequences.
+//! field and bit of a difference, [`Vector`] explains one word beside the float64 reference, [`Bench`] is what compares a device with
+//! a set in a simulator. A word ends in a check value that locates a single flipped bit in any field, inputs included, where
+//! recomputation alone would show only its consequences.
 
+mod bench;
 mod datapath;
 mod explain;
 mod export;
@@ -22,6 +24,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+pub use bench::{BENCH_README, Bench, BenchError, Device};
 pub use datapath::Inputs;
 pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation, Got, Real, Vector, Wrong};
 pub use export::{SetInfo, Words, export, export_with};

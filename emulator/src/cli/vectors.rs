@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|explain|list|format|rom`.
+//! `roughxel vectors export|verify|explain|bench|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -17,6 +17,7 @@ use roughxel_emulator::vectors::{
 };
 use serde_json::json;
 
+use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
 use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile};
 
@@ -36,6 +37,9 @@ pub(super) enum VectorsCommand {
     /// Explain one vector: every field stage by stage beside float64, and where a device's word goes wrong first.
     #[command(long_about = explain::LONG_HELP, after_help = CONVENTIONS)]
     Explain(explain::ExplainArgs),
+    /// Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
+    #[command(long_about = bench::LONG_HELP, after_help = CONVENTIONS)]
+    Bench(BenchArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -135,6 +139,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Export(args) => export(args),
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::Explain(args) => explain::run(args),
+        VectorsCommand::Bench(args) => bench::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }
@@ -294,12 +299,7 @@ fn summary(manifest: &Manifest) -> serde_json::Value {
 fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
     let (mut results, mut broken) = (Vec::new(), Vec::new());
     for path in &args.paths {
-        let manifests = match path.extension() {
-            _ if path.is_dir() => manifests_in(path),
-            Some(extension) if extension == "hex" || extension == "bin" => Ok(vec![path.with_extension("json")]),
-            _ => Ok(vec![path.clone()]),
-        };
-        match manifests {
+        match manifests_of(path) {
             Ok(manifests) => {
                 for manifest in manifests {
                     match verify_one(&manifest) {
@@ -339,6 +339,15 @@ fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
         return Err(Failure::Mismatch(format!("{failed} of {total} sets differ")));
     }
     Ok(())
+}
+
+/// The manifests that a path of the command line stands for: those of a directory, or that of a single set.
+pub(super) fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
+    match path.extension() {
+        _ if path.is_dir() => manifests_in(path),
+        Some(extension) if extension == "hex" || extension == "bin" => Ok(vec![path.with_extension("json")]),
+        _ => Ok(vec![path.to_path_buf()]),
+    }
 }
 
 fn verify_one(manifest: &Path) -> Result<Verification, VectorError> {

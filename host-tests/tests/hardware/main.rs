@@ -1,5 +1,6 @@
 //! The recorded datapath: the proof of its ranges, and the Verilog made of it; and the folder of vectors on its own.
 
+mod benches;
 mod folder;
 mod proof;
 mod rtl;

@@ -1,0 +1,90 @@
+#!/bin/sh
+# Runs the bench of the set @SET@: sh run.sh TOOL [OPTION...]
+#   TOOL             icarus, verilator, cpp (Verilator with a driver in C++), ghdl (VHDL), cocotb (cocotb 2 in Icarus)
+#   --stop N         ends at the N-th vector that differs (10)
+#   --outputs-only   compares what leaves the datapath alone, for a device that does not show its stages
+#   --stalls         both sides of the handshake pause at random
+#   --timeout N      cycles without an output after which it gives up (10000)
+#   --playback       ghdl: no device, the expected words in its place, to try the bench itself
+#   --altered N      with --playback: one bit of vector N is wrong
+# Modules of rtl are found by name; rtl/*.vhd are compiled with the VHDL. OPT is the C++ compiler's (-O1). Exit code 0: every field
+# of every vector is right; 3: vectors differ, each difference is printed; 1: the comparison could not be made; 2: usage.
+set -u
+usage() {
+    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb [--stop N] [--outputs-only] [--stalls] [--timeout N] [--playback [--altered N]]" >&2
+    exit 2
+}
+cd "$(dirname "$0")" || exit 1
+[ $# -gt 0 ] || usage
+tool=$1
+shift
+stop=10 timeout=10000 outputs_only=0 stalls=0 playback=false altered=-1
+while [ $# -gt 0 ]; do
+    case $1 in
+        --stop | --timeout | --altered)
+            case ${2:-} in '' | *[!0-9]*) usage ;; esac
+            case $1 in --stop) stop=$2 ;; --timeout) timeout=$2 ;; *) altered=$2 ;; esac
+            shift ;;
+        --outputs-only) outputs_only=1 ;;
+        --stalls) stalls=1 ;;
+        --playback) playback=true ;;
+        *) usage ;;
+    esac
+    shift
+done
+if [ "$stop" -eq 0 ] || [ "$timeout" -eq 0 ]; then usage; fi
+case $playback-$altered-$tool in true-*-ghdl | false--1-*) ;; *) usage ;; esac
+
+plus="+stop=$stop +timeout=$timeout"
+[ $outputs_only -eq 0 ] || plus="$plus +outputs_only"
+[ $stalls -eq 0 ] || plus="$plus +stalls"
+build=build/$tool
+make="OPT_FAST=${OPT:--O1} OPT_SLOW=-O0 OPT_GLOBAL=${OPT:--O1} VM_PARALLEL_BUILDS=0"
+sources="@NAME@_pkg.sv @NAME@_device.sv"
+case $tool in icarus | verilator | cpp | ghdl | cocotb) ;; *) usage ;; esac
+# What was built of another device is not taken for this one.
+rm -rf "$build"
+mkdir -p "$build" || exit 1
+
+compile() {
+    case $tool in
+        icarus) iverilog -g2012 -s @NAME@_tb -y rtl -Y .sv -o $build/bench $sources @NAME@_tb.sv ;;
+        verilator)
+            verilator --binary --timing -Wno-fatal --Mdir $build -MAKEFLAGS "$make" -y rtl +libext+.v+.sv \
+                --top-module @NAME@_tb $sources @NAME@_tb.sv -o bench ;;
+        cpp)
+            verilator --cc --exe --build -Wno-fatal --Mdir $build -CFLAGS -std=c++17 -MAKEFLAGS "$make" -y rtl +libext+.v+.sv \
+                --x-assign fast --x-initial fast --top-module @NAME@_device $sources ../../@NAME@_main.cpp -o bench ;;
+        ghdl)
+            set -- *.vhd
+            for file in rtl/*.vhd; do [ ! -e "$file" ] || set -- "$@" "$file"; done
+            ghdl -i --std=08 --workdir=$build "$@" && ghdl -m --std=08 --workdir=$build @NAME@_tb ;;
+    esac
+}
+
+run() {
+    case $tool in
+        icarus) vvp -n $build/bench $plus ;;
+        verilator) $build/bench $plus ;;
+        cpp) $build/bench words.hex $(echo "$plus" | tr -d +) ;;
+        ghdl)
+            [ $outputs_only -eq 0 ] && outputs_only=false || outputs_only=true
+            [ $stalls -eq 0 ] && stalls=false || stalls=true
+            ghdl -r --std=08 --workdir=$build @NAME@_tb -gSTOP=$stop -gTIMEOUT=$timeout -gOUTPUTS_ONLY=$outputs_only \
+                -gSTALLS=$stalls -gPLAYBACK=$playback -gALTERED=$altered --ieee-asserts=disable-at-0 ;;
+        cocotb)
+            STOP=$stop TIMEOUT=$timeout OUTPUTS_ONLY=$outputs_only STALLS=$stalls BUILD=$build python3 test_@NAME@.py ;;
+    esac
+}
+
+if ! compile >$build/compile.log 2>&1; then
+    cat $build/compile.log
+    echo "ERROR the bench does not compile with $tool"
+    exit 1
+fi
+{ run 2>&1; } >$build/run.log
+cat $build/run.log
+# Of a failing assertion every tool makes another exit code; the lines are the same.
+if grep -q '^ERROR' $build/run.log; then exit 1; fi
+if grep -q '^FAIL @SET@:' $build/run.log; then exit 3; fi
+grep -q '^PASS @SET@:' $build/run.log || exit 1

@@ -1,0 +1,142 @@
+//! The benches that `roughxel vectors bench` writes: right on the generated Verilog in every tool, and each names what is broken.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::precision::Precision;
+use roughxel_emulator::vectors::{Bench, BenchError, Device, SetInfo, Words, export_with, random_set};
+use roughxel_host_tests::simulators::have;
+use tempfile::TempDir;
+
+/// A bench of 64 vectors of a mirror under `narrow`, which every tool builds in seconds.
+struct Written {
+    directory: TempDir,
+}
+
+impl Written {
+    fn new(device: Device) -> Self {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let precision = Precision::NARROW;
+        let info = SetInfo {
+            name: "bench",
+            description: "test",
+            seed: Some("bench"),
+            datapath: Datapath::Reflection,
+            effects: Effects::NONE,
+            precision,
+            profile: "narrow",
+            words: Words::default(),
+        };
+        let input = |index| random_set(Datapath::Reflection, "bench", index, &precision);
+        export_with(&info, 64, &input, directory.path(), &|_| {}).expect("the set can be written");
+        let written = Self { directory };
+        let kept = written.read().and_then(|bench| bench.write(&written.bench(), device, false));
+        assert!(kept.expect("a bench").is_empty());
+        written
+    }
+
+    fn read(&self) -> Result<Bench, BenchError> {
+        Bench::new(&self.directory.path().join("bench_narrow.json"))
+    }
+
+    fn bench(&self) -> PathBuf {
+        self.directory.path().join("bench_narrow")
+    }
+
+    /// Exit code and output of `run.sh`.
+    fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
+        let mut command = Command::new("sh");
+        command.arg(self.bench().join("run.sh")).args(arguments).env("OPT", "-O0");
+        if let Some(installed) = installed_cocotb() {
+            command.env("PYTHONPATH", installed);
+        }
+        let output = command.output().expect("a shell");
+        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
+    /// Makes every reflected vector half as long.
+    fn break_reflect(&self) {
+        let path = self.bench().join("rtl/reflect.v");
+        let text = fs::read_to_string(&path).expect("the module");
+        let broken = text.replacen("5'd1", "5'd2", 1);
+        assert_ne!(broken, text);
+        fs::write(path, broken).expect("the module can be written");
+    }
+}
+
+/// Whether Python finds cocotb; says so where it does not, and panics where it has to be.
+fn have_cocotb() -> bool {
+    let mut command = Command::new("python3");
+    if let Some(installed) = installed_cocotb() {
+        command.env("PYTHONPATH", installed);
+    }
+    let found = command.args(["-c", "import cocotb_tools.runner"]).output().is_ok_and(|output| output.status.success());
+    if !found {
+        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "cocotb is not installed");
+        eprintln!("SKIPPED: cocotb 2 is not installed, so nothing here was checked with it");
+    }
+    found
+}
+
+/// Where `.ci/run` puts it, if it did.
+fn installed_cocotb() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/cocotb");
+    folder.exists().then_some(folder)
+}
+
+#[test]
+fn benches_pass_on_the_generated_verilog_and_name_what_is_broken() {
+    let written = Written::new(Device::Generated);
+    let tools: Vec<(&str, &str)> =
+        [("icarus", "iverilog"), ("cocotb", "iverilog"), ("verilator", "verilator"), ("cpp", "verilator")]
+            .into_iter()
+            .filter(|&(tool, program)| have(program) && (tool != "cocotb" || have_cocotb()))
+            .collect();
+    for (tool, _) in &tools {
+        let (code, text) = written.run(&[tool, "--stalls"]);
+        assert!(code == Some(0) && text.contains("PASS bench_narrow: 64 vectors"), "{tool}: {text}");
+    }
+    written.break_reflect();
+    for (tool, _) in &tools {
+        let (code, text) = written.run(&[tool, "--stop", "2"]);
+        assert_eq!(code, Some(3), "{tool}: {text}");
+        assert!(text.contains("bench_narrow #0: stage reflect, field reflected_"), "{tool}: {text}");
+        assert!(text.contains("FAIL bench_narrow: 2 of ") && text.contains("stopped there"), "{tool}: {text}");
+    }
+}
+
+#[test]
+fn the_bench_in_vhdl_plays_back_its_words_and_names_an_altered_one() {
+    if !have("ghdl") {
+        return;
+    }
+    let written = Written::new(Device::Blank);
+    let (code, text) = written.run(&["ghdl", "--playback", "--stalls"]);
+    assert!(code == Some(0) && text.contains("PASS bench_narrow: 64 vectors"), "{text}");
+    let (code, text) = written.run(&["ghdl", "--playback", "--altered", "7"]);
+    assert_eq!(code, Some(3), "{text}");
+    assert!(text.contains("bench_narrow #7: stage perturb, field normal_mod_x: expected "), "{text}");
+    assert!(text.contains("FAIL bench_narrow: 1 of 64 vectors differ"), "{text}");
+    // The blank device.
+    let (code, text) = written.run(&["ghdl", "--stop", "3", "--outputs-only"]);
+    assert_eq!(code, Some(3), "{text}");
+    assert!(text.contains("stage cube_face") && !text.contains("stage reflect"), "{text}");
+    assert!(text.contains("FAIL bench_narrow: 3 of "), "{text}");
+}
+
+#[test]
+fn a_device_that_is_there_stays_and_a_damaged_set_is_refused() {
+    let written = Written::new(Device::Blank);
+    let kept = written.read().and_then(|bench| bench.write(&written.bench(), Device::Generated, false));
+    assert_eq!(kept.expect("a bench"), ["bench_narrow_device.sv", "bench_narrow_device.vhd"]);
+    let kept = written.read().and_then(|bench| bench.write(&written.bench(), Device::Generated, true));
+    assert!(kept.expect("a bench").is_empty());
+
+    let words = written.directory.path().join("bench_narrow.hex");
+    let text = fs::read_to_string(&words).expect("the words");
+    fs::write(&words, text.replacen("_0", "_1", 1)).expect("the words can be written");
+    let error = written.read().map(drop).expect_err("the words are damaged").to_string();
+    assert!(error.contains("bench_narrow.hex") && error.contains("export the set again"), "{error}");
+}
