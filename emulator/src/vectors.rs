@@ -34,7 +34,7 @@ pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA};
 pub use rom::rom_files;
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
 pub use vcd::vcd;
-pub use verify::{Cause, Mismatch, Verification, manifests_in, verify};
+pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, verify};
 
 /// Most vectors of one set.
 pub const MAX_VECTORS: u64 = 1 << 22;

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use roughxel_emulator::output::write_files;
-use roughxel_emulator::vectors::{BENCH_README, Bench, Device};
+use roughxel_emulator::vectors::{BENCH_README, Bench, Device, manifests_of};
 use serde_json::json;
 
 use super::console::complain;
-use super::vectors::manifests_of;
 use super::{Failure, check_directory};
 
 pub(super) const LONG_HELP: &str = "\

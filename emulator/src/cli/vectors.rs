@@ -13,7 +13,7 @@ use roughxel_emulator::output::{OutputFile, write_files};
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
     Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification, Words,
-    export_with, hard_sets, in_page, manifests_in, random_set, rom_files, tables, verify,
+    export_with, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
@@ -339,15 +339,6 @@ fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
         return Err(Failure::Mismatch(format!("{failed} of {total} sets differ")));
     }
     Ok(())
-}
-
-/// The manifests that a path of the command line stands for: those of a directory, or that of a single set.
-pub(super) fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
-    match path.extension() {
-        _ if path.is_dir() => manifests_in(path),
-        Some(extension) if extension == "hex" || extension == "bin" => Ok(vec![path.with_extension("json")]),
-        _ => Ok(vec![path.to_path_buf()]),
-    }
 }
 
 fn verify_one(manifest: &Path) -> Result<Verification, VectorError> {

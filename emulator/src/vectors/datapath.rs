@@ -15,10 +15,6 @@ use crate::net::record::{filled, integers};
 
 /// The wires of all ports of a datapath's design.
 #[derive(Clone, Copy, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "made one by one and put into columns; on the heap they take ten times as long"
-)]
 pub enum Inputs {
     /// Of a fragment that reflects.
     Reflection(ReflectionInput<i32>),

@@ -121,6 +121,17 @@ pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
     if files.is_empty() { Err(VectorError::NoSets(directory.into())) } else { Ok(files) }
 }
 
+/// The manifests that a path names: those of a directory, a manifest, or the one beside words.
+///
+/// Errors: those of [`manifests_in`].
+pub fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
+    match path.extension() {
+        _ if path.is_dir() => manifests_in(path),
+        Some(extension) if extension == "hex" || extension == "bin" => Ok(vec![path.with_extension("json")]),
+        _ => Ok(vec![path.to_path_buf()]),
+    }
+}
+
 /// Recomputes and compares the set of `manifest_path`; `progress` is told how many vectors are done.
 ///
 /// Errors: see [`VectorError`]. Differences are no errors, they are the result.
