@@ -1,6 +1,7 @@
 //! The recorded datapath: the proof of its ranges, and the Verilog made of it; and the folder of vectors on its own.
 
 mod benches;
+mod broken;
 mod folder;
 mod proof;
 mod rtl;

@@ -1,0 +1,130 @@
+//! Devices broken on purpose: one operator of the generated Verilog at a time is another one, and the committed smoke set finds it and
+//! names the stage.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use rayon::prelude::*;
+use roughxel_emulator::vectors::{Bench, Device};
+use roughxel_host_tests::simulators::have;
+use roughxel_host_tests::space::whole_or;
+
+/// What becomes of an operator.
+#[derive(Clone, Copy, Debug)]
+enum Slip {
+    /// A sum where a difference belongs, or a 1 taken off where rounding adds it.
+    Less,
+    /// A difference that is a sum.
+    More,
+    /// Choices the other way round.
+    Swapped,
+    /// Zeros shifted into negative numbers.
+    Logical,
+    /// Equal counts as less.
+    OrEqual,
+    /// Bits of both where those of either belong.
+    Both,
+}
+
+impl Slip {
+    /// The operator, and what stands there instead.
+    const fn texts(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Less => (" + ", " - "),
+            Self::More => (" - ", " + "),
+            Self::Swapped => (" ? ", " ? "),
+            Self::Logical => (">>>", ">>"),
+            Self::OrEqual => (" < ", " <= "),
+            Self::Both => (" | ", " & "),
+        }
+    }
+
+    /// The module with its operator `place` (from 0, below the ports) broken.
+    fn of(self, module: &str, place: usize) -> Option<String> {
+        let (operator, instead) = self.texts();
+        let ports = module.find(");\n")?;
+        let (at, _) = module[ports..].match_indices(operator).nth(place)?;
+        let (before, after) = module.split_at(ports + at);
+        let after = after.strip_prefix(operator)?;
+        if !matches!(self, Self::Swapped) {
+            return Some(format!("{before}{instead}{after}"));
+        }
+        let (choice, rest) = after.split_once(";\n")?;
+        let (first, second) = choice.split_once(" : ")?;
+        Some(format!("{before}{instead}{second} : {first};\n{rest}"))
+    }
+}
+
+/// Module, operator with its place, and the first stage with a tap behind it. Where the Verilog changes a place may become one whose
+/// operator makes no difference (a sign that is known, a limit that nothing reaches): then it takes another place.
+const BROKEN: [(&str, Slip, usize, &str); 42] = [
+    ("enter_normal", Slip::Less, 3, "frame"),
+    ("enter_normal", Slip::Both, 2, "frame"),
+    ("enter_normal", Slip::Swapped, 2, "frame"),
+    ("enter_offset", Slip::Less, 0, "perturb"),
+    ("enter_offset", Slip::Less, 1, "perturb"),
+    ("frame", Slip::Less, 49, "frame"),
+    ("frame", Slip::More, 11, "frame"),
+    ("perturb", Slip::Swapped, 4, "perturb"),
+    ("perturb", Slip::Logical, 2, "perturb"),
+    ("perturb", Slip::More, 3, "perturb"),
+    ("roughness", Slip::Both, 0, "columns"),
+    ("roughness", Slip::More, 1, "columns"),
+    ("roughness", Slip::Swapped, 2, "columns"),
+    ("roughness", Slip::Less, 4, "columns"),
+    ("reflect", Slip::Less, 4, "reflect"),
+    ("reflect", Slip::Swapped, 1, "reflect"),
+    ("reflect", Slip::More, 3, "reflect"),
+    ("cube_face", Slip::Less, 3, "cube_face"),
+    ("cube_face", Slip::Swapped, 8, "cube_face"),
+    ("cube_face", Slip::More, 1, "cube_face"),
+    ("columns_pixel", Slip::Swapped, 8, "columns"),
+    ("columns_pixel", Slip::More, 11, "columns"),
+    ("columns_pixel", Slip::Less, 5, "columns"),
+    ("columns_roughness", Slip::Both, 2, "columns"),
+    ("columns_roughness", Slip::Less, 15, "columns"),
+    ("columns_roughness", Slip::Swapped, 4, "columns"),
+    ("ellipse", Slip::Logical, 0, "ellipse"),
+    ("ellipse", Slip::Less, 3, "ellipse"),
+    ("ellipse", Slip::Swapped, 2, "ellipse"),
+    ("ellipse", Slip::Both, 6, "ellipse"),
+    ("axes", Slip::Swapped, 46, "axes"),
+    ("axes", Slip::Less, 5, "axes"),
+    ("axes", Slip::More, 20, "axes"),
+    ("map_scale", Slip::Swapped, 4, "probes"),
+    ("probes", Slip::Swapped, 18, "probes"),
+    ("probes", Slip::OrEqual, 17, "probes"),
+    ("probes", Slip::More, 0, "probes"),
+    ("leave", Slip::Swapped, 26, "ellipse"),
+    ("leave", Slip::Less, 1, "frame"),
+    ("status", Slip::Swapped, 1, "status"),
+    ("status", Slip::Both, 5, "status"),
+    ("status", Slip::Swapped, 2, "status"),
+];
+
+#[test]
+fn the_smoke_set_finds_every_broken_copy_and_names_its_stage() {
+    if !have("iverilog") {
+        return;
+    }
+    let set = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke/random_standard.json");
+    let bench = Bench::new(&set).expect("the committed set");
+    let broken: Vec<_> = BROKEN.iter().step_by(whole_or(1, 6)).collect();
+    broken.into_par_iter().for_each(|&(module, slip, place, stage)| {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        bench.write(directory.path(), Device::Generated, false).expect("the bench can be written");
+        let path = directory.path().join(format!("rtl/{module}.v"));
+        let text = fs::read_to_string(&path).expect("the module");
+        let copy = slip.of(&text, place).unwrap_or_else(|| panic!("{module} has no operator {slip:?} {place}"));
+        assert_ne!(copy, text);
+        fs::write(&path, copy).expect("the module can be written");
+
+        let run = Command::new("sh").arg(directory.path().join("run.sh")).args(["icarus", "--stop", "1"]).output();
+        let output = run.expect("a shell");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(3), "{module}, {slip:?} {place}: {text}");
+        let first = text.lines().find(|line| line.starts_with("random_standard #")).unwrap_or_default();
+        assert!(first.contains(&format!(": stage {stage}, field ")), "{module}, {slip:?} {place}: {first}");
+    });
+}
