@@ -15,6 +15,7 @@ mod eval;
 mod explain;
 mod failure;
 mod gallery;
+mod grade;
 mod plan;
 mod ranges;
 mod render;

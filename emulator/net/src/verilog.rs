@@ -34,9 +34,10 @@ pub use format::Format;
 pub use interface::{Interface, PortDescription};
 pub use rom::Rom;
 
+use self::body::Body;
 use self::context::Context;
 use self::module::Module;
-use super::graph::Net;
+use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 
 /// What to write.
@@ -73,6 +74,17 @@ pub struct Verilog {
 /// Name of the top of a design.
 pub fn top_name(design: Design) -> String {
     format!("roughxel_{}", design.name())
+}
+
+/// Of every node the bits of a wire of its own that somebody reads, all stages taken as one module: none where other wires stand for
+/// it, a constant does, or nothing is left of it.
+pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
+    let context = Context { net, ranges, depth: None, prefix: "", origin: "" };
+    let (ports, nodes): (Vec<_>, Vec<_>) = (0..net.nodes.len() as NodeId).partition(|&id| matches!(net.node(id).op, Op::Port(_)));
+    let outputs: Vec<_> = net.outputs.iter().map(|output| output.node).collect();
+    // Without a target depth nothing is too deep.
+    let read = Body::new(context, &nodes, &ports, &outputs).map(|body| body.reads).unwrap_or_default();
+    (0..net.nodes.len() as NodeId).map(|id| read.get(&id).map_or(0, |ranks| ranks.values().fold(0, |all, bits| all | bits))).collect()
 }
 
 impl Verilog {

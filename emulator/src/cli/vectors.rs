@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|explain|bench|list|format|rom`.
+//! `roughxel vectors export|verify|explain|bench|report|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -19,6 +19,7 @@ use serde_json::json;
 
 use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
+use super::grade::{self, GradeArgs};
 use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile};
 
 /// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
@@ -40,6 +41,9 @@ pub(super) enum VectorsCommand {
     /// Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
     #[command(long_about = bench::LONG_HELP, after_help = CONVENTIONS)]
     Bench(BenchArgs),
+    /// Say how good sets are: which mistakes in a device they would show.
+    #[command(long_about = grade::LONG_HELP, after_help = CONVENTIONS)]
+    Report(GradeArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -140,6 +144,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
+        VectorsCommand::Report(args) => grade::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }

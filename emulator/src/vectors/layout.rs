@@ -17,7 +17,7 @@ use roughxel_core::status::StatusBit;
 use serde::{Deserialize, Serialize};
 
 use super::datapath::Batch;
-use crate::net::graph::Net;
+use crate::net::graph::{Net, NodeId, Port};
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = 32;
@@ -195,6 +195,24 @@ impl Layout {
         self.sources.iter().map(row).collect()
     }
 
+    /// Wires of the recorded design that fields between the ports and behind them show, with the bits of each that they do.
+    pub(super) fn shown(&self, net: &Net, p: &Precision) -> Vec<(NodeId, u64)> {
+        let shown = |(field, &(source, drop)): (&Field, &(Source, u32))| match source {
+            Source::Port(_) => None,
+            Source::Output(place) => {
+                let output = &net.outputs[place];
+                Some((output.node, u64::from(mask(field.width)) << (drop - below(output.mantissa, p))))
+            }
+        };
+        self.fields.iter().zip(&self.sources).filter_map(shown).collect()
+    }
+
+    /// The integers of the ports of the recorded design in the fields' bits of a word.
+    pub(super) fn recorded_ports(&self, net: &Net, p: &Precision, bits: &[u32]) -> Vec<i64> {
+        let on_words = |(integer, port): (i64, &Port)| integer >> below(port.mantissa, p);
+        self.decode(bits).into_iter().zip(&net.ports).map(on_words).collect()
+    }
+
     /// The integers of the ports in the fields' bits of a word; ports without a field are 0.
     pub(crate) fn decode(&self, bits: &[u32]) -> Vec<i64> {
         let mut inputs = vec![0; self.ports];
@@ -205,6 +223,11 @@ impl Layout {
         }
         inputs
     }
+}
+
+/// Bits of a soft core's mantissa that the words of a profile do not have.
+fn below(mantissa: bool, p: &Precision) -> u32 {
+    if mantissa { 32 - p.word_bits() } else { 0 }
 }
 
 /// The lowest `width` bits, 1…32.
@@ -232,11 +255,10 @@ pub(super) struct Column {
 /// Every port and every output of a datapath's design, in the order of its bundles.
 pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Column> {
     // The integers are those of the soft core's ports: of narrower words the upper bits.
-    let below = 32 - p.word_bits();
     let read = net.ports_read();
     let ports = net.ports.iter().zip(read).enumerate().map(|(place, (port, read))| {
         let mantissas = mantissas(&port.path, net.ports.iter().map(|port| &port.path[..]));
-        let below = if port.mantissa { below } else { 0 };
+        let below = below(port.mantissa, p);
         let wire = Wire {
             path: &port.path,
             port: &port.name,
@@ -249,7 +271,7 @@ pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Colum
     });
     let outputs = net.outputs.iter().zip(&net.limits).enumerate().map(|(place, (output, &(low, high)))| {
         let mantissas = mantissas(&output.path, net.outputs.iter().map(|output| &output.path[..]));
-        let below = if output.mantissa { below } else { 0 };
+        let below = below(output.mantissa, p);
         let wire = Wire {
             path: &output.path,
             port: &output.name,

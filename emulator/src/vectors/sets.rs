@@ -6,6 +6,7 @@ use roughxel_core::precision::Precision;
 
 use super::datapath::Inputs;
 use crate::cases::highlight::{highlight_sets, random_light};
+use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
 use crate::cases::lit_peak::{lit_peak_sets, random_lit_peak};
 use crate::cases::{CaseSet, hard_case_sets, random_fragment};
 
@@ -15,6 +16,9 @@ pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
     ("random_highlight", Datapath::Highlight, "seeded random lights on rough surfaces, and bit patterns"),
     ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
 ];
+
+/// What the sets of ports at their limits hold.
+const LIMITS: &str = "exponents to both ends of 16 bits and far apart, mantissas of few bits or none, most negative words, any edge";
 
 /// Inputs of a listed set.
 #[derive(Clone, Debug)]
@@ -84,10 +88,17 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
             cases: cases(all),
         })
     }
+    let limits = |name, cases| VectorSet { name, description: LIMITS, effects: Effects::ALL, cases };
     let reflections = vectors(hard_case_sets(p), Cases::Reflection);
     let highlights = vectors(highlight_sets(p), Cases::Highlight);
     let peaks = vectors(lit_peak_sets(p), Cases::Peak);
-    reflections.chain(highlights).chain(peaks).collect()
+    reflections
+        .chain([limits("fragment_limits", Cases::Reflection(fragment_limits(p)))])
+        .chain(highlights)
+        .chain([limits("highlight_limits", Cases::Highlight(highlight_limits(p)))])
+        .chain(peaks)
+        .chain([limits("peak_limits", Cases::Peak(peak_limits(p)))])
+        .collect()
 }
 
 /// Input `index` of a datapath's random set with that seed.
