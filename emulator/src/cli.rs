@@ -10,6 +10,7 @@ mod completions;
 mod console;
 mod cost;
 mod demo;
+mod distil;
 mod effects;
 mod eval;
 mod explain;
@@ -32,7 +33,7 @@ use miette::MietteHandlerOpts;
 
 use arguments::{
     CONVENTIONS, ProfileArg, Profiles, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile,
-    parse_profiles, parse_size, parse_threads, use_threads,
+    parse_profiles, parse_size, parse_threads, use_threads, write_text,
 };
 use failure::{Failure, on_one_line};
 

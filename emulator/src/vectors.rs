@@ -7,6 +7,7 @@
 
 mod bench;
 mod datapath;
+mod distil;
 mod explain;
 mod export;
 mod format;
@@ -27,6 +28,7 @@ use thiserror::Error;
 
 pub use bench::{BENCH_README, Bench, BenchError, Device};
 pub use datapath::Inputs;
+pub use distil::{Distilled, Picked, distil};
 pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation, Got, Real, Vector, Wrong};
 pub use export::{SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
@@ -34,7 +36,7 @@ pub use grade::{Alarm, Attained, Grade, Score, StageScore, TableScore, Unseen, g
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA};
 pub use rom::rom_files;
-pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use sets::{RANDOM_SETS, VectorSet, hard_sets, random_set};
 pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, verify};
 

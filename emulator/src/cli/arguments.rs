@@ -1,5 +1,6 @@
 //! Arguments that several commands take.
 
+use std::io::Write;
 use std::num::NonZero;
 use std::path::{Path, PathBuf, is_separator};
 
@@ -124,6 +125,16 @@ pub(super) fn check_file(path: &Path) -> Result<(), WriteError> {
 /// Refuses a directory that cannot be written to or made, before the work that it is for.
 pub(super) fn check_directory(path: &Path) -> Result<(), WriteError> {
     output::check_directory(path).map_err(|source| WriteError { path: path.into(), source })
+}
+
+/// Writes a text; the file appears whole or not at all.
+pub(super) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
+    let write = || {
+        let mut file = OutputFile::create(path)?;
+        file.write_all(text.as_bytes())?;
+        file.commit()
+    };
+    write().map_err(|source| WriteError { path: path.into(), source })
 }
 
 /// A number of threads, 1 to 1024.

@@ -4,15 +4,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use miette::{Context, IntoDiagnostic};
-use roughxel_emulator::output::OutputFile;
 use roughxel_emulator::vectors::{
     DeviceWord, Explained, Explanation, Got, Mismatch, Vector, VectorError, Wrong, manifests_in, vcd,
 };
 use serde_json::json;
 
 use super::console::{complain, new_table};
-use super::{Failure, check_file};
+use super::{Failure, check_file, write_text};
 
 pub(super) const LONG_HELP: &str = "\
 Print every field of one vector, stage by stage in the order of the pipeline: its hex digits in the word, its integer, its
@@ -76,7 +74,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     let explanation = vector.explain(compared.as_ref());
 
     if let Some(path) = &args.vcd {
-        write_vcd(path, &explanation)?;
+        write_text(path, &vcd(&explanation))?;
     }
     let mut out = io::stdout().lock();
     if args.json {
@@ -102,16 +100,6 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
         Some(wrong) => Err(Failure::Mismatch(first_wrong(&explanation, wrong))),
         None => Ok(()),
     }
-}
-
-fn write_vcd(path: &Path, explanation: &Explanation) -> Result<(), Failure> {
-    let write = || {
-        let mut file = OutputFile::create(path)?;
-        file.write_all(vcd(explanation).as_bytes())?;
-        file.commit()
-    };
-    let failed = || format!("cannot write {}", path.display());
-    write().into_diagnostic().wrap_err_with(failed).map_err(Failure::Error)
 }
 
 /// The set and the index.

@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|explain|bench|report|list|format|rom`.
+//! `roughxel vectors export|verify|explain|bench|report|distil|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -9,7 +9,7 @@ use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::input::open_file;
-use roughxel_emulator::output::{OutputFile, write_files};
+use roughxel_emulator::output::write_files;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
     Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification, Words,
@@ -19,12 +19,15 @@ use serde_json::json;
 
 use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
+use super::distil::{self, DistilArgs};
 use super::grade::{self, GradeArgs};
-use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile};
+use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile, write_text};
 
-/// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
-const SMOKE_REFLECTIONS: u64 = 1000;
-const SMOKE_LIGHTS: u64 = 200;
+/// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
+/// a datapath together below a thousand.
+const SMOKE_CASES: u64 = 14;
+const SMOKE_ALONE: u64 = 66;
+const SMOKE_CHOSEN: u64 = 400;
 const SMOKE_RANDOM: u64 = 256;
 
 #[derive(Subcommand)]
@@ -44,6 +47,9 @@ pub(super) enum VectorsCommand {
     /// Say how good sets are: which mistakes in a device they would show.
     #[command(long_about = grade::LONG_HELP, after_help = CONVENTIONS)]
     Report(GradeArgs),
+    /// Write a set of few vectors that show the same mistakes as many.
+    #[command(long_about = distil::LONG_HELP, after_help = CONVENTIONS)]
+    Distil(DistilArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -90,8 +96,8 @@ pub(super) struct ExportArgs {
     /// Other random sets than the published ones, which are seed 0.
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// The smoke sets kept in the repository: hard cases and 256 random vectors of each datapath under `standard`, 256
-    /// random vectors of each under `compact` and `narrow`.
+    /// The smoke sets kept in the repository: of each datapath 400 chosen and 256 random vectors under `standard`, `compact` and
+    /// `narrow`, under `standard` hard cases by name, too.
     #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
     /// Words as records of bytes, NAME.bin, for programs, instead of as text, NAME.hex, for simulators.
@@ -145,6 +151,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
         VectorsCommand::Report(args) => grade::run(args),
+        VectorsCommand::Distil(args) => distil::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }
@@ -166,15 +173,15 @@ impl Export<'_> {
         Effects { frame, ..self.effects.unwrap_or(of_set) }
     }
 
-    /// `most` vectors of a set of hard cases, evenly spread.
+    /// `most` vectors of a set of hard cases.
     fn cases(&self, set: &VectorSet, most: u64) -> Result<Manifest, VectorError> {
-        let all = set.cases.count();
+        let all = set.inputs.len() as u64;
         let count = most.min(all);
         if count < all {
             complain(&format!("note: {} has {all} vectors, {count} of them are written", set.name));
         }
-        let info = self.info(set.name, set.description, None, set.cases.datapath(), set.effects);
-        self.write(&info, count, &|index| set.cases.inputs(index * all / count))
+        let info = self.info(set.name, set.description, None, set.datapath, set.effects);
+        self.write(&info, count, &|index| set.part(index, count))
     }
 
     /// A random set.
@@ -270,7 +277,7 @@ fn chosen(
     }
     let wanted = |name: &str| args.sets.is_empty() || args.sets.iter().any(|set| set == name);
     let mut add = |manifest| written.push((export.directory.to_path_buf(), manifest));
-    for set in cases.iter().filter(|set| wanted(set.name) && of(set.cases.datapath())) {
+    for set in cases.iter().filter(|set| wanted(set.name) && of(set.datapath)) {
         add(export.cases(set, MAX_VECTORS)?);
     }
     for (_, datapath, _) in RANDOM_SETS.iter().filter(|(name, datapath, _)| wanted(name) && of(*datapath)) {
@@ -285,9 +292,14 @@ fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
         let profile = &named.into();
         let export = Export { profile, effects: None, frame: None, words: Words::default(), directory };
-        for set in hard_sets(&profile.precision).iter().filter(|_| named == Profile::Standard) {
-            let is_reflection = set.cases.datapath() == Datapath::Reflection;
-            add(export.cases(set, if is_reflection { SMOKE_REFLECTIONS } else { SMOKE_LIGHTS })?);
+        for set in hard_sets(&profile.precision).iter().filter(|set| set.best_first || named == Profile::Standard) {
+            let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
+            let most = match is_alone {
+                _ if set.best_first => SMOKE_CHOSEN,
+                true => SMOKE_ALONE,
+                false => SMOKE_CASES,
+            };
+            add(export.cases(set, most)?);
         }
         for datapath in Datapath::ALL {
             add(export.random(datapath, SMOKE_RANDOM, 0)?);
@@ -384,7 +396,7 @@ fn describe(out: &mut impl Write, path: &Path, result: &Verification) -> io::Res
 
 fn list(args: &ListArgs) -> Result<(), Failure> {
     let cases = hard_sets(&Precision::STANDARD);
-    let rows = cases.iter().map(|set| (set.name, set.cases.datapath(), set.cases.count().to_string(), set.description));
+    let rows = cases.iter().map(|set| (set.name, set.datapath, set.inputs.len().to_string(), set.description));
     let random = RANDOM_SETS.map(|(name, datapath, description)| (name, datapath, "--count".to_owned(), description));
     let rows = rows.chain(random);
     let mut out = io::stdout().lock();
@@ -413,12 +425,7 @@ fn format(args: &FormatArgs) -> Result<(), Failure> {
     let page = page.into_diagnostic().wrap_err_with(|| failed("read")).map_err(Failure::Error)?;
     let page =
         in_page(&page).into_diagnostic().wrap_err_with(|| failed("put the tables into")).map_err(Failure::Error)?;
-    let write = || {
-        let mut file = OutputFile::create(path)?;
-        file.write_all(page.as_bytes())?;
-        file.commit()
-    };
-    write().into_diagnostic().wrap_err_with(|| failed("write")).map_err(Failure::Error)
+    Ok(write_text(path, &page)?)
 }
 
 fn rom(args: &RomArgs) -> Result<(), Failure> {

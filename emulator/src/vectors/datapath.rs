@@ -42,6 +42,17 @@ impl From<&PeakIn> for Inputs {
     }
 }
 
+impl Inputs {
+    /// The integers of all ports of a datapath.
+    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(wires(integers)),
+            Datapath::Highlight => Self::Highlight(wires(integers)),
+            Datapath::Peak => Self::Peak(wires(integers)),
+        }
+    }
+}
+
 /// What a datapath makes of its ports: the integers of all outputs of its design.
 pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
     match datapath {

@@ -3,16 +3,17 @@
 //!
 //! Sets of the same datapath, effects, profile and columns are graded together: a folder is as good as all that is in it.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use roughxel_core::design::Design;
+use roughxel_core::precision::Precision;
 use serde::Serialize;
 
 use super::VectorError;
-use super::layout::{Direction, Layout};
+use super::layout::{Direction, Layout, below};
 use super::lines::Lines;
 use super::manifest::Manifest;
 use crate::net::bins::{Bin, Bins};
@@ -139,8 +140,6 @@ pub struct Grade {
     pub fields: Vec<Attained>,
     /// What is not as it should be.
     pub alarms: Vec<Alarm>,
-    /// For each set, by its name, the first vectors that showed a fault which none before them had shown.
-    pub needed: BTreeMap<String, Vec<u64>>,
 }
 
 impl Grade {
@@ -155,59 +154,123 @@ impl Grade {
 ///
 /// Errors: see [`VectorError`].
 pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
-    let mut groups: Vec<(Manifest, Vec<(PathBuf, Manifest)>)> = Vec::new();
+    let mut groups: Vec<Vec<(PathBuf, Manifest)>> = Vec::new();
     for path in manifests {
         let manifest = Manifest::read(path)?;
-        let same = |(of, _): &&mut (Manifest, _)| {
-            (of.datapath, of.effects, of.profile.knobs, of.taps)
-                == (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps)
-        };
-        match groups.iter_mut().find(same) {
-            Some((_, sets)) => sets.push((path.clone(), manifest)),
-            None => groups.push((manifest.clone(), vec![(path.clone(), manifest)])),
+        match groups.iter_mut().find(|sets| is_of_one_design(&sets[0].1, &manifest)) {
+            Some(sets) => sets.push((path.clone(), manifest)),
+            None => groups.push(vec![(path.clone(), manifest)]),
         }
     }
     let mut done = 0;
-    let mut graded = Vec::new();
-    for (of, sets) in &groups {
-        graded.push(grade_one(of, sets, &mut |vectors| {
-            done += vectors;
-            progress(done);
-        })?);
-    }
-    Ok(graded)
+    let mut progress = |vectors| {
+        done += vectors;
+        progress(done);
+    };
+    groups.iter().map(|sets| grade_one(sets, &mut progress)).collect()
+}
+
+/// Whether sets are of the same hardware and show the same of it.
+pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
+    let of = |manifest: &Manifest| (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps);
+    of(a) == of(b)
 }
 
 /// Grades the sets of one design.
-fn grade_one(of: &Manifest, sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Result<Grade, VectorError> {
-    let p = &of.profile.knobs;
-    let layout = of.layout();
-    let net = Net::of(Design::of(of.datapath), &of.effects, p);
-    let ranges = Ranges::new(&net);
-    let faults = Faults::new(&net, &ranges, layout.shown(&net, p));
-    let bins = Bins::new(&net, &ranges, &faults.tables);
-    let mut tally = Tally::new(&net, &faults, &bins);
+fn grade_one(sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Result<Grade, VectorError> {
+    let of = &sets[0].1;
+    let recorded = Recorded::new(of);
+    let faults = Faults::new(&recorded.net, &recorded.ranges, recorded.layout.shown(&recorded.net, &of.profile.knobs));
+    let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);
+    let mut tally = Tally::new(&recorded.net, &faults, &bins);
     for (path, manifest) in sets {
+        recorded.read(path, manifest, &mut |_, batch| {
+            let ports = batch.iter().map(|inputs| recorded.ports(inputs, &of.profile.knobs));
+            tally.add(&manifest.set, &ports.collect::<Vec<_>>());
+            progress(batch.len() as u64);
+        })?;
+    }
+    Ok(tally.grade(of, &recorded.layout, &recorded.ranges))
+}
+
+/// The recorded design of sets.
+pub(super) struct Recorded {
+    pub(super) layout: Layout,
+    pub(super) net: Net,
+    pub(super) ranges: Ranges,
+}
+
+impl Recorded {
+    pub(super) fn new(of: &Manifest) -> Self {
+        let net = Net::of(Design::of(of.datapath), &of.effects, &of.profile.knobs);
+        Self { layout: of.layout(), ranges: Ranges::new(&net), net }
+    }
+
+    /// The integers of the ports of the recorded design, where those of the datapath's ports are given.
+    pub(super) fn ports(&self, inputs: &[i64], p: &Precision) -> Vec<i64> {
+        inputs.iter().zip(&self.net.ports).map(|(integer, port)| integer >> below(port.mantissa, p)).collect()
+    }
+
+    /// The integers of the ports of a set, some vectors at a time, with the index of the first of them.
+    pub(super) fn read(
+        &self,
+        path: &Path,
+        manifest: &Manifest,
+        batch: &mut dyn FnMut(u64, &[Vec<i64>]),
+    ) -> Result<(), VectorError> {
         let mut lines = Lines::open(path, manifest)?;
-        let mut batch = Vec::new();
+        let (mut first, mut inputs) = (0, Vec::with_capacity(BATCH));
         loop {
             let line = lines.next()?;
             if let Some(line) = &line {
-                let bits = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
-                batch.push(layout.recorded_ports(&net, p, &bits));
+                let bits = line.bits(&self.layout).map_err(|problem| lines.problem(line.number, problem))?;
+                inputs.push(self.layout.decode(&bits));
             }
-            if batch.len() == BATCH || line.is_none() {
-                tally.add(&manifest.set, &batch);
-                progress(batch.len() as u64);
-                batch.clear();
+            if inputs.len() == BATCH || line.is_none() {
+                batch(first, &inputs);
+                first += inputs.len() as u64;
+                inputs.clear();
             }
             if line.is_none() {
-                break;
+                return lines.hash_matches().map(drop);
             }
         }
-        lines.hash_matches()?;
     }
-    Ok(tally.grade(of, &layout, &ranges))
+}
+
+/// Faults that are looked for until a field shows them.
+pub(super) struct Hunt<'a> {
+    of: &'a Faults<'a>,
+    /// Those that are not seen, with what became of them at most.
+    pub(super) unseen: Vec<(Fault, Effect)>,
+}
+
+impl<'a> Hunt<'a> {
+    /// For some of the faults of a design.
+    pub(super) fn new(of: &'a Faults<'a>, faults: impl Iterator<Item = Fault>) -> Self {
+        Self { of, unseen: faults.map(|fault| (fault, Effect::None)).collect() }
+    }
+
+    /// Some vectors more, the wires of the right design for each: how many faults each of them is the first to show.
+    pub(super) fn show(&mut self, wires: &[Vec<i64>]) -> Vec<usize> {
+        let of = self.of;
+        let first_to_show = |simulator: &mut Simulator, (fault, most): &mut (Fault, Effect)| {
+            wires.iter().position(|right| {
+                *most = simulator.effect(*fault, right).max(*most);
+                *most == Effect::Seen
+            })
+        };
+        let tasks = self.unseen.par_chunks_mut(TASK).map_init(
+            || Simulator::new(of),
+            |simulator, task| task.iter_mut().filter_map(|fault| first_to_show(simulator, fault)).collect::<Vec<_>>(),
+        );
+        let mut shown = vec![0; wires.len()];
+        for place in tasks.flatten_iter().collect::<Vec<_>>() {
+            shown[place] += 1;
+        }
+        self.unseen.retain(|&(_, effect)| effect != Effect::Seen);
+        shown
+    }
 }
 
 /// What vectors have shown so far.
@@ -215,8 +278,7 @@ struct Tally<'a> {
     net: &'a Net,
     faults: &'a Faults<'a>,
     bins: &'a Bins<'a>,
-    /// Faults that are not seen, with what became of them at most.
-    unseen: Vec<(Fault, Effect)>,
+    hunt: Hunt<'a>,
     /// How often each bin is met.
     met: Vec<u64>,
     observed: Observed,
@@ -224,9 +286,6 @@ struct Tally<'a> {
     vectors: u64,
     inputs: HashSet<u64>,
     repeated: u64,
-    needed: BTreeMap<String, Vec<u64>>,
-    /// Vectors of each set so far.
-    of_set: HashMap<String, u64>,
 }
 
 impl<'a> Tally<'a> {
@@ -235,15 +294,13 @@ impl<'a> Tally<'a> {
             net,
             faults,
             bins,
-            unseen: faults.faults.iter().map(|&fault| (fault, Effect::None)).collect(),
+            hunt: Hunt::new(faults, faults.faults.iter().copied()),
             met: vec![0; bins.bins.len()],
             observed: Observed::new(net),
             sets: Vec::new(),
             vectors: 0,
             inputs: HashSet::new(),
             repeated: 0,
-            needed: BTreeMap::new(),
-            of_set: HashMap::new(),
         }
     }
 
@@ -261,41 +318,12 @@ impl<'a> Tally<'a> {
             self.bins.met(of_vector, |bin| self.met[bin] += 1);
             wires.push(of_vector.to_vec());
         }
-        let faults = self.faults;
-        let seen: Vec<Option<usize>> = self
-            .unseen
-            .par_chunks_mut(TASK)
-            .map_init(
-                || Simulator::new(faults),
-                |simulator, task| {
-                    let try_one = |(fault, most): &mut (Fault, Effect)| {
-                        for (place, right) in wires.iter().enumerate() {
-                            *most = simulator.effect(*fault, right).max(*most);
-                            if *most == Effect::Seen {
-                                return Some(place);
-                            }
-                        }
-                        None
-                    };
-                    task.iter_mut().map(try_one).collect::<Vec<_>>()
-                },
-            )
-            .flatten_iter()
-            .collect();
-        let first = self.of_set.entry(set.to_owned()).or_default();
-        let mut showed: Vec<u64> = seen.into_iter().flatten().map(|place| *first + place as u64).collect();
-        showed.sort_unstable();
-        showed.dedup();
-        if !showed.is_empty() {
-            self.needed.entry(set.to_owned()).or_default().extend(showed);
-        }
-        *first += vectors.len() as u64;
-        self.unseen.retain(|&(_, effect)| effect != Effect::Seen);
+        self.hunt.show(&wires);
         self.vectors += vectors.len() as u64;
     }
 
     fn grade(self, of: &Manifest, layout: &Layout, ranges: &Ranges) -> Grade {
-        let unseen: HashSet<Fault> = self.unseen.iter().map(|&(fault, _)| fault).collect();
+        let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
         let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
         for run in &self.net.runs {
             if stages.iter().all(|known| known.stage != run.base()) {
@@ -343,7 +371,7 @@ impl<'a> Tally<'a> {
         if self.repeated > 0 {
             alarms.push(Alarm::Repeated { vectors: self.repeated });
         }
-        let unseen = self.unseen.iter().map(|&(fault, effect)| Unseen {
+        let unseen = self.hunt.unseen.iter().map(|&(fault, effect)| Unseen {
             fault: self.faults.text(fault),
             masked: effect == Effect::Masked,
         });
@@ -360,7 +388,6 @@ impl<'a> Tally<'a> {
             unmet,
             fields,
             alarms,
-            needed: self.needed,
         }
     }
 }

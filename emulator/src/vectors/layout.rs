@@ -17,7 +17,7 @@ use roughxel_core::status::StatusBit;
 use serde::{Deserialize, Serialize};
 
 use super::datapath::Batch;
-use crate::net::graph::{Net, NodeId, Port};
+use crate::net::graph::{Net, NodeId};
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = 32;
@@ -207,12 +207,6 @@ impl Layout {
         self.fields.iter().zip(&self.sources).filter_map(shown).collect()
     }
 
-    /// The integers of the ports of the recorded design in the fields' bits of a word.
-    pub(super) fn recorded_ports(&self, net: &Net, p: &Precision, bits: &[u32]) -> Vec<i64> {
-        let on_words = |(integer, port): (i64, &Port)| integer >> below(port.mantissa, p);
-        self.decode(bits).into_iter().zip(&net.ports).map(on_words).collect()
-    }
-
     /// The integers of the ports in the fields' bits of a word; ports without a field are 0.
     pub(crate) fn decode(&self, bits: &[u32]) -> Vec<i64> {
         let mut inputs = vec![0; self.ports];
@@ -226,7 +220,7 @@ impl Layout {
 }
 
 /// Bits of a soft core's mantissa that the words of a profile do not have.
-fn below(mantissa: bool, p: &Precision) -> u32 {
+pub(super) fn below(mantissa: bool, p: &Precision) -> u32 {
     if mantissa { 32 - p.word_bits() } else { 0 }
 }
 

@@ -100,9 +100,9 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
         }
         // The hard cases of footprints, on the sphere.
         for set in hard_sets(&precision).iter().filter(|set| set.name.starts_with("footprint")) {
-            let (count, step) = (set.cases.count(), whole_or(1, 5));
+            let (count, step) = (set.inputs.len() as u64, whole_or(1, 5));
             let effects = Effects { footprint: FootprintKind::Sphere, ..set.effects };
-            let (name, description, datapath) = (set.name, "test", set.cases.datapath());
+            let (name, description, datapath) = (set.name, "test", set.datapath);
             let info = SetInfo {
                 name,
                 description,
@@ -113,7 +113,7 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
                 profile,
                 words: Words::default(),
             };
-            let input = |index| set.cases.inputs(index * step);
+            let input = |index| set.inputs[(index * step) as usize];
             export_with(&info, count.div_ceil(step), &input, directory.path(), &|_| {}).expect("it can be written");
         }
     }
