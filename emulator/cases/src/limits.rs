@@ -99,9 +99,8 @@ impl<'a> Limits<'a> {
 
     fn lit_peak(mut self) -> PeakIn {
         let (surface, light) = (self.surface(), self.vector());
-        let mut code = || -> i16 {
-            [0, 1, -1, i16::MIN, i16::MAX, self.random.next_u64() as i16][self.random.below(6) as usize]
-        };
+        let mut code =
+            || -> i16 { [0, 1, -1, i16::MIN, i16::MAX, self.random.next_u64() as i16][self.random.below(6) as usize] };
         let normal = [(); 3].map(|()| I1F15::from_bits(code()));
         let [amplitude, exponent] = [(); 2].map(|()| code().cast_unsigned());
         let low = [(); 4].map(|()| I4F12::from_bits(code()));

@@ -52,7 +52,9 @@ impl<'a> Bins<'a> {
         let wires = wire_bits(net, ranges);
         let mut bins = Vec::new();
         for (node, of) in net.iter().filter(|&(id, _)| wires[id as usize] != 0) {
-            if ranges.of(node).constant().is_some() || !matches!(of.op, Op::Lt(..) | Op::And(..) | Op::Or(..) | Op::Xor(..)) {
+            if ranges.of(node).constant().is_some()
+                || !matches!(of.op, Op::Lt(..) | Op::And(..) | Op::Or(..) | Op::Xor(..))
+            {
                 continue;
             }
             if of.kind.bits() == 1 {
@@ -101,7 +103,8 @@ impl<'a> Bins<'a> {
 
     /// What a bin is: `core/src/stage/cube_face.rs:31 in cube_face: lt, operands equal`.
     pub fn text(&self, bin: Bin) -> String {
-        let of = |node: NodeId, what: &str| format!("{}: {} {what}", self.net.origin(node), self.net.node(node).op.name());
+        let of =
+            |node: NodeId, what: &str| format!("{}: {} {what}", self.net.origin(node), self.net.node(node).op.name());
         match bin {
             Bin::Flag { node, set } => of(node, if set { "set" } else { "not set" }),
             Bin::Tie { node } => of(node, "of equal operands"),

@@ -84,9 +84,11 @@ impl Slip {
             Op::Add(_, b) if constant(b) => vec![Self::Sign, Self::WithoutConstant],
             Op::Add(..) => vec![Self::Sign],
             Op::Sub(..) => vec![Self::Sign, Self::Swapped],
-            Op::Mul(a, b) => {
-                [(a, First), (b, Second)].into_iter().filter(|&(id, _)| signed(id)).map(|(_, side)| Self::Unsigned(side)).collect()
-            }
+            Op::Mul(a, b) => [(a, First), (b, Second)]
+                .into_iter()
+                .filter(|&(id, _)| signed(id))
+                .map(|(_, side)| Self::Unsigned(side))
+                .collect(),
             Op::Shl(..) | Op::ShlBy(..) | Op::LeadingZeros(_) => vec![Self::Further, Self::Nearer],
             Op::Sar(a, _) | Op::SarBy(a, _) => {
                 let unsigned = signed(a).then_some(Self::Unsigned(First));
@@ -95,7 +97,13 @@ impl Slip {
             Op::And(..) | Op::Or(..) | Op::Xor(..) => vec![Self::OtherGate],
             Op::Lt(..) => vec![Self::OrEqual, Self::Swapped],
             Op::Select(..) => vec![Self::Swapped, Self::Always(First), Self::Always(Second)],
-            Op::Port(_) | Op::Lit(_) | Op::Not(_) | Op::Widen(_) | Op::Narrow(_) | Op::Lookup(..) | Op::Claim { .. } => Vec::new(),
+            Op::Port(_)
+            | Op::Lit(_)
+            | Op::Not(_)
+            | Op::Widen(_)
+            | Op::Narrow(_)
+            | Op::Lookup(..)
+            | Op::Claim { .. } => Vec::new(),
         }
     }
 
@@ -190,12 +198,19 @@ impl ReadTable {
                 _ => None,
             })
             .collect();
-        let of = |end: fn(&super::interval::Range) -> i64| lookups.iter().map(move |&(_, index)| end(&ranges.of(index)));
+        let of =
+            |end: fn(&super::interval::Range) -> i64| lookups.iter().map(move |&(_, index)| end(&ranges.of(index)));
         let low = of(|range| range.low).min().unwrap_or(0);
         let high = of(|range| range.high).max().unwrap_or(-1);
         let zeros = table.on_words().filter(|&entry| entry != 0).map(i32::trailing_zeros).min();
         let name = super::verilog::Rom::new(table).map_or_else(String::new, |rom| rom.name());
-        Self { name, indices: low.max(0) as u32..(high + 1) as u32, table, last_place: 1 << zeros.unwrap_or(0), lookups }
+        Self {
+            name,
+            indices: low.max(0) as u32..(high + 1) as u32,
+            table,
+            last_place: 1 << zeros.unwrap_or(0),
+            lookups,
+        }
     }
 
     /// The entries that lookups of the design read where its wires hold `wires`.
@@ -250,7 +265,9 @@ impl<'a> Faults<'a> {
         for (id, node) in self.net.iter() {
             let (bits, wanted, range) = (wires[id as usize], wanted[id as usize], self.ranges.of(id));
             // The sign stands for every bit above it.
-            let reaches = |bit: u32| if range.signed() && bit + 1 == range.top() { wanted >> bit != 0 } else { wanted >> bit & 1 == 1 };
+            let reaches = |bit: u32| {
+                if range.signed() && bit + 1 == range.top() { wanted >> bit != 0 } else { wanted >> bit & 1 == 1 }
+            };
             let places = (0..63).filter(|&bit| bits >> bit & 1 == 1 && reaches(bit));
             faults.extend(places.flat_map(|bit| [false, true].map(|high| Fault::Stuck { node: id, bit, high })));
             // A shift by a constant is a choice of bits, all else a wire of its own.
@@ -277,7 +294,8 @@ impl<'a> Faults<'a> {
         for (id, node) in self.net.iter().rev() {
             // Above a wire's bits are copies of its sign.
             let (bits, width) = (wanted[id as usize], node.kind.bits());
-            let own = if width < 64 && bits >> width != 0 { bits & (power(width) - 1) | power(width - 1) } else { bits };
+            let own =
+                if width < 64 && bits >> width != 0 { bits & (power(width) - 1) | power(width - 1) } else { bits };
             wanted[id as usize] = own;
             if own == 0 {
                 continue;
@@ -347,7 +365,8 @@ impl<'a> Faults<'a> {
         let op = |id: NodeId| self.net.node(id).op;
         let Op::Select(flag, x, y) = op(reader) else { return false };
         let is_zero = |id: NodeId| op(id) == Op::Lit(0);
-        let negative = |of: NodeId, id: NodeId| matches!(op(id), Op::Sub(zero, of_that) if is_zero(zero) && of_that == of);
+        let negative =
+            |of: NodeId, id: NodeId| matches!(op(id), Op::Sub(zero, of_that) if is_zero(zero) && of_that == of);
         let magnitude = |of: NodeId| (negative(of, x) && y == of) || (negative(of, y) && x == of);
         let constant = |id: NodeId| match op(id) {
             Op::Lit(value) => Some(value),

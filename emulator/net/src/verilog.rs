@@ -80,11 +80,14 @@ pub fn top_name(design: Design) -> String {
 /// it, a constant does, or nothing is left of it.
 pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
     let context = Context { net, ranges, depth: None, prefix: "", origin: "" };
-    let (ports, nodes): (Vec<_>, Vec<_>) = (0..net.nodes.len() as NodeId).partition(|&id| matches!(net.node(id).op, Op::Port(_)));
+    let (ports, nodes): (Vec<_>, Vec<_>) =
+        (0..net.nodes.len() as NodeId).partition(|&id| matches!(net.node(id).op, Op::Port(_)));
     let outputs: Vec<_> = net.outputs.iter().map(|output| output.node).collect();
     // Without a target depth nothing is too deep.
     let read = Body::new(context, &nodes, &ports, &outputs).map(|body| body.reads).unwrap_or_default();
-    (0..net.nodes.len() as NodeId).map(|id| read.get(&id).map_or(0, |ranks| ranks.values().fold(0, |all, bits| all | bits))).collect()
+    (0..net.nodes.len() as NodeId)
+        .map(|id| read.get(&id).map_or(0, |ranks| ranks.values().fold(0, |all, bits| all | bits)))
+        .collect()
 }
 
 impl Verilog {

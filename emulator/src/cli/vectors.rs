@@ -21,7 +21,9 @@ use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
 use super::distil::{self, DistilArgs};
 use super::grade::{self, GradeArgs};
-use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile, write_text};
+use super::{
+    CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile, write_text,
+};
 
 /// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
 /// a datapath together below a thousand.

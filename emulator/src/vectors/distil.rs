@@ -102,7 +102,8 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
         || Simulator::new(&faults),
         |simulator, &place| still.shown(simulator, &has_to, &wires(&candidates[place].inputs)),
     );
-    let mut chosen: Vec<usize> = cover(&shown.collect::<Vec<_>>(), most).into_iter().map(|place| needed[place]).collect();
+    let mut chosen: Vec<usize> =
+        cover(&shown.collect::<Vec<_>>(), most).into_iter().map(|place| needed[place]).collect();
 
     let mut looking = still.of(&stuck).without_bins();
     for &place in &chosen {
@@ -161,7 +162,9 @@ fn cover(rows: &[Vec<usize>], most: usize) -> Vec<usize> {
     let mut new: Vec<usize> = rows.iter().map(Vec::len).collect();
     let mut chosen = Vec::new();
     while chosen.len() < most {
-        let Some(best) = (0..rows.len()).max_by_key(|&row| (new[row], Reverse(row))).filter(|&row| new[row] > 0) else { break };
+        let Some(best) = (0..rows.len()).max_by_key(|&row| (new[row], Reverse(row))).filter(|&row| new[row] > 0) else {
+            break;
+        };
         chosen.push(best);
         for &number in &rows[best] {
             for row in std::mem::take(&mut holders[number]) {

@@ -371,10 +371,11 @@ impl<'a> Tally<'a> {
         if self.repeated > 0 {
             alarms.push(Alarm::Repeated { vectors: self.repeated });
         }
-        let unseen = self.hunt.unseen.iter().map(|&(fault, effect)| Unseen {
-            fault: self.faults.text(fault),
-            masked: effect == Effect::Masked,
-        });
+        let unseen = self
+            .hunt
+            .unseen
+            .iter()
+            .map(|&(fault, effect)| Unseen { fault: self.faults.text(fault), masked: effect == Effect::Masked });
         Grade {
             datapath: of.datapath.name(),
             profile: of.profile.name.clone(),

@@ -25,7 +25,8 @@ const CHOSEN: [(&str, Datapath, &str); 3] = [
 ];
 
 /// What the sets of ports at their limits hold.
-const LIMITS: &str = "exponents to both ends of 16 bits and far apart, mantissas of few bits or none, most negative words, any edge";
+const LIMITS: &str =
+    "exponents to both ends of 16 bits and far apart, mantissas of few bits or none, most negative words, any edge";
 
 /// A named set of hard cases and the effects they go through.
 #[derive(Clone, Debug)]

@@ -3,5 +3,6 @@
 mod benches;
 mod broken;
 mod folder;
+mod grade;
 mod proof;
 mod rtl;
