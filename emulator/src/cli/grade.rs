@@ -88,10 +88,15 @@ fn describe(out: &mut impl Write, grade: &Grade, unseen: bool) -> io::Result<()>
         decisions.all,
         decisions.percent()
     )?;
+    let constant: Vec<_> = grade.alarms.iter().filter_map(Alarm::constant).collect();
+    match constant.len() {
+        0 => {}
+        1 => writeln!(out, "alarm: field {} is the same in every vector", constant[0])?,
+        n => writeln!(out, "alarm: {n} fields are the same in every vector: {}", constant.join(", "))?,
+    }
     for alarm in &grade.alarms {
-        match alarm {
-            Alarm::Constant { field } => writeln!(out, "alarm: field {field} is the same in every vector")?,
-            Alarm::Repeated { vectors } => writeln!(out, "alarm: {vectors} vectors have the inputs of another one")?,
+        if let Alarm::Repeated { vectors } = alarm {
+            writeln!(out, "alarm: {vectors} vectors have the inputs of another one")?;
         }
     }
     if unseen {

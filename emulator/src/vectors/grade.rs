@@ -113,6 +113,16 @@ pub enum Alarm {
     },
 }
 
+impl Alarm {
+    /// The field that is always the same.
+    pub fn constant(&self) -> Option<&str> {
+        match self {
+            Self::Constant { field } => Some(field),
+            Self::Repeated { .. } => None,
+        }
+    }
+}
+
 /// How good the sets of a datapath, its effects and a profile are.
 #[derive(Clone, Debug, Serialize)]
 pub struct Grade {

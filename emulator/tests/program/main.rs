@@ -5,6 +5,7 @@ mod cli;
 mod eval;
 mod explain;
 mod gallery;
+mod grade;
 mod peaks;
 mod profile;
 mod study;

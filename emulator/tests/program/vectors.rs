@@ -120,9 +120,9 @@ fn every_set_verifies_under_every_profile() {
     for profile in ["narrow", "paper", "compact", "standard", "precise"] {
         let p = Profile::by_name(profile).unwrap().precision();
         for set in hard_sets(&p) {
-            let datapath = set.cases.datapath();
+            let datapath = set.datapath;
             let info = SetInfo { datapath, effects: set.effects, ..info(set.name, profile) };
-            let (count, input) = (set.cases.count(), |index| set.cases.inputs(index));
+            let (count, input) = (set.inputs.len() as u64, |index: u64| set.inputs[index as usize]);
             let manifest = export_with(&info, count, &input, directory.path(), &|_| {}).unwrap();
             assert_eq!(manifest.count, count);
             let result = verify(&directory.path().join(format!("{}_{profile}.json", set.name)), &|_| {}).unwrap();
