@@ -15,6 +15,7 @@ mod lines;
 mod manifest;
 mod rom;
 mod sets;
+mod stage;
 mod vcd;
 mod verify;
 mod word;
@@ -30,9 +31,10 @@ pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation,
 pub use export::{SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
 pub use layout::{Direction, Field, Layout};
-pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA};
+pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA, StageEntry};
 pub use rom::rom_files;
 pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use stage::StageSet;
 pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, verify};
 
