@@ -220,7 +220,7 @@ impl Export<'_> {
             bar.finish_and_clear();
             Ok(manifest?)
         };
-        match StageSet::named(info.datapath, &info.effects, &info.precision, stage) {
+        match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
             Err(VerilogError::UnknownStage { .. }) => Ok(Vec::new()),
             sets => sets?.into_iter().map(write).collect(),
         }
@@ -239,7 +239,7 @@ impl Export<'_> {
         };
         let mut all: Vec<String> = Vec::new();
         for (set, datapath, effects) in sets {
-            match StageSet::named(datapath, &self.effects(effects), &self.profile.precision, stage) {
+            match StageSet::of(datapath, &self.effects(effects), &self.profile.precision, Some(stage)) {
                 Err(VerilogError::UnknownStage { known, .. }) if named => {
                     return unknown(&format!("set `{set}` has"), &known);
                 }

@@ -31,11 +31,24 @@ pub struct StageSet {
 }
 
 impl StageSet {
-    /// The modules of a datapath that `name` names: one by its name (`columns_pixel`), or all of a stage (`columns`).
+    /// The modules of a datapath that `name` names, one by its name (`columns_pixel`) or all of a stage (`columns`); without a name every one.
     ///
     /// Errors: those of the Verilog, an unknown name with those that there are among them; a port that no field holds.
-    pub fn named(datapath: Datapath, effects: &Effects, p: &Precision, name: &str) -> Result<Vec<Self>, VerilogError> {
-        let Stages { net, stages } = Stages::new(Design::of(datapath), &options(effects, p, name))?;
+    pub fn of(
+        datapath: Datapath,
+        effects: &Effects,
+        p: &Precision,
+        name: Option<&str>,
+    ) -> Result<Vec<Self>, VerilogError> {
+        let options = Options {
+            profile: String::new(),
+            precision: *p,
+            effects: *effects,
+            depth: None,
+            stage: name.map(str::to_owned),
+            prefix: String::new(),
+        };
+        let Stages { net, stages } = Stages::new(Design::of(datapath), &options)?;
         let net = Arc::new(net);
         let set = |stage: Stage| Ok(Self { net: Arc::clone(&net), layout: Layout::of_stage(&stage)?, stage });
         stages.into_iter().map(set).collect()
@@ -110,7 +123,7 @@ impl StageSet {
 /// The layout of the set of a stage that a manifest describes, or why this version has none.
 pub(super) fn layout(manifest: &Manifest, entry: &StageEntry) -> Result<Layout, String> {
     let StageEntry { module, runs } = entry;
-    let sets = StageSet::named(manifest.datapath, &manifest.effects, &manifest.profile.knobs, module);
+    let sets = StageSet::of(manifest.datapath, &manifest.effects, &manifest.profile.knobs, Some(module));
     let sets = sets.map_err(|error| format!("stage `{module}`: {error}"))?;
     let set = sets.into_iter().find(|set| set.name() == module);
     let set = set.ok_or_else(|| format!("stage `{module}` is no module in this version; export the set again"))?;
@@ -123,18 +136,6 @@ pub(super) fn layout(manifest: &Manifest, entry: &StageEntry) -> Result<Layout, 
         ));
     }
     Ok(set.layout)
-}
-
-/// What of the Verilog is a stage of a datapath.
-pub(super) fn options(effects: &Effects, p: &Precision, name: &str) -> Options {
-    Options {
-        profile: String::new(),
-        precision: *p,
-        effects: *effects,
-        depth: None,
-        stage: Some(name.into()),
-        prefix: String::new(),
-    }
 }
 
 /// The integers on the ports of a design.

@@ -5,3 +5,4 @@ mod broken;
 mod folder;
 mod proof;
 mod rtl;
+mod stages;
