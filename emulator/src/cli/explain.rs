@@ -34,6 +34,9 @@ what depends on derivatives or tangents whose exponents are more than 150 from t
 An error of a number that nearly cancelled is large in last places and yet right: the line `footprint` tells how much did. A block of
 zeros has no last place, so its error is `-` where float64 is not zero.
 
+Of a set of one stage (`vectors export --stage`) there are inputs and outcomes as the stage's module has them: no float64, no decisions,
+no status, and real is the mantissa alone beside an exponent.
+
 A real number beyond the range of a double is m*2^e, in JSON null.";
 
 #[derive(Args)]
@@ -150,8 +153,9 @@ fn describe(
     device: Option<&DeviceWord>,
     mismatch: Option<&Mismatch>,
 ) -> io::Result<()> {
-    let Explanation { set, profile, datapath, index, line, fields, status, decisions, wrong } = explanation;
-    writeln!(out, "{set} #{index} (line {line}): {datapath}, profile {profile}")?;
+    let Explanation { set, profile, datapath, index, line, fields, stage, status, decisions, wrong } = explanation;
+    let of = stage.as_ref().map_or_else(String::new, |stage| format!("stage {stage} of "));
+    writeln!(out, "{set} #{index} (line {line}): {of}{datapath}, profile {profile}")?;
     let what = match (device, mismatch) {
         (Some(_), _) => Some("got"),
         (None, Some(_)) => Some("in the file"),
@@ -193,8 +197,10 @@ fn describe(
         let note = if decision.note.is_empty() { String::new() } else { format!("; {}", decision.note) };
         writeln!(out, "{}: {}{float64}{note}", decision.what, decision.taken)?;
     }
-    let status = if status.is_empty() { "nothing".into() } else { status.join(", ") };
-    writeln!(out, "status: {status}")?;
+    if stage.is_none() {
+        let status = if status.is_empty() { "nothing".into() } else { status.join(", ") };
+        writeln!(out, "status: {status}")?;
+    }
     match (wrong, mismatch) {
         (Some(wrong), None) => writeln!(out, "wrong: {}", first_wrong(explanation, wrong)),
         (None, None) if device.is_some() => writeln!(out, "every field that was given is right"),

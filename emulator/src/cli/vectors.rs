@@ -9,10 +9,12 @@ use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::input::open_file;
+use roughxel_emulator::net::verilog::VerilogError;
 use roughxel_emulator::output::write_files;
+use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification, Words,
+    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, StageSet, VectorError, VectorSet, Verification, Words,
     export_with, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
@@ -108,6 +110,10 @@ pub(super) struct ExportArgs {
     /// Inputs and outputs only, without the outcomes of stages between them.
     #[arg(long, conflicts_with = "smoke")]
     no_taps: bool,
+    /// Sets of one stage instead: what goes in and out of its Verilog module (`reflect`, `columns_pixel`), or of each of its modules
+    /// (`columns`), as `verilog --stage` names them. Sets whose datapath has no such stage are left out.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps"])]
+    stage: Option<String>,
     /// Summary as JSON.
     #[arg(long)]
     json: bool,
@@ -165,6 +171,8 @@ struct Export<'a> {
     effects: Option<Effects>,
     frame: Option<FrameSystem>,
     words: Words,
+    /// The stage that the sets are of.
+    stage: Option<&'a str>,
     directory: &'a Path,
 }
 
@@ -176,7 +184,7 @@ impl Export<'_> {
     }
 
     /// `most` vectors of a set of hard cases.
-    fn cases(&self, set: &VectorSet, most: u64) -> Result<Manifest, VectorError> {
+    fn cases(&self, set: &VectorSet, most: u64) -> Result<Vec<Manifest>, Failure> {
         let all = set.inputs.len() as u64;
         let count = most.min(all);
         if count < all {
@@ -187,7 +195,7 @@ impl Export<'_> {
     }
 
     /// A random set.
-    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Manifest, VectorError> {
+    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Vec<Manifest>, Failure> {
         let (name, _, description) = RANDOM_SETS[datapath as usize];
         let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
         let info = self.info(name, description, Some(&seed), datapath, Effects::ALL);
@@ -207,16 +215,56 @@ impl Export<'_> {
         SetInfo { name, description, seed, datapath, effects, precision: *precision, profile, words: self.words }
     }
 
+    /// Writes a set, or those of the modules of the stage, of which the set's datapath may have none.
     fn write(
         &self,
         info: &SetInfo<'_>,
         count: u64,
         input: &(dyn Fn(u64) -> Inputs + Sync),
-    ) -> Result<Manifest, VectorError> {
-        let bar = progress(count, info.name);
-        let manifest = export_with(info, count, input, self.directory, &|done| bar.set_position(done));
-        bar.finish_and_clear();
-        manifest
+    ) -> Result<Vec<Manifest>, Failure> {
+        let Some(stage) = self.stage else {
+            let bar = progress(count, info.name);
+            let manifest = export_with(info, count, input, self.directory, &|done| bar.set_position(done));
+            bar.finish_and_clear();
+            return Ok(vec![manifest?]);
+        };
+        let write = |set: StageSet| {
+            let bar = progress(count * set.runs().len() as u64, &format!("{}_{}", info.name, set.name()));
+            let manifest = set.export(info, count, input, self.directory, &|done| bar.set_position(done));
+            bar.finish_and_clear();
+            Ok(manifest?)
+        };
+        match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
+            Err(VerilogError::UnknownStage { .. }) => Ok(Vec::new()),
+            sets => sets?.into_iter().map(write).collect(),
+        }
+    }
+
+    /// Checks that the sets, each with its datapath and effects, have the stage: each of those that were `named`, or any of all.
+    fn check_stage<'b>(
+        &self,
+        named: bool,
+        sets: impl Iterator<Item = (&'b str, Datapath, Effects)>,
+    ) -> Result<(), Failure> {
+        let Some(stage) = self.stage else { return Ok(()) };
+        let unknown = |who: &str, known: &[String]| {
+            let hint = did_you_mean(stage, known.iter().map(String::as_str));
+            Err(Failure::Usage(format!("{who} no stage `{stage}`; {hint}there are {}", known.join(", "))))
+        };
+        let mut all: Vec<String> = Vec::new();
+        for (set, datapath, effects) in sets {
+            match StageSet::of(datapath, &self.effects(effects), &self.profile.precision, Some(stage)) {
+                Err(VerilogError::UnknownStage { known, .. }) if named => {
+                    return unknown(&format!("set `{set}` has"), &known);
+                }
+                Err(VerilogError::UnknownStage { known, .. }) => {
+                    all.extend(known.into_iter().filter(|name| !all.contains(name)).collect::<Vec<_>>());
+                }
+                sets if named => drop(sets?),
+                sets => return Ok(drop(sets?)),
+            }
+        }
+        if named { Ok(()) } else { unknown("the sets have", &all) }
     }
 }
 
@@ -226,7 +274,8 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     check_directory(output)?;
     let profile = &args.profile.open()?;
     let words = Words { taps: !args.no_taps, form: if args.bin { Form::Bin } else { Form::Hex } };
-    let export = Export { profile, effects: *effects, frame: *frame, words, directory: output };
+    let stage = args.stage.as_deref();
+    let export = Export { profile, effects: *effects, frame: *frame, words, stage, directory: output };
     if args.smoke {
         smoke(output, &mut written)?;
     } else if let Some(scene) = &args.scene {
@@ -238,7 +287,11 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
                 chosen(args, &export, |of| of == datapath, &mut written)?;
             }
         }
-        if written.is_empty() {
+        if let (Some(stage), true) = (stage, written.is_empty()) {
+            complain(&format!(
+                "no object of the scene has a datapath with the stage `{stage}`, so there are no vectors"
+            ));
+        } else if written.is_empty() {
             complain("no object of the scene reflects or shines, so there are no vectors");
         }
     } else {
@@ -278,7 +331,15 @@ fn chosen(
         return Err(Failure::Usage(format!("set `{unknown}` is unknown; there are {}", names.join(", "))));
     }
     let wanted = |name: &str| args.sets.is_empty() || args.sets.iter().any(|set| set == name);
-    let mut add = |manifest| written.push((export.directory.to_path_buf(), manifest));
+    if args.scene.is_none() {
+        let of_cases = cases.iter().map(|set| (set.name, set.datapath, set.effects));
+        let of_random = RANDOM_SETS.map(|(name, datapath, _)| (name, datapath, Effects::ALL));
+        let sets = of_cases.chain(of_random).filter(|(name, ..)| wanted(name));
+        export.check_stage(!args.sets.is_empty(), sets)?;
+    }
+    let mut add = |manifests: Vec<Manifest>| {
+        written.extend(manifests.into_iter().map(|manifest| (export.directory.to_path_buf(), manifest)));
+    };
     for set in cases.iter().filter(|set| wanted(set.name) && of(set.datapath)) {
         add(export.cases(set, MAX_VECTORS)?);
     }
@@ -290,10 +351,13 @@ fn chosen(
 
 /// The sets kept in the repository.
 fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
-    let mut add = |manifest| written.push((directory.to_path_buf(), manifest));
+    let mut add = |manifests: Vec<Manifest>| {
+        written.extend(manifests.into_iter().map(|manifest| (directory.to_path_buf(), manifest)));
+    };
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
         let profile = &named.into();
-        let export = Export { profile, effects: None, frame: None, words: Words::default(), directory };
+        let words = Words::default();
+        let export = Export { profile, effects: None, frame: None, words, stage: None, directory };
         for set in hard_sets(&profile.precision).iter().filter(|set| set.best_first || named == Profile::Standard) {
             let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
             let most = match is_alone {

@@ -16,7 +16,7 @@ use super::export::hex_digest;
 use super::layout::{Direction, Field};
 use super::manifest::Manifest;
 use crate::input::open_file;
-use crate::net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
+use crate::net::verilog::{Interface, Options, PortDescription, Stage, Verilog, VerilogError};
 use crate::output::{OutputFile, WriteError, write_files};
 
 /// The texts, with the name of each file.
@@ -43,7 +43,7 @@ pub const BENCH_README: &str = include_str!("bench/README.md");
 /// What the bench in SystemVerilog drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Device {
-    /// The generated Verilog of the set's datapath, effects and profile, in `rtl`.
+    /// The generated Verilog of the set's datapath or stage, effects and profile, in `rtl`.
     Generated,
     /// A skeleton with a line a field.
     Blank,
@@ -94,6 +94,8 @@ pub struct Bench {
     inputs: Vec<Field>,
     /// Taps and what leaves, earliest stage first.
     outputs: Vec<Field>,
+    /// The module of the stage, where the set is of one.
+    stage: Option<Interface>,
 }
 
 impl Bench {
@@ -120,7 +122,7 @@ impl Bench {
             return Err(BenchError::Damaged { words: words_path, manifest: manifest_path.into() });
         }
 
-        let layout = manifest.layout();
+        let layout = manifest.layout(manifest_path)?;
         let fields = |wanted: &[Direction]| -> Vec<(usize, Field)> {
             let of = manifest.fields.iter().enumerate().filter(|(_, field)| wanted.contains(&field.direction));
             of.map(|(index, field)| (layout.rank(index), field.clone())).collect()
@@ -136,7 +138,8 @@ impl Bench {
         // Of a stage the fields stay in the word's order.
         outputs.sort_by_key(|(rank, _)| *rank);
         let [inputs, outputs] = [inputs, outputs].map(|fields| fields.into_iter().map(|(_, field)| field).collect());
-        Ok(Self { manifest, manifest_path: manifest_path.into(), words_path, inputs, outputs })
+        let stage = layout.stage().map(Stage::interface);
+        Ok(Self { manifest, manifest_path: manifest_path.into(), words_path, inputs, outputs, stage })
     }
 
     /// Set and profile, as the set's files are named: the folder of the bench.
@@ -178,7 +181,7 @@ impl Bench {
         identifier(&self.stem())
     }
 
-    /// The datapath of the set with the set's effects and profile.
+    /// The datapath or the stage of the set with the set's effects and profile.
     fn verilog(&self) -> Result<Verilog, BenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let options = Options {
@@ -186,7 +189,7 @@ impl Bench {
             precision: profile.knobs,
             effects: *effects,
             depth: None,
-            stage: None,
+            stage: self.stage.as_ref().map(|stage| stage.module.clone()),
             prefix: String::new(),
         };
         let error = |source| BenchError::Verilog { manifest: self.manifest_path.clone(), source };
@@ -197,7 +200,8 @@ impl Bench {
     fn values(&self, verilog: Option<&Verilog>) -> Result<Vec<(&'static str, String)>, BenchError> {
         let (stem, name, Self { manifest, inputs, outputs, .. }) = (self.stem(), self.name(), self);
         let bits = |fields: &[Field]| fields.iter().map(|field| field.width).sum::<u32>().to_string();
-        let (purpose, body) = match verilog.and_then(|verilog| verilog.top.as_ref()) {
+        let module = verilog.and_then(|verilog| self.stage.as_ref().or(verilog.top.as_ref()));
+        let (purpose, body) = match module {
             Some(top) => {
                 let purpose = "Here that is the generated Verilog in rtl; a device of your own takes its place.";
                 (purpose, self.connected(top)?)
@@ -244,16 +248,19 @@ impl Bench {
         let inputs = lines(&self.inputs, |field| format!("  //   inputs.{}: {}", column(field), note(field)));
         let outputs =
             lines(&self.outputs, |field| format!("  assign outputs.{} = '0;  // {}", column(field), note(field)));
-        format!(
-            "  // A device without registers; one with registers delays valid and stops where out_ready is low.\n  \
-             assign in_ready  = out_ready;\n  assign out_valid = in_valid;\n\n  // The inputs:\n{inputs}\n\n{outputs}"
-        )
+        format!("{PASSED_THROUGH}\n  // The inputs:\n{inputs}\n\n{outputs}")
     }
 
-    /// The body that connects the generated top: a port for each field, and no other.
+    /// The body that connects the generated top, or the module of a stage: a port for each field, and no other. Taps that the set does not
+    /// have stay open.
     fn connected(&self, top: &Interface) -> Result<String, BenchError> {
         let inputs = self.paired(&self.inputs, &top.inputs)?;
-        let outputs = self.paired(&self.outputs, &top.outputs)?;
+        let (compared, open): (Vec<_>, Vec<_>) = top
+            .outputs
+            .iter()
+            .cloned()
+            .partition(|port| self.manifest.taps || self.outputs.iter().any(|field| field.port == port.name));
+        let outputs = self.paired(&self.outputs, &compared)?;
         let wire = |port: &PortDescription| {
             let sign = if port.signed { "signed " } else { "" };
             format!("  wire {sign}[{}:0] {}", port.width - 1, port.port)
@@ -267,11 +274,17 @@ impl Bench {
         for (_, port) in &outputs {
             text += &format!("{};\n", wire(port));
         }
-        let handshake = ["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready"];
         let ports = inputs.iter().chain(&outputs).map(|(_, port)| port.port.as_str());
-        let connections: Vec<String> =
-            handshake.into_iter().chain(ports).map(|name| format!(".{name}({name})")).collect();
-        text += &format!("\n  {} datapath (\n    {}\n  );\n", top.module, connections.join(",\n    "));
+        let (instance, handshake) = match self.stage {
+            Some(_) => ("stage", &[][..]),
+            None => ("datapath", &["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready"][..]),
+        };
+        if self.stage.is_some() {
+            text += &format!("\n{PASSED_THROUGH}");
+        }
+        let connected = handshake.iter().copied().chain(ports).map(|name| format!(".{name}({name})"));
+        let connections: Vec<String> = connected.chain(open.iter().map(|port| format!(".{}()", port.port))).collect();
+        text += &format!("\n  {} {instance} (\n    {}\n  );\n", top.module, connections.join(",\n    "));
         for (field, port) in &outputs {
             let value = shifted(&port.port, port.width, field.width, -scale(field, port));
             text += &format!("\n  assign outputs.{} = {value};", column(field));
@@ -301,6 +314,13 @@ impl Bench {
         ports.iter().map(of_port).collect()
     }
 }
+
+/// The handshake of a device without registers.
+const PASSED_THROUGH: &str = "  \
+  // A device without registers; one with registers delays valid and stops where out_ready is low.
+  assign in_ready  = out_ready;
+  assign out_valid = in_valid;
+";
 
 /// A hash as something to write to.
 struct Hasher<'a>(&'a mut Sha256);

@@ -64,7 +64,7 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
         sets.push((path, manifest));
     }
 
-    let recorded = Recorded::new(&of);
+    let recorded = Recorded::new(first, &of)?;
     let p = &of.profile.knobs;
     let faults = Faults::new(&recorded.net, &recorded.ranges, recorded.layout.shown(&recorded.net, p));
     let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);

@@ -66,7 +66,10 @@ pub struct Explanation {
     pub line: u64,
     /// The fields in the order of the pipeline, inputs first; those of one stage in the word's order.
     pub fields: Vec<Explained>,
-    /// Names of the sticky bits that are set.
+    /// The module, where the set is of a stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
+    /// Names of the sticky bits that are set; none of the set of a stage.
     pub status: Vec<&'static str>,
     /// Which way the datapath decided, and the reference.
     pub decisions: Vec<Decision>,
@@ -143,7 +146,7 @@ impl Vector {
         if index >= manifest.count {
             return Err(VectorError::Index { path: manifest_path.into(), index, count: manifest.count });
         }
-        let layout = manifest.layout();
+        let layout = manifest.layout(manifest_path)?;
         let mut lines = Lines::open(manifest_path, &manifest)?;
         let mut wanted = None;
         while let Some(line) = lines.next()? {
@@ -254,7 +257,11 @@ impl Vector {
         };
         let integers: Vec<i64> = fields.iter().zip(&self.expected).map(|(field, &bits)| field.integer(bits)).collect();
         let integer_of = |name: &str| fields.iter().position(|field| field.name == name).map(|place| integers[place]);
-        let float64 = self.float64(&Taken(&integer_of));
+        // Of a stage alone there is no reference.
+        let float64 = match self.layout.stage() {
+            Some(_) => Float64::default(),
+            None => self.float64(&Taken(&integer_of)),
+        };
 
         let mut order: Vec<usize> = (0..fields.len()).collect();
         order.sort_by_key(|&place| self.layout.rank(place));
@@ -295,6 +302,7 @@ impl Vector {
             index: self.index,
             line: self.line,
             fields: explained,
+            stage: self.manifest.stage.as_ref().map(|stage| stage.module.clone()),
             status: StatusBit::of(*datapath)
                 .filter(|bit| status & i64::from(bit.mask()) != 0)
                 .map(StatusBit::name)

@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 
 use super::datapath::{Batch, Inputs};
 use super::layout::Layout;
-use super::manifest::{FORMAT_VERSION, FileEntry, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
+use super::manifest::{FORMAT_VERSION, FileEntry, Form, Manifest, ProfileKnobs, SCHEMA, Seed, StageEntry};
 use super::word::{check_of, pack, write_record, write_word};
 use super::{MAX_VECTORS, VectorError};
 use crate::output::OutputFile;
@@ -88,6 +88,22 @@ pub fn export_with(
     directory: &Path,
     progress: &dyn Fn(u64),
 ) -> Result<Manifest, VectorError> {
+    let layout = Layout::new(info.datapath, &info.effects.of(info.datapath), &info.precision, info.words.taps);
+    write_set(info, &layout, None, count, &|vectors| written(&layout, info, vectors, input), directory, progress)
+}
+
+/// Writes a set of `count` words; `words_of` makes those of some vectors as they are written.
+///
+/// Errors: see [`VectorError`].
+pub(super) fn write_set(
+    info: &SetInfo<'_>,
+    layout: &Layout,
+    stage: Option<StageEntry>,
+    count: u64,
+    words_of: &(dyn Fn(Range<u64>) -> Result<Vec<u8>, VectorError> + Sync),
+    directory: &Path,
+    progress: &dyn Fn(u64),
+) -> Result<Manifest, VectorError> {
     let good = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
     for name in [info.name, info.profile] {
         if !(1..=64).contains(&name.len()) || !name.bytes().all(good) {
@@ -106,8 +122,6 @@ pub fn export_with(
     };
     fs::create_dir_all(directory).map_err(error(directory))?;
 
-    let effects = info.effects.of(info.datapath);
-    let layout = Layout::new(info.datapath, &effects, &info.precision, info.words.taps);
     let mut words = Hashed::new(OutputFile::create(&words_path).map_err(error(&words_path))?);
     if info.words.form == Form::Hex {
         let title = format!(
@@ -122,7 +136,7 @@ pub fn export_with(
         let vectors = start..count.min(start + BATCH);
         let tasks: Vec<_> =
             vectors.clone().step_by(TASK as usize).map(|first| first..vectors.end.min(first + TASK)).collect();
-        tasks.into_par_iter().map(|vectors| written(&layout, info, vectors, input)).collect()
+        tasks.into_par_iter().map(words_of).collect()
     };
     let mut ready = batch(0);
     for start in (0..count).step_by(BATCH as usize) {
@@ -147,7 +161,8 @@ pub fn export_with(
         description: info.description.into(),
         profile: ProfileKnobs { name: info.profile.into(), knobs: info.precision },
         datapath: info.datapath,
-        effects,
+        stage,
+        effects: info.effects.of(info.datapath),
         seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
         taps: info.words.taps,
         count,
@@ -172,7 +187,7 @@ fn written(
     input: &(dyn Fn(u64) -> Inputs + Sync),
 ) -> Result<Vec<u8>, VectorError> {
     let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
-    let (fields, rows, digits) = (layout.fields(), layout.rows(&batch), layout.data_digits());
+    let (fields, rows) = (layout.fields(), layout.rows(&batch));
     let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (layout.line_length() + 1));
     let (mut bits, mut packed) = (Vec::with_capacity(fields.len()), Vec::new());
     for (place, index) in vectors.enumerate() {
@@ -184,21 +199,27 @@ fn written(
                 field: field.name.clone(),
             })?);
         }
-        pack(fields, &bits, digits, &mut packed);
-        let check = check_of(&packed, digits);
-        match info.words.form {
-            Form::Hex => {
-                bits.push(check);
-                write_word(&mut text, fields, &bits);
-                text.push(b'\n');
-            }
-            Form::Bin => {
-                packed.push(check);
-                write_record(&mut text, &packed, digits);
-            }
-        }
+        append_word(&mut text, layout, &mut bits, &mut packed, info.words.form);
     }
     Ok(text)
+}
+
+/// Appends a word as it is written, from its fields' bits without the check value; `packed` is overwritten.
+pub(super) fn append_word(text: &mut Vec<u8>, layout: &Layout, bits: &mut Vec<u32>, packed: &mut Vec<u32>, form: Form) {
+    let (fields, digits) = (layout.fields(), layout.data_digits());
+    pack(fields, bits, digits, packed);
+    let check = check_of(packed, digits);
+    match form {
+        Form::Hex => {
+            bits.push(check);
+            write_word(text, fields, bits);
+            text.push(b'\n');
+        }
+        Form::Bin => {
+            packed.push(check);
+            write_record(text, packed, digits);
+        }
+    }
 }
 
 /// A file and the hash of what went into it.

@@ -182,14 +182,16 @@ pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>
 
 /// Whether sets are of the same hardware and show the same of it.
 pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
-    let of = |manifest: &Manifest| (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps);
+    let of = |manifest: &Manifest| {
+        (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps, manifest.stage.is_some())
+    };
     of(a) == of(b)
 }
 
 /// Grades the sets of one design.
 fn grade_one(sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Result<Grade, VectorError> {
-    let of = &sets[0].1;
-    let recorded = Recorded::new(of);
+    let (path, of) = &sets[0];
+    let recorded = Recorded::new(path, of)?;
     let faults = Faults::new(&recorded.net, &recorded.ranges, recorded.layout.shown(&recorded.net, &of.profile.knobs));
     let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);
     let mut tally = Tally::new(&recorded.net, &faults, &bins);
@@ -211,9 +213,16 @@ pub(super) struct Recorded {
 }
 
 impl Recorded {
-    pub(super) fn new(of: &Manifest) -> Self {
+    /// Of the set of a manifest.
+    ///
+    /// Errors: a set of one stage.
+    pub(super) fn new(path: &Path, of: &Manifest) -> Result<Self, VectorError> {
+        if of.stage.is_some() {
+            let problem = "a set of one stage, but only those of whole datapaths are graded".into();
+            return Err(VectorError::Manifest { path: path.into(), problem });
+        }
         let net = Net::of(Design::of(of.datapath), &of.effects, &of.profile.knobs);
-        Self { layout: of.layout(), ranges: Ranges::new(&net), net }
+        Ok(Self { layout: of.layout(path)?, ranges: Ranges::new(&net), net })
     }
 
     /// The integers of the ports of the recorded design, where those of the datapath's ports are given.

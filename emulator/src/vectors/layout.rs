@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use super::datapath::Batch;
 use crate::net::graph::{Net, NodeId};
+use crate::net::verilog::{Stage, StagePort, VerilogError};
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = 32;
@@ -104,6 +105,8 @@ pub struct Layout {
     ports: usize,
     /// Where the stage of each field stands in the pipeline.
     ranks: Vec<usize>,
+    /// The stage that the fields are the ports of; `None` of a whole datapath.
+    stage: Option<Stage>,
 }
 
 impl Layout {
@@ -112,8 +115,44 @@ impl Layout {
         let net = Net::of(Design::of(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
         let columns = columns(&net, datapath, p).into_iter().filter(is_shown);
-        let (mut fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
+        let (fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
             columns.map(|column| (column.field, (column.source, column.drop))).unzip();
+        // In the order in which the stages run; inputs are before, the check value after all of them.
+        let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
+        for (rank, run) in net.runs.iter().enumerate() {
+            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
+            runs.insert(run.base(), rank + 1);
+        }
+        let rank = |field: &Field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX);
+        Self::placed(fields, sources, net.ports.len(), rank)
+    }
+
+    /// The fields of a stage: the ports of its module in their order, inputs first.
+    ///
+    /// Errors: a port with more bits than a field can have, or with places before its binary point alone. No named profile has one.
+    pub(super) fn of_stage(stage: &Stage) -> Result<Self, VerilogError> {
+        let inputs = stage.inputs.iter().enumerate().map(|(place, port)| (port, Source::Port(place)));
+        let outputs = stage.outputs.iter().enumerate().map(|(place, port)| (port, Source::Output(place)));
+        let (mut fields, mut sources) = (Vec::new(), Vec::new());
+        for (port, source) in inputs.chain(outputs) {
+            fields.push(stage_field(stage, port, source)?);
+            sources.push((source, port.format.zeros));
+        }
+        let rank = |field: &Field| match field.direction {
+            Direction::In => 0,
+            Direction::Tap | Direction::Out => 1,
+            Direction::Check => usize::MAX,
+        };
+        Ok(Self { stage: Some(stage.clone()), ..Self::placed(fields, sources, stage.inputs.len(), rank) })
+    }
+
+    /// The fields at their places in the word, with the check value behind them.
+    fn placed(
+        mut fields: Vec<Field>,
+        sources: Vec<(Source, u32)>,
+        ports: usize,
+        rank: impl Fn(&Field) -> usize,
+    ) -> Self {
         fields.push(Field {
             name: "check".into(),
             direction: Direction::Check,
@@ -132,14 +171,13 @@ impl Layout {
             field.lsb = lsb;
             lsb += 4 * field.digits();
         }
-        // In the order in which the stages run; inputs are before, the check value after all of them.
-        let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
-        for (rank, run) in net.runs.iter().enumerate() {
-            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
-            runs.insert(run.base(), rank + 1);
-        }
-        let ranks = fields.iter().map(|field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX)).collect();
-        Self { fields, sources, ports: net.ports.len(), ranks }
+        let ranks = fields.iter().map(rank).collect();
+        Self { fields, sources, ports, ranks, stage: None }
+    }
+
+    /// The stage that the fields are the ports of; `None` of a whole datapath.
+    pub(super) fn stage(&self) -> Option<&Stage> {
+        self.stage.as_ref()
     }
 
     /// Where the stage of a field stands in the pipeline: of several differing fields that of the earliest one is named first.
@@ -222,6 +260,38 @@ impl Layout {
 /// Bits of a soft core's mantissa that the words of a profile do not have.
 pub(super) fn below(mantissa: bool, p: &Precision) -> u32 {
     if mantissa { 32 - p.word_bits() } else { 0 }
+}
+
+/// A port of a stage's module as a field, its place in the word left out.
+fn stage_field(stage: &Stage, port: &StagePort, source: Source) -> Result<Field, VerilogError> {
+    let StagePort { name, format, wire, path } = port;
+    let (width, fraction_bits) = (format.width(), format.stored_fraction_bits());
+    let (1..=32, Ok(fraction_bits)) = (width, u32::try_from(fraction_bits)) else {
+        return Err(VerilogError::NoField { port: name.clone(), width, fraction_bits });
+    };
+    let (direction, maker) = match source {
+        Source::Port(_) => (Direction::In, "input"),
+        Source::Output(_) => (Direction::Out, stage.name.as_str()),
+    };
+    let run = match &stage.runs[..] {
+        [first, _, ..] if matches!(source, Source::Port(_)) => format!(" (of {})", first.instance),
+        _ => String::new(),
+    };
+    let texts = fields(path).map(|field| field.text.trim().trim_end_matches('.')).filter(|text| !text.is_empty());
+    let description: Vec<String> = std::iter::once(format!("{wire}{run}")).chain(texts.map(str::to_owned)).collect();
+    Ok(Field {
+        name: name.clone(),
+        direction,
+        stage: maker.into(),
+        port: name.clone(),
+        lsb: 0,
+        width,
+        signed: format.signed(),
+        fraction_bits,
+        unit: fields(path).filter(|field| !field.unit.is_empty()).last().map_or("", |field| field.unit).into(),
+        tolerance: 0,
+        description: description.join(": "),
+    })
 }
 
 /// The lowest `width` bits, 1…32.

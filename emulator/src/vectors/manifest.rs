@@ -10,7 +10,7 @@ use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
-use super::{MAX_VECTORS, VectorError};
+use super::{MAX_VECTORS, VectorError, stage};
 use crate::input::open_file;
 
 /// Value of `schema`.
@@ -39,6 +39,9 @@ pub struct Manifest {
     /// The datapath.
     #[serde(with = "DatapathDef")]
     pub datapath: Datapath,
+    /// The stage of it whose ports the fields are; `None` of a set of the whole datapath.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<StageEntry>,
     /// Effects of it that were on; those of other datapaths are off.
     #[serde(with = "EffectsDef")]
     pub effects: Effects,
@@ -76,6 +79,16 @@ pub struct ProfileKnobs {
     /// Its knobs.
     #[serde(with = "PrecisionDef")]
     pub knobs: Precision,
+}
+
+/// A stage with a set of its own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageEntry {
+    /// The Verilog module whose ports the fields are.
+    pub module: String,
+    /// The runs of it, a vector each, one base vector after the other.
+    pub runs: Vec<String>,
 }
 
 /// How a seeded set's fragments are found again.
@@ -173,7 +186,7 @@ impl Manifest {
         if self.effects != self.effects.of(self.datapath) {
             return Err(format!("effects that the datapath `{}` does not have are on", self.datapath.name()));
         }
-        self.check_fields(&self.layout())
+        self.check_fields(&self.own_layout()?)
     }
 
     /// How its words are written.
@@ -183,8 +196,18 @@ impl Manifest {
     }
 
     /// The layout of its words.
-    pub(super) fn layout(&self) -> Layout {
-        Layout::new(self.datapath, &self.effects, &self.profile.knobs, self.taps)
+    ///
+    /// Errors: a stage that this version does not have, which a manifest that was read does not name.
+    pub(super) fn layout(&self, path: &Path) -> Result<Layout, VectorError> {
+        self.own_layout().map_err(|problem| VectorError::Manifest { path: path.into(), problem })
+    }
+
+    fn own_layout(&self) -> Result<Layout, String> {
+        match &self.stage {
+            None => Ok(Layout::new(self.datapath, &self.effects, &self.profile.knobs, self.taps)),
+            Some(_) if !self.taps => Err("`taps` is false, but the set of a stage has none".into()),
+            Some(entry) => stage::layout(self, entry),
+        }
     }
 
     fn check_fields(&self, layout: &Layout) -> Result<(), String> {

@@ -137,7 +137,7 @@ pub fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
 /// Errors: see [`VectorError`]. Differences are no errors, they are the result.
 pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
-    let layout = manifest.layout();
+    let layout = manifest.layout(manifest_path)?;
     let mut lines = Lines::open(manifest_path, &manifest)?;
     let mut result = Verification {
         set: manifest.set.clone(),
@@ -223,7 +223,10 @@ impl Checker<'_> {
     pub(super) fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
         let inputs = self.layout.decode(found);
         let Manifest { datapath, effects, profile, .. } = self.manifest;
-        let outputs = outcome(*datapath, &inputs, effects, &profile.knobs);
+        let outputs = match self.layout.stage() {
+            Some(stage) => stage.outcome(&inputs, &mut Vec::new()),
+            None => outcome(*datapath, &inputs, effects, &profile.knobs),
+        };
         let mut unfit = None;
         let mut bits = self.layout.encode(&inputs, &outputs).unwrap_or_else(|field| {
             unfit = Some(field);

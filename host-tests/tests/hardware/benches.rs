@@ -67,7 +67,7 @@ impl Written {
 }
 
 /// Whether Python finds cocotb; says so where it does not, and panics where it has to be.
-fn have_cocotb() -> bool {
+pub(super) fn have_cocotb() -> bool {
     let mut command = Command::new("python3");
     if let Some(installed) = installed_cocotb() {
         command.env("PYTHONPATH", installed);
@@ -81,7 +81,7 @@ fn have_cocotb() -> bool {
 }
 
 /// Where `.ci/run` puts it, if it did.
-fn installed_cocotb() -> Option<PathBuf> {
+pub(super) fn installed_cocotb() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/cocotb");
     folder.exists().then_some(folder)
 }

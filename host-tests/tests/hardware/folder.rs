@@ -122,7 +122,7 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
 }
 
 /// The check value of a word in hex digits without its own.
-fn check_value(digits: &str) -> u32 {
+pub(super) fn check_value(digits: &str) -> u32 {
     let bits = digits.chars().flat_map(|digit| {
         let value = digit.to_digit(16).expect("a hex digit");
         (0..4).rev().map(move |bit| value >> bit & 1)

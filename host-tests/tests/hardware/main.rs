@@ -6,3 +6,4 @@ mod folder;
 mod grade;
 mod proof;
 mod rtl;
+mod stages;
