@@ -15,6 +15,7 @@ mod eval;
 mod explain;
 mod failure;
 mod gallery;
+mod merge;
 mod plan;
 mod ranges;
 mod render;
@@ -31,7 +32,7 @@ use miette::MietteHandlerOpts;
 
 use arguments::{
     CONVENTIONS, ProfileArg, Profiles, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile,
-    parse_profiles, parse_size, parse_threads, use_threads,
+    parse_profiles, parse_size, parse_threads, remove_abandoned_in, use_threads,
 };
 use failure::{Failure, on_one_line};
 

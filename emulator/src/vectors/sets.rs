@@ -5,6 +5,7 @@ use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn};
 use roughxel_core::precision::Precision;
 
 use super::datapath::Inputs;
+use super::manifest::Manifest;
 use crate::cases::highlight::{highlight_sets, random_light};
 use crate::cases::lit_peak::{lit_peak_sets, random_lit_peak};
 use crate::cases::{CaseSet, hard_case_sets, random_fragment};
@@ -15,6 +16,9 @@ pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
     ("random_highlight", Datapath::Highlight, "seeded random lights on rough surfaces, and bit patterns"),
     ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
 ];
+
+/// How [`crate::random::SplitMix64::for_element`] finds the numbers of one vector.
+pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15)";
 
 /// Inputs of a listed set.
 #[derive(Clone, Debug)]
@@ -69,6 +73,41 @@ pub struct VectorSet {
     pub effects: Effects,
     /// Its inputs.
     pub cases: Cases,
+}
+
+impl VectorSet {
+    /// The ports of vector `index` of `count`, which are all of its cases or some of them, evenly spread.
+    pub fn spread(&self, index: u64, count: u64) -> Inputs {
+        self.cases.inputs(index * self.cases.count() / count)
+    }
+}
+
+/// Where the inputs of an exported set come from.
+pub(super) enum Source {
+    /// A seed.
+    Seed(String),
+    /// The list of its hard cases.
+    Listed(VectorSet),
+}
+
+impl Source {
+    /// That of a set; `None` of captured fragments, or where another version had other cases.
+    pub(super) fn of(manifest: &Manifest) -> Option<Self> {
+        if let Some(seed) = &manifest.seed {
+            return (seed.rule == SEED_RULE).then(|| Self::Seed(seed.name.clone()));
+        }
+        let is_it = |set: &VectorSet| set.name == manifest.set && set.cases.datapath() == manifest.datapath;
+        let set = hard_sets(&manifest.profile.knobs).into_iter().find(is_it)?;
+        (manifest.whole_count() <= set.cases.count()).then_some(Self::Listed(set))
+    }
+
+    /// The ports of a vector, by its index in the whole set.
+    pub(super) fn inputs(&self, index: u64, manifest: &Manifest) -> Inputs {
+        match self {
+            Self::Seed(seed) => random_set(manifest.datapath, seed, index, &manifest.profile.knobs),
+            Self::Listed(set) => set.spread(index, manifest.whole_count()),
+        }
+    }
 }
 
 /// Every set of hard cases, datapath by datapath.
