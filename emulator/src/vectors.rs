@@ -109,8 +109,8 @@ pub enum VectorError {
     },
     /// A set has no vector of that index.
     #[error(
-        "{}: there is no vector #{index}; the set has {}, #{} to #{}",
-        .path.display(), .indices.end - .indices.start, .indices.start, .indices.end - 1
+        "{}: there is no vector #{index}; {} has {}, #{} to #{}",
+        .path.display(), if .indices.start == 0 { "the set" } else { "this part of it" }, .indices.end - .indices.start, .indices.start, .indices.end - 1
     )]
     Index {
         /// The manifest.

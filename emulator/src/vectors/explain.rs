@@ -20,7 +20,7 @@ pub use self::real::Real;
 use super::VectorError;
 use super::datapath::wires;
 use super::layout::{Direction, Field, Layout};
-use super::lines::{Line, Lines};
+use super::lines::Lines;
 use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
 use super::verify::{Checker, Mismatch};
@@ -152,19 +152,18 @@ impl Vector {
 
     fn of(manifest_path: &Path, manifest: Manifest, layout: Layout, index: u64) -> Result<Self, VectorError> {
         let mut lines = Lines::open(manifest_path, &manifest)?;
+        let checker = Checker { layout: &layout, manifest: &manifest };
         let mut wanted = None;
         while let Some(line) = lines.next()? {
+            let bits = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
             if line.index == index {
-                wanted = Some(line);
+                wanted = Some((line, bits));
             }
         }
-        let line = wanted.ok_or_else(|| lines.wrong_count())?;
-        let checker = Checker { layout: &layout, manifest: &manifest };
-        let read = |line: &Line| Ok((checker.compare(line)?, line.bits(&layout)?));
-        let compared = read(&line).map_err(|problem: String| lines.problem(line.number, problem));
+        let (line, found) = wanted.ok_or_else(|| lines.wrong_count())?;
+        let mismatch = checker.compare(&line).map_err(|problem| lines.problem(line.number, problem))?;
         let hash_matches = lines.hash_matches()?;
         let misplaced = if hash_matches { Vec::new() } else { misplaced(manifest_path, &manifest, &layout) };
-        let (mismatch, found) = compared?;
         let (expected, _) = checker.expected(&found);
         Ok(Self { layout, index, line: line.number, found, expected, mismatch, hash_matches, misplaced, manifest })
     }

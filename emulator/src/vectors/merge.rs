@@ -25,7 +25,7 @@ pub enum MergeError {
     #[error("{}: no part of a set here (`roughxel vectors export --shard K/N` writes them)", .0.display())]
     NoParts(PathBuf),
     /// Parts of a set are missing.
-    #[error("set {stem}: {}; export {} again with `--shard K/{of}` and the options of the others", listed(missing, *of), if missing.len() == 1 { "it" } else { "them" })]
+    #[error("set {stem}: {} missing: export with the options of the others and `--shard {}/{of}`", listed(missing, *of), missing[0])]
     Missing {
         /// Set and profile.
         stem: String,
@@ -73,14 +73,12 @@ pub enum MergeError {
     },
 }
 
-/// At most ten numbers.
+/// The numbers, at most ten, and a verb.
 fn listed(missing: &[u64], of: u64) -> String {
     let numbers: Vec<String> = missing.iter().take(10).map(u64::to_string).collect();
     let more = if missing.len() > 10 { format!(" and {} more", missing.len() - 10) } else { String::new() };
-    match missing {
-        [one] => format!("part {one} of {of} is missing"),
-        _ => format!("parts {}{more} of {of} are missing", numbers.join(", ")),
-    }
+    let (parts, verb) = if missing.len() == 1 { ("part", "is") } else { ("parts", "are") };
+    format!("{parts} {}{more} of {of} {verb}", numbers.join(", "))
 }
 
 /// All parts of one set, in order.
@@ -199,8 +197,7 @@ fn difference(a: &Manifest, b: &Manifest) -> Option<String> {
     }
     let value = |manifest| serde_json::to_value(of_whole(manifest)).unwrap_or_default();
     let (Value::Object(a), Value::Object(b)) = (value(a), value(b)) else { return Some("fields".into()) };
-    // A key that one of them lacks is one that whole sets with that choice lack, too.
-    let keys = a.keys().chain(b.keys());
-    let differing = |key: &&String| a.get(*key) != b.get(*key);
-    Some(keys.into_iter().find(differing).map_or_else(|| "fields".into(), String::clone))
+    // Fields follow from other keys; a key that one of them lacks is of a choice that most sets do not make.
+    let differing = |key: &&String| a.get(*key) != b.get(*key) && !["fields", "word_bits"].contains(&key.as_str());
+    Some(a.keys().chain(b.keys()).find(differing).map_or_else(|| "fields".into(), String::clone))
 }

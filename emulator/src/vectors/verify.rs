@@ -39,7 +39,8 @@ pub struct Verification {
     pub mismatching: u64,
     /// The first of them, at most ten.
     pub mismatches: Vec<Mismatch>,
-    /// Words that are in another place than their own, missing or too many, where the file is not the one of the manifest; at most ten.
+    /// Words that are in another place than their own, missing or too many, where every word is right and yet the file is not the one
+    /// of the manifest; at most ten.
     pub misplaced: Vec<Misplaced>,
 }
 
@@ -147,7 +148,8 @@ pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verificati
     let layout = manifest.layout();
     let result = compared(manifest_path, &manifest, &layout, progress);
     let mut result = result.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))?;
-    if !result.hash_matches {
+    // Words that are not as they were written have been named.
+    if !result.hash_matches && result.mismatching == 0 {
         result.misplaced = misplaced(manifest_path, &manifest, &layout);
     }
     Ok(result)

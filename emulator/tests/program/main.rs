@@ -2,10 +2,12 @@
 
 mod choose;
 mod cli;
+mod damaged;
 mod eval;
 mod explain;
 mod gallery;
 mod peaks;
 mod profile;
+mod shards;
 mod study;
 mod vectors;
