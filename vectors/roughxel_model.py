@@ -1287,7 +1287,8 @@ def compare(path: str, stop: Optional[int]) -> Tuple[int, int, Optional[Mismatch
     checked.sort(key=lambda pair: pair[0])
     count, wrong = 0, 0
     first: Optional[Mismatch] = None
-    for index, vector in enumerate(load(path)):
+    # A part of a set has the indices of the whole one.
+    for index, vector in enumerate(load(path), manifest.get("part", {}).get("first", 0)):
         count += 1
         try:
             got = evaluate(manifest, vector)

@@ -17,6 +17,7 @@ mod explain;
 mod failure;
 mod gallery;
 mod grade;
+mod merge;
 mod plan;
 mod ranges;
 mod render;
@@ -33,7 +34,7 @@ use miette::MietteHandlerOpts;
 
 use arguments::{
     CONVENTIONS, ProfileArg, Profiles, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile,
-    parse_profiles, parse_size, parse_threads, use_threads, write_text,
+    parse_profiles, parse_size, parse_threads, remove_abandoned_in, use_threads, write_text,
 };
 use failure::{Failure, on_one_line};
 

@@ -5,7 +5,7 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf, is_separator};
 
 use roughxel_core::precision::Profile;
-use roughxel_emulator::output::{self, OutputFile, WriteError};
+use roughxel_emulator::output::{self, OutputFile, Removed, WriteError};
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::spelling::closest;
 use roughxel_emulator::study::profile_file::{NamedPrecision, read_profile};
@@ -135,6 +135,17 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
         file.commit()
     };
     write().map_err(|source| WriteError { path: path.into(), source })
+}
+
+/// Removes what runs that were killed left in a directory, and says so.
+pub(super) fn remove_abandoned_in(directory: &Path) {
+    let Removed { files, bytes } = output::remove_abandoned(directory);
+    if files > 0 {
+        let directory = directory.display();
+        complain(&format!(
+            "note: removed {files} temporary files ({bytes} bytes) of interrupted runs from {directory}"
+        ));
+    }
 }
 
 /// A number of threads, 1 to 1024.

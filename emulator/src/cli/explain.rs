@@ -41,7 +41,8 @@ A real number beyond the range of a double is m*2^e, in JSON null.";
 
 #[derive(Args)]
 pub(super) struct ExplainArgs {
-    /// Set and index of the vector, from 0. The set is NAME.json or NAME.hex, or the same without its extension.
+    /// Set and index of the vector, from 0; of a part of a set, the index in the whole one. The set is NAME.json, NAME.hex or
+    /// NAME.bin, or the same without its extension.
     #[arg(value_name = "SET#INDEX")]
     set: String,
     /// Index of the vector; then the first argument is the set alone.
@@ -93,7 +94,10 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     out.flush()?;
 
     if !vector.hash_matches() && vector.mismatch().is_none() {
-        complain("note: this word is right, but the SHA-256 of its file is not the one in the manifest");
+        let order: String = vector.misplaced().iter().map(|misplaced| format!("; {misplaced}")).collect();
+        complain(&format!(
+            "note: this word is right, but the SHA-256 of its file is not the one in the manifest{order}"
+        ));
     }
     if let Some(mismatch) = vector.mismatch() {
         let unused = if args.got.is_empty() { "" } else { "; --got was not compared with it" };
@@ -138,7 +142,7 @@ fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     }
     Ok(match set.extension() {
         Some(extension) if extension == "json" => set.into(),
-        Some(extension) if extension == "hex" => set.with_extension("json"),
+        Some(extension) if extension == "hex" || extension == "bin" => set.with_extension("json"),
         _ => {
             let mut name = set.as_os_str().to_owned();
             name.push(".json");

@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|explain|bench|report|distil|list|format|rom`.
+//! `roughxel vectors export|merge|verify|explain|bench|report|distil|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -14,8 +14,8 @@ use roughxel_emulator::output::write_files;
 use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, StageSet, VectorError, VectorSet, Verification, Words,
-    export_with, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
+    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, StageSet, VectorError, VectorSet,
+    Verification, Words, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
@@ -23,8 +23,10 @@ use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
 use super::distil::{self, DistilArgs};
 use super::grade::{self, GradeArgs};
+use super::merge::{self, MergeArgs};
 use super::{
-    CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile, write_text,
+    CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile,
+    remove_abandoned_in, write_text,
 };
 
 /// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
@@ -39,6 +41,9 @@ pub(super) enum VectorsCommand {
     /// Write sets of vectors: packed hex and a JSON manifest each.
     #[command(after_help = CONVENTIONS)]
     Export(ExportArgs),
+    /// Join the parts of sets that `export --shard` wrote.
+    #[command(long_about = merge::LONG_HELP, after_help = CONVENTIONS)]
+    Merge(MergeArgs),
     /// Recompute every value of sets and compare; name set, index, stage, field and bit of each difference.
     #[command(after_help = CONVENTIONS)]
     Verify(VerifyArgs),
@@ -112,11 +117,26 @@ pub(super) struct ExportArgs {
     no_taps: bool,
     /// Sets of one stage instead: what goes in and out of its Verilog module (`reflect`, `columns_pixel`), or of each of its modules
     /// (`columns`), as `verilog --stage` names them. Sets whose datapath has no such stage are left out.
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps", "shard", "resume"])]
     stage: Option<String>,
+    /// Part K of N of each set alone, K from 1, as SET_PROFILE.KofN: a contiguous range of its vectors. `vectors merge` joins all
+    /// parts to what an export without this option writes, to the byte. A set has no more parts than vectors.
+    #[arg(long, value_name = "K/N", value_parser = parse_shard)]
+    shard: Option<Shard>,
+    /// Keep the sets that are in DIR already, whole and the same: made by this version of the program from the same options,
+    /// with words of the SHA-256 in the manifest. For an export that was interrupted.
+    #[arg(long)]
+    resume: bool,
     /// Summary as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// `K/N`.
+fn parse_shard(text: &str) -> Result<Shard, String> {
+    let number = |text: &str| text.parse().ok().filter(|_| text.bytes().all(|c| c.is_ascii_digit()));
+    let shard = text.split_once('/').and_then(|(k, n)| Shard::new(number(k)?, number(n)?));
+    shard.ok_or_else(|| format!("a part is K/N, K from 1 to N and N at most {MAX_VECTORS}, such as 2/8"))
 }
 
 #[derive(Args)]
@@ -155,6 +175,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Format(args) => format(args),
         VectorsCommand::Rom(args) => rom(args),
         VectorsCommand::Export(args) => export(args),
+        VectorsCommand::Merge(args) => merge::run(args),
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
@@ -173,7 +194,17 @@ struct Export<'a> {
     words: Words,
     /// The stage that the sets are of.
     stage: Option<&'a str>,
+    shard: Option<Shard>,
+    /// Whether sets that are there stay.
+    resume: bool,
     directory: &'a Path,
+}
+
+/// A set that was written, or was there.
+struct Exported {
+    directory: PathBuf,
+    manifest: Manifest,
+    kept: bool,
 }
 
 impl Export<'_> {
@@ -184,7 +215,7 @@ impl Export<'_> {
     }
 
     /// `most` vectors of a set of hard cases.
-    fn cases(&self, set: &VectorSet, most: u64) -> Result<Vec<Manifest>, Failure> {
+    fn cases(&self, set: &VectorSet, most: u64) -> Result<Vec<Exported>, Failure> {
         let all = set.inputs.len() as u64;
         let count = most.min(all);
         if count < all {
@@ -195,7 +226,7 @@ impl Export<'_> {
     }
 
     /// A random set.
-    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Vec<Manifest>, Failure> {
+    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Vec<Exported>, Failure> {
         let (name, _, description) = RANDOM_SETS[datapath as usize];
         let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
         let info = self.info(name, description, Some(&seed), datapath, Effects::ALL);
@@ -215,29 +246,48 @@ impl Export<'_> {
         SetInfo { name, description, seed, datapath, effects, precision: *precision, profile, words: self.words }
     }
 
-    /// Writes a set, or those of the modules of the stage, of which the set's datapath may have none.
+    /// Writes a set, its part or, where it may stay and is there, nothing; or those of the modules of the stage. There are none where the
+    /// part has no vectors, or the set's datapath no such stage.
     fn write(
         &self,
         info: &SetInfo<'_>,
         count: u64,
         input: &(dyn Fn(u64) -> Inputs + Sync),
-    ) -> Result<Vec<Manifest>, Failure> {
-        let Some(stage) = self.stage else {
-            let bar = progress(count, info.name);
-            let manifest = export_with(info, count, input, self.directory, &|done| bar.set_position(done));
-            bar.finish_and_clear();
-            return Ok(vec![manifest?]);
-        };
-        let write = |set: StageSet| {
-            let bar = progress(count * set.runs().len() as u64, &format!("{}_{}", info.name, set.name()));
-            let manifest = set.export(info, count, input, self.directory, &|done| bar.set_position(done));
-            bar.finish_and_clear();
-            Ok(manifest?)
-        };
-        match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
-            Err(VerilogError::UnknownStage { .. }) => Ok(Vec::new()),
-            sets => sets?.into_iter().map(write).collect(),
+    ) -> Result<Vec<Exported>, Failure> {
+        let directory = self.directory.to_path_buf();
+        if let Some(stage) = self.stage {
+            let write = |set: StageSet| {
+                let bar = progress(count * set.runs().len() as u64, &format!("{}_{}", info.name, set.name()));
+                let manifest = set.export(info, count, input, &directory, &|done| bar.set_position(done));
+                bar.finish_and_clear();
+                Ok(Exported { directory: directory.clone(), manifest: manifest?, kept: false })
+            };
+            return match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
+                Err(VerilogError::UnknownStage { .. }) => Ok(Vec::new()),
+                sets => sets?.into_iter().map(write).collect(),
+            };
         }
+        let mut set = SetExport::new(info, count);
+        if let Some(shard) = self.shard {
+            let Some(part) = set.of_shard(shard) else {
+                let (set, number) = (info.name, shard.number());
+                complain(&format!(
+                    "note: {set} has {count} vectors and so {count} parts; there is no part {number} of it"
+                ));
+                return Ok(Vec::new());
+            };
+            set = part;
+        }
+        if self.resume
+            && let Some(manifest) = set.present(&directory)
+        {
+            return Ok(vec![Exported { directory, manifest, kept: true }]);
+        }
+        let indices = set.indices();
+        let bar = progress(indices.end - indices.start, info.name);
+        let manifest = set.write(input, &directory, &|done| bar.set_position(done));
+        bar.finish_and_clear();
+        Ok(vec![Exported { directory, manifest: manifest?, kept: false }])
     }
 
     /// Checks that the sets, each with its datapath and effects, have the stage: each of those that were `named`, or any of all.
@@ -274,10 +324,10 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     check_directory(output)?;
     let profile = &args.profile.open()?;
     let words = Words { taps: !args.no_taps, form: if args.bin { Form::Bin } else { Form::Hex } };
-    let stage = args.stage.as_deref();
-    let export = Export { profile, effects: *effects, frame: *frame, words, stage, directory: output };
+    let (stage, shard, resume) = (args.stage.as_deref(), args.shard, args.resume);
+    let export = Export { profile, effects: *effects, frame: *frame, words, stage, shard, resume, directory: output };
     if args.smoke {
-        smoke(output, &mut written)?;
+        smoke(&export, &mut written)?;
     } else if let Some(scene) = &args.scene {
         for object in effects::planned_objects(scene, &profile.precision)? {
             for (datapath, effects) in object.plan.datapaths() {
@@ -297,13 +347,17 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     } else {
         chosen(args, &export, |_| true, &mut written)?;
     }
+    let kept = written.iter().filter(|set| set.kept).count();
+    if args.resume {
+        complain(&format!("note: {kept} of {} sets were there, whole and the same, and are kept", written.len()));
+    }
     let mut out = io::stdout().lock();
     if args.json {
-        let sets: Vec<_> = written.iter().map(|(_, manifest)| summary(manifest)).collect();
+        let sets: Vec<_> = written.iter().map(summary).collect();
         writeln!(out, "{:#}", json!({ "directory": output.display().to_string(), "sets": sets }))?;
     } else {
         let mut table = new_table(["set", "datapath", "profile", "vectors", "bits a word", "file"]);
-        for (directory, manifest) in &written {
+        for Exported { directory, manifest, .. } in &written {
             let Manifest { set, datapath, profile, count, word_bits, files, .. } = manifest;
             let file = directory.strip_prefix(output).unwrap_or(directory).join(&files[0].name);
             let [count, bits, file] = [count.to_string(), word_bits.to_string(), file.display().to_string()];
@@ -314,15 +368,12 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Sets that were written, with their directories.
-type Written = Vec<(PathBuf, Manifest)>;
-
 /// The sets of the command line, of the wanted datapaths.
 fn chosen(
     args: &ExportArgs,
     export: &Export<'_>,
     of: impl Fn(Datapath) -> bool,
-    written: &mut Written,
+    written: &mut Vec<Exported>,
 ) -> Result<(), Failure> {
     let cases = hard_sets(&export.profile.precision);
     let names = || cases.iter().map(|set| set.name).chain(RANDOM_SETS.map(|(name, ..)| name));
@@ -337,27 +388,22 @@ fn chosen(
         let sets = of_cases.chain(of_random).filter(|(name, ..)| wanted(name));
         export.check_stage(!args.sets.is_empty(), sets)?;
     }
-    let mut add = |manifests: Vec<Manifest>| {
-        written.extend(manifests.into_iter().map(|manifest| (export.directory.to_path_buf(), manifest)));
-    };
+    remove_abandoned_in(export.directory);
     for set in cases.iter().filter(|set| wanted(set.name) && of(set.datapath)) {
-        add(export.cases(set, MAX_VECTORS)?);
+        written.extend(export.cases(set, MAX_VECTORS)?);
     }
     for (_, datapath, _) in RANDOM_SETS.iter().filter(|(name, datapath, _)| wanted(name) && of(*datapath)) {
-        add(export.random(*datapath, args.count, args.seed)?);
+        written.extend(export.random(*datapath, args.count, args.seed)?);
     }
     Ok(())
 }
 
-/// The sets kept in the repository.
-fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
-    let mut add = |manifests: Vec<Manifest>| {
-        written.extend(manifests.into_iter().map(|manifest| (directory.to_path_buf(), manifest)));
-    };
+/// The sets kept in the repository: of the options those that say which part, whether sets stay, and where.
+fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failure> {
+    remove_abandoned_in(options.directory);
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
         let profile = &named.into();
-        let words = Words::default();
-        let export = Export { profile, effects: None, frame: None, words, stage: None, directory };
+        let export = Export { profile, ..*options };
         for set in hard_sets(&profile.precision).iter().filter(|set| set.best_first || named == Profile::Standard) {
             let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
             let most = match is_alone {
@@ -365,18 +411,24 @@ fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
                 true => SMOKE_ALONE,
                 false => SMOKE_CASES,
             };
-            add(export.cases(set, most)?);
+            written.extend(export.cases(set, most)?);
         }
         for datapath in Datapath::ALL {
-            add(export.random(datapath, SMOKE_RANDOM, 0)?);
+            written.extend(export.random(datapath, SMOKE_RANDOM, 0)?);
         }
     }
     Ok(())
 }
 
-fn summary(manifest: &Manifest) -> serde_json::Value {
-    let Manifest { set, profile, count, word_bits, files, .. } = manifest;
-    json!({ "set": set, "profile": profile.name, "count": count, "word_bits": word_bits, "files": files })
+fn summary(set: &Exported) -> serde_json::Value {
+    let Exported { manifest: Manifest { set, profile, count, part, word_bits, files, .. }, kept, .. } = set;
+    let mut summary = json!({
+        "set": set, "profile": profile.name, "count": count, "word_bits": word_bits, "files": files, "kept": kept
+    });
+    if let Some(part) = part {
+        summary["part"] = json!(part);
+    }
+    summary
 }
 
 fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
@@ -437,18 +489,23 @@ fn with_causes(error: &VectorError) -> String {
 }
 
 fn describe(out: &mut impl Write, path: &Path, result: &Verification) -> io::Result<()> {
-    let Verification { set, profile, count, hash_matches, mismatching, mismatches } = result;
+    let Verification { set, profile, count, part, hash_matches, mismatching, mismatches, misplaced } = result;
+    let of = part.map_or_else(String::new, |part| format!(", part {} of {}", part.number, part.of));
     if result.passed() {
-        return writeln!(out, "ok       {set} ({profile}): {count} vectors");
+        return writeln!(out, "ok       {set} ({profile}{of}): {count} vectors");
     }
     let hash = if *hash_matches { "the file's SHA-256 is right" } else { "the file's SHA-256 differs, too" };
     match mismatching {
-        0 => writeln!(
+        0 if misplaced.is_empty() => writeln!(
             out,
-            "differs  {set} ({profile}): every vector is right, but the SHA-256 of the file is not the one in {}",
+            "differs  {set} ({profile}{of}): every vector is right, but the SHA-256 of the file is not the one in {}",
             path.display()
         )?,
-        n => writeln!(out, "differs  {set} ({profile}): {n} of {count} vectors; {hash}")?,
+        0 => writeln!(out, "differs  {set} ({profile}{of}): every vector is right, but not in its place")?,
+        n => writeln!(out, "differs  {set} ({profile}{of}): {n} of {count} vectors; {hash}")?,
+    }
+    for misplaced in misplaced {
+        writeln!(out, "  {misplaced}")?;
     }
     for mismatch in mismatches {
         writeln!(out, "  {mismatch}")?;

@@ -4,17 +4,17 @@
 //! the fields of the manifest; the order of the outputs is that in which the stages run.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::VectorError;
-use super::export::hex_digest;
-use super::layout::{Direction, Field};
+use super::layout::{Direction, Field, Layout};
+use super::lines::Lines;
 use super::manifest::Manifest;
+use super::order::{misplaced, with_cause};
 use crate::input::open_file;
 use crate::net::verilog::{Interface, Options, PortDescription, Stage, Verilog, VerilogError};
 use crate::output::{OutputFile, WriteError, write_files};
@@ -56,12 +56,18 @@ pub enum BenchError {
     #[error(transparent)]
     Set(#[from] VectorError),
     /// The words are not those that the manifest was written for.
-    #[error("{}: its SHA-256 is not the one in {}; the file was changed or cut short: export the set again", .words.display(), .manifest.display())]
+    #[error(
+        "{}: its SHA-256 is not the one in {}{order}; the file was changed: export the set again (`roughxel vectors verify` says which \
+         words differ)",
+        .words.display(), .manifest.display()
+    )]
     Damaged {
         /// The hex file.
         words: PathBuf,
         /// The manifest.
         manifest: PathBuf,
+        /// Words that are out of order; begins with a semicolon.
+        order: String,
     },
     /// The generated Verilog has other ports than the set has fields.
     #[error("{}: {problem}; a bench with a device to be filled in is made with `--device blank`", .manifest.display())]
@@ -108,6 +114,13 @@ impl Bench {
         if !(1..=64).contains(&manifest.set.len()) || !manifest.set.bytes().all(good) {
             return Err(VectorError::Name(manifest.set).into());
         }
+        if let Some(part) = manifest.part {
+            let problem = format!(
+                "it is part {} of {} of a set; benches are of whole ones: join the parts with `roughxel vectors merge`",
+                part.number, part.of
+            );
+            return Err(VectorError::Manifest { path: manifest_path.into(), problem }.into());
+        }
         let missing = || VectorError::Manifest {
             path: manifest_path.into(),
             problem: "lists no file of words (NAME.hex), which simulators read; export the set again without --bin"
@@ -115,14 +128,19 @@ impl Bench {
         };
         let entry = manifest.files.iter().find(|file| file.name.ends_with(".hex")).ok_or_else(missing)?;
         let words_path = manifest_path.with_file_name(&entry.name);
-        let mut hash = Sha256::new();
-        let error = |source| VectorError::Io { action: "read", path: words_path.clone(), source };
-        io::copy(&mut open_file(&words_path).map_err(error)?, &mut Hasher(&mut hash)).map_err(error)?;
-        if hex_digest(hash) != entry.sha256 {
-            return Err(BenchError::Damaged { words: words_path, manifest: manifest_path.into() });
+        let layout = manifest.layout(manifest_path)?;
+        match whole(manifest_path, &manifest, &layout).map_err(|e| with_cause(e, manifest_path, &manifest, &layout))? {
+            true => {}
+            false => {
+                let order = misplaced(manifest_path, &manifest, &layout);
+                return Err(BenchError::Damaged {
+                    words: words_path,
+                    manifest: manifest_path.into(),
+                    order: order.iter().map(|misplaced| format!("; {misplaced}")).collect(),
+                });
+            }
         }
 
-        let layout = manifest.layout(manifest_path)?;
         let fields = |wanted: &[Direction]| -> Vec<(usize, Field)> {
             let of = manifest.fields.iter().enumerate().filter(|(_, field)| wanted.contains(&field.direction));
             of.map(|(index, field)| (layout.rank(index), field.clone())).collect()
@@ -322,24 +340,18 @@ const PASSED_THROUGH: &str = "  \
   assign out_valid = in_valid;
 ";
 
-/// A hash as something to write to.
-struct Hasher<'a>(&'a mut Sha256);
-
-impl Write for Hasher<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
+/// Whether the words of a set are those that its manifest was written for.
+fn whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<bool, VectorError> {
+    let mut lines = Lines::open(manifest_path, manifest)?;
+    while let Some(line) = lines.next()? {
+        line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?;
     }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+    lines.hash_matches()
 }
 
 /// Copies a file; the copy appears whole or not at all.
 fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {
-    let mut source =
-        File::open(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
+    let mut source = open_file(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
     let write = |source: &mut File| {
         let mut file = OutputFile::create(to)?;
         io::copy(source, &mut file)?;

@@ -24,6 +24,17 @@ pub enum Inputs {
     Peak(PeakInput<i32>),
 }
 
+impl Inputs {
+    /// The integers on them.
+    pub(super) fn integers(&self) -> Vec<i64> {
+        match self {
+            Self::Reflection(wires) => integers(wires),
+            Self::Highlight(wires) => integers(wires),
+            Self::Peak(wires) => integers(wires),
+        }
+    }
+}
+
 impl From<&ReflectionIn> for Inputs {
     fn from(fragment: &ReflectionIn) -> Self {
         Self::Reflection(fragment.wires())

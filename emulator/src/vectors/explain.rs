@@ -20,8 +20,9 @@ pub use self::real::Real;
 use super::VectorError;
 use super::datapath::wires;
 use super::layout::{Direction, Field, Layout};
-use super::lines::{Line, Lines};
+use super::lines::Lines;
 use super::manifest::Manifest;
+use super::order::{Misplaced, misplaced, with_cause};
 use super::verify::{Checker, Mismatch};
 use super::word::{check_value, read_word};
 use crate::spelling::did_you_mean;
@@ -40,6 +41,7 @@ pub struct Vector {
     /// How the word in the file differs.
     mismatch: Option<Mismatch>,
     hash_matches: bool,
+    misplaced: Vec<Misplaced>,
 }
 
 /// What a device has of a vector: the bits of each field that it gave, in the word's order.
@@ -60,7 +62,7 @@ pub struct Explanation {
     pub profile: String,
     /// Its datapath.
     pub datapath: &'static str,
-    /// Index of the vector, from 0.
+    /// Index of the vector in the whole set, from 0.
     pub index: u64,
     /// Line of the hex file, from 1.
     pub line: u64,
@@ -143,25 +145,30 @@ impl Vector {
     /// Errors: see [`VectorError`]. A word that differs is no error, see [`Vector::mismatch`].
     pub fn read(manifest_path: &Path, index: u64) -> Result<Self, VectorError> {
         let manifest = Manifest::read(manifest_path)?;
-        if index >= manifest.count {
-            return Err(VectorError::Index { path: manifest_path.into(), index, count: manifest.count });
+        let (layout, indices) = (manifest.layout(manifest_path)?, manifest.indices());
+        if !indices.contains(&index) {
+            return Err(VectorError::Index { path: manifest_path.into(), index, indices });
         }
-        let layout = manifest.layout(manifest_path)?;
+        let vector = Self::of(manifest_path, manifest.clone(), layout.clone(), index);
+        vector.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))
+    }
+
+    fn of(manifest_path: &Path, manifest: Manifest, layout: Layout, index: u64) -> Result<Self, VectorError> {
         let mut lines = Lines::open(manifest_path, &manifest)?;
+        let checker = Checker { layout: &layout, manifest: &manifest };
         let mut wanted = None;
         while let Some(line) = lines.next()? {
+            let bits = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
             if line.index == index {
-                wanted = Some(line);
+                wanted = Some((line, bits));
             }
         }
-        let line = wanted.ok_or_else(|| lines.wrong_count())?;
-        let checker = Checker { layout: &layout, manifest: &manifest };
-        let read = |line: &Line| Ok((checker.compare(line)?, line.bits(&layout)?));
-        let compared = read(&line).map_err(|problem: String| lines.problem(line.number, problem));
+        let (line, found) = wanted.ok_or_else(|| lines.wrong_count())?;
+        let mismatch = checker.compare(&line).map_err(|problem| lines.problem(line.number, problem))?;
         let hash_matches = lines.hash_matches()?;
-        let (mismatch, found) = compared?;
+        let misplaced = if hash_matches { Vec::new() } else { misplaced(manifest_path, &manifest, &layout) };
         let (expected, _) = checker.expected(&found);
-        Ok(Self { layout, index, line: line.number, found, expected, mismatch, hash_matches, manifest })
+        Ok(Self { layout, index, line: line.number, found, expected, mismatch, hash_matches, misplaced, manifest })
     }
 
     /// How the word in the file differs from what its inputs give; `None` where it is right.
@@ -172,6 +179,11 @@ impl Vector {
     /// Whether the file of the set is the one its manifest was written for, byte for byte.
     pub fn hash_matches(&self) -> bool {
         self.hash_matches
+    }
+
+    /// What is out of order in the file, where it is not the one of the manifest; at most ten things.
+    pub fn misplaced(&self) -> &[Misplaced] {
+        &self.misplaced
     }
 
     /// A device's word: whole, in the set's format with its underscores or without, or `FIELD=HEX` for each field that the device

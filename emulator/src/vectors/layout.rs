@@ -224,6 +224,15 @@ impl Layout {
         self.fields.iter().zip(&self.sources).enumerate().map(encode_field).collect()
     }
 
+    /// The bits of the input fields, which a word begins with, of the integers of ports; `None` if one is too narrow for its integer.
+    pub(super) fn input_bits(&self, inputs: &[i64]) -> Option<Vec<u32>> {
+        let of_port = |(field, &(source, drop)): (&Field, &(Source, u32))| match source {
+            Source::Port(place) => Some(field.bits(inputs[place], drop)),
+            Source::Output(_) => None,
+        };
+        self.fields.iter().zip(&self.sources).map_while(of_port).collect()
+    }
+
     /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
     pub(super) fn rows<'a>(&self, batch: &'a Batch) -> Vec<(&'a [i32], u32)> {
         let row = |&(source, drop): &(Source, u32)| match source {

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
 
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
@@ -10,6 +11,7 @@ use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
+use super::part::Part;
 use super::{MAX_VECTORS, VectorError, stage};
 use crate::input::open_file;
 
@@ -52,6 +54,9 @@ pub struct Manifest {
     pub taps: bool,
     /// Vectors.
     pub count: u64,
+    /// Which part of a set it is; `None` of a whole one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
     /// Bits of a word.
     pub word_bits: u32,
     /// The files of the set; there is one, the words.
@@ -174,6 +179,9 @@ impl Manifest {
         if !(1..=MAX_VECTORS).contains(&self.count) {
             return Err(format!("count {} is not in 1 to {MAX_VECTORS}", self.count));
         }
+        if let Some(part) = self.part {
+            part.check(self.count)?;
+        }
         let [file] = &self.files[..] else {
             return Err(format!("{} files listed, format {FORMAT_VERSION} has one", self.files.len()));
         };
@@ -187,6 +195,31 @@ impl Manifest {
             return Err(format!("effects that the datapath `{}` does not have are on", self.datapath.name()));
         }
         self.check_fields(&self.own_layout()?)
+    }
+
+    /// Name of its files without extension: set and profile, so that one directory holds several profiles, and which part it is.
+    pub fn stem(&self) -> String {
+        format!("{}{}", self.whole_stem(), self.part.map_or_else(String::new, |part| part.suffix()))
+    }
+
+    /// That of the whole set.
+    pub(super) fn whole_stem(&self) -> String {
+        format!("{}_{}", self.set, self.profile.name)
+    }
+
+    /// Name of the file of its words.
+    pub(super) fn words_name(&self, form: Form) -> String {
+        format!("{}.{}", self.stem(), form.extension())
+    }
+
+    /// Vectors of the whole set.
+    pub(super) fn whole_count(&self) -> u64 {
+        self.part.map_or(self.count, |part| part.whole_count)
+    }
+
+    /// The vectors, by their indices in the whole set.
+    pub fn indices(&self) -> Range<u64> {
+        self.part.map_or(0..self.count, |part| part.indices())
     }
 
     /// How its words are written.

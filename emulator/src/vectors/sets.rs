@@ -4,6 +4,7 @@ use roughxel_core::plan::{Datapath, Effects, ReflectionPlan};
 use roughxel_core::precision::Precision;
 
 use super::datapath::Inputs;
+use super::manifest::Manifest;
 use crate::cases::highlight::{self, highlight_sets, random_light};
 use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
 use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak};
@@ -15,6 +16,9 @@ pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
     ("random_highlight", Datapath::Highlight, "seeded random lights on rough surfaces, and bit patterns"),
     ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
 ];
+
+/// How [`crate::random::SplitMix64::for_element`] finds the numbers of one vector.
+pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15)";
 
 /// The vectors of all other sets and of 200 000 random ones that show most mistakes, those that show most first, for each datapath: name
 /// of the set, and a line a vector. Made by `roughxel vectors distil` under `standard` (vectors/README.md has the commands).
@@ -50,6 +54,37 @@ impl VectorSet {
     pub fn part(&self, index: u64, count: u64) -> Inputs {
         let all = self.inputs.len() as u64;
         self.inputs[if self.best_first { index } else { index * all / count } as usize]
+    }
+}
+
+/// Where the inputs of an exported set come from.
+pub(super) enum Source {
+    /// A seed.
+    Seed(String),
+    /// The list of its hard cases.
+    Listed(VectorSet),
+}
+
+impl Source {
+    /// That of a set; `None` of captured fragments, of a stage alone, or where another version had other cases.
+    pub(super) fn of(manifest: &Manifest) -> Option<Self> {
+        if manifest.stage.is_some() {
+            return None;
+        }
+        if let Some(seed) = &manifest.seed {
+            return (seed.rule == SEED_RULE).then(|| Self::Seed(seed.name.clone()));
+        }
+        let is_it = |set: &VectorSet| set.name == manifest.set && set.datapath == manifest.datapath;
+        let set = hard_sets(&manifest.profile.knobs).into_iter().find(is_it)?;
+        (manifest.whole_count() <= set.inputs.len() as u64).then_some(Self::Listed(set))
+    }
+
+    /// The ports of a vector, by its index in the whole set.
+    pub(super) fn inputs(&self, index: u64, manifest: &Manifest) -> Inputs {
+        match self {
+            Self::Seed(seed) => random_set(manifest.datapath, seed, index, &manifest.profile.knobs),
+            Self::Listed(set) => set.part(index, manifest.whole_count()),
+        }
     }
 }
 

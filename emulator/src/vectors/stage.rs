@@ -14,7 +14,7 @@ use roughxel_core::precision::Precision;
 
 use super::VectorError;
 use super::datapath::Inputs;
-use super::export::{SetInfo, append_word, write_set};
+use super::export::{SetExport, SetInfo, append_word};
 use super::layout::Layout;
 use super::manifest::{Manifest, StageEntry};
 use crate::net::graph::Net;
@@ -87,7 +87,7 @@ impl StageSet {
         let info = SetInfo { name: &name, description: &description, ..*info };
         let entry = StageEntry { module: self.name().into(), runs };
         let words = |vectors| self.written(&info, vectors, input);
-        write_set(&info, &self.layout, Some(entry), total, &words, directory, progress)
+        SetExport::of_stage(&info, total, self.layout.clone(), entry).write_words(&words, directory, progress)
     }
 
     /// The words of some vectors as they are written.

@@ -2,11 +2,13 @@
 
 mod choose;
 mod cli;
+mod damaged;
 mod eval;
 mod explain;
 mod gallery;
 mod grade;
 mod peaks;
 mod profile;
+mod shards;
 mod study;
 mod vectors;

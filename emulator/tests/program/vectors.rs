@@ -287,7 +287,7 @@ fn broken_words_are_named_by_file_and_line() {
         (with_line(format!("0{word}")), "characters"),
         (with_line(String::new()), "characters"),
         (with_line("0".repeat(100_000)), "longer than"),
-        (good.replace('\n', "\r\n"), "characters"),
+        (good.replace('\n', "\r\n"), "ends in CR LF"),
     ];
     for (text, problem) in cases {
         fs::write(set.hex(), text).unwrap();
