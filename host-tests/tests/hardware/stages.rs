@@ -110,6 +110,39 @@ fn every_stage_is_exported_verified_and_named_where_an_outcome_is_altered() {
     }
 }
 
+#[test]
+fn the_python_model_is_right_on_the_stages_that_it_computes_alone_and_says_which_it_does_not() {
+    if !have("python3") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let mut sets = 0;
+    for (variant, effects) in variants().into_iter().enumerate() {
+        for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant, profile)) {
+            let folder = directory.path().join(format!("{variant}_{profile}"));
+            for datapath in Datapath::ALL {
+                let info = info(datapath, effects, profile, precision);
+                sets += stages(&info, None).iter().map(|set| export(set, &info, whole_or(100, 20), &folder)).count();
+            }
+        }
+    }
+    let model = |path: &Path| {
+        let output = Command::new("python3").arg(hdl("../roughxel_model.py")).arg(path).output().expect("python3");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    let (mut right, mut left) = (0, 0);
+    for folder in fs::read_dir(directory.path()).expect("folders") {
+        let (code, text, errors) = model(&folder.expect("a folder").path());
+        assert_eq!((code, errors.as_str()), (Some(4), ""), "{text}");
+        // The first line is that of the tables.
+        right += text.lines().skip(1).filter(|line| line.ends_with(", all right")).count();
+        left += text.lines().filter(|line| line.ends_with(", read; the model does not compute it alone")).count();
+    }
+    assert_eq!(right + left, sets);
+    assert!(5 * right > 2 * sets, "{right} of {sets}");
+}
+
 /// The digits of a word with an underscore between fields.
 fn separated(manifest: &Manifest, digits: &str) -> String {
     let mut rest = digits;
