@@ -48,7 +48,7 @@ begin
                  + shift_left(to_signed(1, IW + 1), IW - 2 - P);
       mantissas(i * (P + 2) + P + 1 downto i * (P + 2)) <= std_ulogic_vector(rounded(IW downto IW - 1 - P));
     end loop;
-    if unsigned(x) = 0 then
+    if x = (x'range => '0') then
       exponent <= to_signed(-2 ** 15, EW);
     else
       exponent <= e + top - FB;
