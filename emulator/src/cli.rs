@@ -16,6 +16,7 @@ mod explain;
 mod failure;
 mod gallery;
 mod merge;
+mod minimise;
 mod plan;
 mod ranges;
 mod render;

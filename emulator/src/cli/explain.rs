@@ -60,14 +60,11 @@ pub(super) struct ExplainArgs {
 }
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
-    let (set, index) = split(args)?;
+    let (set, index) = split(&args.set, args.index)?;
     if let Some(path) = &args.vcd {
         check_file(path)?;
     }
-    let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(|error| match error {
-        VectorError::Index { .. } => Failure::Usage(error.to_string()),
-        error => error.into(),
-    })?;
+    let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(unreadable)?;
     let device = match args.got.is_empty() {
         true => None,
         false => Some(vector.device_word(&args.got).map_err(|error| Failure::Usage(format!("--got: {error}")))?),
@@ -106,6 +103,14 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     }
 }
 
+/// An index that a set does not have is one of the command line.
+pub(super) fn unreadable(error: VectorError) -> Failure {
+    match error {
+        VectorError::Index { .. } => Failure::Usage(error.to_string()),
+        error => error.into(),
+    }
+}
+
 fn write_vcd(path: &Path, explanation: &Explanation) -> Result<(), Failure> {
     let write = || {
         let mut file = OutputFile::create(path)?;
@@ -116,16 +121,16 @@ fn write_vcd(path: &Path, explanation: &Explanation) -> Result<(), Failure> {
     write().into_diagnostic().wrap_err_with(failed).map_err(Failure::Error)
 }
 
-/// The set and the index.
-fn split(args: &ExplainArgs) -> Result<(&str, u64), Failure> {
-    if let Some(index) = args.index {
-        return Ok((&args.set, index));
+/// The set and the index, in one argument or with an index of its own.
+pub(super) fn split(set: &str, index: Option<u64>) -> Result<(&str, u64), Failure> {
+    if let Some(index) = index {
+        return Ok((set, index));
     }
     let usage = |problem: String| {
         Failure::Usage(format!("{problem}; write 'SET#INDEX' in quotes, INDEX from 0, or SET --index INDEX"))
     };
-    let Some((set, index)) = args.set.rsplit_once('#') else {
-        return Err(usage(format!("`{}` names no vector", args.set)));
+    let Some((set, index)) = set.rsplit_once('#') else {
+        return Err(usage(format!("`{set}` names no vector")));
     };
     // No sign and no white space: what `parse` takes beside digits is no index.
     match index.parse() {
@@ -135,7 +140,7 @@ fn split(args: &ExplainArgs) -> Result<(&str, u64), Failure> {
 }
 
 /// The manifest of a set, or what there is instead.
-fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
+pub(super) fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     if set.is_dir() {
         let manifests = manifests_in(set)?;
         let stems: Vec<_> =
@@ -158,7 +163,7 @@ fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-fn describe(
+pub(super) fn describe(
     out: &mut impl Write,
     explanation: &Explanation,
     device: Option<&DeviceWord>,

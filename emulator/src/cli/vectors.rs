@@ -1,4 +1,4 @@
-//! `roughxel vectors export|merge|verify|explain|bench|list|format|rom`.
+//! `roughxel vectors export|merge|verify|explain|bench|minimise|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -19,6 +19,7 @@ use serde_json::json;
 
 use super::bench::{self, BenchArgs};
 use super::merge::{self, MergeArgs};
+use super::minimise::{self, MinimiseArgs};
 use super::console::{complain, new_table, progress};
 use super::{
     CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile, remove_abandoned_in,
@@ -46,6 +47,9 @@ pub(super) enum VectorsCommand {
     /// Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
     #[command(long_about = bench::LONG_HELP, after_help = CONVENTIONS)]
     Bench(BenchArgs),
+    /// Find the simplest inputs that a device still gets wrong in the same stage as a vector.
+    #[command(long_about = minimise::LONG_HELP, after_help = CONVENTIONS)]
+    Minimise(MinimiseArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -162,6 +166,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
+        VectorsCommand::Minimise(args) => minimise::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }

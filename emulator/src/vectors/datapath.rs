@@ -25,6 +25,15 @@ pub enum Inputs {
 }
 
 impl Inputs {
+    /// Those with these integers on their wires.
+    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(wires(integers)),
+            Datapath::Highlight => Self::Highlight(wires(integers)),
+            Datapath::Peak => Self::Peak(wires(integers)),
+        }
+    }
+
     /// The integers on them.
     pub(super) fn integers(&self) -> Vec<i64> {
         match self {

@@ -100,6 +100,8 @@ pub struct Layout {
     fields: Vec<Field>,
     /// Where the integer of each field but the check value comes from, and how many of its low bits the profile drops.
     sources: Vec<(Source, u32)>,
+    /// The lowest and the highest integer that each of them is declared to hold.
+    limits: Vec<(i64, i64)>,
     /// Ports of the design, those without a field included.
     ports: usize,
     /// Where the stage of each field stands in the pipeline.
@@ -111,9 +113,10 @@ impl Layout {
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
         let net = Net::of(Design::of(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
-        let columns = columns(&net, datapath, p).into_iter().filter(is_shown);
+        let columns: Vec<Column> = columns(&net, datapath, p).into_iter().filter(is_shown).collect();
+        let limits = columns.iter().map(|column| column.limits).collect();
         let (mut fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
-            columns.map(|column| (column.field, (column.source, column.drop))).unzip();
+            columns.into_iter().map(|column| (column.field, (column.source, column.drop))).unzip();
         fields.push(Field {
             name: "check".into(),
             direction: Direction::Check,
@@ -139,7 +142,7 @@ impl Layout {
             runs.insert(run.base(), rank + 1);
         }
         let ranks = fields.iter().map(|field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX)).collect();
-        Self { fields, sources, ports: net.ports.len(), ranks }
+        Self { fields, sources, limits, ports: net.ports.len(), ranks }
     }
 
     /// Where the stage of a field stands in the pipeline: of several differing fields that of the earliest one is named first.
@@ -195,6 +198,12 @@ impl Layout {
         self.fields.iter().zip(&self.sources).map_while(of_port).collect()
     }
 
+    /// Whether a field, not the check value, is declared to hold that integer.
+    pub(super) fn allows(&self, field: usize, integer: i64) -> bool {
+        let (low, high) = self.limits[field];
+        (low..=high).contains(&integer)
+    }
+
     /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
     pub(super) fn rows<'a>(&self, batch: &'a Batch) -> Vec<(&'a [i32], u32)> {
         let row = |&(source, drop): &(Source, u32)| match source {
@@ -234,6 +243,8 @@ pub(super) struct Column {
     /// An operation reads it, or it is no constant.
     pub(super) exists: bool,
     source: Source,
+    /// The lowest and the highest integer of the field.
+    limits: (i64, i64),
     /// Low bits of the wire that the profile drops.
     drop: u32,
 }
@@ -355,7 +366,7 @@ impl Wire<'_> {
                 _ => text.clone(),
             },
         };
-        Column { field, declared: self.declared_path(), text, kept, exists, source, drop }
+        Column { field, declared: self.declared_path(), text, kept, exists, source, limits: (low, high), drop }
     }
 
     /// The innermost field with a unit: of a block that is the block.

@@ -6,6 +6,7 @@ mod damaged;
 mod eval;
 mod explain;
 mod gallery;
+mod minimise;
 mod peaks;
 mod profile;
 mod shards;

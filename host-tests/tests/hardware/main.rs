@@ -3,5 +3,6 @@
 mod benches;
 mod broken;
 mod folder;
+mod minimise;
 mod proof;
 mod rtl;
