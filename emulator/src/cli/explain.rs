@@ -91,7 +91,9 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
 
     if !vector.hash_matches() && vector.mismatch().is_none() {
         let order: String = vector.misplaced().iter().map(|misplaced| format!("; {misplaced}")).collect();
-        complain(&format!("note: this word is right, but the SHA-256 of its file is not the one in the manifest{order}"));
+        complain(&format!(
+            "note: this word is right, but the SHA-256 of its file is not the one in the manifest{order}"
+        ));
     }
     if let Some(mismatch) = vector.mismatch() {
         let unused = if args.got.is_empty() { "" } else { "; --got was not compared with it" };

@@ -112,7 +112,13 @@ pub(super) fn run(args: &MinimiseArgs) -> Result<(), Failure> {
             table.add_row(row);
         }
         writeln!(out, "{table}")?;
-        writeln!(out, "{}: stage {} goes wrong; {} runs of the bench", path.display(), minimised.stage, minimised.runs)?;
+        writeln!(
+            out,
+            "{}: stage {} goes wrong; {} runs of the bench",
+            path.display(),
+            minimised.stage,
+            minimised.runs
+        )?;
     }
     if !minimised.is_minimal {
         complain(&format!("note: stopped after {} runs; more may be simpler (--runs)", minimised.runs));

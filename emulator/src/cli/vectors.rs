@@ -12,17 +12,18 @@ use roughxel_emulator::input::open_file;
 use roughxel_emulator::output::{OutputFile, write_files};
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, VectorError, VectorSet, Verification, Words,
-    hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
+    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, VectorError, VectorSet, Verification,
+    Words, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
 use super::bench::{self, BenchArgs};
+use super::console::{complain, new_table, progress};
 use super::merge::{self, MergeArgs};
 use super::minimise::{self, MinimiseArgs};
-use super::console::{complain, new_table, progress};
 use super::{
-    CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile, remove_abandoned_in,
+    CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile,
+    remove_abandoned_in,
 };
 
 /// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
@@ -241,7 +242,9 @@ impl Export<'_> {
         if let Some(shard) = self.shard {
             let Some(part) = set.of_shard(shard) else {
                 let (set, number) = (info.name, shard.number());
-                complain(&format!("note: {set} has {count} vectors and so {count} parts; there is no part {number} of it"));
+                complain(&format!(
+                    "note: {set} has {count} vectors and so {count} parts; there is no part {number} of it"
+                ));
                 return Ok(None);
             };
             set = part;

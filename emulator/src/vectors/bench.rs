@@ -337,8 +337,7 @@ fn whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<b
 
 /// Copies a file; the copy appears whole or not at all.
 fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {
-    let mut source =
-        open_file(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
+    let mut source = open_file(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
     let write = |source: &mut File| {
         let mut file = OutputFile::create(to)?;
         io::copy(source, &mut file)?;

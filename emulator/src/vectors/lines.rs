@@ -79,7 +79,9 @@ impl Line {
              away every CR (tr -d '\\r')"
                 .into()
         } else if self.is_last {
-            format!("{problem}; the file ends at byte {end}, in the middle of a word: it is cut short. Export the set again")
+            format!(
+                "{problem}; the file ends at byte {end}, in the middle of a word: it is cut short. Export the set again"
+            )
         } else {
             problem
         }

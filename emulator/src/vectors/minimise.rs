@@ -11,13 +11,13 @@ use std::process::{Command, Stdio};
 
 use thiserror::Error;
 
+use super::VectorError;
 use super::bench::{Bench, BenchError, Device};
 use super::datapath::Inputs;
 use super::explain::Vector;
 use super::export::{SetExport, SetInfo, Words};
 use super::layout::{Direction, Field, Layout, mask};
 use super::manifest::{Form, Manifest};
-use super::VectorError;
 
 /// Candidates of a run. A bench is compiled for a number of vectors, so that every run has as many.
 const BATCH: usize = 64;
@@ -272,7 +272,8 @@ impl<'a> Shape<'a> {
 
     /// The ports of a vector with these fields.
     fn inputs(&self, manifest: &Manifest, integers: &[i64]) -> Inputs {
-        let bits: Vec<u32> = self.fields.iter().zip(integers).map(|(field, &integer)| bits_of(field, integer)).collect();
+        let bits: Vec<u32> =
+            self.fields.iter().zip(integers).map(|(field, &integer)| bits_of(field, integer)).collect();
         Inputs::of(manifest.datapath, &self.layout.decode(&bits))
     }
 

@@ -178,9 +178,8 @@ fn compared(expected: &[u64], found: &[u64], lines: &[u64], first: u64) -> Vec<M
     }
     // Behind a word too few or too many all others have moved with it.
     if order.is_empty() {
-        let home_of = |place: usize| {
-            strays.binary_search_by_key(&place, |&(place, _)| place).ok().and_then(|at| strays[at].1)
-        };
+        let home_of =
+            |place: usize| strays.binary_search_by_key(&place, |&(place, _)| place).ok().and_then(|at| strays[at].1);
         for &(place, home) in &strays {
             let Some(home) = home else { continue };
             if home_of(home) != Some(place) {
@@ -213,18 +212,21 @@ mod tests {
             of(&set, &found)
         };
         assert!(changed(|_| ()).is_empty());
-        assert_eq!(changed(|words| words.swap(3, 6)), ["words #103 and #106 are in each other's place (lines 5 and 8)"]);
+        assert_eq!(
+            changed(|words| words.swap(3, 6)),
+            ["words #103 and #106 are in each other's place (lines 5 and 8)"]
+        );
         assert_eq!(changed(|words| drop(words.remove(2))), ["word #102 is missing"]);
         assert_eq!(changed(|words| drop(words.drain(2..5))), ["words #102 to #104 are missing"]);
         assert_eq!(changed(|words| words.truncate(6)), ["words #106 to #107 are missing"]);
         assert_eq!(changed(|words| words.insert(3, 20)), ["word #102 is there once more (line 5)"]);
-        assert_eq!(
-            changed(|words| words[5] = 20),
-            ["word #102 is there once more (line 7)", "word #105 is missing"]
-        );
+        assert_eq!(changed(|words| words[5] = 20), ["word #102 is there once more (line 7)", "word #105 is missing"]);
         assert_eq!(changed(|words| words.push(5)), ["line 10 is the word of no vector of the set"]);
-        let turned = ["word #102 is in the place of #101 (line 3)", "word #103 is in the place of #102 (line 4)",
-            "word #101 is in the place of #103 (line 5)"];
+        let turned = [
+            "word #102 is in the place of #101 (line 3)",
+            "word #103 is in the place of #102 (line 4)",
+            "word #101 is in the place of #103 (line 5)",
+        ];
         assert_eq!(changed(|words| words[1..4].rotate_left(1)), turned);
         // Other inputs in the place of a vector are damage, not a matter of order.
         assert!(changed(|words| words[5] = 7).is_empty());

@@ -30,7 +30,9 @@ impl Set {
 
     fn path(&self, extension: &str) -> PathBuf {
         let entries = fs::read_dir(self.directory.path()).unwrap().map(|entry| entry.unwrap().path());
-        let stem = entries.filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned())).find(|stem| stem.starts_with(self.name));
+        let stem = entries
+            .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+            .find(|stem| stem.starts_with(self.name));
         self.directory.path().join(stem.unwrap()).with_extension(extension)
     }
 
@@ -141,7 +143,10 @@ fn a_line_that_is_missing_or_there_twice_is_named() {
     changed.insert(5, lines[5].clone());
     changed.insert(5, lines[5].clone());
     set.write_lines(&changed);
-    set.every_command_says(&set.words(), &["26 vectors", "word #4 is there once more (line 7); word #4 is there once more"]);
+    set.every_command_says(
+        &set.words(),
+        &["26 vectors", "word #4 is there once more (line 7); word #4 is there once more"],
+    );
     // As many as there have to be.
     changed.clone_from(&lines);
     changed[9] = lines[6].clone();
@@ -171,10 +176,9 @@ fn a_damaged_word_is_no_matter_of_order() {
 fn a_word_of_the_wrong_length_is_named_with_its_field() {
     let set = Set::random("hex");
     let lines = set.lines();
-    for (from, to, what) in [
-        ("_", "_0", "field normal_y has 5 of 4 digits"),
-        ("_", "", "field normal_x has 8 of 4 digits"),
-    ] {
+    for (from, to, what) in
+        [("_", "_0", "field normal_y has 5 of 4 digits"), ("_", "", "field normal_x has 8 of 4 digits")]
+    {
         let mut changed = lines.clone();
         changed[3] = lines[3].replacen(from, to, 1);
         set.write_lines(&changed);
@@ -212,7 +216,10 @@ fn bytes_in_a_text_and_text_for_bytes_are_called_that() {
     let mut mixed = text.read()[..title].to_vec();
     mixed.extend(bytes.read());
     fs::write(text.words(), mixed).unwrap();
-    text.every_command_says(&text.words(), &["random_narrow.hex:2: byte ", "the file is binary", "Export the set again"]);
+    text.every_command_says(
+        &text.words(),
+        &["random_narrow.hex:2: byte ", "the file is binary", "Export the set again"],
+    );
     // Without an end of line within the longest line.
     fs::write(text.words(), vec![0; 10_000]).unwrap();
     text.every_command_says(&text.words(), &["random_narrow.hex:1: byte 0 of the file is 00", "the file is binary"]);
@@ -271,7 +278,11 @@ fn a_manifest_with_huge_numbers_takes_no_memory() {
     for (from, to, reason) in [
         ("\"count\": 24", "\"count\": 4194305", "count 4194305 is not in 1 to 4194304"),
         ("\"count\": 24", "\"count\": 18446744073709551615", "count 18446744073709551615 is not in"),
-        ("\"count\": 24", "\"count\": 4194304", "24 vectors, but the manifest says 4194304; the file is cut short or was added to; words #24 to #4194303 are missing"),
+        (
+            "\"count\": 24",
+            "\"count\": 4194304",
+            "24 vectors, but the manifest says 4194304; the file is cut short or was added to; words #24 to #4194303 are missing",
+        ),
         ("\"word_bits\": ", "\"word_bits\": 1", "word_bits is 1"),
         ("\"count\": 24", "\"count\": 99999999999999999999999", "random_narrow.json"),
     ] {

@@ -10,7 +10,8 @@ use std::process::{Command, Output};
 fn roughxel(directory: &Path, line: &str) -> (Option<i32>, String, String) {
     let path = format!("{}:{}", directory.join("tools").display(), std::env::var("PATH").unwrap());
     let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    let output: Output = command.current_dir(directory).args(line.split_whitespace()).env("PATH", path).output().unwrap();
+    let output: Output =
+        command.current_dir(directory).args(line.split_whitespace()).env("PATH", path).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
@@ -54,7 +55,9 @@ fn minimise_ends_with_the_documented_codes_and_prints_what_became_simpler() {
     let (code, text, message) = roughxel(at, minimise);
     assert_eq!(code, Some(0), "{message}");
     assert!(text.contains("result/random_min_narrow.json: stage perturb goes wrong; "), "{text}");
-    assert!(text.contains("wrong: random_min #0: stage perturb, field normal_mod_x, bit 0: got 1, expected 0; 1 fields differ"));
+    assert!(text.contains(
+        "wrong: random_min #0: stage perturb, field normal_mod_x, bit 0: got 1, expected 0; 1 fields differ"
+    ));
     assert_eq!(fs::read_to_string(at.join("compiled")).unwrap(), "x\n", "it is compiled once");
     let (code, text, _) = roughxel(at, "vectors verify result");
     assert_eq!((code, text.as_str()), (Some(0), "ok       random_min (narrow): 1 vectors\n"));
@@ -74,7 +77,11 @@ fn minimise_ends_with_the_documented_codes_and_prints_what_became_simpler() {
         ("vectors minimise sets/random_narrow --bench benches/random_narrow -o x", 2, "names no vector"),
         ("vectors minimise sets/random_narrow#8 --bench benches/random_narrow -o x", 2, "no vector #8"),
         ("vectors minimise sets/random_narrow#1 --bench benches/random_narrow -o x --tool modelsim", 2, "modelsim"),
-        ("vectors minimise sets/random_peak_narrow#1 --bench benches/random_narrow -o x", 2, "the bench is of random_narrow"),
+        (
+            "vectors minimise sets/random_peak_narrow#1 --bench benches/random_narrow -o x",
+            2,
+            "the bench is of random_narrow",
+        ),
         ("vectors minimise sets/random_narrow#1 --bench benches -o x", 1, "benches/set.json"),
         ("vectors minimise sets/none#1 --bench benches/random_narrow -o x", 1, "sets/none.json"),
     ] {

@@ -47,7 +47,8 @@ fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
 fn merged_parts_are_the_whole_export_to_the_byte() {
     let directory = tempfile::tempdir().unwrap();
     let at = directory.path();
-    for (number, options) in ["", "--bin", "--no-taps --profile compact", "--bin --no-taps --seed 3"].iter().enumerate() {
+    for (number, options) in ["", "--bin", "--no-taps --profile compact", "--bin --no-taps --seed 3"].iter().enumerate()
+    {
         // `frame_zero` has fewer vectors than the largest number of parts.
         let export = format!("vectors export random random_highlight frame_zero --count 101 {options}");
         done(at, &format!("{export} -o whole{number}"));
@@ -123,14 +124,18 @@ fn a_part_verifies_and_is_explained_with_the_indices_of_the_whole_set() {
 fn parts_that_do_not_belong_together_are_refused_by_name() {
     let directory = tempfile::tempdir().unwrap();
     let at = directory.path();
-    let export = |options: &str, to: &str| drop(done(at, &format!("vectors export random --count 90 {options} -o {to}")));
+    let export =
+        |options: &str, to: &str| drop(done(at, &format!("vectors export random --count 90 {options} -o {to}")));
     for part in 1..=3 {
         export(&format!("--shard {part}/3"), "parts");
     }
     // A part that is missing, that is there twice, that is named twice.
     let of_two = "parts/random_standard.1of3.json parts/random_standard.3of3.hex";
     let message = refused(at, &format!("vectors merge {of_two} -o merged"), 1);
-    assert!(message.contains("set random_standard: part 2 of 3 is missing") && message.contains("--shard 2/3"), "{message}");
+    assert!(
+        message.contains("set random_standard: part 2 of 3 is missing") && message.contains("--shard 2/3"),
+        "{message}"
+    );
     export("--shard 2/3", "again");
     let message = refused(at, "vectors merge parts again -o merged", 1);
     assert!(message.contains("part 2 of 3 is there twice: again/random_standard.2of3.json and parts/"), "{message}");
@@ -172,7 +177,8 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     // Words that are not those of their manifest: another result, a word too few, no word at all.
     let hex = at.join("parts/random_standard.2of3.hex");
     let words = fs::read_to_string(&hex).unwrap();
-    let without: String = words.split_inclusive('\n').enumerate().filter(|(at, _)| *at != 9).map(|(_, line)| line).collect();
+    let without: String =
+        words.split_inclusive('\n').enumerate().filter(|(at, _)| *at != 9).map(|(_, line)| line).collect();
     for (changed, problem) in [
         (words.replacen("_0", "_1", 1), "random_standard.2of3.json: the SHA-256 of its words"),
         (without, "29 vectors, but the manifest says 30; the file is cut short or was added to; word #38 is missing"),
@@ -224,7 +230,9 @@ fn an_export_that_goes_on_keeps_what_is_whole_and_the_same() {
     fs::remove_file(&json).unwrap();
     assert_eq!(kept("--count 40"), [false, true]);
     assert!(files(&at.join("sets")) == whole);
-    for options in ["--count 41", "--count 40 --seed 2", "--count 40 --no-taps", "--count 40 --effects bump", "--count 40 --bin"] {
+    for options in
+        ["--count 41", "--count 40 --seed 2", "--count 40 --no-taps", "--count 40 --effects bump", "--count 40 --bin"]
+    {
         assert_eq!(kept(options), [false, false], "{options}");
     }
     assert_eq!(kept("--count 40 --shard 1/2"), [false, false]);
@@ -250,8 +258,7 @@ fn an_export_that_is_killed_leaves_nothing_wrong_and_can_be_run_again() {
         } else {
             done(at, &format!("{export} --count 50 -o sets"));
         }
-        let mut child =
-            program(at, &format!("{export} --count 12000 -o sets")).stdout(Stdio::null()).spawn().unwrap();
+        let mut child = program(at, &format!("{export} --count 12000 -o sets")).stdout(Stdio::null()).spawn().unwrap();
         sleep(took * (2 * turn + 1) / 12);
         child.kill().unwrap();
         killed += u32::from(!child.wait().unwrap().success());
