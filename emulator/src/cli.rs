@@ -18,6 +18,7 @@ mod failure;
 mod gallery;
 mod grade;
 mod merge;
+mod minimise;
 mod plan;
 mod ranges;
 mod render;

@@ -17,6 +17,7 @@ mod layout;
 mod lines;
 mod manifest;
 mod merge;
+mod minimise;
 mod order;
 mod part;
 mod rom;
@@ -42,6 +43,7 @@ pub use grade::{Alarm, Attained, Grade, Score, StageScore, TableScore, Unseen, g
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA, StageEntry};
 pub use merge::{MergeError, Parts, parts_of};
+pub use minimise::{MinimiseError, MinimiseOptions, Minimised, minimise};
 pub use order::Misplaced;
 pub use part::{Part, Shard};
 pub use rom::rom_files;

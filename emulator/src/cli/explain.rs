@@ -61,14 +61,11 @@ pub(super) struct ExplainArgs {
 }
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
-    let (set, index) = split(args)?;
+    let (set, index) = split(&args.set, args.index)?;
     if let Some(path) = &args.vcd {
         check_file(path)?;
     }
-    let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(|error| match error {
-        VectorError::Index { .. } => Failure::Usage(error.to_string()),
-        error => error.into(),
-    })?;
+    let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(unreadable)?;
     let device = match args.got.is_empty() {
         true => None,
         false => Some(vector.device_word(&args.got).map_err(|error| Failure::Usage(format!("--got: {error}")))?),
@@ -109,16 +106,24 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     }
 }
 
-/// The set and the index.
-fn split(args: &ExplainArgs) -> Result<(&str, u64), Failure> {
-    if let Some(index) = args.index {
-        return Ok((&args.set, index));
+/// An index that a set does not have is one of the command line.
+pub(super) fn unreadable(error: VectorError) -> Failure {
+    match error {
+        VectorError::Index { .. } => Failure::Usage(error.to_string()),
+        error => error.into(),
+    }
+}
+
+/// The set and the index, in one argument or with an index of its own.
+pub(super) fn split(set: &str, index: Option<u64>) -> Result<(&str, u64), Failure> {
+    if let Some(index) = index {
+        return Ok((set, index));
     }
     let usage = |problem: String| {
         Failure::Usage(format!("{problem}; write 'SET#INDEX' in quotes, INDEX from 0, or SET --index INDEX"))
     };
-    let Some((set, index)) = args.set.rsplit_once('#') else {
-        return Err(usage(format!("`{}` names no vector", args.set)));
+    let Some((set, index)) = set.rsplit_once('#') else {
+        return Err(usage(format!("`{set}` names no vector")));
     };
     // No sign and no white space: what `parse` takes beside digits is no index.
     match index.parse() {
@@ -128,7 +133,7 @@ fn split(args: &ExplainArgs) -> Result<(&str, u64), Failure> {
 }
 
 /// The manifest of a set, or what there is instead.
-fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
+pub(super) fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     if set.is_dir() {
         let manifests = manifests_in(set)?;
         let stems: Vec<_> =
@@ -151,7 +156,7 @@ fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-fn describe(
+pub(super) fn describe(
     out: &mut impl Write,
     explanation: &Explanation,
     device: Option<&DeviceWord>,

@@ -1,4 +1,4 @@
-//! `roughxel vectors export|merge|verify|explain|bench|report|distil|list|format|rom`.
+//! `roughxel vectors export|merge|verify|explain|bench|minimise|report|distil|list|format|rom`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -24,6 +24,7 @@ use super::console::{complain, new_table, progress};
 use super::distil::{self, DistilArgs};
 use super::grade::{self, GradeArgs};
 use super::merge::{self, MergeArgs};
+use super::minimise::{self, MinimiseArgs};
 use super::{
     CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile,
     remove_abandoned_in, write_text,
@@ -59,6 +60,9 @@ pub(super) enum VectorsCommand {
     /// Write a set of few vectors that show the same mistakes as many.
     #[command(long_about = distil::LONG_HELP, after_help = CONVENTIONS)]
     Distil(DistilArgs),
+    /// Find the simplest inputs that a device still gets wrong in the same stage as a vector.
+    #[command(long_about = minimise::LONG_HELP, after_help = CONVENTIONS)]
+    Minimise(MinimiseArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -181,6 +185,7 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Bench(args) => bench::run(args),
         VectorsCommand::Report(args) => grade::run(args),
         VectorsCommand::Distil(args) => distil::run(args),
+        VectorsCommand::Minimise(args) => minimise::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }

@@ -188,10 +188,16 @@ impl Bench {
         write_files(directory, rtl.map(|(file, text)| (format!("rtl/{file}"), text)))?;
         let texts = TEMPLATES.map(|(file, text)| (file.replace("@NAME@", &name), filled(text, &values)));
         write_files(directory, texts.into_iter().filter(|(file, _)| !kept.contains(file)))?;
-        for (from, to) in [(&self.words_path, "words.hex"), (&self.manifest_path, "set.json")] {
-            copy(from, &directory.join(to))?;
-        }
+        self.write_words(directory)?;
         Ok(kept)
+    }
+
+    /// Writes words and manifest alone, into a bench that was written for as many vectors of the same fields.
+    ///
+    /// Errors: a file cannot be read or written.
+    pub(super) fn write_words(&self, directory: &Path) -> Result<(), BenchError> {
+        let files = [(&self.words_path, "words.hex"), (&self.manifest_path, "set.json")];
+        files.into_iter().try_for_each(|(from, to)| copy(from, &directory.join(to)))
     }
 
     /// The stem as a name in SystemVerilog, VHDL and Python.

@@ -11,7 +11,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
 
 use crate::lanes::{Columns, Reading};
-use crate::net::record::{filled, integers};
+use crate::net::record::{filled, integers, integers_at};
 
 /// The wires of all ports of a datapath's design.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +25,24 @@ pub enum Inputs {
 }
 
 impl Inputs {
+    /// Those with these integers on their wires.
+    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(wires(integers)),
+            Datapath::Highlight => Self::Highlight(wires(integers)),
+            Datapath::Peak => Self::Peak(wires(integers)),
+        }
+    }
+
+    /// The integers on the ports of the recorded design, on words of the profile's width.
+    pub(super) fn recorded(&self, p: &Precision) -> Vec<i64> {
+        match self {
+            Self::Reflection(wires) => integers_at(wires, p),
+            Self::Highlight(wires) => integers_at(wires, p),
+            Self::Peak(wires) => integers_at(wires, p),
+        }
+    }
+
     /// The integers on them.
     pub(super) fn integers(&self) -> Vec<i64> {
         match self {
@@ -50,17 +68,6 @@ impl From<&HighlightIn> for Inputs {
 impl From<&PeakIn> for Inputs {
     fn from(peak: &PeakIn) -> Self {
         Self::Peak(peak.wires())
-    }
-}
-
-impl Inputs {
-    /// The integers of all ports of a datapath.
-    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
-        match datapath {
-            Datapath::Reflection => Self::Reflection(wires(integers)),
-            Datapath::Highlight => Self::Highlight(wires(integers)),
-            Datapath::Peak => Self::Peak(wires(integers)),
-        }
     }
 }
 

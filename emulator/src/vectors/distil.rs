@@ -70,7 +70,7 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
     let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);
     let wires = |inputs: &Vec<i64>| {
         let mut wires = Vec::new();
-        recorded.net.evaluate(&recorded.ports(inputs, p), &mut wires);
+        recorded.net.evaluate(&Recorded::ports(inputs, &of), &mut wires);
         wires
     };
     let still = Still { faults: &faults, bins: &bins };

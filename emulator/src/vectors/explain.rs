@@ -171,6 +171,21 @@ impl Vector {
         Ok(Self { layout, index, line: line.number, found, expected, mismatch, hash_matches, misplaced, manifest })
     }
 
+    /// The manifest of its set.
+    pub(super) fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The layout of its words.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The fields' bits in the file.
+    pub(super) fn bits(&self) -> &[u32] {
+        &self.found
+    }
+
     /// How the word in the file differs from what its inputs give; `None` where it is right.
     pub fn mismatch(&self) -> Option<&Mismatch> {
         self.mismatch.as_ref()

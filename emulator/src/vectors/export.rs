@@ -1,5 +1,7 @@
 //! Export: inputs through their datapath into `NAME.hex` or `NAME.bin`, then `NAME.json`.
 
+mod stage;
+
 use std::ops::Range;
 use std::path::Path;
 
@@ -101,7 +103,7 @@ impl<'a> SetExport<'a> {
     }
 
     /// A set of a stage, whose words have this layout.
-    pub(super) fn of_stage(info: &'a SetInfo<'a>, count: u64, layout: Layout, stage: StageEntry) -> Self {
+    fn of_stage(info: &'a SetInfo<'a>, count: u64, layout: Layout, stage: StageEntry) -> Self {
         Self { info, count, part: None, layout, stage: Some(stage) }
     }
 
@@ -142,7 +144,7 @@ impl<'a> SetExport<'a> {
     }
 
     /// As [`write`](Self::write), with what makes the words of some vectors as they are written.
-    pub(super) fn write_words(
+    fn write_words(
         &self,
         words_of: &(dyn Fn(Range<u64>) -> Result<Vec<u8>, VectorError> + Sync),
         directory: &Path,
@@ -239,7 +241,7 @@ fn written(
 }
 
 /// Appends a word as it is written, from its fields' bits without the check value; `packed` is overwritten.
-pub(super) fn append_word(text: &mut Vec<u8>, layout: &Layout, bits: &mut Vec<u32>, packed: &mut Vec<u32>, form: Form) {
+fn append_word(text: &mut Vec<u8>, layout: &Layout, bits: &mut Vec<u32>, packed: &mut Vec<u32>, form: Form) {
     let (fields, digits) = (layout.fields(), layout.data_digits());
     pack(fields, bits, digits, packed);
     let check = check_of(packed, digits);

@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use roughxel_core::design::Design;
-use roughxel_core::precision::Precision;
 use serde::Serialize;
 
 use super::VectorError;
-use super::layout::{Direction, Layout, below};
+use super::datapath::Inputs;
+use super::layout::{Direction, Layout};
 use super::lines::Lines;
 use super::manifest::Manifest;
 use crate::net::bins::{Bin, Bins};
@@ -197,7 +197,7 @@ fn grade_one(sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Res
     let mut tally = Tally::new(&recorded.net, &faults, &bins);
     for (path, manifest) in sets {
         recorded.read(path, manifest, &mut |_, batch| {
-            let ports = batch.iter().map(|inputs| recorded.ports(inputs, &of.profile.knobs));
+            let ports = batch.iter().map(|inputs| Recorded::ports(inputs, of));
             tally.add(&manifest.set, &ports.collect::<Vec<_>>());
             progress(batch.len() as u64);
         })?;
@@ -226,8 +226,8 @@ impl Recorded {
     }
 
     /// The integers of the ports of the recorded design, where those of the datapath's ports are given.
-    pub(super) fn ports(&self, inputs: &[i64], p: &Precision) -> Vec<i64> {
-        inputs.iter().zip(&self.net.ports).map(|(integer, port)| integer >> below(port.mantissa, p)).collect()
+    pub(super) fn ports(inputs: &[i64], of: &Manifest) -> Vec<i64> {
+        Inputs::of(of.datapath, inputs).recorded(&of.profile.knobs)
     }
 
     /// The integers of the ports of a set, some vectors at a time, with the index of the first of them.

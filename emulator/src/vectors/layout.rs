@@ -101,6 +101,8 @@ pub struct Layout {
     fields: Vec<Field>,
     /// Where the integer of each field but the check value comes from, and how many of its low bits the profile drops.
     sources: Vec<(Source, u32)>,
+    /// The lowest and the highest integer that each of them is declared to hold.
+    limits: Vec<(i64, i64)>,
     /// Ports of the design, those without a field included.
     ports: usize,
     /// Where the stage of each field stands in the pipeline.
@@ -114,9 +116,10 @@ impl Layout {
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
         let net = Net::of(Design::of(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
-        let columns = columns(&net, datapath, p).into_iter().filter(is_shown);
+        let columns: Vec<Column> = columns(&net, datapath, p).into_iter().filter(is_shown).collect();
+        let limits = columns.iter().map(|column| column.limits).collect();
         let (fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
-            columns.map(|column| (column.field, (column.source, column.drop))).unzip();
+            columns.into_iter().map(|column| (column.field, (column.source, column.drop))).unzip();
         // In the order in which the stages run; inputs are before, the check value after all of them.
         let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
         for (rank, run) in net.runs.iter().enumerate() {
@@ -124,7 +127,7 @@ impl Layout {
             runs.insert(run.base(), rank + 1);
         }
         let rank = |field: &Field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX);
-        Self::placed(fields, sources, net.ports.len(), rank)
+        Self::placed(fields, sources, limits, net.ports.len(), rank)
     }
 
     /// The fields of a stage: the ports of its module in their order, inputs first.
@@ -133,23 +136,26 @@ impl Layout {
     pub(super) fn of_stage(stage: &Stage) -> Result<Self, VerilogError> {
         let inputs = stage.inputs.iter().enumerate().map(|(place, port)| (port, Source::Port(place)));
         let outputs = stage.outputs.iter().enumerate().map(|(place, port)| (port, Source::Output(place)));
-        let (mut fields, mut sources) = (Vec::new(), Vec::new());
+        let (mut fields, mut sources, mut limits) = (Vec::new(), Vec::new(), Vec::new());
         for (port, source) in inputs.chain(outputs) {
             fields.push(stage_field(stage, port, source)?);
             sources.push((source, port.format.zeros));
+            let range = port.format.range;
+            limits.push((range.low >> port.format.zeros, range.high >> port.format.zeros));
         }
         let rank = |field: &Field| match field.direction {
             Direction::In => 0,
             Direction::Tap | Direction::Out => 1,
             Direction::Check => usize::MAX,
         };
-        Ok(Self { stage: Some(stage.clone()), ..Self::placed(fields, sources, stage.inputs.len(), rank) })
+        Ok(Self { stage: Some(stage.clone()), ..Self::placed(fields, sources, limits, stage.inputs.len(), rank) })
     }
 
     /// The fields at their places in the word, with the check value behind them.
     fn placed(
         mut fields: Vec<Field>,
         sources: Vec<(Source, u32)>,
+        limits: Vec<(i64, i64)>,
         ports: usize,
         rank: impl Fn(&Field) -> usize,
     ) -> Self {
@@ -172,7 +178,7 @@ impl Layout {
             lsb += 4 * field.digits();
         }
         let ranks = fields.iter().map(rank).collect();
-        Self { fields, sources, ports, ranks, stage: None }
+        Self { fields, sources, limits, ports, ranks, stage: None }
     }
 
     /// The stage that the fields are the ports of; `None` of a whole datapath.
@@ -233,6 +239,12 @@ impl Layout {
         self.fields.iter().zip(&self.sources).map_while(of_port).collect()
     }
 
+    /// Whether a field, not the check value, is declared to hold that integer.
+    pub(super) fn allows(&self, field: usize, integer: i64) -> bool {
+        let (low, high) = self.limits[field];
+        (low..=high).contains(&integer)
+    }
+
     /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
     pub(super) fn rows<'a>(&self, batch: &'a Batch) -> Vec<(&'a [i32], u32)> {
         let row = |&(source, drop): &(Source, u32)| match source {
@@ -267,7 +279,7 @@ impl Layout {
 }
 
 /// Bits of a soft core's mantissa that the words of a profile do not have.
-pub(super) fn below(mantissa: bool, p: &Precision) -> u32 {
+fn below(mantissa: bool, p: &Precision) -> u32 {
     if mantissa { 32 - p.word_bits() } else { 0 }
 }
 
@@ -321,6 +333,8 @@ pub(super) struct Column {
     /// An operation reads it, or it is no constant.
     pub(super) exists: bool,
     source: Source,
+    /// The lowest and the highest integer of the field.
+    limits: (i64, i64),
     /// Low bits of the wire that the profile drops.
     drop: u32,
 }
@@ -441,7 +455,7 @@ impl Wire<'_> {
                 _ => text.clone(),
             },
         };
-        Column { field, declared: self.declared_path(), text, kept, exists, source, drop }
+        Column { field, declared: self.declared_path(), text, kept, exists, source, limits: (low, high), drop }
     }
 
     /// The innermost field with a unit: of a block that is the block.
