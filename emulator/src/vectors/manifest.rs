@@ -239,7 +239,9 @@ impl Manifest {
         match &self.stage {
             None => Ok(Layout::new(self.datapath, &self.effects, &self.profile.knobs, self.taps)),
             Some(_) if !self.taps => Err("`taps` is false, but the set of a stage has none".into()),
-            Some(entry) => stage::layout(self, entry),
+            Some(StageEntry { module, runs }) => {
+                stage::layout(self.datapath, &self.effects, &self.profile.knobs, module, runs)
+            }
         }
     }
 

@@ -11,7 +11,6 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
 use super::layout::Layout;
-use super::manifest::{Manifest, StageEntry};
 use crate::net::graph::Net;
 use crate::net::verilog::{Options, Stage, Stages, VerilogError};
 
@@ -59,10 +58,15 @@ impl StageSet {
     }
 }
 
-/// The layout of the set of a stage that a manifest describes, or why this version has none.
-pub(super) fn layout(manifest: &Manifest, entry: &StageEntry) -> Result<Layout, String> {
-    let StageEntry { module, runs } = entry;
-    let sets = StageSet::of(manifest.datapath, &manifest.effects, &manifest.profile.knobs, Some(module));
+/// The layout of the set of a module with these runs, or why this version has none.
+pub(super) fn layout(
+    datapath: Datapath,
+    effects: &Effects,
+    p: &Precision,
+    module: &str,
+    runs: &[String],
+) -> Result<Layout, String> {
+    let sets = StageSet::of(datapath, effects, p, Some(module));
     let sets = sets.map_err(|error| format!("stage `{module}`: {error}"))?;
     let set = sets.into_iter().find(|set| set.name() == module);
     let set = set.ok_or_else(|| format!("stage `{module}` is no module in this version; export the set again"))?;
