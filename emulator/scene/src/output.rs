@@ -191,7 +191,7 @@ mod tests {
         // As a killed process leaves it: nobody has it open.
         fs::write(name(".roughxel-a1B2c3.tmp"), "1234").unwrap();
         let others = [".roughxel-a1B2c.tmp", ".roughxel-a1B2c3", ".roughxel-a1 2c3.tmp", "x.roughxel-a1B2c3.tmp"];
-        others.map(|other| fs::write(name(other), "").unwrap());
+        others.iter().for_each(|other| fs::write(name(other), "").unwrap());
         fs::create_dir(name(".roughxel-folder.tmp")).unwrap();
         #[cfg(unix)]
         std::os::unix::fs::symlink(name("result"), name(".roughxel-linked.tmp")).unwrap();
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(remove_abandoned(folder.path()), Removed::default());
         written.commit().unwrap();
         assert_eq!(fs::read(name("result")).unwrap(), b"on its way");
-        others.map(|other| assert!(name(other).exists()));
+        assert!(others.iter().all(|other| name(other).exists()));
         assert!(name(".roughxel-folder.tmp").exists());
         assert_eq!(remove_abandoned(&name("nowhere")), Removed::default());
     }

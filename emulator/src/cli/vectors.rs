@@ -316,7 +316,7 @@ impl Export<'_> {
                     all.extend(known.into_iter().filter(|name| !all.contains(name)).collect::<Vec<_>>());
                 }
                 sets if named => drop(sets?),
-                sets => return Ok(drop(sets?)),
+                sets => return sets.map(drop).map_err(Failure::from),
             }
         }
         if named { Ok(()) } else { unknown("the sets have", &all) }

@@ -11,8 +11,8 @@ use roughxel_core::design::Design;
 use thiserror::Error;
 
 use super::VectorError;
-use super::layout::{Direction, Field, Layout};
-use super::lines::Lines;
+use super::layout::{Direction, Field};
+use super::lines::is_whole;
 use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
 use crate::input::open_file;
@@ -129,16 +129,14 @@ impl Bench {
         let entry = manifest.files.iter().find(|file| file.name.ends_with(".hex")).ok_or_else(missing)?;
         let words_path = manifest_path.with_file_name(&entry.name);
         let layout = manifest.layout(manifest_path)?;
-        match whole(manifest_path, &manifest, &layout).map_err(|e| with_cause(e, manifest_path, &manifest, &layout))? {
-            true => {}
-            false => {
-                let order = misplaced(manifest_path, &manifest, &layout);
-                return Err(BenchError::Damaged {
-                    words: words_path,
-                    manifest: manifest_path.into(),
-                    order: order.iter().map(|misplaced| format!("; {misplaced}")).collect(),
-                });
-            }
+        let is_whole = is_whole(manifest_path, &manifest, &layout);
+        if !is_whole.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))? {
+            let order = misplaced(manifest_path, &manifest, &layout);
+            return Err(BenchError::Damaged {
+                words: words_path,
+                manifest: manifest_path.into(),
+                order: order.iter().map(|misplaced| format!("; {misplaced}")).collect(),
+            });
         }
 
         let fields = |wanted: &[Direction]| -> Vec<(usize, Field)> {
@@ -345,15 +343,6 @@ const PASSED_THROUGH: &str = "  \
   assign in_ready  = out_ready;
   assign out_valid = in_valid;
 ";
-
-/// Whether the words of a set are those that its manifest was written for.
-fn whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<bool, VectorError> {
-    let mut lines = Lines::open(manifest_path, manifest)?;
-    while let Some(line) = lines.next()? {
-        line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?;
-    }
-    lines.hash_matches()
-}
 
 /// Copies a file; the copy appears whole or not at all.
 fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {

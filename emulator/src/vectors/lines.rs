@@ -88,6 +88,17 @@ impl Line {
     }
 }
 
+/// Whether the words of a set are those that its manifest was written for.
+///
+/// Errors: unreadable, a line that is no word, more or fewer words than the manifest says.
+pub(super) fn is_whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<bool, VectorError> {
+    let mut lines = Lines::open(manifest_path, manifest)?;
+    while let Some(line) = lines.next()? {
+        line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?;
+    }
+    lines.hash_matches()
+}
+
 /// The first byte that no text of words has.
 fn binary_in(text: &[u8], offset: u64) -> Option<String> {
     let text = text.strip_suffix(b"\r").unwrap_or(text);

@@ -9,9 +9,9 @@ use thiserror::Error;
 
 use super::VectorError;
 use super::files::SetFiles;
-use super::lines::Lines;
+use super::lines::{Lines, is_whole};
 use super::manifest::Manifest;
-use super::order::with_cause;
+use super::order::{misplaced, with_cause};
 use super::part::Part;
 use super::verify::manifests_of;
 
@@ -62,7 +62,7 @@ pub enum MergeError {
     },
     /// The words of a part are not those that its manifest was written for.
     #[error(
-        "{}: the SHA-256 of its words is not the one in it; part {} of {} was changed: export it again with `--shard {}/{}`",
+        "{}: the SHA-256 of its words is not the one in it{order}; part {} of {} was changed: export it again with `--shard {}/{}`",
         .manifest.display(), .part.number, .part.of, .part.number, .part.of
     )]
     Damaged {
@@ -70,6 +70,8 @@ pub enum MergeError {
         manifest: PathBuf,
         /// Which it is.
         part: Part,
+        /// Words that are out of order; begins with a semicolon.
+        order: String,
     },
 }
 
@@ -163,16 +165,18 @@ impl Parts {
             let mut join = || -> Result<bool, VectorError> {
                 let mut lines = Lines::open(path, manifest)?;
                 while let Some(line) = lines.next()? {
-                    line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
                     if line.index % PROGRESS == 0 {
                         progress(line.index);
                     }
                     files.write(&line.written())?;
                 }
-                lines.hash_matches()
+                // Of the right words no line is looked at; of others it is told which one is none.
+                Ok(lines.hash_matches()? || is_whole(path, manifest, &layout)?)
             };
             if !join().map_err(|error| with_cause(error, path, manifest, &layout))? {
-                return Err(MergeError::Damaged { manifest: path.clone(), part: *part });
+                let order = misplaced(path, manifest, &layout);
+                let order = order.iter().map(|misplaced| format!("; {misplaced}")).collect();
+                return Err(MergeError::Damaged { manifest: path.clone(), part: *part, order });
             }
         }
         Ok(files.commit(whole)?)

@@ -179,7 +179,10 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     let words = fs::read_to_string(&hex).unwrap();
     let without: String =
         words.split_inclusive('\n').enumerate().filter(|(at, _)| *at != 9).map(|(_, line)| line).collect();
+    let mut swapped: Vec<&str> = words.split_inclusive('\n').collect();
+    swapped.swap(3, 7);
     for (changed, problem) in [
+        (swapped.concat(), "words #32 and #36 are in each other's place (lines 4 and 8); part 2 of 3 was changed"),
         (words.replacen("_0", "_1", 1), "random_standard.2of3.json: the SHA-256 of its words"),
         (without, "29 vectors, but the manifest says 30; the file is cut short or was added to; word #38 is missing"),
         (words.replacen("_0", "_x", 1), "random_standard.2of3.hex:2: column"),

@@ -122,7 +122,10 @@ fn the_python_model_is_right_on_the_stages_that_it_computes_alone_and_says_which
             let folder = directory.path().join(format!("{variant}_{profile}"));
             for datapath in Datapath::ALL {
                 let info = info(datapath, effects, profile, precision);
-                sets += stages(&info, None).iter().map(|set| export(set, &info, whole_or(100, 20), &folder)).count();
+                for set in stages(&info, None) {
+                    export(&set, &info, whole_or(100, 20), &folder);
+                    sets += 1;
+                }
             }
         }
     }
