@@ -1380,6 +1380,11 @@ def read_words(path: str, digits: int) -> Iterator[Tuple[str, int]]:
             yield f"{path}:{place}", int(hexadecimal, 16)
 
 
+def first_index(manifest: Dict[str, Any]) -> int:
+    """Index of a file's first vector: a part of a set has those of the whole one."""
+    return manifest.get("part", {}).get("first", 0)
+
+
 def load(path: str) -> Iterator[Fields]:
     """Vectors of NAME.json as dictionaries of all fields, signed ones as such. Raises Unreadable."""
     manifest = read_manifest(path)
@@ -1390,9 +1395,9 @@ def load(path: str) -> Iterator[Fields]:
     try:
         for place, word in read_words(words_path, manifest["word_bits"] // 4):
             if check_value(word >> 32, manifest["word_bits"] - 32) != word & 0xffffffff:
-                raise Unreadable(f"{place}: check value of vector {count} is wrong: damaged word")
+                raise Unreadable(f"{place}: check value of vector {first_index(manifest) + count} is wrong: damaged word")
             if word & padding:
-                raise Unreadable(f"{place}: a field of vector {count} has bits above its width")
+                raise Unreadable(f"{place}: a field of vector {first_index(manifest) + count} has bits above its width")
             vector = {}
             for name, lsb, width, signed in layout:
                 value = (word >> lsb) & ((1 << width) - 1)
@@ -1441,8 +1446,7 @@ def compare(path: str, stop: Optional[int]) -> Tuple[int, int, Optional[Mismatch
     checked.sort(key=lambda pair: pair[0])
     count, wrong = 0, 0
     first: Optional[Mismatch] = None
-    # A part of a set has the indices of the whole one.
-    for index, vector in enumerate(load(path), manifest.get("part", {}).get("first", 0)):
+    for index, vector in enumerate(load(path), first_index(manifest)):
         count += 1
         try:
             got = evaluate(manifest, vector)

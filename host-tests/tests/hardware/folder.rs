@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Precision;
 use roughxel_emulator::vectors::{
-    Form, Manifest, RANDOM_SETS, SetInfo, Words, export_with, hard_sets, manifests_in, random_set,
+    Form, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, Words, export_with, hard_sets, manifests_in, random_set,
 };
 use roughxel_host_tests::simulators::{have, hdl, run};
 use roughxel_host_tests::space::{effects, in_turn, profiles, sweep, whole_or};
@@ -136,9 +136,16 @@ fn altered(directory: &Path, is_checked: bool) -> PathBuf {
     for file in ["hex", "json"] {
         fs::copy(vectors("smoke").join(format!("random_standard.{file}")), path(file)).expect("the set can be copied");
     }
-    let manifest = Manifest::read(&path("json")).expect("the manifest");
+    alter(&path("json"), is_checked);
+    path("json")
+}
+
+/// The same of any set.
+fn alter(manifest_path: &Path, is_checked: bool) {
+    let manifest = Manifest::read(manifest_path).expect("the manifest");
+    let hex = manifest_path.with_extension("hex");
     let field = manifest.fields.iter().find(|field| field.name == "reflected_x").expect("a field");
-    let text = fs::read_to_string(path("hex")).expect("the words");
+    let text = fs::read_to_string(&hex).expect("the words");
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let word = lines.iter_mut().filter(|line| !line.starts_with("//")).nth(1).expect("vector 1");
     let mut digits = word.replace('_', "");
@@ -150,8 +157,45 @@ fn altered(directory: &Path, is_checked: bool) -> PathBuf {
         digits = format!("{}{:08x}", &digits[..end], check_value(&digits[..end]));
     }
     *word = digits;
-    fs::write(path("hex"), lines.join("\n") + "\n").expect("the set can be written");
-    path("json")
+    fs::write(hex, lines.join("\n") + "\n").expect("the set can be written");
+}
+
+#[test]
+fn the_python_model_reads_parts_with_the_indices_of_the_whole_set() {
+    if !have("python3") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let datapath = Datapath::Reflection;
+    let info = SetInfo {
+        name: "random",
+        description: "test",
+        seed: Some("random"),
+        datapath,
+        effects: Effects::ALL,
+        precision: Precision::STANDARD,
+        profile: "standard",
+        words: Words::default(),
+    };
+    let input = |index| random_set(datapath, "random", index, &Precision::STANDARD);
+    let parts: Vec<PathBuf> = (1..=2)
+        .map(|number| {
+            let shard = Shard::new(number, 2).expect("one of two");
+            let part = SetExport::new(&info, 40).of_shard(shard).expect("it has vectors");
+            let manifest = part.write(&input, directory.path(), &|_| {}).expect("it can be written");
+            directory.path().join(manifest.stem() + ".json")
+        })
+        .collect();
+    assert_eq!(right(&run(model().args(&parts))), 3);
+    for (is_checked, message) in [
+        (true, "1 of 20 vectors wrong; stage reflect, vector 21, reflected_x"),
+        (false, "check value of vector 21 is wrong"),
+    ] {
+        alter(&parts[1], is_checked);
+        let output = model().args(&parts).output().expect("python3 runs");
+        let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        assert!(text.contains(message), "{text}");
+    }
 }
 
 #[test]
