@@ -238,7 +238,7 @@ impl Recorded {
         batch: &mut dyn FnMut(u64, &[Vec<i64>]),
     ) -> Result<(), VectorError> {
         let mut lines = Lines::open(path, manifest)?;
-        let (mut first, mut inputs) = (0, Vec::with_capacity(BATCH));
+        let (mut first, mut inputs) = (manifest.indices().start, Vec::with_capacity(BATCH));
         loop {
             let line = lines.next()?;
             if let Some(line) = &line {
