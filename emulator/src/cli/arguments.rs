@@ -142,9 +142,7 @@ pub(super) fn remove_abandoned_in(directory: &Path) {
     let Removed { files, bytes } = output::remove_abandoned(directory);
     if files > 0 {
         let directory = directory.display();
-        complain(&format!(
-            "note: removed {files} temporary files ({bytes} bytes) of interrupted runs from {directory}"
-        ));
+        complain(&format!("note: removed from {directory} what interrupted runs left: {files} files, {bytes} bytes"));
     }
 }
 

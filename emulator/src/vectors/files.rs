@@ -64,12 +64,17 @@ impl SetFiles {
 
 /// Removes a manifest that is there, unless it is that text.
 fn remove_other(path: &Path, text: &[u8]) -> io::Result<()> {
+    let remove = || {
+        let is_same = fs::metadata(path)?.len() == text.len() as u64 && fs::read(path)? == text;
+        // Behind a link, where the new one is going to be.
+        if is_same { Ok(()) } else { fs::remove_file(fs::canonicalize(path)?) }
+    };
     match fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => {
-            let is_same = metadata.len() == text.len() as u64 && fs::read(path)? == text;
-            // Behind a link, where the new one is going to be.
-            if is_same { Ok(()) } else { fs::remove_file(fs::canonicalize(path)?) }
-        }
+        Ok(metadata) if metadata.is_file() => match remove() {
+            // Another export was quicker.
+            Err(gone) if gone.kind() == io::ErrorKind::NotFound => Ok(()),
+            done => done,
+        },
         _ => Ok(()),
     }
 }
