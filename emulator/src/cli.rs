@@ -17,6 +17,7 @@ mod explain;
 mod failure;
 mod gallery;
 mod grade;
+mod judge;
 mod merge;
 mod minimise;
 mod plan;

@@ -13,6 +13,7 @@ mod export;
 mod files;
 mod format;
 mod grade;
+mod judge;
 mod layout;
 mod lines;
 mod manifest;
@@ -40,6 +41,7 @@ pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation,
 pub use export::{SetExport, SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
 pub use grade::{Alarm, Attained, Grade, Score, StageScore, TableScore, Unseen, grade};
+pub use judge::{Failing, Judgement, Tier, judge};
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA, StageEntry};
 pub use merge::{MergeError, Parts, parts_of};

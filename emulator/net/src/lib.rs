@@ -15,6 +15,7 @@ pub mod fault;
 pub mod graph;
 pub mod interval;
 mod known;
+pub mod neighbour;
 pub mod observe;
 mod op;
 mod range;
