@@ -4,6 +4,7 @@ mod benches;
 mod broken;
 mod folder;
 mod grade;
+mod judge;
 mod minimise;
 mod proof;
 mod rtl;
