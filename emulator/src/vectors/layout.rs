@@ -224,6 +224,10 @@ pub(super) struct Column {
     pub(super) kept: Kept,
     /// An operation reads it, or it is no constant.
     pub(super) exists: bool,
+    /// The lowest and the highest integer of its port, which has `port_fraction` fraction bits.
+    pub(super) limits: (i64, i64),
+    /// Fraction bits of the port, none of them dropped.
+    pub(super) port_fraction: u32,
     source: Source,
     /// Low bits of the wire that the profile drops.
     drop: u32,
@@ -346,7 +350,8 @@ impl Wire<'_> {
                 _ => text.clone(),
             },
         };
-        Column { field, declared: self.declared_path(), text, kept, exists, source, drop }
+        let (limits, port_fraction) = (self.limits, self.fraction_bits);
+        Column { field, declared: self.declared_path(), text, kept, exists, limits, port_fraction, source, drop }
     }
 
     /// The innermost field with a unit: of a block that is the block.
