@@ -7,7 +7,8 @@ As a program:
     python3 roughxel_model.py                       # the tables in `rom` and the sets in `smoke`, beside this file
     python3 roughxel_model.py DIR_OR_JSON...        # other sets
 
-Exit code: 0 all right, 3 a field or a table differs, 1 something is unreadable, 2 usage. As a library:
+Exit code: 0 all right, 3 a field or a table differs, 1 something is unreadable, 2 usage, 4 nothing differs, but there are sets of
+stages that the model does not compute alone (they were read, with their check values). As a library:
 
     manifest = read_manifest("random_standard.json")
     for vector in load("random_standard.json"):
@@ -21,9 +22,10 @@ import functools
 import json
 import math
 import os
+import re
 import sys
 from dataclasses import dataclass
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 Manifest = Dict[str, Any]
 Fields = Dict[str, int]
@@ -1136,9 +1138,159 @@ def datapath_of(profile: Profile) -> Datapath:
     return Datapath(profile)
 
 
+class StagePorts:
+    """The ports of one stage (FORMAT, sets of one stage) by their names without formats, in the form of section 2."""
+
+    def __init__(self, path: Datapath, manifest: Manifest, inputs: Fields) -> None:
+        self.path = path
+        self.effects: Dict[str, Any] = manifest["effects"]
+        self.wires: Dict[str, Tuple[int, int]] = {}             # integer and fraction bits
+        for field in manifest["fields"]:
+            if field["direction"] == "in":
+                self.wires[plain_name(field["name"])] = (inputs[field["name"]], field["fraction_bits"])
+        self.outcomes: Dict[str, Tuple[int, int]] = {}
+
+    def integers(self, name: str, fraction: int) -> List[int]:
+        """An array: name_0, name_1, ..., with so many fraction bits."""
+        wires = []
+        while f"{name}_{len(wires)}" in self.wires:
+            x, f = self.wires[f"{name}_{len(wires)}"]
+            wires.append(x << (fraction - f))
+        return wires
+
+    def block(self, name: str, mantissas: str = "_m", exponent: str = "_e") -> Block:
+        """A block; 0 is the exponent of one whose length does not count."""
+        m = self.integers(name + mantissas, self.path.f)
+        if not m:
+            raise KeyError(name)
+        return Block(tuple(m), self.wires.get(name + exponent, (0, 0))[0])
+
+    def blocks(self) -> List[Block]:
+        """All blocks in the order of the ports."""
+        return [self.block(name[:-len("_m_0")]) for name in self.wires if name.endswith("_m_0")]
+
+    def out(self, name: str, values: Sequence[int], fraction: int) -> None:
+        """Outcomes name_0, name_1, ..."""
+        self.outcomes.update({f"{name}_{i}": (value, fraction) for i, value in enumerate(values)})
+
+    def out_block(self, name: str, block: Block) -> None:
+        """A block; without a name where it is all that the stage makes."""
+        prefix = name + "_" if name else ""
+        self.out(prefix + "m", block.m, self.path.f)
+        self.outcomes[prefix + "e"] = (block.e, 0)
+
+    def out_flag(self, name: str, flag: bool) -> None:
+        """A flag."""
+        self.outcomes[name] = (int(flag), 0)
+
+
+def plain_name(port: str) -> str:
+    """A port of a module without its format: `r_m_0` of `r_m_0_i2f20`."""
+    return re.sub(r"_(flag|[iu]n?[0-9]+fn?[0-9]+)$", "", port)
+
+
+def stage_enter(path: Datapath, port: StagePorts) -> None:
+    """enter of a vector (6)."""
+    name = next(name for name in port.wires if name.endswith("_mantissa_0"))[:-len("_mantissa_0")]
+    block = port.block(name, "_mantissa", "_exponent")
+    port.out_block("", path.enter(block.m, block.e))
+
+
+def stage_enter_offset(path: Datapath, port: StagePorts) -> None:
+    """enter.offset, enter.roughness (6)."""
+    name = next(iter(port.wires))[:-len("_0")]
+    entered = [path.enter_offset(x) for x in port.integers(name, path.w - 4)]
+    port.out(name[len("surface_"):], entered, path.w - 4)
+
+
+def stage_frame(path: Datapath, port: StagePorts) -> None:
+    """frame (6) of n and one or two frame vectors."""
+    system = {"main_direction": path.main_direction, "natural": path.natural,
+              "natural_normalised": path.natural_normalised}[port.effects["frame"]]
+    frame = system(*port.blocks())
+    port.out_block("e1", frame.e1)
+    port.out_block("e2", frame.e2)
+    port.out_flag("pole", frame.pole)
+
+
+def stage_perturb(path: Datapath, port: StagePorts) -> None:
+    """perturb (6)."""
+    n, e1, e2 = port.blocks()
+    port.out_block("", path.perturb(n, port.integers("enter_offset", path.w - 4), Frame(e1, e2, False)))
+
+
+def stage_roughness(path: Datapath, port: StagePorts) -> None:
+    """roughness (6)."""
+    frame = Frame(port.block("frame_e1"), port.block("frame_e2"), False)
+    run = path.roughness_isotropic if port.effects["roughness"] == "isotropic" else path.roughness_anisotropic
+    for i, tangent in enumerate(run(port.integers("enter_roughness", path.w - 4), frame)):
+        port.out_block(f"roughness_{i}", tangent)
+
+
+def stage_reflect(path: Datapath, port: StagePorts) -> None:
+    """reflect (6); the normal is modified or as it entered."""
+    modified = "perturb" if "perturb_m_0" in port.wires else "enter_normal"
+    reflected = path.reflect(port.block(modified), port.block("enter_view"))
+    port.out_block("r", reflected.r)
+    port.out_block("scalars", reflected.scalars)
+    port.out_flag("below", reflected.below)
+
+
+def stage_cube_face(path: Datapath, port: StagePorts) -> None:
+    """cube_face (6); the face is its axis, then its sign."""
+    place = path.cube_face(port.block("reflect_r"))
+    port.out_flag("select_is_z", place.face >= 4)
+    port.out_flag("select_is_y", place.face in (2, 3))
+    port.out_flag("select_negative", place.face % 2 == 1)
+    port.out("st", place.st, path.f)
+    port.outcomes["half_reciprocal"] = (place.half_reciprocal, path.f)
+    port.out_flag("tie", place.tie)
+
+
+def stage_axes(path: Datapath, port: StagePorts) -> None:
+    """axes (6)."""
+    axes = path.axes(*port.blocks())
+    port.out_block("major", axes.major)
+    port.out_block("minor", axes.minor)
+    port.out("direction", axes.direction, path.f)
+
+
+def stage_map_scale(path: Datapath, port: StagePorts) -> None:
+    """map_scale (6)."""
+    log2_texels, last_level = path.map_scale(port.wires["edge_texels"][0])
+    port.outcomes.update(log2_texels=(log2_texels, 16), last_level=(last_level, 0))
+
+
+def stage_half(path: Datapath, port: StagePorts) -> None:
+    """half (6)."""
+    port.out_block("", path.half(port.block("enter_light"), port.block("enter_view")))
+
+
+# By the names of modules.
+ALONE: Dict[str, Callable[[Datapath, StagePorts], None]] = {
+    **{f"enter_{name}": stage_enter for name in ("normal", "view", "tangent", "dview", "dnormal", "light")},
+    "enter_offset": stage_enter_offset, "enter_roughness": stage_enter_offset, "frame": stage_frame,
+    "perturb": stage_perturb, "roughness": stage_roughness, "reflect": stage_reflect, "cube_face": stage_cube_face,
+    "axes": stage_axes, "map_scale": stage_map_scale, "half": stage_half}
+
+
+def evaluate_stage(path: Datapath, manifest: Manifest, inputs: Fields) -> Fields:
+    """The outcomes of one stage of `ALONE`. Raises KeyError where the model does not compute the stage alone."""
+    port = StagePorts(path, manifest, inputs)
+    ALONE[manifest["stage"]["module"]](path, port)
+    fields: Fields = {}
+    for field in manifest["fields"]:
+        if field["direction"] == "out":
+            value, fraction = port.outcomes[plain_name(field["name"])]
+            fields[field["name"]] = value >> (fraction - field["fraction_bits"])
+    return fields
+
+
 def evaluate(manifest: Manifest, inputs: Fields) -> Fields:
     """All taps and outcomes of a vector, as integers of their fields. `inputs` may have more fields than inputs."""
     path = datapath_of(Profile.from_knobs(manifest["profile"]["knobs"]))
+    if "stage" in manifest:
+        return evaluate_stage(path, manifest, inputs)
     run = {"reflection": path.reflection, "highlight": path.highlight_datapath, "peak": path.peak_datapath}
     return run[manifest["datapath"]](Ports(inputs, path.drop), manifest["effects"])
 
@@ -1191,6 +1343,8 @@ def read_manifest(path: str) -> Manifest:
         Profile.from_knobs(manifest["profile"]["knobs"])
         if manifest["datapath"] not in ("reflection", "highlight", "peak"):
             raise Unreadable(f"{path}: unknown datapath {manifest['datapath']!r}")
+        if "stage" in manifest and not isinstance(manifest["stage"]["module"], str):
+            raise Unreadable(f"{path}: the stage has no module")
         end = manifest["word_bits"]
         for field in manifest["fields"]:
             end -= -(-field["width"] // 4) * 4
@@ -1226,6 +1380,11 @@ def read_words(path: str, digits: int) -> Iterator[Tuple[str, int]]:
             yield f"{path}:{place}", int(hexadecimal, 16)
 
 
+def first_index(manifest: Dict[str, Any]) -> int:
+    """Index of a file's first vector: a part of a set has those of the whole one."""
+    return manifest.get("part", {}).get("first", 0)
+
+
 def load(path: str) -> Iterator[Fields]:
     """Vectors of NAME.json as dictionaries of all fields, signed ones as such. Raises Unreadable."""
     manifest = read_manifest(path)
@@ -1236,9 +1395,9 @@ def load(path: str) -> Iterator[Fields]:
     try:
         for place, word in read_words(words_path, manifest["word_bits"] // 4):
             if check_value(word >> 32, manifest["word_bits"] - 32) != word & 0xffffffff:
-                raise Unreadable(f"{place}: check value of vector {count} is wrong: damaged word")
+                raise Unreadable(f"{place}: check value of vector {first_index(manifest) + count} is wrong: damaged word")
             if word & padding:
-                raise Unreadable(f"{place}: a field of vector {count} has bits above its width")
+                raise Unreadable(f"{place}: a field of vector {first_index(manifest) + count} has bits above its width")
             vector = {}
             for name, lsb, width, signed in layout:
                 value = (word >> lsb) & ((1 << width) - 1)
@@ -1287,7 +1446,7 @@ def compare(path: str, stop: Optional[int]) -> Tuple[int, int, Optional[Mismatch
     checked.sort(key=lambda pair: pair[0])
     count, wrong = 0, 0
     first: Optional[Mismatch] = None
-    for index, vector in enumerate(load(path)):
+    for index, vector in enumerate(load(path), first_index(manifest)):
         count += 1
         try:
             got = evaluate(manifest, vector)
@@ -1323,14 +1482,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     """The program; its exit code."""
     here = os.path.dirname(os.path.abspath(__file__))
     parser = argparse.ArgumentParser(description="Checks golden vectors with a bit-exact model of the datapaths.",
-                                     epilog="Exit code: 0 all right, 3 something differs, 1 something is unreadable.")
+                                     epilog="Exit code: 0 all right, 3 something differs, 1 something is unreadable, 4 nothing "
+                                            "differs, but there are sets of stages that are read and not computed.")
     parser.add_argument("sets", nargs="*", metavar="DIR_OR_JSON", default=[os.path.join(here, "smoke")],
                         help="folders of sets, or manifests (NAME.json); without, those of `smoke`")
     parser.add_argument("--stop", type=int, metavar="N", help="leave a set after N wrong vectors")
     parser.add_argument("--rom", metavar="DIR", default=os.path.join(here, "rom"),
                         help="folder of the tables that are checked first; without, `rom` beside this file")
     options = parser.parse_args(arguments)
-    different, unreadable = False, False
+    different, unreadable, left = False, False, False
     try:
         wrong = wrong_tables(options.rom)
         paths = manifests_in(options.sets)
@@ -1345,6 +1505,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     for path in paths:
         name = os.path.splitext(os.path.basename(path))[0]
         try:
+            stage = read_manifest(path).get("stage", {}).get("module")
+            if stage is not None and stage not in ALONE:
+                left = True
+                print(f"{name}: {sum(1 for _ in load(path))} vectors of stage {stage}, read; the model does not compute it alone")
+                continue
             count, wrong, first = compare(path, options.stop)
         except Unreadable as error:
             unreadable = True
@@ -1357,7 +1522,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             print(f"{name}: {wrong} of {count} vectors wrong; stage {first.field['stage']}, vector {first.index}, "
                   f"{first.field['name']}: expected {shown(first.expected, first.field)}, "
                   f"got {shown(first.got, first.field)}")
-    return 1 if unreadable else 3 if different else 0
+    return 1 if unreadable else 3 if different else 4 if left else 0
 
 
 if __name__ == "__main__":

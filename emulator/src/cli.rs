@@ -10,11 +10,15 @@ mod completions;
 mod console;
 mod cost;
 mod demo;
+mod distil;
 mod effects;
 mod eval;
 mod explain;
 mod failure;
 mod gallery;
+mod grade;
+mod merge;
+mod minimise;
 mod plan;
 mod ranges;
 mod render;
@@ -31,7 +35,7 @@ use miette::MietteHandlerOpts;
 
 use arguments::{
     CONVENTIONS, ProfileArg, Profiles, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile,
-    parse_profiles, parse_size, parse_threads, use_threads,
+    parse_profiles, parse_size, parse_threads, remove_abandoned_in, use_threads, write_text,
 };
 use failure::{Failure, on_one_line};
 

@@ -8,19 +8,28 @@
 mod bench;
 mod c_library;
 mod datapath;
+mod distil;
 mod explain;
 mod export;
+mod files;
 mod format;
+mod grade;
 mod layout;
 mod lines;
 mod manifest;
+mod merge;
+mod minimise;
+mod order;
+mod part;
 mod rom;
 mod sets;
+mod stage;
 mod vcd;
 mod verify;
 mod word;
 
 use std::io;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -28,13 +37,20 @@ use thiserror::Error;
 pub use bench::{BENCH_README, Bench, BenchError, Device};
 pub use c_library::c_library_files;
 pub use datapath::Inputs;
+pub use distil::{Distilled, Picked, distil};
 pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation, Got, Real, Vector, Wrong};
-pub use export::{SetInfo, Words, export, export_with};
+pub use export::{SetExport, SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
+pub use grade::{Alarm, Attained, Grade, Score, StageScore, TableScore, Unseen, grade};
 pub use layout::{Direction, Field, Layout};
-pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA};
+pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA, StageEntry};
+pub use merge::{MergeError, Parts, parts_of};
+pub use minimise::{MinimiseError, MinimiseOptions, Minimised, minimise};
+pub use order::Misplaced;
+pub use part::{Part, Shard};
 pub use rom::rom_files;
-pub use sets::{Cases, RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use sets::{RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use stage::StageSet;
 pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, verify};
 
@@ -76,7 +92,10 @@ pub enum VectorError {
         problem: String,
     },
     /// A file holds another number of vectors than its manifest says.
-    #[error("{}: {found} vectors, but the manifest says {expected}; the file is cut short or was added to", .path.display())]
+    #[error(
+        "{}: {found} vectors, but the manifest says {expected}; the file is cut short or was added to{cause}. Export the set again",
+        .path.display()
+    )]
     Count {
         /// The file.
         path: PathBuf,
@@ -84,6 +103,8 @@ pub enum VectorError {
         found: u64,
         /// Words by the manifest.
         expected: u64,
+        /// Which are missing or too many, where that can be told; begins with a semicolon.
+        cause: String,
     },
     /// A set's name would make a bad file name.
     #[error("`{0}` cannot name a set: use 1 to 64 lower-case letters, digits and underscores")]
@@ -97,14 +118,17 @@ pub enum VectorError {
         count: u64,
     },
     /// A set has no vector of that index.
-    #[error("{}: there is no vector #{index}; the set has {count}, #0 to #{}", .path.display(), .count - 1)]
+    #[error(
+        "{}: there is no vector #{index}; {} has {}, #{} to #{}",
+        .path.display(), if .indices.start == 0 { "the set" } else { "this part of it" }, .indices.end - .indices.start, .indices.start, .indices.end - 1
+    )]
     Index {
         /// The manifest.
         path: PathBuf,
         /// Asked for.
         index: u64,
-        /// Vectors of the set.
-        count: u64,
+        /// Those of the set, or of the part of one.
+        indices: Range<u64>,
     },
     /// A port value has more bits than the profile keeps, so its field cannot hold it.
     #[error("set {set} #{index}: field {field} has bits the profile does not keep; quantise fragments to the profile")]

@@ -11,6 +11,7 @@ mod footprint;
 mod fragment;
 mod frame;
 pub mod highlight;
+pub mod limits;
 pub mod lit_peak;
 pub mod peak_and_horizon;
 mod set;

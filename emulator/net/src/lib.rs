@@ -7,9 +7,11 @@
 //! in the folder `op`. What can be recorded is every [`Design`](roughxel_core::design::Design).
 
 pub mod bench;
+pub mod bins;
 pub mod census;
 pub mod delay;
 pub mod evaluate;
+pub mod fault;
 pub mod graph;
 pub mod interval;
 mod known;

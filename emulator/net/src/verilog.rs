@@ -15,6 +15,7 @@ mod module;
 mod pipeline;
 pub(crate) mod rom;
 mod share;
+mod stage;
 mod stepper;
 mod text;
 pub(crate) mod value;
@@ -33,10 +34,13 @@ pub use error::VerilogError;
 pub use format::Format;
 pub use interface::{Interface, PortDescription};
 pub use rom::Rom;
+pub use stage::{Stage, StagePort, StageRun, Stages};
 
+use self::body::Body;
 use self::context::Context;
 use self::module::Module;
-use super::graph::Net;
+use self::share::Group;
+use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 
 /// What to write.
@@ -75,48 +79,38 @@ pub fn top_name(design: Design) -> String {
     format!("roughxel_{}", design.name())
 }
 
+/// Of every node the bits of a wire of its own that somebody reads, all stages taken as one module: none where other wires stand for
+/// it, a constant does, or nothing is left of it.
+pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
+    let context = Context { net, ranges, depth: None, prefix: "", origin: "" };
+    let (ports, nodes): (Vec<_>, Vec<_>) =
+        (0..net.nodes.len() as NodeId).partition(|&id| matches!(net.node(id).op, Op::Port(_)));
+    let outputs: Vec<_> = net.outputs.iter().map(|output| output.node).collect();
+    // Without a target depth nothing is too deep.
+    let read = Body::new(context, &nodes, &ports, &outputs).map(|body| body.reads).unwrap_or_default();
+    (0..net.nodes.len() as NodeId)
+        .map(|id| read.get(&id).map_or(0, |ranks| ranks.values().fold(0, |all, bits| all | bits)))
+        .collect()
+}
+
 impl Verilog {
     /// Records, proves and writes down a design.
     ///
     /// Errors: everything [`VerilogError`] lists.
     pub fn new(design: Design, options: &Options) -> Result<Self, VerilogError> {
-        let net = Net::of(design, &options.effects, &options.precision);
-        let ranges = Ranges::new(&net);
-        if !ranges.violations.is_empty() {
-            return Err(VerilogError::Unproven(ranges.violations));
-        }
-        let groups = share::groups(&net);
-        let ranges = share::joined(&net, &ranges, &groups);
+        let prepared = Prepared::new(design, &options.effects, &options.precision)?;
         let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.of(datapath));
         let (effects, frame) = (names(&own), frame(&own));
         let origin =
             format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name(), options.profile);
-        let context =
-            Context { net: &net, ranges: &ranges, depth: options.depth, prefix: &options.prefix, origin: &origin };
+        let context = prepared.context(options.depth, &options.prefix, &origin);
         pipeline::check_blocks(context)?;
 
-        let mut outside: BTreeSet<_> = net.outputs.iter().map(|output| output.node).collect();
-        for group in &groups {
-            outside.extend(group.runs.iter().flat_map(|run| run.inputs.iter().copied()));
-        }
-        let mut modules = Vec::new();
-        for group in &groups {
-            modules.push(Module::new(context, group, |id| outside.contains(&id))?);
-        }
-        let mut files = BTreeMap::new();
+        let groups = &prepared.groups;
+        let modules = groups.iter().map(|group| prepared.module(context, group)).collect::<Result<Vec<Module>, _>>()?;
         let stage = options.stage.as_deref();
-        let wanted = |index: usize| {
-            stage.is_none_or(|stage| {
-                let run = &net.runs[groups[index].runs[0].stage as usize];
-                [groups[index].name.as_str(), run.base(), run.name].contains(&stage)
-            })
-        };
-        let chosen: Vec<&Module> =
-            modules.iter().enumerate().filter(|(index, _)| wanted(*index)).map(|(_, m)| m).collect();
-        if let (true, Some(name)) = (chosen.is_empty(), stage) {
-            let known = groups.iter().map(|group| group.name.clone()).collect();
-            return Err(VerilogError::UnknownStage { name: name.into(), known });
-        }
+        let chosen: Vec<&Module> = prepared.chosen(stage)?.into_iter().map(|index| &modules[index]).collect();
+        let mut files = BTreeMap::new();
         let mut roms = BTreeMap::new();
         for module in &chosen {
             files.insert(format!("{}.v", module.name), module.text.clone());
@@ -133,7 +127,7 @@ impl Verilog {
         let mut instances = Vec::new();
         if stage.is_none() {
             let name = top_name(design);
-            let top = pipeline::top(context, &name, design.description(), &groups, &modules)?;
+            let top = pipeline::top(context, &name, design.description(), groups, &modules)?;
             verilog.register_bits = top.register_bits;
             let stepper = stepper::stepper(&top, &origin)?;
             verilog.files.insert(format!("{name}.v"), top.text);
@@ -176,6 +170,59 @@ impl Verilog {
     pub fn in_order(&self) -> impl Iterator<Item = (&str, &str)> {
         let (manifests, sources): (Vec<_>, Vec<_>) = self.files.iter().partition(|(name, _)| name.ends_with(".json"));
         sources.into_iter().chain(manifests).map(|(name, text)| (name.as_str(), text.as_str()))
+    }
+}
+
+/// A design recorded and proven, the runs of its stages in groups of the same hardware.
+struct Prepared {
+    net: Net,
+    /// One range for all nodes that meet in a place of a module.
+    ranges: Ranges,
+    groups: Vec<Group>,
+    /// Nodes that are read outside of their stage.
+    outside: BTreeSet<NodeId>,
+}
+
+impl Prepared {
+    fn new(design: Design, effects: &Effects, p: &Precision) -> Result<Self, VerilogError> {
+        let net = Net::of(design, effects, p);
+        let ranges = Ranges::new(&net);
+        if !ranges.violations.is_empty() {
+            return Err(VerilogError::Unproven(ranges.violations));
+        }
+        let groups = share::groups(&net);
+        let ranges = share::joined(&net, &ranges, &groups);
+        let mut outside: BTreeSet<_> = net.outputs.iter().map(|output| output.node).collect();
+        for group in &groups {
+            outside.extend(group.runs.iter().flat_map(|run| run.inputs.iter().copied()));
+        }
+        Ok(Self { net, ranges, groups, outside })
+    }
+
+    fn context<'a>(&'a self, depth: Option<u32>, prefix: &'a str, origin: &'a str) -> Context<'a> {
+        Context { net: &self.net, ranges: &self.ranges, depth, prefix, origin }
+    }
+
+    fn module(&self, context: Context, group: &Group) -> Result<Module, VerilogError> {
+        Module::new(context, group, |id| self.outside.contains(&id))
+    }
+
+    /// The places of the groups that a stage names: the module, the stage in all its uses or in one; without a name all of them.
+    fn chosen(&self, stage: Option<&str>) -> Result<Vec<usize>, VerilogError> {
+        let wanted = |group: &Group| {
+            stage.is_none_or(|stage| {
+                let run = &self.net.runs[group.runs[0].stage as usize];
+                [group.name.as_str(), run.base(), run.name].contains(&stage)
+            })
+        };
+        let chosen: Vec<usize> = (0..self.groups.len()).filter(|&index| wanted(&self.groups[index])).collect();
+        match stage {
+            Some(name) if chosen.is_empty() => {
+                let known = self.groups.iter().map(|group| group.name.clone()).collect();
+                Err(VerilogError::UnknownStage { name: name.into(), known })
+            }
+            _ => Ok(chosen),
+        }
     }
 }
 

@@ -1,4 +1,7 @@
 //! Files that appear whole or not at all: written beside their place, then renamed.
+//!
+//! A file on its way is locked by who writes it, and the system ends a lock with its process: one that nobody has locked was left by
+//! a process that is gone.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -6,6 +9,11 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 use thiserror::Error;
+
+/// How the names of files on their way begin and end, with [`RANDOM_CHARACTERS`] between.
+const PREFIX: &str = ".roughxel-";
+const SUFFIX: &str = ".tmp";
+const RANDOM_CHARACTERS: usize = 6;
 
 /// A file on its way to `path`; nothing is at `path` before [`OutputFile::commit`], and dropping leaves no trace.
 ///
@@ -87,7 +95,7 @@ pub fn check_directory(directory: &Path) -> io::Result<()> {
 fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
     let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".roughxel-");
+    builder.prefix(PREFIX).suffix(SUFFIX).rand_bytes(RANDOM_CHARACTERS);
     #[cfg(unix)]
     {
         // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
@@ -97,8 +105,44 @@ fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
     if !directory.is_dir() {
         return Err(io::Error::new(io::ErrorKind::NotFound, format!("no directory {}", directory.display())));
     }
-    // The kind alone: the name of the temporary file would puzzle whoever gave another one.
-    builder.tempfile_in(directory).map_err(|refused| io::Error::from(refused.kind()))
+    loop {
+        // The kind alone: the name of the temporary file would puzzle whoever gave another one.
+        let file = builder.tempfile_in(directory).map_err(|refused| io::Error::from(refused.kind()))?;
+        // Where files cannot be locked nothing is taken for left behind either.
+        let locked = file.as_file().lock().is_ok();
+        // Between the two it was nobody's, and may have been removed.
+        if !locked || file.path().exists() {
+            return Ok(file);
+        }
+    }
+}
+
+/// Files that were removed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Removed {
+    /// How many.
+    pub files: u64,
+    /// Their size together.
+    pub bytes: u64,
+}
+
+/// Removes the files in `directory` that were on their way when their process was killed: those with the names of [`OutputFile`]
+/// that no process has locked. What cannot be read, locked or removed stays, as does everything where files cannot be locked.
+pub fn remove_abandoned(directory: &Path) -> Removed {
+    let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
+    let removed = entries.filter_map(|entry| {
+        let name = entry.file_name();
+        let random = name.to_str()?.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?;
+        let is_ours = random.len() == RANDOM_CHARACTERS && random.bytes().all(|c| c.is_ascii_alphanumeric());
+        // Of the entry itself: a link is none of ours, and to open a pipe is to wait.
+        let metadata = entry.metadata().ok().filter(|metadata| is_ours && metadata.is_file())?;
+        let file = File::options().write(true).open(entry.path()).ok()?;
+        file.try_lock().ok()?;
+        fs::remove_file(entry.path()).ok()?;
+        Some(metadata.len())
+    });
+    removed.fold(Removed::default(), |sum, bytes| Removed { files: sum.files + 1, bytes: sum.bytes + bytes })
 }
 
 /// A file or its directory cannot be written.
@@ -132,4 +176,32 @@ fn write_file(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut file = OutputFile::create(path)?;
     file.write_all(content)?;
     file.commit()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_that_nobody_writes_any_more_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = |name: &str| folder.path().join(name);
+        let mut written = OutputFile::create(&name("result")).unwrap();
+        written.write_all(b"on its way").unwrap();
+        // As a killed process leaves it: nobody has it open.
+        fs::write(name(".roughxel-a1B2c3.tmp"), "1234").unwrap();
+        let others = [".roughxel-a1B2c.tmp", ".roughxel-a1B2c3", ".roughxel-a1 2c3.tmp", "x.roughxel-a1B2c3.tmp"];
+        others.iter().for_each(|other| fs::write(name(other), "").unwrap());
+        fs::create_dir(name(".roughxel-folder.tmp")).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(name("result"), name(".roughxel-linked.tmp")).unwrap();
+
+        assert_eq!(remove_abandoned(folder.path()), Removed { files: 1, bytes: 4 });
+        assert_eq!(remove_abandoned(folder.path()), Removed::default());
+        written.commit().unwrap();
+        assert_eq!(fs::read(name("result")).unwrap(), b"on its way");
+        assert!(others.iter().all(|other| name(other).exists()));
+        assert!(name(".roughxel-folder.tmp").exists());
+        assert_eq!(remove_abandoned(&name("nowhere")), Removed::default());
+    }
 }

@@ -1,10 +1,11 @@
 //! Arguments that several commands take.
 
+use std::io::Write;
 use std::num::NonZero;
 use std::path::{Path, PathBuf, is_separator};
 
 use roughxel_core::precision::Profile;
-use roughxel_emulator::output::{self, OutputFile, WriteError};
+use roughxel_emulator::output::{self, OutputFile, Removed, WriteError};
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::spelling::closest;
 use roughxel_emulator::study::profile_file::{NamedPrecision, read_profile};
@@ -124,6 +125,25 @@ pub(super) fn check_file(path: &Path) -> Result<(), WriteError> {
 /// Refuses a directory that cannot be written to or made, before the work that it is for.
 pub(super) fn check_directory(path: &Path) -> Result<(), WriteError> {
     output::check_directory(path).map_err(|source| WriteError { path: path.into(), source })
+}
+
+/// Writes a text; the file appears whole or not at all.
+pub(super) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
+    let write = || {
+        let mut file = OutputFile::create(path)?;
+        file.write_all(text.as_bytes())?;
+        file.commit()
+    };
+    write().map_err(|source| WriteError { path: path.into(), source })
+}
+
+/// Removes what runs that were killed left in a directory, and says so.
+pub(super) fn remove_abandoned_in(directory: &Path) {
+    let Removed { files, bytes } = output::remove_abandoned(directory);
+    if files > 0 {
+        let directory = directory.display();
+        complain(&format!("note: removed from {directory} what interrupted runs left: {files} files, {bytes} bytes"));
+    }
 }
 
 /// A number of threads, 1 to 1024.

@@ -23,7 +23,8 @@ a test for cocotb, a driver in C++ for Verilator, the words, and run.sh, which r
 
 A bench prints every field that differs, with set, index, stage, what was expected and what came, in hex
 and as a number, earliest stage first. SET_device.sv (SET_device.vhd) is the device: it connects the
-generated Verilog in rtl (in VHDL it is blank), and a device of one's own takes its place.";
+generated Verilog in rtl (in VHDL it is blank), and a device of one's own takes its place. Of a set of one
+stage (`vectors export --stage`) the device is that stage's module.";
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
@@ -33,8 +34,8 @@ pub(super) struct BenchArgs {
     /// Directory; made if it is not there.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// What SET_device.sv is: the generated Verilog of the set's datapath, effects and profile, or a skeleton with a line a
-    /// field.
+    /// What SET_device.sv is: the generated Verilog of the set's datapath or stage, effects and profile, or a skeleton with a
+    /// line a field.
     #[arg(long, value_enum, default_value = "generated")]
     device: DeviceArg,
     /// Writes SET_device.sv and SET_device.vhd again where they are there; without it they stay as they are.

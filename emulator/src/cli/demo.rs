@@ -80,11 +80,11 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
         }
         scenes.push(scene);
     }
-    for VectorSet { name, description, effects, cases } in hard_sets(precision) {
-        let (datapath, precision) = (cases.datapath(), *precision);
+    for VectorSet { name, description, effects, datapath, inputs, .. } in hard_sets(precision) {
+        let precision = *precision;
         let info =
             SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
-        sets.push(export_with(&info, cases.count(), &|index| cases.inputs(index), &vectors, &|_| {})?);
+        sets.push(export_with(&info, inputs.len() as u64, &|index| inputs[index as usize], &vectors, &|_| {})?);
     }
     bar.set_message("accuracy");
     let accuracy = measure(precision, ACCURACY_FRAGMENTS, &|_| {});

@@ -4,15 +4,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use miette::{Context, IntoDiagnostic};
-use roughxel_emulator::output::OutputFile;
 use roughxel_emulator::vectors::{
     DeviceWord, Explained, Explanation, Got, Mismatch, Vector, VectorError, Wrong, manifests_in, vcd,
 };
 use serde_json::json;
 
 use super::console::{complain, new_table};
-use super::{Failure, check_file};
+use super::{Failure, check_file, write_text};
 
 pub(super) const LONG_HELP: &str = "\
 Print every field of one vector, stage by stage in the order of the pipeline: its hex digits in the word, its integer, its
@@ -36,11 +34,15 @@ what depends on derivatives or tangents whose exponents are more than 150 from t
 An error of a number that nearly cancelled is large in last places and yet right: the line `footprint` tells how much did. A block of
 zeros has no last place, so its error is `-` where float64 is not zero.
 
+Of a set of one stage (`vectors export --stage`) there are inputs and outcomes as the stage's module has them: no float64, no decisions,
+no status, and real is the mantissa alone beside an exponent.
+
 A real number beyond the range of a double is m*2^e, in JSON null.";
 
 #[derive(Args)]
 pub(super) struct ExplainArgs {
-    /// Set and index of the vector, from 0. The set is NAME.json or NAME.hex, or the same without its extension.
+    /// Set and index of the vector, from 0; of a part of a set, the index in the whole one. The set is NAME.json, NAME.hex or
+    /// NAME.bin, or the same without its extension.
     #[arg(value_name = "SET#INDEX")]
     set: String,
     /// Index of the vector; then the first argument is the set alone.
@@ -59,14 +61,11 @@ pub(super) struct ExplainArgs {
 }
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
-    let (set, index) = split(args)?;
+    let (set, index) = split(&args.set, args.index)?;
     if let Some(path) = &args.vcd {
         check_file(path)?;
     }
-    let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(|error| match error {
-        VectorError::Index { .. } => Failure::Usage(error.to_string()),
-        error => error.into(),
-    })?;
+    let vector = Vector::read(&manifest_of(Path::new(set))?, index).map_err(unreadable)?;
     let device = match args.got.is_empty() {
         true => None,
         false => Some(vector.device_word(&args.got).map_err(|error| Failure::Usage(format!("--got: {error}")))?),
@@ -76,7 +75,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     let explanation = vector.explain(compared.as_ref());
 
     if let Some(path) = &args.vcd {
-        write_vcd(path, &explanation)?;
+        write_text(path, &vcd(&explanation))?;
     }
     let mut out = io::stdout().lock();
     if args.json {
@@ -92,7 +91,10 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     out.flush()?;
 
     if !vector.hash_matches() && vector.mismatch().is_none() {
-        complain("note: this word is right, but the SHA-256 of its file is not the one in the manifest");
+        let order: String = vector.misplaced().iter().map(|misplaced| format!("; {misplaced}")).collect();
+        complain(&format!(
+            "note: this word is right, but the SHA-256 of its file is not the one in the manifest{order}"
+        ));
     }
     if let Some(mismatch) = vector.mismatch() {
         let unused = if args.got.is_empty() { "" } else { "; --got was not compared with it" };
@@ -104,26 +106,24 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     }
 }
 
-fn write_vcd(path: &Path, explanation: &Explanation) -> Result<(), Failure> {
-    let write = || {
-        let mut file = OutputFile::create(path)?;
-        file.write_all(vcd(explanation).as_bytes())?;
-        file.commit()
-    };
-    let failed = || format!("cannot write {}", path.display());
-    write().into_diagnostic().wrap_err_with(failed).map_err(Failure::Error)
+/// An index that a set does not have is one of the command line.
+pub(super) fn unreadable(error: VectorError) -> Failure {
+    match error {
+        VectorError::Index { .. } => Failure::Usage(error.to_string()),
+        error => error.into(),
+    }
 }
 
-/// The set and the index.
-fn split(args: &ExplainArgs) -> Result<(&str, u64), Failure> {
-    if let Some(index) = args.index {
-        return Ok((&args.set, index));
+/// The set and the index, in one argument or with an index of its own.
+pub(super) fn split(set: &str, index: Option<u64>) -> Result<(&str, u64), Failure> {
+    if let Some(index) = index {
+        return Ok((set, index));
     }
     let usage = |problem: String| {
         Failure::Usage(format!("{problem}; write 'SET#INDEX' in quotes, INDEX from 0, or SET --index INDEX"))
     };
-    let Some((set, index)) = args.set.rsplit_once('#') else {
-        return Err(usage(format!("`{}` names no vector", args.set)));
+    let Some((set, index)) = set.rsplit_once('#') else {
+        return Err(usage(format!("`{set}` names no vector")));
     };
     // No sign and no white space: what `parse` takes beside digits is no index.
     match index.parse() {
@@ -133,7 +133,7 @@ fn split(args: &ExplainArgs) -> Result<(&str, u64), Failure> {
 }
 
 /// The manifest of a set, or what there is instead.
-fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
+pub(super) fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     if set.is_dir() {
         let manifests = manifests_in(set)?;
         let stems: Vec<_> =
@@ -147,7 +147,7 @@ fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     }
     Ok(match set.extension() {
         Some(extension) if extension == "json" => set.into(),
-        Some(extension) if extension == "hex" => set.with_extension("json"),
+        Some(extension) if extension == "hex" || extension == "bin" => set.with_extension("json"),
         _ => {
             let mut name = set.as_os_str().to_owned();
             name.push(".json");
@@ -156,14 +156,15 @@ fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-fn describe(
+pub(super) fn describe(
     out: &mut impl Write,
     explanation: &Explanation,
     device: Option<&DeviceWord>,
     mismatch: Option<&Mismatch>,
 ) -> io::Result<()> {
-    let Explanation { set, profile, datapath, index, line, fields, status, decisions, wrong } = explanation;
-    writeln!(out, "{set} #{index} (line {line}): {datapath}, profile {profile}")?;
+    let Explanation { set, profile, datapath, index, line, fields, stage, status, decisions, wrong } = explanation;
+    let of = stage.as_ref().map_or_else(String::new, |stage| format!("stage {stage} of "));
+    writeln!(out, "{set} #{index} (line {line}): {of}{datapath}, profile {profile}")?;
     let what = match (device, mismatch) {
         (Some(_), _) => Some("got"),
         (None, Some(_)) => Some("in the file"),
@@ -205,8 +206,10 @@ fn describe(
         let note = if decision.note.is_empty() { String::new() } else { format!("; {}", decision.note) };
         writeln!(out, "{}: {}{float64}{note}", decision.what, decision.taken)?;
     }
-    let status = if status.is_empty() { "nothing".into() } else { status.join(", ") };
-    writeln!(out, "status: {status}")?;
+    if stage.is_none() {
+        let status = if status.is_empty() { "nothing".into() } else { status.join(", ") };
+        writeln!(out, "status: {status}")?;
+    }
     match (wrong, mismatch) {
         (Some(wrong), None) => writeln!(out, "wrong: {}", first_wrong(explanation, wrong)),
         (None, None) if device.is_some() => writeln!(out, "every field that was given is right"),

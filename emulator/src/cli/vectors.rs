@@ -1,4 +1,4 @@
-//! `roughxel vectors export|verify|explain|bench|list|format|rom|c`.
+//! `roughxel vectors export|merge|verify|explain|bench|minimise|report|distil|list|format|rom|c`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -9,21 +9,32 @@ use miette::{Context, IntoDiagnostic};
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::input::open_file;
-use roughxel_emulator::output::{OutputFile, write_files};
+use roughxel_emulator::net::verilog::VerilogError;
+use roughxel_emulator::output::write_files;
+use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetInfo, VectorError, VectorSet, Verification, Words,
-    c_library_files, export_with, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
+    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, StageSet, VectorError, VectorSet,
+    Verification, Words, c_library_files, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
 use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
-use super::{CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile};
+use super::distil::{self, DistilArgs};
+use super::grade::{self, GradeArgs};
+use super::merge::{self, MergeArgs};
+use super::minimise::{self, MinimiseArgs};
+use super::{
+    CONVENTIONS, Failure, ProfileArg, check_directory, effects, explain, on_one_line, parse_profile,
+    remove_abandoned_in, write_text,
+};
 
-/// Vectors of a smoke set of reflections, of lights, and of the random ones, at most.
-const SMOKE_REFLECTIONS: u64 = 1000;
-const SMOKE_LIGHTS: u64 = 200;
+/// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
+/// a datapath together below a thousand.
+const SMOKE_CASES: u64 = 14;
+const SMOKE_ALONE: u64 = 66;
+const SMOKE_CHOSEN: u64 = 400;
 const SMOKE_RANDOM: u64 = 256;
 
 #[derive(Subcommand)]
@@ -31,6 +42,9 @@ pub(super) enum VectorsCommand {
     /// Write sets of vectors: packed hex and a JSON manifest each.
     #[command(after_help = CONVENTIONS)]
     Export(ExportArgs),
+    /// Join the parts of sets that `export --shard` wrote.
+    #[command(long_about = merge::LONG_HELP, after_help = CONVENTIONS)]
+    Merge(MergeArgs),
     /// Recompute every value of sets and compare; name set, index, stage, field and bit of each difference.
     #[command(after_help = CONVENTIONS)]
     Verify(VerifyArgs),
@@ -40,6 +54,15 @@ pub(super) enum VectorsCommand {
     /// Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
     #[command(long_about = bench::LONG_HELP, after_help = CONVENTIONS)]
     Bench(BenchArgs),
+    /// Say how good sets are: which mistakes in a device they would show.
+    #[command(long_about = grade::LONG_HELP, after_help = CONVENTIONS)]
+    Report(GradeArgs),
+    /// Write a set of few vectors that show the same mistakes as many.
+    #[command(long_about = distil::LONG_HELP, after_help = CONVENTIONS)]
+    Distil(DistilArgs),
+    /// Find the simplest inputs that a device still gets wrong in the same stage as a vector.
+    #[command(long_about = minimise::LONG_HELP, after_help = CONVENTIONS)]
+    Minimise(MinimiseArgs),
     /// List the sets that can be exported.
     List(ListArgs),
     /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
@@ -89,8 +112,8 @@ pub(super) struct ExportArgs {
     /// Other random sets than the published ones, which are seed 0.
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// The smoke sets kept in the repository: hard cases and 256 random vectors of each datapath under `standard`, 256
-    /// random vectors of each under `compact` and `narrow`.
+    /// The smoke sets kept in the repository: of each datapath 400 chosen and 256 random vectors under `standard`, `compact` and
+    /// `narrow`, under `standard` hard cases by name, too.
     #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
     /// Words as records of bytes, NAME.bin, for programs, instead of as text, NAME.hex, for simulators.
@@ -99,9 +122,28 @@ pub(super) struct ExportArgs {
     /// Inputs and outputs only, without the outcomes of stages between them.
     #[arg(long, conflicts_with = "smoke")]
     no_taps: bool,
+    /// Sets of one stage instead: what goes in and out of its Verilog module (`reflect`, `columns_pixel`), or of each of its modules
+    /// (`columns`), as `verilog --stage` names them. Sets whose datapath has no such stage are left out.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps", "shard", "resume"])]
+    stage: Option<String>,
+    /// Part K of N of each set alone, K from 1, as SET_PROFILE.KofN: a contiguous range of its vectors. `vectors merge` joins all
+    /// parts to what an export without this option writes, to the byte. A set has no more parts than vectors.
+    #[arg(long, value_name = "K/N", value_parser = parse_shard)]
+    shard: Option<Shard>,
+    /// Keep the sets that are in DIR already, whole and the same: made by this version of the program from the same options,
+    /// with words of the SHA-256 in the manifest. For an export that was interrupted.
+    #[arg(long)]
+    resume: bool,
     /// Summary as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// `K/N`.
+fn parse_shard(text: &str) -> Result<Shard, String> {
+    let number = |text: &str| text.parse().ok().filter(|_| text.bytes().all(|c| c.is_ascii_digit()));
+    let shard = text.split_once('/').and_then(|(k, n)| Shard::new(number(k)?, number(n)?));
+    shard.ok_or_else(|| format!("a part is K/N, K from 1 to N and N at most {MAX_VECTORS}, such as 2/8"))
 }
 
 #[derive(Args)]
@@ -148,9 +190,13 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Rom(args) => rom(args),
         VectorsCommand::C(args) => c(args),
         VectorsCommand::Export(args) => export(args),
+        VectorsCommand::Merge(args) => merge::run(args),
         VectorsCommand::Verify(args) => verify_all(args),
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
+        VectorsCommand::Report(args) => grade::run(args),
+        VectorsCommand::Distil(args) => distil::run(args),
+        VectorsCommand::Minimise(args) => minimise::run(args),
         VectorsCommand::List(args) => list(args),
     }
 }
@@ -162,7 +208,19 @@ struct Export<'a> {
     effects: Option<Effects>,
     frame: Option<FrameSystem>,
     words: Words,
+    /// The stage that the sets are of.
+    stage: Option<&'a str>,
+    shard: Option<Shard>,
+    /// Whether sets that are there stay.
+    resume: bool,
     directory: &'a Path,
+}
+
+/// A set that was written, or was there.
+struct Exported {
+    directory: PathBuf,
+    manifest: Manifest,
+    kept: bool,
 }
 
 impl Export<'_> {
@@ -172,19 +230,19 @@ impl Export<'_> {
         Effects { frame, ..self.effects.unwrap_or(of_set) }
     }
 
-    /// `most` vectors of a set of hard cases, evenly spread.
-    fn cases(&self, set: &VectorSet, most: u64) -> Result<Manifest, VectorError> {
-        let all = set.cases.count();
+    /// `most` vectors of a set of hard cases.
+    fn cases(&self, set: &VectorSet, most: u64) -> Result<Vec<Exported>, Failure> {
+        let all = set.inputs.len() as u64;
         let count = most.min(all);
         if count < all {
             complain(&format!("note: {} has {all} vectors, {count} of them are written", set.name));
         }
-        let info = self.info(set.name, set.description, None, set.cases.datapath(), set.effects);
-        self.write(&info, count, &|index| set.cases.inputs(index * all / count))
+        let info = self.info(set.name, set.description, None, set.datapath, set.effects);
+        self.write(&info, count, &|index| set.part(index, count))
     }
 
     /// A random set.
-    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Manifest, VectorError> {
+    fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Vec<Exported>, Failure> {
         let (name, _, description) = RANDOM_SETS[datapath as usize];
         let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
         let info = self.info(name, description, Some(&seed), datapath, Effects::ALL);
@@ -204,16 +262,75 @@ impl Export<'_> {
         SetInfo { name, description, seed, datapath, effects, precision: *precision, profile, words: self.words }
     }
 
+    /// Writes a set, its part or, where it may stay and is there, nothing; or those of the modules of the stage. There are none where the
+    /// part has no vectors, or the set's datapath no such stage.
     fn write(
         &self,
         info: &SetInfo<'_>,
         count: u64,
         input: &(dyn Fn(u64) -> Inputs + Sync),
-    ) -> Result<Manifest, VectorError> {
-        let bar = progress(count, info.name);
-        let manifest = export_with(info, count, input, self.directory, &|done| bar.set_position(done));
+    ) -> Result<Vec<Exported>, Failure> {
+        let directory = self.directory.to_path_buf();
+        if let Some(stage) = self.stage {
+            let write = |set: StageSet| {
+                let bar = progress(count * set.runs().len() as u64, &format!("{}_{}", info.name, set.name()));
+                let manifest = set.export(info, count, input, &directory, &|done| bar.set_position(done));
+                bar.finish_and_clear();
+                Ok(Exported { directory: directory.clone(), manifest: manifest?, kept: false })
+            };
+            return match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
+                Err(VerilogError::UnknownStage { .. }) => Ok(Vec::new()),
+                sets => sets?.into_iter().map(write).collect(),
+            };
+        }
+        let mut set = SetExport::new(info, count);
+        if let Some(shard) = self.shard {
+            let Some(part) = set.of_shard(shard) else {
+                let (set, number) = (info.name, shard.number());
+                complain(&format!(
+                    "note: {set} has {count} vectors and so {count} parts; there is no part {number} of it"
+                ));
+                return Ok(Vec::new());
+            };
+            set = part;
+        }
+        if self.resume
+            && let Some(manifest) = set.present(&directory)
+        {
+            return Ok(vec![Exported { directory, manifest, kept: true }]);
+        }
+        let indices = set.indices();
+        let bar = progress(indices.end - indices.start, info.name);
+        let manifest = set.write(input, &directory, &|done| bar.set_position(done));
         bar.finish_and_clear();
-        manifest
+        Ok(vec![Exported { directory, manifest: manifest?, kept: false }])
+    }
+
+    /// Checks that the sets, each with its datapath and effects, have the stage: each of those that were `named`, or any of all.
+    fn check_stage<'b>(
+        &self,
+        named: bool,
+        sets: impl Iterator<Item = (&'b str, Datapath, Effects)>,
+    ) -> Result<(), Failure> {
+        let Some(stage) = self.stage else { return Ok(()) };
+        let unknown = |who: &str, known: &[String]| {
+            let hint = did_you_mean(stage, known.iter().map(String::as_str));
+            Err(Failure::Usage(format!("{who} no stage `{stage}`; {hint}there are {}", known.join(", "))))
+        };
+        let mut all: Vec<String> = Vec::new();
+        for (set, datapath, effects) in sets {
+            match StageSet::of(datapath, &self.effects(effects), &self.profile.precision, Some(stage)) {
+                Err(VerilogError::UnknownStage { known, .. }) if named => {
+                    return unknown(&format!("set `{set}` has"), &known);
+                }
+                Err(VerilogError::UnknownStage { known, .. }) => {
+                    all.extend(known.into_iter().filter(|name| !all.contains(name)).collect::<Vec<_>>());
+                }
+                sets if named => drop(sets?),
+                sets => return sets.map(drop).map_err(Failure::from),
+            }
+        }
+        if named { Ok(()) } else { unknown("the sets have", &all) }
     }
 }
 
@@ -223,9 +340,10 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     check_directory(output)?;
     let profile = &args.profile.open()?;
     let words = Words { taps: !args.no_taps, form: if args.bin { Form::Bin } else { Form::Hex } };
-    let export = Export { profile, effects: *effects, frame: *frame, words, directory: output };
+    let (stage, shard, resume) = (args.stage.as_deref(), args.shard, args.resume);
+    let export = Export { profile, effects: *effects, frame: *frame, words, stage, shard, resume, directory: output };
     if args.smoke {
-        smoke(output, &mut written)?;
+        smoke(&export, &mut written)?;
     } else if let Some(scene) = &args.scene {
         for object in effects::planned_objects(scene, &profile.precision)? {
             for (datapath, effects) in object.plan.datapaths() {
@@ -235,19 +353,27 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
                 chosen(args, &export, |of| of == datapath, &mut written)?;
             }
         }
-        if written.is_empty() {
+        if let (Some(stage), true) = (stage, written.is_empty()) {
+            complain(&format!(
+                "no object of the scene has a datapath with the stage `{stage}`, so there are no vectors"
+            ));
+        } else if written.is_empty() {
             complain("no object of the scene reflects or shines, so there are no vectors");
         }
     } else {
         chosen(args, &export, |_| true, &mut written)?;
     }
+    let kept = written.iter().filter(|set| set.kept).count();
+    if args.resume {
+        complain(&format!("note: {kept} of {} sets were there, whole and the same, and are kept", written.len()));
+    }
     let mut out = io::stdout().lock();
     if args.json {
-        let sets: Vec<_> = written.iter().map(|(_, manifest)| summary(manifest)).collect();
+        let sets: Vec<_> = written.iter().map(summary).collect();
         writeln!(out, "{:#}", json!({ "directory": output.display().to_string(), "sets": sets }))?;
     } else {
         let mut table = new_table(["set", "datapath", "profile", "vectors", "bits a word", "file"]);
-        for (directory, manifest) in &written {
+        for Exported { directory, manifest, .. } in &written {
             let Manifest { set, datapath, profile, count, word_bits, files, .. } = manifest;
             let file = directory.strip_prefix(output).unwrap_or(directory).join(&files[0].name);
             let [count, bits, file] = [count.to_string(), word_bits.to_string(), file.display().to_string()];
@@ -258,15 +384,12 @@ fn export(args: &ExportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Sets that were written, with their directories.
-type Written = Vec<(PathBuf, Manifest)>;
-
 /// The sets of the command line, of the wanted datapaths.
 fn chosen(
     args: &ExportArgs,
     export: &Export<'_>,
     of: impl Fn(Datapath) -> bool,
-    written: &mut Written,
+    written: &mut Vec<Exported>,
 ) -> Result<(), Failure> {
     let cases = hard_sets(&export.profile.precision);
     let names = || cases.iter().map(|set| set.name).chain(RANDOM_SETS.map(|(name, ..)| name));
@@ -275,36 +398,53 @@ fn chosen(
         return Err(Failure::Usage(format!("set `{unknown}` is unknown; there are {}", names.join(", "))));
     }
     let wanted = |name: &str| args.sets.is_empty() || args.sets.iter().any(|set| set == name);
-    let mut add = |manifest| written.push((export.directory.to_path_buf(), manifest));
-    for set in cases.iter().filter(|set| wanted(set.name) && of(set.cases.datapath())) {
-        add(export.cases(set, MAX_VECTORS)?);
+    if args.scene.is_none() {
+        let of_cases = cases.iter().map(|set| (set.name, set.datapath, set.effects));
+        let of_random = RANDOM_SETS.map(|(name, datapath, _)| (name, datapath, Effects::ALL));
+        let sets = of_cases.chain(of_random).filter(|(name, ..)| wanted(name));
+        export.check_stage(!args.sets.is_empty(), sets)?;
+    }
+    remove_abandoned_in(export.directory);
+    for set in cases.iter().filter(|set| wanted(set.name) && of(set.datapath)) {
+        written.extend(export.cases(set, MAX_VECTORS)?);
     }
     for (_, datapath, _) in RANDOM_SETS.iter().filter(|(name, datapath, _)| wanted(name) && of(*datapath)) {
-        add(export.random(*datapath, args.count, args.seed)?);
+        written.extend(export.random(*datapath, args.count, args.seed)?);
     }
     Ok(())
 }
 
-/// The sets kept in the repository.
-fn smoke(directory: &Path, written: &mut Written) -> Result<(), Failure> {
-    let mut add = |manifest| written.push((directory.to_path_buf(), manifest));
+/// The sets kept in the repository: of the options those that say which part, whether sets stay, and where.
+fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failure> {
+    remove_abandoned_in(options.directory);
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
         let profile = &named.into();
-        let export = Export { profile, effects: None, frame: None, words: Words::default(), directory };
-        for set in hard_sets(&profile.precision).iter().filter(|_| named == Profile::Standard) {
-            let is_reflection = set.cases.datapath() == Datapath::Reflection;
-            add(export.cases(set, if is_reflection { SMOKE_REFLECTIONS } else { SMOKE_LIGHTS })?);
+        let export = Export { profile, ..*options };
+        for set in hard_sets(&profile.precision).iter().filter(|set| set.best_first || named == Profile::Standard) {
+            let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
+            let most = match is_alone {
+                _ if set.best_first => SMOKE_CHOSEN,
+                true => SMOKE_ALONE,
+                false => SMOKE_CASES,
+            };
+            written.extend(export.cases(set, most)?);
         }
         for datapath in Datapath::ALL {
-            add(export.random(datapath, SMOKE_RANDOM, 0)?);
+            written.extend(export.random(datapath, SMOKE_RANDOM, 0)?);
         }
     }
     Ok(())
 }
 
-fn summary(manifest: &Manifest) -> serde_json::Value {
-    let Manifest { set, profile, count, word_bits, files, .. } = manifest;
-    json!({ "set": set, "profile": profile.name, "count": count, "word_bits": word_bits, "files": files })
+fn summary(set: &Exported) -> serde_json::Value {
+    let Exported { manifest: Manifest { set, profile, count, part, word_bits, files, .. }, kept, .. } = set;
+    let mut summary = json!({
+        "set": set, "profile": profile.name, "count": count, "word_bits": word_bits, "files": files, "kept": kept
+    });
+    if let Some(part) = part {
+        summary["part"] = json!(part);
+    }
+    summary
 }
 
 fn verify_all(args: &VerifyArgs) -> Result<(), Failure> {
@@ -365,18 +505,23 @@ fn with_causes(error: &VectorError) -> String {
 }
 
 fn describe(out: &mut impl Write, path: &Path, result: &Verification) -> io::Result<()> {
-    let Verification { set, profile, count, hash_matches, mismatching, mismatches } = result;
+    let Verification { set, profile, count, part, hash_matches, mismatching, mismatches, misplaced } = result;
+    let of = part.map_or_else(String::new, |part| format!(", part {} of {}", part.number, part.of));
     if result.passed() {
-        return writeln!(out, "ok       {set} ({profile}): {count} vectors");
+        return writeln!(out, "ok       {set} ({profile}{of}): {count} vectors");
     }
     let hash = if *hash_matches { "the file's SHA-256 is right" } else { "the file's SHA-256 differs, too" };
     match mismatching {
-        0 => writeln!(
+        0 if misplaced.is_empty() => writeln!(
             out,
-            "differs  {set} ({profile}): every vector is right, but the SHA-256 of the file is not the one in {}",
+            "differs  {set} ({profile}{of}): every vector is right, but the SHA-256 of the file is not the one in {}",
             path.display()
         )?,
-        n => writeln!(out, "differs  {set} ({profile}): {n} of {count} vectors; {hash}")?,
+        0 => writeln!(out, "differs  {set} ({profile}{of}): every vector is right, but not in its place")?,
+        n => writeln!(out, "differs  {set} ({profile}{of}): {n} of {count} vectors; {hash}")?,
+    }
+    for misplaced in misplaced {
+        writeln!(out, "  {misplaced}")?;
     }
     for mismatch in mismatches {
         writeln!(out, "  {mismatch}")?;
@@ -390,7 +535,7 @@ fn describe(out: &mut impl Write, path: &Path, result: &Verification) -> io::Res
 
 fn list(args: &ListArgs) -> Result<(), Failure> {
     let cases = hard_sets(&Precision::STANDARD);
-    let rows = cases.iter().map(|set| (set.name, set.cases.datapath(), set.cases.count().to_string(), set.description));
+    let rows = cases.iter().map(|set| (set.name, set.datapath, set.inputs.len().to_string(), set.description));
     let random = RANDOM_SETS.map(|(name, datapath, description)| (name, datapath, "--count".to_owned(), description));
     let rows = rows.chain(random);
     let mut out = io::stdout().lock();
@@ -419,12 +564,7 @@ fn format(args: &FormatArgs) -> Result<(), Failure> {
     let page = page.into_diagnostic().wrap_err_with(|| failed("read")).map_err(Failure::Error)?;
     let page =
         in_page(&page).into_diagnostic().wrap_err_with(|| failed("put the tables into")).map_err(Failure::Error)?;
-    let write = || {
-        let mut file = OutputFile::create(path)?;
-        file.write_all(page.as_bytes())?;
-        file.commit()
-    };
-    write().into_diagnostic().wrap_err_with(|| failed("write")).map_err(Failure::Error)
+    Ok(write_text(path, &page)?)
 }
 
 fn rom(args: &RomArgs) -> Result<(), Failure> {

@@ -4,19 +4,19 @@
 //! the fields of the manifest; the order of the outputs is that in which the stages run.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
-use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::VectorError;
-use super::export::hex_digest;
 use super::layout::{Direction, Field};
+use super::lines::is_whole;
 use super::manifest::Manifest;
+use super::order::{misplaced, with_cause};
 use crate::input::open_file;
-use crate::net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
+use crate::net::verilog::{Interface, Options, PortDescription, Stage, Verilog, VerilogError};
 use crate::output::{OutputFile, WriteError, write_files};
 
 /// The texts, with the name of each file.
@@ -43,7 +43,7 @@ pub const BENCH_README: &str = include_str!("bench/README.md");
 /// What the bench in SystemVerilog drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Device {
-    /// The generated Verilog of the set's datapath, effects and profile, in `rtl`.
+    /// The generated Verilog of the set's datapath or stage, effects and profile, in `rtl`.
     Generated,
     /// A skeleton with a line a field.
     Blank,
@@ -56,12 +56,18 @@ pub enum BenchError {
     #[error(transparent)]
     Set(#[from] VectorError),
     /// The words are not those that the manifest was written for.
-    #[error("{}: its SHA-256 is not the one in {}; the file was changed or cut short: export the set again", .words.display(), .manifest.display())]
+    #[error(
+        "{}: its SHA-256 is not the one in {}{order}; the file was changed: export the set again (`roughxel vectors verify` says which \
+         words differ)",
+        .words.display(), .manifest.display()
+    )]
     Damaged {
         /// The hex file.
         words: PathBuf,
         /// The manifest.
         manifest: PathBuf,
+        /// Words that are out of order; begins with a semicolon.
+        order: String,
     },
     /// The generated Verilog has other ports than the set has fields.
     #[error("{}: {problem}; a bench with a device to be filled in is made with `--device blank`", .manifest.display())]
@@ -94,6 +100,8 @@ pub struct Bench {
     inputs: Vec<Field>,
     /// Taps and what leaves, earliest stage first.
     outputs: Vec<Field>,
+    /// The module of the stage, where the set is of one.
+    stage: Option<Interface>,
 }
 
 impl Bench {
@@ -106,6 +114,13 @@ impl Bench {
         if !(1..=64).contains(&manifest.set.len()) || !manifest.set.bytes().all(good) {
             return Err(VectorError::Name(manifest.set).into());
         }
+        if let Some(part) = manifest.part {
+            let problem = format!(
+                "it is part {} of {} of a set; benches are of whole ones: join the parts with `roughxel vectors merge`",
+                part.number, part.of
+            );
+            return Err(VectorError::Manifest { path: manifest_path.into(), problem }.into());
+        }
         let missing = || VectorError::Manifest {
             path: manifest_path.into(),
             problem: "lists no file of words (NAME.hex), which simulators read; export the set again without --bin"
@@ -113,14 +128,17 @@ impl Bench {
         };
         let entry = manifest.files.iter().find(|file| file.name.ends_with(".hex")).ok_or_else(missing)?;
         let words_path = manifest_path.with_file_name(&entry.name);
-        let mut hash = Sha256::new();
-        let error = |source| VectorError::Io { action: "read", path: words_path.clone(), source };
-        io::copy(&mut open_file(&words_path).map_err(error)?, &mut Hasher(&mut hash)).map_err(error)?;
-        if hex_digest(hash) != entry.sha256 {
-            return Err(BenchError::Damaged { words: words_path, manifest: manifest_path.into() });
+        let layout = manifest.layout(manifest_path)?;
+        let is_whole = is_whole(manifest_path, &manifest, &layout);
+        if !is_whole.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))? {
+            let order = misplaced(manifest_path, &manifest, &layout);
+            return Err(BenchError::Damaged {
+                words: words_path,
+                manifest: manifest_path.into(),
+                order: order.iter().map(|misplaced| format!("; {misplaced}")).collect(),
+            });
         }
 
-        let layout = manifest.layout();
         let fields = |wanted: &[Direction]| -> Vec<(usize, Field)> {
             let of = manifest.fields.iter().enumerate().filter(|(_, field)| wanted.contains(&field.direction));
             of.map(|(index, field)| (layout.rank(index), field.clone())).collect()
@@ -136,7 +154,8 @@ impl Bench {
         // Of a stage the fields stay in the word's order.
         outputs.sort_by_key(|(rank, _)| *rank);
         let [inputs, outputs] = [inputs, outputs].map(|fields| fields.into_iter().map(|(_, field)| field).collect());
-        Ok(Self { manifest, manifest_path: manifest_path.into(), words_path, inputs, outputs })
+        let stage = layout.stage().map(Stage::interface);
+        Ok(Self { manifest, manifest_path: manifest_path.into(), words_path, inputs, outputs, stage })
     }
 
     /// Set and profile, as the set's files are named: the folder of the bench.
@@ -167,10 +186,16 @@ impl Bench {
         write_files(directory, rtl.map(|(file, text)| (format!("rtl/{file}"), text)))?;
         let texts = TEMPLATES.map(|(file, text)| (file.replace("@NAME@", &name), filled(text, &values)));
         write_files(directory, texts.into_iter().filter(|(file, _)| !kept.contains(file)))?;
-        for (from, to) in [(&self.words_path, "words.hex"), (&self.manifest_path, "set.json")] {
-            copy(from, &directory.join(to))?;
-        }
+        self.write_words(directory)?;
         Ok(kept)
+    }
+
+    /// Writes words and manifest alone, into a bench that was written for as many vectors of the same fields.
+    ///
+    /// Errors: a file cannot be read or written.
+    pub(super) fn write_words(&self, directory: &Path) -> Result<(), BenchError> {
+        let files = [(&self.words_path, "words.hex"), (&self.manifest_path, "set.json")];
+        files.into_iter().try_for_each(|(from, to)| copy(from, &directory.join(to)))
     }
 
     /// The stem as a name in SystemVerilog, VHDL and Python.
@@ -178,7 +203,7 @@ impl Bench {
         identifier(&self.stem())
     }
 
-    /// The datapath of the set with the set's effects and profile.
+    /// The datapath or the stage of the set with the set's effects and profile.
     fn verilog(&self) -> Result<Verilog, BenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let options = Options {
@@ -186,7 +211,7 @@ impl Bench {
             precision: profile.knobs,
             effects: *effects,
             depth: None,
-            stage: None,
+            stage: self.stage.as_ref().map(|stage| stage.module.clone()),
             prefix: String::new(),
         };
         let error = |source| BenchError::Verilog { manifest: self.manifest_path.clone(), source };
@@ -197,7 +222,8 @@ impl Bench {
     fn values(&self, verilog: Option<&Verilog>) -> Result<Vec<(&'static str, String)>, BenchError> {
         let (stem, name, Self { manifest, inputs, outputs, .. }) = (self.stem(), self.name(), self);
         let bits = |fields: &[Field]| fields.iter().map(|field| field.width).sum::<u32>().to_string();
-        let (purpose, body) = match verilog.and_then(|verilog| verilog.top.as_ref()) {
+        let module = verilog.and_then(|verilog| self.stage.as_ref().or(verilog.top.as_ref()));
+        let (purpose, body) = match module {
             Some(top) => {
                 let purpose = "Here that is the generated Verilog in rtl; a device of your own takes its place.";
                 (purpose, self.connected(top)?)
@@ -244,16 +270,19 @@ impl Bench {
         let inputs = lines(&self.inputs, |field| format!("  //   inputs.{}: {}", column(field), note(field)));
         let outputs =
             lines(&self.outputs, |field| format!("  assign outputs.{} = '0;  // {}", column(field), note(field)));
-        format!(
-            "  // A device without registers; one with registers delays valid and stops where out_ready is low.\n  \
-             assign in_ready  = out_ready;\n  assign out_valid = in_valid;\n\n  // The inputs:\n{inputs}\n\n{outputs}"
-        )
+        format!("{PASSED_THROUGH}\n  // The inputs:\n{inputs}\n\n{outputs}")
     }
 
-    /// The body that connects the generated top: a port for each field, and no other.
+    /// The body that connects the generated top, or the module of a stage: a port for each field, and no other. Taps that the set does not
+    /// have stay open.
     fn connected(&self, top: &Interface) -> Result<String, BenchError> {
         let inputs = self.paired(&self.inputs, &top.inputs)?;
-        let outputs = self.paired(&self.outputs, &top.outputs)?;
+        let (compared, open): (Vec<_>, Vec<_>) = top
+            .outputs
+            .iter()
+            .cloned()
+            .partition(|port| self.manifest.taps || self.outputs.iter().any(|field| field.port == port.name));
+        let outputs = self.paired(&self.outputs, &compared)?;
         let wire = |port: &PortDescription| {
             let sign = if port.signed { "signed " } else { "" };
             format!("  wire {sign}[{}:0] {}", port.width - 1, port.port)
@@ -267,11 +296,17 @@ impl Bench {
         for (_, port) in &outputs {
             text += &format!("{};\n", wire(port));
         }
-        let handshake = ["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready"];
         let ports = inputs.iter().chain(&outputs).map(|(_, port)| port.port.as_str());
-        let connections: Vec<String> =
-            handshake.into_iter().chain(ports).map(|name| format!(".{name}({name})")).collect();
-        text += &format!("\n  {} datapath (\n    {}\n  );\n", top.module, connections.join(",\n    "));
+        let (instance, handshake) = match self.stage {
+            Some(_) => ("stage", &[][..]),
+            None => ("datapath", &["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready"][..]),
+        };
+        if self.stage.is_some() {
+            text += &format!("\n{PASSED_THROUGH}");
+        }
+        let connected = handshake.iter().copied().chain(ports).map(|name| format!(".{name}({name})"));
+        let connections: Vec<String> = connected.chain(open.iter().map(|port| format!(".{}()", port.port))).collect();
+        text += &format!("\n  {} {instance} (\n    {}\n  );\n", top.module, connections.join(",\n    "));
         for (field, port) in &outputs {
             let value = shifted(&port.port, port.width, field.width, -scale(field, port));
             text += &format!("\n  assign outputs.{} = {value};", column(field));
@@ -302,24 +337,16 @@ impl Bench {
     }
 }
 
-/// A hash as something to write to.
-struct Hasher<'a>(&'a mut Sha256);
-
-impl Write for Hasher<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
+/// The handshake of a device without registers.
+const PASSED_THROUGH: &str = "  \
+  // A device without registers; one with registers delays valid and stops where out_ready is low.
+  assign in_ready  = out_ready;
+  assign out_valid = in_valid;
+";
 
 /// Copies a file; the copy appears whole or not at all.
 fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {
-    let mut source =
-        File::open(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
+    let mut source = open_file(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
     let write = |source: &mut File| {
         let mut file = OutputFile::create(to)?;
         io::copy(source, &mut file)?;

@@ -47,7 +47,7 @@ fn note(declared: &Declared) -> String {
 
 /// What it may be, in units of 1.
 fn range(declared: &Declared) -> String {
-    let ((low, high), fraction) = (declared.column.limits, declared.column.port_fraction);
+    let ((low, high), fraction) = (declared.column.port_limits, declared.column.port_fraction);
     let unit = 1_i64 << fraction;
     // Declared ranges begin and end at whole numbers, the upper end among them or the last number below it.
     if high % unit == 0 {

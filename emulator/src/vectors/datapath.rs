@@ -11,7 +11,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
 
 use crate::lanes::{Columns, Reading};
-use crate::net::record::{filled, integers};
+use crate::net::record::{filled, integers, integers_at};
 
 /// The wires of all ports of a datapath's design.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,35 @@ pub enum Inputs {
     Highlight(HighlightInput<i32>),
     /// Of a light on a peak.
     Peak(PeakInput<i32>),
+}
+
+impl Inputs {
+    /// Those with these integers on their wires.
+    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(wires(integers)),
+            Datapath::Highlight => Self::Highlight(wires(integers)),
+            Datapath::Peak => Self::Peak(wires(integers)),
+        }
+    }
+
+    /// The integers on the ports of the recorded design, on words of the profile's width.
+    pub(super) fn recorded(&self, p: &Precision) -> Vec<i64> {
+        match self {
+            Self::Reflection(wires) => integers_at(wires, p),
+            Self::Highlight(wires) => integers_at(wires, p),
+            Self::Peak(wires) => integers_at(wires, p),
+        }
+    }
+
+    /// The integers on them.
+    pub(super) fn integers(&self) -> Vec<i64> {
+        match self {
+            Self::Reflection(wires) => integers(wires),
+            Self::Highlight(wires) => integers(wires),
+            Self::Peak(wires) => integers(wires),
+        }
+    }
 }
 
 impl From<&ReflectionIn> for Inputs {

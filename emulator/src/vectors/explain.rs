@@ -20,8 +20,9 @@ pub use self::real::Real;
 use super::VectorError;
 use super::datapath::wires;
 use super::layout::{Direction, Field, Layout};
-use super::lines::{Line, Lines};
+use super::lines::Lines;
 use super::manifest::Manifest;
+use super::order::{Misplaced, misplaced, with_cause};
 use super::verify::{Checker, Mismatch};
 use super::word::{check_value, read_word};
 use crate::spelling::did_you_mean;
@@ -40,6 +41,7 @@ pub struct Vector {
     /// How the word in the file differs.
     mismatch: Option<Mismatch>,
     hash_matches: bool,
+    misplaced: Vec<Misplaced>,
 }
 
 /// What a device has of a vector: the bits of each field that it gave, in the word's order.
@@ -60,13 +62,16 @@ pub struct Explanation {
     pub profile: String,
     /// Its datapath.
     pub datapath: &'static str,
-    /// Index of the vector, from 0.
+    /// Index of the vector in the whole set, from 0.
     pub index: u64,
     /// Line of the hex file, from 1.
     pub line: u64,
     /// The fields in the order of the pipeline, inputs first; those of one stage in the word's order.
     pub fields: Vec<Explained>,
-    /// Names of the sticky bits that are set.
+    /// The module, where the set is of a stage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
+    /// Names of the sticky bits that are set; none of the set of a stage.
     pub status: Vec<&'static str>,
     /// Which way the datapath decided, and the reference.
     pub decisions: Vec<Decision>,
@@ -140,25 +145,45 @@ impl Vector {
     /// Errors: see [`VectorError`]. A word that differs is no error, see [`Vector::mismatch`].
     pub fn read(manifest_path: &Path, index: u64) -> Result<Self, VectorError> {
         let manifest = Manifest::read(manifest_path)?;
-        if index >= manifest.count {
-            return Err(VectorError::Index { path: manifest_path.into(), index, count: manifest.count });
+        let (layout, indices) = (manifest.layout(manifest_path)?, manifest.indices());
+        if !indices.contains(&index) {
+            return Err(VectorError::Index { path: manifest_path.into(), index, indices });
         }
-        let layout = manifest.layout();
+        let vector = Self::of(manifest_path, manifest.clone(), layout.clone(), index);
+        vector.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))
+    }
+
+    fn of(manifest_path: &Path, manifest: Manifest, layout: Layout, index: u64) -> Result<Self, VectorError> {
         let mut lines = Lines::open(manifest_path, &manifest)?;
+        let checker = Checker { layout: &layout, manifest: &manifest };
         let mut wanted = None;
         while let Some(line) = lines.next()? {
+            let bits = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
             if line.index == index {
-                wanted = Some(line);
+                wanted = Some((line, bits));
             }
         }
-        let line = wanted.ok_or_else(|| lines.wrong_count())?;
-        let checker = Checker { layout: &layout, manifest: &manifest };
-        let read = |line: &Line| Ok((checker.compare(line)?, line.bits(&layout)?));
-        let compared = read(&line).map_err(|problem: String| lines.problem(line.number, problem));
+        let (line, found) = wanted.ok_or_else(|| lines.wrong_count())?;
+        let mismatch = checker.compare(&line).map_err(|problem| lines.problem(line.number, problem))?;
         let hash_matches = lines.hash_matches()?;
-        let (mismatch, found) = compared?;
+        let misplaced = if hash_matches { Vec::new() } else { misplaced(manifest_path, &manifest, &layout) };
         let (expected, _) = checker.expected(&found);
-        Ok(Self { layout, index, line: line.number, found, expected, mismatch, hash_matches, manifest })
+        Ok(Self { layout, index, line: line.number, found, expected, mismatch, hash_matches, misplaced, manifest })
+    }
+
+    /// The manifest of its set.
+    pub(super) fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// The layout of its words.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The fields' bits in the file.
+    pub(super) fn bits(&self) -> &[u32] {
+        &self.found
     }
 
     /// How the word in the file differs from what its inputs give; `None` where it is right.
@@ -169,6 +194,11 @@ impl Vector {
     /// Whether the file of the set is the one its manifest was written for, byte for byte.
     pub fn hash_matches(&self) -> bool {
         self.hash_matches
+    }
+
+    /// What is out of order in the file, where it is not the one of the manifest; at most ten things.
+    pub fn misplaced(&self) -> &[Misplaced] {
+        &self.misplaced
     }
 
     /// A device's word: whole, in the set's format with its underscores or without, or `FIELD=HEX` for each field that the device
@@ -254,7 +284,11 @@ impl Vector {
         };
         let integers: Vec<i64> = fields.iter().zip(&self.expected).map(|(field, &bits)| field.integer(bits)).collect();
         let integer_of = |name: &str| fields.iter().position(|field| field.name == name).map(|place| integers[place]);
-        let float64 = self.float64(&Taken(&integer_of));
+        // Of a stage alone there is no reference.
+        let float64 = match self.layout.stage() {
+            Some(_) => Float64::default(),
+            None => self.float64(&Taken(&integer_of)),
+        };
 
         let mut order: Vec<usize> = (0..fields.len()).collect();
         order.sort_by_key(|&place| self.layout.rank(place));
@@ -295,6 +329,7 @@ impl Vector {
             index: self.index,
             line: self.line,
             fields: explained,
+            stage: self.manifest.stage.as_ref().map(|stage| stage.module.clone()),
             status: StatusBit::of(*datapath)
                 .filter(|bit| status & i64::from(bit.mask()) != 0)
                 .map(StatusBit::name)

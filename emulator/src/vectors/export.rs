@@ -1,24 +1,22 @@
 //! Export: inputs through their datapath into `NAME.hex` or `NAME.bin`, then `NAME.json`.
 
-use std::fs;
-use std::io::{self, Write};
+mod stage;
+
 use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use sha2::{Digest, Sha256};
 
 use super::datapath::{Batch, Inputs};
+use super::files::{SetFiles, size_and_hash};
 use super::layout::Layout;
-use super::manifest::{FORMAT_VERSION, FileEntry, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
+use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed, StageEntry};
+use super::part::{Part, Shard};
+use super::sets::SEED_RULE;
 use super::word::{check_of, pack, write_record, write_word};
 use super::{MAX_VECTORS, VectorError};
-use crate::output::OutputFile;
-
-/// How [`crate::random::SplitMix64::for_element`] finds the numbers of one vector.
-const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15)";
 
 /// Words of a task: the wires of all stages stay in a processor's cache.
 const TASK: u64 = 1 << 9;
@@ -62,13 +60,6 @@ impl Default for Words {
     }
 }
 
-impl SetInfo<'_> {
-    /// Name of the set's files without extension: set and profile, so that one directory holds several profiles.
-    pub fn file_stem(&self) -> String {
-        format!("{}_{}", self.name, self.profile)
-    }
-}
-
 /// Exports a set into `directory`, which is made if it is not there. The inputs are those of the datapath that `info` names.
 ///
 /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
@@ -88,80 +79,140 @@ pub fn export_with(
     directory: &Path,
     progress: &dyn Fn(u64),
 ) -> Result<Manifest, VectorError> {
-    let good = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
-    for name in [info.name, info.profile] {
-        if !(1..=64).contains(&name.len()) || !name.bytes().all(good) {
-            return Err(VectorError::Name(name.into()));
+    SetExport::new(info, count).write(input, directory, progress)
+}
+
+/// A set to export, or a part of it.
+#[derive(Clone, Debug)]
+pub struct SetExport<'a> {
+    info: &'a SetInfo<'a>,
+    /// Vectors of the whole set.
+    count: u64,
+    part: Option<Part>,
+    layout: Layout,
+    /// The stage that it is of.
+    stage: Option<StageEntry>,
+}
+
+impl<'a> SetExport<'a> {
+    /// A whole set of `count` vectors.
+    pub fn new(info: &'a SetInfo<'a>, count: u64) -> Self {
+        let SetInfo { datapath, effects, precision, words, .. } = info;
+        let layout = Layout::new(*datapath, &effects.of(*datapath), precision, words.taps);
+        Self { info, count, part: None, layout, stage: None }
+    }
+
+    /// A set of a stage, whose words have this layout.
+    fn of_stage(info: &'a SetInfo<'a>, count: u64, layout: Layout, stage: StageEntry) -> Self {
+        Self { info, count, part: None, layout, stage: Some(stage) }
+    }
+
+    /// What a shard has of it; `None` where the set has fewer vectors than there are shards, and this one none of them.
+    pub fn of_shard(self, shard: Shard) -> Option<Self> {
+        Part::of(self.count, shard).map(|part| Self { part: Some(part), ..self })
+    }
+
+    /// The vectors, by their indices in the whole set.
+    pub fn indices(&self) -> Range<u64> {
+        self.part.map_or(0..self.count, |part| part.indices())
+    }
+
+    /// The set as it would be written, where it is in `directory` already: a manifest of this version of the program for the same
+    /// set, seed, knobs, effects, fields and part, and words of the size and the SHA-256 that it says.
+    pub fn present(&self, directory: &Path) -> Option<Manifest> {
+        self.check().ok()?;
+        let wanted = self.manifest();
+        let found = Manifest::read(&directory.join(wanted.stem() + ".json")).ok()?;
+        let [entry] = &found.files[..] else { return None };
+        let is_same = entry.name == wanted.words_name(self.info.words.form)
+            && Manifest { files: found.files.clone(), ..wanted } == found;
+        let of_words = || size_and_hash(&directory.join(&entry.name)).ok();
+        (is_same && of_words()? == (entry.bytes, entry.sha256.clone())).then_some(found)
+    }
+
+    /// Exports it: vector i is `input(i)`, i an index of the whole set. A batch is in memory at a time; `progress` is told how many
+    /// are done.
+    ///
+    /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
+    pub fn write(
+        &self,
+        input: &(dyn Fn(u64) -> Inputs + Sync),
+        directory: &Path,
+        progress: &dyn Fn(u64),
+    ) -> Result<Manifest, VectorError> {
+        self.write_words(&|vectors| written(&self.layout, self.info, vectors, input), directory, progress)
+    }
+
+    /// As [`write`](Self::write), with what makes the words of some vectors as they are written.
+    fn write_words(
+        &self,
+        words_of: &(dyn Fn(Range<u64>) -> Result<Vec<u8>, VectorError> + Sync),
+        directory: &Path,
+        progress: &dyn Fn(u64),
+    ) -> Result<Manifest, VectorError> {
+        self.check()?;
+        let manifest = self.manifest();
+        let mut files = SetFiles::create(&manifest, self.info.words.form, directory)?;
+        let all = self.indices();
+        let batch = |start: u64| -> Vec<Result<Vec<u8>, VectorError>> {
+            let vectors = start..all.end.min(start + BATCH);
+            let tasks: Vec<_> =
+                vectors.clone().step_by(TASK as usize).map(|first| first..vectors.end.min(first + TASK)).collect();
+            tasks.into_par_iter().map(words_of).collect()
+        };
+        let mut ready = batch(all.start);
+        for start in all.clone().step_by(BATCH as usize) {
+            let write = || -> Result<(), VectorError> {
+                for task in ready {
+                    files.write(&task?)?;
+                }
+                Ok(())
+            };
+            let (done, next) = rayon::join(write, || batch(start + BATCH));
+            done?;
+            ready = next;
+            progress(all.end.min(start + BATCH) - all.start);
+        }
+        files.commit(manifest)
+    }
+
+    /// Errors: names that make bad file names, too few or too many vectors.
+    fn check(&self) -> Result<(), VectorError> {
+        let good = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
+        for name in [self.info.name, self.info.profile] {
+            if !(1..=64).contains(&name.len()) || !name.bytes().all(good) {
+                return Err(VectorError::Name(name.into()));
+            }
+        }
+        if !(1..=MAX_VECTORS).contains(&self.count) {
+            return Err(VectorError::Size { set: self.info.name.into(), count: self.count });
+        }
+        Ok(())
+    }
+
+    /// The manifest, the words' entry left out.
+    fn manifest(&self) -> Manifest {
+        let info = self.info;
+        let indices = self.indices();
+        Manifest {
+            schema: SCHEMA.into(),
+            format_version: FORMAT_VERSION,
+            generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")).into(),
+            set: info.name.into(),
+            description: info.description.into(),
+            profile: ProfileKnobs { name: info.profile.into(), knobs: info.precision },
+            datapath: info.datapath,
+            stage: self.stage.clone(),
+            effects: info.effects.of(info.datapath),
+            seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
+            taps: info.words.taps,
+            count: indices.end - indices.start,
+            part: self.part,
+            word_bits: self.layout.word_bits(),
+            files: Vec::new(),
+            fields: self.layout.fields().to_vec(),
         }
     }
-    if !(1..=MAX_VECTORS).contains(&count) {
-        return Err(VectorError::Size { set: info.name.into(), count });
-    }
-    let stem = info.file_stem();
-    let file_name = format!("{stem}.{}", info.words.form.extension());
-    let (words_path, json_path) = (directory.join(&file_name), directory.join(format!("{stem}.json")));
-    let error = |path: &Path| {
-        let path = path.to_path_buf();
-        move |source: io::Error| VectorError::Io { action: "write", path, source }
-    };
-    fs::create_dir_all(directory).map_err(error(directory))?;
-
-    let effects = info.effects.of(info.datapath);
-    let layout = Layout::new(info.datapath, &effects, &info.precision, info.words.taps);
-    let mut words = Hashed::new(OutputFile::create(&words_path).map_err(error(&words_path))?);
-    if info.words.form == Form::Hex {
-        let title = format!(
-            "// roughxel vectors: set {}, profile {}, {count} words of {} bits, fields in {stem}.json\n",
-            info.name,
-            info.profile,
-            layout.word_bits()
-        );
-        words.write(title.as_bytes()).map_err(error(&words_path))?;
-    }
-    let batch = |start: u64| -> Vec<Result<Vec<u8>, VectorError>> {
-        let vectors = start..count.min(start + BATCH);
-        let tasks: Vec<_> =
-            vectors.clone().step_by(TASK as usize).map(|first| first..vectors.end.min(first + TASK)).collect();
-        tasks.into_par_iter().map(|vectors| written(&layout, info, vectors, input)).collect()
-    };
-    let mut ready = batch(0);
-    for start in (0..count).step_by(BATCH as usize) {
-        let write = || -> Result<(), VectorError> {
-            for task in ready {
-                words.write(&task?).map_err(error(&words_path))?;
-            }
-            Ok(())
-        };
-        let (done, next) = rayon::join(write, || batch(start + BATCH));
-        done?;
-        ready = next;
-        progress(count.min(start + BATCH));
-    }
-
-    let Hashed { file, hash, bytes } = words;
-    let manifest = Manifest {
-        schema: SCHEMA.into(),
-        format_version: FORMAT_VERSION,
-        generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")).into(),
-        set: info.name.into(),
-        description: info.description.into(),
-        profile: ProfileKnobs { name: info.profile.into(), knobs: info.precision },
-        datapath: info.datapath,
-        effects,
-        seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
-        taps: info.words.taps,
-        count,
-        word_bits: layout.word_bits(),
-        files: vec![FileEntry { name: file_name, bytes, sha256: hex_digest(hash) }],
-        fields: layout.fields().to_vec(),
-    };
-    let mut json = OutputFile::create(&json_path).map_err(error(&json_path))?;
-    serde_json::to_writer_pretty(&mut json, &manifest).map_err(|e| error(&json_path)(e.into()))?;
-    json.write_all(b"\n").map_err(error(&json_path))?;
-    // The manifest last: a set whose words are not in place has none, or one whose hash tells.
-    file.commit().map_err(error(&words_path))?;
-    json.commit().map_err(error(&json_path))?;
-    Ok(manifest)
 }
 
 /// The words of some vectors as they are written.
@@ -172,7 +223,7 @@ fn written(
     input: &(dyn Fn(u64) -> Inputs + Sync),
 ) -> Result<Vec<u8>, VectorError> {
     let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
-    let (fields, rows, digits) = (layout.fields(), layout.rows(&batch), layout.data_digits());
+    let (fields, rows) = (layout.fields(), layout.rows(&batch));
     let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (layout.line_length() + 1));
     let (mut bits, mut packed) = (Vec::with_capacity(fields.len()), Vec::new());
     for (place, index) in vectors.enumerate() {
@@ -184,43 +235,25 @@ fn written(
                 field: field.name.clone(),
             })?);
         }
-        pack(fields, &bits, digits, &mut packed);
-        let check = check_of(&packed, digits);
-        match info.words.form {
-            Form::Hex => {
-                bits.push(check);
-                write_word(&mut text, fields, &bits);
-                text.push(b'\n');
-            }
-            Form::Bin => {
-                packed.push(check);
-                write_record(&mut text, &packed, digits);
-            }
-        }
+        append_word(&mut text, layout, &mut bits, &mut packed, info.words.form);
     }
     Ok(text)
 }
 
-/// A file and the hash of what went into it.
-struct Hashed {
-    file: OutputFile,
-    hash: Sha256,
-    bytes: u64,
-}
-
-impl Hashed {
-    fn new(file: OutputFile) -> Self {
-        Self { file, hash: Sha256::new(), bytes: 0 }
+/// Appends a word as it is written, from its fields' bits without the check value; `packed` is overwritten.
+fn append_word(text: &mut Vec<u8>, layout: &Layout, bits: &mut Vec<u32>, packed: &mut Vec<u32>, form: Form) {
+    let (fields, digits) = (layout.fields(), layout.data_digits());
+    pack(fields, bits, digits, packed);
+    let check = check_of(packed, digits);
+    match form {
+        Form::Hex => {
+            bits.push(check);
+            write_word(text, fields, bits);
+            text.push(b'\n');
+        }
+        Form::Bin => {
+            packed.push(check);
+            write_record(text, packed, digits);
+        }
     }
-
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.hash.update(bytes);
-        self.bytes += bytes.len() as u64;
-        self.file.write_all(bytes)
-    }
-}
-
-/// A hash in lower-case hex.
-pub(crate) fn hex_digest(hash: Sha256) -> String {
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

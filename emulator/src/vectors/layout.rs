@@ -17,7 +17,8 @@ use roughxel_core::status::StatusBit;
 use serde::{Deserialize, Serialize};
 
 use super::datapath::Batch;
-use crate::net::graph::Net;
+use crate::net::graph::{Net, NodeId};
+use crate::net::verilog::{Stage, StagePort, VerilogError};
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = 32;
@@ -100,10 +101,14 @@ pub struct Layout {
     fields: Vec<Field>,
     /// Where the integer of each field but the check value comes from, and how many of its low bits the profile drops.
     sources: Vec<(Source, u32)>,
+    /// The lowest and the highest integer that each of them is declared to hold.
+    limits: Vec<(i64, i64)>,
     /// Ports of the design, those without a field included.
     ports: usize,
     /// Where the stage of each field stands in the pipeline.
     ranks: Vec<usize>,
+    /// The stage that the fields are the ports of; `None` of a whole datapath.
+    stage: Option<Stage>,
 }
 
 impl Layout {
@@ -111,9 +116,49 @@ impl Layout {
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
         let net = Net::of(Design::of(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
-        let columns = columns(&net, datapath, p).into_iter().filter(is_shown);
-        let (mut fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
-            columns.map(|column| (column.field, (column.source, column.drop))).unzip();
+        let columns: Vec<Column> = columns(&net, datapath, p).into_iter().filter(is_shown).collect();
+        let limits = columns.iter().map(|column| column.limits).collect();
+        let (fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
+            columns.into_iter().map(|column| (column.field, (column.source, column.drop))).unzip();
+        // In the order in which the stages run; inputs are before, the check value after all of them.
+        let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
+        for (rank, run) in net.runs.iter().enumerate() {
+            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
+            runs.insert(run.base(), rank + 1);
+        }
+        let rank = |field: &Field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX);
+        Self::placed(fields, sources, limits, net.ports.len(), rank)
+    }
+
+    /// The fields of a stage: the ports of its module in their order, inputs first.
+    ///
+    /// Errors: a port with more bits than a field can have, or with places before its binary point alone. No named profile has one.
+    pub(super) fn of_stage(stage: &Stage) -> Result<Self, VerilogError> {
+        let inputs = stage.inputs.iter().enumerate().map(|(place, port)| (port, Source::Port(place)));
+        let outputs = stage.outputs.iter().enumerate().map(|(place, port)| (port, Source::Output(place)));
+        let (mut fields, mut sources, mut limits) = (Vec::new(), Vec::new(), Vec::new());
+        for (port, source) in inputs.chain(outputs) {
+            fields.push(stage_field(stage, port, source)?);
+            sources.push((source, port.format.zeros));
+            let range = port.format.range;
+            limits.push((range.low >> port.format.zeros, range.high >> port.format.zeros));
+        }
+        let rank = |field: &Field| match field.direction {
+            Direction::In => 0,
+            Direction::Tap | Direction::Out => 1,
+            Direction::Check => usize::MAX,
+        };
+        Ok(Self { stage: Some(stage.clone()), ..Self::placed(fields, sources, limits, stage.inputs.len(), rank) })
+    }
+
+    /// The fields at their places in the word, with the check value behind them.
+    fn placed(
+        mut fields: Vec<Field>,
+        sources: Vec<(Source, u32)>,
+        limits: Vec<(i64, i64)>,
+        ports: usize,
+        rank: impl Fn(&Field) -> usize,
+    ) -> Self {
         fields.push(Field {
             name: "check".into(),
             direction: Direction::Check,
@@ -132,14 +177,13 @@ impl Layout {
             field.lsb = lsb;
             lsb += 4 * field.digits();
         }
-        // In the order in which the stages run; inputs are before, the check value after all of them.
-        let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
-        for (rank, run) in net.runs.iter().enumerate() {
-            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
-            runs.insert(run.base(), rank + 1);
-        }
-        let ranks = fields.iter().map(|field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX)).collect();
-        Self { fields, sources, ports: net.ports.len(), ranks }
+        let ranks = fields.iter().map(rank).collect();
+        Self { fields, sources, limits, ports, ranks, stage: None }
+    }
+
+    /// The stage that the fields are the ports of; `None` of a whole datapath.
+    pub(super) fn stage(&self) -> Option<&Stage> {
+        self.stage.as_ref()
     }
 
     /// Where the stage of a field stands in the pipeline: of several differing fields that of the earliest one is named first.
@@ -186,6 +230,21 @@ impl Layout {
         self.fields.iter().zip(&self.sources).enumerate().map(encode_field).collect()
     }
 
+    /// The bits of the input fields, which a word begins with, of the integers of ports; `None` if one is too narrow for its integer.
+    pub(super) fn input_bits(&self, inputs: &[i64]) -> Option<Vec<u32>> {
+        let of_port = |(field, &(source, drop)): (&Field, &(Source, u32))| match source {
+            Source::Port(place) => Some(field.bits(inputs[place], drop)),
+            Source::Output(_) => None,
+        };
+        self.fields.iter().zip(&self.sources).map_while(of_port).collect()
+    }
+
+    /// Whether a field, not the check value, is declared to hold that integer.
+    pub(super) fn allows(&self, field: usize, integer: i64) -> bool {
+        let (low, high) = self.limits[field];
+        (low..=high).contains(&integer)
+    }
+
     /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
     pub(super) fn rows<'a>(&self, batch: &'a Batch) -> Vec<(&'a [i32], u32)> {
         let row = |&(source, drop): &(Source, u32)| match source {
@@ -193,6 +252,18 @@ impl Layout {
             Source::Output(place) => (batch.output(place), drop),
         };
         self.sources.iter().map(row).collect()
+    }
+
+    /// Wires of the recorded design that fields between the ports and behind them show, with the bits of each that they do.
+    pub(super) fn shown(&self, net: &Net, p: &Precision) -> Vec<(NodeId, u64)> {
+        let shown = |(field, &(source, drop)): (&Field, &(Source, u32))| match source {
+            Source::Port(_) => None,
+            Source::Output(place) => {
+                let output = &net.outputs[place];
+                Some((output.node, u64::from(mask(field.width)) << (drop - below(output.mantissa, p))))
+            }
+        };
+        self.fields.iter().zip(&self.sources).filter_map(shown).collect()
     }
 
     /// The integers of the ports in the fields' bits of a word; ports without a field are 0.
@@ -205,6 +276,43 @@ impl Layout {
         }
         inputs
     }
+}
+
+/// Bits of a soft core's mantissa that the words of a profile do not have.
+fn below(mantissa: bool, p: &Precision) -> u32 {
+    if mantissa { 32 - p.word_bits() } else { 0 }
+}
+
+/// A port of a stage's module as a field, its place in the word left out.
+fn stage_field(stage: &Stage, port: &StagePort, source: Source) -> Result<Field, VerilogError> {
+    let StagePort { name, format, wire, path } = port;
+    let (width, fraction_bits) = (format.width(), format.stored_fraction_bits());
+    let (1..=32, Ok(fraction_bits)) = (width, u32::try_from(fraction_bits)) else {
+        return Err(VerilogError::NoField { port: name.clone(), width, fraction_bits });
+    };
+    let (direction, maker) = match source {
+        Source::Port(_) => (Direction::In, "input"),
+        Source::Output(_) => (Direction::Out, stage.name.as_str()),
+    };
+    let run = match &stage.runs[..] {
+        [first, _, ..] if matches!(source, Source::Port(_)) => format!(" (of {})", first.instance),
+        _ => String::new(),
+    };
+    let texts = fields(path).map(|field| field.text.trim().trim_end_matches('.')).filter(|text| !text.is_empty());
+    let description: Vec<String> = std::iter::once(format!("{wire}{run}")).chain(texts.map(str::to_owned)).collect();
+    Ok(Field {
+        name: name.clone(),
+        direction,
+        stage: maker.into(),
+        port: name.clone(),
+        lsb: 0,
+        width,
+        signed: format.signed(),
+        fraction_bits,
+        unit: fields(path).filter(|field| !field.unit.is_empty()).last().map_or("", |field| field.unit).into(),
+        tolerance: 0,
+        description: description.join(": "),
+    })
 }
 
 /// The lowest `width` bits, 1…32.
@@ -225,10 +333,12 @@ pub(super) struct Column {
     /// An operation reads it, or it is no constant.
     pub(super) exists: bool,
     /// The lowest and the highest integer of its port, which has `port_fraction` fraction bits.
-    pub(super) limits: (i64, i64),
+    pub(super) port_limits: (i64, i64),
     /// Fraction bits of the port, none of them dropped.
     pub(super) port_fraction: u32,
     source: Source,
+    /// The lowest and the highest integer of the field.
+    limits: (i64, i64),
     /// Low bits of the wire that the profile drops.
     drop: u32,
 }
@@ -236,11 +346,10 @@ pub(super) struct Column {
 /// Every port and every output of a datapath's design, in the order of its bundles.
 pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Column> {
     // The integers are those of the soft core's ports: of narrower words the upper bits.
-    let below = 32 - p.word_bits();
     let read = net.ports_read();
     let ports = net.ports.iter().zip(read).enumerate().map(|(place, (port, read))| {
         let mantissas = mantissas(&port.path, net.ports.iter().map(|port| &port.path[..]));
-        let below = if port.mantissa { below } else { 0 };
+        let below = below(port.mantissa, p);
         let wire = Wire {
             path: &port.path,
             port: &port.name,
@@ -253,7 +362,7 @@ pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Colum
     });
     let outputs = net.outputs.iter().zip(&net.limits).enumerate().map(|(place, (output, &(low, high)))| {
         let mantissas = mantissas(&output.path, net.outputs.iter().map(|output| &output.path[..]));
-        let below = if output.mantissa { below } else { 0 };
+        let below = below(output.mantissa, p);
         let wire = Wire {
             path: &output.path,
             port: &output.name,
@@ -350,8 +459,8 @@ impl Wire<'_> {
                 _ => text.clone(),
             },
         };
-        let (limits, port_fraction) = (self.limits, self.fraction_bits);
-        Column { field, declared: self.declared_path(), text, kept, exists, limits, port_fraction, source, drop }
+        let (port_limits, port_fraction, limits) = (self.limits, self.fraction_bits, (low, high));
+        Column { field, declared: self.declared_path(), text, kept, exists, port_limits, port_fraction, source, limits, drop }
     }
 
     /// The innermost field with a unit: of a block that is the block.

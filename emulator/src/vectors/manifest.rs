@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
 
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
@@ -10,7 +11,8 @@ use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
-use super::{MAX_VECTORS, VectorError};
+use super::part::Part;
+use super::{MAX_VECTORS, VectorError, stage};
 use crate::input::open_file;
 
 /// Value of `schema`.
@@ -39,6 +41,9 @@ pub struct Manifest {
     /// The datapath.
     #[serde(with = "DatapathDef")]
     pub datapath: Datapath,
+    /// The stage of it whose ports the fields are; `None` of a set of the whole datapath.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<StageEntry>,
     /// Effects of it that were on; those of other datapaths are off.
     #[serde(with = "EffectsDef")]
     pub effects: Effects,
@@ -49,6 +54,9 @@ pub struct Manifest {
     pub taps: bool,
     /// Vectors.
     pub count: u64,
+    /// Which part of a set it is; `None` of a whole one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
     /// Bits of a word.
     pub word_bits: u32,
     /// The files of the set; there is one, the words.
@@ -76,6 +84,16 @@ pub struct ProfileKnobs {
     /// Its knobs.
     #[serde(with = "PrecisionDef")]
     pub knobs: Precision,
+}
+
+/// A stage with a set of its own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageEntry {
+    /// The Verilog module whose ports the fields are.
+    pub module: String,
+    /// The runs of it, a vector each, one base vector after the other.
+    pub runs: Vec<String>,
 }
 
 /// How a seeded set's fragments are found again.
@@ -161,6 +179,9 @@ impl Manifest {
         if !(1..=MAX_VECTORS).contains(&self.count) {
             return Err(format!("count {} is not in 1 to {MAX_VECTORS}", self.count));
         }
+        if let Some(part) = self.part {
+            part.check(self.count)?;
+        }
         let [file] = &self.files[..] else {
             return Err(format!("{} files listed, format {FORMAT_VERSION} has one", self.files.len()));
         };
@@ -173,7 +194,32 @@ impl Manifest {
         if self.effects != self.effects.of(self.datapath) {
             return Err(format!("effects that the datapath `{}` does not have are on", self.datapath.name()));
         }
-        self.check_fields(&self.layout())
+        self.check_fields(&self.own_layout()?)
+    }
+
+    /// Name of its files without extension: set and profile, so that one directory holds several profiles, and which part it is.
+    pub fn stem(&self) -> String {
+        format!("{}{}", self.whole_stem(), self.part.map_or_else(String::new, |part| part.suffix()))
+    }
+
+    /// That of the whole set.
+    pub(super) fn whole_stem(&self) -> String {
+        format!("{}_{}", self.set, self.profile.name)
+    }
+
+    /// Name of the file of its words.
+    pub(super) fn words_name(&self, form: Form) -> String {
+        format!("{}.{}", self.stem(), form.extension())
+    }
+
+    /// Vectors of the whole set.
+    pub(super) fn whole_count(&self) -> u64 {
+        self.part.map_or(self.count, |part| part.whole_count)
+    }
+
+    /// The vectors, by their indices in the whole set.
+    pub fn indices(&self) -> Range<u64> {
+        self.part.map_or(0..self.count, |part| part.indices())
     }
 
     /// How its words are written.
@@ -183,8 +229,20 @@ impl Manifest {
     }
 
     /// The layout of its words.
-    pub(super) fn layout(&self) -> Layout {
-        Layout::new(self.datapath, &self.effects, &self.profile.knobs, self.taps)
+    ///
+    /// Errors: a stage that this version does not have, which a manifest that was read does not name.
+    pub(super) fn layout(&self, path: &Path) -> Result<Layout, VectorError> {
+        self.own_layout().map_err(|problem| VectorError::Manifest { path: path.into(), problem })
+    }
+
+    fn own_layout(&self) -> Result<Layout, String> {
+        match &self.stage {
+            None => Ok(Layout::new(self.datapath, &self.effects, &self.profile.knobs, self.taps)),
+            Some(_) if !self.taps => Err("`taps` is false, but the set of a stage has none".into()),
+            Some(StageEntry { module, runs }) => {
+                stage::layout(self.datapath, &self.effects, &self.profile.knobs, module, runs)
+            }
+        }
     }
 
     fn check_fields(&self, layout: &Layout) -> Result<(), String> {

@@ -1,12 +1,13 @@
 //! The sets there are: every hard case of each datapath, and seeded random ones.
 
-use roughxel_core::plan::{Datapath, Effects};
-use roughxel_core::ports::{HighlightIn, PeakIn, ReflectionIn};
+use roughxel_core::plan::{Datapath, Effects, ReflectionPlan};
 use roughxel_core::precision::Precision;
 
 use super::datapath::Inputs;
-use crate::cases::highlight::{highlight_sets, random_light};
-use crate::cases::lit_peak::{lit_peak_sets, random_lit_peak};
+use super::manifest::Manifest;
+use crate::cases::highlight::{self, highlight_sets, random_light};
+use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
+use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak};
 use crate::cases::{CaseSet, hard_case_sets, random_fragment};
 
 /// The random set of each datapath: its name, and what it holds.
@@ -16,47 +17,20 @@ pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
     ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
 ];
 
-/// Inputs of a listed set.
-#[derive(Clone, Debug)]
-pub enum Cases {
-    /// Fragments that reflect.
-    Reflection(Vec<ReflectionIn>),
-    /// Lights on surfaces.
-    Highlight(Vec<HighlightIn>),
-    /// Lights on peaks.
-    Peak(Vec<PeakIn>),
-}
+/// How [`crate::random::SplitMix64::for_element`] finds the numbers of one vector.
+pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15)";
 
-impl Cases {
-    /// Their datapath.
-    pub const fn datapath(&self) -> Datapath {
-        match self {
-            Self::Reflection(_) => Datapath::Reflection,
-            Self::Highlight(_) => Datapath::Highlight,
-            Self::Peak(_) => Datapath::Peak,
-        }
-    }
+/// The vectors of all other sets and of 200 000 random ones that show most mistakes, those that show most first, for each datapath: name
+/// of the set, and a line a vector. Made by `roughxel vectors distil` under `standard` (vectors/README.md has the commands).
+const CHOSEN: [(&str, Datapath, &str); 3] = [
+    ("chosen", Datapath::Reflection, include_str!("chosen/reflection.txt")),
+    ("chosen_highlight", Datapath::Highlight, include_str!("chosen/highlight.txt")),
+    ("chosen_peak", Datapath::Peak, include_str!("chosen/peak.txt")),
+];
 
-    /// How many.
-    pub fn count(&self) -> u64 {
-        let count = match self {
-            Self::Reflection(cases) => cases.len(),
-            Self::Highlight(cases) => cases.len(),
-            Self::Peak(cases) => cases.len(),
-        };
-        count as u64
-    }
-
-    /// The ports of one; `index` is below the count.
-    pub fn inputs(&self, index: u64) -> Inputs {
-        let index = index as usize;
-        match self {
-            Self::Reflection(cases) => (&cases[index]).into(),
-            Self::Highlight(cases) => (&cases[index]).into(),
-            Self::Peak(cases) => (&cases[index]).into(),
-        }
-    }
-}
+/// What the sets of ports at their limits hold.
+const LIMITS: &str =
+    "exponents to both ends of 16 bits and far apart, mantissas of few bits or none, most negative words, any edge";
 
 /// A named set of hard cases and the effects they go through.
 #[derive(Clone, Debug)]
@@ -67,27 +41,104 @@ pub struct VectorSet {
     pub description: &'static str,
     /// Effects that are on.
     pub effects: Effects,
-    /// Its inputs.
-    pub cases: Cases,
+    /// Its datapath.
+    pub datapath: Datapath,
+    /// What goes into its ports.
+    pub inputs: Vec<Inputs>,
+    /// Its first vectors are its best.
+    pub best_first: bool,
+}
+
+impl VectorSet {
+    /// Vector `index` of `count`, at most all: the first ones where they are the best, else spread evenly.
+    pub fn part(&self, index: u64, count: u64) -> Inputs {
+        let all = self.inputs.len() as u64;
+        self.inputs[if self.best_first { index } else { index * all / count } as usize]
+    }
+}
+
+/// Where the inputs of an exported set come from.
+pub(super) enum Source {
+    /// A seed.
+    Seed(String),
+    /// The list of its hard cases.
+    Listed(VectorSet),
+}
+
+impl Source {
+    /// That of a set; `None` of captured fragments, of a stage alone, or where another version had other cases.
+    pub(super) fn of(manifest: &Manifest) -> Option<Self> {
+        if manifest.stage.is_some() {
+            return None;
+        }
+        if let Some(seed) = &manifest.seed {
+            return (seed.rule == SEED_RULE).then(|| Self::Seed(seed.name.clone()));
+        }
+        let is_it = |set: &VectorSet| set.name == manifest.set && set.datapath == manifest.datapath;
+        let set = hard_sets(&manifest.profile.knobs).into_iter().find(is_it)?;
+        (manifest.whole_count() <= set.inputs.len() as u64).then_some(Self::Listed(set))
+    }
+
+    /// The ports of a vector, by its index in the whole set.
+    pub(super) fn inputs(&self, index: u64, manifest: &Manifest) -> Inputs {
+        match self {
+            Self::Seed(seed) => random_set(manifest.datapath, seed, index, &manifest.profile.knobs),
+            Self::Listed(set) => set.part(index, manifest.whole_count()),
+        }
+    }
 }
 
 /// Every set of hard cases, datapath by datapath.
 pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
-    fn vectors<C, P: Into<Effects>>(
-        sets: Vec<CaseSet<C, P>>,
-        cases: fn(Vec<C>) -> Cases,
-    ) -> impl Iterator<Item = VectorSet> {
-        sets.into_iter().map(move |CaseSet { name, description, cases: all, plan }| VectorSet {
+    fn vectors<C, P: Into<Effects>>(sets: Vec<CaseSet<C, P>>, datapath: Datapath) -> impl Iterator<Item = VectorSet>
+    where
+        for<'a> &'a C: Into<Inputs>,
+    {
+        sets.into_iter().map(move |CaseSet { name, description, cases, plan }| VectorSet {
             name,
             description,
             effects: plan.into(),
-            cases: cases(all),
+            datapath,
+            inputs: cases.iter().map(Into::into).collect(),
+            best_first: false,
         })
     }
-    let reflections = vectors(hard_case_sets(p), Cases::Reflection);
-    let highlights = vectors(highlight_sets(p), Cases::Highlight);
-    let peaks = vectors(lit_peak_sets(p), Cases::Peak);
-    reflections.chain(highlights).chain(peaks).collect()
+    fn with<C, P>(mut sets: Vec<CaseSet<C, P>>, name: &'static str, cases: Vec<C>, plan: P) -> Vec<CaseSet<C, P>> {
+        sets.push(CaseSet { name, description: LIMITS, cases, plan });
+        sets
+    }
+    let reflections = with(hard_case_sets(p), "fragment_limits", fragment_limits(p), ReflectionPlan::FULL);
+    let highlights = with(highlight_sets(p), "highlight_limits", highlight_limits(p), highlight::FULL);
+    let peaks = with(lit_peak_sets(p), "peak_limits", peak_limits(p), lit_peak::FULL);
+    let mut sets: Vec<VectorSet> = vectors(reflections, Datapath::Reflection)
+        .chain(vectors(highlights, Datapath::Highlight))
+        .chain(vectors(peaks, Datapath::Peak))
+        .collect();
+    let chosen = CHOSEN.map(|(name, datapath, list)| VectorSet {
+        name,
+        description: "vectors of the other sets that show most mistakes, those that show most first",
+        effects: Effects::ALL,
+        datapath,
+        inputs: chosen(datapath, list, &sets, p),
+        best_first: true,
+    });
+    sets.extend(chosen);
+    sets
+}
+
+/// The listed vectors of other sets of a datapath: a line has the name of a set and an index in it.
+fn chosen(datapath: Datapath, list: &str, sets: &[VectorSet], p: &Precision) -> Vec<Inputs> {
+    let (random, ..) = RANDOM_SETS[datapath as usize];
+    let inputs = |line: &str| {
+        let (set, index) = line.split_once(' ')?;
+        let index = index.parse().ok()?;
+        if set == random {
+            return Some(random_set(datapath, random, index, p));
+        }
+        sets.iter().find(|of| of.name == set)?.inputs.get(index as usize).copied()
+    };
+    // That no line is lost is tested.
+    list.lines().filter_map(inputs).collect()
 }
 
 /// Input `index` of a datapath's random set with that seed.

@@ -12,6 +12,8 @@ use super::datapath::outcome;
 use super::layout::{Field, Layout};
 use super::lines::{Line, Lines};
 use super::manifest::Manifest;
+use super::order::{Misplaced, misplaced, with_cause};
+use super::part::Part;
 use super::word::{check_value, locate_flip};
 
 /// Most mismatches that are described; all are counted.
@@ -26,14 +28,20 @@ pub struct Verification {
     pub set: String,
     /// Its profile.
     pub profile: String,
-    /// Its vectors.
+    /// Its vectors, of a part those of the part.
     pub count: u64,
+    /// Which part of a set it is; `None` of a whole one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
     /// Whether the file is the one the manifest was written for, byte for byte.
     pub hash_matches: bool,
     /// How many vectors differ.
     pub mismatching: u64,
     /// The first of them, at most ten.
     pub mismatches: Vec<Mismatch>,
+    /// Words that are in another place than their own, missing or too many, where every word is right and yet the file is not the one
+    /// of the manifest; at most ten.
+    pub misplaced: Vec<Misplaced>,
 }
 
 impl Verification {
@@ -60,7 +68,7 @@ pub enum Cause {
 pub struct Mismatch {
     /// The set.
     pub set: String,
-    /// Index of the vector, from 0.
+    /// Index of the vector in the whole set, from 0.
     pub index: u64,
     /// Line of the file, or record, from 1.
     pub line: u64,
@@ -137,17 +145,35 @@ pub fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
 /// Errors: see [`VectorError`]. Differences are no errors, they are the result.
 pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
-    let layout = manifest.layout();
-    let mut lines = Lines::open(manifest_path, &manifest)?;
+    let layout = manifest.layout(manifest_path)?;
+    let result = compared(manifest_path, &manifest, &layout, progress);
+    let mut result = result.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))?;
+    // Words that are not as they were written have been named.
+    if !result.hash_matches && result.mismatching == 0 {
+        result.misplaced = misplaced(manifest_path, &manifest, &layout);
+    }
+    Ok(result)
+}
+
+/// All but the order of the words.
+fn compared(
+    manifest_path: &Path,
+    manifest: &Manifest,
+    layout: &Layout,
+    progress: &dyn Fn(u64),
+) -> Result<Verification, VectorError> {
+    let mut lines = Lines::open(manifest_path, manifest)?;
     let mut result = Verification {
         set: manifest.set.clone(),
         profile: manifest.profile.name.clone(),
         count: manifest.count,
+        part: manifest.part,
         hash_matches: false,
         mismatching: 0,
         mismatches: Vec::new(),
+        misplaced: Vec::new(),
     };
-    let checker = Checker { layout: &layout, manifest: &manifest };
+    let checker = Checker { layout, manifest };
     let (mut count, mut at_end) = (0, false);
     while !at_end {
         let mut batch: Vec<Line> = Vec::with_capacity(BATCH);
@@ -223,7 +249,10 @@ impl Checker<'_> {
     pub(super) fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
         let inputs = self.layout.decode(found);
         let Manifest { datapath, effects, profile, .. } = self.manifest;
-        let outputs = outcome(*datapath, &inputs, effects, &profile.knobs);
+        let outputs = match self.layout.stage() {
+            Some(stage) => stage.outcome(&inputs, &mut Vec::new()),
+            None => outcome(*datapath, &inputs, effects, &profile.knobs),
+        };
         let mut unfit = None;
         let mut bits = self.layout.encode(&inputs, &outputs).unwrap_or_else(|field| {
             unfit = Some(field);

@@ -151,15 +151,27 @@ pub(crate) fn read_record(record: &[u8], layout: &Layout) -> Result<Vec<u32>, St
     Ok(layout.fields().iter().map(bits).collect())
 }
 
+/// What is said of the first field that has not its digits, if the line has fields at all.
+fn odd_field(line: &[u8], layout: &Layout) -> String {
+    let mut parts = line.split(|&c| c == b'_').zip(layout.fields());
+    match parts.find(|(part, field)| part.len() != field.digits() as usize) {
+        Some((part, field)) if line.contains(&b'_') => {
+            format!("; field {} has {} of {} digits", field.name, part.len(), field.digits())
+        }
+        _ => String::new(),
+    }
+}
+
 /// The fields' bits of a line, padding included, or what is wrong with it.
 pub(crate) fn read_word(line: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
     if line.len() != layout.line_length() {
         let digits = line.iter().filter(|c| c.is_ascii_hexdigit()).count();
         let expected = layout.word_bits() / 4;
         return Err(format!(
-            "{} characters with {digits} hex digits, but a word of this set has {} with {expected}",
+            "{} characters with {digits} hex digits, but a word of this set has {} with {expected}{}",
             line.len(),
             layout.line_length(),
+            odd_field(line, layout),
         ));
     }
     let mut at = 0;

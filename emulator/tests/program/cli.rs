@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::process::{Command, Output, Stdio};
 
+use serde_json::json;
+
 fn roughxel(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_roughxel")).args(arguments).stdin(Stdio::null()).output().unwrap()
 }
@@ -13,7 +15,7 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 33] = [
+    let cases: [&[&str]; 37] = [
         &[],
         &["frobnicate"],
         &["eval", "--profile", "best"],
@@ -47,6 +49,10 @@ fn usage_errors_end_with_2() {
         &["verilog", "-o", "unused", "--effects", "bumps"],
         &["vectors", "export", "-o", "unused", "--scene", "lake", "--effects", "bump"],
         &["vectors", "export", "-o", "unused", "--frame", "tilted"],
+        &["vectors", "export", "-o", "unused", "--stage", "no_such_stage"],
+        &["vectors", "export", "-o", "unused", "random", "--stage", "half"],
+        &["vectors", "export", "-o", "unused", "--stage", "reflect", "--no-taps"],
+        &["vectors", "export", "-o", "unused", "--stage", "reflect", "--smoke"],
     ];
     for arguments in cases {
         let output = roughxel(arguments);
@@ -381,6 +387,26 @@ fn every_set_that_is_listed_can_be_exported() {
     };
     assert_eq!(names(&sets), names(&exported["sets"]));
     assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
+}
+
+#[test]
+fn a_stage_of_every_set_is_exported_where_the_set_has_it_and_another_name_is_suggested() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().to_str().unwrap();
+    let export = roughxel(&["vectors", "export", "-o", path, "--stage", "columns", "--count", "5", "--json"]);
+    let exported: serde_json::Value = serde_json::from_slice(&export.stdout).unwrap();
+    let sets = exported["sets"].as_array().unwrap();
+    let of_random: Vec<_> = sets.iter().filter(|set| set["set"].as_str().unwrap().starts_with("random")).collect();
+    let [pixel, rough] = &of_random[..] else { panic!("{of_random:?}") };
+    assert_eq!((&pixel["set"], &pixel["count"]), (&json!("random_columns_pixel"), &json!(10)));
+    assert_eq!((&rough["set"], &rough["count"]), (&json!("random_columns_roughness"), &json!(10)));
+    assert!(sets.len() > 10, "{sets:?}");
+    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
+
+    let unknown = stderr(&roughxel(&["vectors", "export", "-o", path, "--stage", "cube_fac"]));
+    assert!(unknown.contains("no stage `cube_fac`; did you mean `cube_face`? there are "), "{unknown}");
+    let missing = stderr(&roughxel(&["vectors", "export", "random", "-o", path, "--stage", "half"]));
+    assert!(missing.contains("set `random` has no stage `half`; there are "), "{missing}");
 }
 
 #[test]

@@ -2,10 +2,14 @@
 
 mod choose;
 mod cli;
+mod damaged;
 mod eval;
 mod explain;
 mod gallery;
+mod grade;
+mod minimise;
 mod peaks;
 mod profile;
+mod shards;
 mod study;
 mod vectors;

@@ -120,9 +120,9 @@ fn every_set_verifies_under_every_profile() {
     for profile in ["narrow", "paper", "compact", "standard", "precise"] {
         let p = Profile::by_name(profile).unwrap().precision();
         for set in hard_sets(&p) {
-            let datapath = set.cases.datapath();
+            let datapath = set.datapath;
             let info = SetInfo { datapath, effects: set.effects, ..info(set.name, profile) };
-            let (count, input) = (set.cases.count(), |index| set.cases.inputs(index));
+            let (count, input) = (set.inputs.len() as u64, |index: u64| set.inputs[index as usize]);
             let manifest = export_with(&info, count, &input, directory.path(), &|_| {}).unwrap();
             assert_eq!(manifest.count, count);
             let result = verify(&directory.path().join(format!("{}_{profile}.json", set.name)), &|_| {}).unwrap();
@@ -287,7 +287,7 @@ fn broken_words_are_named_by_file_and_line() {
         (with_line(format!("0{word}")), "characters"),
         (with_line(String::new()), "characters"),
         (with_line("0".repeat(100_000)), "longer than"),
-        (good.replace('\n', "\r\n"), "characters"),
+        (good.replace('\n', "\r\n"), "ends in CR LF"),
     ];
     for (text, problem) in cases {
         fs::write(set.hex(), text).unwrap();

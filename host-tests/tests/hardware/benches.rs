@@ -17,6 +17,10 @@ struct Written {
 
 impl Written {
     fn new(device: Device) -> Self {
+        Self::of(device, Words::default())
+    }
+
+    fn of(device: Device, words: Words) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let precision = Precision::NARROW;
         let info = SetInfo {
@@ -27,7 +31,7 @@ impl Written {
             effects: Effects::NONE,
             precision,
             profile: "narrow",
-            words: Words::default(),
+            words,
         };
         let input = |index| random_set(Datapath::Reflection, "bench", index, &precision);
         export_with(&info, 64, &input, directory.path(), &|_| {}).expect("the set can be written");
@@ -67,7 +71,7 @@ impl Written {
 }
 
 /// Whether Python finds cocotb; says so where it does not, and panics where it has to be.
-fn have_cocotb() -> bool {
+pub(super) fn have_cocotb() -> bool {
     let mut command = Command::new("python3");
     if let Some(installed) = installed_cocotb() {
         command.env("PYTHONPATH", installed);
@@ -81,7 +85,7 @@ fn have_cocotb() -> bool {
 }
 
 /// Where `.ci/run` puts it, if it did.
-fn installed_cocotb() -> Option<PathBuf> {
+pub(super) fn installed_cocotb() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/cocotb");
     folder.exists().then_some(folder)
 }
@@ -105,6 +109,22 @@ fn benches_pass_on_the_generated_verilog_and_name_what_is_broken() {
         assert!(text.contains("bench_narrow #0: stage reflect, field reflected_"), "{tool}: {text}");
         assert!(text.contains("FAIL bench_narrow: 2 of ") && text.contains("stopped there"), "{tool}: {text}");
     }
+}
+
+#[test]
+fn a_set_without_taps_has_a_bench_whose_generated_device_leaves_them_open() {
+    if !have("iverilog") {
+        return;
+    }
+    let written = Written::of(Device::Generated, Words { taps: false, ..Words::default() });
+    let device = fs::read_to_string(written.bench().join("bench_narrow_device.sv")).expect("the device");
+    assert!(device.contains("\n    .out_reflected_mantissa_0_i2f14(),\n"), "{device}");
+    let (code, text) = written.run(&["icarus"]);
+    assert!(code == Some(0) && text.contains("PASS bench_narrow: 64 vectors"), "{text}");
+    written.break_reflect();
+    let (code, text) = written.run(&["icarus", "--stop", "2"]);
+    assert_eq!(code, Some(3), "{text}");
+    assert!(text.contains("FAIL bench_narrow: 2 of ") && !text.contains("stage reflect"), "{text}");
 }
 
 #[test]

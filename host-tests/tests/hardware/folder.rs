@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Precision;
 use roughxel_emulator::vectors::{
-    Form, Manifest, RANDOM_SETS, SetInfo, Words, export_with, hard_sets, manifests_in, random_set,
+    Form, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, Words, export_with, hard_sets, manifests_in, random_set,
 };
 use roughxel_host_tests::simulators::{have, hdl, run};
 use roughxel_host_tests::space::{effects, in_turn, profiles, sweep, whole_or};
@@ -100,9 +100,9 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
         }
         // The hard cases of footprints, on the sphere.
         for set in hard_sets(&precision).iter().filter(|set| set.name.starts_with("footprint")) {
-            let (count, step) = (set.cases.count(), whole_or(1, 5));
+            let (count, step) = (set.inputs.len() as u64, whole_or(1, 5));
             let effects = Effects { footprint: FootprintKind::Sphere, ..set.effects };
-            let (name, description, datapath) = (set.name, "test", set.cases.datapath());
+            let (name, description, datapath) = (set.name, "test", set.datapath);
             let info = SetInfo {
                 name,
                 description,
@@ -113,7 +113,7 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
                 profile,
                 words: Words::default(),
             };
-            let input = |index| set.cases.inputs(index * step);
+            let input = |index| set.inputs[(index * step) as usize];
             export_with(&info, count.div_ceil(step), &input, directory.path(), &|_| {}).expect("it can be written");
         }
     }
@@ -122,7 +122,7 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
 }
 
 /// The check value of a word in hex digits without its own.
-fn check_value(digits: &str) -> u32 {
+pub(super) fn check_value(digits: &str) -> u32 {
     let bits = digits.chars().flat_map(|digit| {
         let value = digit.to_digit(16).expect("a hex digit");
         (0..4).rev().map(move |bit| value >> bit & 1)
@@ -136,9 +136,16 @@ fn altered(directory: &Path, is_checked: bool) -> PathBuf {
     for file in ["hex", "json"] {
         fs::copy(vectors("smoke").join(format!("random_standard.{file}")), path(file)).expect("the set can be copied");
     }
-    let manifest = Manifest::read(&path("json")).expect("the manifest");
+    alter(&path("json"), is_checked);
+    path("json")
+}
+
+/// The same of any set.
+fn alter(manifest_path: &Path, is_checked: bool) {
+    let manifest = Manifest::read(manifest_path).expect("the manifest");
+    let hex = manifest_path.with_extension("hex");
     let field = manifest.fields.iter().find(|field| field.name == "reflected_x").expect("a field");
-    let text = fs::read_to_string(path("hex")).expect("the words");
+    let text = fs::read_to_string(&hex).expect("the words");
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let word = lines.iter_mut().filter(|line| !line.starts_with("//")).nth(1).expect("vector 1");
     let mut digits = word.replace('_', "");
@@ -150,8 +157,45 @@ fn altered(directory: &Path, is_checked: bool) -> PathBuf {
         digits = format!("{}{:08x}", &digits[..end], check_value(&digits[..end]));
     }
     *word = digits;
-    fs::write(path("hex"), lines.join("\n") + "\n").expect("the set can be written");
-    path("json")
+    fs::write(hex, lines.join("\n") + "\n").expect("the set can be written");
+}
+
+#[test]
+fn the_python_model_reads_parts_with_the_indices_of_the_whole_set() {
+    if !have("python3") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let datapath = Datapath::Reflection;
+    let info = SetInfo {
+        name: "random",
+        description: "test",
+        seed: Some("random"),
+        datapath,
+        effects: Effects::ALL,
+        precision: Precision::STANDARD,
+        profile: "standard",
+        words: Words::default(),
+    };
+    let input = |index| random_set(datapath, "random", index, &Precision::STANDARD);
+    let parts: Vec<PathBuf> = (1..=2)
+        .map(|number| {
+            let shard = Shard::new(number, 2).expect("one of two");
+            let part = SetExport::new(&info, 40).of_shard(shard).expect("it has vectors");
+            let manifest = part.write(&input, directory.path(), &|_| {}).expect("it can be written");
+            directory.path().join(manifest.stem() + ".json")
+        })
+        .collect();
+    assert_eq!(right(&run(model().args(&parts))), 3);
+    for (is_checked, message) in [
+        (true, "1 of 20 vectors wrong; stage reflect, vector 21, reflected_x"),
+        (false, "check value of vector 21 is wrong"),
+    ] {
+        alter(&parts[1], is_checked);
+        let output = model().args(&parts).output().expect("python3 runs");
+        let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        assert!(text.contains(message), "{text}");
+    }
 }
 
 #[test]

@@ -2,6 +2,10 @@
 
 mod benches;
 mod broken;
+mod c_library;
 mod folder;
+mod grade;
+mod minimise;
 mod proof;
 mod rtl;
+mod stages;

@@ -6,6 +6,7 @@ module cube_face #(
     output wire [2:0]          face,
     output wire signed [P+1:0] s,
     output wire signed [P+1:0] t,
+    output wire signed [P+1:0] half_inverse,    // 1/(2m)
     output wire                tie
 );
     localparam M = P + 2;
@@ -35,18 +36,17 @@ module cube_face #(
             default: begin sc = -x; tc = -y; end
         endcase
 
-    wire signed [M-1:0] h;
-    half_reciprocal #(.P(P), .K(K), .STEPS(STEPS), .SEEDS(SEEDS)) inverse (.x(m), .h(h));
+    half_reciprocal #(.P(P), .K(K), .STEPS(STEPS), .SEEDS(SEEDS)) inverse (.x(m), .h(half_inverse));
 
-    function signed [M-1:0] quotient(input signed [M-1:0] c, input signed [M-1:0] half_inverse);
+    function signed [M-1:0] quotient(input signed [M-1:0] c, input signed [M-1:0] h);
         reg signed [2*M-1:0] q;
         begin
-            q = c * half_inverse;
+            q = c * h;
             q = (q + $signed({{(2*M-1){1'b0}}, 1'b1} << (P - 2))) >>> (P - 1);
             quotient = q > (1 << P) ? (1 << P) : q < -(1 << P) ? -(1 << P) : q;
         end
     endfunction
 
-    assign s = quotient(sc, h);
-    assign t = quotient(tc, h);
+    assign s = quotient(sc, half_inverse);
+    assign t = quotient(tc, half_inverse);
 endmodule

@@ -7,6 +7,8 @@ module reflect #(parameter P = 20, parameter EW = 20) (
     output wire [3*(P+2)-1:0]   r_m,
     output wire signed [EW-1:0] r_e,
     output wire                 r_zero,
+    output wire [2*(P+2)-1:0]   scalars_m,      // <v.n> lowest, |n|^2
+    output wire signed [EW-1:0] scalars_e,
     output wire                 below
 );
     localparam M  = P + 2;
@@ -27,11 +29,9 @@ module reflect #(parameter P = 20, parameter EW = 20) (
 
     wire signed [PW-1:0] vn = dot(v_m, n_m);
     wire signed [PW-1:0] nn = dot(n_m, n_m);
-    wire [2*M-1:0]       both;
-    wire signed [EW-1:0] both_e;
-    wire                 both_zero;
-    wire signed [M-1:0]  along  = both[0 +: M];
-    wire signed [M-1:0]  square = both[M +: M];
+    wire                 scalars_zero;
+    wire signed [M-1:0]  along  = scalars_m[0 +: M];
+    wire signed [M-1:0]  square = scalars_m[M +: M];
 
     wire [3*PW-1:0] exact;
     genvar a;
@@ -45,7 +45,7 @@ module reflect #(parameter P = 20, parameter EW = 20) (
 
     assign below = vn <= 0;
     normalise #(.N(2), .IW(PW), .FB(2*P), .P(P), .EW(EW)) scalars
-        (.x({nn, vn}), .e({EW{1'b0}}), .mantissas(both), .exponent(both_e), .zero(both_zero));
+        (.x({nn, vn}), .e({EW{1'b0}}), .mantissas(scalars_m), .exponent(scalars_e), .zero(scalars_zero));
     normalise #(.N(3), .IW(PW), .FB(2*P), .P(P), .EW(EW)) round
-        (.x(exact), .e(both_e + v_e + (n_e <<< 1)), .mantissas(r_m), .exponent(r_e), .zero(r_zero));
+        (.x(exact), .e(scalars_e + v_e + (n_e <<< 1)), .mantissas(r_m), .exponent(r_e), .zero(r_zero));
 endmodule

@@ -38,6 +38,18 @@ pub enum VerilogError {
         /// Modules of the design.
         known: Vec<String>,
     },
+    /// A port of a stage's module that a field of a vector cannot hold.
+    #[error(
+        "port {port} has {width} bits, {fraction_bits} of them behind the binary point; a vector's field has 1 to 32, and none or more"
+    )]
+    NoField {
+        /// The port.
+        port: String,
+        /// Its bits.
+        width: u32,
+        /// Those behind its binary point.
+        fraction_bits: i32,
+    },
     /// A text could not be put together.
     #[error("cannot format the text")]
     Format(#[from] fmt::Error),

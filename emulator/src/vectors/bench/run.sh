@@ -5,20 +5,21 @@
 #   --outputs-only   compares what leaves the datapath alone, for a device that does not show its stages
 #   --stalls         both sides of the handshake pause at random
 #   --timeout N      cycles without an output after which it gives up (10000)
+#   --built          runs what was built with this tool before, on the words as they are now: as many, of the same fields
 #   --playback       ghdl: no device, the expected words in its place, to try the bench itself
 #   --altered N      with --playback: one bit of vector N is wrong
 # Modules of rtl are found by name; rtl/*.vhd are compiled with the VHDL. OPT is the C++ compiler's (-O1). Exit code 0: every field
 # of every vector is right; 3: vectors differ, each difference is printed; 1: the comparison could not be made; 2: usage.
 set -u
 usage() {
-    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb [--stop N] [--outputs-only] [--stalls] [--timeout N] [--playback [--altered N]]" >&2
+    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb [--stop N] [--outputs-only] [--stalls] [--timeout N] [--built] [--playback [--altered N]]" >&2
     exit 2
 }
 cd "$(dirname "$0")" || exit 1
 [ $# -gt 0 ] || usage
 tool=$1
 shift
-stop=10 timeout=10000 outputs_only=0 stalls=0 playback=false altered=-1
+stop=10 timeout=10000 outputs_only=0 stalls=0 built=0 playback=false altered=-1
 while [ $# -gt 0 ]; do
     case $1 in
         --stop | --timeout | --altered)
@@ -27,6 +28,7 @@ while [ $# -gt 0 ]; do
             shift ;;
         --outputs-only) outputs_only=1 ;;
         --stalls) stalls=1 ;;
+        --built) built=1 ;;
         --playback) playback=true ;;
         *) usage ;;
     esac
@@ -42,9 +44,14 @@ build=build/$tool
 make="OPT_FAST=${OPT:--O1} OPT_SLOW=-O0 OPT_GLOBAL=${OPT:--O1} VM_PARALLEL_BUILDS=0"
 sources="@NAME@_pkg.sv @NAME@_device.sv"
 case $tool in icarus | verilator | cpp | ghdl | cocotb) ;; *) usage ;; esac
-# What was built of another device is not taken for this one.
-rm -rf "$build"
-mkdir -p "$build" || exit 1
+# What was built of another device is taken for this one only where that is asked for.
+if [ $built -eq 0 ]; then
+    rm -rf "$build"
+    mkdir -p "$build" || exit 1
+elif [ ! -d "$build" ]; then
+    echo "ERROR nothing was built with $tool: run it without --built first"
+    exit 1
+fi
 
 compile() {
     case $tool in
@@ -77,7 +84,7 @@ run() {
     esac
 }
 
-if ! compile >$build/compile.log 2>&1; then
+if [ $built -eq 0 ] && ! compile >$build/compile.log 2>&1; then
     cat $build/compile.log
     echo "ERROR the bench does not compile with $tool"
     exit 1

@@ -1,0 +1,190 @@
+//! Stages one by one: the ports of each module, and what it computes from them.
+
+use std::collections::HashMap;
+
+use roughxel_core::bundle::Step;
+use roughxel_core::design::Design;
+
+use super::context::Context;
+use super::error::VerilogError;
+use super::format::Format;
+use super::interface::{Interface, PortDescription};
+use super::module::{Module, ModulePort};
+use super::share::Group;
+use super::{Options, Prepared};
+use crate::graph::{Net, Node, NodeId, Op};
+use crate::interval::Range;
+
+/// A recorded design and the modules of its stages.
+#[derive(Clone, Debug)]
+pub struct Stages {
+    /// The whole design.
+    pub net: Net,
+    /// Those that were asked for, in the order of their first runs.
+    pub stages: Vec<Stage>,
+}
+
+/// A module of the stages of a design: its ports, its runs and its outcomes.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Name of the module, without a prefix.
+    pub name: String,
+    /// Inputs in the order of the module.
+    pub inputs: Vec<StagePort>,
+    /// Outputs in the order of the module.
+    pub outputs: Vec<StagePort>,
+    /// The runs that are instances of the module, in the order in which they run.
+    pub runs: Vec<StageRun>,
+    /// The operations of a run alone; its ports are the inputs.
+    unit: Net,
+    /// The nodes of it that are on the outputs.
+    outcomes: Vec<NodeId>,
+}
+
+/// A port of a module.
+#[derive(Clone, Debug)]
+pub struct StagePort {
+    /// Name in Verilog.
+    pub name: String,
+    /// How its integer travels on the wires.
+    pub format: Format,
+    /// What is on it in the first run: the path of a port of the design, or instance and path of an outcome.
+    pub wire: String,
+    /// What the fields of that path are declared to be; empty of a wire without a name.
+    pub path: Vec<Step>,
+}
+
+/// A run of a stage.
+#[derive(Clone, Debug)]
+pub struct StageRun {
+    /// Its name, unique in the design: `columns_pixel_1`.
+    pub instance: String,
+    /// The wires of the whole design on the inputs.
+    pub inputs: Vec<NodeId>,
+    /// Those on the outputs.
+    pub outputs: Vec<NodeId>,
+}
+
+impl Stages {
+    /// Records and proves a design and lists the modules of its stages, or those that [`Options::stage`] names.
+    ///
+    /// Errors: everything [`VerilogError`] lists.
+    pub fn new(design: Design, options: &Options) -> Result<Self, VerilogError> {
+        let prepared = Prepared::new(design, &options.effects, &options.precision)?;
+        let wanted = prepared.chosen(options.stage.as_deref())?;
+        // The text of a module, which is not kept, has no line about its origin.
+        let context = prepared.context(None, "", "");
+        let stage = |index: usize| -> Result<Stage, VerilogError> {
+            let group = &prepared.groups[index];
+            Ok(Stage::new(context, group, &prepared.module(context, group)?))
+        };
+        let stages = wanted.into_iter().map(stage).collect::<Result<_, _>>()?;
+        Ok(Self { stages, net: prepared.net })
+    }
+}
+
+impl Stage {
+    fn new(context: Context, group: &Group, module: &Module) -> Self {
+        let first = &group.runs[0];
+        let of_module = |ports: &[ModulePort], nodes: &[NodeId]| -> Vec<StagePort> {
+            ports.iter().map(|port| StagePort::new(context, port, nodes[port.place])).collect()
+        };
+        let places = |ports: &[ModulePort], nodes: &[NodeId]| ports.iter().map(|port| nodes[port.place]).collect();
+        let runs = group.runs.iter().map(|run| StageRun {
+            instance: context.net.runs[run.stage as usize].instance(),
+            inputs: places(&module.inputs, &run.inputs),
+            outputs: places(&module.outputs, &run.nodes),
+        });
+        let (unit, outcomes) = unit(context, group, module);
+        Self {
+            name: group.name.clone(),
+            inputs: of_module(&module.inputs, &first.inputs),
+            outputs: of_module(&module.outputs, &first.nodes),
+            runs: runs.collect(),
+            unit,
+            outcomes,
+        }
+    }
+
+    /// What the module makes of the integers on its inputs; `wires` is overwritten.
+    ///
+    /// The integers are those of the wires, dropped zeros included, in the order of the ports.
+    pub fn outcome(&self, inputs: &[i64], wires: &mut Vec<i64>) -> Vec<i64> {
+        self.unit.evaluate(inputs, wires);
+        self.outcomes.iter().map(|&node| wires[node as usize]).collect()
+    }
+
+    /// The module as what a bench connects: combinational, without a clock and a handshake.
+    pub fn interface(&self) -> Interface {
+        let ports = |ports: &[StagePort]| -> Vec<PortDescription> {
+            let description = |(place, StagePort { name, format, .. }): (usize, &StagePort)| {
+                let Range { low, high, .. } = format.range;
+                PortDescription::new(name, name, *format, [low, high], place)
+            };
+            ports.iter().enumerate().map(description).collect()
+        };
+        Interface { module: self.name.clone(), latency: 0, inputs: ports(&self.inputs), outputs: ports(&self.outputs) }
+    }
+}
+
+impl StagePort {
+    fn new(context: Context, port: &ModulePort, id: NodeId) -> Self {
+        let net = context.net;
+        let (wire, path) = match net.node(id).op {
+            Op::Port(number) => {
+                let port = &net.ports[number as usize];
+                (port.name.clone(), port.path.clone())
+            }
+            _ => match net.taps.iter().find(|tap| tap.node == id && tap.stage == net.node(id).stage) {
+                Some(tap) => (net.tap_name(tap), tap.path.clone()),
+                None => (String::new(), Vec::new()),
+            },
+        };
+        Self { name: port.name.clone(), format: port.format, wire, path }
+    }
+}
+
+/// The operations of the first run as a net of their own, and its outcomes.
+fn unit(context: Context, group: &Group, module: &Module) -> (Net, Vec<NodeId>) {
+    let (net, first) = (context.net, &group.runs[0]);
+    let mut taken = Taken { of: net, net: Net::default(), places: HashMap::new() };
+    for (number, port) in (0..).zip(&module.inputs) {
+        taken.add(first.inputs[port.place], Op::Port(number));
+    }
+    for &id in &first.inputs {
+        // An input that is one value in every run has no port.
+        if let Some(value) = context.ranges.of(id).constant() {
+            taken.add(id, Op::Lit(value));
+        }
+    }
+    for &id in &first.nodes {
+        for operand in net.node(id).op.operands() {
+            if let Op::Lit(value) = net.node(operand).op {
+                taken.add(operand, Op::Lit(value));
+            }
+        }
+        let op = net.node(id).op.map(|operand| taken.places[&operand]);
+        taken.add(id, op);
+    }
+    let outcomes = module.outputs.iter().map(|port| taken.places[&first.nodes[port.place]]).collect();
+    (taken.net, outcomes)
+}
+
+/// Operations that are taken from a design.
+struct Taken<'a> {
+    of: &'a Net,
+    net: Net,
+    /// Where a node of the design is in the net.
+    places: HashMap<NodeId, NodeId>,
+}
+
+impl Taken<'_> {
+    /// Takes a node over with another operation, once.
+    fn add(&mut self, id: NodeId, op: Op) {
+        let Self { of, net, places } = self;
+        places.entry(id).or_insert_with(|| {
+            net.nodes.push(Node { op, stage: None, ..*of.node(id) });
+            net.nodes.len() as NodeId - 1
+        });
+    }
+}

@@ -1,0 +1,413 @@
+//! Grade: how good sets are. Every fault of the recorded design ([`crate::net::fault`]) is tried on every vector until a field shows it,
+//! every bin ([`crate::net::bins`]) is counted, and what fields and wires attain is held against what is proven.
+//!
+//! Sets of the same datapath, effects, profile and columns are graded together: a folder is as good as all that is in it.
+
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use roughxel_core::design::Design;
+use serde::Serialize;
+
+use super::VectorError;
+use super::datapath::Inputs;
+use super::layout::{Direction, Layout};
+use super::lines::Lines;
+use super::manifest::Manifest;
+use crate::net::bins::{Bin, Bins};
+use crate::net::fault::{Effect, Fault, Faults, Simulator};
+use crate::net::graph::Net;
+use crate::net::interval::Ranges;
+use crate::net::observe::Observed;
+
+/// Vectors that faults go through at once: their wires stay in a processor's cache.
+const BATCH: usize = 32;
+/// Faults of a task.
+const TASK: usize = 256;
+
+/// How many of how many.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Score {
+    /// All.
+    pub all: usize,
+    /// Those that vectors show, meet or read.
+    pub found: usize,
+}
+
+impl Score {
+    fn count(&mut self, found: bool) {
+        self.all += 1;
+        self.found += usize::from(found);
+    }
+
+    /// Found ones in a hundred; 100 of none.
+    pub fn percent(&self) -> f64 {
+        if self.all == 0 { 100.0 } else { 100.0 * self.found as f64 / self.all as f64 }
+    }
+
+    /// Both together.
+    pub fn and(self, other: Self) -> Self {
+        Self { all: self.all + other.all, found: self.found + other.found }
+    }
+}
+
+/// The faults of a stage.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct StageScore {
+    /// The stage, in all its uses; `ports` of those that go in.
+    pub stage: String,
+    /// Bits of wires that are stuck.
+    pub stuck: Score,
+    /// Operations that are others.
+    pub slips: Score,
+}
+
+/// A table.
+#[derive(Clone, Debug, Serialize)]
+pub struct TableScore {
+    /// Its name.
+    pub table: String,
+    /// Entries that are read.
+    pub read: Score,
+    /// Entries that are off by a last place, up and down.
+    pub entries: Score,
+}
+
+/// A fault that no field shows.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unseen {
+    /// Where it is and what it is.
+    pub fault: String,
+    /// Whether it made a difference to its own wire, which no field showed.
+    pub masked: bool,
+}
+
+/// The integers of a field.
+#[derive(Clone, Debug, Serialize)]
+pub struct Attained {
+    /// The field.
+    pub field: String,
+    /// Its stage.
+    pub stage: String,
+    /// What its wire may hold, by the proof of ranges.
+    pub proven: [i64; 2],
+    /// What it held.
+    pub seen: [i64; 2],
+}
+
+/// Something that is not as it should be in sets.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Alarm {
+    /// A field that is the same in every vector.
+    Constant {
+        /// The field.
+        field: String,
+    },
+    /// Vectors with inputs that another one before them has.
+    Repeated {
+        /// How many.
+        vectors: u64,
+    },
+}
+
+impl Alarm {
+    /// The field that is always the same.
+    pub fn constant(&self) -> Option<&str> {
+        match self {
+            Self::Constant { field } => Some(field),
+            Self::Repeated { .. } => None,
+        }
+    }
+}
+
+/// How good the sets of a datapath, its effects and a profile are.
+#[derive(Clone, Debug, Serialize)]
+pub struct Grade {
+    /// The datapath.
+    pub datapath: &'static str,
+    /// The profile.
+    pub profile: String,
+    /// Whether fields between the ports count.
+    pub taps: bool,
+    /// Names of the sets.
+    pub sets: Vec<String>,
+    /// Their vectors.
+    pub vectors: u64,
+    /// The faults stage by stage, in the order of the pipeline.
+    pub stages: Vec<StageScore>,
+    /// The tables.
+    pub tables: Vec<TableScore>,
+    /// Flags on either side and comparisons at their limits.
+    pub decisions: Score,
+    /// The faults that are not seen.
+    pub unseen: Vec<Unseen>,
+    /// The bins that are not met.
+    pub unmet: Vec<String>,
+    /// What fields hold.
+    pub fields: Vec<Attained>,
+    /// What is not as it should be.
+    pub alarms: Vec<Alarm>,
+}
+
+impl Grade {
+    /// All faults.
+    pub fn faults(&self) -> Score {
+        let stages = self.stages.iter().map(|stage| stage.stuck.and(stage.slips));
+        stages.chain(self.tables.iter().map(|table| table.entries)).fold(Score::default(), Score::and)
+    }
+}
+
+/// Grades the sets of manifests, those of one design together; `progress` is told how many vectors are done.
+///
+/// Errors: see [`VectorError`].
+pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
+    let mut groups: Vec<Vec<(PathBuf, Manifest)>> = Vec::new();
+    for path in manifests {
+        let manifest = Manifest::read(path)?;
+        match groups.iter_mut().find(|sets| is_of_one_design(&sets[0].1, &manifest)) {
+            Some(sets) => sets.push((path.clone(), manifest)),
+            None => groups.push(vec![(path.clone(), manifest)]),
+        }
+    }
+    let mut done = 0;
+    let mut progress = |vectors| {
+        done += vectors;
+        progress(done);
+    };
+    groups.iter().map(|sets| grade_one(sets, &mut progress)).collect()
+}
+
+/// Whether sets are of the same hardware and show the same of it.
+pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
+    let of = |manifest: &Manifest| {
+        (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps, manifest.stage.is_some())
+    };
+    of(a) == of(b)
+}
+
+/// Grades the sets of one design.
+fn grade_one(sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Result<Grade, VectorError> {
+    let (path, of) = &sets[0];
+    let recorded = Recorded::new(path, of)?;
+    let faults = Faults::new(&recorded.net, &recorded.ranges, recorded.layout.shown(&recorded.net, &of.profile.knobs));
+    let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);
+    let mut tally = Tally::new(&recorded.net, &faults, &bins);
+    for (path, manifest) in sets {
+        recorded.read(path, manifest, &mut |_, batch| {
+            let ports = batch.iter().map(|inputs| Recorded::ports(inputs, of));
+            tally.add(&manifest.set, &ports.collect::<Vec<_>>());
+            progress(batch.len() as u64);
+        })?;
+    }
+    Ok(tally.grade(of, &recorded.layout, &recorded.ranges))
+}
+
+/// The recorded design of sets.
+pub(super) struct Recorded {
+    pub(super) layout: Layout,
+    pub(super) net: Net,
+    pub(super) ranges: Ranges,
+}
+
+impl Recorded {
+    /// Of the set of a manifest.
+    ///
+    /// Errors: a set of one stage.
+    pub(super) fn new(path: &Path, of: &Manifest) -> Result<Self, VectorError> {
+        if of.stage.is_some() {
+            let problem = "a set of one stage, but only those of whole datapaths are graded".into();
+            return Err(VectorError::Manifest { path: path.into(), problem });
+        }
+        let net = Net::of(Design::of(of.datapath), &of.effects, &of.profile.knobs);
+        Ok(Self { layout: of.layout(path)?, ranges: Ranges::new(&net), net })
+    }
+
+    /// The integers of the ports of the recorded design, where those of the datapath's ports are given.
+    pub(super) fn ports(inputs: &[i64], of: &Manifest) -> Vec<i64> {
+        Inputs::of(of.datapath, inputs).recorded(&of.profile.knobs)
+    }
+
+    /// The integers of the ports of a set, some vectors at a time, with the index of the first of them.
+    pub(super) fn read(
+        &self,
+        path: &Path,
+        manifest: &Manifest,
+        batch: &mut dyn FnMut(u64, &[Vec<i64>]),
+    ) -> Result<(), VectorError> {
+        let mut lines = Lines::open(path, manifest)?;
+        let (mut first, mut inputs) = (manifest.indices().start, Vec::with_capacity(BATCH));
+        loop {
+            let line = lines.next()?;
+            if let Some(line) = &line {
+                let bits = line.bits(&self.layout).map_err(|problem| lines.problem(line.number, problem))?;
+                inputs.push(self.layout.decode(&bits));
+            }
+            if inputs.len() == BATCH || line.is_none() {
+                batch(first, &inputs);
+                first += inputs.len() as u64;
+                inputs.clear();
+            }
+            if line.is_none() {
+                return lines.hash_matches().map(drop);
+            }
+        }
+    }
+}
+
+/// Faults that are looked for until a field shows them.
+pub(super) struct Hunt<'a> {
+    of: &'a Faults<'a>,
+    /// Those that are not seen, with what became of them at most.
+    pub(super) unseen: Vec<(Fault, Effect)>,
+}
+
+impl<'a> Hunt<'a> {
+    /// For some of the faults of a design.
+    pub(super) fn new(of: &'a Faults<'a>, faults: impl Iterator<Item = Fault>) -> Self {
+        Self { of, unseen: faults.map(|fault| (fault, Effect::None)).collect() }
+    }
+
+    /// Some vectors more, the wires of the right design for each: how many faults each of them is the first to show.
+    pub(super) fn show(&mut self, wires: &[Vec<i64>]) -> Vec<usize> {
+        let of = self.of;
+        let first_to_show = |simulator: &mut Simulator, (fault, most): &mut (Fault, Effect)| {
+            wires.iter().position(|right| {
+                *most = simulator.effect(*fault, right).max(*most);
+                *most == Effect::Seen
+            })
+        };
+        let tasks = self.unseen.par_chunks_mut(TASK).map_init(
+            || Simulator::new(of),
+            |simulator, task| task.iter_mut().filter_map(|fault| first_to_show(simulator, fault)).collect::<Vec<_>>(),
+        );
+        let mut shown = vec![0; wires.len()];
+        for place in tasks.flatten_iter().collect::<Vec<_>>() {
+            shown[place] += 1;
+        }
+        self.unseen.retain(|&(_, effect)| effect != Effect::Seen);
+        shown
+    }
+}
+
+/// What vectors have shown so far.
+struct Tally<'a> {
+    net: &'a Net,
+    faults: &'a Faults<'a>,
+    bins: &'a Bins<'a>,
+    hunt: Hunt<'a>,
+    /// How often each bin is met.
+    met: Vec<u64>,
+    observed: Observed,
+    sets: Vec<String>,
+    vectors: u64,
+    inputs: HashSet<u64>,
+    repeated: u64,
+}
+
+impl<'a> Tally<'a> {
+    fn new(net: &'a Net, faults: &'a Faults<'a>, bins: &'a Bins<'a>) -> Self {
+        Self {
+            net,
+            faults,
+            bins,
+            hunt: Hunt::new(faults, faults.faults.iter().copied()),
+            met: vec![0; bins.bins.len()],
+            observed: Observed::new(net),
+            sets: Vec::new(),
+            vectors: 0,
+            inputs: HashSet::new(),
+            repeated: 0,
+        }
+    }
+
+    /// Some vectors more of a set, the integers of the ports of each.
+    fn add(&mut self, set: &str, vectors: &[Vec<i64>]) {
+        if !self.sets.iter().any(|name| name == set) {
+            self.sets.push(set.to_owned());
+        }
+        let mut wires = Vec::with_capacity(vectors.len());
+        for ports in vectors {
+            let mut hasher = DefaultHasher::new();
+            ports.hash(&mut hasher);
+            self.repeated += u64::from(!self.inputs.insert(hasher.finish()));
+            let of_vector = self.observed.evaluate(self.net, ports);
+            self.bins.met(of_vector, |bin| self.met[bin] += 1);
+            wires.push(of_vector.to_vec());
+        }
+        self.hunt.show(&wires);
+        self.vectors += vectors.len() as u64;
+    }
+
+    fn grade(self, of: &Manifest, layout: &Layout, ranges: &Ranges) -> Grade {
+        let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
+        let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
+        for run in &self.net.runs {
+            if stages.iter().all(|known| known.stage != run.base()) {
+                stages.push(StageScore { stage: run.base().into(), ..StageScore::default() });
+            }
+        }
+        let mut tables: Vec<_> = (self.faults.tables.iter())
+            .map(|table| TableScore { table: table.name.clone(), read: Score::default(), entries: Score::default() })
+            .collect();
+        for &fault in &self.faults.faults {
+            let is_seen = !unseen.contains(&fault);
+            let stage = self.faults.run(fault).map_or("ports", |run| self.net.runs[run as usize].base());
+            let stage = stages.iter_mut().find(|known| known.stage == stage);
+            match (fault, stage) {
+                (Fault::Stuck { .. }, Some(stage)) => stage.stuck.count(is_seen),
+                (Fault::Slip { .. }, Some(stage)) => stage.slips.count(is_seen),
+                (Fault::Entry { table, .. }, _) => tables[table as usize].entries.count(is_seen),
+                (_, None) => {}
+            }
+        }
+        let (mut decisions, mut unmet) = (Score::default(), Vec::new());
+        for (&bin, &met) in self.bins.bins.iter().zip(&self.met) {
+            match bin {
+                Bin::Entry { table, .. } => tables[table as usize].read.count(met > 0),
+                _ => decisions.count(met > 0),
+            }
+            if met == 0 {
+                unmet.push(self.bins.text(bin));
+            }
+        }
+        stages.retain(|stage| stage.stuck.all + stage.slips.all > 0);
+
+        let mut fields = Vec::new();
+        let mut alarms = Vec::new();
+        for field in layout.fields().iter().filter(|field| matches!(field.direction, Direction::Tap | Direction::Out)) {
+            let Some(output) = self.net.outputs.iter().find(|output| output.name == field.port) else { continue };
+            let Some(seen) = self.observed.of(output.node) else { continue };
+            if seen.constant().is_some() {
+                alarms.push(Alarm::Constant { field: field.name.clone() });
+            }
+            let proven = ranges.of(output.node);
+            let (proven, seen) = ([proven.low, proven.high], [seen.low, seen.high]);
+            fields.push(Attained { field: field.name.clone(), stage: field.stage.clone(), proven, seen });
+        }
+        if self.repeated > 0 {
+            alarms.push(Alarm::Repeated { vectors: self.repeated });
+        }
+        let unseen = self
+            .hunt
+            .unseen
+            .iter()
+            .map(|&(fault, effect)| Unseen { fault: self.faults.text(fault), masked: effect == Effect::Masked });
+        Grade {
+            datapath: of.datapath.name(),
+            profile: of.profile.name.clone(),
+            taps: of.taps,
+            sets: self.sets,
+            vectors: self.vectors,
+            stages,
+            tables,
+            decisions,
+            unseen: unseen.collect(),
+            unmet,
+            fields,
+            alarms,
+        }
+    }
+}

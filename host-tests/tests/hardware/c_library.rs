@@ -1,0 +1,138 @@
+//! The C library: every committed vector through it, in C and in C++, and its errors.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::LazyLock;
+
+use roughxel_emulator::vectors::{Direction, Field, Manifest, c_library_files, manifests_in};
+use roughxel_host_tests::simulators::have;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The static library, built once as vectors/README.md says.
+static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let target = root().join("target/c-library");
+    let arguments = ["rustc", "-p", "roughxel-c", "--profile", "c-library", "--crate-type", "staticlib", "--locked"];
+    let built = Command::new(cargo).args(arguments).arg("--target-dir").arg(&target).current_dir(root()).output();
+    let built = built.expect("cargo runs");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    target.join("c-library/libroughxel_c.a")
+});
+
+/// The harness as a program.
+fn harness(compiler: &str, standard: &str, directory: &Path) -> PathBuf {
+    let program = directory.join(format!("harness_{compiler}"));
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hardware/c_library/harness.c");
+    let language = if compiler == "cc" { "c" } else { "c++" };
+    let output = Command::new(compiler)
+        .args([standard, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-x", language])
+        .arg(source)
+        .args(["-x", "none", "-I"])
+        .arg(root().join("vectors/c"))
+        .arg(&*LIBRARY)
+        .arg("-o")
+        .arg(&program)
+        .output()
+        .expect("the compiler runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    program
+}
+
+/// What the harness writes of these lines.
+fn run(program: &Path, arguments: &[&str], lines: &str) -> Vec<String> {
+    let mut child = Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the harness runs");
+    let mut input = child.stdin.take().expect("its input");
+    let lines = lines.to_owned();
+    let feeding = std::thread::spawn(move || input.write_all(lines.as_bytes()));
+    let output = child.wait_with_output().expect("the harness ends");
+    feeding.join().expect("no panic").expect("the harness reads");
+    assert!(output.status.success());
+    String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()
+}
+
+/// The number of a field in a word's digits.
+fn number(field: &Field, digits: &str) -> i64 {
+    let end = digits.len() - field.lsb as usize / 4;
+    let bits = i64::from_str_radix(&digits[end - field.width.div_ceil(4) as usize..end], 16).expect("hex digits");
+    let spare = 64 - field.width;
+    if field.signed { bits << spare >> spare } else { bits }
+}
+
+/// The bits of the effects of a manifest.
+fn effects(manifest: &Manifest) -> String {
+    roughxel_c::bits_of(&manifest.effects).to_string()
+}
+
+#[test]
+fn every_committed_vector_is_what_the_library_computes() {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let compilers = [("cc", "-std=c99"), ("c++", "-std=c++11")];
+    let programs: Vec<PathBuf> = compilers
+        .into_iter()
+        .filter(|(compiler, _)| have(compiler))
+        .map(|(compiler, standard)| harness(compiler, standard, directory.path()))
+        .collect();
+    let Some(program) = programs.first() else { return };
+    for path in manifests_in(&root().join("vectors/smoke")).expect("the committed sets") {
+        let manifest = Manifest::read(&path).expect("a manifest");
+        let names = run(program, &["--names", manifest.datapath.name()], "");
+        let (inputs, outputs) = names.split_at(names.iter().position(|name| name == "-").expect("both structures"));
+        let of = |name: &str| manifest.fields.iter().find(|field| field.name == name);
+        let text = fs::read_to_string(path.with_extension("hex")).expect("the words");
+        let words: Vec<String> = text.lines().filter(|line| !line.starts_with("//")).map(|line| line.replace('_', "")).collect();
+        let given = |word: &String| -> String {
+            let numbers = inputs.iter().map(|name| of(name).map_or(0, |field| number(field, word)).to_string());
+            numbers.collect::<Vec<_>>().join(" ") + "\n"
+        };
+        let lines: String = words.iter().map(given).collect();
+        // No field of the set is missing in the structures.
+        let unknown = manifest.fields.iter().find(|field| field.direction != Direction::Check && !names.contains(&field.name));
+        assert!(unknown.is_none(), "{unknown:?}");
+        for program in &programs {
+            let made = run(program, &[manifest.datapath.name(), &manifest.profile.name, &effects(&manifest)], &lines);
+            assert_eq!(made.len(), words.len(), "{}", path.display());
+            for (index, (made, word)) in made.iter().zip(&words).enumerate() {
+                for (name, made) in outputs[1..].iter().zip(made.split_whitespace()) {
+                    let Some(field) = of(name) else { continue };
+                    assert_eq!(made, number(field, word).to_string(), "{} #{index}: {name}", path.display());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_its_range_is_an_error_with_its_place() {
+    if !have("cc") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let program = harness("cc", "-std=c99", directory.path());
+    let names = run(&program, &["--names", "peak"], "");
+    let inputs = names.iter().position(|name| name == "-").expect("both structures");
+    for wrong in [0, 3, inputs - 1] {
+        let line: Vec<String> = (0..inputs).map(|place| if place == wrong { i32::MAX } else { 0 }.to_string()).collect();
+        let made = run(&program, &["peak", "compact", "0"], &(line.join(" ") + "\n"));
+        assert_eq!(made, [format!("error {} {wrong}", roughxel_c::ERROR_INPUT)]);
+    }
+    let zeros = vec!["0"; inputs].join(" ") + "\n";
+    assert_eq!(run(&program, &["peak", "compact", "192"], &zeros), [format!("error {} 0", roughxel_c::ERROR_EFFECTS)]);
+}
+
+#[test]
+fn the_header_and_the_package_are_what_the_declarations_say() {
+    for (name, text) in c_library_files() {
+        let committed = fs::read(root().join("vectors/c").join(name)).expect("the committed file");
+        assert!(committed == text.as_bytes(), "{name}: run `roughxel vectors c -o vectors/c`");
+    }
+}

@@ -1,0 +1,159 @@
+//! How good sets are: what `roughxel vectors report` counts, what the committed sets show, and what distilling keeps.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use roughxel_core::design::Design;
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::ports::Port;
+use roughxel_core::precision::Precision;
+use roughxel_emulator::cases::random_fragment;
+use roughxel_emulator::net::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_emulator::net::graph::{Net, Op};
+use roughxel_emulator::net::interval::Ranges;
+use roughxel_emulator::net::record::integers_at;
+use roughxel_emulator::vectors::{
+    Alarm, Distilled, Grade, Score, SetInfo, VectorError, VectorSet, Words, distil, export_with, grade, hard_sets,
+    manifests_in, random_set, verify,
+};
+use roughxel_host_tests::space::whole_or;
+
+/// Faults of a kind in all stages.
+fn operations(grade: &Grade) -> Score {
+    grade.stages.iter().map(|stage| stage.slips).fold(Score::default(), Score::and)
+}
+
+/// The committed sets of a profile.
+fn smoke(profile: &str) -> Vec<PathBuf> {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke");
+    let mut sets = manifests_in(&directory).expect("the committed sets");
+    sets.retain(|path| path.to_string_lossy().ends_with(&format!("_{profile}.json")));
+    sets
+}
+
+fn info<'a>(name: &'a str, datapath: Datapath, precision: Precision, profile: &'a str) -> SetInfo<'a> {
+    let (description, seed, effects, words) = ("test", None, Effects::ALL, Words::default());
+    SetInfo { name, description, seed, datapath, effects, precision, profile, words }
+}
+
+/// Bits at the ports that are stuck are a fragment with other ports, of which the whole design is computed.
+#[test]
+fn what_a_fault_leads_to_is_what_the_whole_design_computes() {
+    for p in [Precision::STANDARD, Precision::NARROW] {
+        let net = Net::of(Design::Fragment, &Effects::ALL, &p);
+        let ranges = Ranges::new(&net);
+        let shown: Vec<_> = net.outputs.iter().map(|output| (output.node, u64::MAX)).collect();
+        let faults = Faults::new(&net, &ranges, shown);
+        let mut simulator = Simulator::new(&faults);
+        let (mut right, mut wrong) = (Vec::new(), Vec::new());
+        let (mut seen, mut tried) = (0, 0);
+        for index in 0..whole_or(40, 4) {
+            let ports = integers_at(&random_fragment("faults", index, &p).wires(), &p);
+            net.evaluate(&ports, &mut right);
+            for &fault in &faults.faults {
+                let Fault::Stuck { node, bit, high } = fault else { continue };
+                let Op::Port(port) = net.node(node).op else { continue };
+                let mut stuck = ports.clone();
+                let value = if high { stuck[port as usize] | 1 << bit } else { stuck[port as usize] & !(1 << bit) };
+                // The top bit of a signed port is its sign.
+                let spare = if ranges.of(node).signed() { 64 - ranges.of(node).top() } else { 0 };
+                stuck[port as usize] = value << spare >> spare;
+                net.evaluate(&stuck, &mut wrong);
+                let differs =
+                    net.outputs.iter().any(|output| right[output.node as usize] != wrong[output.node as usize]);
+                let expected = match (stuck == ports, differs) {
+                    (true, _) => Effect::None,
+                    (false, false) => Effect::Masked,
+                    (false, true) => Effect::Seen,
+                };
+                assert_eq!(simulator.effect(fault, &right), expected, "{} of #{index}", faults.text(fault));
+                seen += u32::from(expected == Effect::Seen);
+                tried += 1;
+            }
+        }
+        assert!(seen > tried / 4, "{seen} of {tried} are seen");
+    }
+}
+
+/// Figures of vectors/README.md.
+#[test]
+fn the_committed_sets_show_nine_operations_in_ten_and_are_below_a_thousand() {
+    for (profile, percent) in [("standard", 89.5), ("compact", 89.5), ("narrow", 88.5)] {
+        let grades = grade(&smoke(profile), &|_| {}).expect("the committed sets can be read");
+        for datapath in Datapath::ALL {
+            let of = || grades.iter().filter(|grade| grade.datapath == datapath.name());
+            let vectors: u64 = of().map(|grade| grade.vectors).sum();
+            assert!(vectors <= 1000, "{profile}, {}: {vectors} vectors", datapath.name());
+            let best = of().map(|grade| operations(grade).percent()).fold(0.0, f64::max);
+            assert!(best >= percent, "{profile}, {}: {best} % of operations", datapath.name());
+            let most = of().max_by_key(|grade| grade.vectors).expect("a grade");
+            assert!(!most.alarms.iter().any(|alarm| matches!(alarm, Alarm::Constant { .. })), "{:?}", most.alarms);
+        }
+    }
+}
+
+/// No line of a list is lost, and the chosen vectors read every entry of every table at a place where one last place shows, as far as
+/// the sets that they were chosen from do.
+#[test]
+fn chosen_vectors_read_every_table_and_show_its_entries() {
+    let sets = hard_sets(&Precision::STANDARD);
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    for datapath in Datapath::ALL {
+        let list = format!("../emulator/src/vectors/chosen/{}.txt", datapath.name());
+        let list = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(list)).expect("the list");
+        let set = sets.iter().find(|set| set.best_first && set.datapath == datapath).expect("a chosen set");
+        assert_eq!(list.lines().count(), set.inputs.len());
+        let VectorSet { name, inputs, .. } = set;
+        let info = info(name, datapath, Precision::STANDARD, "standard");
+        export_with(&info, inputs.len() as u64, &|index| inputs[index as usize], directory.path(), &|_| {})
+            .expect("the set can be written");
+    }
+    for of in grade(&manifests_in(directory.path()).expect("sets"), &|_| {}).expect("sets") {
+        for table in &of.tables {
+            assert_eq!(table.read.found, table.read.all, "{} of {}", table.table, of.datapath);
+            if table.table.contains("reciprocal") || table.table.contains("inverse_root") {
+                assert!(table.entries.percent() > 99.5, "{} of {}: {:?}", table.table, of.datapath, table.entries);
+            }
+        }
+    }
+}
+
+#[test]
+fn few_distilled_vectors_show_more_than_as_many_others() {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let (many, few, others) =
+        (directory.path().join("many"), directory.path().join("few"), directory.path().join("others"));
+    let p = Precision::NARROW;
+    let input = |index| random_set(Datapath::Peak, "distil", index, &p);
+    export_with(&info("many", Datapath::Peak, p, "narrow"), 400, &input, &many, &|_| {}).expect("a set");
+    export_with(&info("others", Datapath::Peak, p, "narrow"), 30, &input, &others, &|_| {}).expect("a set");
+    let Distilled { picked, inputs, .. } = distil(&many.join("many_narrow.json"), &[], 30, &|_| {}).expect("a set");
+    assert_eq!((picked.len(), inputs.len()), (30, 30));
+    let input = |index| inputs[index as usize];
+    export_with(&info("few", Datapath::Peak, p, "narrow"), 30, &input, &few, &|_| {}).expect("a set");
+    assert!(verify(&few.join("few_narrow.json"), &|_| {}).expect("a set").passed());
+
+    let of = |directory: &Path| grade(&manifests_in(directory).expect("a set"), &|_| {}).expect("a set").swap_remove(0);
+    let [few, others, many] = [few, others, many].map(|directory| of(&directory));
+    let [few, others, many] = [few, others, many].map(|grade| (operations(&grade).found, grade.faults().found));
+    assert!(others.1 < few.1 && few.1 <= many.1, "{others:?} {few:?} {many:?}");
+    assert!(others.0 < few.0 && few.0 * 100 >= many.0 * 99, "{others:?} {few:?} {many:?}");
+
+    let another = export_with(
+        &info("other", Datapath::Highlight, p, "narrow"),
+        3,
+        &|index| random_set(Datapath::Highlight, "", index, &p),
+        directory.path(),
+        &|_| {},
+    );
+    another.expect("a set");
+    let of_two = distil(
+        &directory.path().join("other_narrow.json"),
+        &[directory.path().join("many/many_narrow.json")],
+        5,
+        &|_| {},
+    );
+    assert!(
+        matches!(of_two, Err(VectorError::Manifest { problem, .. }) if problem.contains("distil sets of one kind at a time"))
+    );
+}

@@ -1,0 +1,121 @@
+//! `roughxel vectors minimise`: of a device that is broken, the simplest vector that shows it, in Icarus.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::precision::Precision;
+use roughxel_emulator::vectors::{
+    Bench, Device, MinimiseError, MinimiseOptions, SetInfo, Vector, Words, export_with, minimise, random_set, verify,
+};
+use roughxel_host_tests::simulators::have;
+
+/// A set of mirrors under `narrow` with its bench: the manifest, the folder of the bench.
+fn set(directory: &Path, effects: Effects) -> (PathBuf, PathBuf) {
+    let precision = Precision::NARROW;
+    let info = SetInfo {
+        name: "bench",
+        description: "test",
+        seed: Some("bench"),
+        datapath: Datapath::Reflection,
+        effects,
+        precision,
+        profile: "narrow",
+        words: Words::default(),
+    };
+    let input = |index| random_set(Datapath::Reflection, "bench", index, &precision);
+    export_with(&info, 16, &input, directory, &|_| {}).expect("the set can be written");
+    let manifest = directory.join("bench_narrow.json");
+    let folder = directory.join("bench");
+    written(&manifest, &folder);
+    (manifest, folder)
+}
+
+fn written(manifest: &Path, folder: &Path) {
+    Bench::new(manifest).and_then(|bench| bench.write(folder, Device::Generated, false)).expect("a bench");
+}
+
+fn options() -> MinimiseOptions {
+    MinimiseOptions { tool: "icarus".into(), outputs_only: false, runs: 100 }
+}
+
+/// Breaks a module at the first place of a text.
+fn broken(folder: &Path, module: &str, from: &str, to: &str) {
+    let path = folder.join("rtl").join(module);
+    let text = fs::read_to_string(&path).expect("the module");
+    let copy = text.replacen(from, to, 1);
+    assert_ne!(copy, text);
+    fs::write(path, copy).expect("the module can be written");
+}
+
+#[test]
+fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
+    if !have("iverilog") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let (manifest, folder) = set(directory.path(), Effects::NONE);
+    let right = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("the bench runs");
+    assert!(right.is_none(), "the device is right");
+
+    broken(&folder, "reflect.v", " - {", " + {");
+    let words = fs::read(folder.join("words.hex")).expect("the words");
+    let minimised = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("the bench runs").expect("it is wrong");
+    assert!(minimised.is_minimal && minimised.stage == "reflect" && minimised.runs > 2, "{minimised:?}");
+    // The bench is as it was.
+    assert!(fs::read(folder.join("words.hex")).expect("the words") == words);
+    assert_eq!(fs::read_dir(folder.join("build")).expect("the folder").count(), 0);
+
+    let result = minimised.write(&directory.path().join("result")).expect("the result can be written");
+    assert!(result.ends_with("bench_min_narrow.json") && verify(&result, &|_| {}).expect("it can be read").passed());
+    let vector = Vector::read(&result, 0).expect("it can be read");
+    let explanation = vector.explain(Some(&vector.device_word(&minimised.got).expect("fields of the device")));
+    let wrong = explanation.wrong.as_ref().expect("the device is wrong");
+    assert_eq!(wrong.stage, "reflect");
+    // A mirror seen along an axis: n and v have one component each, of one bit.
+    let of_inputs = || explanation.fields.iter().filter(|field| field.stage == "input" && field.integer != 0);
+    assert_eq!(of_inputs().count(), 2, "{explanation:?}");
+    assert!(of_inputs().all(|field| field.integer.count_ones() == 1 || field.integer.unsigned_abs().is_power_of_two()));
+
+    // What was found goes wrong on its own, too.
+    let alone = directory.path().join("alone");
+    written(&result, &alone);
+    fs::copy(folder.join("rtl/reflect.v"), alone.join("rtl/reflect.v")).expect("the module can be copied");
+    let output = Command::new("sh").arg(alone.join("run.sh")).arg("icarus").output().expect("a shell");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.starts_with("bench_min_narrow #0: stage reflect, "), "{text}");
+    // And what was built runs again without being built.
+    let mut again = Command::new("sh");
+    again.arg(alone.join("run.sh")).args(["icarus", "--built"]);
+    assert_eq!(again.output().expect("a shell").status.code(), Some(3));
+    fs::remove_dir_all(alone.join("build")).expect("it can be removed");
+    let output = again.output().expect("a shell");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("ERROR nothing was built with icarus"));
+}
+
+#[test]
+fn runs_are_bounded_and_a_bench_that_fails_says_why() {
+    if !have("iverilog") {
+        return;
+    }
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let (manifest, folder) = set(directory.path(), Effects::NONE);
+    broken(&folder, "reflect.v", " - {", " + {");
+    let few = MinimiseOptions { runs: 2, ..options() };
+    let minimised = minimise(&manifest, 0, &folder, &few, &|_| {}).expect("the bench runs").expect("it is wrong");
+    assert!(!minimised.is_minimal && minimised.runs == 2 && !minimised.simplified.is_empty(), "{minimised:?}");
+
+    broken(&folder, "reflect.v", "endmodule", "");
+    let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("it does not compile").to_string();
+    assert!(error.contains("the bench fails with icarus") && error.contains("reflect.v"), "{error}");
+    assert_eq!(fs::read_dir(folder.join("build")).expect("the folder").count(), 0);
+
+    let other = directory.path().join("other");
+    fs::create_dir(&other).expect("a folder");
+    let (manifest, _) = set(&other, Effects { bump: true, ..Effects::NONE });
+    let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("another set");
+    assert!(matches!(error, MinimiseError::OtherSet { .. }), "{error}");
+}
