@@ -18,9 +18,7 @@ use core::mem::MaybeUninit;
 use roughxel_core::bundle::Bundle;
 use roughxel_core::knob::Knob;
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
-use roughxel_core::ports::{
-    HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput,
-};
+use roughxel_core::ports::{HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_core::soft_core;
 

@@ -66,7 +66,8 @@ fn explained(declared: &Declared) -> String {
         Direction::Tap => format!(" (tap, stage {})", field.stage),
         Direction::Out | Direction::Check => format!(" (stage {})", field.stage),
     };
-    let footprint = declared.footprint.map_or_else(String::new, |footprint| format!("; {}", footprint.replace('`', "")));
+    let footprint =
+        declared.footprint.map_or_else(String::new, |footprint| format!("; {}", footprint.replace('`', "")));
     format!("{}{unit}{stage}{footprint}", declared.column.text.replace('`', ""))
 }
 
@@ -75,9 +76,15 @@ fn capitals(name: &str) -> String {
     name.replace('.', "_").to_ascii_uppercase()
 }
 
+/// The name of the place of a field in the package: `REFLECTION_IN_NORMAL_X`; the direction is `in` or `out`.
+pub(super) fn place_name(datapath: Datapath, direction: &str, field: &str) -> String {
+    capitals(&format!("{}_{direction}_{field}", datapath.name()))
+}
+
 /// A knob as a member, and what it may be.
 fn knob_member(knob: Knob) -> (String, String) {
-    let values: Vec<String> = knob.choices().iter().enumerate().map(|(value, name)| format!("{value} {name}")).collect();
+    let values: Vec<String> =
+        knob.choices().iter().enumerate().map(|(value, name)| format!("{value} {name}")).collect();
     let range = match (values.is_empty(), knob) {
         (false, _) => values.join(", "),
         (true, Knob::Direction) => "0 exact, or steps of a table: 2 to 64, an even number".into(),
@@ -183,7 +190,8 @@ fn c_structure(structure: &Structure) -> String {
     }
     let _ = writeln!(text, "}} roughxel_{name};");
     let names: String = members.iter().map(|member| format!(" \\\n  X({})", member.column.field.name)).collect();
-    let _ = write!(text, "/* X(member) for each, in order. */\n#define ROUGHXEL_{}_MEMBERS(X){names}\n", capitals(&name));
+    let _ =
+        write!(text, "/* X(member) for each, in order. */\n#define ROUGHXEL_{}_MEMBERS(X){names}\n", capitals(&name));
     text
 }
 
@@ -201,7 +209,10 @@ package roughxel_dpi;
 
 fn package(structures: &[Structure]) -> String {
     let mut text = PACKAGE.to_owned();
-    let _ = writeln!(text, "  // Of this package; roughxel_version() is that of the library.\n  localparam int VERSION = {VERSION};\n");
+    let _ = writeln!(
+        text,
+        "  // Of this package; roughxel_version() is that of the library.\n  localparam int VERSION = {VERSION};\n"
+    );
     for (number, (name, meaning)) in ERRORS.iter().enumerate() {
         let _ = writeln!(text, "  localparam int {name} = {number};  // {}", meaning.to_string_lossy());
     }
@@ -244,7 +255,7 @@ fn sv_places(name: &str, prefix: &str, members: &[(String, String)]) -> String {
     let last = members.len() - 1;
     let places = members.iter().enumerate().map(|(place, (member, note))| {
         let comma = if place == last { "" } else { "," };
-        format!("    {}_{}{comma}  // {note}\n", capitals(prefix), capitals(member))
+        format!("    {}{comma}  // {note}\n", capitals(&format!("{prefix}_{member}")))
     });
     format!(
         "\n  typedef enum int {{\n{}  }} {prefix}_e;\n  localparam int {} = {};\n  typedef int {name}_t [{}];\n",

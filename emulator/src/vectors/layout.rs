@@ -460,7 +460,18 @@ impl Wire<'_> {
             },
         };
         let (port_limits, port_fraction, limits) = (self.limits, self.fraction_bits, (low, high));
-        Column { field, declared: self.declared_path(), text, kept, exists, port_limits, port_fraction, source, limits, drop }
+        Column {
+            field,
+            declared: self.declared_path(),
+            text,
+            kept,
+            exists,
+            port_limits,
+            port_fraction,
+            source,
+            limits,
+            drop,
+        }
     }
 
     /// The innermost field with a unit: of a block that is the block.
