@@ -6,6 +6,7 @@
 //! recomputation alone would show only its consequences.
 
 mod bench;
+mod c_library;
 mod datapath;
 mod distil;
 mod explain;
@@ -35,6 +36,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 pub use bench::{BENCH_README, Bench, BenchError, Device};
+pub use c_library::c_library_files;
 pub use datapath::Inputs;
 pub use distil::{Distilled, Picked, distil};
 pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation, Got, Real, Vector, Wrong};

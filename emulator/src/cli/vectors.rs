@@ -1,4 +1,4 @@
-//! `roughxel vectors export|merge|verify|judge|explain|bench|minimise|report|distil|list|format|rom`.
+//! `roughxel vectors export|merge|verify|judge|explain|bench|minimise|report|distil|list|format|rom|c`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -15,7 +15,7 @@ use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
     Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, StageSet, VectorError, VectorSet,
-    Verification, Words, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
+    Verification, Words, c_library_files, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
 };
 use serde_json::json;
 
@@ -75,6 +75,9 @@ pub(super) enum VectorsCommand {
     /// Write the tables of the arithmetic, a hex file each, as vectors/SPEC.md describes them.
     #[command(after_help = CONVENTIONS)]
     Rom(RomArgs),
+    /// Write the header of the C library and its SystemVerilog package of DPI-C imports, as the datapaths declare their ports.
+    #[command(after_help = CONVENTIONS)]
+    C(CArgs),
 }
 
 const FORMAT_HELP: &str = "\
@@ -178,10 +181,18 @@ pub(super) struct RomArgs {
     output: PathBuf,
 }
 
+#[derive(Args)]
+pub(super) struct CArgs {
+    /// Directory; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
 pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
     match command {
         VectorsCommand::Format(args) => format(args),
         VectorsCommand::Rom(args) => rom(args),
+        VectorsCommand::C(args) => c(args),
         VectorsCommand::Export(args) => export(args),
         VectorsCommand::Merge(args) => merge::run(args),
         VectorsCommand::Verify(args) => verify_all(args),
@@ -567,4 +578,12 @@ fn rom(args: &RomArgs) -> Result<(), Failure> {
     let count = files.len();
     write_files(&args.output, files)?;
     Ok(writeln!(io::stdout().lock(), "{count} tables in {}", args.output.display())?)
+}
+
+fn c(args: &CArgs) -> Result<(), Failure> {
+    check_directory(&args.output)?;
+    let files = c_library_files();
+    let names = files.each_ref().map(|(name, _)| *name).join(" and ");
+    write_files(&args.output, files)?;
+    Ok(writeln!(io::stdout().lock(), "{names} in {}", args.output.display())?)
 }

@@ -11,6 +11,7 @@ use roughxel_core::design::Design;
 use thiserror::Error;
 
 use super::VectorError;
+use super::c_library::{c_library_files, place_name};
 use super::layout::{Direction, Field};
 use super::lines::is_whole;
 use super::manifest::Manifest;
@@ -33,6 +34,9 @@ const TEMPLATES: [(&str, &str); 11] = [
     ("roughxel_vectors.py", include_str!("bench/roughxel_vectors.py")),
     ("run.sh", include_str!("bench/run.sh")),
 ];
+
+/// Those of whole datapaths alone: the C library has no stages.
+const DPI: [(&str, &str); 1] = [("@NAME@_dpi.sv", include_str!("bench/dpi.sv"))];
 
 /// Those that a user replaces.
 const DEVICES: [&str; 2] = ["@NAME@_device.sv", "@NAME@_device.vhd"];
@@ -184,8 +188,13 @@ impl Bench {
 
         let rtl = verilog.iter().flat_map(Verilog::in_order);
         write_files(directory, rtl.map(|(file, text)| (format!("rtl/{file}"), text)))?;
-        let texts = TEMPLATES.map(|(file, text)| (file.replace("@NAME@", &name), filled(text, &values)));
-        write_files(directory, texts.into_iter().filter(|(file, _)| !kept.contains(file)))?;
+        let dpi = if self.stage.is_none() { &DPI[..] } else { &[] };
+        let texts =
+            TEMPLATES.iter().chain(dpi).map(|(file, text)| (file.replace("@NAME@", &name), filled(text, &values)));
+        write_files(directory, texts.filter(|(file, _)| !kept.contains(file)))?;
+        if self.stage.is_none() {
+            write_files(directory, c_library_files())?;
+        }
         self.write_words(directory)?;
         Ok(kept)
     }
@@ -232,6 +241,7 @@ impl Bench {
         };
         let sv_part = |field: &Field| format!("      word[{} +: {}]", field.lsb, field.width);
         let entry = manifest.files.iter().find(|file| file.name.ends_with(".hex"));
+        let place = |direction, field: &Field| place_name(manifest.datapath, direction, &field.name);
         Ok(vec![
             ("NAME", name),
             ("SET", stem.clone()),
@@ -262,6 +272,15 @@ impl Bench {
             ("CPP_INPUTS", lines(inputs, cpp_field)),
             ("CPP_OUTPUTS", lines(outputs, cpp_field)),
             ("PYTHON_OUTPUTS", lines(outputs, |field| field.name.clone())),
+            ("INPUTS", inputs.len().to_string()),
+            ("KNOBS", roughxel_c::knobs_of(&manifest.profile.knobs).map(|knob| knob.to_string()).join(", ")),
+            ("EFFECTS", roughxel_c::bits_of(&manifest.effects).to_string()),
+            ("DATAPATH", manifest.datapath.name().into()),
+            ("DATAPATH_CAPITALS", manifest.datapath.name().to_ascii_uppercase()),
+            ("DRAWN", numbered(inputs, |index, field| dpi_drawn(index, field, &place("in", field)))),
+            ("GIVEN", lines(inputs, |field| dpi_given(field, &place("in", field)))),
+            ("RESULTS", lines(outputs, |field| dpi_result(field, &place("out", field)))),
+            ("SHOWN", lines(inputs, dpi_shown)),
         ])
     }
 
@@ -363,6 +382,11 @@ fn filled(text: &str, values: &[(&str, String)]) -> String {
 /// A line a field.
 fn lines(fields: &[Field], line: impl Fn(&Field) -> String) -> String {
     fields.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// A line a field, with its number from 0.
+fn numbered(fields: &[Field], line: impl Fn(usize, &Field) -> String) -> String {
+    fields.iter().enumerate().map(|(index, field)| line(index, field)).collect::<Vec<_>>().join("\n")
 }
 
 /// A text for a comment: one line of ASCII, which every tool reads.
@@ -559,6 +583,27 @@ fn sv_comparison(field: &Field, stem: &str) -> String {
          $display(\"{stem} #%0d: stage {stage}, field {name}: expected %h = %.10g, got %h = %.10g\", index,\n                 \
          {expected}, {got});\n      end"
     )
+}
+
+/// Every other time all of them, else one.
+fn dpi_drawn(index: usize, field: &Field, place: &str) -> String {
+    format!(
+        "    if (which == {index} || which >= INPUTS) drawn.{} = {}'(random_input({place}));",
+        column(field),
+        field.width
+    )
+}
+
+fn dpi_given(field: &Field, place: &str) -> String {
+    format!("    given[{place}] = 32'({});", signed(field, &format!("inputs.{}", column(field))))
+}
+
+fn dpi_result(field: &Field, place: &str) -> String {
+    format!("    computed.{} = {}'(results[{place}]);", column(field), field.width)
+}
+
+fn dpi_shown(field: &Field) -> String {
+    format!("    $write(\" {}=%h\", inputs.{});", field.name, column(field))
 }
 
 fn vhdl_type(field: &Field) -> &'static str {

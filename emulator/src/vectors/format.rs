@@ -48,8 +48,20 @@ struct Row {
     footprint: Option<&'static str>,
 }
 
-/// The declared fields of a datapath, in the order of the word.
-fn rows(datapath: Datapath) -> Vec<Row> {
+/// A port or an output of a datapath, whatever the effects.
+pub(super) struct Declared {
+    /// As it is with every effect on, of a footprint on the sphere what that alone has.
+    pub(super) column: Column,
+    /// Whether it is there under some effects.
+    pub(super) exists: bool,
+    /// Whether it is there whatever the frame.
+    always: bool,
+    /// On which kind of footprint it is, where that is not both.
+    pub(super) footprint: Option<&'static str>,
+}
+
+/// Every port and every output of a datapath, in the order of its bundles.
+pub(super) fn declared(datapath: Datapath) -> impl Iterator<Item = Declared> {
     // The frame system and the kind of footprint are the choices that swap columns; every other effect only adds some.
     let columns_of = |effects: Effects| {
         // Formats come out as symbols, the same under every profile.
@@ -58,19 +70,25 @@ fn rows(datapath: Datapath) -> Vec<Row> {
     let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
     let [main, natural, normalised] = frames.map(|frame| columns_of(Effects { frame, ..Effects::ALL }));
     let sphere = columns_of(Effects { footprint: FootprintKind::Sphere, ..Effects::ALL });
-    let mut rows: Vec<Row> = Vec::new();
-    for (((main, natural), normalised), sphere) in main.into_iter().zip(natural).zip(normalised).zip(sphere) {
+    let all = main.into_iter().zip(natural).zip(normalised).zip(sphere);
+    all.map(|(((main, natural), normalised), sphere)| {
         let on_face = [main.exists, natural.exists, normalised.exists];
-        if !on_face.contains(&true) && !sphere.exists {
-            continue;
-        }
+        let exists = on_face.contains(&true) || sphere.exists;
         let always = on_face == [main.exists; 3];
         // That of the sphere has the main direction.
         let (column, footprint) = match (main.exists, sphere.exists) {
-            (true, false) => (main, Some("; not with `footprint-sphere`")),
-            (false, true) => (sphere, Some("; only with `footprint-sphere`")),
+            (true, false) => (main, Some("not with `footprint-sphere`")),
+            (false, true) => (sphere, Some("only with `footprint-sphere`")),
             _ => (main, None),
         };
+        Declared { column, exists, always, footprint }
+    })
+}
+
+/// The declared fields of a datapath, in the order of the word.
+fn rows(datapath: Datapath) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for Declared { column, always, footprint, .. } in declared(datapath).filter(|declared| declared.exists) {
         match rows.last_mut() {
             Some(row) if row.first().declared == column.declared => row.columns.push((column, always)),
             _ => rows.push(Row { columns: vec![(column, always)], footprint }),
@@ -95,7 +113,8 @@ impl Row {
         let stage = &first.field.stage;
         let [unit, text] = [&first.field.unit, &first.text].map(|text| text.replace('|', "\\|"));
         let (names, format) = (self.names(), self.format());
-        let (declared, footprint) = (&first.declared, self.footprint.unwrap_or_default());
+        let (declared, footprint) =
+            (&first.declared, self.footprint.map_or_else(String::new, |footprint| format!("; {footprint}")));
         format!("| {names} | `{declared}` | {direction} | {stage} | {format} | {unit} | {text}{footprint} |")
     }
 
@@ -134,15 +153,20 @@ impl Row {
     fn format(&self) -> String {
         let mut formats: Vec<String> = Vec::new();
         for (column, _) in &self.columns {
-            let field = &column.field;
-            let letter = if field.signed { 'I' } else { 'U' };
-            let fraction = if column.kept == Kept::All(0) { String::new() } else { format!("F{}", column.kept) };
-            let format = format!("{letter}{}{fraction}", field.width - field.fraction_bits);
-            let format = if field.name.ends_with("_e") { format!("e {format}") } else { format };
+            let format = number_format(column);
+            let format = if column.field.name.ends_with("_e") { format!("e {format}") } else { format };
             if !formats.contains(&format) {
                 formats.push(format);
             }
         }
         formats.join(", ")
     }
+}
+
+/// The format of a column, with the knobs of a profile as symbols.
+pub(super) fn number_format(column: &Column) -> String {
+    let field = &column.field;
+    let letter = if field.signed { 'I' } else { 'U' };
+    let fraction = if column.kept == Kept::All(0) { String::new() } else { format!("F{}", column.kept) };
+    format!("{letter}{}{fraction}", field.width - field.fraction_bits)
 }

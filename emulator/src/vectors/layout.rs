@@ -344,6 +344,10 @@ pub(super) struct Column {
     pub(super) kept: Kept,
     /// An operation reads it, or it is no constant.
     pub(super) exists: bool,
+    /// The lowest and the highest integer of its port, which has `port_fraction` fraction bits.
+    pub(super) port_limits: (i64, i64),
+    /// Fraction bits of the port, none of them dropped.
+    pub(super) port_fraction: u32,
     source: Source,
     /// The lowest and the highest integer of the field.
     limits: (i64, i64),
@@ -467,7 +471,19 @@ impl Wire<'_> {
                 _ => text.clone(),
             },
         };
-        Column { field, declared: self.declared_path(), text, kept, exists, source, limits: (low, high), drop }
+        let (port_limits, port_fraction, limits) = (self.limits, self.fraction_bits, (low, high));
+        Column {
+            field,
+            declared: self.declared_path(),
+            text,
+            kept,
+            exists,
+            port_limits,
+            port_fraction,
+            source,
+            limits,
+            drop,
+        }
     }
 
     /// The innermost field with a unit: of a block that is the block.

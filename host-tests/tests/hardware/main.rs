@@ -2,6 +2,7 @@
 
 mod benches;
 mod broken;
+mod c_library;
 mod folder;
 mod grade;
 mod judge;

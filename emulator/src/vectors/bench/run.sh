@@ -1,30 +1,47 @@
 #!/bin/sh
 # Runs the bench of the set @SET@: sh run.sh TOOL [OPTION...]
-#   TOOL             icarus, verilator, cpp (Verilator with a driver in C++), ghdl (VHDL), cocotb (cocotb 2 in Icarus)
+#   TOOL             icarus, verilator, cpp (Verilator with a driver in C++), ghdl (VHDL), cocotb (cocotb 2 in Icarus),
+#                    dpi (Verilator, random inputs against the C library)
 #   --stop N         ends at the N-th vector that differs (10)
 #   --outputs-only   compares what leaves the datapath alone, for a device that does not show its stages
 #   --stalls         both sides of the handshake pause at random
 #   --timeout N      cycles without an output after which it gives up (10000)
 #   --built          runs what was built with this tool before, on the words as they are now: as many, of the same fields
+#   --library FILE   dpi: the C library (libroughxel_c.a in this folder)
+#   --count N        dpi: as many inputs (100000)
+#   --seed N         dpi: other inputs (1)
 #   --playback       ghdl: no device, the expected words in its place, to try the bench itself
 #   --altered N      with --playback: one bit of vector N is wrong
 # Modules of rtl are found by name; rtl/*.vhd are compiled with the VHDL. OPT is the C++ compiler's (-O1). Exit code 0: every field
 # of every vector is right; 3: vectors differ, each difference is printed; 1: the comparison could not be made; 2: usage.
 set -u
 usage() {
-    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb [--stop N] [--outputs-only] [--stalls] [--timeout N] [--built] [--playback [--altered N]]" >&2
+    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb|dpi [--stop N] [--outputs-only] [--stalls] [--timeout N] [--built]" \
+        "[--library FILE] [--count N] [--seed N] [--playback [--altered N]]" >&2
     exit 2
 }
+from=$PWD
 cd "$(dirname "$0")" || exit 1
 [ $# -gt 0 ] || usage
 tool=$1
 shift
 stop=10 timeout=10000 outputs_only=0 stalls=0 built=0 playback=false altered=-1
+library=$PWD/libroughxel_c.a count=100000 seed=1 only_dpi=0
 while [ $# -gt 0 ]; do
     case $1 in
-        --stop | --timeout | --altered)
+        --stop | --timeout | --altered | --count | --seed)
             case ${2:-} in '' | *[!0-9]*) usage ;; esac
-            case $1 in --stop) stop=$2 ;; --timeout) timeout=$2 ;; *) altered=$2 ;; esac
+            case $1 in
+                --stop) stop=$2 ;;
+                --timeout) timeout=$2 ;;
+                --altered) altered=$2 ;;
+                --count) count=$2 only_dpi=1 ;;
+                *) seed=$2 only_dpi=1 ;;
+            esac
+            shift ;;
+        --library)
+            case ${2:-} in '') usage ;; /*) library=$2 ;; *) library=$from/$2 ;; esac
+            only_dpi=1
             shift ;;
         --outputs-only) outputs_only=1 ;;
         --stalls) stalls=1 ;;
@@ -34,7 +51,8 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-if [ "$stop" -eq 0 ] || [ "$timeout" -eq 0 ]; then usage; fi
+if [ "$stop" -eq 0 ] || [ "$timeout" -eq 0 ] || [ "$count" -eq 0 ]; then usage; fi
+case $only_dpi-$tool in 0-* | 1-dpi) ;; *) usage ;; esac
 case $playback-$altered-$tool in true-*-ghdl | false--1-*) ;; *) usage ;; esac
 
 plus="+stop=$stop +timeout=$timeout"
@@ -43,7 +61,17 @@ plus="+stop=$stop +timeout=$timeout"
 build=build/$tool
 make="OPT_FAST=${OPT:--O1} OPT_SLOW=-O0 OPT_GLOBAL=${OPT:--O1} VM_PARALLEL_BUILDS=0"
 sources="@NAME@_pkg.sv @NAME@_device.sv"
-case $tool in icarus | verilator | cpp | ghdl | cocotb) ;; *) usage ;; esac
+case $tool in icarus | verilator | cpp | ghdl | cocotb | dpi) ;; *) usage ;; esac
+if [ $tool = dpi ]; then
+    if [ ! -e @NAME@_dpi.sv ]; then
+        echo "ERROR no bench of a stage: the C library has whole datapaths"
+        exit 1
+    elif [ ! -e "$library" ]; then
+        echo "ERROR $library is not there; vectors/README.md of the source repository says how the C library is built, --library FILE names it"
+        exit 1
+    fi
+    plus="$plus +count=$count +seed=$seed"
+fi
 # What was built of another device is taken for this one only where that is asked for.
 if [ $built -eq 0 ]; then
     rm -rf "$build"
@@ -62,6 +90,9 @@ compile() {
         cpp)
             verilator --cc --exe --build -Wno-fatal --Mdir $build -CFLAGS -std=c++17 -MAKEFLAGS "$make" -y rtl +libext+.v+.sv \
                 --x-assign fast --x-initial fast --top-module @NAME@_device $sources ../../@NAME@_main.cpp -o bench ;;
+        dpi)
+            verilator --binary --timing -Wno-fatal --Mdir $build -MAKEFLAGS "$make" -y rtl +libext+.v+.sv \
+                --top-module @NAME@_dpi roughxel_dpi.sv $sources @NAME@_dpi.sv "$library" -o bench ;;
         ghdl)
             set -- *.vhd
             for file in rtl/*.vhd; do [ ! -e "$file" ] || set -- "$@" "$file"; done
@@ -72,7 +103,7 @@ compile() {
 run() {
     case $tool in
         icarus) vvp -n $build/bench $plus ;;
-        verilator) $build/bench $plus ;;
+        verilator | dpi) $build/bench $plus ;;
         cpp) $build/bench words.hex $(echo "$plus" | tr -d +) ;;
         ghdl)
             [ $outputs_only -eq 0 ] && outputs_only=false || outputs_only=true
