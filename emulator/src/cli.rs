@@ -18,6 +18,7 @@ mod failure;
 mod gallery;
 mod grade;
 mod judge;
+mod marks;
 mod merge;
 mod minimise;
 mod plan;

@@ -6,6 +6,7 @@
 //! recomputation alone would show only its consequences.
 
 mod bench;
+mod bound;
 mod c_library;
 mod datapath;
 mod distil;
@@ -18,9 +19,11 @@ mod judge;
 mod layout;
 mod lines;
 mod manifest;
+mod marks;
 mod merge;
 mod minimise;
 mod order;
+mod outcomes;
 mod part;
 mod rom;
 mod sets;
@@ -46,6 +49,7 @@ pub use grade::{Alarm, Attained, Grade, Score, StageScore, TableScore, Unseen, g
 pub use judge::{Failing, Judgement, Tier, judge};
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA, StageEntry};
+pub use marks::{Marked, Marks, marks};
 pub use merge::{MergeError, Parts, parts_of};
 pub use minimise::{MinimiseError, MinimiseOptions, Minimised, minimise};
 pub use order::Misplaced;

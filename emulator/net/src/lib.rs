@@ -20,5 +20,6 @@ pub mod observe;
 mod op;
 mod range;
 pub mod record;
+pub mod rounding;
 pub mod unit;
 pub mod verilog;

@@ -1,19 +1,18 @@
 //! Judge: a device's words by acceptance tiers. *Exact* is every bit; *faithful* lets every reciprocal and inverse root be a neighbour of ours, one
-//! last place away, and asks for exactly what follows from it.
+//! last place away, and asks for exactly what follows from it; *bound* lets every rounding be another one ([`super::bound`]).
 
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_core::design::Design;
 use serde::Serialize;
 
 use super::VectorError;
-use super::datapath::Inputs;
+use super::bound::{Bounds, Leeway};
 use super::explain::{Real, digits, exponent};
-use super::layout::{Direction, Field, Layout, mask};
+use super::layout::{Field, mask};
 use super::lines::{Line, Lines};
 use super::manifest::Manifest;
-use crate::net::graph::{Net, NodeId};
+use super::outcomes::Outcomes;
 use crate::net::neighbour::{MOST_CHOICES, Neighbours, Verdict};
 
 /// Most vectors that are described; all are counted.
@@ -29,6 +28,12 @@ pub enum Tier {
     Exact,
     /// Every bit of what follows from reciprocals and inverse roots that are each one last place away at most.
     Faithful,
+    /// Numbers within what follows, to first order, from roundings that are each so many last places off at most; decisions that some such
+    /// design takes.
+    Bound {
+        /// Last places.
+        places: u32,
+    },
 }
 
 impl Tier {
@@ -37,6 +42,16 @@ impl Tier {
         match self {
             Self::Exact => "exact",
             Self::Faithful => "faithful",
+            Self::Bound { .. } => "bound",
+        }
+    }
+
+    /// What vectors are that pass it.
+    pub const fn adjective(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Faithful => "faithful",
+            Self::Bound { .. } => "within bounds",
         }
     }
 }
@@ -54,18 +69,10 @@ pub struct Judgement {
     pub count: u64,
     /// Those that are right in every bit.
     pub exact: u64,
-    /// Those that are faithful, exact ones included; `None` where the tier is exact.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub faithful: Option<u64>,
+    /// Those that pass the tier, exact ones included.
+    pub passing: u64,
     /// The first ones that do not pass the tier, at most ten.
     pub failures: Vec<Failing>,
-}
-
-impl Judgement {
-    /// Vectors that pass the tier.
-    pub fn passing(&self) -> u64 {
-        self.faithful.unwrap_or(self.exact)
-    }
 }
 
 /// The first wrong field of a vector.
@@ -83,6 +90,9 @@ pub struct Failing {
     pub got: String,
     /// What it should have given; under *faithful* by the device's own values before it.
     pub expected: String,
+    /// Last places that `got` may be away from `expected`, where the tier is bound and the field a number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub within: Option<f64>,
     /// Value of `got` in the field's unit, by the device's exponent.
     pub got_real: Real,
     /// Value of `expected`, by the exponent that the set has, or under *faithful* the device's.
@@ -96,21 +106,16 @@ pub struct Failing {
 pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64)) -> Result<Judgement, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
-    let recorded;
-    let (net, mut outcomes): (&Net, Vec<(usize, NodeId, u32)>) = match layout.stage() {
-        Some(stage) => {
-            let (net, nodes) = stage.operations();
-            (net, layout.places().map(|(field, place, drop)| (field, nodes[place], drop)).collect())
+    let outcomes = Outcomes::of(&manifest, &layout);
+    let freedom = match tier {
+        Tier::Exact => Freedom::None,
+        Tier::Faithful => {
+            let fraction_bits = manifest.profile.knobs.fraction_bits;
+            Freedom::Neighbours(Neighbours::new(&outcomes.net, &outcomes.nodes(), fraction_bits))
         }
-        None => {
-            recorded = Net::of(Design::of(manifest.datapath), &manifest.effects, &manifest.profile.knobs);
-            (&recorded, layout.outcomes(&recorded, &manifest.profile.knobs).collect())
-        }
+        Tier::Bound { places } => Freedom::Bounds(Bounds::new(&outcomes, places)),
     };
-    outcomes.sort_by_key(|&(field, ..)| layout.rank(field));
-    let nodes: Vec<NodeId> = outcomes.iter().map(|&(_, node, _)| node).collect();
-    let neighbours = Neighbours::new(net, &nodes, manifest.profile.knobs.fraction_bits);
-    let judge = Judge { manifest: &manifest, layout: &layout, outcomes: &outcomes, neighbours: &neighbours, tier };
+    let judge = Judge { outcomes: &outcomes, freedom };
 
     let mut judgement = Judgement {
         set: manifest.set.clone(),
@@ -118,7 +123,7 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
         tier,
         count: manifest.count,
         exact: 0,
-        faithful: (tier == Tier::Faithful).then_some(0),
+        passing: 0,
         failures: Vec::new(),
     };
     let count = |found: &str| VectorError::Manifest {
@@ -157,9 +162,7 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
             .collect::<Result<_, _>>()?;
         for (is_exact, failing) in judged {
             judgement.exact += u64::from(is_exact);
-            if let (Some(faithful), None) = (&mut judgement.faithful, &failing) {
-                *faithful += 1;
-            }
+            judgement.passing += u64::from(failing.is_none());
             if let Some(failing) = failing
                 && judgement.failures.len() < DESCRIBED
             {
@@ -169,63 +172,94 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
         progress(done);
     }
     if !set.hash_matches()? {
-        let problem = "the words beside it are not those that it was written for, so nothing can be judged by them; see `roughxel vectors verify`, or \
-                       export the set again";
-        return Err(VectorError::Manifest { path: manifest_path.into(), problem: problem.into() });
+        return Err(not_its_words(manifest_path));
     }
     Ok(judgement)
 }
 
-/// What vectors are judged by.
-struct Judge<'a> {
-    manifest: &'a Manifest,
-    layout: &'a Layout,
-    /// Outcomes in the order of the pipeline: field, wire, low bits of it that drop.
-    outcomes: &'a [(usize, NodeId, u32)],
-    neighbours: &'a Neighbours<'a>,
-    tier: Tier,
+/// Words that are right each but not those that the manifest was written for.
+pub(super) fn not_its_words(manifest_path: &Path) -> VectorError {
+    let problem = "the words beside it are not those that it was written for, so nothing can be judged by them; see `roughxel vectors verify`, or \
+                   export the set again";
+    VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }
 }
 
+/// What vectors are judged by.
+struct Judge<'a> {
+    outcomes: &'a Outcomes<'a>,
+    freedom: Freedom<'a>,
+}
+
+/// What a device is free to do in another way.
+enum Freedom<'a> {
+    None,
+    Neighbours(Neighbours<'a>),
+    Bounds(Bounds<'a>),
+}
+
+/// Whether a vector is exact, and where it does not pass the tier.
+type Judged = (bool, Option<Failing>);
+
 impl Judge<'_> {
-    /// Whether a vector is exact, and where it does not pass the tier; or why it cannot be judged.
-    fn vector(&self, line: &Line, expected: &[u32], found: &[u32]) -> Result<(bool, Option<Failing>), String> {
-        let fields = self.layout.fields();
-        let is_input = |field: &Field| field.direction == Direction::In;
-        let input = (0..fields.len()).find(|&place| is_input(&fields[place]) && expected[place] != found[place]);
-        let wrong = self.outcomes.iter().map(|&(place, ..)| place).find(|&place| expected[place] != found[place]);
-        if let Some(place) = input.or(wrong.filter(|_| self.tier == Tier::Exact)) {
+    /// A vector, or why it cannot be judged.
+    fn vector(&self, line: &Line, expected: &[u32], found: &[u32]) -> Result<Judged, String> {
+        if let Some(place) = self.outcomes.other_input(expected, found) {
             return Ok((false, Some(self.failing(line, place, found, expected[place], expected))));
         }
-        if wrong.is_none() {
+        let mut places = self.outcomes.list.iter().map(|outcome| outcome.field);
+        let Some(wrong) = places.find(|&place| expected[place] != found[place]) else {
             return Ok((true, None));
-        }
-        let inputs = self.layout.decode(expected);
-        let ports = match self.layout.stage() {
-            Some(_) => inputs,
-            None => Inputs::of(self.manifest.datapath, &inputs).recorded(&self.manifest.profile.knobs),
         };
+        let failing = match &self.freedom {
+            Freedom::None => Some(self.failing(line, wrong, found, expected[wrong], expected)),
+            Freedom::Neighbours(neighbours) => self.by_neighbours(neighbours, line, expected, found)?,
+            Freedom::Bounds(bounds) => self.by_bounds(bounds, line, expected, found),
+        };
+        Ok((false, failing))
+    }
+
+    fn by_neighbours(
+        &self,
+        neighbours: &Neighbours<'_>,
+        line: &Line,
+        expected: &[u32],
+        found: &[u32],
+    ) -> Result<Option<Failing>, String> {
+        let Outcomes { list, .. } = self.outcomes;
         let is_right = |place: usize, value: i64| {
-            let (field, _, drop) = self.outcomes[place];
-            fields[field].bits(value, drop) == Some(found[field])
+            let outcome = list[place];
+            self.outcomes.field(outcome).bits(value, outcome.drop) == Some(found[outcome.field])
         };
-        match self.neighbours.judge(&ports, is_right) {
-            Verdict::Right => Ok((false, None)),
+        match neighbours.judge(&self.outcomes.ports(expected), is_right) {
+            Verdict::Right => Ok(None),
             Verdict::Wrong { place, value } => {
-                let (field, _, drop) = self.outcomes[place];
-                let bits = (value >> drop) as u32 & mask(fields[field].width);
-                Ok((false, Some(self.failing(line, field, found, bits, found))))
+                let outcome = list[place];
+                let bits = outcome.bits(self.outcomes.field(outcome), value);
+                Ok(Some(self.failing(line, outcome.field, found, bits, found)))
             }
             Verdict::TooMany { place } => Err(format!(
                 "vector #{}: before field {} there are more than {MOST_CHOICES} choices of neighbours; judge it by a set with the outcomes of all stages \
                  (export without --no-taps), or stage by stage (export --stage)",
-                line.index, fields[self.outcomes[place].0].name
+                line.index,
+                self.outcomes.field(list[place]).name
             )),
         }
     }
 
+    fn by_bounds(&self, bounds: &Bounds<'_>, line: &Line, expected: &[u32], found: &[u32]) -> Option<Failing> {
+        let leeway = bounds.leeway(expected);
+        let place = bounds.beyond(expected, found, &leeway)?;
+        let field = self.outcomes.list[place].field;
+        let within = match leeway[place] {
+            Leeway::Within(most) => Some(most),
+            Leeway::OneOf(_) | Leeway::Any => None,
+        };
+        Some(Failing { within, ..self.failing(line, field, found, expected[field], expected) })
+    }
+
     /// A wrong field; the exponent of what was expected is that of the word `beside`.
     fn failing(&self, line: &Line, place: usize, found: &[u32], bits: u32, beside: &[u32]) -> Failing {
-        let fields = self.layout.fields();
+        let fields = self.outcomes.layout.fields();
         let field = &fields[place];
         let real = |bits: u32, word: &[u32]| {
             let integer = |(field, &bits): (&Field, &u32)| field.integer(bits & mask(field.width));
@@ -240,6 +274,7 @@ impl Judge<'_> {
             field: field.name.clone(),
             got: digits(field, found[place]),
             expected: digits(field, bits),
+            within: None,
             got_real: real(found[place], found),
             expected_real: real(bits, beside),
         }
