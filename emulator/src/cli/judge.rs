@@ -90,7 +90,11 @@ fn describe(out: &mut impl Write, judgement: &Judgement) -> io::Result<()> {
         Tier::Exact => {}
         Tier::Faithful => writeln!(out, "faithful {passing} of {count}")?,
         Tier::Bound { places } => {
-            writeln!(out, "bound    {passing} of {count}, roundings {places} last place{} off", if *places == 1 { "" } else { "s" })?;
+            writeln!(
+                out,
+                "bound    {passing} of {count}, roundings {places} last place{} off",
+                if *places == 1 { "" } else { "s" }
+            )?;
         }
     }
     for Failing { index, line, stage, field, got, expected, within, got_real, expected_real } in failures {

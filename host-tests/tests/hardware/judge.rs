@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
@@ -17,8 +18,10 @@ use roughxel_emulator::net::record::integers_at;
 use roughxel_emulator::net::rounding::{Roundings, scattered};
 use roughxel_emulator::net::verilog::{Options, StagePort, Stages};
 use roughxel_emulator::vectors::{
-    Direction, Failing, Judgement, Manifest, Marks, SetInfo, StageSet, Tier, VectorError, Words, export, judge, marks, random_set,
+    self, Direction, Failing, Judgement, Manifest, Marks, SetInfo, StageSet, Tier, VectorError, Words, export, judge,
+    marks, random_set,
 };
+use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
 use tempfile::TempDir;
 
@@ -303,6 +306,43 @@ fn a_wrong_sign_and_another_face_are_beyond_bounds() {
     let of_face = bench.marks(4).marked.iter().filter(|marked| marked.fields.iter().any(|name| name == "face")).count();
     assert!(judged.passing <= of_face as u64, "{judged:?}");
     assert_eq!((judged.failures[0].field.as_str(), judged.failures[0].within), ("face", None));
+}
+
+/// The generated Verilog with another last step of the first root of `frame`, in a bench that writes what comes out.
+#[test]
+fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
+    let tools = [("icarus", "iverilog"), ("verilator", "verilator")];
+    let tools = tools.into_iter().take(whole_or(2, 1)).filter(|(_, program)| have(program));
+    let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Narrow, true, 30);
+    let written = vectors::Bench::new(&bench.manifest_path()).expect("a set");
+    let folder = bench.directory.path().join("bench");
+    assert!(written.write(&folder, vectors::Device::Generated, false).expect("a bench").is_empty());
+    let module = folder.join("rtl/frame.v");
+    let text = fs::read_to_string(&module).expect("the module");
+    for (tool, _) in tools {
+        // ⌊(2x + 1)/2⌋, and one and two last places less.
+        for (less, instead, tier, passing) in [
+            (0, "_add + 16'd1;", Tier::Exact, 30),
+            (1, "_add - 16'd1;", Tier::Faithful, 30),
+            (2, "_add - 16'd3;", Tier::Faithful, 0),
+            (2, "_add - 16'd3;", Tier::Bound { places: 2 }, 30),
+        ] {
+            fs::write(&module, text.replacen("_add + 16'd1;", instead, 1)).expect("the module can be written");
+            let got = bench.directory.path().join("got.hex");
+            let mut run = Command::new("sh");
+            run.arg(folder.join("run.sh")).args([tool, "--stop", "1", "--got"]).arg(&got).env("OPT", "-O0");
+            let output = run.output().expect("a shell");
+            let printed = String::from_utf8_lossy(&output.stdout);
+            assert_eq!(output.status.code(), Some(if less == 0 { 0 } else { 3 }), "{printed}");
+            assert!(!printed.contains(" #1: "), "more than one vector is printed: {printed}");
+            let judged = judge(&got, &bench.manifest_path(), tier, &|_| {}).expect("judged");
+            // A root of a zero, or one that is rounded away, is the same.
+            let right = if passing == 0 { judged.passing < 3 } else { judged.passing == passing };
+            assert!(right, "{tool}, {less} less: {} pass {:#?}", judged.passing, judged.failures);
+            assert!(less == 0 || judged.exact < 3, "{tool}, {less} less: {} exact", judged.exact);
+            assert!(judged.failures.iter().all(|failing| failing.stage == "frame"), "{:#?}", judged.failures);
+        }
+    }
 }
 
 /// A module that is tested alone, its words in upper case and without underscores.
