@@ -17,6 +17,8 @@ mod explain;
 mod failure;
 mod gallery;
 mod grade;
+mod judge;
+mod marks;
 mod merge;
 mod minimise;
 mod plan;

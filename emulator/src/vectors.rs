@@ -6,6 +6,7 @@
 //! recomputation alone would show only its consequences.
 
 mod bench;
+mod bound;
 mod c_library;
 mod datapath;
 mod distil;
@@ -14,12 +15,15 @@ mod export;
 mod files;
 mod format;
 mod grade;
+mod judge;
 mod layout;
 mod lines;
 mod manifest;
+mod marks;
 mod merge;
 mod minimise;
 mod order;
+mod outcomes;
 mod part;
 mod rom;
 mod sets;
@@ -42,8 +46,10 @@ pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation,
 pub use export::{SetExport, SetInfo, Words, export, export_with};
 pub use format::{FormatError, in_page, tables};
 pub use grade::{Alarm, Attained, Grade, Score, StageScore, TableScore, Unseen, grade};
+pub use judge::{Failing, Judgement, Tier, judge};
 pub use layout::{Direction, Field, Layout};
 pub use manifest::{FORMAT_VERSION, Form, Manifest, SCHEMA, StageEntry};
+pub use marks::{Marked, Marks, marks};
 pub use merge::{MergeError, Parts, parts_of};
 pub use minimise::{MinimiseError, MinimiseOptions, Minimised, minimise};
 pub use order::Misplaced;

@@ -28,12 +28,18 @@ impl Net {
     pub fn evaluate(&self, ports: &[i64], wires: &mut Vec<i64>) {
         wires.clear();
         wires.reserve(self.nodes.len());
-        for node in &self.nodes {
-            let value = match node.op {
-                Op::Port(port) => ports.get(port as usize).copied().unwrap_or(0),
-                op => apply(op, node.kind, |id| self.node(id).kind, |id| wires[id as usize]),
-            };
-            wires.push(value);
+        for id in 0..self.nodes.len() as NodeId {
+            wires.push(self.value(id, ports, wires));
+        }
+    }
+
+    /// The integer of a node from those of the ports and of the nodes that it reads.
+    #[inline]
+    pub fn value(&self, id: NodeId, ports: &[i64], wires: &[i64]) -> i64 {
+        let node = self.node(id);
+        match node.op {
+            Op::Port(port) => ports.get(port as usize).copied().unwrap_or(0),
+            op => apply(op, node.kind, |id| self.node(id).kind, |id| wires[id as usize]),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `roughxel vectors export|merge|verify|explain|bench|minimise|report|distil|list|format|rom|c`.
+//! `roughxel vectors export|merge|verify|judge|marks|explain|bench|minimise|report|distil|list|format|rom|c`.
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -23,6 +23,8 @@ use super::bench::{self, BenchArgs};
 use super::console::{complain, new_table, progress};
 use super::distil::{self, DistilArgs};
 use super::grade::{self, GradeArgs};
+use super::judge::{self, JudgeArgs};
+use super::marks::{self, MarksArgs};
 use super::merge::{self, MergeArgs};
 use super::minimise::{self, MinimiseArgs};
 use super::{
@@ -48,6 +50,12 @@ pub(super) enum VectorsCommand {
     /// Recompute every value of sets and compare; name set, index, stage, field and bit of each difference.
     #[command(after_help = CONVENTIONS)]
     Verify(VerifyArgs),
+    /// Judge the words of a device by an acceptance tier: exact, faithful with a divider or a root of its own, within bounds.
+    #[command(long_about = judge::LONG_HELP, after_help = CONVENTIONS)]
+    Judge(JudgeArgs),
+    /// Mark the vectors in which a device that rounds in its own way may decide otherwise.
+    #[command(long_about = marks::LONG_HELP, after_help = CONVENTIONS)]
+    Marks(MarksArgs),
     /// Explain one vector: every field stage by stage beside float64, and where a device's word goes wrong first.
     #[command(long_about = explain::LONG_HELP, after_help = CONVENTIONS)]
     Explain(explain::ExplainArgs),
@@ -192,6 +200,8 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Export(args) => export(args),
         VectorsCommand::Merge(args) => merge::run(args),
         VectorsCommand::Verify(args) => verify_all(args),
+        VectorsCommand::Judge(args) => judge::run(args),
+        VectorsCommand::Marks(args) => marks::run(args),
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
         VectorsCommand::Report(args) => grade::run(args),

@@ -255,6 +255,7 @@ impl Bench {
             ("OUTPUT_MEMBERS", lines(outputs, sv_member)),
             ("INPUT_PARTS", lines(inputs, sv_part).replace('\n', ",\n")),
             ("OUTPUT_PARTS", lines(outputs, sv_part).replace('\n', ",\n")),
+            ("OUTPUT_PLACES", lines(outputs, sv_place)),
             ("COMPARISONS", lines(outputs, |field| sv_comparison(field, &stem))),
             ("PURPOSE", purpose.into()),
             ("BODY", body),
@@ -571,6 +572,10 @@ fn sv_member(field: &Field) -> String {
     format!("    logic {sign}[{}:0] {};  // {}", field.width - 1, column(field), note(field))
 }
 
+fn sv_place(field: &Field) -> String {
+    format!("    with_outputs[{} +: {}] = outputs.{};", field.lsb, field.width, column(field))
+}
+
 fn sv_comparison(field: &Field, stem: &str) -> String {
     let (Field { name, stage, fraction_bits, .. }, column) = (field, column(field));
     let compared = if field.direction == Direction::Tap { "!outputs_only && " } else { "" };
@@ -579,7 +584,7 @@ fn sv_comparison(field: &Field, stem: &str) -> String {
         format!("{member}, number(64'({}), {fraction_bits})", signed(field, &member))
     });
     format!(
-        "      if ({compared}expected.{column} !== got.{column}) begin\n        compare = compare + 1;\n        \
+        "      if ({compared}expected.{column} !== got.{column}) begin\n        compare = compare + 1;\n        if (!silent) \
          $display(\"{stem} #%0d: stage {stage}, field {name}: expected %h = %.10g, got %h = %.10g\", index,\n                 \
          {expected}, {got});\n      end"
     )

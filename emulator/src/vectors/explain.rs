@@ -24,7 +24,7 @@ use super::lines::Lines;
 use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
 use super::verify::{Checker, Mismatch};
-use super::word::{check_value, read_word};
+use super::word::{check_value, read_device_word};
 use crate::spelling::did_you_mean;
 
 /// One vector of a set.
@@ -216,29 +216,9 @@ impl Vector {
     }
 
     fn whole_word(&self, text: &str) -> Result<Vec<Option<u32>>, String> {
-        let fields = self.layout.fields();
-        let lower = text.to_ascii_lowercase();
-        if lower.contains('_') {
-            return Ok(read_word(lower.as_bytes(), &self.layout)?.into_iter().map(Some).collect());
-        }
-        let digits = self.layout.word_bits() / 4;
-        let found = lower.chars().count();
-        if let Some(place) = lower.chars().position(|c| !c.is_ascii_hexdigit()) {
-            return Err(format!("character {} of the word is no hex digit", place + 1));
-        }
-        if found != digits as usize {
-            return Err(format!(
-                "{found} hex digits, but a word of this set has {digits}; for single fields write FIELD=HEX"
-            ));
-        }
-        let mut rest = &lower[..];
-        let mut bits = Vec::with_capacity(fields.len());
-        for field in fields {
-            let (digits, after) = rest.split_at(field.digits() as usize);
-            bits.push(u32::from_str_radix(digits, 16).ok());
-            rest = after;
-        }
-        Ok(bits)
+        let bits = read_device_word(text.as_bytes(), &self.layout);
+        let single = if text.contains('_') { "" } else { "; for single fields write FIELD=HEX" };
+        Ok(bits.map_err(|problem| format!("{problem}{single}"))?.into_iter().map(Some).collect())
     }
 
     fn fields_given(&self, parts: &[&str]) -> Result<Vec<Option<u32>>, String> {
@@ -294,7 +274,7 @@ impl Vector {
         order.sort_by_key(|&place| self.layout.rank(place));
         let explained = order.iter().map(|&place| {
             let field = &fields[place];
-            let exponent = self.exponent(field, &integers);
+            let exponent = exponent(fields, field, &integers);
             let unit = exponent - field.fraction_bits as i32;
             let float64_value = float64.value(&field.name);
             let error = float64_value.map(|real| integers[place] as f64 - real.in_units(unit));
@@ -359,22 +339,10 @@ impl Vector {
         }
     }
 
-    /// The exponent that belongs to a field: of a mantissa that of its block, where it has one; else 0.
-    fn exponent(&self, field: &Field, integers: &[i64]) -> i32 {
-        // An exponent has 16 bits.
-        self.exponent_field(field).map_or(0, |place| integers[place] as i32)
-    }
-
-    /// The place of the exponent that belongs to a field.
-    fn exponent_field(&self, field: &Field) -> Option<usize> {
-        let port = format!("{}.exponent", block(field)?);
-        self.layout.fields().iter().position(|field| field.port == port)
-    }
-
     /// Whether a field is a mantissa of a block with an exponent whose mantissas are all zero.
     fn is_zero_block(&self, field: &Field, integers: &[i64]) -> bool {
         let mut of_block = self.layout.fields().iter().zip(integers).filter(|(other, _)| block(other) == block(field));
-        self.exponent_field(field).is_some() && of_block.all(|(_, &integer)| integer == 0)
+        exponent_field(self.layout.fields(), field).is_some() && of_block.all(|(_, &integer)| integer == 0)
     }
 
     /// The bits in which a field of a compared word differs.
@@ -414,12 +382,24 @@ impl Vector {
     }
 }
 
+/// The exponent that belongs to a field: of a mantissa that of its block, where it has one; else 0. `integers` are those of all fields.
+pub(super) fn exponent(fields: &[Field], field: &Field, integers: &[i64]) -> i32 {
+    // An exponent has 16 bits.
+    exponent_field(fields, field).map_or(0, |place| integers[place] as i32)
+}
+
+/// The place of the exponent that belongs to a field.
+fn exponent_field(fields: &[Field], field: &Field) -> Option<usize> {
+    let port = format!("{}.exponent", block(field)?);
+    fields.iter().position(|field| field.port == port)
+}
+
 /// The path of the block of which a field is a mantissa.
 fn block(field: &Field) -> Option<&str> {
     field.port.rsplit_once(".mantissa[").map(|(block, _)| block)
 }
 
 /// The digits of a field.
-fn digits(field: &Field, bits: u32) -> String {
+pub(super) fn digits(field: &Field, bits: u32) -> String {
     format!("{bits:0digits$x}", digits = field.digits() as usize)
 }

@@ -256,14 +256,26 @@ impl Layout {
 
     /// Wires of the recorded design that fields between the ports and behind them show, with the bits of each that they do.
     pub(super) fn shown(&self, net: &Net, p: &Precision) -> Vec<(NodeId, u64)> {
-        let shown = |(field, &(source, drop)): (&Field, &(Source, u32))| match source {
+        let shown =
+            |(field, node, drop): (usize, NodeId, u32)| (node, u64::from(mask(self.fields[field].width)) << drop);
+        self.outcomes(net, p).map(shown).collect()
+    }
+
+    /// The fields of a datapath between the ports and behind them: place in the word, wire of the recorded design, low bits of it that drop.
+    pub(super) fn outcomes(&self, net: &Net, p: &Precision) -> impl Iterator<Item = (usize, NodeId, u32)> {
+        self.places().map(|(field, place, drop)| {
+            let output = &net.outputs[place];
+            (field, output.node, drop - below(output.mantissa, p))
+        })
+    }
+
+    /// The fields that are outputs: place in the word, number of the output, low bits that drop.
+    pub(super) fn places(&self) -> impl Iterator<Item = (usize, usize, u32)> {
+        let output = |(field, &(source, drop)): (usize, &(Source, u32))| match source {
             Source::Port(_) => None,
-            Source::Output(place) => {
-                let output = &net.outputs[place];
-                Some((output.node, u64::from(mask(field.width)) << (drop - below(output.mantissa, p))))
-            }
+            Source::Output(place) => Some((field, place, drop)),
         };
-        self.fields.iter().zip(&self.sources).filter_map(shown).collect()
+        self.sources.iter().enumerate().filter_map(output)
     }
 
     /// The integers of the ports in the fields' bits of a word; ports without a field are 0.

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::files::hex_digest;
 use super::layout::Layout;
 use super::manifest::{Form, Manifest};
-use super::word::{read_record, read_word};
+use super::word::{read_device_word, read_record, read_word};
 use super::{MAX_VECTORS, VectorError};
 use crate::input::open_file;
 
@@ -52,6 +52,15 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// The same of a device's word, whose digits may be of either case and without underscores.
+    pub(super) fn device_bits(&self, layout: &Layout) -> Result<Vec<u32>, String> {
+        let bits = match self.form {
+            Form::Hex => read_device_word(&self.text, layout),
+            Form::Bin => read_record(&self.text, layout),
+        };
+        bits.map_err(|problem| self.cause(problem))
+    }
+
     /// The fields' bits, padding and check value included, or what is wrong with it.
     pub(super) fn bits(&self, layout: &Layout) -> Result<Vec<u32>, String> {
         let bits = match self.form {
@@ -119,16 +128,24 @@ fn is_text(record: &[u8]) -> bool {
 impl Lines {
     /// Opens the words of a manifest, which lie beside it.
     pub(super) fn open(manifest_path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
-        let entry = &manifest.files[0];
-        let path = manifest_path.with_file_name(&entry.name);
+        Self::at(manifest_path.with_file_name(&manifest.files[0].name), manifest.form(), manifest)
+    }
+
+    /// Opens words of a device with the fields of a manifest: records of bytes in a file NAME.bin, else text.
+    pub(super) fn open_device(path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
+        let is_bin = path.extension().is_some_and(|extension| extension == Form::Bin.extension());
+        Self::at(path.into(), if is_bin { Form::Bin } else { Form::Hex }, manifest)
+    }
+
+    fn at(path: PathBuf, form: Form, manifest: &Manifest) -> Result<Self, VectorError> {
         let file = open_file(&path).map_err(|source| VectorError::Io { action: "read", path: path.clone(), source })?;
         Ok(Self {
             file: BufReader::with_capacity(1 << 16, file),
-            form: manifest.form(),
+            form,
             record_bytes: manifest.word_bits.div_ceil(8) as usize,
             path,
             hash: Sha256::new(),
-            sha256: entry.sha256.clone(),
+            sha256: manifest.files[0].sha256.clone(),
             count: manifest.count,
             most: manifest.count,
             first: manifest.indices().start,

@@ -208,3 +208,27 @@ pub(crate) fn read_word(line: &[u8], layout: &Layout) -> Result<Vec<u32>, String
     }
     Ok(bits)
 }
+
+/// The fields' bits of a device's word, digits of either case with underscores between fields or none at all.
+pub(crate) fn read_device_word(text: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
+    let lower = text.to_ascii_lowercase();
+    if lower.contains(&b'_') {
+        return read_word(&lower, layout);
+    }
+    let digits = layout.word_bits() / 4;
+    let text = String::from_utf8_lossy(&lower);
+    if let Some(place) = text.chars().position(|c| !c.is_ascii_hexdigit()) {
+        return Err(format!("character {} of the word is no hex digit", place + 1));
+    }
+    if text.len() != digits as usize {
+        return Err(format!("{} hex digits, but a word of this set has {digits}", text.len()));
+    }
+    let mut rest = &text[..];
+    let mut bits = Vec::with_capacity(layout.fields().len());
+    for field in layout.fields() {
+        let (digits, after) = rest.split_at(field.digits() as usize);
+        bits.push(u32::from_str_radix(digits, 16).map_err(|error| error.to_string())?);
+        rest = after;
+    }
+    Ok(bits)
+}

@@ -7,6 +7,7 @@ mod eval;
 mod explain;
 mod gallery;
 mod grade;
+mod judge;
 mod minimise;
 mod peaks;
 mod profile;

@@ -5,6 +5,7 @@ mod broken;
 mod c_library;
 mod folder;
 mod grade;
+mod judge;
 mod minimise;
 mod proof;
 mod rtl;

@@ -114,6 +114,11 @@ impl Stage {
         self.outcomes.iter().map(|&node| wires[node as usize]).collect()
     }
 
+    /// The operations of the module as a net whose ports are its inputs, and the nodes on its outputs, both in the module's order.
+    pub fn operations(&self) -> (&Net, &[NodeId]) {
+        (&self.unit, &self.outcomes)
+    }
+
     /// The module as what a bench connects: combinational, without a clock and a handshake.
     pub fn interface(&self) -> Interface {
         let ports = |ports: &[StagePort]| -> Vec<PortDescription> {

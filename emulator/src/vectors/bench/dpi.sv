@@ -146,7 +146,7 @@ module @NAME@_dpi;
         $display("ERROR an output that no input belongs to, after %0d", checked);
         $fatal(1);
       end
-      if (compare(checked, waiting_outputs[0], outputs, outputs_only) != 0) begin
+      if (compare(checked, waiting_outputs[0], outputs, outputs_only, 1'b0) != 0) begin
         show(checked, waiting_inputs[0]);
         wrong = wrong + 1;
         if (wrong == stop) begin

@@ -39,6 +39,12 @@ package @NAME@_pkg;
     };
   endfunction
 
+  // The word with other outputs; its check value stays.
+  function automatic word_t with_outputs(input word_t word, input outputs_t outputs);
+    with_outputs = word;
+@OUTPUT_PLACES@
+  endfunction
+
   // Whether a word was loaded whole: its last 32 bits are the CRC-32 of those above.
   function automatic logic is_whole(input word_t word);
     logic [31:0] crc;
@@ -53,8 +59,9 @@ package @NAME@_pkg;
     number = (1.0 * integer_of_field) / (2.0 ** fraction_bits);
   endfunction
 
-  // How many fields differ, taps aside with `outputs_only`; prints each, earliest stage first.
-  function automatic int compare(input int index, input outputs_t expected, input outputs_t got, input logic outputs_only);
+  // How many fields differ, taps aside with `outputs_only`; prints each, earliest stage first, if not `silent`.
+  function automatic int compare(input int index, input outputs_t expected, input outputs_t got, input logic outputs_only,
+                                 input logic silent);
     compare = 0;
     if (expected !== got) begin
 @COMPARISONS@

@@ -3,6 +3,7 @@
 #   TOOL             icarus, verilator, cpp (Verilator with a driver in C++), ghdl (VHDL), cocotb (cocotb 2 in Icarus),
 #                    dpi (Verilator, random inputs against the C library)
 #   --stop N         ends at the N-th vector that differs (10)
+#   --got FILE       icarus, verilator: writes the device's words for `roughxel vectors judge`, all of them; --stop ends what is printed
 #   --outputs-only   compares what leaves the datapath alone, for a device that does not show its stages
 #   --stalls         both sides of the handshake pause at random
 #   --timeout N      cycles without an output after which it gives up (10000)
@@ -16,7 +17,7 @@
 # of every vector is right; 3: vectors differ, each difference is printed; 1: the comparison could not be made; 2: usage.
 set -u
 usage() {
-    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb|dpi [--stop N] [--outputs-only] [--stalls] [--timeout N] [--built]" \
+    echo "usage: sh run.sh icarus|verilator|cpp|ghdl|cocotb|dpi [--stop N] [--got FILE] [--outputs-only] [--stalls] [--timeout N] [--built]" \
         "[--library FILE] [--count N] [--seed N] [--playback [--altered N]]" >&2
     exit 2
 }
@@ -26,7 +27,7 @@ cd "$(dirname "$0")" || exit 1
 tool=$1
 shift
 stop=10 timeout=10000 outputs_only=0 stalls=0 built=0 playback=false altered=-1
-library=$PWD/libroughxel_c.a count=100000 seed=1 only_dpi=0
+library=$PWD/libroughxel_c.a count=100000 seed=1 only_dpi=0 got=
 while [ $# -gt 0 ]; do
     case $1 in
         --stop | --timeout | --altered | --count | --seed)
@@ -43,6 +44,9 @@ while [ $# -gt 0 ]; do
             case ${2:-} in '') usage ;; /*) library=$2 ;; *) library=$from/$2 ;; esac
             only_dpi=1
             shift ;;
+        --got)
+            case ${2:-} in '') usage ;; /*) got=$2 ;; *) got=$from/$2 ;; esac
+            shift ;;
         --outputs-only) outputs_only=1 ;;
         --stalls) stalls=1 ;;
         --built) built=1 ;;
@@ -54,6 +58,7 @@ done
 if [ "$stop" -eq 0 ] || [ "$timeout" -eq 0 ] || [ "$count" -eq 0 ]; then usage; fi
 case $only_dpi-$tool in 0-* | 1-dpi) ;; *) usage ;; esac
 case $playback-$altered-$tool in true-*-ghdl | false--1-*) ;; *) usage ;; esac
+case $got-$tool in -* | *-icarus | *-verilator) ;; *) usage ;; esac
 
 plus="+stop=$stop +timeout=$timeout"
 [ $outputs_only -eq 0 ] || plus="$plus +outputs_only"
@@ -102,8 +107,8 @@ compile() {
 
 run() {
     case $tool in
-        icarus) vvp -n $build/bench $plus ;;
-        verilator | dpi) $build/bench $plus ;;
+        icarus) vvp -n $build/bench $plus ${got:+"+got=$got"} ;;
+        verilator | dpi) $build/bench $plus ${got:+"+got=$got"} ;;
         cpp) $build/bench words.hex $(echo "$plus" | tr -d +) ;;
         ghdl)
             [ $outputs_only -eq 0 ] && outputs_only=false || outputs_only=true

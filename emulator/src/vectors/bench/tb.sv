@@ -2,6 +2,7 @@
 //
 // For Icarus (-g2012) and Verilator (--binary --timing); `sh run.sh` has the command lines. Arguments:
 //   +words=FILE     the words (words.hex)
+//   +got=FILE       writes the device's words there, for `roughxel vectors judge`, all of them: +stop ends what is printed
 //   +stop=N         ends at the N-th vector that differs (10)
 //   +outputs_only   compares what leaves the datapath alone, for a device that does not show its stages
 //   +stalls         both sides of the handshake pause at random
@@ -13,7 +14,8 @@ module @NAME@_tb;
   import @NAME@_pkg::*;
 
   word_t     words [0:N_VECTORS-1];
-  string     path;
+  string     path, got_path;
+  int        got = 0;
   int        stop, timeout;
   logic      outputs_only, stalls;
   logic      clk = 0;
@@ -42,6 +44,13 @@ module @NAME@_tb;
 
   initial begin
     if (!$value$plusargs("words=%s", path)) path = "words.hex";
+    if ($value$plusargs("got=%s", got_path)) begin
+      got = $fopen(got_path, "w");
+      if (got == 0) begin
+        $display("ERROR %0s cannot be written", got_path);
+        $fatal(1);
+      end
+    end
     if (!$value$plusargs("stop=%d", stop)) stop = 10;
     if (!$value$plusargs("timeout=%d", timeout)) timeout = 10000;
     outputs_only = $test$plusargs("outputs_only") != 0;
@@ -72,10 +81,11 @@ module @NAME@_tb;
         $display("ERROR an output after the last of %0d vectors", N_VECTORS);
         $fatal(1);
       end
-      differing = compare(checked, outputs_of(words[checked]), outputs, outputs_only);
+      if (got != 0) $fdisplay(got, "%h", with_outputs(words[checked], outputs));
+      differing = compare(checked, outputs_of(words[checked]), outputs, outputs_only, got != 0 && wrong >= stop);
       if (differing != 0) begin
         wrong = wrong + 1;
-        if (wrong == stop) begin
+        if (wrong == stop && got == 0) begin
           $display("FAIL @SET@: %0d of %0d vectors differ, stopped there", wrong, checked + 1);
           $fatal(1);
         end
@@ -84,6 +94,7 @@ module @NAME@_tb;
     end else if (!rst) idle <= idle + 1;
     // A device that gives one output too many does so soon.
     if (checked == N_VECTORS && idle > 100) begin
+      if (got != 0) $fclose(got);
       if (wrong == 0) begin
         $display("PASS @SET@: %0d vectors", checked);
         $finish;

@@ -1,0 +1,96 @@
+//! Marks: the vectors of a set in which a decision can be another one where a device rounds in its own way.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::VectorError;
+use super::bound::{Bounds, Leeway};
+use super::lines::{Line, Lines};
+use super::manifest::Manifest;
+use super::outcomes::Outcomes;
+
+/// Vectors that are looked at at once.
+const BATCH: usize = 1 << 10;
+
+/// What is marked of a set.
+#[derive(Clone, Debug, Serialize)]
+pub struct Marks {
+    /// The set.
+    pub set: String,
+    /// Its profile.
+    pub profile: String,
+    /// Vectors.
+    pub count: u64,
+    /// Last places that each rounding may be off.
+    pub places: u32,
+    /// The vectors that are marked.
+    pub marked: Vec<Marked>,
+}
+
+/// A vector with decisions that can be others.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Marked {
+    /// Index of the vector in the whole set, from 0.
+    pub index: u64,
+    /// Fields that can be others.
+    pub fields: Vec<String>,
+}
+
+impl Marks {
+    /// A line a vector in the order of the set, 1 where it is marked, else 0, for `$readmemh`.
+    pub fn lines(&self, first: u64) -> String {
+        let mut lines = vec![b'0'; self.count as usize];
+        self.marked.iter().for_each(|marked| lines[(marked.index - first) as usize] = b'1');
+        let digits = lines.iter().map(|&digit| [char::from(digit), '\n']);
+        let title = format!(
+            "// {} {}: 1 where decisions may be others, roundings {} last places off\n",
+            self.set, self.profile, self.places
+        );
+        title.chars().chain(digits.flatten()).collect()
+    }
+}
+
+/// Marks the vectors of a set; `progress` is told how many are done.
+///
+/// Errors: see [`VectorError`].
+pub fn marks(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Result<Marks, VectorError> {
+    let manifest = Manifest::read(manifest_path)?;
+    let layout = manifest.layout(manifest_path)?;
+    let outcomes = Outcomes::of(&manifest, &layout);
+    let bounds = Bounds::new(&outcomes, places);
+    let mut marked = Vec::new();
+    let mut lines = Lines::open(manifest_path, &manifest)?;
+    let (mut done, mut at_end) = (0, false);
+    while !at_end {
+        let mut batch: Vec<Line> = Vec::with_capacity(BATCH);
+        while batch.len() < BATCH && !at_end {
+            match lines.next()? {
+                Some(line) => batch.push(line),
+                None => at_end = true,
+            }
+        }
+        done += batch.len() as u64;
+        let of_batch: Vec<Marked> = batch
+            .par_iter()
+            .map(|line| {
+                let expected = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
+                let leeway = bounds.leeway(&expected);
+                let open = leeway.iter().zip(&outcomes.list).filter(|(leeway, _)| match leeway {
+                    Leeway::OneOf(decisions) => decisions.len() > 1,
+                    Leeway::Within(_) | Leeway::Any => false,
+                });
+                let fields = open.map(|(_, &outcome)| outcomes.field(outcome).name.clone()).collect();
+                Ok(Marked { index: line.index, fields })
+            })
+            .collect::<Result<_, VectorError>>()?;
+        marked.extend(of_batch.into_iter().filter(|marked| !marked.fields.is_empty()));
+        progress(done);
+    }
+    if !lines.hash_matches()? {
+        return Err(super::judge::not_its_words(manifest_path));
+    }
+    let (set, profile) = (manifest.set.clone(), manifest.profile.name.clone());
+    Ok(Marks { set, profile, count: manifest.count, places, marked })
+}
