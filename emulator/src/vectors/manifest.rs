@@ -10,6 +10,7 @@ use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, Prob
 use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
 
+use super::grade::Score;
 use super::layout::{Field, Layout};
 use super::part::Part;
 use super::{MAX_VECTORS, VectorError, stage};
@@ -59,6 +60,9 @@ pub struct Manifest {
     pub part: Option<Part>,
     /// Bits of a word.
     pub word_bits: u32,
+    /// How good the set is; `None` where it was not graded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grade: Option<GradeEntry>,
     /// The files of the set; there is one, the words.
     pub files: Vec<FileEntry>,
     /// The fields of a word, most significant first.
@@ -104,6 +108,20 @@ pub struct Seed {
     pub name: String,
     /// The hash.
     pub rule: String,
+}
+
+/// What the set shows of the mistakes that a device can have, and which decisions it takes, as `roughxel vectors report` counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GradeEntry {
+    /// Bits of wires that are stuck.
+    pub stuck: Score,
+    /// Operations that are others.
+    pub operations: Score,
+    /// Entries of tables that are off by one last place.
+    pub entries: Score,
+    /// Flags on either side and comparisons at their limits.
+    pub decisions: Score,
 }
 
 /// How words are written.
