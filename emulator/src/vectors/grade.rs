@@ -8,14 +8,15 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::VectorError;
 use super::files::write_manifest;
 use super::layout::Layout;
 use super::lines::Lines;
-use super::manifest::{GradeEntry, Manifest};
+use super::manifest::Manifest;
 use super::outcomes::Outcomes;
+use super::score::{GradeEntry, Score};
 use crate::net::bins::{Bin, Bins};
 use crate::net::fault::{Effect, Fault, Faults, Simulator};
 use crate::net::interval::Ranges;
@@ -25,33 +26,6 @@ use crate::net::observe::Observed;
 const BATCH: usize = 32;
 /// Faults of a task.
 const TASK: usize = 256;
-
-/// How many of how many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Score {
-    /// All.
-    pub all: usize,
-    /// Those that vectors show, meet or read.
-    pub found: usize,
-}
-
-impl Score {
-    fn count(&mut self, found: bool) {
-        self.all += 1;
-        self.found += usize::from(found);
-    }
-
-    /// Found ones in a hundred; 100 of none.
-    pub fn percent(&self) -> f64 {
-        if self.all == 0 { 100.0 } else { 100.0 * self.found as f64 / self.all as f64 }
-    }
-
-    /// Both together.
-    pub fn and(self, other: Self) -> Self {
-        Self { all: self.all + other.all, found: self.found + other.found }
-    }
-}
 
 /// The faults of a stage.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -10,9 +10,9 @@ use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, Prob
 use roughxel_study::profile_file::{NameError, NamedPrecision};
 use serde::{Deserialize, Serialize};
 
-use super::grade::Score;
 use super::layout::{Field, Layout};
 use super::part::Part;
+use super::score::GradeEntry;
 use super::{MAX_VECTORS, VectorError, stage};
 use crate::input::open_file;
 
@@ -108,20 +108,6 @@ pub struct Seed {
     pub name: String,
     /// The hash.
     pub rule: String,
-}
-
-/// What the set shows of the mistakes that a device can have, and which decisions it takes, as `roughxel vectors report` counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GradeEntry {
-    /// Bits of wires that are stuck.
-    pub stuck: Score,
-    /// Operations that are others.
-    pub operations: Score,
-    /// Entries of tables that are off by one last place.
-    pub entries: Score,
-    /// Flags on either side and comparisons at their limits.
-    pub decisions: Score,
 }
 
 /// How words are written.
