@@ -266,6 +266,8 @@ pub struct Port {
     pub low: i64,
     /// Largest declared value.
     pub high: i64,
+    /// Low bits that are always zero.
+    pub zeros: u32,
     /// Its node.
     pub node: NodeId,
 }

@@ -471,6 +471,7 @@ impl Ports {
                 fraction_bits,
                 low,
                 high,
+                zeros: 0,
                 node,
             });
             node

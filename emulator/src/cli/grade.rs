@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use roughxel_emulator::vectors::{Alarm, Grade, Manifest, Score, grade, manifests_of};
+use roughxel_emulator::vectors::{Alarm, Grade, Manifest, Score, VectorError, grade, manifests_of, write_grade};
 use serde_json::json;
 
 use super::Failure;
@@ -13,7 +13,7 @@ use super::console::{new_table, progress};
 pub(super) const LONG_HELP: &str = "\
 Say how good sets are: which mistakes in a device they would show.
 
-Sets of the same datapath, effects and profile are graded together. Every bit of every wire of the hardware is stuck at 0 and at 1,
+Sets of the same datapath or stage, effects and profile are graded together, with --write each alone. Every bit of every wire of the hardware is stuck at 0 and at 1,
 every operation is another one (a sum a difference, a shift one place further, a comparison with `or equal`, a rounding left out, a
 sign taken as a bit, a clamp that never or always acts), every entry of every table is one last place more and less: a fault at a time,
 followed through the recorded design until a field of some vector differs.
@@ -33,6 +33,9 @@ pub(super) struct GradeArgs {
     /// List the faults that no field shows, and the bins that no vector meets.
     #[arg(long)]
     unseen: bool,
+    /// Grade each set alone and write into its manifest, as `grade`, what it shows.
+    #[arg(long)]
+    write: bool,
     /// Everything as JSON: unseen faults, unmet bins, ranges of fields, and the vectors that showed something first.
     #[arg(long)]
     json: bool,
@@ -45,7 +48,17 @@ pub(super) fn run(args: &GradeArgs) -> Result<(), Failure> {
     }
     let counts = manifests.iter().map(|path| Manifest::read(path).map(|manifest| manifest.count));
     let bar = progress(counts.sum::<Result<u64, _>>()?, "faults");
-    let grades = grade(&manifests, &|done| bar.set_position(done));
+    let grades = if args.write {
+        let mut before = 0;
+        let of_set = |path: &PathBuf| {
+            let grade = write_grade(path, &|done| bar.set_position(before + done))?;
+            before += grade.vectors;
+            Ok(grade)
+        };
+        manifests.iter().map(of_set).collect::<Result<_, VectorError>>()
+    } else {
+        grade(&manifests, &|done| bar.set_position(done))
+    };
     bar.finish_and_clear();
     let mut out = io::stdout().lock();
     let grades = grades?;
@@ -59,9 +72,10 @@ pub(super) fn run(args: &GradeArgs) -> Result<(), Failure> {
 }
 
 fn describe(out: &mut impl Write, grade: &Grade, unseen: bool) -> io::Result<()> {
-    let Grade { datapath, profile, taps, sets, vectors, stages, tables, decisions, .. } = grade;
+    let Grade { datapath, stage, profile, taps, sets, vectors, stages, tables, decisions, .. } = grade;
     let taps = if *taps { "" } else { ", no taps" };
-    writeln!(out, "{datapath}, {profile}{taps}: {vectors} vectors of {}", sets.join(", "))?;
+    let of = stage.as_ref().map_or_else(|| (*datapath).to_owned(), |stage| format!("stage {stage} of {datapath}"));
+    writeln!(out, "{of}, {profile}{taps}: {vectors} vectors of {}", sets.join(", "))?;
     let mut table = new_table(["stage", "stuck", "", "operations", ""]);
     let cells = |score: &Score| [format!("{} of {}", score.found, score.all), format!("{:.1} %", score.percent())];
     for stage in stages {

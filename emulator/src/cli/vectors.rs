@@ -132,7 +132,7 @@ pub(super) struct ExportArgs {
     no_taps: bool,
     /// Sets of one stage instead: what goes in and out of its Verilog module (`reflect`, `columns_pixel`), or of each of its modules
     /// (`columns`), as `verilog --stage` names them. Sets whose datapath has no such stage are left out.
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps", "shard", "resume"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps"])]
     stage: Option<String>,
     /// Part K of N of each set alone, K from 1, as SET_PROFILE.KofN: a contiguous range of its vectors. `vectors merge` joins all
     /// parts to what an export without this option writes, to the byte. A set has no more parts than vectors.
@@ -280,40 +280,44 @@ impl Export<'_> {
         count: u64,
         input: &(dyn Fn(u64) -> Inputs + Sync),
     ) -> Result<Vec<Exported>, Failure> {
+        let Some(stage) = self.stage else {
+            return Ok(self.write_set(SetExport::new(info, count), input)?.into_iter().collect());
+        };
+        let stages = match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
+            Err(VerilogError::UnknownStage { .. }) => return Ok(Vec::new()),
+            stages => stages?,
+        };
+        let write = |stage| self.write_set(SetExport::of_stage(info, count, stage), input).transpose();
+        stages.iter().filter_map(write).collect()
+    }
+
+    /// Writes a set, or what [`write`](Self::write) says in its place.
+    fn write_set(
+        &self,
+        mut set: SetExport<'_>,
+        input: &(dyn Fn(u64) -> Inputs + Sync),
+    ) -> Result<Option<Exported>, Failure> {
         let directory = self.directory.to_path_buf();
-        if let Some(stage) = self.stage {
-            let write = |set: StageSet| {
-                let bar = progress(count * set.runs().len() as u64, &format!("{}_{}", info.name, set.name()));
-                let manifest = set.export(info, count, input, &directory, &|done| bar.set_position(done));
-                bar.finish_and_clear();
-                Ok(Exported { directory: directory.clone(), manifest: manifest?, kept: false })
-            };
-            return match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
-                Err(VerilogError::UnknownStage { .. }) => Ok(Vec::new()),
-                sets => sets?.into_iter().map(write).collect(),
-            };
-        }
-        let mut set = SetExport::new(info, count);
         if let Some(shard) = self.shard {
+            let (name, count, number) = (set.name().to_owned(), set.whole_count(), shard.number());
             let Some(part) = set.of_shard(shard) else {
-                let (set, number) = (info.name, shard.number());
                 complain(&format!(
-                    "note: {set} has {count} vectors and so {count} parts; there is no part {number} of it"
+                    "note: {name} has {count} vectors and so {count} parts; there is no part {number} of it"
                 ));
-                return Ok(Vec::new());
+                return Ok(None);
             };
             set = part;
         }
         if self.resume
             && let Some(manifest) = set.present(&directory)
         {
-            return Ok(vec![Exported { directory, manifest, kept: true }]);
+            return Ok(Some(Exported { directory, manifest, kept: true }));
         }
         let indices = set.indices();
-        let bar = progress(indices.end - indices.start, info.name);
+        let bar = progress(indices.end - indices.start, set.name());
         let manifest = set.write(input, &directory, &|done| bar.set_position(done));
         bar.finish_and_clear();
-        Ok(vec![Exported { directory, manifest: manifest?, kept: false }])
+        Ok(Some(Exported { directory, manifest: manifest?, kept: false }))
     }
 
     /// Checks that the sets, each with its datapath and effects, have the stage: each of those that were `named`, or any of all.

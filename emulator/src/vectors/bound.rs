@@ -5,7 +5,6 @@
 
 use std::collections::BTreeSet;
 
-use super::layout::Field;
 use super::outcomes::Outcomes;
 use crate::net::rounding::{Change, Roundings};
 
@@ -44,19 +43,16 @@ pub(super) enum Leeway {
 impl<'a> Bounds<'a> {
     pub(super) fn new(outcomes: &'a Outcomes<'a>, places: u32) -> Self {
         let roundings = Roundings::new(&outcomes.net, &outcomes.nodes());
-        let fields: Vec<&Field> = outcomes.list.iter().map(|&outcome| outcomes.field(outcome)).collect();
-        let exponent = |field: &Field| {
-            let (block, _) = field.port.rsplit_once(".mantissa[")?;
-            fields.iter().position(|other| other.port.strip_suffix(".exponent") == Some(block))
-        };
-        let exponents: Vec<Option<usize>> = fields.iter().map(|field| exponent(field)).collect();
-        let role = |(place, field): (usize, &&Field)| match exponents[place] {
+        let paths: Vec<_> = outcomes.list.iter().map(|&outcome| outcomes.path(outcome)).collect();
+        let place = |path: &String| paths.iter().position(|(other, _)| other == path);
+        let exponents: Vec<Option<usize>> = paths.iter().map(|(_, exponent)| place(exponent.as_ref()?)).collect();
+        let role = |(place, &outcome)| match exponents[place] {
             Some(of) => Role::Number(Some(of)),
             None if exponents.contains(&Some(place)) => Role::Exponent,
-            None if field.fraction_bits == 0 => Role::Decision,
+            None if outcomes.field(outcome).fraction_bits == 0 => Role::Decision,
             None => Role::Number(None),
         };
-        let roles = fields.iter().enumerate().map(role).collect();
+        let roles = outcomes.list.iter().enumerate().map(role).collect();
         Self { outcomes, roundings, places, roles }
     }
 

@@ -13,10 +13,12 @@ use serde::Serialize;
 
 use super::VectorError;
 use super::datapath::Inputs;
-use super::grade::{Hunt, Recorded, is_of_one_design};
+use super::grade::{Hunt, is_of_one_design, read_words};
 use super::manifest::Manifest;
+use super::outcomes::Outcomes;
 use crate::net::bins::Bins;
 use crate::net::fault::{Effect, Fault, Faults, Simulator};
+use crate::net::interval::Ranges;
 
 /// A vector of a set.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -41,7 +43,8 @@ pub struct Distilled {
 /// A vector that may be picked.
 struct Candidate {
     picked: Picked,
-    inputs: Vec<i64>,
+    /// Bits of its fields.
+    bits: Vec<u32>,
     /// It showed something first that has to be shown.
     has_to: bool,
 }
@@ -64,13 +67,18 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
         sets.push((path, manifest));
     }
 
-    let recorded = Recorded::new(first, &of)?;
-    let p = &of.profile.knobs;
-    let faults = Faults::new(&recorded.net, &recorded.ranges, recorded.layout.shown(&recorded.net, p));
-    let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);
-    let wires = |inputs: &Vec<i64>| {
+    if of.stage.is_some() {
+        let problem = "a set of one stage; distil the datapath's, and export the stage of what is left".into();
+        return Err(VectorError::Manifest { path: first.into(), problem });
+    }
+    let layout = of.layout(first)?;
+    let outcomes = Outcomes::of(&of, &layout);
+    let ranges = Ranges::new(&outcomes.net);
+    let faults = Faults::new(&outcomes.net, &ranges, outcomes.shown());
+    let bins = Bins::new(&outcomes.net, &ranges, &faults.tables);
+    let wires = |bits: &Vec<u32>| {
         let mut wires = Vec::new();
-        recorded.net.evaluate(&Recorded::ports(inputs, &of), &mut wires);
+        outcomes.net.evaluate(&outcomes.ports(bits), &mut wires);
         wires
     };
     let still = Still { faults: &faults, bins: &bins };
@@ -82,13 +90,13 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut done = 0;
     for (path, manifest) in &sets {
-        recorded.read(path, manifest, &mut |index, batch| {
+        read_words(path, manifest, &layout, &mut |index, batch| {
             let wires: Vec<_> = batch.iter().map(wires).collect();
             let shown = has_to.show(&wires).into_iter().zip(stuck.show(&wires));
-            for (place, ((has_to, stuck), inputs)) in shown.zip(batch).enumerate() {
+            for (place, ((has_to, stuck), bits)) in shown.zip(batch).enumerate() {
                 if has_to + stuck > 0 {
                     let picked = Picked { set: manifest.set.clone(), index: index + place as u64 };
-                    candidates.push(Candidate { picked, inputs: inputs.clone(), has_to: has_to > 0 });
+                    candidates.push(Candidate { picked, bits: bits.clone(), has_to: has_to > 0 });
                 }
             }
             done += batch.len() as u64;
@@ -100,24 +108,24 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
     let needed: Vec<usize> = (0..candidates.len()).filter(|&place| candidates[place].has_to).collect();
     let shown = needed.par_iter().map_init(
         || Simulator::new(&faults),
-        |simulator, &place| still.shown(simulator, &has_to, &wires(&candidates[place].inputs)),
+        |simulator, &place| still.shown(simulator, &has_to, &wires(&candidates[place].bits)),
     );
     let mut chosen: Vec<usize> =
         cover(&shown.collect::<Vec<_>>(), most).into_iter().map(|place| needed[place]).collect();
 
     let mut looking = still.of(&stuck).without_bins();
     for &place in &chosen {
-        looking.show(&[wires(&candidates[place].inputs)]);
+        looking.show(&[wires(&candidates[place].bits)]);
     }
     let mut rest: Vec<(usize, usize)> = Vec::new();
     for place in (0..candidates.len()).rev().filter(|place| !chosen.contains(place)) {
-        rest.push((looking.show(&[wires(&candidates[place].inputs)])[0], place));
+        rest.push((looking.show(&[wires(&candidates[place].bits)])[0], place));
     }
     rest.retain(|&(shown, _)| shown > 0);
     rest.sort_by_key(|&(shown, place)| (Reverse(shown), place));
     chosen.extend(rest.into_iter().map(|(_, place)| place));
     chosen.truncate(most);
-    let inputs = chosen.iter().map(|&place| Inputs::of(of.datapath, &candidates[place].inputs)).collect();
+    let inputs = chosen.iter().map(|&place| Inputs::of(of.datapath, &layout.decode(&candidates[place].bits))).collect();
     let picked = chosen.iter().map(|&place| candidates[place].picked.clone()).collect();
     Ok(Distilled { of, picked, inputs })
 }

@@ -2,6 +2,7 @@
 
 mod stage;
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -11,10 +12,11 @@ use roughxel_core::precision::Precision;
 
 use super::datapath::{Batch, Inputs};
 use super::files::{SetFiles, size_and_hash};
-use super::layout::Layout;
-use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed, StageEntry};
+use super::layout::{Field, Layout};
+use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
 use super::part::{Part, Shard};
 use super::sets::SEED_RULE;
+use super::stage::StageSet;
 use super::word::{check_of, pack, write_record, write_word};
 use super::{MAX_VECTORS, VectorError};
 
@@ -82,29 +84,48 @@ pub fn export_with(
     SetExport::new(info, count).write(input, directory, progress)
 }
 
-/// A set to export, or a part of it.
+/// A set to export, of a datapath or of one of its stages, or a part of it.
 #[derive(Clone, Debug)]
 pub struct SetExport<'a> {
     info: &'a SetInfo<'a>,
+    name: Cow<'a, str>,
+    description: Cow<'a, str>,
     /// Vectors of the whole set.
     count: u64,
     part: Option<Part>,
     layout: Layout,
     /// The stage that it is of.
-    stage: Option<StageEntry>,
+    stage: Option<&'a StageSet>,
 }
 
 impl<'a> SetExport<'a> {
     /// A whole set of `count` vectors.
     pub fn new(info: &'a SetInfo<'a>, count: u64) -> Self {
-        let SetInfo { datapath, effects, precision, words, .. } = info;
-        let layout = Layout::new(*datapath, &effects.of(*datapath), precision, words.taps);
-        Self { info, count, part: None, layout, stage: None }
+        let &SetInfo { name, description, datapath, effects, precision, words, .. } = info;
+        let layout = Layout::new(datapath, &effects.of(datapath), &precision, words.taps);
+        let (name, description) = (name.into(), description.into());
+        Self { info, name, description, count, part: None, layout, stage: None }
     }
 
-    /// A set of a stage, whose words have this layout.
-    fn of_stage(info: &'a SetInfo<'a>, count: u64, layout: Layout, stage: StageEntry) -> Self {
-        Self { info, count, part: None, layout, stage: Some(stage) }
+    /// The set of a stage that belongs to the base set of `info`, which has `count` vectors: vector i is run i mod R of base vector ⌊i / R⌋
+    /// where the module has R runs.
+    ///
+    /// The name is `BASE_MODULE`, datapath, effects and profile are those of the base set, and there are no taps.
+    pub fn of_stage(info: &'a SetInfo<'a>, count: u64, stage: &'a StageSet) -> Self {
+        let name = format!("{}_{}", info.name, stage.name()).into();
+        let count = count.saturating_mul(stage.runs().len() as u64);
+        let (description, layout) = (stage.description(info).into(), stage.layout.clone());
+        Self { info, name, description, count, part: None, layout, stage: Some(stage) }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Vectors of the whole set.
+    pub fn whole_count(&self) -> u64 {
+        self.count
     }
 
     /// What a shard has of it; `None` where the set has fewer vectors than there are shards, and this one none of them.
@@ -125,12 +146,12 @@ impl<'a> SetExport<'a> {
         let found = Manifest::read(&directory.join(wanted.stem() + ".json")).ok()?;
         let [entry] = &found.files[..] else { return None };
         let is_same = entry.name == wanted.words_name(self.info.words.form)
-            && Manifest { files: found.files.clone(), ..wanted } == found;
+            && Manifest { files: found.files.clone(), grade: found.grade, ..wanted } == found;
         let of_words = || size_and_hash(&directory.join(&entry.name)).ok();
         (is_same && of_words()? == (entry.bytes, entry.sha256.clone())).then_some(found)
     }
 
-    /// Exports it: vector i is `input(i)`, i an index of the whole set. A batch is in memory at a time; `progress` is told how many
+    /// Exports it: vector i is `input(i)`, i an index of the whole set, or of the base set of a stage's. A batch is in memory at a time; `progress` is told how many
     /// are done.
     ///
     /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
@@ -140,20 +161,14 @@ impl<'a> SetExport<'a> {
         directory: &Path,
         progress: &dyn Fn(u64),
     ) -> Result<Manifest, VectorError> {
-        self.write_words(&|vectors| written(&self.layout, self.info, vectors, input), directory, progress)
-    }
-
-    /// As [`write`](Self::write), with what makes the words of some vectors as they are written.
-    fn write_words(
-        &self,
-        words_of: &(dyn Fn(Range<u64>) -> Result<Vec<u8>, VectorError> + Sync),
-        directory: &Path,
-        progress: &dyn Fn(u64),
-    ) -> Result<Manifest, VectorError> {
         self.check()?;
         let manifest = self.manifest();
         let mut files = SetFiles::create(&manifest, self.info.words.form, directory)?;
         let all = self.indices();
+        let words_of = |vectors| match self.stage {
+            Some(stage) => stage.written(self, vectors, input),
+            None => self.written(vectors, input),
+        };
         let batch = |start: u64| -> Vec<Result<Vec<u8>, VectorError>> {
             let vectors = start..all.end.min(start + BATCH);
             let tasks: Vec<_> =
@@ -179,13 +194,13 @@ impl<'a> SetExport<'a> {
     /// Errors: names that make bad file names, too few or too many vectors.
     fn check(&self) -> Result<(), VectorError> {
         let good = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
-        for name in [self.info.name, self.info.profile] {
+        for name in [self.name(), self.info.profile] {
             if !(1..=64).contains(&name.len()) || !name.bytes().all(good) {
                 return Err(VectorError::Name(name.into()));
             }
         }
         if !(1..=MAX_VECTORS).contains(&self.count) {
-            return Err(VectorError::Size { set: self.info.name.into(), count: self.count });
+            return Err(VectorError::Size { set: self.name().into(), count: self.count });
         }
         Ok(())
     }
@@ -198,46 +213,44 @@ impl<'a> SetExport<'a> {
             schema: SCHEMA.into(),
             format_version: FORMAT_VERSION,
             generator: concat!("roughxel ", env!("CARGO_PKG_VERSION")).into(),
-            set: info.name.into(),
-            description: info.description.into(),
+            set: self.name().into(),
+            description: self.description.to_string(),
             profile: ProfileKnobs { name: info.profile.into(), knobs: info.precision },
             datapath: info.datapath,
-            stage: self.stage.clone(),
+            stage: self.stage.map(StageSet::entry),
             effects: info.effects.of(info.datapath),
             seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
             taps: info.words.taps,
             count: indices.end - indices.start,
             part: self.part,
             word_bits: self.layout.word_bits(),
+            grade: None,
             files: Vec::new(),
             fields: self.layout.fields().to_vec(),
         }
     }
-}
 
-/// The words of some vectors as they are written.
-fn written(
-    layout: &Layout,
-    info: &SetInfo<'_>,
-    vectors: Range<u64>,
-    input: &(dyn Fn(u64) -> Inputs + Sync),
-) -> Result<Vec<u8>, VectorError> {
-    let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
-    let (fields, rows) = (layout.fields(), layout.rows(&batch));
-    let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (layout.line_length() + 1));
-    let (mut bits, mut packed) = (Vec::with_capacity(fields.len()), Vec::new());
-    for (place, index) in vectors.enumerate() {
-        bits.clear();
-        for (field, &(row, drop)) in fields.iter().zip(&rows) {
-            bits.push(field.bits(row[place].into(), drop).ok_or_else(|| VectorError::Inexact {
-                set: info.name.into(),
-                index,
-                field: field.name.clone(),
-            })?);
+    /// The words of some vectors as they are written.
+    fn written(&self, vectors: Range<u64>, input: &(dyn Fn(u64) -> Inputs + Sync)) -> Result<Vec<u8>, VectorError> {
+        let (info, layout) = (self.info, &self.layout);
+        let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
+        let (fields, rows) = (layout.fields(), layout.rows(&batch));
+        let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (layout.line_length() + 1));
+        let (mut bits, mut packed) = (Vec::with_capacity(fields.len()), Vec::new());
+        for (place, index) in vectors.enumerate() {
+            bits.clear();
+            for (field, &(row, drop)) in fields.iter().zip(&rows) {
+                bits.push(field.bits(row[place].into(), drop).ok_or_else(|| self.inexact(index, field))?);
+            }
+            append_word(&mut text, layout, &mut bits, &mut packed, info.words.form);
         }
-        append_word(&mut text, layout, &mut bits, &mut packed, info.words.form);
+        Ok(text)
     }
-    Ok(text)
+
+    /// A field that its vector's integer does not fit.
+    fn inexact(&self, index: u64, field: &Field) -> VectorError {
+        VectorError::Inexact { set: self.name().into(), index, field: field.name.clone() }
+    }
 }
 
 /// Appends a word as it is written, from its fields' bits without the check value; `packed` is overwritten.

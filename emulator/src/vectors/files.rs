@@ -47,19 +47,29 @@ impl SetFiles {
         let Self { words, hash, bytes, words_path, json_path } = self;
         let name = words_path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let manifest = Manifest { files: vec![FileEntry { name, bytes, sha256: hex_digest(hash) }], ..manifest };
-        let mut text = serde_json::to_vec_pretty(&manifest).map_err(|e| cannot_write(&json_path)(e.into()))?;
-        text.push(b'\n');
-        let write = || {
-            let mut json = OutputFile::create(&json_path)?;
-            json.write_all(&text)?;
-            Ok(json)
-        };
-        let json = write().map_err(cannot_write(&json_path))?;
+        let (json, text) = prepared(&json_path, &manifest)?;
         remove_other(&json_path, &text).map_err(cannot_write(&json_path))?;
         words.commit().map_err(cannot_write(&words_path))?;
         json.commit().map_err(cannot_write(&json_path))?;
         Ok(manifest)
     }
+}
+
+/// Replaces a manifest whole or not at all.
+pub(super) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), VectorError> {
+    prepared(path, manifest)?.0.commit().map_err(cannot_write(path))
+}
+
+/// A manifest on its way, and its text.
+fn prepared(path: &Path, manifest: &Manifest) -> Result<(OutputFile, Vec<u8>), VectorError> {
+    let mut text = serde_json::to_vec_pretty(manifest).map_err(|e| cannot_write(path)(e.into()))?;
+    text.push(b'\n');
+    let write = || {
+        let mut json = OutputFile::create(path)?;
+        json.write_all(&text)?;
+        Ok(json)
+    };
+    Ok((write().map_err(cannot_write(path))?, text))
 }
 
 /// Removes a manifest that is there, unless it is that text.

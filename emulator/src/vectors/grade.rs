@@ -8,17 +8,17 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use roughxel_core::design::Design;
 use serde::Serialize;
 
 use super::VectorError;
-use super::datapath::Inputs;
-use super::layout::{Direction, Layout};
+use super::files::write_manifest;
+use super::layout::Layout;
 use super::lines::Lines;
 use super::manifest::Manifest;
+use super::outcomes::Outcomes;
+use super::score::{GradeEntry, Score};
 use crate::net::bins::{Bin, Bins};
 use crate::net::fault::{Effect, Fault, Faults, Simulator};
-use crate::net::graph::Net;
 use crate::net::interval::Ranges;
 use crate::net::observe::Observed;
 
@@ -26,32 +26,6 @@ use crate::net::observe::Observed;
 const BATCH: usize = 32;
 /// Faults of a task.
 const TASK: usize = 256;
-
-/// How many of how many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Score {
-    /// All.
-    pub all: usize,
-    /// Those that vectors show, meet or read.
-    pub found: usize,
-}
-
-impl Score {
-    fn count(&mut self, found: bool) {
-        self.all += 1;
-        self.found += usize::from(found);
-    }
-
-    /// Found ones in a hundred; 100 of none.
-    pub fn percent(&self) -> f64 {
-        if self.all == 0 { 100.0 } else { 100.0 * self.found as f64 / self.all as f64 }
-    }
-
-    /// Both together.
-    pub fn and(self, other: Self) -> Self {
-        Self { all: self.all + other.all, found: self.found + other.found }
-    }
-}
 
 /// The faults of a stage.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -128,6 +102,9 @@ impl Alarm {
 pub struct Grade {
     /// The datapath.
     pub datapath: &'static str,
+    /// The module of the stage that the sets are of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
     /// The profile.
     pub profile: String,
     /// Whether fields between the ports count.
@@ -155,9 +132,35 @@ pub struct Grade {
 impl Grade {
     /// All faults.
     pub fn faults(&self) -> Score {
-        let stages = self.stages.iter().map(|stage| stage.stuck.and(stage.slips));
-        stages.chain(self.tables.iter().map(|table| table.entries)).fold(Score::default(), Score::and)
+        let GradeEntry { stuck, operations, entries, .. } = self.entry();
+        stuck.and(operations).and(entries)
     }
+
+    /// What a manifest says of it.
+    pub fn entry(&self) -> GradeEntry {
+        let sum = |scores: &mut dyn Iterator<Item = Score>| scores.fold(Score::default(), Score::and);
+        GradeEntry {
+            stuck: sum(&mut self.stages.iter().map(|stage| stage.stuck)),
+            operations: sum(&mut self.stages.iter().map(|stage| stage.slips)),
+            entries: sum(&mut self.tables.iter().map(|table| table.entries)),
+            decisions: self.decisions,
+        }
+    }
+}
+
+/// Grades a set alone and writes what it shows into its manifest, which is replaced whole or not at all; `progress` is told how many vectors
+/// are done.
+///
+/// Errors: see [`VectorError`].
+pub fn write_grade(path: &Path, progress: &dyn Fn(u64)) -> Result<Grade, VectorError> {
+    let manifest = Manifest::read(path)?;
+    let mut done = 0;
+    let grade = grade_one(&[(path.into(), manifest.clone())], &mut |vectors| {
+        done += vectors;
+        progress(done);
+    })?;
+    write_manifest(path, &Manifest { grade: Some(grade.entry()), ..manifest })?;
+    Ok(grade)
 }
 
 /// Grades the sets of manifests, those of one design together; `progress` is told how many vectors are done.
@@ -182,77 +185,49 @@ pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>
 
 /// Whether sets are of the same hardware and show the same of it.
 pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
-    let of = |manifest: &Manifest| {
-        (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps, manifest.stage.is_some())
-    };
-    of(a) == of(b)
+    let of = |manifest: &Manifest| (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps);
+    of(a) == of(b) && a.stage == b.stage
 }
 
 /// Grades the sets of one design.
 fn grade_one(sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Result<Grade, VectorError> {
     let (path, of) = &sets[0];
-    let recorded = Recorded::new(path, of)?;
-    let faults = Faults::new(&recorded.net, &recorded.ranges, recorded.layout.shown(&recorded.net, &of.profile.knobs));
-    let bins = Bins::new(&recorded.net, &recorded.ranges, &faults.tables);
-    let mut tally = Tally::new(&recorded.net, &faults, &bins);
+    let layout = of.layout(path)?;
+    let outcomes = Outcomes::of(of, &layout);
+    let ranges = Ranges::new(&outcomes.net);
+    let faults = Faults::new(&outcomes.net, &ranges, outcomes.shown());
+    let bins = Bins::new(&outcomes.net, &ranges, &faults.tables);
+    let mut tally = Tally::new(&outcomes, &faults, &bins);
     for (path, manifest) in sets {
-        recorded.read(path, manifest, &mut |_, batch| {
-            let ports = batch.iter().map(|inputs| Recorded::ports(inputs, of));
-            tally.add(&manifest.set, &ports.collect::<Vec<_>>());
+        read_words(path, manifest, &layout, &mut |_, batch| {
+            tally.add(&manifest.set, &batch.iter().map(|bits| outcomes.ports(bits)).collect::<Vec<_>>());
             progress(batch.len() as u64);
         })?;
     }
-    Ok(tally.grade(of, &recorded.layout, &recorded.ranges))
+    Ok(tally.grade(of, &ranges))
 }
 
-/// The recorded design of sets.
-pub(super) struct Recorded {
-    pub(super) layout: Layout,
-    pub(super) net: Net,
-    pub(super) ranges: Ranges,
-}
-
-impl Recorded {
-    /// Of the set of a manifest.
-    ///
-    /// Errors: a set of one stage.
-    pub(super) fn new(path: &Path, of: &Manifest) -> Result<Self, VectorError> {
-        if of.stage.is_some() {
-            let problem = "a set of one stage, but only those of whole datapaths are graded".into();
-            return Err(VectorError::Manifest { path: path.into(), problem });
+/// Reads the fields' bits of a set, some vectors at a time, with the index of the first of them.
+pub(super) fn read_words(
+    path: &Path,
+    manifest: &Manifest,
+    layout: &Layout,
+    batch: &mut dyn FnMut(u64, &[Vec<u32>]),
+) -> Result<(), VectorError> {
+    let mut lines = Lines::open(path, manifest)?;
+    let (mut first, mut words) = (manifest.indices().start, Vec::with_capacity(BATCH));
+    loop {
+        let line = lines.next()?;
+        if let Some(line) = &line {
+            words.push(line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?);
         }
-        let net = Net::of(Design::of(of.datapath), &of.effects, &of.profile.knobs);
-        Ok(Self { layout: of.layout(path)?, ranges: Ranges::new(&net), net })
-    }
-
-    /// The integers of the ports of the recorded design, where those of the datapath's ports are given.
-    pub(super) fn ports(inputs: &[i64], of: &Manifest) -> Vec<i64> {
-        Inputs::of(of.datapath, inputs).recorded(&of.profile.knobs)
-    }
-
-    /// The integers of the ports of a set, some vectors at a time, with the index of the first of them.
-    pub(super) fn read(
-        &self,
-        path: &Path,
-        manifest: &Manifest,
-        batch: &mut dyn FnMut(u64, &[Vec<i64>]),
-    ) -> Result<(), VectorError> {
-        let mut lines = Lines::open(path, manifest)?;
-        let (mut first, mut inputs) = (manifest.indices().start, Vec::with_capacity(BATCH));
-        loop {
-            let line = lines.next()?;
-            if let Some(line) = &line {
-                let bits = line.bits(&self.layout).map_err(|problem| lines.problem(line.number, problem))?;
-                inputs.push(self.layout.decode(&bits));
-            }
-            if inputs.len() == BATCH || line.is_none() {
-                batch(first, &inputs);
-                first += inputs.len() as u64;
-                inputs.clear();
-            }
-            if line.is_none() {
-                return lines.hash_matches().map(drop);
-            }
+        if words.len() == BATCH || line.is_none() {
+            batch(first, &words);
+            first += words.len() as u64;
+            words.clear();
+        }
+        if line.is_none() {
+            return lines.hash_matches().map(drop);
         }
     }
 }
@@ -294,7 +269,7 @@ impl<'a> Hunt<'a> {
 
 /// What vectors have shown so far.
 struct Tally<'a> {
-    net: &'a Net,
+    outcomes: &'a Outcomes<'a>,
     faults: &'a Faults<'a>,
     bins: &'a Bins<'a>,
     hunt: Hunt<'a>,
@@ -308,14 +283,14 @@ struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    fn new(net: &'a Net, faults: &'a Faults<'a>, bins: &'a Bins<'a>) -> Self {
+    fn new(outcomes: &'a Outcomes<'a>, faults: &'a Faults<'a>, bins: &'a Bins<'a>) -> Self {
         Self {
-            net,
+            outcomes,
             faults,
             bins,
             hunt: Hunt::new(faults, faults.faults.iter().copied()),
             met: vec![0; bins.bins.len()],
-            observed: Observed::new(net),
+            observed: Observed::new(&outcomes.net),
             sets: Vec::new(),
             vectors: 0,
             inputs: HashSet::new(),
@@ -333,7 +308,7 @@ impl<'a> Tally<'a> {
             let mut hasher = DefaultHasher::new();
             ports.hash(&mut hasher);
             self.repeated += u64::from(!self.inputs.insert(hasher.finish()));
-            let of_vector = self.observed.evaluate(self.net, ports);
+            let of_vector = self.observed.evaluate(&self.outcomes.net, ports);
             self.bins.met(of_vector, |bin| self.met[bin] += 1);
             wires.push(of_vector.to_vec());
         }
@@ -341,10 +316,11 @@ impl<'a> Tally<'a> {
         self.vectors += vectors.len() as u64;
     }
 
-    fn grade(self, of: &Manifest, layout: &Layout, ranges: &Ranges) -> Grade {
+    fn grade(self, of: &Manifest, ranges: &Ranges) -> Grade {
+        let net = &self.outcomes.net;
         let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
         let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
-        for run in &self.net.runs {
+        for run in &net.runs {
             if stages.iter().all(|known| known.stage != run.base()) {
                 stages.push(StageScore { stage: run.base().into(), ..StageScore::default() });
             }
@@ -354,7 +330,7 @@ impl<'a> Tally<'a> {
             .collect();
         for &fault in &self.faults.faults {
             let is_seen = !unseen.contains(&fault);
-            let stage = self.faults.run(fault).map_or("ports", |run| self.net.runs[run as usize].base());
+            let stage = self.faults.run(fault).map_or("ports", |run| net.runs[run as usize].base());
             let stage = stages.iter_mut().find(|known| known.stage == stage);
             match (fault, stage) {
                 (Fault::Stuck { .. }, Some(stage)) => stage.stuck.count(is_seen),
@@ -377,13 +353,13 @@ impl<'a> Tally<'a> {
 
         let mut fields = Vec::new();
         let mut alarms = Vec::new();
-        for field in layout.fields().iter().filter(|field| matches!(field.direction, Direction::Tap | Direction::Out)) {
-            let Some(output) = self.net.outputs.iter().find(|output| output.name == field.port) else { continue };
-            let Some(seen) = self.observed.of(output.node) else { continue };
+        for &outcome in &self.outcomes.list {
+            let field = self.outcomes.field(outcome);
+            let Some(seen) = self.observed.of(outcome.node) else { continue };
             if seen.constant().is_some() {
                 alarms.push(Alarm::Constant { field: field.name.clone() });
             }
-            let proven = ranges.of(output.node);
+            let proven = ranges.of(outcome.node);
             let (proven, seen) = ([proven.low, proven.high], [seen.low, seen.high]);
             fields.push(Attained { field: field.name.clone(), stage: field.stage.clone(), proven, seen });
         }
@@ -397,6 +373,7 @@ impl<'a> Tally<'a> {
             .map(|&(fault, effect)| Unseen { fault: self.faults.text(fault), masked: effect == Effect::Masked });
         Grade {
             datapath: of.datapath.name(),
+            stage: of.stage.as_ref().map(|stage| stage.module.clone()),
             profile: of.profile.name.clone(),
             taps: of.taps,
             sets: self.sets,

@@ -254,13 +254,6 @@ impl Layout {
         self.sources.iter().map(row).collect()
     }
 
-    /// Wires of the recorded design that fields between the ports and behind them show, with the bits of each that they do.
-    pub(super) fn shown(&self, net: &Net, p: &Precision) -> Vec<(NodeId, u64)> {
-        let shown =
-            |(field, node, drop): (usize, NodeId, u32)| (node, u64::from(mask(self.fields[field].width)) << drop);
-        self.outcomes(net, p).map(shown).collect()
-    }
-
     /// The fields of a datapath between the ports and behind them: place in the word, wire of the recorded design, low bits of it that drop.
     pub(super) fn outcomes(&self, net: &Net, p: &Precision) -> impl Iterator<Item = (usize, NodeId, u32)> {
         self.places().map(|(field, place, drop)| {

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
 use super::part::Part;
+use super::score::GradeEntry;
 use super::{MAX_VECTORS, VectorError, stage};
 use crate::input::open_file;
 
@@ -59,6 +60,9 @@ pub struct Manifest {
     pub part: Option<Part>,
     /// Bits of a word.
     pub word_bits: u32,
+    /// How good the set is; `None` where it was not graded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grade: Option<GradeEntry>,
     /// The files of the set; there is one, the words.
     pub files: Vec<FileEntry>,
     /// The fields of a word, most significant first.

@@ -158,7 +158,7 @@ impl Parts {
     /// Errors: words that are not those of their manifest, or that cannot be read or written; nothing half-written stays.
     pub fn merge(&self, directory: &Path, progress: &dyn Fn(u64)) -> Result<Manifest, MergeError> {
         let (path, first, _) = &self.parts[0];
-        let whole = Manifest { part: None, count: self.count(), files: Vec::new(), ..first.clone() };
+        let whole = Manifest { part: None, count: self.count(), files: Vec::new(), grade: None, ..first.clone() };
         let (layout, form) = (whole.layout(path)?, first.form());
         let mut files = SetFiles::create(&whole, form, directory)?;
         for (path, manifest, part) in &self.parts {
@@ -188,7 +188,8 @@ const PROGRESS: u64 = 1 << 12;
 
 /// The first key in which the manifests of two parts of one set differ and must not.
 fn difference(a: &Manifest, b: &Manifest) -> Option<String> {
-    let of_whole = |manifest: &Manifest| Manifest { part: None, count: 0, files: Vec::new(), ..manifest.clone() };
+    let of_whole =
+        |manifest: &Manifest| Manifest { part: None, count: 0, files: Vec::new(), grade: None, ..manifest.clone() };
     let extension = |manifest: &Manifest| manifest.form().extension();
     if a.part.map(|part| part.of) != b.part.map(|part| part.of) {
         return Some("part.of".into());

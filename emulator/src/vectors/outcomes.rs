@@ -33,8 +33,8 @@ impl<'a> Outcomes<'a> {
         let outcome = |(field, node, drop)| Outcome { field, node, drop };
         let (net, mut list): (_, Vec<Outcome>) = match layout.stage() {
             Some(stage) => {
-                let (net, nodes) = stage.operations();
-                let list = layout.places().map(|(field, place, drop)| outcome((field, nodes[place], drop)));
+                let net = &stage.unit;
+                let list = layout.places().map(|(field, place, drop)| outcome((field, net.outputs[place].node, drop)));
                 (Cow::Borrowed(net), list.collect())
             }
             None => {
@@ -53,6 +53,12 @@ impl<'a> Outcomes<'a> {
         self.list.iter().map(|outcome| outcome.node).collect()
     }
 
+    /// The wires of the outcomes with the bits of each that its field shows.
+    pub(super) fn shown(&self) -> Vec<(NodeId, u64)> {
+        let bits = |outcome: &Outcome| u64::from(mask(self.field(*outcome).width)) << outcome.drop;
+        self.list.iter().map(|outcome| (outcome.node, bits(outcome))).collect()
+    }
+
     /// The integers of the design's ports in the bits of a word.
     pub(super) fn ports(&self, bits: &[u32]) -> Vec<i64> {
         let inputs = self.layout.decode(bits);
@@ -65,6 +71,19 @@ impl<'a> Outcomes<'a> {
     /// The field of an outcome.
     pub(super) fn field(&self, outcome: Outcome) -> &Field {
         &self.layout.fields()[outcome.field]
+    }
+
+    /// The path of what an outcome carries, and that of the exponent that belongs to it where it is a mantissa.
+    pub(super) fn path(&self, outcome: Outcome) -> (&str, Option<String>) {
+        let field = self.field(outcome);
+        let (path, [mantissa, exponent]) = match self.layout.stage() {
+            None => (&field.port, [".mantissa[", ".exponent"]),
+            Some(stage) => {
+                let port = stage.outputs.iter().find(|port| port.name == field.name);
+                (port.map_or(&field.port, |port| &port.wire), [".m[", ".e"])
+            }
+        };
+        (path, path.rsplit_once(mantissa).map(|(block, _)| format!("{block}{exponent}")))
     }
 
     /// The first field that goes in and differs.

@@ -42,6 +42,29 @@ fn a_report_has_stages_tables_and_what_is_unseen() {
 }
 
 #[test]
+fn sets_of_a_stage_have_a_report_of_their_own() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path().to_str().unwrap();
+    for stage in ["reflect", "frame"] {
+        let export = ["export", "random", "--count", "60", "--profile", "narrow", "--stage", stage, "-o", directory];
+        stdout(&export, 0);
+    }
+    let json: Value = serde_json::from_str(&stdout(&["report", directory, "--json"], 0)).unwrap();
+    let grades = json["grades"].as_array().unwrap();
+    assert_eq!(grades.len(), 2);
+    for (grade, stage) in grades.iter().zip(["frame", "reflect"]) {
+        assert_eq!(grade["stage"], stage);
+        let of_stage = grade["stages"].as_array().unwrap().iter().find(|of| of["stage"] == stage).unwrap();
+        let [all, found] = ["all", "found"].map(|of| of_stage["slips"][of].as_u64().unwrap());
+        // Of a stage alone nothing is hidden behind later ones.
+        assert!(all > 100 && 10 * found > 7 * all, "{stage}: {found} of {all}");
+    }
+    assert!(
+        stdout(&["report", directory], 0).contains("stage reflect of reflection, narrow: 60 vectors of random_reflect")
+    );
+}
+
+#[test]
 fn sets_without_change_raise_an_alarm() {
     // One vector: no field changes.
     let directory = tempfile::tempdir().unwrap();

@@ -73,6 +73,42 @@ fn merged_parts_are_the_whole_export_to_the_byte() {
 }
 
 #[test]
+fn parts_of_a_stage_are_merged_and_kept_as_those_of_a_datapath() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    // Two runs of a module, and a module with one.
+    let export = "vectors export random frame_zero --count 31 --stage columns --profile narrow";
+    done(at, &format!("{export} -o whole"));
+    let whole = files(&at.join("whole"));
+    assert!(whole.contains_key("random_columns_pixel_narrow.hex") && whole.len() >= 6, "{:?}", whole.keys());
+    for part in [3, 1, 2] {
+        done(at, &format!("{export} --shard {part}/3 -o parts"));
+    }
+    done(at, "vectors merge parts -o merged");
+    assert!(files(&at.join("merged")) == whole);
+    done(at, "vectors verify parts merged");
+
+    let set = at.join("whole/random_columns_pixel_narrow.json");
+    fs::remove_file(&set).unwrap();
+    let kept = done(at, &format!("{export} --resume -o whole"));
+    let sets = whole.len() / 2;
+    let note = format!("note: {} of {sets} sets were there, whole and the same, and are kept", sets - 1);
+    assert!(String::from_utf8_lossy(&kept.stderr).contains(&note), "{}", String::from_utf8_lossy(&kept.stderr));
+    assert!(files(&at.join("whole")) == whole);
+    // A grade is no other set, and no part has one.
+    done(
+        at,
+        "vectors report whole/random_columns_pixel_narrow.json parts/random_columns_pixel_narrow.2of3.json --write",
+    );
+    let kept = done(at, &format!("{export} --resume -o whole"));
+    let note = format!("note: {sets} of {sets} sets were there");
+    assert!(String::from_utf8_lossy(&kept.stderr).contains(&note), "{}", String::from_utf8_lossy(&kept.stderr));
+    assert!(fs::read_to_string(&set).unwrap().contains("\"grade\""));
+    done(at, "vectors merge parts -o merged");
+    assert!(files(&at.join("merged")) == whole);
+}
+
+#[test]
 fn an_export_is_the_same_with_any_number_of_threads() {
     let directory = tempfile::tempdir().unwrap();
     // More than a batch.

@@ -11,8 +11,9 @@ use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::vectors::{
     Cause, Direction, Form, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, Words, export, export_with,
-    hard_sets, in_page, random_set, tables, verify,
+    hard_sets, in_page, manifests_in, random_set, tables, verify,
 };
+use serde_json::Value;
 
 fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
     SetInfo {
@@ -507,16 +508,54 @@ fn the_committed_smoke_sets_verify() {
 
 #[test]
 fn the_smoke_command_writes_the_committed_sets() {
-    writes_what_is_committed(&["vectors", "export", "--smoke"], "vectors/smoke");
+    // Grades are written behind it.
+    let without_grade = |name: &str, bytes: Vec<u8>| {
+        if !name.ends_with(".json") {
+            return bytes;
+        }
+        let mut manifest: Value = serde_json::from_slice(&bytes).unwrap();
+        manifest.as_object_mut().unwrap().remove("grade");
+        manifest.to_string().into_bytes()
+    };
+    writes_what_is_committed(&["vectors", "export", "--smoke"], "vectors/smoke", without_grade);
+}
+
+#[test]
+fn the_committed_sets_say_how_good_they_are() {
+    let committed = repository().join("vectors/smoke");
+    let directory = tempfile::tempdir().unwrap();
+    let manifests = manifests_in(&committed).unwrap();
+    let names = manifests.iter().map(|path| path.file_stem().unwrap().to_str().unwrap());
+    // Random sets and hard cases of each datapath.
+    let sample = ["random_narrow", "chosen_highlight_narrow", "random_peak_compact", "cube_edges_standard"];
+    let wanted = |name: &&str| std::env::var_os("ROUGHXEL_SWEEP").is_some() || sample.contains(name);
+    let names: Vec<&str> = names.filter(wanted).collect();
+    assert!(names.len() >= sample.len());
+    for name in &names {
+        for extension in ["hex", "json"] {
+            let file = format!("{name}.{extension}");
+            fs::copy(committed.join(&file), directory.path().join(&file)).unwrap();
+        }
+    }
+    let output = roughxel(&["vectors", "report", directory.path().to_str().unwrap(), "--write"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    for name in names {
+        let [theirs, ours] =
+            [&committed, directory.path()].map(|at| fs::read(at.join(format!("{name}.json"))).unwrap());
+        assert!(theirs == ours, "{name}: run `roughxel vectors report vectors/smoke --write`");
+        assert!(Manifest::read(&committed.join(format!("{name}.json"))).unwrap().grade.is_some());
+    }
+    let output = roughxel(&["vectors", "verify", directory.path().to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0));
 }
 
 #[test]
 fn the_rom_command_writes_the_committed_tables() {
-    writes_what_is_committed(&["vectors", "rom"], "vectors/rom");
+    writes_what_is_committed(&["vectors", "rom"], "vectors/rom", |_, bytes| bytes);
 }
 
-/// Runs a command with `-o`: it has to write the files of a folder of the repository, and no others.
-fn writes_what_is_committed(arguments: &[&str], folder: &str) {
+/// Runs a command with `-o`: it has to write the files of a folder of the repository, as far as `compared` leaves of them, and no others.
+fn writes_what_is_committed(arguments: &[&str], folder: &str, compared: impl Fn(&str, Vec<u8>) -> Vec<u8>) {
     let directory = tempfile::tempdir().unwrap();
     let output = roughxel(&[arguments, &["-o", directory.path().to_str().unwrap()]].concat());
     assert_eq!(output.status.code(), Some(0));
@@ -529,7 +568,9 @@ fn writes_what_is_committed(arguments: &[&str], folder: &str) {
     assert_eq!(files(directory.path()), files(&committed));
     for name in files(&committed) {
         // No assert_eq: it would print the files.
-        let same = fs::read(committed.join(&name)).unwrap() == fs::read(directory.path().join(&name)).unwrap();
+        let [theirs, ours] = [&committed, directory.path()]
+            .map(|at| compared(name.to_str().unwrap(), fs::read(at.join(&name)).unwrap()));
+        let same = theirs == ours;
         assert!(same, "{name:?}: run `roughxel {} -o {folder}`", arguments.join(" "));
     }
 }

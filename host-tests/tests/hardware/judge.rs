@@ -18,8 +18,8 @@ use roughxel_emulator::net::record::integers_at;
 use roughxel_emulator::net::rounding::{Roundings, scattered};
 use roughxel_emulator::net::verilog::{Options, StagePort, Stages};
 use roughxel_emulator::vectors::{
-    self, Direction, Failing, Judgement, Manifest, Marks, SetInfo, StageSet, Tier, VectorError, Words, export, judge,
-    marks, random_set,
+    self, Direction, Failing, Judgement, Manifest, Marks, SetExport, SetInfo, StageSet, Tier, VectorError, Words,
+    export, judge, marks, random_set,
 };
 use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
@@ -355,13 +355,14 @@ fn a_stage_alone_is_judged() {
     let (seed, words) = (None, Words::default());
     let info = SetInfo { name: NAME, description: "test", seed, datapath, effects, precision, profile, words };
     let input = |index| random_set(datapath, NAME, index, &precision);
-    let manifest = set.export(&info, 30, &input, directory.path(), &|_| {}).expect("a set of a stage");
+    let manifest =
+        SetExport::of_stage(&info, 30, &set).write(&input, directory.path(), &|_| {}).expect("a set of a stage");
     let words_path = directory.path().join(&manifest.files[0].name);
 
     let stage = Some("frame".to_owned());
     let options = Options { profile: String::new(), precision, effects, depth: None, stage, prefix: String::new() };
     let stage = Stages::new(Design::of(datapath), &options).expect("frame").stages.remove(0);
-    let (net, outcomes) = stage.operations();
+    let net = &stage.unit;
     let primitives = net.primitives(precision.fraction_bits);
     assert_eq!(primitives.len(), 2);
     let word = |text: &str, last_places: i64| {
@@ -378,8 +379,8 @@ fn a_stage_alone_is_judged() {
             let more = more.map_or(0, |primitive| last_places * primitive.last_place);
             wires.push(net.value(id, &ports, &wires) + more);
         }
-        for (place, (port, &node)) in stage.outputs.iter().zip(outcomes).enumerate() {
-            let bits = wires[node as usize] >> port.format.zeros & ((1 << port.format.width()) - 1);
+        for (place, (port, output)) in stage.outputs.iter().zip(&net.outputs).enumerate() {
+            let bits = wires[output.node as usize] >> port.format.zeros & ((1 << port.format.width()) - 1);
             let of_field = &mut digits[stage.inputs.len() + place];
             *of_field = format!("{bits:0width$X}", width = of_field.len());
         }
@@ -392,6 +393,15 @@ fn a_stage_alone_is_judged() {
         fs::write(&got, words.collect::<String>()).expect("words of a device");
         judge(&got, &words_path.with_extension("json"), Tier::Faithful, &|_| {}).expect("judged")
     };
+    // A stage has bounds and marks of its own: no exponent is a decision.
+    let got = directory.path().join("got.hex");
+    let bound = |last_places: i64| {
+        judged(last_places);
+        judge(&got, &words_path.with_extension("json"), Tier::Bound { places: 1 }, &|_| {}).expect("judged").passing
+    };
+    assert_eq!((bound(0), bound(-1)), (30, 30));
+    let marks = marks(&words_path.with_extension("json"), 1, &|_| {}).expect("marks");
+    assert_eq!(marks.marked, []);
     assert_eq!((judged(0).exact, judged(-1).passing), (30, 30));
     assert!(judged(-1).exact < 5 && judged(-2).passing < 5, "{}", judged(-2).passing);
 }

@@ -12,8 +12,8 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_emulator::net::graph::{NodeId, Op};
 use roughxel_emulator::net::verilog::{Options, Stages};
 use roughxel_emulator::vectors::{
-    Bench, Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, SetInfo, StageSet, Vector, VectorError, Words,
-    export_with, random_set, verify,
+    Bench, Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, SetExport, SetInfo, StageSet, Vector,
+    VectorError, Words, export_with, random_set, verify,
 };
 use roughxel_host_tests::simulators::{have, hdl};
 use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
@@ -43,7 +43,7 @@ fn info(datapath: Datapath, effects: Effects, profile: &'static str, precision: 
 /// Exports `count` base vectors of a stage.
 fn export(set: &StageSet, info: &SetInfo<'_>, count: u64, directory: &Path) -> Manifest {
     let input = |index| random_set(info.datapath, info.name, index, &info.precision);
-    set.export(info, count, &input, directory, &|_| {}).expect("the set can be written")
+    SetExport::of_stage(info, count, set).write(&input, directory, &|_| {}).expect("the set can be written")
 }
 
 /// The stages of a datapath, and the place of the manifest of each.

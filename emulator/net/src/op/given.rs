@@ -16,7 +16,7 @@ impl Operation for Port {
     }
     fn range(&self, known: &mut Known, _: NodeId) -> Exact {
         let port = &known.net.ports[self.0 as usize];
-        Exact { low: port.low.into(), high: port.high.into(), zeros: 0 }
+        Exact { low: port.low.into(), high: port.high.into(), zeros: port.zeros }
     }
     fn unit(&self, _: &Ranges, _: NodeId) -> Unit {
         Unit::Nothing

@@ -12,7 +12,7 @@ use super::interface::{Interface, PortDescription};
 use super::module::{Module, ModulePort};
 use super::share::Group;
 use super::{Options, Prepared};
-use crate::graph::{Net, Node, NodeId, Op};
+use crate::graph::{Net, Node, NodeId, Op, Port, Run, Tap};
 use crate::interval::Range;
 
 /// A recorded design and the modules of its stages.
@@ -35,10 +35,8 @@ pub struct Stage {
     pub outputs: Vec<StagePort>,
     /// The runs that are instances of the module, in the order in which they run.
     pub runs: Vec<StageRun>,
-    /// The operations of a run alone; its ports are the inputs.
-    unit: Net,
-    /// The nodes of it that are on the outputs.
-    outcomes: Vec<NodeId>,
+    /// The operations of a run alone, with the module's inputs as ports and its outputs, in the module's order.
+    pub unit: Net,
 }
 
 /// A port of a module.
@@ -95,14 +93,12 @@ impl Stage {
             inputs: places(&module.inputs, &run.inputs),
             outputs: places(&module.outputs, &run.nodes),
         });
-        let (unit, outcomes) = unit(context, group, module);
         Self {
             name: group.name.clone(),
             inputs: of_module(&module.inputs, &first.inputs),
             outputs: of_module(&module.outputs, &first.nodes),
             runs: runs.collect(),
-            unit,
-            outcomes,
+            unit: unit(context, group, module),
         }
     }
 
@@ -111,12 +107,7 @@ impl Stage {
     /// The integers are those of the wires, dropped zeros included, in the order of the ports.
     pub fn outcome(&self, inputs: &[i64], wires: &mut Vec<i64>) -> Vec<i64> {
         self.unit.evaluate(inputs, wires);
-        self.outcomes.iter().map(|&node| wires[node as usize]).collect()
-    }
-
-    /// The operations of the module as a net whose ports are its inputs, and the nodes on its outputs, both in the module's order.
-    pub fn operations(&self) -> (&Net, &[NodeId]) {
-        (&self.unit, &self.outcomes)
+        self.unit.outputs.iter().map(|output| wires[output.node as usize]).collect()
     }
 
     /// The module as what a bench connects: combinational, without a clock and a handshake.
@@ -149,12 +140,26 @@ impl StagePort {
     }
 }
 
-/// The operations of the first run as a net of their own, and its outcomes.
-fn unit(context: Context, group: &Group, module: &Module) -> (Net, Vec<NodeId>) {
+/// The operations of the first run as a net of their own.
+fn unit(context: Context, group: &Group, module: &Module) -> Net {
     let (net, first) = (context.net, &group.runs[0]);
     let mut taken = Taken { of: net, net: Net::default(), places: HashMap::new() };
+    taken.net.runs.push(Run { run: 0, repeated: false, ..net.runs[first.stage as usize].clone() });
     for (number, port) in (0..).zip(&module.inputs) {
-        taken.add(first.inputs[port.place], Op::Port(number));
+        let id = first.inputs[port.place];
+        taken.add(id, Op::Port(number));
+        let Format { range, zeros, fraction_bits, .. } = port.format;
+        taken.net.ports.push(Port {
+            name: port.name.clone(),
+            path: Vec::new(),
+            kind: net.node(id).kind,
+            mantissa: false,
+            fraction_bits,
+            low: range.low,
+            high: range.high,
+            zeros,
+            node: taken.places[&id],
+        });
     }
     for &id in &first.inputs {
         // An input that is one value in every run has no port.
@@ -171,8 +176,19 @@ fn unit(context: Context, group: &Group, module: &Module) -> (Net, Vec<NodeId>) 
         let op = net.node(id).op.map(|operand| taken.places[&operand]);
         taken.add(id, op);
     }
-    let outcomes = module.outputs.iter().map(|port| taken.places[&first.nodes[port.place]]).collect();
-    (taken.net, outcomes)
+    for port in &module.outputs {
+        let Format { range, fraction_bits, .. } = port.format;
+        taken.net.outputs.push(Tap {
+            stage: None,
+            name: port.name.clone(),
+            path: Vec::new(),
+            mantissa: false,
+            fraction_bits,
+            node: taken.places[&first.nodes[port.place]],
+        });
+        taken.net.limits.push((range.low, range.high));
+    }
+    taken.net
 }
 
 /// Operations that are taken from a design.
@@ -188,7 +204,8 @@ impl Taken<'_> {
     fn add(&mut self, id: NodeId, op: Op) {
         let Self { of, net, places } = self;
         places.entry(id).or_insert_with(|| {
-            net.nodes.push(Node { op, stage: None, ..*of.node(id) });
+            let stage = if matches!(op, Op::Port(_) | Op::Lit(_)) { None } else { Some(0) };
+            net.nodes.push(Node { op, stage, ..*of.node(id) });
             net.nodes.len() as NodeId - 1
         });
     }

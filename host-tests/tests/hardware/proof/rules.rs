@@ -42,6 +42,7 @@ impl Small {
             fraction_bits: 0,
             low,
             high,
+            zeros: 0,
             node,
         });
         node
