@@ -19,10 +19,16 @@ fn power_of_two(exponent: i32) -> f64 {
     }
 }
 
+/// 2^exponent as two factors, which f64 holds where it does not hold their product.
+fn factors(exponent: i32) -> [f64; 2] {
+    let half = exponent / 2;
+    [power_of_two(half), power_of_two(exponent - half)]
+}
+
 /// `x · 2^exponent`, exact where the result is a normal number.
 pub fn scale_by_power_of_two(x: f64, exponent: i32) -> f64 {
-    let half = exponent / 2;
-    x * power_of_two(half) * power_of_two(exponent - half)
+    let [first, second] = factors(exponent);
+    x * first * second
 }
 
 /// The exponent e with 2^(e−1) ≤ |x| < 2^e, for finite x ≠ 0.
@@ -49,11 +55,15 @@ fn block<const N: usize>(components: [f64; N], p: &Precision) -> ([I2F30; N], i1
     if largest == 0.0 || !largest.is_finite() {
         return ([I2F30::ZERO; N], 0);
     }
-    // A largest component that rounds up to 1 belongs to the next octave, where entry is exact again.
-    let rounds_up = |exponent: i32| mantissa(scale_by_power_of_two(largest, -exponent), p.fraction_bits) >= I2F30::ONE;
     let exponent = exponent_above(largest);
-    let exponent = exponent + i32::from(rounds_up(exponent));
-    (components.map(|x| mantissa(scale_by_power_of_two(x, -exponent), p.fraction_bits)), exponent as i16)
+    let [first, mut second] = factors(-exponent);
+    let rounded = |x: f64, second: f64| mantissa(x * first * second, p.fraction_bits);
+    // A largest component that rounds up to 1 belongs to the next octave, where entry is exact again.
+    let rounds_up = rounded(largest, second) >= I2F30::ONE;
+    if rounds_up {
+        second *= 0.5;
+    }
+    (components.map(|x| rounded(x, second)), (exponent + i32::from(rounds_up)) as i16)
 }
 
 /// A vector as a port. Not a number or infinite reads as the zero vector; callers refuse those earlier.

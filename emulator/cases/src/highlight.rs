@@ -64,9 +64,9 @@ impl RealLight {
 /// index only.
 pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
     let mut random = SplitMix64::for_element(set, index);
-    let fragment = random_fragment(set, index, p);
     let exponent = random.uniform(0.0, 13.0).exp2();
     if random.below(10) == 0 {
+        let fragment = random_fragment(set, index, p);
         let light = if random.below(4) == 0 { fragment.surface.view } else { fragment.dview[0] };
         return lit(&fragment, light, shininess(exponent));
     }

@@ -28,7 +28,9 @@ impl<B> Default for Columns<B> {
 impl<B: Form> FromIterator<B> for Columns<B> {
     fn from_iter<I: IntoIterator<Item = B>>(bundles: I) -> Self {
         let mut columns = Self::default();
-        bundles.into_iter().for_each(|bundle| columns.push(&bundle));
+        let bundles = bundles.into_iter();
+        columns.grow(bundles.size_hint().0);
+        bundles.for_each(|bundle| columns.push(&bundle));
         columns
     }
 }
@@ -138,7 +140,8 @@ impl<B: Form> Columns<B> {
         if needed <= self.stride {
             return;
         }
-        let stride = needed.max(2 * self.stride);
+        // An odd number of cache lines: the places of one fragment in all rows lie in as many sets of a cache as it has.
+        let stride = (needed.max(2 * self.stride).div_ceil(LANES) | 1) * LANES;
         let mut words = vec![0; stride * B::WORDS];
         if self.stride > 0 {
             for (row, old) in words.chunks_exact_mut(stride).zip(self.words.chunks_exact(self.stride)) {

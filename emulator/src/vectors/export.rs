@@ -17,7 +17,7 @@ use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed
 use super::part::{Part, Shard};
 use super::sets::SEED_RULE;
 use super::stage::StageSet;
-use super::word::{check_of, pack, write_record, write_word};
+use super::word::{CHUNK, Encoder};
 use super::{MAX_VECTORS, VectorError};
 
 /// Words of a task: the wires of all stages stay in a processor's cache.
@@ -232,41 +232,30 @@ impl<'a> SetExport<'a> {
 
     /// The words of some vectors as they are written.
     fn written(&self, vectors: Range<u64>, input: &(dyn Fn(u64) -> Inputs + Sync)) -> Result<Vec<u8>, VectorError> {
-        let (info, layout) = (self.info, &self.layout);
+        let info = self.info;
         let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
-        let (fields, rows) = (layout.fields(), layout.rows(&batch));
-        let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (layout.line_length() + 1));
-        let (mut bits, mut packed) = (Vec::with_capacity(fields.len()), Vec::new());
-        for (place, index) in vectors.enumerate() {
-            bits.clear();
-            for (field, &(row, drop)) in fields.iter().zip(&rows) {
-                bits.push(field.bits(row[place].into(), drop).ok_or_else(|| self.inexact(index, field))?);
+        let rows = self.layout.rows(&batch);
+        let mut words = self.words();
+        for first in (0..(vectors.end - vectors.start) as usize).step_by(CHUNK) {
+            for (field, &(row, drop)) in rows.iter().enumerate() {
+                let row = &row[first..row.len().min(first + CHUNK)];
+                if let Some(place) = words.set_row(field, row, drop) {
+                    let index = vectors.start + (first + place) as u64;
+                    return Err(self.inexact(index, &self.layout.fields()[field]));
+                }
             }
-            append_word(&mut text, layout, &mut bits, &mut packed, info.words.form);
+            words.write();
         }
-        Ok(text)
+        Ok(words.into_text())
+    }
+
+    /// Words to be written.
+    fn words(&self) -> Encoder {
+        Encoder::new(&self.layout, self.info.words.form)
     }
 
     /// A field that its vector's integer does not fit.
     fn inexact(&self, index: u64, field: &Field) -> VectorError {
         VectorError::Inexact { set: self.name().into(), index, field: field.name.clone() }
-    }
-}
-
-/// Appends a word as it is written, from its fields' bits without the check value; `packed` is overwritten.
-fn append_word(text: &mut Vec<u8>, layout: &Layout, bits: &mut Vec<u32>, packed: &mut Vec<u32>, form: Form) {
-    let (fields, digits) = (layout.fields(), layout.data_digits());
-    pack(fields, bits, digits, packed);
-    let check = check_of(packed, digits);
-    match form {
-        Form::Hex => {
-            bits.push(check);
-            write_word(text, fields, bits);
-            text.push(b'\n');
-        }
-        Form::Bin => {
-            packed.push(check);
-            write_record(text, packed, digits);
-        }
     }
 }

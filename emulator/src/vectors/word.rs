@@ -7,7 +7,8 @@
 //! bits above it, most significant first. The polynomial is primitive, so in words below 2^32 bits every single
 //! flipped bit leaves another remainder and can be located.
 
-use super::layout::{CHECK_BITS, Field, Layout};
+use super::layout::{CHECK_BITS, Field, Layout, mask};
+use super::manifest::Form;
 
 const POLYNOMIAL: u32 = 0x04c1_1db7;
 
@@ -108,13 +109,173 @@ pub(crate) fn locate_flip(syndrome: u32, word_bits: u32) -> Option<u32> {
     None
 }
 
-/// Appends the word of the fields' `bits` (check value included) to `line`.
-pub(crate) fn write_word(line: &mut Vec<u8>, fields: &[Field], bits: &[u32]) {
-    for (index, (field, &bits)) in fields.iter().zip(bits).enumerate() {
-        if index > 0 {
-            line.push(b'_');
+/// Words that are put together at once: their fields stay in a processor's nearest cache.
+pub(crate) const CHUNK: usize = 64;
+
+/// A number of each of some words.
+type Row = [u32; CHUNK];
+
+/// Puts words together field by field, many at a time, as text or as bytes.
+pub(crate) struct Encoder {
+    form: Form,
+    /// Of each field but the check value its width, whether it is signed, digits before its last one from the end of the data, its digits,
+    /// and its place in a line.
+    places: Vec<Place>,
+    /// Digits of a word above its check value.
+    digits: u32,
+    /// Characters of a line with its end; bytes of a record.
+    length: usize,
+    /// The fields' bits.
+    bits: Vec<Row>,
+    /// The words as [`pack`] has them, the first eight digits first.
+    packed: Vec<Row>,
+    /// Words that wait.
+    waiting: usize,
+    text: Vec<u8>,
+}
+
+/// Where a field is.
+#[derive(Clone, Copy)]
+struct Place {
+    width: u32,
+    signed: bool,
+    /// Bits below it, those of the check value left out.
+    below: u32,
+    digits: usize,
+    /// Its first character in a line.
+    column: usize,
+}
+
+impl Encoder {
+    pub(crate) fn new(layout: &Layout, form: Form) -> Self {
+        let mut column = 0;
+        let place = |field: &Field| {
+            let digits = field.digits() as usize;
+            column += digits + 1;
+            let (width, signed) = (field.width, field.signed);
+            Place { width, signed, below: field.lsb.wrapping_sub(CHECK_BITS), digits, column: column - digits - 1 }
+        };
+        let mut places: Vec<Place> = layout.fields().iter().map(place).collect();
+        places.pop();
+        let digits = layout.data_digits();
+        let length = match form {
+            Form::Hex => layout.line_length() + 1,
+            Form::Bin => layout.word_bits().div_ceil(8) as usize,
+        };
+        let bits = vec![[0; CHUNK]; places.len()];
+        let packed = vec![[0; CHUNK]; digits.div_ceil(8) as usize];
+        Self { form, places, digits, length, bits, packed, waiting: 0, text: Vec::new() }
+    }
+
+    /// Sets a field of words that wait, from its integers, whose lowest `drop` bits the profile drops; or the first word whose integer has
+    /// others than the field keeps.
+    pub(crate) fn set_row(&mut self, field: usize, integers: &[i32], drop: u32) -> Option<usize> {
+        let Place { width, signed, .. } = self.places[field];
+        let (mask, spare) = (mask(width), 32 - width);
+        let row = &mut self.bits[field];
+        let mut others = 0;
+        for (bits, &integer) in row.iter_mut().zip(integers) {
+            *bits = (integer >> drop) as u32 & mask;
+            let above = *bits << spare;
+            // An unsigned field of 32 bits has no integer below 0.
+            let kept = if signed { above.cast_signed() >> spare } else { (above >> spare).cast_signed() };
+            others |= kept << drop ^ integer | if signed { 0 } else { integer & i32::MIN };
         }
-        line.extend_from_slice(&hex_digits(bits)[8 - field.digits() as usize..]);
+        self.waiting = integers.len();
+        if others == 0 {
+            return None;
+        }
+        let is_kept = |bits: u32, integer: i32| {
+            let above = u64::from(bits) << (64 - width);
+            let kept = if signed { above.cast_signed() >> (64 - width) } else { (above >> (64 - width)).cast_signed() };
+            kept << drop == i64::from(integer)
+        };
+        row.iter().zip(integers).position(|(&bits, &integer)| !is_kept(bits, integer))
+    }
+
+    /// A word more, from its fields' bits without the check value.
+    pub(crate) fn push(&mut self, bits: &[u32]) {
+        if self.waiting == CHUNK {
+            self.write();
+        }
+        for (row, &bits) in self.bits.iter_mut().zip(bits) {
+            row[self.waiting] = bits;
+        }
+        self.waiting += 1;
+    }
+
+    /// Writes the words that wait.
+    pub(crate) fn write(&mut self) {
+        let count = std::mem::take(&mut self.waiting);
+        self.pack();
+        let check = self.check();
+        let from = self.text.len();
+        self.text.resize(from + count * self.length, b'_');
+        let words = self.text[from..].chunks_exact_mut(self.length);
+        match self.form {
+            Form::Hex => {
+                for (word, text) in words.enumerate() {
+                    for (place, row) in self.places.iter().zip(&self.bits) {
+                        text[place.column..][..place.digits]
+                            .copy_from_slice(&hex_digits(row[word])[8 - place.digits..]);
+                    }
+                    text[self.length - 9..][..8].copy_from_slice(&hex_digits(check[word]));
+                    text[self.length - 1] = b'\n';
+                }
+            }
+            Form::Bin => {
+                let in_first = ((self.digits + 7) % 8 + 1).div_ceil(2) as usize;
+                let Some((first, rest)) = self.packed.split_first() else { return };
+                for (word, record) in words.enumerate() {
+                    record[..in_first].copy_from_slice(&first[word].to_be_bytes()[4 - in_first..]);
+                    let eights = rest.iter().chain([&check]);
+                    for (bytes, row) in record[in_first..].as_chunks_mut::<4>().0.iter_mut().zip(eights) {
+                        *bytes = row[word].to_be_bytes();
+                    }
+                }
+            }
+        }
+    }
+
+    /// The words as they are written.
+    pub(crate) fn into_text(self) -> Vec<u8> {
+        self.text
+    }
+
+    /// The fields' digits eight by eight.
+    fn pack(&mut self) {
+        self.packed.fill([0; CHUNK]);
+        let last = self.packed.len() - 1;
+        for (place, row) in self.places.iter().zip(&self.bits) {
+            let (eight, shift) = (last - place.below as usize / 32, place.below % 32);
+            for (packed, bits) in self.packed[eight].iter_mut().zip(row) {
+                *packed |= bits << shift;
+            }
+            if shift as usize + 4 * place.digits > 32 {
+                for (packed, bits) in self.packed[eight - 1].iter_mut().zip(row) {
+                    *packed |= bits >> (32 - shift);
+                }
+            }
+        }
+    }
+
+    /// The check values.
+    fn check(&self) -> Row {
+        let mut remainders = [u32::MAX; CHUNK];
+        let Some((first, rest)) = self.packed.split_first() else { return remainders };
+        let in_first = (self.digits + 7) % 8 + 1;
+        for place in (0..in_first).rev() {
+            for (remainder, first) in remainders.iter_mut().zip(first) {
+                let with_digit = *remainder ^ (first >> (4 * place) & 15) << 28;
+                *remainder = with_digit << 4 ^ BY_BYTE[0][(with_digit >> 28) as usize];
+            }
+        }
+        for row in rest {
+            for (remainder, eight) in remainders.iter_mut().zip(row) {
+                *remainder = after(u64::from(*remainder ^ eight), 4);
+            }
+        }
+        remainders
     }
 }
 
@@ -126,14 +287,6 @@ fn hex_digits(bits: u32) -> [u8; 8] {
     let digits = (bytes << 4 | bytes) & 0x0f0f_0f0f_0f0f_0f0f;
     let is_letter = (digits + 0x0606_0606_0606_0606) >> 4 & 0x0101_0101_0101_0101;
     (digits + 0x3030_3030_3030_3030 + is_letter * u64::from(b'a' - b'9' - 1)).to_be_bytes()
-}
-
-/// Appends the record of a word as [`pack`] puts it, its check value included.
-pub(crate) fn write_record(records: &mut Vec<u8>, packed: &[u32], digits: u32) {
-    let Some((first, rest)) = packed.split_first() else { return };
-    let in_first = ((digits + 7) % 8 + 1).div_ceil(2) as usize;
-    records.extend_from_slice(&first.to_be_bytes()[4 - in_first..]);
-    records.extend(rest.iter().flat_map(|word| word.to_be_bytes()));
 }
 
 /// The fields' bits of a record, padding included, or what is wrong with it.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{SetExport, SetInfo, append_word};
+use super::{SetExport, SetInfo};
 use crate::vectors::VectorError;
 use crate::vectors::datapath::Inputs;
 use crate::vectors::manifest::StageEntry;
@@ -29,8 +29,8 @@ impl StageSet {
         input: &(dyn Fn(u64) -> Inputs + Sync),
     ) -> Result<Vec<u8>, VectorError> {
         let (runs, fields, info) = (&self.stage.runs, self.layout.fields(), set.info);
-        let mut text = Vec::with_capacity((vectors.end - vectors.start) as usize * (self.layout.line_length() + 1));
-        let (mut wires, mut packed, mut evaluated) = (Vec::new(), Vec::new(), None);
+        let mut words = set.words();
+        let (mut wires, mut evaluated) = (Vec::new(), None);
         for index in vectors {
             let base = index / runs.len() as u64;
             if evaluated != Some(base) {
@@ -40,9 +40,9 @@ impl StageSet {
             let run = &runs[(index % runs.len() as u64) as usize];
             let integers = |nodes: &[u32]| -> Vec<i64> { nodes.iter().map(|&node| wires[node as usize]).collect() };
             let bits = self.layout.encode(&integers(&run.inputs), &integers(&run.outputs));
-            let mut bits = bits.map_err(|field| set.inexact(index, &fields[field]))?;
-            append_word(&mut text, &self.layout, &mut bits, &mut packed, info.words.form);
+            words.push(&bits.map_err(|field| set.inexact(index, &fields[field]))?);
         }
-        Ok(text)
+        words.write();
+        Ok(words.into_text())
     }
 }

@@ -1,0 +1,80 @@
+//! How fast vectors are made.
+//!
+//! `cargo bench -p roughxel-host-tests --bench vectors` exports the random set of each datapath in `standard` on one thread, as bytes and as text, with
+//! the outcomes of stages and without, and prints millions of vectors a second: the fastest of some exports. `inputs` makes the inputs of
+//! the set and nothing else, `hash` is the share that SHA-256 of what is written takes by itself. It takes a minute.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use roughxel_core::plan::Effects;
+use roughxel_core::precision::Precision;
+use roughxel_emulator::vectors::{Form, RANDOM_SETS, SetInfo, Words, export_with, random_set};
+use sha2::{Digest, Sha256};
+
+/// Vectors of an export.
+const COUNT: u64 = 200_000;
+/// Exports of which the fastest counts.
+const EXPORTS: usize = 5;
+
+fn fastest(mut once: impl FnMut()) -> Duration {
+    let time = |()| {
+        let start = Instant::now();
+        once();
+        start.elapsed()
+    };
+    [(); EXPORTS].map(time).into_iter().min().expect("there are exports")
+}
+
+fn main() {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
+    let precision = Precision::STANDARD;
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED).set_header(["set", "words", "bytes a vector", "million a second", "hash"]);
+    for column in 2..5 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let rate = |time: Duration| format!("{:.2}", COUNT as f64 / time.as_secs_f64() / 1e6);
+    for (name, datapath, description) in RANDOM_SETS {
+        let input = |index| random_set(datapath, name, index, &precision);
+        let inputs = fastest(|| {
+            (0..COUNT).for_each(|index| {
+                black_box(input(index));
+            });
+        });
+        table.add_row([name.into(), "inputs".into(), String::new(), rate(inputs), String::new()]);
+        for (what, taps, form) in [
+            ("ports, .bin", false, Form::Bin),
+            ("ports, .hex", false, Form::Hex),
+            ("all, .bin", true, Form::Bin),
+            ("all, .hex", true, Form::Hex),
+        ] {
+            let (profile, words) = ("standard", Words { taps, form });
+            let (seed, effects) = (Some(name), Effects::ALL);
+            let info = SetInfo { name, description, seed, datapath, effects, precision, profile, words };
+            let mut bytes = 0;
+            let time = one_thread.install(|| {
+                fastest(|| {
+                    let manifest = export_with(&info, COUNT, &input, directory.path(), &|_| {});
+                    bytes = manifest.expect("the set can be written").files[0].bytes;
+                })
+            });
+            let text = vec![0; bytes as usize];
+            let hash = fastest(|| {
+                black_box(Sha256::digest(black_box(&text)));
+            });
+            table.add_row([
+                name.into(),
+                what.into(),
+                format!("{:.0}", bytes as f64 / COUNT as f64),
+                rate(time),
+                format!("{:.0} %", 100.0 * hash.as_secs_f64() / time.as_secs_f64()),
+            ]);
+        }
+    }
+    println!("Fastest of {EXPORTS} exports of {COUNT} vectors, one thread.\n{table}");
+}
