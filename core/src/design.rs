@@ -223,6 +223,13 @@ designs! {
     Modulated "modulated": ModulatedInput -> Value<S, LIGHT>,
         |input, _, _| Value(pixel::modulated::<W>(input.colours[0], input.colours[1]));
 
+    /// the core of a lobe: its roughness tangents
+    LobeCore "lobe_core": LobeCoreInput -> [Block<S, 3>; 2], |input, _, _| datapath::lobe_core(&input.rough);
+
+    /// the mean of what two lobes of a surface show
+    Lobes "lobes": LobesInput -> Value<S, LIGHT>,
+        |input, _, _| Value(pixel::lobes::<W>(input.colours[0], input.colours[1]));
+
     /// one light on a surface: frame, perturb, roughness, half vector, modified Blinn-Phong
     Highlight "highlight" Highlight: HighlightInput -> HighlightOutput<S>,
         |input, effects, p| datapath::leave_highlight(&datapath::lit_surface(input, &effects.highlight(), p));
@@ -487,6 +494,23 @@ bundle! {
     pub struct ModulatedInput<W> {
         /// Both below 64, or a peak's 64.
         #[range(0..=64)]
+        colours: [Control<W, LIGHT>; 2],
+    }
+}
+
+bundle! {
+    /// Ports of `lobe_core`.
+    pub struct LobeCoreInput<W> {
+        /// The tangents of the whole lobe.
+        rough: [Block<W, 3>; 2],
+    }
+}
+
+bundle! {
+    /// Ports of `lobes`.
+    pub struct LobesInput<W> {
+        /// What each lobe shows.
+        #[range(0..64)]
         colours: [Control<W, LIGHT>; 2],
     }
 }

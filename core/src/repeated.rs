@@ -32,6 +32,8 @@ pub struct View<'a, W: Word> {
     pub footprint: Option<(&'a Probes<W>, &'a TextureScale<W>)>,
     /// Of the map, the finest first, at least one; texels are in rows.
     pub levels: &'a [Level],
+    /// What a level has lost is roughness: the footprint looks at finer ones, as that of a rough reflection does.
+    pub rough: bool,
 }
 
 /// Four neighbours on one level.
@@ -68,7 +70,7 @@ pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(R
         let level_weight = Fx::zero();
         return take(Read { turn: 0, counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });
     };
-    let LevelPair { level, weight: level_weight } = texel::levels::<W>(probes.lod, W::known(false), p);
+    let LevelPair { level, weight: level_weight } = texel::levels::<W>(probes.lod, W::known(view.rough), p);
     let fine = level_of::<W>(level, view.levels);
     let coarse = W::any(!level_weight.is_zero()).then(
         #[inline(always)]

@@ -45,6 +45,7 @@ fn without_keys(scene: &Scene, effect: Effect) -> Option<(Scene, Precision)> {
             // Detail that is lost has no key, but the profile has a knob.
             Effect::Roughness => profile.roughness = RoughnessKind::None,
             Effect::Environment => material.reflectance = [0.0; 3],
+            Effect::TwoLobes => material.two_lobes = Some(false),
             // The mode and the mesh decide.
             Effect::Footprint | Effect::Edges | Effect::Curvature => return None,
             Effect::Highlight => material.highlight = None,

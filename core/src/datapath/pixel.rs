@@ -72,6 +72,12 @@ pub fn bright_reflected<W: Staged>(
     )
 }
 
+/// The mean of what two lobes of a surface show.
+#[inline(always)]
+pub fn lobes<W: Staged>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
+    control_stage!("pixel.lobes", pixel::lobes::<W>(a, b))
+}
+
 bundle! {
     /// All light of a pixel so far.
     pub struct PixelSum<W> {

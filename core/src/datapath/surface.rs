@@ -26,6 +26,12 @@ bundle! {
     }
 }
 
+/// The core of a rough surface's lobe, for surfaces with two: its roughness tangents.
+#[inline(always)]
+pub fn lobe_core<W: Staged>(rough: &[Block<W, 3>; 2]) -> [Block<W, 3>; 2] {
+    stage!("roughness.core", roughness::core(rough))
+}
+
 /// The perturbed and rough surface of one fragment.
 #[inline(always)]
 pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Precision) -> Surface<W> {

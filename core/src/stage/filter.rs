@@ -100,7 +100,9 @@ pub const LEVEL_WEIGHT: u32 = 20;
 ///
 /// A trilinear probe on texels of size t has the variance t²/12 (box) + t²/6 (tent) = t²/4. At the pixel's level,
 /// t = 2√3·λ₂, that is 3λ₂²: what a pixel's box needs against aliasing, for its neighbours see other texels. Roughness needs no
-/// such reserve (neighbouring lobes overlap), and t = 2λ₂ gives exactly λ₂². Measured where all bumps are below a pixel: 9 dB.
+/// such reserve (neighbouring lobes overlap), and t = 2λ₂ gives exactly λ₂². Measured where all bumps are below a pixel: 9 dB. A bump map whose lost
+/// detail is roughness is read with it, too: what lies between the texels of the pixel's level is neither in the mean nor in K (1 to 2 dB where
+/// bumps are a few pixels wide).
 pub const ROUGHNESS_LOD_BIAS: i32 = -51_936;
 
 /// A level of detail moved by the bias of rough footprints, not below the finest level.

@@ -34,6 +34,12 @@ pub fn bump<C: Word<Count = C>, const INT: u32>(number: Fx<C, INT>, exponent: Fx
     Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).keep(keep)
 }
 
+/// What a surface with two lobes shows: the mean of both, floored; equal ones give themselves.
+#[inline(always)]
+pub fn lobes<W: Word>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
+    (a + b).floor_shr(1)
+}
+
 /// All light of a pixel so far, and one more.
 #[inline(always)]
 pub fn sum<W: Word>(sum: WideControl<W, 40>, colour: Control<W, LIGHT>) -> WideControl<W, 40> {

@@ -160,6 +160,8 @@ pub fn port_values(
         | Design::ProbeMean
         | Design::Colour
         | Design::Modulated
+        | Design::LobeCore
+        | Design::Lobes
         | Design::Blend
         | Design::BrightBlend
         | Design::PixelSum

@@ -165,6 +165,9 @@ pub(super) struct Batch {
     footprints: Columns<Footprint<i32>>,
     sweeps: Columns<Sweep<i32>>,
     shown: Columns<Shown<i32>>,
+    cores: Columns<Surface<i32>>,
+    core_shown: Columns<Shown<i32>>,
+    both_shown: Columns<Shown<i32>>,
     lit: Lit,
 }
 
@@ -243,7 +246,9 @@ impl Prepared<'_> {
             if let (Some(plan), Some(seen)) = (&object.plan.reflection, &seen) {
                 // The bias of rough reflections is the object's, whatever a batch leaves out.
                 let is_rough = plan.roughness != RoughnessKind::None;
-                self.reflect((seen, is_rough), &object.reflectance, fragments, batch, sums);
+                // A smooth batch shows the same by both.
+                let two_lobes = object.plan.two_lobes && seen.roughness != RoughnessKind::None;
+                self.reflect((seen, is_rough, two_lobes), &object.reflectance, fragments, batch, sums);
             }
         }
         if object.plan.reflection.is_none() {
@@ -263,7 +268,7 @@ impl Prepared<'_> {
         batch.colours.fill(rays.len(), &Shown { channels: [Fx::zero(); 3], taps: Fx::zero() });
         batch.bumps.fill(rays.len(), &flat());
         self.reading.surfaces(&rays.bare, &batch.bumps, &plan.surface(), &self.precision, &mut batch.surfaces);
-        self.reflect((&plan, false), &[Fx::int(1); 3], rays, batch, sums);
+        self.reflect((&plan, false, false), &[Fx::int(1); 3], rays, batch, sums);
         rays.clear();
         sums.clock.enter(caller);
     }
@@ -284,42 +289,50 @@ impl Prepared<'_> {
         sums.taps += taps;
     }
 
-    /// What the environment makes of surfaces that are made, with the colours of a batch; `seen` is the plan and whether its object is rough.
+    /// What the environment makes of surfaces that are made, with the colours of a batch; `seen` is the plan, whether its object is rough, and
+    /// whether it has two lobes.
     fn reflect(
         &self,
-        (seen, is_rough): (&ReflectionPlan, bool),
+        (seen, is_rough, two_lobes): (&ReflectionPlan, bool, bool),
         reflectance: &[Control<i32, REFLECTANCE>; 3],
         fragments: &Fragments,
         batch: &mut Batch,
         sums: &mut Sums,
     ) {
-        let Batch { colours, surfaces, footprints, sweeps, shown, .. } = batch;
-        let (scale, p, derivatives) = (&self.environment_scale, &self.precision, &fragments.derivatives);
-        sums.clock.enter(Phase::Footprints);
-        let look = match seen.footprint {
-            FootprintKind::None | FootprintKind::Face => {
-                self.reading.footprints(surfaces, derivatives, (scale, seen), p, footprints);
-                if seen.footprint == FootprintKind::None { Look::Point(footprints) } else { Look::Face(footprints) }
+        let Batch { colours, surfaces, footprints, sweeps, shown, cores, core_shown, both_shown, .. } = batch;
+        let (p, places) = (&self.precision, &fragments.places);
+        let Some(map) = &self.environment else {
+            for (&place, own) in places.iter().zip(colours.colours()) {
+                let channel = |i: usize| pixel::blend::<i32>(own[i], Fx::zero(), reflectance[i]);
+                sums.add(place, core::array::from_fn(channel));
             }
-            FootprintKind::Sphere => {
-                self.reading.sweeps(surfaces, derivatives, (scale, seen), p, sweeps);
-                Look::Sphere(sweeps)
-            }
+            return;
         };
-        sums.clock.enter(Phase::Environment);
-        match &self.environment {
-            Some(map) => {
-                self.reading.environment(look, colours, (map.texels(), is_rough, reflectance), p, shown);
-                sums.taps += shown.taps();
-                sums.add_all(&fragments.places, shown);
-            }
-            None => {
-                for (&place, own) in fragments.places.iter().zip(colours.colours()) {
-                    let channel = |i: usize| pixel::blend::<i32>(own[i], Fx::zero(), reflectance[i]);
-                    sums.add(place, core::array::from_fn(channel));
+        let mut look = |surfaces: &Columns<Surface<i32>>, shown: &mut Columns<Shown<i32>>, sums: &mut Sums| {
+            let (scale, derivatives) = (&self.environment_scale, &fragments.derivatives);
+            sums.clock.enter(Phase::Footprints);
+            let look = match seen.footprint {
+                FootprintKind::None | FootprintKind::Face => {
+                    self.reading.footprints(surfaces, derivatives, (scale, seen), p, footprints);
+                    if seen.footprint == FootprintKind::None { Look::Point(footprints) } else { Look::Face(footprints) }
                 }
-            }
+                FootprintKind::Sphere => {
+                    self.reading.sweeps(surfaces, derivatives, (scale, seen), p, sweeps);
+                    Look::Sphere(sweeps)
+                }
+            };
+            sums.clock.enter(Phase::Environment);
+            self.reading.environment(look, colours, (map.texels(), is_rough, reflectance), p, shown);
+            sums.taps += shown.taps();
+        };
+        look(surfaces, shown, sums);
+        if !two_lobes {
+            return sums.add_all(places, shown);
         }
+        self.reading.cores(surfaces, p, cores);
+        look(cores, core_shown, sums);
+        self.reading.lobes([shown, core_shown], p, both_shown);
+        sums.add_all(places, both_shown);
     }
 
     /// Bumps and roughness of the waiting fragments of an object.

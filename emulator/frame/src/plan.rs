@@ -101,6 +101,8 @@ pub struct ObjectPlan {
     pub edges: bool,
     /// The reflection datapath; `None` where nothing is reflected.
     pub reflection: Option<ReflectionPlan>,
+    /// A rough reflection has two lobes, the narrower one a quarter as wide.
+    pub two_lobes: bool,
     /// The surface of a highlight.
     pub highlight: Option<SurfacePlan>,
     /// The surface that peaks stand on.
@@ -138,6 +140,9 @@ impl ObjectPlan {
                     None => FootprintKind::Face,
                 },
             }),
+            two_lobes: reflects
+                && kept(mode.filters()) != RoughnessKind::None
+                && material.two_lobes.unwrap_or_else(|| bump.is_some_and(has_two_kinds)),
             highlight: material.highlight.as_ref().map(|highlight| SurfacePlan {
                 bump: bumps,
                 frame: frame_system(material.frame),
@@ -216,6 +221,8 @@ pub enum Effect {
     Roughness,
     /// An environment is reflected.
     Environment,
+    /// A lobe for most facets and one for all.
+    TwoLobes,
     /// Samples have footprints.
     Footprint,
     /// A pixel shows every object by the share that it covers.
@@ -232,11 +239,12 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order of the datapath.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::ColourTexture,
         Self::Bump,
         Self::Roughness,
         Self::Environment,
+        Self::TwoLobes,
         Self::Footprint,
         Self::Edges,
         Self::Curvature,
@@ -252,6 +260,7 @@ impl Effect {
             Self::Bump => "bump",
             Self::Roughness => "roughness",
             Self::Environment => "environment",
+            Self::TwoLobes => "two lobes",
             Self::Footprint => "footprint",
             Self::Edges => "edges",
             Self::Curvature => "curvature",
@@ -282,6 +291,7 @@ impl ObjectPlan {
             Effect::Bump => reflection(|plan| plan.bump) || self.highlight.is_some_and(|plan| plan.bump),
             Effect::Roughness => self.roughness() != RoughnessKind::None,
             Effect::Environment => self.reflection.is_some(),
+            Effect::TwoLobes => self.two_lobes,
             Effect::Footprint => self.texture_footprint,
             Effect::Edges => self.edges,
             Effect::Curvature => reflection(|plan| plan.curvature),
@@ -296,16 +306,19 @@ impl ObjectPlan {
         match effect {
             Effect::ColourTexture => self.colour_map = false,
             Effect::Bump => {
+                self.two_lobes = false;
                 self.change_reflection(|plan| *plan = ReflectionPlan { bump: false, ..smooth(*plan) });
                 self.change_highlight(|plan| (plan.bump, plan.roughness) = (false, RoughnessKind::None));
             }
             Effect::Roughness => {
+                self.two_lobes = false;
                 self.change_reflection(|plan| *plan = smooth(*plan));
                 self.change_highlight(|plan| plan.roughness = RoughnessKind::None);
             }
-            Effect::Environment => self.reflection = None,
+            Effect::Environment => (self.reflection, self.two_lobes) = (None, false),
+            Effect::TwoLobes => self.two_lobes = false,
             Effect::Footprint => {
-                self.texture_footprint = false;
+                (self.texture_footprint, self.two_lobes) = (false, false);
                 self.change_reflection(|plan| {
                     (plan.footprint, plan.curvature, plan.roughness) =
                         (FootprintKind::None, false, RoughnessKind::None);
@@ -350,6 +363,13 @@ impl ObjectPlan {
             Effect::ColourTexture => "no `colour_map`".into(),
             Effect::Environment if reflects => "`reflectance` above 0 and [environment]".into(),
             Effect::Environment => "`reflectance` is 0".into(),
+            Effect::TwoLobes => match material.two_lobes {
+                _ if !reflects => "nothing is reflected".into(),
+                _ if !self.has(Effect::Roughness) => "a smooth surface has no lobe".into(),
+                Some(asked) => format!("`two_lobes = {asked}`"),
+                None if self.two_lobes => "most facets of the bump map are flat, a few are steep".into(),
+                None => "slopes of the bump map are of one kind".into(),
+            },
             Effect::Bump if self.has(effect) => {
                 "`height_map` or `normal_map`, and the object reflects or shines".into()
             }
@@ -401,6 +421,15 @@ const WIDEST_ON_A_FACE: f64 = 0.1;
 /// Whether lobes call for footprints on the sphere.
 fn is_wide(bump: Option<&BumpPyramid>) -> bool {
     bump.is_some_and(|bump| bump.largest_deviation() > WIDEST_ON_A_FACE)
+}
+
+/// Concentration below which slopes are of two kinds, flat and steep, and no one lobe is like both: bricks have ½ and less, gravel and grass
+/// 0.76 and 0.79, waves 1.
+const TWO_KINDS: f64 = 0.6;
+
+/// Whether one lobe is not enough.
+fn has_two_kinds(bump: &BumpPyramid) -> bool {
+    bump.concentration < TWO_KINDS
 }
 
 /// The datapath's name of a scene's frame system.

@@ -299,17 +299,17 @@ impl Reading {
             Some(footprints) => each_fragment!(
                 self, p, ((places.centres, footprints), numbers), read,
                 |((centre, probes), number), texture| {
-                    patches_of(&View { centre, footprint: Some((probes, texture)), levels }, number, patches, p)
+                    patches_of(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, number, patches, p)
                 },
                 else on_words!(p, |centre, probes, number, texture| {
-                    patches_of(&View { centre, footprint: Some((probes, texture)), levels }, number, patches, p)
+                    patches_of(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, number, patches, p)
                 })
             ),
             None => each_fragment!(
                 self, p, (places.centres, numbers), read,
-                |(centre, number)| patches_of(&View { centre, footprint: None, levels }, number, patches, p),
+                |(centre, number)| patches_of(&View { centre, footprint: None, levels, rough: false }, number, patches, p),
                 else on_words!(p, |centre, number| {
-                    patches_of(&View { centre, footprint: None, levels }, number, patches, p)
+                    patches_of(&View { centre, footprint: None, levels, rough: false }, number, patches, p)
                 })
             ),
         }
@@ -330,21 +330,21 @@ impl Reading {
             Some(footprints) => each_fragment!(
                 self, p, ((places.centres, footprints), numbers), shown,
                 |((centre, probes), number), texture, colour| {
-                    let view = View { centre, footprint: Some((probes, texture)), levels };
+                    let view = View { centre, footprint: Some((probes, texture)), levels, rough: false };
                     shown_of(mean_of(&view, number, light, p), colour)
                 },
                 else on_words!(p, |centre, probes, number, texture, colour| {
-                    let view = View { centre, footprint: Some((probes, texture)), levels };
+                    let view = View { centre, footprint: Some((probes, texture)), levels, rough: false };
                     shown_of(mean_of(&view, number, light, p), colour)
                 })
             ),
             None => each_fragment!(
                 self, p, (places.centres, numbers), shown,
                 |(centre, number), colour| {
-                    shown_of(mean_of(&View { centre, footprint: None, levels }, number, light, p), colour)
+                    shown_of(mean_of(&View { centre, footprint: None, levels, rough: false }, number, light, p), colour)
                 },
                 else on_words!(p, |centre, number, colour| {
-                    shown_of(mean_of(&View { centre, footprint: None, levels }, number, light, p), colour)
+                    shown_of(mean_of(&View { centre, footprint: None, levels, rough: false }, number, light, p), colour)
                 })
             ),
         }

@@ -123,8 +123,8 @@ bundle! {
         /// Linear light.
         #[range(0..64)]
         channels: [Control<W, LIGHT>; 3],
-        /// Bilinear samples.
-        #[range(0..=32)]
+        /// Bilinear samples, those of two lobes at most.
+        #[range(0..=64)]
         taps: Int<W>,
     }
 }
@@ -219,6 +219,13 @@ fn shown_of<W: Fetch, M: CubeMemory>(
     let reflectance = each!(Value(share) in *reflectance => share);
     let channels = sampler::blended(&own.channels, seen, &reflectance, cube);
     Shown { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
+}
+
+/// What a surface with two lobes shows.
+#[inline(always)]
+fn mean_of_lobes<W: Fetch>(a: &Shown<W>, b: &Shown<W>) -> Shown<W> {
+    let channels = each!(i in [0, 1, 2] => pixel::lobes::<W>(a.channels[i], b.channels[i]));
+    Shown { channels, taps: a.taps + b.taps }
 }
 
 /// The colour of a repeated map times `own`.
@@ -375,6 +382,24 @@ impl Reading {
         );
     }
 
+    /// The same surfaces with the core of their lobe.
+    pub fn cores(self, surfaces: &Columns<Surface<i32>>, p: &Precision, cores: &mut Columns<Surface<i32>>) {
+        each_fragment!(
+            self, p, surfaces, cores,
+            |surface| Surface { rough: datapath::lobe_core(&surface.rough), ..*surface },
+            else on_words!(p, |surface| Surface { rough: datapath::lobe_core(&surface.rough), ..*surface })
+        );
+    }
+
+    /// The mean of what two lobes show.
+    pub fn lobes(self, lobes: [&Columns<Shown<i32>>; 2], p: &Precision, shown: &mut Columns<Shown<i32>>) {
+        each_fragment!(
+            self, p, (lobes[0], lobes[1]), shown,
+            |(a, b)| mean_of_lobes(a, b),
+            else on_words!(p, |a, b| mean_of_lobes(a, b))
+        );
+    }
+
     /// What fetching needs of every fragment whose surface is made, on the planes of faces.
     pub fn footprints(
         self,
@@ -473,17 +498,17 @@ impl Reading {
             Some(footprints) => each_fragment!(
                 self, p, (places.centres, footprints), colours,
                 |(centre, probes), own, texture| {
-                    colour(&View { centre, footprint: Some((probes, texture)), levels }, texels, exponent, own, p)
+                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, texels, exponent, own, p)
                 },
                 else on_words!(p, |centre, probes, own, texture| {
-                    colour(&View { centre, footprint: Some((probes, texture)), levels }, texels, exponent, own, p)
+                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, texels, exponent, own, p)
                 })
             ),
             None => each_fragment!(
                 self, p, places.centres, colours,
-                |centre, own| colour(&View { centre, footprint: None, levels }, texels, exponent, own, p),
+                |centre, own| colour(&View { centre, footprint: None, levels, rough: false }, texels, exponent, own, p),
                 else on_words!(p, |centre, own| {
-                    colour(&View { centre, footprint: None, levels }, texels, exponent, own, p)
+                    colour(&View { centre, footprint: None, levels, rough: false }, texels, exponent, own, p)
                 })
             ),
         }
@@ -497,22 +522,23 @@ impl Reading {
         p: &Precision,
         bumps: &mut Columns<Bumped<i32>>,
     ) {
+        let rough = kind != RoughnessKind::None;
         let (texels, levels, texture) = (&map.texels[..], &map.map.levels[..], &map.map.scale.0);
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, (places.centres, footprints), bumps,
                 |(centre, probes), scale, texture| {
-                    bump(&View { centre, footprint: Some((probes, texture)), levels }, texels, scale, kind, p)
+                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, texels, scale, kind, p)
                 },
                 else on_words!(p, |centre, probes, scale, texture| {
-                    bump(&View { centre, footprint: Some((probes, texture)), levels }, texels, scale, kind, p)
+                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, texels, scale, kind, p)
                 })
             ),
             None => each_fragment!(
                 self, p, places.centres, bumps,
-                |centre, scale| bump(&View { centre, footprint: None, levels }, texels, scale, kind, p),
+                |centre, scale| bump(&View { centre, footprint: None, levels, rough }, texels, scale, kind, p),
                 else on_words!(p, |centre, scale| {
-                    bump(&View { centre, footprint: None, levels }, texels, scale, kind, p)
+                    bump(&View { centre, footprint: None, levels, rough }, texels, scale, kind, p)
                 })
             ),
         }

@@ -121,7 +121,7 @@ pub struct DecodedBump {
 }
 
 /// A bump map with its mip levels and the roughness of each.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BumpPyramid {
     /// Level 0 (full size) first, down to 1×1.
     pub levels: Vec<BumpLevel>,
@@ -130,6 +130,8 @@ pub struct BumpPyramid {
     /// Texels of level 0 with an offset of 8 or more in magnitude, or one that is no number: they are stored as the
     /// nearest offset that fits, or 0. A caller may warn if this is not 0.
     pub saturated: usize,
+    /// How near to the mean most bumps of the whole map are, ½ to 1, 1 those of the normal law; 1 as well where roughness is the root mean square.
+    pub concentration: f64,
 }
 
 impl BumpPyramid {
@@ -199,6 +201,8 @@ impl BumpPyramid {
         let mut levels = vec![BumpLevel { width, height, offsets: Vec::new(), roughness: Vec::new() }];
         let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
         let base_texels = if added.is_some() { offsets.len() } else { 0 };
+        // The last level has one texel, which covers the map.
+        let mut whole = 1.0;
         let mut lost: Vec<Vec<[f64; 3]>> =
             vec![(0..base_texels).into_par_iter().map(|index| components(0, index, smooth)).collect()];
         for_each_level(
@@ -227,9 +231,11 @@ impl BumpPyramid {
                             concentration(mean, covariance, cover, texel)
                         }
                     };
-                    components(level, index, covariance.scaled(factor))
+                    (factor, components(level, index, covariance.scaled(factor)))
                 };
-                lost.push(texels.map(covariance).collect());
+                let (factors, texels): (Vec<f64>, Vec<[f64; 3]>) = texels.map(covariance).unzip();
+                whole = factors[0];
+                lost.push(texels);
             },
         );
         levels[0].offsets = offsets;
@@ -243,7 +249,8 @@ impl BumpPyramid {
                 level.roughness = codes;
             }
         }
-        Self { levels, format: BumpFormat { offset_exponent, roughness_exponent, roughness: storage }, saturated }
+        let format = BumpFormat { offset_exponent, roughness_exponent, roughness: storage };
+        Self { levels, format, saturated, concentration: whole }
     }
 
     /// Whether any texel of the level has roughness: bumps that it does not show, or base roughness.

@@ -110,23 +110,30 @@ impl<'a> Shader<'a> {
         let material = &shaded.object.material;
         let mut surface = material.colour.map(f64::from);
         if let Some(map) = &shaded.colour {
-            let texel = self.repeated(map, attributes, |sample| sample);
+            let texel = self.repeated(map, attributes, 0.0, |sample| sample);
             surface = core::array::from_fn(|i| surface[i] * texel[i]);
         }
         let (Some(environment), Some(_)) = (&self.environment, shaded.plan.reflection) else { return surface };
-        let reflection = self.reflection(shaded, environment, attributes);
+        let look = |deviations| self.reflection(shaded, environment, attributes, deviations);
+        let reflection = if shaded.plan.two_lobes {
+            let (wide, narrow) = (look(1.0), look(0.25));
+            core::array::from_fn(|i| 0.5 * (wide[i] + narrow[i]))
+        } else {
+            look(1.0)
+        };
         core::array::from_fn(|i| {
             let share = f64::from(material.reflectance[i]).clamp(0.0, 1.0);
             (1.0 - share) * surface[i] + share * reflection[i]
         })
     }
 
-    /// The mean over the footprint of a fragment in a repeated map, or the sample at its place; `probe` turns the
-    /// sample of one probe into what is averaged.
+    /// The mean over the footprint of a fragment in a repeated map, its level of detail moved by `bias` ≤ 0, or the sample at its place; `probe`
+    /// turns the sample of one probe into what is averaged.
     fn repeated<const C: usize>(
         &self,
         levels: &[Map<C>],
         attributes: &FragmentAttributes,
+        bias: f64,
         probe: impl Fn([f64; C]) -> [f64; C],
     ) -> [f64; C] {
         let uv = attributes.uv.map(|u| f64::from(u.to_bits()) * 2_f64.powi(-32));
@@ -140,35 +147,43 @@ impl<'a> Shader<'a> {
         let mut mean = [0.0; C];
         for (index, &weight) in (0..plan.count).zip(&self.weights[plan.count as usize - 1]) {
             let at = add_scaled(uv, 1.0, plan.offset(index));
-            mean = add_scaled(mean, weight, probe(trilinear(levels, at, plan.lod)));
+            mean = add_scaled(mean, weight, probe(trilinear(levels, at, (plan.lod + bias).max(0.0))));
         }
         mean
     }
 
     /// Mean offset and covariance over the footprint: within a probe b and K are interpolated, between the probes of a
     /// footprint the variance of their means counts (errata 14 and 15).
-    fn bump(&self, levels: &[Map<BUMP_CHANNELS>], attributes: &FragmentAttributes) -> ([f64; 2], Covariance) {
+    fn bump(
+        &self,
+        levels: &[Map<BUMP_CHANNELS>],
+        kind: RoughnessKind,
+        attributes: &FragmentAttributes,
+    ) -> ([f64; 2], Covariance) {
         let second_moments = |[u, v, a, b, c]: [f64; BUMP_CHANNELS]| [u, v, a + u * u, b + u * v, c + v * v];
-        let [u, v, m11, m12, m22] = self.repeated(levels, attributes, second_moments);
+        let [u, v, m11, m12, m22] = self.repeated(levels, attributes, bias_of(kind), second_moments);
         ([u, v], [(m11 - u * u).max(0.0), m12 - u * v, (m22 - v * v).max(0.0)])
     }
 
+    /// What a lobe of so many times the deviations reflects.
     fn reflection(
         &self,
         shaded: &ShadedObject<'_>,
         environment: &[CubeMap<3>],
         attributes: &FragmentAttributes,
+        deviations: f64,
     ) -> [f64; 3] {
         let Some(plan) = shaded.plan.reflection else { return [0.0; 3] };
         let (offset, spread) = match &shaded.bump {
             None => ([0.0; 2], [0.0; 3]),
             Some(map) => {
-                let (offset, k) = self.bump(map, attributes);
+                let (offset, k) = self.bump(map, plan.roughness, attributes);
                 let spread = match plan.roughness {
                     RoughnessKind::None => [0.0; 3],
                     RoughnessKind::Isotropic => [roughness::isotropic(k), 0.0, 0.0],
                     RoughnessKind::Anisotropic => roughness::decompose(k),
                 };
+                let spread = scaled(deviations, spread);
                 (offset, spread)
             }
         };
@@ -213,8 +228,7 @@ impl<'a> Shader<'a> {
             probe_rule: self.rule,
             max_probes: self.max_probes,
         };
-        // Probes of variance λ₂² where the footprint is a rough surface's.
-        let bias = if plan.roughness == RoughnessKind::None { 0.0 } else { -0.5 * 3_f64.log2() };
+        let bias = bias_of(plan.roughness);
         if plan.footprint == FootprintKind::Sphere {
             let probes = self.footprints.lobe(&inputs, &options);
             return probes.map_or([0.0; 3], |probes| swept(environment, &probes, bias));
@@ -260,6 +274,12 @@ impl<'a> Shader<'a> {
             }
         }
     }
+}
+
+/// By how much levels of detail move so that probes have the variance λ₂²: where a footprint is a rough surface's, in its bump map and in what it
+/// reflects.
+fn bias_of(kind: RoughnessKind) -> f64 {
+    if kind == RoughnessKind::None { 0.0 } else { -0.5 * 3_f64.log2() }
 }
 
 /// The mean of probes on the sphere, their levels of detail moved by `bias` ≤ 0.

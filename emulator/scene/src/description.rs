@@ -91,6 +91,7 @@ pub(super) struct MaterialDescription {
     pub(super) reflectance: Option<Spanned<OneOrThree>>,
     pub(super) bump_deviation: Option<DeviationName>,
     pub(super) footprint: Option<FootprintName>,
+    pub(super) two_lobes: Option<bool>,
     pub(super) highlight: Option<Spanned<HighlightDescription>>,
     pub(super) peaks: Option<Spanned<PeaksDescription>>,
 }

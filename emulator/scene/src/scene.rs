@@ -146,6 +146,8 @@ pub struct Material {
     pub deviation: Deviation,
     /// Where footprints of reflections lie; `None` leaves it to how rough the surface is.
     pub footprint: Option<FootprintPlace>,
+    /// Whether rough reflections have two lobes; `None` leaves it to the slopes of `bump`.
+    pub two_lobes: Option<bool>,
     /// Highlight of the lights; not together with peaks.
     pub highlight: Option<Highlight>,
     /// Several normals at a point.

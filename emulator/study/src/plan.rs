@@ -42,6 +42,8 @@ const BRIGHT_FETCH: [Design; 7] = [
     Design::WordSample,
     Design::BrightBlend,
 ];
+/// What a second lobe needs besides a further look at the environment.
+const TWO_LOBES: [Design; 2] = [Design::LobeCore, Design::Lobes];
 /// What a bump map adds to a fetch, and what its roughness adds.
 const BUMP: [Design; 1] = [Design::WordSample];
 const ROUGHNESS: [Design; 3] = [Design::BumpTexel, Design::BumpProbe, Design::Bump];
@@ -181,13 +183,14 @@ pub fn fetches(plan: &ObjectPlan, is_bright: bool) -> Vec<Design> {
     let repeated = colour || plan.bump_map() || has(Effect::Peaks);
     let footprint = plan.texture_footprint;
     let lit = has(Effect::Highlight) || has(Effect::Peaks);
-    let parts: [(bool, &[Design]); 10] = [
+    let parts: [(bool, &[Design]); 11] = [
         (repeated && footprint, &[Design::Texture, Design::TextureProbe]),
         (repeated, &[Design::Levels, Design::RepeatAddress]),
         (plan.bump_map() || has(Effect::Peaks), &BUMP),
         (plan.bump_map(), &ROUGHNESS),
         (reflection, environment_fetch(is_bright)),
         (reflection, if is_bright { &[Design::BrightCorner] } else { &[Design::Corner] }),
+        (has(Effect::TwoLobes), &TWO_LOBES),
         (colour, &[Design::ColourSample, Design::Colour]),
         (colour || lit, &[Design::Modulated]),
         ((repeated || reflection) && footprint, &[Design::ProbeSum, Design::ProbeMean]),
@@ -215,6 +218,7 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::Bump => Hardware::of_all(&[&TEXTURE_FETCH[..], &BUMP].concat(), p),
                     Effect::Roughness => Hardware::of_all(&ROUGHNESS, p),
                     Effect::Environment => Hardware::of_all(environment_fetch(prepared.has_bright_environment()), p),
+                    Effect::TwoLobes => Hardware::of_all(&TWO_LOBES, p),
                     // These fetch nothing of their own.
                     Effect::Footprint
                     | Effect::Edges

@@ -186,9 +186,9 @@ fn averaged(
 ) -> Shown<i32> {
     let (levels, texture) = (&map.map.levels[..], &map.map.scale.0);
     match probes {
-        None => on_words!(p, |centre| mean(&View { centre, footprint: None, levels }, light, p)),
+        None => on_words!(p, |centre| mean(&View { centre, footprint: None, levels, rough: false }, light, p)),
         Some(probes) => on_words!(p, |centre, probes, texture| {
-            mean(&View { centre, footprint: Some((probes, texture)), levels }, light, p)
+            mean(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, light, p)
         }),
     }
 }

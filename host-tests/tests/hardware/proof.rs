@@ -81,7 +81,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [(Design, &str, Design, &str); 39] = [
+const CONNECTIONS: [(Design, &str, Design, &str); 42] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
     (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
@@ -120,6 +120,9 @@ const CONNECTIONS: [(Design, &str, Design, &str); 39] = [
     (Design::Colour, "", Design::Modulated, "colours[0]"),
     (Design::Modulated, "", Design::Blend, "surface"),
     (Design::Colour, "", Design::Blend, "reflection"),
+    (Design::Reflection, "surface.rough", Design::LobeCore, "rough"),
+    (Design::Blend, "", Design::Lobes, "colours[0]"),
+    (Design::Lobes, "", Design::PixelSum, "colour"),
     (Design::Blend, "", Design::PixelSum, "colour"),
 ];
 

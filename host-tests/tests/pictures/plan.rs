@@ -129,6 +129,12 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
             .into(),
         // Less than half a unit of the reflectance's last place.
         Effect::Environment => vec![Neutral::scenes(two_shapes, "colour = [0.5, 0.25, 1]", "reflectance = 1e-6")],
+        // Magnified bumps have no lobe.
+        Effect::TwoLobes => {
+            let bumps = "height_map = { generate = \"waves\", size = 16, highest = 4, rms_slope = 0.1 }";
+            let scene = facing(&format!("reflectance = 0.8, two_lobes = true, {bumps}"));
+            vec![Neutral::plans(scene, |plan| plan.without(Effect::TwoLobes), ALL)]
+        }
         // One probe at the finest level, at the very place of the sample.
         Effect::Footprint => {
             let map = "colour_map = { generate = \"checker\", size = 8, squares = 2 }";
@@ -201,7 +207,8 @@ fn a_neutral_map_changes_no_bit() {
                 for mode in MODES {
                     let with = planned(&neutral.with, mode, &p, neutral.plan_with);
                     let without = planned(&neutral.without, mode, &p, neutral.plan_without);
-                    let known = effect != Effect::Roughness || p.roughness != RoughnessKind::None;
+                    let known =
+                        ![Effect::Roughness, Effect::TwoLobes].contains(&effect) || p.roughness != RoughnessKind::None;
                     let on = known && (mode.filters() || !neutral.needs_footprint);
                     assert!(with.plans().all(|plan| plan.has(effect) == on), "{effect:?} {form}, {profile}, {mode}");
                     let off = without.plans().all(|plan| !plan.has(effect));
@@ -311,6 +318,7 @@ fn full(frame: FrameSystem) -> ObjectPlan {
         texture_footprint: true,
         edges: true,
         reflection: Some(reflection),
+        two_lobes: true,
         highlight: Some(reflection.surface()),
         peaks: Some(SurfacePlan { bump: false, frame, roughness: RoughnessKind::None, local: true }),
         horizon: HorizonKind::Correlated,
@@ -359,6 +367,12 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
             datapath::reflection(&input, &scale, plan, p);
         });
     }
+    if let Some(reflection) = plan.reflection.filter(|_| plan.two_lobes) {
+        let surface = datapath::surface(&input.surface, &reflection.surface(), p);
+        enter(entered, "core", || {
+            datapath::lobe_core(&surface.rough);
+        });
+    }
     if let Some(plan) = &plan.highlight {
         enter(entered, "highlight", || {
             let surface = datapath::surface(&input.surface, plan, p);
@@ -398,14 +412,15 @@ fn is_of(effect: Effect, part: &str, block: &str) -> bool {
         // Without bumps there is no roughness, and without both no frame; that of the peaks is their own.
         Effect::Bump => {
             let perturbed = ["enter.tangent", "frame", "enter.offset", "perturb"].contains(&block);
-            part == "bump map"
+            ["bump map", "core"].contains(&part)
                 || ["reflection", "highlight"].contains(&part) && (perturbed || tangents_of_roughness.contains(&block))
         }
-        Effect::Roughness => tangents_of_roughness.contains(&block),
-        Effect::Environment => part == "reflection",
+        Effect::Roughness => part == "core" || tangents_of_roughness.contains(&block),
+        Effect::Environment => ["reflection", "core"].contains(&part),
+        Effect::TwoLobes => part == "core",
         Effect::Footprint => {
             let footprint = ["enter.dview", "enter.dnormal", "columns.pixel", "ellipse", "axes", "probes"];
-            ["colour map", "bump map"].contains(&part)
+            ["colour map", "bump map", "core"].contains(&part)
                 || part == "reflection" && footprint.contains(&block)
                 || tangents_of_roughness.contains(&block)
         }
@@ -473,6 +488,7 @@ fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precisi
             // Detail that is lost has no key; a profile may leave it out.
             Effect::Roughness => p.roughness = RoughnessKind::None,
             Effect::Environment => material.reflectance = [0.0; 3],
+            Effect::TwoLobes => material.two_lobes = Some(false),
             // The mode and the mesh decide.
             Effect::Footprint | Effect::Edges | Effect::Curvature => {}
             Effect::Highlight => material.highlight = None,
@@ -492,7 +508,8 @@ fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
     let shiny = "colour = [0.3, 0.2, 0.1], height_map = { generate = \"waves\", size = 64, rms_slope = 0.2 }, \
                  highlight = { exponent = 40 }";
     let rough = format!("{shiny}, roughness_map = {{ generate = \"uniform\" }}");
-    for scene in [every_map(), two_shapes(shiny), two_shapes(&rough)] {
+    let lobes = format!("reflectance = 0.5, two_lobes = true, {shiny}");
+    for scene in [every_map(), two_shapes(shiny), two_shapes(&rough), two_shapes(&lobes)] {
         for mode in MODES {
             let p = Precision::STANDARD;
             let prepared = Prepared::new(&scene, mode, &p).unwrap();
@@ -524,7 +541,7 @@ fn maps_of_an_effect_planned_away_take_no_memory() {
             Effect::Bump => &[Effect::Bump, Effect::Roughness],
             Effect::Peaks => &[Effect::Peaks, Effect::Horizon],
             Effect::ColourTexture | Effect::Roughness | Effect::Environment | Effect::Horizon => &[effect],
-            Effect::Footprint | Effect::Edges | Effect::Curvature | Effect::Highlight => continue,
+            Effect::TwoLobes | Effect::Footprint | Effect::Edges | Effect::Curvature | Effect::Highlight => continue,
         };
         assert!(gone.iter().all(|gone| with[gone.name()] > 0), "{}: {with:?}", effect.name());
         let mut left = with.clone();

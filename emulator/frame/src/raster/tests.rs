@@ -63,6 +63,7 @@ fn object(vertices: Vec<Vertex>, triangles: Vec<[u32; 3]>) -> Object {
             frame: FrameSystem::MainDirection,
             main_direction: DVec3::Y,
             deviation: Deviation::default(),
+            two_lobes: None,
             footprint: None,
             reflectance: [0.0; 3],
             highlight: None,

@@ -459,7 +459,10 @@ fn summary(stage: &str) -> &'static str {
             "sweep.weight" => "weight of a probe",
             _ => "the directions that the normals of the lobe's major axis reflect to",
         },
-        "roughness" => "the change of the normal along the axes of the roughness",
+        "roughness" => match stage {
+            "roughness.core" => "the same at a quarter of the deviations",
+            _ => "the change of the normal along the axes of the roughness",
+        },
         "ellipse" => "covariance of the footprint",
         "axes" => "main axes of the footprint",
         "probes" => match stage {

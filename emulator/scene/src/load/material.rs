@@ -119,6 +119,7 @@ pub(super) fn material(
             FootprintName::Face => FootprintPlace::Face,
             FootprintName::Sphere => FootprintPlace::Sphere,
         }),
+        two_lobes: material.two_lobes,
         highlight,
         peaks,
     })
