@@ -6,7 +6,7 @@
 //! from the fault to the fields, with ranges of its own: behind a wire that is the same constant in both designs nothing differs.
 //!
 //! Backwards every rule is that of an integer operation without overflow, so a design whose ranges are not proven has no such proof; forwards
-//! ranges are those of [`Op::range`]. Claims hold in the right design only, and what overflows in the wrong one may be anything. Three
+//! ranges are those that operations give themselves (the folder `op`). Claims hold in the right design only, and what overflows in the wrong one may be anything. Three
 //! lemmas more than in `known.rs`: a normalisation keeps the sign; where one wire alone is normalised, it is 0 or at least half of what the
 //! wire holds; and a maximum is no smaller than what it is the maximum of.
 
