@@ -112,7 +112,7 @@ impl Slip {
         let (op, kind) = (net.node(node).op, net.node(node).kind);
         let as_is = |op: Op| op.value(kind, |id| net.node(id).kind, &of);
         // The bits of an operand without the meaning of the top one.
-        let natural = |id: NodeId| of(id) & ((1_i64 << ranges.of(id).top().min(62)) - 1);
+        let natural = |id: NodeId| i128::from(of(id)) & ((1_i128 << ranges.of(id).top()) - 1);
         let by = |count: i64| (count as u32) & (kind.bits() - 1);
         let one = if self == Self::Further { 1 } else { -1 };
         let value = match (self, op) {
@@ -122,10 +122,10 @@ impl Slip {
             (Self::Swapped, Op::Lt(a, b)) => as_is(Op::Lt(b, a)),
             (Self::Swapped, Op::Select(flag, a, b)) => as_is(Op::Select(flag, b, a)),
             (Self::WithoutConstant, Op::Add(a, _)) => of(a).into(),
-            (Self::Unsigned(Side::First), Op::Mul(a, b)) => i128::from(natural(a)) * i128::from(of(b)),
-            (Self::Unsigned(_), Op::Mul(a, b)) => i128::from(of(a)) * i128::from(natural(b)),
-            (Self::Unsigned(_), Op::Sar(a, k)) => (natural(a) >> by(k.into())).into(),
-            (Self::Unsigned(_), Op::SarBy(a, count)) => (natural(a) >> by(of(count))).into(),
+            (Self::Unsigned(Side::First), Op::Mul(a, b)) => natural(a) * i128::from(of(b)),
+            (Self::Unsigned(_), Op::Mul(a, b)) => i128::from(of(a)) * natural(b),
+            (Self::Unsigned(_), Op::Sar(a, k)) => natural(a) >> by(k.into()),
+            (Self::Unsigned(_), Op::SarBy(a, count)) => natural(a) >> by(of(count)),
             (Self::Further | Self::Nearer, Op::Shl(a, k)) => i128::from(of(a)) << by(i64::from(k) + one),
             (Self::Further | Self::Nearer, Op::Sar(a, k)) => i128::from(of(a)) >> by(i64::from(k) + one),
             (Self::Further | Self::Nearer, Op::ShlBy(a, count)) => i128::from(of(a)) << by(of(count) + one),
@@ -163,16 +163,16 @@ impl fmt::Display for Slip {
 /// A design with everything that can be wrong in it, and the wires at which it is seen.
 #[derive(Clone, Debug)]
 pub struct Faults<'a> {
-    net: &'a Net,
-    ranges: &'a Ranges,
+    pub(crate) net: &'a Net,
+    pub(crate) ranges: &'a Ranges,
     /// Each of them.
     pub faults: Vec<Fault>,
     /// Its tables.
     pub tables: Vec<ReadTable>,
     /// Who reads a node.
-    readers: Vec<Vec<NodeId>>,
+    pub(crate) readers: Vec<Vec<NodeId>>,
     /// The bits of a node that fields show.
-    shown: Vec<u64>,
+    pub(crate) shown: Vec<u64>,
 }
 
 /// A table of a design.

@@ -12,7 +12,7 @@ pub use super::range::{Range, Ranges, Violation};
 impl Ranges {
     /// Walks a net.
     pub fn new(net: &Net) -> Self {
-        let mut known = Known { net, ranges: Vec::with_capacity(net.nodes.len()), violations: Vec::new() };
+        let mut known = Known::new(net, Vec::with_capacity(net.nodes.len()));
         for (id, node) in net.iter() {
             let exact = node.op.range(&mut known, id);
             let range = fitted(&mut known, id, exact);

@@ -21,6 +21,8 @@ pub(crate) struct Known<'a> {
     /// Ranges of the nodes before it.
     pub(crate) ranges: Vec<Range>,
     pub(crate) violations: Vec<Violation>,
+    /// Nodes that are not what their operation says, so that no pattern may see through them: those of a fault.
+    pub(crate) opaque: Vec<NodeId>,
 }
 
 /// Powers of nodes with their coefficient; the empty product is the constant term.
@@ -29,10 +31,15 @@ type Polynomial = BTreeMap<Vec<NodeId>, i128>;
 /// The most terms of a polynomial the walk multiplies out: weights of interpolation have at most eight.
 const MOST_TERMS: usize = 32;
 
-impl Known<'_> {
-    /// The operation of a node.
+impl<'a> Known<'a> {
+    /// With the ranges of the first nodes of a net.
+    pub(crate) fn new(net: &'a Net, ranges: Vec<Range>) -> Self {
+        Self { net, ranges, violations: Vec::new(), opaque: Vec::new() }
+    }
+
+    /// The operation of a node; of an opaque one a port that does not exist.
     pub(crate) fn op(&self, id: NodeId) -> Op {
-        self.net.node(id).op
+        if self.opaque.contains(&id) { Op::Port(u32::MAX) } else { self.net.node(id).op }
     }
 
     /// What a node can hold.
@@ -106,7 +113,7 @@ impl Known<'_> {
     }
 
     /// `x` of `select(x < 0, 0 − x, x)`.
-    fn absolute_of(&self, id: NodeId) -> Option<NodeId> {
+    pub(crate) fn absolute_of(&self, id: NodeId) -> Option<NodeId> {
         let Op::Select(flag, negated, x) = self.op(id) else { return None };
         let (Op::Lt(of, zero), Op::Sub(from, taken)) = (self.op(flag), self.op(negated)) else { return None };
         ([of, taken] == [x; 2] && [zero, from].map(|id| self.op(id)) == [Op::Lit(0); 2]).then_some(x)
@@ -124,7 +131,7 @@ impl Known<'_> {
     }
 
     /// `x` of `x ^ (x >> bits − 1)`.
-    fn magnitude_of(&self, id: NodeId) -> Option<NodeId> {
+    pub(crate) fn magnitude_of(&self, id: NodeId) -> Option<NodeId> {
         let Op::Xor(x, sign) = self.op(id) else { return None };
         match self.op(sign) {
             Op::Sar(of, places) if of == x && places == self.net.node(id).kind.bits() - 1 => Some(x),

@@ -10,6 +10,7 @@ pub mod bench;
 pub mod bins;
 pub mod census;
 pub mod delay;
+pub mod equal;
 pub mod evaluate;
 pub mod fault;
 pub mod graph;

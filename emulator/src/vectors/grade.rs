@@ -18,6 +18,7 @@ use super::manifest::Manifest;
 use super::outcomes::Outcomes;
 use super::score::{GradeEntry, Score};
 use crate::net::bins::{Bin, Bins};
+use crate::net::equal::Prover;
 use crate::net::fault::{Effect, Fault, Faults, Simulator};
 use crate::net::interval::Ranges;
 use crate::net::observe::Observed;
@@ -316,8 +317,17 @@ impl<'a> Tally<'a> {
         self.vectors += vectors.len() as u64;
     }
 
-    fn grade(self, of: &Manifest, ranges: &Ranges) -> Grade {
+    fn grade(mut self, of: &Manifest, ranges: &Ranges) -> Grade {
         let net = &self.outcomes.net;
+        // What vectors show is not equal, so the others alone are tried.
+        let tasks = self.hunt.unseen.par_chunks(TASK).map_init(
+            || Prover::new(self.faults),
+            |prover, task| {
+                task.iter().map(|&(fault, _)| fault).filter(|&fault| prover.is_equal(fault)).collect::<Vec<_>>()
+            },
+        );
+        let equal: HashSet<Fault> = tasks.flatten_iter().collect();
+        self.hunt.unseen.retain(|(fault, _)| !equal.contains(fault));
         let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
         let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
         for run in &net.runs {
@@ -328,7 +338,7 @@ impl<'a> Tally<'a> {
         let mut tables: Vec<_> = (self.faults.tables.iter())
             .map(|table| TableScore { table: table.name.clone(), read: Score::default(), entries: Score::default() })
             .collect();
-        for &fault in &self.faults.faults {
+        for &fault in self.faults.faults.iter().filter(|fault| !equal.contains(fault)) {
             let is_seen = !unseen.contains(&fault);
             let stage = self.faults.run(fault).map_or("ports", |run| net.runs[run as usize].base());
             let stage = stages.iter_mut().find(|known| known.stage == stage);

@@ -74,7 +74,8 @@ impl Operation for Or {
         let (a, b) = (known.range(self.0), known.range(self.1));
         let (zeros, power) = (a.zeros.min(b.zeros), power_above(a).max(power_above(b)));
         let low = if a.low >= 0 && b.low >= 0 { a.low.max(b.low) } else { -power };
-        Exact { low, high: power - 1, zeros }
+        let high = if a.high < 0 || b.high < 0 { -1 } else { power - 1 };
+        Exact { low, high, zeros }
     }
     fn unit(&self, ranges: &Ranges, id: NodeId) -> Unit {
         Unit::Logic { bits: ranges.of(id).width() }

@@ -1,11 +1,14 @@
 //! The rules of the interval walk against brute force: small graphs, every value of every port.
 
+use std::cell::Cell;
 use std::panic::Location;
 
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+use proptest::test_runner::{RngSeed, TestRunner};
 use roughxel_core::rom;
+use roughxel_emulator::net::equal::Prover;
 use roughxel_emulator::net::evaluate::apply_exactly;
+use roughxel_emulator::net::fault::{Effect, Fault, Faults, Simulator};
 use roughxel_emulator::net::graph::{Kind, Net, Node, NodeId, Op, Port, Table, Tap};
 use roughxel_emulator::net::interval::Ranges;
 
@@ -295,13 +298,63 @@ impl Small {
     }
 }
 
+fn tap(node: NodeId) -> Tap {
+    Tap { stage: None, name: "outcome".into(), path: Vec::new(), mantissa: false, fraction_bits: 0, node }
+}
+
+/// Operations that a prover says may be others, in a net whose last wire is what fields show: tried on every input. How many there are.
+fn equal_operations_of(small: Small) -> usize {
+    let mut net = small.net;
+    let last = net.nodes.len() as NodeId - 1;
+    net.outputs = vec![tap(last)];
+    let ranges = Ranges::new(&net);
+    let faults = Faults::new(&net, &ranges, [(last, u64::MAX)]);
+    let mut prover = Prover::new(&faults);
+    let is_equal = |fault: &Fault| prover.is_equal(*fault);
+    let equal: Vec<Fault> = faults.faults.iter().copied().filter(is_equal).collect();
+    let mut simulator = Simulator::new(&faults);
+    for_every_input(&net, |ports, wires| {
+        for &fault in &equal {
+            let effect = simulator.effect(fault, wires);
+            assert!(effect != Effect::Seen, "{} is shown by {ports:?} in {:#?}", faults.text(fault), net.nodes);
+        }
+    });
+    equal.len()
+}
+
+/// What is proven equal is equal, and a good part of what no input shows is proven.
+#[test]
+fn no_input_of_any_small_graph_shows_an_operation_that_is_proven_equal() {
+    let mut runner = TestRunner::new(ProptestConfig {
+        cases: 20_000,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(12),
+        ..Default::default()
+    });
+    let ports = prop::collection::vec((-40_i64..40, 0_i64..6), 1..4);
+    let steps = prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..16);
+    let proven = Cell::new(0);
+    let outcome = runner.run(&(ports, steps), |(ports, steps)| {
+        let mut small = Small::default();
+        for (low, extent) in ports {
+            small.port(low, low + extent);
+        }
+        for (code, pick) in steps {
+            small.grow(code, pick);
+        }
+        proven.set(proven.get() + equal_operations_of(small));
+        Ok(())
+    });
+    outcome.expect("equal operations");
+    assert!(proven.get() > 1000, "{}", proven.get());
+}
+
 #[test]
 fn dropping_dead_wires_keeps_every_output() {
     let mut small = Small::default();
     let (a, b) = (small.port(-3, 4), small.port(0, 5));
     small.node(Op::Mul(a, a), Kind::Wire(64));
     let sum = small.node(Op::Add(a, b), Kind::Wire(32));
-    let tap = |node| Tap { stage: None, name: "sum".into(), path: Vec::new(), mantissa: false, fraction_bits: 0, node };
     let mut net = small.net;
     net.outputs = vec![tap(sum)];
     let live = net.clone().without_dead_wires();

@@ -1,0 +1,426 @@
+//! Proof that an operation may be another one: faults that no vector can show.
+//!
+//! A fault makes a difference only where its wire does, and that is a condition on wires of the right design: a choice is always the first
+//! value, which matters where its flag is not set. From such a condition the ranges of the wires before and behind it are narrowed, as long as
+//! one follows from another. Where nothing is left of a range the condition never holds. Otherwise what differs is followed
+//! from the fault to the fields, with ranges of its own: behind a wire that is the same constant in both designs nothing differs.
+//!
+//! Backwards every rule is that of an integer operation without overflow, so a design whose ranges are not proven has no such proof; forwards
+//! ranges are those that operations give themselves (the folder `op`). Claims hold in the right design only, and what overflows in the wrong one may be anything. Three
+//! lemmas more than in `known.rs`: a normalisation keeps the sign; where one wire alone is normalised, it is 0 or at least half of what the
+//! wire holds; and a maximum is no smaller than what it is the maximum of.
+
+use std::collections::BTreeSet;
+
+use super::evaluate::apply_exactly;
+use super::fault::{Fault, Faults, Side, Slip};
+use super::graph::{Kind, NodeId, Op};
+use super::known::Known;
+use super::range::{Exact, Range};
+
+/// Revisions of one condition; behind them ranges are what they are, which is sound.
+const MOST_REVISIONS: usize = 20_000;
+/// Flags on which a proof may depend one after the other, and how many are tried for each of them.
+const MOST_FLAGS: u32 = 2;
+const FLAGS_TRIED: usize = 3;
+
+/// Bounds of wires that hold together.
+type Condition = Vec<(NodeId, i128, i128)>;
+
+/// Nothing is left of a range: the condition never holds.
+struct Never;
+
+/// Proves faults of a design equal, one after the other.
+pub struct Prover<'a> {
+    faults: &'a Faults<'a>,
+    /// What wires hold under the condition.
+    right: Known<'a>,
+    /// What they hold in the wrong design then.
+    wrong: Known<'a>,
+    /// Nodes whose ranges are not those of the proof.
+    moved: Vec<NodeId>,
+}
+
+impl<'a> Prover<'a> {
+    /// For the faults of a design.
+    pub fn new(faults: &'a Faults<'a>) -> Self {
+        let known = || Known::new(faults.net, faults.ranges.ranges.clone());
+        Self { faults, right: known(), wrong: known(), moved: Vec::new() }
+    }
+
+    /// Whether an operation may be another one in this way; `false` where that is not proven, and of all other faults.
+    pub fn is_equal(&mut self, fault: Fault) -> bool {
+        let Fault::Slip { node, slip } = fault else { return false };
+        self.faults.ranges.violations.is_empty()
+            && self
+                .conditions(node, slip)
+                .into_iter()
+                .all(|condition| self.is_equal_under(node, slip, &condition, MOST_FLAGS))
+    }
+
+    /// Whether no field differs under a condition; where that is not seen at once, whether it is so with a flag set and without.
+    fn is_equal_under(&mut self, node: NodeId, slip: Slip, condition: &Condition, flags: u32) -> bool {
+        let mut open = Vec::new();
+        let is_equal = match self.narrow(condition) {
+            Ok(()) => !self.is_shown(node, slip, &mut open),
+            Err(Never) => true,
+        };
+        for id in self.moved.drain(..) {
+            self.right.ranges[id as usize] = self.faults.ranges.of(id);
+            self.wrong.ranges[id as usize] = self.faults.ranges.of(id);
+        }
+        self.wrong.opaque.clear();
+        self.right.violations.clear();
+        self.wrong.violations.clear();
+        is_equal
+            || flags > 0
+                && open.into_iter().take(FLAGS_TRIED).any(|flag| {
+                    [0, 1].into_iter().all(|set| {
+                        let with_flag = [condition.as_slice(), &[(flag, set, set)]].concat();
+                        self.is_equal_under(node, slip, &with_flag, flags - 1)
+                    })
+                })
+    }
+
+    /// Conditions of which one holds wherever the wire differs.
+    fn conditions(&self, node: NodeId, slip: Slip) -> Vec<Condition> {
+        let of = |id: NodeId| self.right.range(id);
+        let is = |id: NodeId, value: i128| (id, value, value);
+        let negative = |id: NodeId| (id, i128::MIN, -1);
+        let not_negative = |id: NodeId| (id, 0, i128::MAX);
+        // Not zero, as far as an interval says so.
+        let not_zero = |id: NodeId| {
+            let Exact { low, high, .. } = of(id);
+            (id, if low == 0 { 1 } else { low }, if high == 0 { -1 } else { high })
+        };
+        match (slip, self.right.op(node)) {
+            (Slip::Always(side), Op::Select(flag, ..)) => vec![vec![is(flag, i128::from(side == Side::Second))]],
+            (Slip::Swapped, Op::Select(flag, ..)) => vec![vec![is(flag, 0)], vec![is(flag, 1)]],
+            (Slip::OrEqual, Op::Lt(a, b)) => {
+                let (low, high) = (of(a).low.max(of(b).low), of(a).high.min(of(b).high));
+                vec![vec![is(node, 0), (a, low, high), (b, low, high)]]
+            }
+            (Slip::Swapped, Op::Lt(..)) => vec![vec![is(node, 0)], vec![is(node, 1)]],
+            (Slip::Unsigned(Side::First), Op::Mul(a, _) | Op::Sar(a, _) | Op::SarBy(a, _)) => vec![vec![negative(a)]],
+            (Slip::Unsigned(Side::Second), Op::Mul(_, b)) => vec![vec![negative(b)]],
+            (Slip::OtherGate, Op::And(a, b) | Op::Or(a, b)) if self.kind(node) == Kind::Flag => {
+                vec![vec![is(a, 0), is(b, 1)], vec![is(a, 1), is(b, 0)]]
+            }
+            (Slip::OtherGate, Op::And(a, b) | Op::Or(a, b)) => {
+                let sides = [negative, not_negative];
+                sides.iter().flat_map(|first| sides.iter().map(move |second| vec![first(a), second(b)])).collect()
+            }
+            // Both have a bit that is set.
+            (Slip::OtherGate, Op::Xor(a, b)) => vec![vec![not_zero(a), not_zero(b)]],
+            (Slip::Sign, Op::Add(_, b) | Op::Sub(_, b)) => vec![vec![not_zero(b)]],
+            (Slip::Further | Slip::Nearer, Op::Shl(a, _) | Op::Sar(a, _) | Op::ShlBy(a, _) | Op::SarBy(a, _)) => {
+                vec![vec![negative(a)], vec![not_zero(a), not_negative(a)]]
+            }
+            _ => vec![Vec::new()],
+        }
+    }
+
+    fn kind(&self, id: NodeId) -> Kind {
+        self.faults.net.node(id).kind
+    }
+
+    /// Narrows the ranges of all wires that a condition says something of.
+    fn narrow(&mut self, condition: &Condition) -> Result<(), Never> {
+        let mut waiting = BTreeSet::new();
+        for &(id, low, high) in condition {
+            self.meet(id, low, high, &mut waiting)?;
+        }
+        for _ in 0..MOST_REVISIONS {
+            let Some(id) = waiting.pop_first() else { break };
+            let exact = self.right_range(id);
+            self.meet(id, exact.low, exact.high, &mut waiting)?;
+            self.narrow_operands(id, &mut waiting)?;
+        }
+        Ok(())
+    }
+
+    /// A wire is known to be within bounds. Whatever touches it is looked at again where that is news.
+    fn meet(&mut self, id: NodeId, low: i128, high: i128, waiting: &mut BTreeSet<NodeId>) -> Result<(), Never> {
+        let old = self.right.ranges[id as usize];
+        let exact = Exact::of(old).within(low, high);
+        // Only multiples of 2^zeros occur.
+        let zeros = old.zeros.min(62);
+        let (low, high) = (-(-exact.low >> zeros) << zeros, exact.high >> zeros << zeros);
+        if low > high {
+            return Err(Never);
+        }
+        let (low, high) = (low as i64, high as i64);
+        let new = if low == high { Range::of(low) } else { Range { low, high, zeros: old.zeros } };
+        if new != old {
+            self.right.ranges[id as usize] = new;
+            self.moved.push(id);
+            waiting.insert(id);
+            waiting.extend(&self.faults.readers[id as usize]);
+        }
+        Ok(())
+    }
+
+    /// What a wire of the right design holds by what its operands hold.
+    fn right_range(&mut self, id: NodeId) -> Exact {
+        let op = self.right.op(id);
+        let now = self.right.range(id);
+        match op {
+            Op::Port(_) | Op::Lit(_) => now,
+            Op::ShlBy(x, count) if self.right.normalises(x, count) => {
+                let (of, half) = (self.right.range(x), 1_i128 << (self.kind(id).bits() - 2));
+                let is_alone = self.is_alone(x, count);
+                let low = if of.low > 0 && is_alone {
+                    half
+                } else if of.low >= 0 {
+                    0
+                } else {
+                    i128::MIN
+                };
+                let high = if of.high < 0 && is_alone {
+                    -half
+                } else if of.high < 0 {
+                    -1
+                } else {
+                    i128::MAX
+                };
+                let zero = of.low == 0 && of.high == 0;
+                if zero { now.within(0, 0) } else { now.within(low, high) }
+            }
+            Op::Sub(a, b) if self.is_at_least(a, b) => forward(&mut self.right, op, id).within(0, i128::MAX),
+            op => forward(&mut self.right, op, id),
+        }
+    }
+
+    /// Whether a wire is no smaller than another one because it is a maximum with it.
+    fn is_at_least(&self, a: NodeId, b: NodeId) -> bool {
+        a == b
+            || match self.right.op(a) {
+                Op::Select(flag, x, y) if matches!(self.right.op(flag), Op::Lt(p, q) if (p, q) == (y, x)) => {
+                    self.is_at_least(x, b) || self.is_at_least(y, b)
+                }
+                Op::Select(_, x, y) => self.is_at_least(x, b) && self.is_at_least(y, b),
+                _ => false,
+            }
+    }
+
+    /// Whether a normalisation by `count` is of one wire alone.
+    fn is_alone(&self, x: NodeId, count: NodeId) -> bool {
+        let Op::Sub(zeros, _) = self.right.op(count) else { return false };
+        matches!(self.right.op(zeros), Op::LeadingZeros(of) if self.right.magnitude_of(of) == Some(x))
+    }
+
+    /// What follows for the operands of a wire from what it holds itself.
+    fn narrow_operands(&mut self, id: NodeId, waiting: &mut BTreeSet<NodeId>) -> Result<(), Never> {
+        let r = self.right.range(id);
+        let of = |id: NodeId| self.right.range(id);
+        let any = (i128::MIN, i128::MAX);
+        let is_flag = self.kind(id) == Kind::Flag;
+        let mut found = Condition::new();
+        match self.right.op(id) {
+            Op::Port(_) | Op::Lit(_) | Op::Lookup(..) => {}
+            Op::Add(a, b) => {
+                found.push((a, r.low - of(b).high, r.high - of(b).low));
+                found.push((b, r.low - of(a).high, r.high - of(a).low));
+            }
+            Op::Sub(a, b) => {
+                found.push((a, r.low + of(b).low, r.high + of(b).high));
+                found.push((b, of(a).low - r.high, of(a).high - r.low));
+            }
+            Op::Mul(a, b) => {
+                for (one, other) in [(a, b), (b, a)] {
+                    let by = of(other);
+                    if by.low > 0 || by.high < 0 {
+                        let quotients = [(r.low, by.low), (r.low, by.high), (r.high, by.low), (r.high, by.high)];
+                        let floors =
+                            quotients.map(|(x, y)| x.div_euclid(y) - i128::from(y < 0 && x.rem_euclid(y) != 0));
+                        let (low, high) =
+                            floors.iter().fold((i128::MAX, i128::MIN), |(low, high), &x| (low.min(x), high.max(x + 1)));
+                        let exactly_zero = r.low == 0 && r.high == 0;
+                        found.push(if exactly_zero { (one, 0, 0) } else { (one, low, high) });
+                    }
+                }
+                if a == b && r.high == 0 {
+                    found.push((a, 0, 0));
+                }
+            }
+            Op::Shl(a, k) => found.push((a, -(-r.low >> k), r.high >> k)),
+            Op::Sar(a, k) => found.push((a, r.low << k, ((r.high + 1) << k) - 1)),
+            Op::ShlBy(a, count) => {
+                let half = 1_i128 << (self.kind(id).bits() - 2);
+                if self.right.normalises(a, count) && self.is_alone(a, count) && r.low > -half && r.high < half {
+                    found.push((a, 0, 0));
+                }
+                let (least, most) = (of(count).low as u32, of(count).high as u32);
+                let low = if r.low <= 0 { -(-r.low >> least) } else { -(-r.low >> most) };
+                let high = if r.high >= 0 { r.high >> least } else { r.high >> most };
+                found.push((a, low, high));
+            }
+            Op::SarBy(a, count) => {
+                let (least, most) = (of(count).low as u32, of(count).high as u32);
+                let low = r.low << if r.low >= 0 { least } else { most };
+                let high = ((r.high + 1) << if r.high >= 0 { most } else { least }) - 1;
+                found.push((a, low, high));
+            }
+            Op::And(a, b) if is_flag => {
+                for (one, other) in [(a, b), (b, a)] {
+                    if r.low == 1 {
+                        found.push((one, 1, 1));
+                    } else if r.high == 0 && of(other).low == 1 {
+                        found.push((one, 0, 0));
+                    }
+                }
+            }
+            Op::And(..) => {}
+            Op::Or(a, b) => {
+                for (one, other) in [(a, b), (b, a)] {
+                    if r.low >= 0 {
+                        found.push((one, 0, r.high));
+                    } else if r.high < 0 && of(other).low >= 0 {
+                        found.push((one, any.0, -1));
+                    }
+                    if is_flag && r.low == 1 && of(other).high == 0 {
+                        found.push((one, 1, 1));
+                    }
+                }
+            }
+            Op::Xor(..) => {
+                if let Some(x) = self.right.magnitude_of(id) {
+                    found.push((x, -1 - r.high, r.high));
+                    if of(x).low >= 0 {
+                        found.push((x, r.low, any.1));
+                    } else if of(x).high < 0 {
+                        found.push((x, any.0, -1 - r.low));
+                    }
+                }
+            }
+            Op::Not(a) => found.push((a, 1 - r.high, 1 - r.low)),
+            Op::Lt(a, b) => {
+                if r.low == 1 {
+                    found.extend([(a, any.0, of(b).high - 1), (b, of(a).low + 1, any.1)]);
+                } else if r.high == 0 {
+                    found.extend([(a, of(b).low, any.1), (b, any.0, of(a).high)]);
+                }
+            }
+            Op::Select(flag, a, b) => {
+                let apart = |value: NodeId| of(value).high < r.low || of(value).low > r.high;
+                if of(flag).low == 1 || apart(b) {
+                    found.extend([(flag, 1, 1), (a, r.low, r.high)]);
+                } else if of(flag).high == 0 || apart(a) {
+                    found.extend([(flag, 0, 0), (b, r.low, r.high)]);
+                }
+                match self.right.op(flag) {
+                    // The smaller of two is no larger than either.
+                    Op::Lt(x, y) if (x, y) == (a, b) => found.extend([a, b].map(|of| (of, r.low, any.1))),
+                    Op::Lt(x, y) if (x, y) == (b, a) => found.extend([a, b].map(|of| (of, any.0, r.high))),
+                    _ => {}
+                }
+                found.extend(self.right.absolute_of(id).map(|x| (x, -r.high, r.high)));
+            }
+            Op::LeadingZeros(a) => {
+                let bits = i128::from(self.kind(a).bits());
+                if r.low > 0 {
+                    let low = if r.high < bits { 1 << (bits - r.high - 1) } else { 0 };
+                    found.push((a, low, (1 << (bits - r.low)) - 1));
+                } else if r.high == 0 {
+                    found.push((a, any.0, -1));
+                }
+            }
+            Op::Widen(a) | Op::Narrow(a) | Op::Claim { of: a, .. } => found.push((a, r.low, r.high)),
+        }
+        found.into_iter().try_for_each(|(id, low, high)| self.meet(id, low, high, waiting))
+    }
+
+    /// Whether some field may differ under the condition; `open` are flags that do not differ and choose behind the fault.
+    fn is_shown(&mut self, node: NodeId, slip: Slip, open: &mut Vec<NodeId>) -> bool {
+        for &id in &self.moved {
+            self.wrong.ranges[id as usize] = self.right.ranges[id as usize];
+        }
+        self.wrong.opaque.push(node);
+        let (mut waiting, mut differs) = (BTreeSet::from([node]), BTreeSet::new());
+        while let Some(id) = waiting.pop_first() {
+            let range = if id == node { self.slipped(node, slip) } else { self.wrong_range(id) };
+            let right = self.right.ranges[id as usize].constant();
+            if right.is_some() && right == range.constant() {
+                continue;
+            }
+            if id != node {
+                let is_flag = |of: &NodeId| self.kind(*of) == Kind::Flag && !differs.contains(of);
+                let is_open = |of: &NodeId| self.right.ranges[*of as usize].constant().is_none() && !open.contains(of);
+                let found: Vec<_> = self.faults.net.node(id).op.operands().filter(is_flag).filter(is_open).collect();
+                open.extend(found);
+            }
+            if self.faults.shown[id as usize] != 0 {
+                return true;
+            }
+            differs.insert(id);
+            self.wrong.ranges[id as usize] = range;
+            self.moved.push(id);
+            waiting.extend(&self.faults.readers[id as usize]);
+        }
+        false
+    }
+
+    /// What a wire holds in the wrong design by what its operands hold there.
+    fn wrong_range(&mut self, id: NodeId) -> Range {
+        match self.faults.net.node(id).op {
+            Op::Claim { of, .. } => self.wrong.ranges[of as usize],
+            op => self.wrapped(id, |known| forward(known, op, id)),
+        }
+    }
+
+    /// What the wire of a fault holds.
+    fn slipped(&mut self, node: NodeId, slip: Slip) -> Range {
+        let op = self.faults.net.node(node).op;
+        let moved = |k: u32| if slip == Slip::Further { k + 1 } else { k - 1 };
+        let instead = match (slip, op) {
+            (Slip::OrEqual, _) => Op::Lit(1),
+            (Slip::Sign, Op::Add(a, b)) => Op::Sub(a, b),
+            (Slip::Sign, Op::Sub(a, b)) => Op::Add(a, b),
+            (Slip::Swapped, Op::Sub(a, b)) => Op::Sub(b, a),
+            (Slip::Swapped, Op::Lt(a, b)) => Op::Lt(b, a),
+            (Slip::Swapped, Op::Select(flag, a, b)) => Op::Select(flag, b, a),
+            (Slip::WithoutConstant, Op::Add(a, _)) => Op::Widen(a),
+            (Slip::Always(Side::First), Op::Select(flag, a, _)) => Op::Select(flag, a, a),
+            (Slip::Always(Side::Second), Op::Select(flag, _, b)) => Op::Select(flag, b, b),
+            (Slip::Further | Slip::Nearer, Op::Shl(a, k)) if k > 0 => Op::Shl(a, moved(k)),
+            (Slip::Further | Slip::Nearer, Op::Sar(a, k)) if k > 0 => Op::Sar(a, moved(k)),
+            (Slip::OtherGate, Op::And(a, b) | Op::Xor(a, b)) => Op::Or(a, b),
+            (Slip::OtherGate, Op::Or(a, b)) => Op::And(a, b),
+            _ => return full(self.kind(node)),
+        };
+        self.wrapped(node, |known| forward(known, instead, node))
+    }
+
+    /// A range of the wrong design on its wire: all that the wire holds where it overflows or is not defined, and then no lemma knows the node.
+    fn wrapped(&mut self, id: NodeId, range: impl FnOnce(&mut Known) -> Exact) -> Range {
+        let exact = range(&mut self.wrong);
+        let (low, high) = self.kind(id).limits();
+        let fits = exact.low >= i128::from(low) && exact.high <= i128::from(high) && exact.low <= exact.high;
+        if !fits || !self.wrong.violations.is_empty() {
+            self.wrong.violations.clear();
+            self.wrong.opaque.push(id);
+            return full(self.kind(id));
+        }
+        let (low, high) = (exact.low as i64, exact.high as i64);
+        if low == high { Range::of(low) } else { Range { low, high, zeros: exact.zeros.min(62) } }
+    }
+}
+
+/// What the wire of a node holds by what the operands of `op` hold: what it computes where each of them is constant.
+fn forward(known: &mut Known, op: Op, id: NodeId) -> Exact {
+    let constant = |id: NodeId| known.ranges[id as usize].constant();
+    if op.operands().all(|id| constant(id).is_some()) {
+        let value =
+            apply_exactly(op, known.net.node(id).kind, |id| known.net.node(id).kind, |id| constant(id).unwrap_or(0));
+        if let Some(value) = value {
+            return Exact::of(Range::of(value));
+        }
+    }
+    op.range(known, id)
+}
+
+/// All that a wire holds.
+fn full(kind: Kind) -> Range {
+    let (low, high) = kind.limits();
+    Range { low, high, zeros: 0 }
+}
