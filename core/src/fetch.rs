@@ -24,6 +24,13 @@ pub trait Fetch: Staged {
         read: impl Fn([i32; IN]) -> [i32; OUT],
     ) -> [Self::Count; OUT];
 
+    /// What a memory of words of 64 bits holds at a place and behind it: lower half, upper half, and those of the next word. It has two words
+    /// at least; beyond its end the last two are read.
+    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4];
+
+    /// An entry of a table of every fragment, by the lowest four bits of the index.
+    fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self>;
+
     /// Hands words of every fragment to `take`, one fragment after the other.
     fn scatter<const WORDS: usize>(words: [Self::Count; WORDS], take: impl FnMut([i32; WORDS]));
 
@@ -59,6 +66,21 @@ impl<W: IntegerWord> Fetch for W {
     }
 
     #[inline(always)]
+    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
+        if memory.len() < 2 {
+            return [Fx::zero(); 4];
+        }
+        let [first, second] = two(memory, place.raw().integer());
+        let halves = [first, first >> 32, second, second >> 32];
+        each!(half in halves => Fx::from_raw(W::Count::of_integer(half as i32)))
+    }
+
+    #[inline(always)]
+    fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self> {
+        Fx::from_raw(W::Count::of_integer(table[(index.raw().integer() & 15) as usize]))
+    }
+
+    #[inline(always)]
     fn scatter<const WORDS: usize>(words: [W::Count; WORDS], mut take: impl FnMut([i32; WORDS])) {
         take(each!(word in words => word.integer()));
     }
@@ -67,6 +89,13 @@ impl<W: IntegerWord> Fetch for W {
     fn known(flag: bool) -> bool {
         flag
     }
+}
+
+/// Two neighbouring words of a memory that has two; beyond its end the last two. The place is cut, not asked for: so both are one load, and nothing branches.
+#[inline(always)]
+pub fn two(memory: &[u64], place: i32) -> [u64; 2] {
+    let place = (place as u32 as usize).min(memory.len() - 2);
+    [memory[place], memory[place + 1]]
 }
 
 /// The integer of every fragment.

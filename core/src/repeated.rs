@@ -4,7 +4,7 @@
 
 use crate::datapath::texel::Quad;
 use crate::datapath::{texel, texture_probe};
-use crate::each::{each, places};
+use crate::each::each;
 use crate::fetch::{Fetch, int};
 use crate::fx::{Control, Fx, Int};
 use crate::ports::SHARE;
@@ -19,7 +19,9 @@ use crate::word::Word;
 pub struct Level {
     /// Columns and rows, 1…16384.
     pub size: [i32; 2],
-    /// Texels of the levels before.
+    /// Places from one row to the next.
+    pub stride: i32,
+    /// Places of the levels before.
     pub start: i32,
 }
 
@@ -39,7 +41,7 @@ pub struct View<'a, W: Word> {
 /// Four neighbours on one level.
 #[derive(Clone, Copy, Debug)]
 pub struct Tap<W: Word> {
-    /// Their places among the texels of all levels: (0,0), (1,0), (0,1), (1,1).
+    /// Their places in all levels: (0,0), (1,0), (0,1), (1,1).
     pub texels: [Int<W>; 4],
     /// Weights of the right and of the lower ones, [0, 1).
     pub weight: [Control<W, WEIGHT>; 2],
@@ -129,35 +131,13 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
     Mean { channels: texel::probe_means(&sums), taps }
 }
 
-/// How [`mean`] finds the first `CHANNELS` channels of texels as a memory holds them.
-#[inline(always)]
-pub fn stored<W: Fetch, T: Copy + Into<i32>, const STORED: usize, const CHANNELS: usize>(
-    texels: &[[T; STORED]],
-) -> impl Fn(&Tap<W>, [i32; 2]) -> Quad<W, CHANNELS> {
-    #[inline(always)]
-    |tap, _| {
-        let texels = each!(place in tap.texels => {
-            let read = W::gather(
-                [place.raw()],
-                #[inline(always)]
-                |[place]| {
-                    let texel = &texels[place as usize];
-                    each!(channel in places() => texel[channel].into())
-                },
-            );
-            each!(channel in read => Fx::from_raw(channel))
-        });
-        Quad { texels, weight: tap.weight }
-    }
-}
-
-/// Columns, rows and start of a level.
-type Place<W> = [Int<W>; 3];
+/// Columns, rows, stride and start of a level.
+type Place<W> = [Int<W>; 4];
 
 #[inline(always)]
 fn finest<W: Fetch>(levels: &[Level]) -> Place<W> {
-    let Level { size: [width, height], start } = levels[0];
-    each!(number in [width, height, start] => int::<W>(number))
+    let Level { size: [width, height], stride, start } = levels[0];
+    each!(number in [width, height, stride, start] => int::<W>(number))
 }
 
 /// Of every fragment; beyond the last one the last.
@@ -168,8 +148,8 @@ fn level_of<W: Fetch>(level: Int<W>, levels: &[Level]) -> Place<W> {
         [level.raw()],
         #[inline(always)]
         |[level]| {
-            let Level { size: [width, height], start } = levels[(level as usize).min(last)];
-            [width, height, start]
+            let Level { size: [width, height], stride, start } = levels[(level as usize).min(last)];
+            [width, height, stride, start]
         },
     );
     each!(number in read => Fx::from_raw(number))
@@ -177,9 +157,9 @@ fn level_of<W: Fetch>(level: Int<W>, levels: &[Level]) -> Place<W> {
 
 /// What a bilinear sample of a level reads.
 #[inline(always)]
-fn tap<W: Fetch>(place: &TexturePosition<W>, [width, height, start]: Place<W>, p: &Precision) -> Tap<W> {
+fn tap<W: Fetch>(place: &TexturePosition<W>, [width, height, stride, start]: Place<W>, p: &Precision) -> Tap<W> {
     let address = texel::repeat_address(place, [width, height], p);
     let [x0, x1] = address.columns;
-    let [y0, y1] = each!(row in address.rows => start + Fx::from_raw(W::Count::narrow(row.raw().mul(width.raw()))));
+    let [y0, y1] = each!(row in address.rows => start + Fx::from_raw(W::Count::narrow(row.raw().mul(stride.raw()))));
     Tap { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight: address.weight }
 }

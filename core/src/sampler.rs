@@ -45,12 +45,27 @@ pub trait CubeMemory {
         false
     }
 
-    /// Texels at (column, row), to its right, below it, and to the right of that: all four on the face. For a memory in which they
-    /// are found faster together.
+    /// [`patches`], for a memory in which the texels of a bilinear sample are found faster together.
     #[inline(always)]
-    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
-        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| self.texel(level, face, column + right, row + down))
+    fn patches<W: Fetch>(&self, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4]
+    where
+        Self: Sized,
+    {
+        patches(self, at)
     }
+}
+
+/// Where a bilinear sample of every fragment reads.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchPlace<W: Word> {
+    /// The level.
+    pub level: Int<W>,
+    /// Texels along the edge of a face there.
+    pub edge: Int<W>,
+    /// 0 … 5.
+    pub face: Int<W>,
+    /// Column and row of the first texel, −1 … edge − 1.
+    pub index: [Int<W>; 2],
 }
 
 /// An environment in a memory.
@@ -256,20 +271,30 @@ fn face_quad<W: Fetch, M: CubeMemory>(
 ) -> Quad<W, 3> {
     let edge = edge_of::<W>(cube.edge, level);
     let Address { index, weight } = texel::face_address::<W>(place, edge, p);
+    Quad { texels: cube.memory.patches(&PatchPlace::<W> { level, edge, face: place.face, index }), weight }
+}
+
+/// The texels (0,0), (1,0), (0,1), (1,1) of bilinear samples, one by one, what bright codes stand for in place of them; what lies beyond a face comes from
+/// its neighbours.
+#[inline(always)]
+pub fn patches<W: Fetch, M: CubeMemory>(memory: &M, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4] {
+    let &PatchPlace { level, edge, face, index } = at;
     let last = edge - Fx::int(1);
     let [s, t] = each!(index in index => index.ge(Fx::zero()) & index.lt(last));
     let is_inside = s & t;
     let inside = Fx::select(is_inside, Fx::int(1), Fx::zero());
-    let address = each!(number in [inside, level, place.face, index[0], index[1]] => number.raw());
-    let memory = cube.memory;
+    let address = each!(number in [inside, level, edge, face, index[0], index[1]] => number.raw());
     let codes = W::gather(
         address,
         #[inline(always)]
-        |[inside, level, face, column, row]| {
+        |[inside, level, _, face, column, row]| {
             if inside == 0 {
                 return [0; 12];
             }
-            flat(memory.patch(level as u32, face as u32, column as u32, row as u32))
+            flat([(0, 0), (1, 0), (0, 1), (1, 1)].map(
+                #[inline(always)]
+                |(right, down)| memory.texel(level as u32, face as u32, (column + right) as u32, (row + down) as u32),
+            ))
         },
     );
     let mut texels = each!(code in codes => {
@@ -280,16 +305,16 @@ fn face_quad<W: Fetch, M: CubeMemory>(
         let beside = W::gather(
             address,
             #[inline(always)]
-            |[inside, level, face, column, row]| {
+            |[inside, level, edge, face, column, row]| {
                 if inside != 0 {
                     return [0; 12];
                 }
-                seam_texels(level as u32, face, [column, row], level_edge(cube.edge, level as u32), memory)
+                seam_texels(level as u32, face, [column, row], edge as u32, memory)
             },
         );
         texels = each!(i in places() => Fx::select(is_inside, texels[i], Fx::from_raw(beside[i])));
     }
-    Quad { texels: each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel])), weight }
+    each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel]))
 }
 
 /// Channels of a patch one after the other.

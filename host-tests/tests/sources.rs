@@ -228,7 +228,7 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 11] = [
     ("environment.rs", "bytes", "bytes of what is stored"),
     (SAMPLER, "level_edge", "memory: the edge of a level"),
     (SAMPLER, "edge_of", "memory: the same of every fragment"),
-    (SAMPLER, "face_quad", "memory: the channels of four texels"),
+    (SAMPLER, "patches", "memory: the channels of four texels"),
     (REPEATED, "tap", "memory: the place of a row in a level"),
     ("lighting.rs", "bytes", "bytes of what is stored"),
     ("lighting.rs", "prepared", "set-up from floats: the colour of a light"),

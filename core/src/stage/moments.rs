@@ -10,6 +10,7 @@
 //! Error: K 2^−28 absolute, D the root of it.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number};
+use crate::each::each;
 use crate::elementary::root_and_inverse;
 use crate::fx::{Control, Fx, Wide};
 use crate::ports::OFFSET;
@@ -54,13 +55,15 @@ pub fn of_isotropic_texel<W: Word>(i1: Mantissa<W>) -> [Fx<W, MOMENT>; 3] {
 #[inline(always)]
 pub fn of_probe<W: Word>(b: &[Mantissa<W>; 2], k: &[Fx<W, MOMENT>; 3]) -> [Fx<W, MOMENT>; 3] {
     let squares = squares(b);
-    [0, 1, 2].map(|i| k[i] + squares[i])
+    each!(i in [0, 1, 2] => k[i] + squares[i])
 }
 
 /// b bᵀ as second moments.
 #[inline(always)]
 fn squares<W: Word>(b: &[Mantissa<W>; 2]) -> [Fx<W, MOMENT>; 3] {
-    [(0, 0), (0, 1), (1, 1)].map(|(x, y)| b[x].mul::<MANTISSA, PRODUCT>(b[y]).round_to(Fx::<W, MOMENT>::FRACTION))
+    each!((x, y) in [(0, 0), (0, 1), (1, 1)] => {
+        b[x].mul::<MANTISSA, PRODUCT>(b[y]).round_to(Fx::<W, MOMENT>::FRACTION)
+    })
 }
 
 /// Covariance around the mean: a, b, c of K as a block, a and c not negative.
@@ -68,7 +71,7 @@ fn squares<W: Word>(b: &[Mantissa<W>; 2]) -> [Fx<W, MOMENT>; 3] {
 pub fn covariance<W: Word>(moments: &Moments<W>, p: &Precision) -> Block<W, 3> {
     let (b, moments) = moments;
     let squares = squares(b);
-    let [a, b, c] = [0, 1, 2].map(|i| -> Product<W> { moments[i].widen() - squares[i].widen() });
+    let [a, b, c] = each!(i in [0, 1, 2] => moments[i].widen::<PRODUCT>() - squares[i].widen());
     normalise([a.max(Fx::zero()), b, c.max(Fx::zero())], Fx::int(0), p.fraction_bits)
 }
 
@@ -87,7 +90,7 @@ pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Control<W, OFFSET>
     let flat = c.is_zero();
     let d1 = Block::select(flat, root_a, over_root_c(root_det));
     let d2 = Block::select(flat, Block::zero(), over_root_c(element(b)));
-    [d1, d2, root_c].map(to_roughness)
+    each!(d in [d1, d2, root_c] => to_roughness(d))
 }
 
 /// A number of size ≤ 4 as a roughness, saturated to ±4 (noise of b/√c where c is one last bit).

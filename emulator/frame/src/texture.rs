@@ -72,8 +72,8 @@ impl ColourMap {
             pyramid.levels.truncate(1);
         }
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
-        let texels = pyramid.levels.into_iter().flat_map(|level| level.texels).collect();
-        Self { texels: MapTexels { map, texels }, exponent }
+        let texels = pyramid.levels.into_iter().flat_map(|level| level.texels);
+        Self { texels: MapTexels::new(map, texels), exponent }
     }
 
     /// The footprints that its samples need.
@@ -87,7 +87,7 @@ impl ColourMap {
 
     /// Bytes of the stored texels.
     pub(super) fn bytes(&self) -> u64 {
-        size_of_val(self.texels.texels.as_slice()) as u64
+        self.texels.bytes()
     }
 
     /// The mean colour of every footprint times `own`.
@@ -119,7 +119,7 @@ impl BumpMap {
         let kind = pyramid.format.roughness.kind();
         let decoded = |codes: &BumpCodes<i32>| texel::bump_texel(codes, &scale, kind).words().map(Fx::raw);
         let codes = pyramid.levels.iter().flat_map(|level| level.codes(&pyramid.format));
-        let texels = codes.map(|codes| decoded(&codes)).collect();
+        let texels = codes.map(|codes| decoded(&codes));
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
         let roughness_bits = u64::from(pyramid.format.roughness.bits());
         let roughness_bits = if kind == RoughnessKind::Isotropic { roughness_bits } else { 3 * roughness_bits };
@@ -127,7 +127,7 @@ impl BumpMap {
             let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
-        Self { texels: MapTexels { map, texels }, scale, bytes }
+        Self { texels: MapTexels::new(map, texels), scale, bytes }
     }
 
     pub(super) fn map(&self) -> &RepeatedMap {

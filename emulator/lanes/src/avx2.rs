@@ -7,8 +7,9 @@ use fearless_simd::x86::Avx2 as Proof;
 use fearless_simd::{SimdInto, i32x8, i64x4};
 
 use roughxel_core::each::each;
+use roughxel_core::fetch::two;
 
-use super::vectors::{Table, vectors};
+use super::vectors::{Entries, Memory, Table, vectors};
 
 type Word = __m256i;
 type Wide = [__m256i; 2];
@@ -41,6 +42,30 @@ vectors! {
             core::array::from_fn(|i| if i % 2 == 0 { even[i / 2] } else { odd[i / 2] })
         }
         fn flag_lanes(t, a: Flag) -> [bool; 8] { let v: i32x8<Proof> = a.simd_into(t); (*v).map(|lane| lane != 0) }
+    }
+    memory {
+        // As with AVX-512: lanes 0, 4 in one vector, 1, 5 in the next.
+        fn pairs(t, places: Word, memory: Memory) -> [Word; 4] {
+            if memory.len() < 2 {
+                return [_mm256_setzero_si256(); 4];
+            }
+            let lanes = word_lanes(t, places);
+            let half = |lane: usize| {
+                let [first, second] = two(memory, lanes[lane]);
+                _mm_set_epi64x(second.cast_signed(), first.cast_signed())
+            };
+            let rows = each!(i in [0, 1, 2, 3] => {
+                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(half(i)), half(i + 4))
+            });
+            let first = each!(i in [0, 2] => _mm256_unpacklo_epi32(rows[i], rows[i + 1]));
+            let second = each!(i in [0, 2] => _mm256_unpackhi_epi32(rows[i], rows[i + 1]));
+            [
+                _mm256_unpacklo_epi64(first[0], first[1]),
+                _mm256_unpackhi_epi64(first[0], first[1]),
+                _mm256_unpacklo_epi64(second[0], second[1]),
+                _mm256_unpackhi_epi64(second[0], second[1]),
+            ]
+        }
     }
     all {
         fn splat(t, value: i32) -> Word { _mm256_set1_epi32(value) }
@@ -82,6 +107,14 @@ vectors! {
             }
             _ => values,
         }
+    }
+
+    fn entries(t, places: Word, table: Entries) -> Word {
+        let [low, high] = each!(half in [0, 1] => {
+            _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(words(t, table.as_chunks().0[half]), places))
+        });
+        let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places));
+        _mm256_castps_si256(_mm256_blendv_ps(low, high, upper))
     }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm256_add_epi64(a[0], b[0]), _mm256_add_epi64(a[1], b[1])] }

@@ -7,9 +7,10 @@ use fearless_simd::x86::Avx512 as Proof;
 use fearless_simd::{SimdInto, i32x16, i64x8};
 
 use roughxel_core::each::each;
+use roughxel_core::fetch::two;
 use roughxel_core::rom::upper;
 
-use super::vectors::{Table, vectors};
+use super::vectors::{Entries, Memory, Table, vectors};
 
 type Word = __m512i;
 type Wide = [__m512i; 2];
@@ -85,6 +86,33 @@ vectors! {
         }
         fn flag_lanes(t, a: Flag) -> [bool; 16] { core::array::from_fn(|i| a.all >> i & 1 != 0) }
     }
+    memory {
+        // No row of a vector goes through memory once more. Lanes 0, 4, 8, 12 in one, 1, 5, 9, 13 in the next: what is left is to exchange inside of
+        // quarters of vectors.
+        fn pairs(t, places: Word, memory: Memory) -> [Word; 4] {
+            if memory.len() < 2 {
+                return [_mm512_setzero_si512(); 4];
+            }
+            let lanes = word_lanes(t, places);
+            let quarter = |lane: usize| {
+                let [first, second] = two(memory, lanes[lane]);
+                _mm_set_epi64x(second.cast_signed(), first.cast_signed())
+            };
+            let rows = each!(i in [0, 1, 2, 3] => {
+                let low = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(quarter(i)), quarter(i + 4));
+                let high = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(quarter(i + 8)), quarter(i + 12));
+                _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+            });
+            let first = each!(i in [0, 2] => _mm512_unpacklo_epi32(rows[i], rows[i + 1]));
+            let second = each!(i in [0, 2] => _mm512_unpackhi_epi32(rows[i], rows[i + 1]));
+            [
+                _mm512_unpacklo_epi64(first[0], first[1]),
+                _mm512_unpackhi_epi64(first[0], first[1]),
+                _mm512_unpacklo_epi64(second[0], second[1]),
+                _mm512_unpackhi_epi64(second[0], second[1]),
+            ]
+        }
+    }
     all {
         fn splat(t, value: i32) -> Word { _mm512_set1_epi32(value) }
         fn splat_wide(t, value: i64) -> Wide { [_mm512_set1_epi64(value); 2] }
@@ -111,6 +139,8 @@ vectors! {
         look_up!(places in table, i32, _mm512_test_epi32_mask, _mm512_set1_epi32, _mm512_mask_blend_epi32, _mm512_mask_mov_epi32,
             _mm512_cmpeq_epi32_mask, _mm512_srli_epi32, of_part(t), |entry| entry)
     }
+
+    fn entries(t, places: Word, table: Entries) -> Word { _mm512_permutexvar_epi32(places, words(t, *table)) }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_add_epi64(a[0], b[0]), _mm512_add_epi64(a[1], b[1])] }
     fn sub_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_sub_epi64(a[0], b[0]), _mm512_sub_epi64(a[1], b[1])] }

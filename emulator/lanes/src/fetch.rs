@@ -20,7 +20,7 @@ fn turn<C: Wire>(turn: i32, count: Fx<C, 32>) -> (Fx<C, 32>, C::Flag) {
     (turn.min(count - Fx::int(1)).max(Fx::zero()), turn.lt(count))
 }
 
-/// By a loop over the lanes: vectors that address a memory are not safe, and no faster where texels lie side by side.
+/// By a loop over the lanes: vectors that address a memory are not safe.
 #[inline(always)]
 fn gather<T: Target, const IN: usize, const OUT: usize>(
     address: [Lanes<T>; IN],
@@ -77,6 +77,16 @@ impl<T: Target> Fetch for Lanes<T> {
         gather(address, &read)
     }
     #[inline(always)]
+    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
+        let Lanes(places, proof) = place.raw();
+        each!(words in proof.pairs(places, memory) => Fx::from_raw(Lanes(words, proof)))
+    }
+    #[inline(always)]
+    fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self> {
+        let Lanes(places, proof) = index.raw();
+        Fx::from_raw(Lanes(proof.entries(places, table), proof))
+    }
+    #[inline(always)]
     fn scatter<const WORDS: usize>(words: [Self; WORDS], mut take: impl FnMut([i32; WORDS])) {
         scatter(words, &mut take);
     }
@@ -103,6 +113,16 @@ impl<T: Target> Fetch for NarrowLanes<T> {
     ) -> [Halves<Lanes<T>>; OUT] {
         let [even, odd] = each!(half in [0, 1] => gather(each!(words in address => words.0[half]), &read));
         each!(word in places() => Halves([even[word], odd[word]]))
+    }
+    #[inline(always)]
+    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
+        let [even, odd] = each!(half in place.raw().0 => <Lanes<T> as Fetch>::pair(Fx::from_raw(half), memory));
+        each!(word in places() => Fx::from_raw(Halves([even[word].raw(), odd[word].raw()])))
+    }
+    #[inline(always)]
+    fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self> {
+        let halves = each!(half in index.raw().0 => <Lanes<T> as Fetch>::entry(Fx::from_raw(half), table).raw());
+        Fx::from_raw(Halves(halves))
     }
     #[inline(always)]
     fn scatter<const WORDS: usize>(words: [Halves<Lanes<T>>; WORDS], mut take: impl FnMut([i32; WORDS])) {

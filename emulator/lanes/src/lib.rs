@@ -54,7 +54,7 @@ pub use peaks::{MOST_PEAKS, PackedPeak, PeakTexels};
 pub use peaks_read::PeaksRead;
 pub use reading::{Bare, Bumped, Derivatives, Footprint, Look, Places, Ports, Reading, Shown};
 pub use target::{InstructionSet, Target};
-pub use texels::{CubeTexels, MapTexels, RepeatedMap};
+pub use texels::{CubeTexels, MapTexels, RepeatedMap, Texel};
 
 /// Fragments side by side on words of 32 bits, whatever the instruction set.
 pub const LANES: usize = 16;

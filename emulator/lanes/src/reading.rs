@@ -12,7 +12,7 @@ use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{LIGHT, PortBlock, REFLECTANCE, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::repeated::{self, Mean, View, stored};
+use roughxel_core::repeated::{self, Mean, Tap, View};
 use roughxel_core::sampler::{self, Cube, CubeMemory, Seen};
 use roughxel_core::signals::{CubePoint, MapScale, Probes, Sweep, TexturePosition};
 use roughxel_core::soft_core;
@@ -232,12 +232,19 @@ fn mean_of_lobes<W: Fetch>(a: &Shown<W>, b: &Shown<W>) -> Shown<W> {
 #[inline(always)]
 fn colour<W: Fetch>(
     view: &View<'_, W>,
-    texels: &[[u16; 3]],
+    texels: &MapTexels<[u16; 3]>,
     exponent: i32,
     own: &[Value<W, LIGHT>; 3],
     p: &Precision,
 ) -> Shown<W> {
-    let mean = repeated::mean(view, stored(texels), texel::colour_samples::<W, _>, same::<W, 3>, p);
+    let mean = repeated::mean(
+        view,
+        #[inline(always)]
+        |tap: &Tap<W>, _| texels.quad(tap),
+        texel::colour_samples::<W, _>,
+        same::<W, 3>,
+        p,
+    );
     let unit = Fx::int(exponent.into());
     let channels = each!(i in [0, 1, 2] => pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own[i].0));
     Shown { channels, taps: mean.taps }
@@ -252,19 +259,26 @@ fn same<W: Word, const CHANNELS: usize>(sample: [Int<W>; CHANNELS]) -> [Int<W>; 
 #[inline(always)]
 fn bump<W: Fetch>(
     view: &View<'_, W>,
-    texels: &[[i32; 5]],
+    texels: &MapTexels<[i32; 5]>,
     scale: &BumpScale<W>,
     kind: RoughnessKind,
     p: &Precision,
 ) -> Bumped<W> {
     let (moments, taps) = if kind == RoughnessKind::None {
-        let Mean { channels: [b1, b2], taps } =
-            repeated::mean(view, stored(texels), texel::word_samples::<W, _>, same::<W, 2>, p);
+        let Mean { channels: [b1, b2], taps } = repeated::mean(
+            view,
+            #[inline(always)]
+            |tap: &Tap<W>, _| texels.quad(tap),
+            texel::word_samples::<W, _>,
+            same::<W, 2>,
+            p,
+        );
         ([b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps)
     } else {
         let Mean { channels, taps } = repeated::mean(
             view,
-            stored(texels),
+            #[inline(always)]
+            |tap: &Tap<W>, _| texels.quad(tap),
             texel::word_samples::<W, _>,
             #[inline(always)]
             |sample| texel::bump_probe(&BumpSample::<W>::of_words(sample)).words(),
@@ -493,22 +507,22 @@ impl Reading {
         colours: &mut Columns<Shown<i32>>,
     ) {
         let own = &own.map(Value::<i32, _>);
-        let (texels, levels, texture) = (&map.texels[..], &map.map.levels[..], &map.map.scale.0);
+        let (levels, texture) = (&map.map.levels[..], &map.map.scale.0);
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, (places.centres, footprints), colours,
                 |(centre, probes), own, texture| {
-                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, texels, exponent, own, p)
+                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, map, exponent, own, p)
                 },
                 else on_words!(p, |centre, probes, own, texture| {
-                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, texels, exponent, own, p)
+                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, map, exponent, own, p)
                 })
             ),
             None => each_fragment!(
                 self, p, places.centres, colours,
-                |centre, own| colour(&View { centre, footprint: None, levels, rough: false }, texels, exponent, own, p),
+                |centre, own| colour(&View { centre, footprint: None, levels, rough: false }, map, exponent, own, p),
                 else on_words!(p, |centre, own| {
-                    colour(&View { centre, footprint: None, levels, rough: false }, texels, exponent, own, p)
+                    colour(&View { centre, footprint: None, levels, rough: false }, map, exponent, own, p)
                 })
             ),
         }
@@ -523,22 +537,22 @@ impl Reading {
         bumps: &mut Columns<Bumped<i32>>,
     ) {
         let rough = kind != RoughnessKind::None;
-        let (texels, levels, texture) = (&map.texels[..], &map.map.levels[..], &map.map.scale.0);
+        let (levels, texture) = (&map.map.levels[..], &map.map.scale.0);
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, (places.centres, footprints), bumps,
                 |(centre, probes), scale, texture| {
-                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, texels, scale, kind, p)
+                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, map, scale, kind, p)
                 },
                 else on_words!(p, |centre, probes, scale, texture| {
-                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, texels, scale, kind, p)
+                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, map, scale, kind, p)
                 })
             ),
             None => each_fragment!(
                 self, p, places.centres, bumps,
-                |centre, scale| bump(&View { centre, footprint: None, levels, rough }, texels, scale, kind, p),
+                |centre, scale| bump(&View { centre, footprint: None, levels, rough }, map, scale, kind, p),
                 else on_words!(p, |centre, scale| {
-                    bump(&View { centre, footprint: None, levels, rough }, texels, scale, kind, p)
+                    bump(&View { centre, footprint: None, levels, rough }, map, scale, kind, p)
                 })
             ),
         }

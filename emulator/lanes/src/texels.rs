@@ -1,22 +1,47 @@
 //! Maps as a reading fetches from them: the texels of all levels in one piece.
 
-use roughxel_core::each::each;
-use roughxel_core::repeated::Level;
-use roughxel_core::sampler::{Cube, CubeMemory, level_edge};
+use std::marker::PhantomData;
+
+use roughxel_core::datapath::texel::{self, Quad};
+use roughxel_core::each::{each, places};
+use roughxel_core::fetch::Fetch;
+use roughxel_core::fx::{Fx, Int};
+use roughxel_core::repeated::{Level, Tap};
+use roughxel_core::sampler::{self, Cube, CubeMemory, PatchPlace, level_edge};
 use roughxel_core::signals::MapScale;
 use roughxel_core::soft_core::texture_scale;
+use roughxel_core::stage::seam::{CubeTexel, FaceTexel};
 use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::word::{Wire, Word};
 
 /// Faces of a cube.
-const FACES: usize = 6;
+const FACES: u32 = 6;
 
-/// An environment: levels of [`level_edge`] texels along an edge, the finest first, six faces each, texels in rows.
+/// Levels of a map, at most: of 2^14 texels along an edge, and room for one more.
+const LEVELS: usize = 16;
+
+/// Three channels in a word of 64 bits, of which the upper quarter is 0.
+fn colour_word([red, green, blue]: [u16; 3]) -> u64 {
+    u64::from(red) | u64::from(green) << 16 | u64::from(blue) << 32
+}
+
+/// The channels in the halves of such a word.
+#[inline(always)]
+fn channels<W: Word>([low, high]: [Int<W>; 2]) -> [Int<W>; 3] {
+    let lower = W::Count::lit(0xffff);
+    [Fx::from_raw(low.raw().and(lower)), Fx::from_raw(low.raw().sar(16).and(lower)), high]
+}
+
+/// An environment: levels of [`level_edge`] texels along an edge, the finest first, six faces each, texels in rows. Around each face lie those that
+/// a bilinear sample reads beyond its edges, so that it is two pairs of neighbours wherever it is: a frame is full of coarse levels, which are
+/// sixteen texels wide.
 #[derive(Clone, Debug)]
 pub struct CubeTexels {
-    /// Three channels and nothing: a texel is a word of 64 bits.
-    texels: Vec<[u16; 4]>,
+    /// A texel is a word: [`colour_word`].
+    texels: Vec<u64>,
     /// Where each level begins.
-    starts: Vec<usize>,
+    starts: [i32; LEVELS],
+    levels: u32,
     edge: u32,
     exponent: i32,
     is_bright: bool,
@@ -27,21 +52,46 @@ impl CubeTexels {
     /// each.
     ///
     /// # Panics
-    /// If the texels are not those of whole levels, at least one.
+    /// If the texels are not those of whole levels, at least one and at most sixteen.
     pub fn new(edge: u32, exponent: i32, is_bright: bool, faces: &[&[[u16; 3]]]) -> Self {
-        let mut texels = Vec::with_capacity(faces.iter().map(|face| face.len()).sum());
-        for face in faces {
-            texels.extend(face.iter().map(|&[red, green, blue]| [red, green, blue, 0]));
+        let given: Vec<[u16; 3]> = faces.concat();
+        let mut cube = Self { texels: Vec::new(), starts: [0; LEVELS], levels: 0, edge, exponent, is_bright };
+        let mut texels = &given[..];
+        while !texels.is_empty() {
+            let of_level = FACES * level_edge(edge, cube.levels).pow(2);
+            let (level, rest) = texels.split_at_checked(of_level as usize).unwrap_or((&[], &[]));
+            assert!(!level.is_empty(), "{} texels are no levels of edge {edge}", given.len());
+            cube.add_level(level);
+            texels = rest;
         }
-        let mut starts = Vec::new();
-        let mut next = 0;
-        while next < texels.len() {
-            let edge = level_edge(edge, starts.len() as u32) as usize;
-            starts.push(next);
-            next += FACES * edge * edge;
+        assert!(cube.levels > 0, "an environment has texels");
+        cube
+    }
+
+    /// Adds a level, with what lies around its faces. A corner of bright codes, whose mean no code stands for, is left out.
+    fn add_level(&mut self, level: &[[u16; 3]]) {
+        let edge = level_edge(self.edge, self.levels) as i32;
+        let at = |texel: &FaceTexel<i32>| {
+            let [column, row] = texel.index.map(Fx::raw);
+            level[((texel.face.raw() * edge + row) * edge + column) as usize]
+        };
+        self.starts[self.levels as usize] = self.texels.len() as i32;
+        self.levels += 1;
+        for (face, row) in (0..FACES as i32).flat_map(|face| (-1..=edge).map(move |row| (face, row))) {
+            self.texels.extend((-1..=edge).map(|column| {
+                let [face, column, row, edge] = [face, column, row, edge].map(Fx::from_raw);
+                let CubeTexel { texel, across, corner } = texel::cube_texel::<i32>(face, [column, row], edge);
+                let own = at(&texel);
+                if !corner {
+                    return colour_word(own);
+                }
+                let [s, t] = across.map(|texel| at(&texel));
+                colour_word(core::array::from_fn(|channel| {
+                    let three = [own, s, t].map(|texel| Fx::from_raw(texel[channel].into()));
+                    if self.is_bright { 0 } else { texel::corner::<i32>(&three).raw() as u16 }
+                }))
+            }));
         }
-        assert!(next == texels.len() && !starts.is_empty(), "{} texels are no levels of edge {edge}", texels.len());
-        Self { texels, starts, edge, exponent, is_bright }
     }
 
     /// Texels along the edge of a face of level 0.
@@ -51,7 +101,7 @@ impl CubeTexels {
 
     /// Texels of all levels.
     pub fn len(&self) -> usize {
-        self.texels.len()
+        (0..self.levels).map(|level| FACES as usize * (level_edge(self.edge, level) as usize).pow(2)).sum()
     }
 
     /// Whether there are none, which is never so.
@@ -66,25 +116,17 @@ impl CubeTexels {
 
     /// As the sampler takes it.
     pub(super) fn cube(&self) -> Cube<'_, Self> {
-        let last_level = self.starts.len() as u32 - 1;
-        Cube { memory: self, edge: self.edge, last_level, exponent: self.exponent }
-    }
-
-    /// The place of a texel and the texels of a row. A lane without a fragment may ask for one that there is not.
-    #[inline(always)]
-    fn place(&self, level: u32, face: u32, column: u32, row: u32) -> (usize, usize) {
-        let edge = level_edge(self.edge, level) as usize;
-        let start = self.starts.get(level as usize).copied().unwrap_or(self.texels.len());
-        (start + (face as usize * edge + row as usize) * edge + column as usize, edge)
+        Cube { memory: self, edge: self.edge, last_level: self.levels - 1, exponent: self.exponent }
     }
 }
 
 impl CubeMemory for CubeTexels {
-    #[inline(always)]
+    /// A lane without a fragment may ask for one that there is not.
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
-        let texel = self.texels.get(self.place(level, face, column, row).0);
-        let [red, green, blue, _] = texel.copied().unwrap_or_default();
-        [red, green, blue]
+        let stride = level_edge(self.edge, level) as usize + 2;
+        let place = (face as usize * stride + row as usize + 1) * stride + column as usize + 1;
+        let texel = self.texels.get(self.starts[level as usize % LEVELS] as usize + place).copied().unwrap_or_default();
+        [texel as u16, (texel >> 16) as u16, (texel >> 32) as u16]
     }
 
     #[inline(always)]
@@ -93,10 +135,22 @@ impl CubeMemory for CubeTexels {
     }
 
     #[inline(always)]
-    fn patch(&self, level: u32, face: u32, column: u32, row: u32) -> [[u16; 3]; 4] {
-        let (first, edge) = self.place(level, face, column, row);
-        let Some(rows) = self.texels.get(first..first + edge + 2) else { return [[0; 3]; 4] };
-        each!([red, green, blue, _] in [rows[0], rows[1], rows[edge], rows[edge + 1]] => [red, green, blue])
+    fn patches<W: Fetch>(&self, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4] {
+        let &PatchPlace { level, edge, face, index: [column, row] } = at;
+        let stride = edge + Fx::int(2);
+        let by_stride = |number: Int<W>| -> Int<W> { Fx::from_raw(W::Count::narrow(number.raw().mul(stride.raw()))) };
+        // From the corner outside of the face.
+        let [column, row] = each!(index in [column, row] => index + Fx::int(1));
+        let place = W::entry(level, &self.starts) + by_stride(by_stride(face) + row) + column;
+        let [[a, b, c, d], [e, f, g, h]] = each!(place in [place, place + stride] => W::pair(place, &self.texels));
+        let codes = each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves));
+        if !self.is_bright {
+            return codes;
+        }
+        let corners = each!(index in [column, row] => index.is_zero() | index.ge(edge));
+        let texels = each!(code in codes => each!(code in code => texel::bright_texel::<W>(code)));
+        let [s, t] = corners;
+        if W::any(s & t) { sampler::patches(self, at) } else { texels }
     }
 }
 
@@ -115,12 +169,7 @@ impl RepeatedMap {
     /// # Panics
     /// If there is none.
     pub fn new(sizes: impl Iterator<Item = (u32, u32)>) -> Self {
-        let levels = sizes.scan(0, |next, (width, height)| {
-            let start = *next;
-            *next += (width * height) as i32;
-            Some(Level { size: [width as i32, height as i32], start })
-        });
-        let levels: Vec<Level> = levels.collect();
+        let levels = levels(sizes.map(|(width, height)| [width as i32, height as i32]), 0);
         Self { scale: texture_scale(levels[0].size.map(|edge| edge as u16)), levels }
     }
 
@@ -130,11 +179,105 @@ impl RepeatedMap {
     }
 }
 
+/// Levels of these sizes, in rows with so many places behind the last column.
+fn levels(sizes: impl Iterator<Item = [i32; 2]>, behind: i32) -> Vec<Level> {
+    let levels = sizes.scan(0, |next, size| {
+        let (stride, start) = (size[0] + behind, *next);
+        *next += stride * size[1];
+        Some(Level { size, stride, start })
+    });
+    levels.collect()
+}
+
+/// A texel of a repeated map as a memory holds it.
+pub trait Texel: Copy {
+    /// Words of 64 bits.
+    type Words: AsRef<[u64]>;
+    /// Itself in them.
+    fn words(self) -> Self::Words;
+}
+
+/// A colour: [`colour_word`].
+impl Texel for [u16; 3] {
+    type Words = [u64; 1];
+    fn words(self) -> [u64; 1] {
+        [colour_word(self)]
+    }
+}
+
+/// The channels of a bump in the halves of three words, the last one empty.
+impl Texel for [i32; 5] {
+    type Words = [u64; 3];
+    fn words(self) -> [u64; 3] {
+        let [b1, b2, k11, k12, k22] = self.map(|channel| u64::from(channel.cast_unsigned()));
+        [b1 | b2 << 32, k11 | k12 << 32, k22]
+    }
+}
+
 /// A repeated map with its texels.
 #[derive(Clone, Debug)]
 pub struct MapTexels<T> {
-    /// Its levels.
+    /// Its levels as they lie in memory: behind the last texel of a row stands the first one again.
     pub map: RepeatedMap,
-    /// The texels of all levels, in rows.
-    pub texels: Vec<T>,
+    words: Vec<u64>,
+    texel: PhantomData<T>,
+}
+
+impl<T: Texel> MapTexels<T> {
+    /// Of all levels, in rows.
+    ///
+    /// # Panics
+    /// If there are not as many texels as the levels have.
+    pub fn new(map: RepeatedMap, texels: impl IntoIterator<Item = T>) -> Self {
+        let mut texels = texels.into_iter();
+        let mut words = Vec::new();
+        for level in &map.levels {
+            for _ in 0..level.size[1] {
+                let first = words.len();
+                (&mut texels)
+                    .take(level.size[0] as usize)
+                    .for_each(|texel| words.extend_from_slice(texel.words().as_ref()));
+                words.extend_from_within(first..first + size_of::<T::Words>() / size_of::<u64>());
+            }
+        }
+        let levels = levels(map.levels.iter().map(|level| level.size), 1);
+        let rows: usize = levels.iter().map(|level| (level.stride * level.size[1]) as usize).sum();
+        assert!(
+            texels.next().is_none() && words.len() * size_of::<u64>() == rows * size_of::<T::Words>(),
+            "texels of all levels"
+        );
+        Self { map: RepeatedMap { levels, ..map }, words, texel: PhantomData }
+    }
+}
+
+impl MapTexels<[u16; 3]> {
+    /// Bytes of the texels as a memory of three channels holds them.
+    pub fn bytes(&self) -> u64 {
+        let texels = |level: &Level| level.size.iter().map(|&edge| edge as u64).product::<u64>();
+        size_of::<[u16; 3]>() as u64 * self.map.levels.iter().map(texels).sum::<u64>()
+    }
+
+    /// The colours of a tap.
+    #[inline(always)]
+    pub(super) fn quad<W: Fetch>(&self, tap: &Tap<W>) -> Quad<W, 3> {
+        let [left, _, lower, _] = tap.texels;
+        let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::pair(place, &self.words));
+        Quad { texels: each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves)), weight: tap.weight }
+    }
+}
+
+impl MapTexels<[i32; 5]> {
+    /// The first channels of the bumps of a tap.
+    #[inline(always)]
+    pub(super) fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>) -> Quad<W, CHANNELS> {
+        let [left, _, lower, _] = tap.texels;
+        let [[a, b], [c, d]] = each!(texel in [left, lower] => {
+            let place = texel.shl(1) + texel;
+            let [first, second, third] = each!(on in [0, 2, 4] => W::pair(place + Fx::int(on), &self.words));
+            let [[b1, b2, k11, k12], [k22, _, c1, c2], [l11, l12, l22, _]] = [first, second, third];
+            [[b1, b2, k11, k12, k22], [c1, c2, l11, l12, l22]]
+        });
+        let texels = each!(texel in [a, b, c, d] => each!(channel in places() => texel[channel]));
+        Quad { texels, weight: tap.weight }
+    }
 }

@@ -7,6 +7,12 @@ use super::LANES;
 /// A table of the datapath; what is not in it reads as 0.
 pub(crate) type Table = &'static [i32];
 
+/// A table of sixteen entries.
+pub(crate) type Entries<'a> = &'a [i32; 16];
+
+/// Words of 64 bits, two at least.
+pub(crate) type Memory<'a> = &'a [u64];
+
 macro_rules! vectors_trait {
     ($($name:ident($($a:ident: $ty:ident),*) -> $out:ident;)*) => {
         /// The operations of [`Wire`](roughxel_core::word::Wire) and [`Word`](roughxel_core::word::Word); those of wide wires
@@ -27,6 +33,8 @@ macro_rules! vectors_trait {
             fn detect() -> Self;
             /// The proof, in a thread that has found it before. Panics in any other.
             fn proof() -> Self;
+            /// Both halves of the word at each place and of the next one, the lower first.
+            fn pairs(self, places: Self::Words, memory: Memory) -> [Self::Words; 4];
             $(
                 #[doc = concat!("`", stringify!($name), "` of every lane.")]
                 fn $name(self, $($a: vectors_trait!(@type $ty)),*) -> vectors_trait!(@type $out);
@@ -69,6 +77,7 @@ vectors_trait! {
     select(f: Flags, a: Words, b: Words) -> Words;
     leading_zeros(a: Words) -> Words;
     lookup(places: Words, table: Table) -> Words;
+    entries(places: Words, table: Entries) -> Words;
     add_wide(a: Wides, b: Wides) -> Wides;
     sub_wide(a: Wides, b: Wides) -> Wides;
     and_wide(a: Wides, b: Wides) -> Wides;
@@ -126,11 +135,13 @@ macro_rules! vectors {
         $target:ident: $proof:ident, $detected:ident, $vectors:tt vectors of $Word:ident, $Wide:ident, $Flag:ident, $Short:ident, $ShortFlag:ident;
         to { $(fn $to:ident($t0:ident, $a0:ident: $lanes0:ty) -> $out0:ident $body0:block)* }
         from { $(fn $from:ident($t1:ident, $a1:ident: $ty1:ident) -> $lanes1:ty $body1:block)* }
+        memory { fn pairs($t3:ident, $a3:ident: $ty3:ident, $memory:ident: Memory) -> $out3:ty $body3:block }
         all { $(fn $all:ident($t2:ident, $a2:ident: $ty2:ident) -> $out2:ident $body2:block)* }
         $(fn $name:ident($t:ident $(, $a:ident: $ty:ident)*) -> $out:ident $body:block)*
     ) => {
         $(fearless_simd::kernel! { #[inline(always)] fn $to($t0: $target, $a0: $lanes0) -> $out0 { $body0 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $from($t1: $target, $a1: $ty1) -> $lanes1 { $body1 } })*
+        fearless_simd::kernel! { #[inline(always)] fn pairs($t3: $target, $a3: $ty3, $memory: Memory) -> $out3 { $body3 } }
         $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
 
@@ -205,6 +216,11 @@ macro_rules! vectors {
                     lanes
                 }
             )*
+            #[inline(always)]
+            fn pairs(self, $a3: Self::Words, $memory: Memory) -> [Self::Words; 4] {
+                let vectors: [[$Word; 4]; $vectors] = vectors!(@each $vectors, pairs, self.0, ($a3: $ty3), ($memory: Memory));
+                each!(word in [0, 1, 2, 3] => each!(vector in vectors => vector[word]))
+            }
             $(
                 #[inline(always)]
                 fn $all(self, value: $ty2) -> vectors!(@vectors $out2) {
@@ -229,6 +245,7 @@ macro_rules! vectors {
     (@vectors ShortFlag) => { Self::ShortFlags };
     (@vectors u32) => { u32 };
     (@vectors Table) => { Table };
+    (@vectors Entries) => { Entries };
     // Written out: as a loop every operation is ten blocks, of which a stage has ten thousands before the optimiser sees it whole.
     (@each 1, $name:ident, $proof:expr $(, ($a:ident: $ty:ident))*) => {
         [$name($proof $(, vectors!(@vector $ty, $a, 0))*)]
@@ -238,6 +255,8 @@ macro_rules! vectors {
     };
     (@vector u32, $a:ident, $v:literal) => { $a };
     (@vector Table, $a:ident, $v:literal) => { $a };
+    (@vector Entries, $a:ident, $v:literal) => { $a };
+    (@vector Memory, $a:ident, $v:literal) => { $a };
     (@vector $other:ident, $a:ident, $v:literal) => { $a[$v] };
 }
 #[cfg(target_arch = "x86_64")]

@@ -412,8 +412,8 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
                 roughness_down: Fx::from_raw(random.below(28) as i32),
                 exponent: Fx::from_raw(random.below(17) as i32 - 13),
             };
-            let colours = &MapTexels { map: map.clone(), texels: colours };
-            let bumps = &MapTexels { map, texels: bumps };
+            let colours = &MapTexels::new(map.clone(), colours);
+            let bumps = &MapTexels::new(map, bumps);
             for footprints in [None, Some(&probes)] {
                 let places = Places { centres: &centres, footprints };
                 let context = |what: &str| format!("{name}, {what}, {size:?}, filtered {}", footprints.is_some());
