@@ -130,7 +130,8 @@ pub struct BumpPyramid {
     /// Texels of level 0 with an offset of 8 or more in magnitude, or one that is no number: they are stored as the
     /// nearest offset that fits, or 0. A caller may warn if this is not 0.
     pub saturated: usize,
-    /// How near to the mean most bumps of the whole map are, ½ to 1, 1 those of the normal law; 1 as well where roughness is the root mean square.
+    /// How near to the mean most bumps of a sixteenth of the map are, ½ to 1, 1 those of the normal law; 1 as well where roughness is the root
+    /// mean square, and of maps of fewer than 64 texels.
     pub concentration: f64,
 }
 
@@ -201,8 +202,8 @@ impl BumpPyramid {
         let mut levels = vec![BumpLevel { width, height, offsets: Vec::new(), roughness: Vec::new() }];
         let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
         let base_texels = if added.is_some() { offsets.len() } else { 0 };
-        // The last level has one texel, which covers the map.
-        let mut whole = 1.0;
+        // Of the last level with so many texels. Land and sea are two kinds over a whole map, but hardly anywhere seen together.
+        let mut of_sixteenths = 1.0;
         let mut lost: Vec<Vec<[f64; 3]>> =
             vec![(0..base_texels).into_par_iter().map(|index| components(0, index, smooth)).collect()];
         for_each_level(
@@ -231,10 +232,14 @@ impl BumpPyramid {
                             concentration(mean, covariance, cover, texel)
                         }
                     };
-                    (factor, components(level, index, covariance.scaled(factor)))
+                    ((factor, covariance.a + covariance.c), components(level, index, covariance.scaled(factor)))
                 };
-                let (factors, texels): (Vec<f64>, Vec<[f64; 3]>) = texels.map(covariance).unzip();
-                whole = factors[0];
+                let (factors, texels): (Vec<(f64, f64)>, Vec<[f64; 3]>) = texels.map(covariance).unzip();
+                if factors.len() >= 16 {
+                    // By variance: what is flat has no lobe.
+                    let sum = factors.iter().fold([0.0; 2], |[of, all], (factor, by)| [of + factor * by, all + by]);
+                    of_sixteenths = if sum[1] > 0.0 { sum[0] / sum[1] } else { 1.0 };
+                }
                 lost.push(texels);
             },
         );
@@ -250,7 +255,7 @@ impl BumpPyramid {
             }
         }
         let format = BumpFormat { offset_exponent, roughness_exponent, roughness: storage };
-        Self { levels, format, saturated, concentration: whole }
+        Self { levels, format, saturated, concentration: of_sixteenths }
     }
 
     /// Whether any texel of the level has roughness: bumps that it does not show, or base roughness.

@@ -3,6 +3,9 @@
 //! Run with `--nocapture` to see what was reached; `picture-bars` prints how much faster it is.
 
 use roughxel_core::precision::Precision;
+use roughxel_emulator::frame::Prepared;
+use roughxel_emulator::plan::{Effect, Mode};
+use roughxel_emulator::scene::{Scene, builtin_names};
 use roughxel_host_tests::bars::{real_scenes, scene_figures};
 use roughxel_host_tests::space::whole_or;
 
@@ -14,5 +17,23 @@ fn filtered_pictures_of_real_scenes_are_near_to_what_16_samples_reach() {
         let figures = scene_figures(&real.scene, &Precision::STANDARD, edge, &|| ()).expect("it can be drawn");
         println!("{}: {figures:.1?}", real.name);
         assert!(figures.footprint >= figures.supersampled_16 - real.behind, "{}: {figures:?}", real.name);
+    }
+}
+
+/// `globe` is land and sea, which are of two kinds over the whole map alone: two lobes there are 2 to 4 dB worse.
+#[test]
+fn bricks_alone_have_two_lobes() {
+    let has_two = |scene: &Scene| {
+        let prepared = Prepared::new(scene, Mode::Footprint, &Precision::STANDARD).expect("it can be drawn");
+        prepared.plans().any(|plan| plan.has(Effect::TwoLobes))
+    };
+    let reflects = |scene: &Scene| scene.objects.iter().any(|object| object.material.reflectance != [0.0; 3]);
+    for name in builtin_names() {
+        let scene = Scene::builtin(name).expect("it is built in").expect("it is good");
+        assert!(!reflects(&scene) || !has_two(&scene), "{name}");
+    }
+    let Some(scenes) = real_scenes() else { return };
+    for real in scenes.into_iter().filter(|real| reflects(&real.scene)) {
+        assert_eq!(has_two(&real.scene), real.name == "plane of bricks", "{}", real.name);
     }
 }
