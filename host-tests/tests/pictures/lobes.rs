@@ -182,8 +182,8 @@ fn inside(scene: &Scene) -> Vec<bool> {
 const BARS: [(f64, [f64; 2]); 5] =
     [(0.05, [33.9, 36.5]), (0.1, [35.0, 38.5]), (0.25, [32.2, 35.7]), (0.5, [31.8, 33.9]), (1.0, [30.3, 30.3])];
 
-/// By how much the largest difference of neighbours may be above the truth's: the last pixel before the silhouette of the sphere, and spots of 16
-/// probes near the horizon of the plane.
+/// By how much the largest difference of neighbours may be above the truth's: the last pixel before the silhouette of the sphere, and near the
+/// horizon of the plane places of probes that change from row to row. More than 16 of them change neither.
 const JUMP: f64 = 0.08;
 
 #[test]
