@@ -197,7 +197,7 @@ pub trait Texel: Copy {
     fn words(self) -> Self::Words;
 }
 
-/// A colour: [`colour_word`].
+/// A colour: its channels in the lower three quarters of a word.
 impl Texel for [u16; 3] {
     type Words = [u64; 1];
     fn words(self) -> [u64; 1] {
