@@ -155,6 +155,12 @@ designs! {
     BumpTexel "bump_texel": BumpTexelInput -> BumpSample<S>,
         |input, _, p| texel::bump_texel(&input.codes, &input.scale, p.roughness);
 
+    /// sample of a bump map with the roughness of the ramp between its texels, one probe
+    BumpRamp "bump_ramp": BumpRampInput -> BumpSample<S>,
+        |input, _, _| {
+            texel::bump_ramp(&input.sample, &[input.fine, input.coarse], input.level_weight, input.reach)
+        };
+
     /// sample of a bump map to second moments, one probe
     BumpProbe "bump_probe": BumpSample -> BumpMoments<S>, |input, _, _| texel::bump_probe(input);
 
@@ -464,6 +470,26 @@ bundle! {
         codes: BumpCodes<W>,
         /// Scales of the map.
         scale: BumpScale<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `bump_ramp`.
+    pub struct BumpRampInput<W> {
+        /// The sample.
+        sample: BumpSample<W>,
+        /// b₁, b₂ of the texels (0,0), (1,0), (0,1), (1,1) on the finer level.
+        #[range(-1..=1)]
+        fine: [[Control<W, 2>; 2]; 4],
+        /// The same on the coarser level.
+        #[range(-1..=1)]
+        coarse: [[Control<W, 2>; 2]; 4],
+        /// Weight of the coarser level.
+        #[range(0..1)]
+        level_weight: Control<W, LEVEL_WEIGHT>,
+        /// How much of a texel of level 0 the probe spans across.
+        #[range(0..=1)]
+        reach: Control<W, SHARE>,
     }
 }
 

@@ -9,7 +9,7 @@ use crate::fetch::{Fetch, int};
 use crate::fx::{Control, Fx, Int};
 use crate::ports::SHARE;
 use crate::precision::Precision;
-use crate::signals::{Probes, TexturePosition};
+use crate::signals::{RepeatedFootprint, TexturePosition};
 use crate::stage::filter::{LEVEL_WEIGHT, LevelPair, ProbeSum, WEIGHT};
 use crate::stage::texture::TextureScale;
 use crate::word::Word;
@@ -31,7 +31,7 @@ pub struct View<'a, W: Word> {
     /// The middle.
     pub centre: &'a TexturePosition<W>,
     /// Around it, with the scale of the map; without it there is one probe, of the finest level.
-    pub footprint: Option<(&'a Probes<W>, &'a TextureScale<W>)>,
+    pub footprint: Option<(&'a RepeatedFootprint<W>, &'a TextureScale<W>)>,
     /// Of the map, the finest first, at least one; texels are in rows.
     pub levels: &'a [Level],
     /// What a level has lost is roughness: the footprint looks at finer ones, as that of a rough reflection does.
@@ -67,7 +67,7 @@ pub struct Read<W: Word> {
 /// Hands what each probe of a fragment reads to `take`, in their order.
 #[inline(always)]
 pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(Read<W>)) {
-    let Some((probes, scale)) = view.footprint else {
+    let Some((RepeatedFootprint { probes, .. }, scale)) = view.footprint else {
         let fine = tap::<W>(view.centre, finest::<W>(view.levels), p);
         let level_weight = Fx::zero();
         return take(Read { turn: 0, counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });

@@ -398,6 +398,9 @@ pub const LOG2_TEXEL_ON_SPHERE: i32 = round(((ln(243 * ONE / 200) << 60) / LN2 +
 /// 1/√12 · 2^30: the standard deviation of a box of width one (errata 4 and 5).
 pub const BOX_SIGMA: i32 = round(isqrt((ONE / 12) << 60), 30);
 
+/// 1/√3 · 2^30: two standard deviations over the diameter of a footprint.
+pub const INVERSE_ROOT_THREE: i32 = round(isqrt((ONE / 3) << 60), 30);
+
 /// log₂(2√3) · 2^16: the minor diameter in units of λ₂.
 pub const LOG2_DIAMETER: i32 = round(((ln(3 * ONE / 2) + LN2) << 60) / LN2 / 2 + ONE, 16);
 

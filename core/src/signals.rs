@@ -154,6 +154,17 @@ bundle! {
 }
 
 bundle! {
+    /// What a fragment sees of a repeated map.
+    pub struct RepeatedFootprint<W> {
+        /// Its probes.
+        probes: Probes<W>,
+        /// How much of a texel of level 0 each spans across: 2λ₂, 1 where it is more.
+        #[range(0..=1)]
+        reach: Control<W, SHARE>,
+    }
+}
+
+bundle! {
     /// How many probes a footprint has, and how wide they are.
     pub struct CountAndLevel<W> {
         /// N, 1…16.

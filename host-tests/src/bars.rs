@@ -12,7 +12,7 @@ mod real_scenes;
 pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
-pub use real_scenes::{RealScene, real_scenes};
+pub use real_scenes::{BEHIND_16_SAMPLES, RealScene, real_scenes};
 
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_emulator::frame::Prepared;
@@ -59,6 +59,21 @@ pub const GROUND_BAR: f64 = 35.0;
 pub const GROUND_TEXELS: f64 = 40.0;
 /// Largest step across an edge of the cube as a share of the variation inside a face.
 pub const CUBE_EDGE_BAR: f64 = 0.02;
+
+/// A plane and a ball of rough mirror with two lobes each, which no built-in scene has.
+///
+/// # Panics
+/// Never: the scene is good.
+pub fn two_lobes() -> Scene {
+    let material = "{ reflectance = 0.7, two_lobes = true, height_map = { generate = \"waves\", size = 64, highest = 8, rms_slope = 0.2 } }";
+    let text = format!(
+        "[camera]\neye = [0, 1.5, 5]\ntarget = [0, 0.4, 0]\nfov_y = 35\nwidth = 96\nheight = 72\n\
+         [environment]\ngenerate = \"zebra\"\nface_edge = 64\n\
+         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {material}\n\
+         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {material}\n"
+    );
+    Scene::from_toml("two lobes", &text, std::path::Path::new("")).expect("the scene is good")
+}
 
 /// PSNR in dB of a frame in a mode against the same filter in float64.
 pub fn psnr_against_float(scene: &Scene, mode: Mode, profile: &Precision) -> Result<f64, RasterError> {

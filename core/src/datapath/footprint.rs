@@ -4,15 +4,16 @@ use crate::block::Block;
 use crate::bundle::bundle;
 use crate::each::each;
 use crate::fx::Int;
-use crate::ports::PortBlock;
+use crate::ports::{PortBlock, SHARE};
 use crate::precision::Precision;
 use crate::signals::{
-    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition,
-    TextureProbe,
+    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, RepeatedFootprint, SphereProbe, Sweep,
+    TexturePosition, TextureProbe,
 };
 use crate::stage::texture::TextureScale;
 use crate::stage::{axes, cube_face, ellipse, enter, probes, sweep, texture};
 use crate::staged::{Staged, control_stage, stage};
+use crate::word::Word;
 
 /// The ellipse of a pixel's two columns.
 #[inline(always)]
@@ -78,6 +79,14 @@ pub fn texture_probe<W: Staged>(
     TextureProbe { place, weight }
 }
 
+impl<W: Word> TextureFootprint<W> {
+    /// What fetches take of it.
+    #[inline(always)]
+    pub fn seen(&self) -> RepeatedFootprint<W> {
+        RepeatedFootprint { probes: self.probes, reach: self.reach }
+    }
+}
+
 bundle! {
     /// The footprint of a fragment in a repeated map.
     pub struct TextureFootprint<W> {
@@ -89,6 +98,9 @@ bundle! {
         axes: Axes<W>,
         /// N, step, level of detail.
         probes: Probes<W>,
+        /// How much of a texel of level 0 a probe spans across, at most 1.
+        #[range(0..=1)]
+        reach: Control<W, SHARE>,
     }
 }
 
@@ -106,5 +118,6 @@ pub fn texture_footprint<W: Staged>(
     });
     let ellipse = pixel_ellipse(&columns, p);
     let (axes, probes) = assemble(&ellipse, map, p);
-    TextureFootprint { columns, ellipse, axes, probes }
+    let reach = control_stage!("probes.reach", probes::reach(&axes, &probes, texture.log2_unit, p));
+    TextureFootprint { columns, ellipse, axes, probes, reach }
 }

@@ -283,6 +283,32 @@ pub fn bump_texel<W: Staged>(codes: &BumpCodes<W>, scale: &BumpScale<W>, kind: R
     })
 }
 
+/// The sample of a probe that spans `reach` of a texel with the ramp between the texels that it reads: b₁, b₂ of (0,0), (1,0), (0,1), (1,1) on both
+/// levels.
+#[inline(always)]
+pub fn bump_ramp<W: Staged>(
+    sample: &BumpSample<W>,
+    offsets: &[[[Control<W, 2>; 2]; 4]; 2],
+    level_weight: Control<W, LEVEL_WEIGHT>,
+    reach: Control<W, SHARE>,
+) -> BumpSample<W> {
+    let weights = stage!(
+        "filter.ramp_weights",
+        each!(weight in filter::ramp_weights(level_weight, reach) => Value::<W, SHARE>(weight))
+    );
+    stage!("moments.ramp", {
+        let weights = each!(Value(weight) in weights => weight);
+        let covariance = moments::with_ramp(&sample.covariance, &moments::ramp(offsets, &weights));
+        BumpSample { offset: sample.offset, covariance }
+    })
+}
+
+/// The offsets of texels whose first two channels they are.
+#[inline(always)]
+pub fn bump_offsets<W: Word, const CHANNELS: usize>(quad: &Quad<W, CHANNELS>) -> [[Control<W, 2>; 2]; 4] {
+    each!(texel in quad.texels => each!(channel in [0, 1] => texel[channel].reread()))
+}
+
 /// What is averaged of the sample of one probe: second moments in place of K.
 #[inline(always)]
 pub fn bump_probe<W: Staged>(sample: &BumpSample<W>) -> BumpMoments<W> {

@@ -118,6 +118,14 @@ pub fn levels<W: Word>(lod: Control<W, LOD>) -> LevelPair<W> {
     LevelPair { level, weight: (lod - Fx::of_index(level, 0)).to_control() }
 }
 
+/// Weights of the finer and of the coarser level in what differs between texels, for a probe that spans `reach` of a texel of the finest level;
+/// their sum is the reach.
+#[inline(always)]
+pub fn ramp_weights<C: Word<Count = C>>(level_weight: Fx<C, LEVEL_WEIGHT>, reach: Fx<C, SHARE>) -> [Fx<C, SHARE>; 2] {
+    let coarse = level_weight.mul::<SHARE, { LEVEL_WEIGHT + SHARE }>(reach).round_to(16);
+    [reach - coarse, coarse]
+}
+
 bundle! {
     /// Four texels of a level and their weights.
     pub struct Patch<W> {

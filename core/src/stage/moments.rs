@@ -2,18 +2,19 @@
 //!
 //! Interpolated within a probe are b and K = D Dᵀ, never D (erratum 15). Averaged over the probes are b and the
 //! second moments K + b bᵀ, so the variance of the *means* between probes is kept, as S97's recursion keeps it
-//! between levels (erratum 14). Between the texels of one bilinear patch the surface is a ramp narrower than the
-//! probe; counting its corners as a distribution would triple the ramp's variance and blur a magnified map
+//! between levels (erratum 14). Between the texels of one bilinear patch the surface is a ramp; half of its variance
+//! within the probe is added to K, that of a probe no wider than a texel (of standard deviation ½ texel, or of the pixel's
+//! where the map is magnified). Counting the corners of a patch as a distribution would blur a magnified map
 //! (measured on resolved bumps: 3.7 dB). The result becomes D again, K = D Dᵀ: d₃ = √c, d₂ = b/√c,
 //! d₁ = √(a − b²/c); c = 0 gives d₂ = 0, d₁ = √a (erratum 13). Numbers are in units of the map's scale: |b|, |d| ≤ 1.
-//! A square is rounded alike on both ways, so that equal probes give back their K to the bit, none where nothing is lost.
+//! A square is rounded alike on both ways, so that equal probes give back their K to the bit, none where offsets do not differ.
 //! Error: K 2^−28 absolute, D the root of it.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number};
 use crate::each::each;
 use crate::elementary::root_and_inverse;
 use crate::fx::{Control, Fx, Wide};
-use crate::ports::OFFSET;
+use crate::ports::{OFFSET, SHARE};
 use crate::precision::Precision;
 use crate::word::Word;
 
@@ -51,6 +52,41 @@ pub fn of_isotropic_texel<W: Word>(i1: Mantissa<W>) -> [Fx<W, MOMENT>; 3] {
     of_texel(&[i1, Fx::zero(), i1])
 }
 
+/// Half the variance of the ramp of b within a probe, |·| ≤ 1: ⅛·(d_u d_uᵀ + d_v d_vᵀ), d the mean differences of the texels (0,0), (1,0), (0,1), (1,1)
+/// along each axis, those of a finer and of a coarser level weighed with [`ramp_weights`](super::filter::ramp_weights).
+/// Error: 2^−15 of the root of the trace, from the weights, and 2^−28.
+#[inline(always)]
+pub fn ramp<W: Word>(offsets: &[[[Mantissa<W>; 2]; 4]; 2], weights: &[Fx<W, SHARE>; 2]) -> [Fx<W, MOMENT>; 3] {
+    // A quarter of each texel, so that half a mean difference is at most 1.
+    let quarters = each!(level in *offsets => each!(texel in level => each!(b in texel => b.floor_shr(2))));
+    let slope = |from: [usize; 2], to: [usize; 2]| {
+        each!(channel in [0, 1] => {
+            let [fine, coarse]: [Wide<W, { MANTISSA + SHARE }>; 2] = each!(level in [0, 1] => {
+                let b = |texel: usize| quarters[level][texel][channel];
+                (b(to[0]) - b(from[0]) + (b(to[1]) - b(from[1]))).mul(weights[level])
+            });
+            let blend = (fine + coarse).claim(-1, 1, 0, "weights_of_a_ramp_sum_to_its_reach");
+            blend.round_to::<MANTISSA>(Mantissa::<W>::FRACTION)
+        })
+    };
+    let [along_u, along_v] = [slope([0, 2], [1, 3]), slope([0, 1], [2, 3])];
+    let [u, v] = each!(slope in [along_u, along_v] => products(&slope));
+    // Half of the sum: the point moves.
+    each!(i in [0, 1, 2] => (u[i] + v[i]).reread::<{ PRODUCT - 1 }>().round_to(Fx::<W, MOMENT>::FRACTION))
+}
+
+/// K with the ramp of its probe, each element within ±2 as that of a texel.
+#[inline(always)]
+pub fn with_ramp<W: Word>(k: &[Fx<W, MOMENT>; 3], ramp: &[Fx<W, MOMENT>; 3]) -> [Fx<W, MOMENT>; 3] {
+    each!(i in [0, 1, 2] => (k[i] + ramp[i]).saturate(Fx::int(-2), Fx::int(2)))
+}
+
+/// b bᵀ, its elements 11, 12, 22, exact.
+#[inline(always)]
+fn products<W: Word>(b: &[Mantissa<W>; 2]) -> [Product<W>; 3] {
+    each!((x, y) in [(0, 0), (0, 1), (1, 1)] => b[x].mul(b[y]))
+}
+
 /// Second moments K + b bᵀ of one probe, the channels that are averaged over probes beside b. |·| ≤ 3.
 #[inline(always)]
 pub fn of_probe<W: Word>(b: &[Mantissa<W>; 2], k: &[Fx<W, MOMENT>; 3]) -> [Fx<W, MOMENT>; 3] {
@@ -61,9 +97,7 @@ pub fn of_probe<W: Word>(b: &[Mantissa<W>; 2], k: &[Fx<W, MOMENT>; 3]) -> [Fx<W,
 /// b bᵀ as second moments.
 #[inline(always)]
 fn squares<W: Word>(b: &[Mantissa<W>; 2]) -> [Fx<W, MOMENT>; 3] {
-    each!((x, y) in [(0, 0), (0, 1), (1, 1)] => {
-        b[x].mul::<MANTISSA, PRODUCT>(b[y]).round_to(Fx::<W, MOMENT>::FRACTION)
-    })
+    each!(product in products(b) => product.round_to(Fx::<W, MOMENT>::FRACTION))
 }
 
 /// Covariance around the mean: a, b, c of K as a block, a and c not negative.

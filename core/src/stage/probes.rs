@@ -80,6 +80,22 @@ pub fn count_and_level<W: Word>(
     CountAndLevel { count, share, level, capped, empty: axes.major.is_zero() }
 }
 
+/// How much of a texel of level 0 a probe spans across: 2λ₂ where that is below 1, on a map of 2^`log2_unit` texels in a map unit.
+/// Error: 2^−(p−4) of λ₁ in texels, and 2^−17.
+#[inline(always)]
+pub fn reach<W: Word>(axes: &Axes<W>, probes: &Probes<W>, log2_unit: Int<W>, p: &Precision) -> Control<W, SHARE> {
+    let sigma = Block::select(probes.capped, axes.major, axes.minor);
+    // 2√3/N of what N probes share, over √3.
+    let count = Fx::select(probes.capped, probes.count, Fx::int(1));
+    let per_sigma: Fx<W, OFFSET> = Fx::lookup(count, &rom::STEP_PER_SIGMA);
+    let diameter: Wide<W, { OFFSET + MANTISSA }> = per_sigma.keep(p.offset_bits()).mul(sigma.m[0]);
+    let diameter = number(diameter, sigma.e + log2_unit, p.fraction_bits);
+    let twice_sigma = diameter.m[0].mul::<MANTISSA, PRODUCT>(Fx::entry(rom::INVERSE_ROOT_THREE).keep(p.fraction_bits));
+    // Of an exponent above 2 it is above 1.
+    let reach: Wide<W, { PRODUCT + 2 }> = twice_sigma.at_exponent(diameter.e.min(Fx::int(2)));
+    reach.max(Fx::zero()).min(Fx::int(1)).round_to_control(16)
+}
+
 /// What the rule asks for.
 struct Rule<W: Word> {
     count: Int<W>,

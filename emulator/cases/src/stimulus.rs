@@ -149,6 +149,7 @@ pub fn port_values(
             vec![integers_at(&StoredPeakInput { half, words, weight: share(random, (1 << 16) + 1), sum }, p)]
         }
         Design::BumpTexel
+        | Design::BumpRamp
         | Design::BumpProbe
         | Design::Bump
         | Design::Corner

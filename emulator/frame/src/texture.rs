@@ -4,7 +4,7 @@ use roughxel_core::datapath::texel::{self, BumpCodes, BumpScale};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::PortBlock;
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::signals::{MapScale, Probes, TexturePosition};
+use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_lanes::{Bumped, Columns, MapTexels, Places, Reading, RepeatedMap, Shown};
 use roughxel_maps::bump::BumpPyramid;
@@ -22,7 +22,7 @@ pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
 struct SizedFootprints {
     size: [i32; 2],
     scale: (TextureScale<i32>, MapScale<i32>),
-    probes: Columns<Probes<i32>>,
+    footprints: Columns<RepeatedFootprint<i32>>,
 }
 
 /// The footprints of a batch of fragments in the maps that they read; none where nothing is filtered.
@@ -35,7 +35,7 @@ impl Footprints {
         let mut sizes: Vec<SizedFootprints> = Vec::new();
         for map in maps {
             if sizes.iter().all(|sized| sized.size != map.size()) {
-                sizes.push(SizedFootprints { size: map.size(), scale: map.scale, probes: Columns::default() });
+                sizes.push(SizedFootprints { size: map.size(), scale: map.scale, footprints: Columns::default() });
             }
         }
         Self(sizes)
@@ -43,14 +43,14 @@ impl Footprints {
 
     /// The footprints of these fragments in place of all others.
     pub fn set(&mut self, derivatives: &Columns<TextureDerivatives>, reading: Reading, p: &Precision) {
-        for SizedFootprints { scale, probes, .. } in &mut self.0 {
-            reading.texture_footprints(derivatives, scale, p, probes);
+        for SizedFootprints { scale, footprints, .. } in &mut self.0 {
+            reading.texture_footprints(derivatives, scale, p, footprints);
         }
     }
 
     /// Where fragments at these places look in a map.
     pub(super) fn places<'a>(&'a self, centres: &'a Columns<TexturePosition<i32>>, map: &RepeatedMap) -> Places<'a> {
-        let footprints = self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.probes);
+        let footprints = self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.footprints);
         Places { centres, footprints }
     }
 }

@@ -298,11 +298,11 @@ impl Reading {
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, ((places.centres, footprints), numbers), read,
-                |((centre, probes), number), texture| {
-                    patches_of(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, number, patches, p)
+                |((centre, footprint), number), texture| {
+                    patches_of(&View { centre, footprint: Some((footprint, texture)), levels, rough: false }, number, patches, p)
                 },
-                else on_words!(p, |centre, probes, number, texture| {
-                    patches_of(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, number, patches, p)
+                else on_words!(p, |centre, footprint, number, texture| {
+                    patches_of(&View { centre, footprint: Some((footprint, texture)), levels, rough: false }, number, patches, p)
                 })
             ),
             None => each_fragment!(
@@ -329,12 +329,12 @@ impl Reading {
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, ((places.centres, footprints), numbers), shown,
-                |((centre, probes), number), texture, colour| {
-                    let view = View { centre, footprint: Some((probes, texture)), levels, rough: false };
+                |((centre, footprint), number), texture, colour| {
+                    let view = View { centre, footprint: Some((footprint, texture)), levels, rough: false };
                     shown_of(mean_of(&view, number, light, p), colour)
                 },
-                else on_words!(p, |centre, probes, number, texture, colour| {
-                    let view = View { centre, footprint: Some((probes, texture)), levels, rough: false };
+                else on_words!(p, |centre, footprint, number, texture, colour| {
+                    let view = View { centre, footprint: Some((footprint, texture)), levels, rough: false };
                     shown_of(mean_of(&view, number, light, p), colour)
                 })
             ),

@@ -14,7 +14,7 @@ use roughxel_core::ports::{LIGHT, PortBlock, REFLECTANCE, ReflectionInput, Surfa
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::repeated::{self, Mean, Tap, View};
 use roughxel_core::sampler::{self, Cube, CubeMemory, Seen};
-use roughxel_core::signals::{CubePoint, MapScale, Probes, Sweep, TexturePosition};
+use roughxel_core::signals::{CubePoint, MapScale, Probes, RepeatedFootprint, Sweep, TexturePosition};
 use roughxel_core::soft_core;
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
@@ -198,7 +198,7 @@ pub struct Places<'a> {
     /// Texture coordinates.
     pub centres: &'a Columns<TexturePosition<i32>>,
     /// Footprints around them; none where nothing is filtered.
-    pub footprints: Option<&'a Columns<Probes<i32>>>,
+    pub footprints: Option<&'a Columns<RepeatedFootprint<i32>>>,
 }
 
 /// The ports of a surface.
@@ -275,11 +275,21 @@ fn bump<W: Fetch>(
         );
         ([b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps)
     } else {
+        let reach = view.footprint.map(
+            #[inline(always)]
+            |(footprint, _)| footprint.reach,
+        );
         let Mean { channels, taps } = repeated::mean(
             view,
             #[inline(always)]
             |tap: &Tap<W>, _| texels.quad(tap),
-            texel::word_samples::<W, _>,
+            #[inline(always)]
+            |fine, coarse, level_weight| {
+                let sample = texel::word_samples::<W, _>(fine, coarse, level_weight);
+                let Some(reach) = reach else { return sample };
+                let offsets = each!(quad in [fine, coarse.unwrap_or(fine)] => texel::bump_offsets::<W, _>(quad));
+                texel::bump_ramp(&BumpSample::<W>::of_words(sample), &offsets, level_weight, reach).words()
+            },
             #[inline(always)]
             |sample| texel::bump_probe(&BumpSample::<W>::of_words(sample)).words(),
             p,
@@ -489,12 +499,12 @@ impl Reading {
         derivatives: &Columns<[PortBlock<i32, 2>; 2]>,
         (texture, scale): &(TextureScale<i32>, MapScale<i32>),
         p: &Precision,
-        probes: &mut Columns<Probes<i32>>,
+        footprints: &mut Columns<RepeatedFootprint<i32>>,
     ) {
         each_fragment!(
-            self, p, derivatives, probes,
-            |duv, texture, scale| datapath::texture_footprint(duv, texture, scale, p).probes,
-            else soft_core::texture_footprint(duv, texture, scale, p).probes
+            self, p, derivatives, footprints,
+            |duv, texture, scale| datapath::texture_footprint(duv, texture, scale, p).seen(),
+            else soft_core::texture_footprint(duv, texture, scale, p).seen()
         );
     }
 
@@ -511,11 +521,11 @@ impl Reading {
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, (places.centres, footprints), colours,
-                |(centre, probes), own, texture| {
-                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, map, exponent, own, p)
+                |(centre, footprint), own, texture| {
+                    colour(&View { centre, footprint: Some((footprint, texture)), levels, rough: false }, map, exponent, own, p)
                 },
-                else on_words!(p, |centre, probes, own, texture| {
-                    colour(&View { centre, footprint: Some((probes, texture)), levels, rough: false }, map, exponent, own, p)
+                else on_words!(p, |centre, footprint, own, texture| {
+                    colour(&View { centre, footprint: Some((footprint, texture)), levels, rough: false }, map, exponent, own, p)
                 })
             ),
             None => each_fragment!(
@@ -541,11 +551,11 @@ impl Reading {
         match places.footprints {
             Some(footprints) => each_fragment!(
                 self, p, (places.centres, footprints), bumps,
-                |(centre, probes), scale, texture| {
-                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, map, scale, kind, p)
+                |(centre, footprint), scale, texture| {
+                    bump(&View { centre, footprint: Some((footprint, texture)), levels, rough }, map, scale, kind, p)
                 },
-                else on_words!(p, |centre, probes, scale, texture| {
-                    bump(&View { centre, footprint: Some((probes, texture)), levels, rough }, map, scale, kind, p)
+                else on_words!(p, |centre, footprint, scale, texture| {
+                    bump(&View { centre, footprint: Some((footprint, texture)), levels, rough }, map, scale, kind, p)
                 })
             ),
             None => each_fragment!(

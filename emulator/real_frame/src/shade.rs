@@ -11,7 +11,9 @@ use roughxel_scene::{Background, Object, Scene};
 use super::footprint::{Footprint, Footprints};
 use super::maps::{self, BUMP_CHANNELS};
 use roughxel_reference::cube::select;
-use roughxel_reference::filter::{CubeMap, Map, cube_assemble, cube_trilinear, texels_to_repeats, trilinear};
+use roughxel_reference::filter::{
+    CubeMap, Map, cube_assemble, cube_trilinear, differences, texels_to_repeats, trilinear,
+};
 use roughxel_reference::linear::{add_scaled, norm, scaled};
 use roughxel_reference::probes::{self, ProbePlan};
 use roughxel_reference::roughness::Covariance;
@@ -39,6 +41,16 @@ struct ShadedObject<'a> {
     plan: ObjectPlan,
     colour: Option<Vec<Map<3>>>,
     bump: Option<Vec<Map<BUMP_CHANNELS>>>,
+}
+
+/// A probe in a repeated map.
+struct Probe {
+    /// Its middle in repeats.
+    uv: [f64; 2],
+    /// Level of detail, not below the finest.
+    lod: f64,
+    /// How much of a texel of the finest level it spans across: twice its standard deviation, at most 1.
+    reach: f64,
 }
 
 fn real_vector(v: BlockVector) -> [f64; 3] {
@@ -110,7 +122,7 @@ impl<'a> Shader<'a> {
         let material = &shaded.object.material;
         let mut surface = material.colour.map(f64::from);
         if let Some(map) = &shaded.colour {
-            let texel = self.repeated(map, attributes, 0.0, |sample| sample);
+            let texel = self.repeated(map, attributes, 0.0, |at| trilinear(map, at.uv, at.lod));
             surface = core::array::from_fn(|i| surface[i] * texel[i]);
         }
         let (Some(environment), Some(_)) = (&self.environment, shaded.plan.reflection) else { return surface };
@@ -127,40 +139,48 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The mean over the footprint of a fragment in a repeated map, its level of detail moved by `bias` ≤ 0, or the sample at its place; `probe`
-    /// turns the sample of one probe into what is averaged.
+    /// The mean over the footprint of a fragment in a repeated map, its level of detail moved by `bias` ≤ 0, or what is at its place; `sample` says
+    /// what is at a probe.
     fn repeated<const C: usize>(
         &self,
         levels: &[Map<C>],
         attributes: &FragmentAttributes,
         bias: f64,
-        probe: impl Fn([f64; C]) -> [f64; C],
+        sample: impl Fn(&Probe) -> [f64; C],
     ) -> [f64; C] {
         let uv = attributes.uv.map(|u| f64::from(u.to_bits()) * 2_f64.powi(-32));
         if !self.filters {
-            return probe(levels[0].bilinear(uv));
+            return sample(&Probe { uv, lod: 0.0, reach: 0.0 });
         }
         let size = [levels[0].width as u32, levels[0].height as u32];
         let columns = columns_in_texels(attributes.duv.map(real_pair), size);
         let plan = reference::texture(columns, 1.0, size, self.rule, self.max_probes).probes;
         let plan = texels_to_repeats(&plan, size);
+        let (lod, reach) = ((plan.lod + bias).max(0.0), (2.0 * plan.minor).min(1.0));
         let mut mean = [0.0; C];
         for (index, &weight) in (0..plan.count).zip(&self.weights[plan.count as usize - 1]) {
-            let at = add_scaled(uv, 1.0, plan.offset(index));
-            mean = add_scaled(mean, weight, probe(trilinear(levels, at, (plan.lod + bias).max(0.0))));
+            let at = Probe { uv: add_scaled(uv, 1.0, plan.offset(index)), lod, reach };
+            mean = add_scaled(mean, weight, sample(&at));
         }
         mean
     }
 
-    /// Mean offset and covariance over the footprint: within a probe b and K are interpolated, between the probes of a
-    /// footprint the variance of their means counts (errata 14 and 15).
+    /// Mean offset and covariance over the footprint: within a probe b and K are interpolated, and half the variance of the ramp between its texels is
+    /// roughness; between the probes of a footprint the variance of their means counts (errata 14 and 15).
     fn bump(
         &self,
         levels: &[Map<BUMP_CHANNELS>],
         kind: RoughnessKind,
         attributes: &FragmentAttributes,
     ) -> ([f64; 2], Covariance) {
-        let second_moments = |[u, v, a, b, c]: [f64; BUMP_CHANNELS]| [u, v, a + u * u, b + u * v, c + v * v];
+        let second_moments = |at: &Probe| {
+            let [u, v, mut a, mut b, mut c] = trilinear(levels, at.uv, at.lod);
+            for [d1, d2, ..] in differences(levels, at.uv, at.lod) {
+                let share = at.reach * at.reach / 8.0;
+                (a, b, c) = (a + share * d1 * d1, b + share * d1 * d2, c + share * d2 * d2);
+            }
+            [u, v, a + u * u, b + u * v, c + v * v]
+        };
         let [u, v, m11, m12, m22] = self.repeated(levels, attributes, bias_of(kind), second_moments);
         ([u, v], [(m11 - u * u).max(0.0), m12 - u * v, (m22 - v * v).max(0.0)])
     }

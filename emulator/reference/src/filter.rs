@@ -56,6 +56,17 @@ impl<const C: usize> Map<C> {
         levels
     }
 
+    /// Mean differences between the four texels of the bilinear patch at (u, v), along u and along v.
+    fn differences(&self, [u, v]: Vector2) -> [[f64; C]; 2] {
+        let [(x, _), (y, _)] = [split(u * self.width as f64 - 0.5), split(v * self.height as f64 - 0.5)];
+        let texel = |i, j| self.repeated(x + i, y + j);
+        let between = |from: [[f64; C]; 2], to: [[f64; C]; 2]| {
+            scaled(0.5, core::array::from_fn(|c| to[0][c] - from[0][c] + to[1][c] - from[1][c]))
+        };
+        let (upper, lower) = ([texel(0, 0), texel(1, 0)], [texel(0, 1), texel(1, 1)]);
+        [between([upper[0], lower[0]], [upper[1], lower[1]]), between(upper, lower)]
+    }
+
     /// Bilinear sample at (u, v) in repeats of the map.
     pub fn bilinear(&self, [u, v]: Vector2) -> [f64; C] {
         let (x, x_weight) = split(u * self.width as f64 - 0.5);
@@ -90,6 +101,11 @@ fn between_levels<L, const C: usize>(levels: &[L], lod: f64, sample: impl Fn(&L)
 /// Trilinear sample at (u, v) in repeats of the map.
 pub fn trilinear<const C: usize>(levels: &[Map<C>], uv: Vector2, lod: f64) -> [f64; C] {
     between_levels(levels, lod, |level| level.bilinear(uv))
+}
+
+/// Mean differences of neighbouring texels at (u, v) along u and along v, those of two levels blended, each per texel of its level.
+pub fn differences<const C: usize>(levels: &[Map<C>], uv: Vector2, lod: f64) -> [[f64; C]; 2] {
+    [0, 1].map(|axis| between_levels(levels, lod, |level| level.differences(uv)[axis]))
 }
 
 /// Footprint assembly: the weighted sum of trilinear probes around (u, v); the plan's unit is repeats of the map.

@@ -15,16 +15,19 @@ const SIZE: [u32; 2] = [64, 48];
 /// Modes of every profile.
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 
-/// One line per built-in scene, profile and mode: their names and the SHA-256 of the frame's words.
+/// One line per built-in scene and one with [two lobes](super::two_lobes), profile and mode: their names and the SHA-256 of the frame's words.
 ///
 /// Scenes with the same map share its fitted peaks, and all modes of a scene. Errors: a sentence naming the scene that
 /// cannot be drawn.
 pub fn golden_frames() -> Result<String, String> {
     let mut text = format!("# SHA-256 of {}x{} frames; written by `picture-bars --bless`.\n", SIZE[0], SIZE[1]);
     let cache = tempfile::tempdir().map_err(|error| error.to_string())?;
-    for name in builtin_names() {
+    for name in builtin_names().chain(["two-lobes"]) {
         let failed = |error: &dyn std::fmt::Display| format!("scene {name}: {error}");
-        let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
+        let scene = match Scene::builtin(name) {
+            Some(scene) => scene.map_err(|error| failed(&error))?,
+            None => super::two_lobes(),
+        };
         let scene = scene.with_size(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
         let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), &|_| ()).map_err(|error| failed(&error))?;
         let variants: Vec<(&str, Mode)> =

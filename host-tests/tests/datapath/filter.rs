@@ -1,21 +1,28 @@
 //! Addresses, interpolation, the cube's corner, blending and the moments of bumps against integers and the float64
 //! reference.
 
+use fixed::types::{I2F30, U0F32};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::fx::Fx;
-use roughxel_core::precision::Precision;
+use roughxel_core::ports::{BlockPair, TextureIn};
+use roughxel_core::precision::{Precision, ProbeRule};
 use roughxel_core::signals::TexturePosition;
+use roughxel_core::soft_core::texture_scale;
 use roughxel_core::stage::blend::{blend, bright};
 use roughxel_core::stage::filter::{
-    self, Patch, ProbeSum, bright_corner, bright_texel, corner, face_address, levels, repeat_address,
+    self, LEVEL_WEIGHT, Patch, ProbeSum, bright_corner, bright_texel, corner, face_address, levels, repeat_address,
 };
-use roughxel_core::stage::moments::{Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel};
+use roughxel_core::stage::moments::{
+    Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel, ramp, with_ramp,
+};
 use roughxel_emulator::random::SplitMix64;
+use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
+use roughxel_host_tests::reference::linear::normalise_exponent;
 use roughxel_host_tests::reference::roughness::{self, compose, isotropic};
-use roughxel_host_tests::space::profiles;
+use roughxel_host_tests::space::{profiles, whole_or};
 
 fn config() -> ProptestConfig {
     ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(8), ..Default::default() }
@@ -271,6 +278,10 @@ fn unit(x: f64) -> Fx<i32, 2> {
     Fx::from_raw((x * f64::from(1 << 30)).round() as i32)
 }
 
+fn real(x: Fx<i32, 2>) -> f64 {
+    f64::from(x.raw()) / f64::from(1 << 30)
+}
+
 fn real_offset(x: Fx<i32, 4>) -> f64 {
     f64::from(x.raw()) / f64::from(1 << 28)
 }
@@ -439,6 +450,102 @@ fn variance_of_the_means_is_kept_between_probes_and_not_invented_within_one() {
         assert!((k[0] - 0.25).abs() < 0.001 && k[2] == 0.0, "{name}: {k:?}");
         // Halfway between the two the surface is a ramp, not a distribution.
         assert_eq!(stored(&moments_of(halfway(slopes[0], slopes[1])), &p), [0.0; 3], "{name}");
+    }
+}
+
+/// b of four texels on two levels.
+type Offsets = [[[Fx<i32, 2>; 2]; 4]; 2];
+
+/// The ramp of a probe with this weight between levels and this reach, both in last places.
+fn ramp_of(offsets: &Offsets, level_weight: i32, reach: i32) -> [Fx<i32, 3>; 3] {
+    ramp(offsets, &filter::ramp_weights(Fx::<i32, LEVEL_WEIGHT>::from_raw(level_weight), Fx::from_raw(reach)))
+}
+
+#[test]
+fn a_ramp_between_texels_is_half_its_variance_within_the_probe() {
+    let mut random = SplitMix64::new(9);
+    let mut worst: f64 = 0.0;
+    for _ in 0..200_000 {
+        let ends = random.below(8) == 0;
+        let mut word = || if ends { [-1, 1][random.below(2) as usize] << 30 } else { random.next_u64() as i32 >> 1 };
+        let offsets: Offsets = [[(); 4]; 2].map(|level| level.map(|()| [word(), word()].map(Fx::from_raw)));
+        let (level_weight, reach) = (random.below(4096) as i32, random.below((1 << 16) + 1) as i32);
+        let b = |level: usize, texel: usize, channel: usize| real(offsets[level][texel][channel]);
+        // Mean differences along u and v, then their blend.
+        let [du, dv] = [[(0, 1), (2, 3)], [(0, 2), (1, 3)]].map(|pairs| {
+            [0, 1].map(|channel| {
+                let [fine, coarse] = [0, 1].map(|level| {
+                    pairs.map(|(from, to)| b(level, to, channel) - b(level, from, channel)).iter().sum::<f64>() / 2.0
+                });
+                let coarser = f64::from(level_weight) / 4096.0;
+                (fine + (coarse - fine) * coarser) * f64::from(reach) / 65536.0
+            })
+        });
+        let want = [(0, 0), (0, 1), (1, 1)].map(|(i, j)| (du[i] * du[j] + dv[i] * dv[j]) / 8.0);
+        let got = ramp_of(&offsets, level_weight, reach).map(|k| f64::from(k.raw()) * (-29_f64).exp2());
+        assert!(got[0] >= 0.0 && got[2] >= 0.0 && got.iter().all(|k| k.abs() <= 1.0));
+        // The coarser weight has 16 bits: its half place moves a difference of at most 4 between levels by 2^−15.
+        worst = worst.max(distance(got, want) / ((-15_f64).exp2() * (want[0] + want[2]).sqrt() + (-28_f64).exp2()));
+    }
+    println!("{worst:.3} of the stated error");
+    assert!(worst <= 1.0, "{worst} times the stated error");
+}
+
+#[test]
+fn a_ramp_of_equal_texels_or_without_reach_is_none_to_the_bit() {
+    let mut random = SplitMix64::new(10);
+    for _ in 0..20_000 {
+        let mut word = || (random.next_u64() as i32 >> 1) + 1;
+        let (even, any) = ([word(), word()], [[(); 4]; 2].map(|level| level.map(|()| [word(), word()])));
+        let [even, any] = [[[even; 4]; 2], any].map(|levels| levels.map(|texels| texels.map(|b| b.map(Fx::from_raw))));
+        let (level_weight, reach) = (random.below(4096) as i32, random.below((1 << 16) + 1) as i32);
+        assert_eq!(ramp_of(&even, level_weight, reach), [Fx::zero(); 3]);
+        assert_eq!(ramp_of(&any, level_weight, 0), [Fx::zero(); 3]);
+    }
+    let whole = [Fx::int(1), Fx::int(-1), Fx::int(1)];
+    let k = [Fx::int(2), Fx::int(-2), Fx::number(3, -2)];
+    assert_eq!(
+        with_ramp::<i32>(&k, &whole),
+        [Fx::int(2), Fx::int(-2), Fx::number(7, -2)],
+        "within the range of a texel"
+    );
+}
+
+#[test]
+fn a_probe_spans_what_the_reference_says_of_a_texel() {
+    for (name, p) in profiles() {
+        let rule = match p.probe_rule {
+            ProbeRule::Ceiling => reference::probes::ProbeRule::Ceiling,
+            ProbeRule::PowerOfTwo => reference::probes::ProbeRule::PowerOfTwo,
+        };
+        let worst = (0..whole_or(100_000_u64, 20_000))
+            .into_par_iter()
+            .map(|index| {
+                let mut random = SplitMix64::for_element(name, index);
+                let size = [(); 2].map(|()| {
+                    let log2 = random.below(15);
+                    1 + random.below(1 << log2) as u16
+                });
+                // From a thousandth of a texel to a few of them, round or long.
+                let scale = random.uniform(-10.0, 3.0).exp2() / f64::from(size[0].max(size[1]));
+                let long = random.uniform(-8.0, 0.0).exp2();
+                let mut column = |scale: f64| [(); 2].map(|()| random.uniform(-scale, scale));
+                let exact = [column(scale), column(scale * long)];
+                let duv = exact.map(|column| {
+                    let (mantissa, exponent) = normalise_exponent(column);
+                    BlockPair { mantissa: mantissa.map(I2F30::from_num), exponent: exponent as i16 }
+                });
+                let probes = TextureIn { uv: [U0F32::ZERO; 2], duv }.footprint(&texture_scale(size), &p);
+                let size = size.map(u32::from);
+                let columns = reference::columns_in_texels(exact, size);
+                let want = reference::texture(columns, 1.0, size, rule, p.max_probes);
+                let reach = (2.0 * want.probes.minor).min(1.0);
+                let error = (f64::from(probes.reach.raw()) / 65536.0 - reach).abs();
+                error / ((-17_f64).exp2() + (4.0 - f64::from(p.fraction_bits)).exp2() * want.axes.major)
+            })
+            .reduce(|| 0.0, f64::max);
+        println!("{name}: {worst:.3} of the stated error");
+        assert!(worst <= 1.0, "{name}: {worst} times the stated error");
     }
 }
 

@@ -13,7 +13,7 @@ use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::level_edge;
-use roughxel_core::signals::{MapScale, Probes, TexturePosition};
+use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
@@ -365,7 +365,7 @@ pub(super) fn random_views(
     name: &str,
     index: u64,
     p: &Precision,
-) -> (RepeatedMap, Columns<TexturePosition<i32>>, Columns<Probes<i32>>) {
+) -> (RepeatedMap, Columns<TexturePosition<i32>>, Columns<RepeatedFootprint<i32>>) {
     let mut bits = AnyBits(SplitMix64::for_element(name, !index));
     let size = [(); 2].map(|()| {
         let log2 = bits.0.below(7);
@@ -575,9 +575,9 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
             let (texture, map) = (&scale.0, &scale.1);
             let scalar = derivatives.iter().map(|duv| {
                 let duv = &duv;
-                on_words!(&p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, &p).probes)
+                on_words!(&p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, &p).seen())
             });
-            let scalar: Vec<Probes<i32>> = scalar.collect();
+            let scalar: Vec<RepeatedFootprint<i32>> = scalar.collect();
             for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
                 let mut probes = Columns::default();
                 reading.texture_footprints(&derivatives, &scale, &p, &mut probes);

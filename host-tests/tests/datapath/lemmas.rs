@@ -11,6 +11,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision, ProbeRule};
 use roughxel_core::rom::{self, upper};
 use roughxel_core::signals::{Axes, MapScale};
+use roughxel_core::stage::filter::ramp_weights;
 use roughxel_core::stage::probes::{face_scale, position, probes};
 use roughxel_core::word::Word;
 use roughxel_host_tests::checked::Visible;
@@ -247,4 +248,16 @@ fn every_probe_stays_on_the_major_axis<W: Visible>() {
             }
         }
     }
+}
+
+/// Mean differences are at most 1 in each level, so their sum by such weights is.
+#[test]
+fn weights_of_a_ramp_sum_to_its_reach() {
+    let step = whole_or(1, 17);
+    (0..1_i32 << 12).into_par_iter().for_each(|level_weight| {
+        for reach in (0..=1_i32 << 16).step_by(step).chain([1 << 16]) {
+            let [fine, coarse] = ramp_weights::<i32>(Fx::from_raw(level_weight), Fx::from_raw(reach)).map(Fx::raw);
+            assert!(fine >= 0 && coarse >= 0 && fine + coarse == reach, "{level_weight} {reach}: {fine} {coarse}");
+        }
+    });
 }

@@ -11,7 +11,7 @@ use roughxel_core::ports::{Horizon, LIGHT, Port, PortBlock, StoredHorizon};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::repeated::{self, Tap, View};
 use roughxel_core::setup::shininess;
-use roughxel_core::signals::{LocalDirection, PeakSum, Probes, TexturePosition};
+use roughxel_core::signals::{LocalDirection, PeakSum, RepeatedFootprint, TexturePosition};
 use roughxel_core::width::on_words;
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::lanes::{
@@ -179,7 +179,7 @@ fn mean<W: Fetch>(view: &View<'_, W>, light: &dyn Fn(i32) -> i32, p: &Precision)
 
 fn averaged(
     centre: &TexturePosition<i32>,
-    probes: Option<&Probes<i32>>,
+    probes: Option<&RepeatedFootprint<i32>>,
     map: &PeakTexels,
     light: &dyn Fn(i32) -> i32,
     p: &Precision,

@@ -19,7 +19,7 @@ use roughxel_core::ports::{
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_core::signals::{MapScale, Probes, TexturePosition};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
-use roughxel_core::stage::filter::Patch;
+use roughxel_core::stage::filter::{LEVEL_WEIGHT, Patch};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{blend, filter, moments, probes};
 use roughxel_core::width::{IntegerWord, narrowed, of_ports};
@@ -426,6 +426,21 @@ fn moments_agree_over_their_whole_ranges() {
         let checked_k = moments::of_texel(&d.map(|d| Fx::from_raw(Checked::new(d))));
         assert_eq!(Integers::of(&k), Integers::of(&checked_k));
         let b = offset.map(Fx::<i32, 2>::from_raw);
+        let texels = [(); 2].map(|()| [(); 4].map(|()| [unit(), unit()].map(Fx::<i32, 2>::from_raw)));
+        let (level_weight, reach) = (unit() & 0xfff, unit() & 0xffff);
+        let weights = filter::ramp_weights(Fx::<i32, LEVEL_WEIGHT>::from_raw(level_weight), Fx::from_raw(reach));
+        let ramp = moments::with_ramp(&k, &moments::ramp(&texels, &weights));
+        let checked_ramp = moments::with_ramp(
+            &checked_k,
+            &moments::ramp(
+                &texels.map(|level| level.map(|texel| reread(&texel))),
+                &filter::ramp_weights(
+                    reread(&Fx::<i32, LEVEL_WEIGHT>::from_raw(level_weight)),
+                    reread(&Fx::from_raw(reach)),
+                ),
+            ),
+        );
+        assert_eq!(Integers::of(&ramp), Integers::of(&checked_ramp));
         let second = moments::of_probe(&b, &k);
         let checked = moments::of_probe(&reread(&b), &checked_k);
         assert_eq!(Integers::of(&second), Integers::of(&checked));

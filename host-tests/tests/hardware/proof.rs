@@ -81,7 +81,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [(Design, &str, Design, &str); 42] = [
+const CONNECTIONS: [(Design, &str, Design, &str); 46] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
     (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
@@ -113,7 +113,11 @@ const CONNECTIONS: [(Design, &str, Design, &str); 42] = [
     (Design::Horizon, "", Design::Peak, "weight"),
     (Design::Peak, "", Design::Peak, "sum"),
     (Design::Bump, "offset", Design::Reflection, "fragment.surface.offset"),
-    (Design::BumpTexel, "", Design::BumpProbe, ""),
+    (Design::BumpTexel, "", Design::BumpRamp, "sample"),
+    (Design::BumpTexel, "offset", Design::BumpRamp, "fine[0]"),
+    (Design::Levels, "weight", Design::BumpRamp, "level_weight"),
+    (Design::Texture, "reach", Design::BumpRamp, "reach"),
+    (Design::BumpRamp, "", Design::BumpProbe, ""),
     (Design::FaceAddress, "", Design::FaceTexels, "address"),
     (Design::EnvironmentProbe, "place.face", Design::FaceTexels, "face"),
     (Design::ProbeMean, "", Design::ProbeSum, "sample"),
@@ -211,7 +215,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
         source.split("#[test]\nfn ").skip(1).filter_map(|test| Some(test.split_once("() {")?.0)).collect();
     assert!(named.is_subset(&tests), "no test: {:?}", named.difference(&tests));
     // What no design goes through is claimed in the source all the same.
-    let core = ["elementary.rs", "stage/cube_face.rs", "stage/peaks.rs", "stage/probes.rs"];
+    let core = ["elementary.rs", "stage/cube_face.rs", "stage/moments.rs", "stage/peaks.rs", "stage/probes.rs"];
     let core = core.map(|file| text(&format!("../core/src/{file}"))).concat();
     for test in tests {
         assert!(core.contains(&format!("\"{test}\"")), "{test}: nothing claims it");

@@ -10,8 +10,9 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionOut;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::frame::{Frame, Prepared};
+use roughxel_emulator::lanes::{InstructionSet, Reading};
 use roughxel_emulator::picture::{linear_to_srgb8, write_png_srgb};
-use roughxel_emulator::plan::Mode;
+use roughxel_emulator::plan::{Effect, Mode};
 use roughxel_emulator::scene::Scene;
 use roughxel_host_tests::bars;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
@@ -48,6 +49,28 @@ fn every_mode_is_its_float64_picture() {
         for mode in MODES {
             let psnr = bars::psnr_against_float(&scene, mode, &Precision::STANDARD).unwrap();
             assert!(psnr >= 55.0, "{name}, {mode}: {psnr:.1} dB");
+        }
+    }
+}
+
+/// Whatever the footprints: a core narrow enough for a face, a whole lobe on the sphere.
+#[test]
+fn two_lobes_are_their_float64_picture_in_every_reading() {
+    let scene = bars::two_lobes();
+    for profile in Profile::NAMES {
+        let precision = Profile::by_name(profile).map(Profile::precision).unwrap();
+        for mode in [Mode::Isotropic, Mode::Footprint] {
+            let prepared = Prepared::new(&scene, mode, &precision).unwrap();
+            assert!(prepared.plans().all(|plan| plan.has(Effect::TwoLobes)));
+            let scalar = prepared.with_reading(Reading::Scalar).render(&|| ()).unwrap();
+            for set in InstructionSet::available() {
+                let lanes = Prepared::new(&scene, mode, &precision).unwrap().with_reading(Reading::Lanes(set));
+                assert_eq!(lanes.render(&|| ()).unwrap().digest(), scalar.digest(), "{profile}, {mode}, {set}");
+            }
+            if profile == "standard" {
+                let psnr = bars::psnr_against_float(&scene, mode, &precision).unwrap();
+                assert!(psnr >= 55.0, "{mode}: {psnr:.1} dB");
+            }
         }
     }
 }

@@ -217,8 +217,9 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Opti
                 at("core/src/elementary.rs", "within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(keep)")
                     || at("core/src/elementary.rs", "let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot)")
                     || at("core/src/stage/blend.rs", ".round_to(24)")
-                    || at("core/src/stage/moments.rs", "(b[y]).round_to(Fx::<W, MOMENT>::FRACTION)")
+                    || at("core/src/stage/moments.rs", "product.round_to(Fx::<W, MOMENT>::FRACTION)")
                     || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
+                    || at("core/src/stage/probes.rs", "reach.max(Fx::zero()).min(Fx::int(1)).round_to_control(16)")
                     || at(
                         "core/src/stage/probes.rs",
                         "lod.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
