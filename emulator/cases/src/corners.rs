@@ -274,6 +274,14 @@ pub fn peak_corners(p: &Precision) -> Vec<PeakIn> {
         let peak = StoredPeak { amplitude: u16::MAX, exponent: any.peak.exponent >> (index % 4), ..any.peak };
         PeakIn { peak, horizon: StoredHorizon::OPEN, weight: I16F16::ONE, ..any }
     }));
+    // No half vector in a lit place: the light right behind an eye below the surface, where nothing hides anything.
+    for power in [0, 8, 16] {
+        let light = vector([HALF / 2, HALF >> (power / 2) & -bit(p), HALF], 0);
+        let view = vector(light.mantissa.map(|m| -m.to_bits()), 0);
+        let any = on_peak(power);
+        let surface = SurfaceIn { view, ..any.surface };
+        peaks.push(PeakIn { surface, light, horizon: StoredHorizon::OPEN, ..any });
+    }
     peaks
 }
 
