@@ -53,7 +53,7 @@ impl Aligned {
 
     /// Any length along an axis.
     fn along(&mut self, axis: usize) -> BlockVector {
-        let length = HALF + self.random.below(1 << 29) as i32 & -self.bit;
+        let length = (HALF + self.random.below(1 << 29) as i32) & -self.bit;
         let mut mantissa = [(); 3].map(|()| self.few());
         mantissa[axis] = [length, -length, HALF, i32::MIN, i32::MAX & -self.bit][self.random.below(5) as usize];
         vector(mantissa, 0)
@@ -124,7 +124,7 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
     }
     // Where λ comes to a power of two, one of two equal axes rounds up to it and the other one does not.
     for step in -32..=32 {
-        let axes = [[-549_755_904 + step * bit & -bit, 0, 0], [0, -549_755_904 + step * bit & -bit, 0]];
+        let axes = [[(-549_755_904 + step * bit) & -bit, 0, 0], [0, (-549_755_904 + step * bit) & -bit, 0]];
         let [dview, dnormal] = [-7, -8].map(|exponent| axes.map(|axis| vector(axis, exponent)));
         fragments.push(ReflectionIn { surface: above, dview, dnormal, edge_texels: 256 });
     }
