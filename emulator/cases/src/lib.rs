@@ -6,6 +6,7 @@
 //! Sets are made of port values, quantised to the profile, so the reference can be fed with exactly what the
 //! datapath sees.
 
+pub mod corners;
 mod cube;
 mod footprint;
 mod fragment;

@@ -6,9 +6,10 @@
 //! from the fault to the fields, with ranges of its own: behind a wire that is the same constant in both designs nothing differs.
 //!
 //! Backwards every rule is that of an integer operation without overflow, so a design whose ranges are not proven has no such proof; forwards
-//! ranges are those that operations give themselves (the folder `op`). Claims hold in the right design only, and what overflows in the wrong one may be anything. Three
-//! lemmas more than in `known.rs`: a normalisation keeps the sign; where one wire alone is normalised, it is 0 or at least half of what the
-//! wire holds; and a maximum is no smaller than what it is the maximum of.
+//! ranges are those that operations give themselves (the folder `op`). Claims hold in the right design only, and what overflows in the wrong one may be anything. Four
+//! lemmas more than in `known.rs`: a normalisation keeps the sign; where all others of the wires that are normalised together are smaller than half of
+//! what a wire holds, the one left is 0 or at least that half; a maximum is no smaller than what it is the maximum of; and a rounding
+//! of what has no bits below its last place adds nothing.
 
 use std::collections::BTreeSet;
 
@@ -113,8 +114,15 @@ impl<'a> Prover<'a> {
             // Both have a bit that is set.
             (Slip::OtherGate, Op::Xor(a, b)) => vec![vec![not_zero(a), not_zero(b)]],
             (Slip::Sign, Op::Add(_, b) | Op::Sub(_, b)) => vec![vec![not_zero(b)]],
+            // The number with fewest leading zeros alone, for a power of two has no bits below it.
+            (Slip::WithoutConstant, Op::Add(a, _)) => {
+                let signs = [negative(a), is(a, 0), (a, 1, i128::MAX)];
+                let Some((_, count)) = self.shifted(a) else { return signs.map(|sign| vec![sign]).into() };
+                let counts = [is(count, of(count).low), (count, of(count).low + 1, i128::MAX)];
+                signs.iter().flat_map(|&sign| counts.map(|count| vec![sign, count])).collect()
+            }
             (Slip::Further | Slip::Nearer, Op::Shl(a, _) | Op::Sar(a, _) | Op::ShlBy(a, _) | Op::SarBy(a, _)) => {
-                vec![vec![negative(a)], vec![not_zero(a), not_negative(a)]]
+                vec![vec![negative(a)], vec![(a, 1, i128::MAX)]]
             }
             _ => vec![Vec::new()],
         }
@@ -156,6 +164,10 @@ impl<'a> Prover<'a> {
             self.moved.push(id);
             waiting.insert(id);
             waiting.extend(&self.faults.readers[id as usize]);
+            // Which of the wires that are normalised together is the largest follows from the others.
+            if let Op::ShlBy(_, count) = self.right.op(id) {
+                waiting.extend(&self.faults.readers[count as usize]);
+            }
         }
         Ok(())
     }
@@ -168,15 +180,15 @@ impl<'a> Prover<'a> {
             Op::Port(_) | Op::Lit(_) => now,
             Op::ShlBy(x, count) if self.right.normalises(x, count) => {
                 let (of, half) = (self.right.range(x), 1_i128 << (self.kind(id).bits() - 2));
-                let is_alone = self.is_alone(x, count);
-                let low = if of.low > 0 && is_alone {
+                let is_largest = self.is_largest(x, count);
+                let low = if of.low > 0 && is_largest {
                     half
                 } else if of.low >= 0 {
                     0
                 } else {
                     i128::MIN
                 };
-                let high = if of.high < 0 && is_alone {
+                let high = if of.high < 0 && is_largest {
                     -half
                 } else if of.high < 0 {
                     -1
@@ -201,6 +213,58 @@ impl<'a> Prover<'a> {
                 Op::Select(_, x, y) => self.is_at_least(x, b) && self.is_at_least(y, b),
                 _ => false,
             }
+    }
+
+    /// Whether of the wires that are normalised by `count` all but `x` hold less than half of what they could then, so that `x` has the highest bit.
+    fn is_largest(&self, x: NodeId, count: NodeId) -> bool {
+        let Op::Sub(zeros, _) = self.right.op(count) else { return false };
+        let Op::LeadingZeros(of) = self.right.op(zeros) else { return false };
+        let half = 1_i128 << (self.kind(of).bits() - 2);
+        let mut trees = vec![of];
+        while let Some(tree) = trees.pop() {
+            if let Op::Or(a, b) = self.right.op(tree) {
+                trees.extend([a, b]);
+                continue;
+            }
+            let Some(other) = self.right.magnitude_of(tree) else { return false };
+            let is_small = |&shifted: &NodeId| {
+                let Exact { low, high, .. } = self.right.range(shifted);
+                self.right.op(shifted) == Op::ShlBy(other, count) && low >= -half && high < half
+            };
+            if other != x && !self.faults.readers[count as usize].iter().any(is_small) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The places by which `a` is shifted to the right, and the count on a wire by which it was shifted to the left before.
+    fn shifted(&self, a: NodeId) -> Option<(u32, NodeId)> {
+        let Op::Sar(of, places) = self.right.op(a) else { return None };
+        let Op::ShlBy(_, count) = self.right.op(of) else { return None };
+        Some((places, count))
+    }
+
+    /// Low bits of a wire of the right design that are zero.
+    fn zeros(&self, id: NodeId) -> u32 {
+        let own = self.right.ranges[id as usize].zeros;
+        let through = match self.right.op(id) {
+            Op::Sar(of, places) => self.zeros(of).saturating_sub(places),
+            Op::ShlBy(x, count) => self.right.ranges[x as usize].zeros + self.right.range(count).low.max(0) as u32,
+            _ => 0,
+        };
+        own.max(through)
+    }
+
+    /// Whether a constant that is added makes no difference, because it is less than the last place of what it is added to and only bits from there on
+    /// are read.
+    fn rounds_nothing(&self, node: NodeId, slip: Slip) -> bool {
+        let (Slip::WithoutConstant, Op::Add(a, c)) = (slip, self.right.op(node)) else { return false };
+        let (zeros, added) = (self.zeros(a), self.right.range(c));
+        let reads_above = |&reader: &NodeId| matches!(self.right.op(reader), Op::Sar(of, k) if of == node && k <= zeros && added.high < 1 << k);
+        added.low >= 0
+            && self.faults.shown[node as usize] == 0
+            && self.faults.readers[node as usize].iter().all(reads_above)
     }
 
     /// Whether a normalisation by `count` is of one wire alone.
@@ -336,6 +400,9 @@ impl<'a> Prover<'a> {
             self.wrong.ranges[id as usize] = self.right.ranges[id as usize];
         }
         self.wrong.opaque.push(node);
+        if self.rounds_nothing(node, slip) {
+            return false;
+        }
         let (mut waiting, mut differs) = (BTreeSet::from([node]), BTreeSet::new());
         while let Some(id) = waiting.pop_first() {
             let range = if id == node { self.slipped(node, slip) } else { self.wrong_range(id) };
@@ -371,6 +438,20 @@ impl<'a> Prover<'a> {
     /// What the wire of a fault holds.
     fn slipped(&mut self, node: NodeId, slip: Slip) -> Range {
         let op = self.faults.net.node(node).op;
+        if let (Slip::Unsigned(Side::First), Op::Sar(a, k)) = (slip, op)
+            && self.wrong.range(a).high < 0
+        {
+            // The sign is a bit like others, so what is negative is that much more.
+            let (Exact { low, high, .. }, bit) = (self.wrong.range(a), 1_i128 << self.faults.ranges.of(a).top());
+            return self.wrapped(node, |_| Exact { low: (low + bit) >> k, high: (high + bit) >> k, zeros: 0 });
+        }
+        if let (Slip::Nearer, Op::ShlBy(_, count)) = (slip, op)
+            && self.right.range(count).low > 0
+        {
+            // What is shifted by a place at least is even: half of it.
+            let Exact { low, high, .. } = self.right.range(node);
+            return self.wrapped(node, |_| Exact { low: -(-low >> 1), high: high >> 1, zeros: 0 });
+        }
         let moved = |k: u32| if slip == Slip::Further { k + 1 } else { k - 1 };
         let instead = match (slip, op) {
             (Slip::OrEqual, _) => Op::Lit(1),

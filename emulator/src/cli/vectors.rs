@@ -35,7 +35,7 @@ use super::{
 /// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
 /// a datapath together below a thousand.
 const SMOKE_CASES: u64 = 14;
-const SMOKE_ALONE: u64 = 66;
+const SMOKE_ALONE: u64 = 40;
 const SMOKE_CHOSEN: u64 = 400;
 const SMOKE_RANDOM: u64 = 256;
 

@@ -1,7 +1,7 @@
 //! Distil: few vectors of many that show the same mistakes.
 //!
-//! First come those that are needed for operations that are others, entries of tables and bins, then, up to the number that is asked for,
-//! those that show most of the stuck bits left. Always the vector that shows most of what is still missing is next (a greedy cover, within
+//! First come those that are needed for operations that are others, then those for entries of tables and bins, then, up to the number that is
+//! asked for, those that show most of the stuck bits left: any operation may be wrong, and of entries of a table few are. Always the vector that shows most of what is still missing is next (a greedy cover, within
 //! ln n of the smallest one), among those that were the first to show something.
 
 use std::cmp::Reverse;
@@ -110,8 +110,9 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
         || Simulator::new(&faults),
         |simulator, &place| still.shown(simulator, &has_to, &wires(&candidates[place].bits)),
     );
+    let is_operation = |number: usize| matches!(has_to.get(number), Some(Fault::Slip { .. }));
     let mut chosen: Vec<usize> =
-        cover(&shown.collect::<Vec<_>>(), most).into_iter().map(|place| needed[place]).collect();
+        cover(&shown.collect::<Vec<_>>(), &is_operation, most).into_iter().map(|place| needed[place]).collect();
 
     let mut looking = still.of(&stuck).without_bins();
     for &place in &chosen {
@@ -157,9 +158,9 @@ impl<'a> Still<'a> {
     }
 }
 
-/// Rows of few that hold all numbers which any row holds: always the one with most that none before it had, the first of equals. At most
-/// `most` of them.
-fn cover(rows: &[Vec<usize>], most: usize) -> Vec<usize> {
+/// Rows of few that hold all numbers which any row holds, those of the `first` numbers before the others: always the one with most that none
+/// before it had, the first of equals. At most `most` of them.
+fn cover(rows: &[Vec<usize>], first: &dyn Fn(usize) -> bool, most: usize) -> Vec<usize> {
     let numbers = rows.iter().flatten().max().map_or(0, |&last| last + 1);
     let mut holders = vec![Vec::new(); numbers];
     for (row, held) in rows.iter().enumerate() {
@@ -167,16 +168,19 @@ fn cover(rows: &[Vec<usize>], most: usize) -> Vec<usize> {
             holders[number].push(row);
         }
     }
-    let mut new: Vec<usize> = rows.iter().map(Vec::len).collect();
+    let count = |row: &Vec<usize>| (row.iter().filter(|&&number| first(number)).count(), row.len());
+    let mut new: Vec<(usize, usize)> = rows.iter().map(count).collect();
     let mut chosen = Vec::new();
     while chosen.len() < most {
-        let Some(best) = (0..rows.len()).max_by_key(|&row| (new[row], Reverse(row))).filter(|&row| new[row] > 0) else {
+        let Some(best) = (0..rows.len()).max_by_key(|&row| (new[row], Reverse(row))).filter(|&row| new[row].1 > 0)
+        else {
             break;
         };
         chosen.push(best);
         for &number in &rows[best] {
             for row in std::mem::take(&mut holders[number]) {
-                new[row] -= 1;
+                new[row].0 -= usize::from(first(number));
+                new[row].1 -= 1;
             }
         }
     }

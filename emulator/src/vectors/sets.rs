@@ -5,6 +5,9 @@ use roughxel_core::precision::Precision;
 
 use super::datapath::Inputs;
 use super::manifest::Manifest;
+use crate::cases::corners::{
+    CORNERS, fragment_corners, fragment_far, highlight_corners, highlight_far, peak_corners, peak_far,
+};
 use crate::cases::highlight::{self, highlight_sets, random_light};
 use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
 use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak};
@@ -103,13 +106,20 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
             best_first: false,
         })
     }
-    fn with<C, P>(mut sets: Vec<CaseSet<C, P>>, name: &'static str, cases: Vec<C>, plan: P) -> Vec<CaseSet<C, P>> {
-        sets.push(CaseSet { name, description: LIMITS, cases, plan });
-        sets
-    }
-    let reflections = with(hard_case_sets(p), "fragment_limits", fragment_limits(p), ReflectionPlan::FULL);
-    let highlights = with(highlight_sets(p), "highlight_limits", highlight_limits(p), highlight::FULL);
-    let peaks = with(lit_peak_sets(p), "peak_limits", peak_limits(p), lit_peak::FULL);
+    let (limits, corners) = (LIMITS, CORNERS);
+    let (mut reflections, mut highlights, mut peaks) = (hard_case_sets(p), highlight_sets(p), lit_peak_sets(p));
+    let set = |name, description, cases| CaseSet { name, description, cases, plan: ReflectionPlan::FULL };
+    reflections.push(set("fragment_limits", limits, fragment_limits(p)));
+    reflections.push(set("fragment_corners", corners, fragment_corners(p)));
+    reflections.push(fragment_far(p));
+    let set = |name, description, cases| CaseSet { name, description, cases, plan: highlight::FULL };
+    highlights.push(set("highlight_limits", limits, highlight_limits(p)));
+    highlights.push(set("highlight_corners", corners, highlight_corners(p)));
+    highlights.push(highlight_far(p));
+    let set = |name, description, cases| CaseSet { name, description, cases, plan: lit_peak::FULL };
+    peaks.push(set("peak_limits", limits, peak_limits(p)));
+    peaks.push(set("peak_corners", corners, peak_corners(p)));
+    peaks.push(peak_far(p));
     let mut sets: Vec<VectorSet> = vectors(reflections, Datapath::Reflection)
         .chain(vectors(highlights, Datapath::Highlight))
         .chain(vectors(peaks, Datapath::Peak))

@@ -349,6 +349,63 @@ fn no_input_of_any_small_graph_shows_an_operation_that_is_proven_equal() {
     assert!(proven.get() > 1000, "{}", proven.get());
 }
 
+impl Small {
+    /// Wires normalised together and rounded to `kept` bits, and whether each of them is zero.
+    fn normalised(&mut self, wires: &[NodeId], kept: u32) -> Vec<(NodeId, NodeId)> {
+        let kind = Kind::Wire(32);
+        let magnitudes: Vec<_> = wires.iter().map(|&wire| self.magnitude(wire)).collect();
+        let mut all = magnitudes[0];
+        for &magnitude in &magnitudes[1..] {
+            all = self.node(Op::Or(all, magnitude), kind);
+        }
+        let (zero, one) = (self.lit(0, kind), self.lit(1, kind));
+        let zeros = self.node(Op::LeadingZeros(all), kind);
+        let count = self.node(Op::Sub(zeros, one), kind);
+        let rounded = |&wire: &NodeId| {
+            let shifted = self.node(Op::ShlBy(wire, count), kind);
+            let cut = self.node(Op::Sar(shifted, 30 - kept), kind);
+            let added = self.node(Op::Add(cut, one), kind);
+            let rounded = self.node(Op::Sar(added, 1), kind);
+            let below = self.node(Op::Lt(rounded, zero), Kind::Flag);
+            let not_below = self.node(Op::Not(below), Kind::Flag);
+            let not_above = self.node(Op::Lt(rounded, one), Kind::Flag);
+            (rounded, self.node(Op::And(not_below, not_above), Kind::Flag))
+        };
+        wires.iter().map(rounded).collect()
+    }
+}
+
+/// What is zero is zero however it is shifted and rounded: of wires that are normalised together one is large, unless all are zero.
+#[test]
+fn whether_wires_that_are_normalised_are_all_zero_is_proven_to_need_no_rounding() {
+    for (ports, least) in [(vec![(-9, 12)], 6), (vec![(-9, 12), (-6, 5)], 12), (vec![(-4, 4), (-3, 5), (-5, 2)], 18)] {
+        let mut small = Small::default();
+        let wires: Vec<_> = ports.iter().map(|&(low, high)| small.port(low, high)).collect();
+        let flags = small.normalised(&wires, 2);
+        let mut all = flags[0].1;
+        for &(_, flag) in &flags[1..] {
+            all = small.node(Op::And(all, flag), Kind::Flag);
+        }
+        let equal = equal_operations_of(small);
+        assert!(equal >= least, "{equal} operations of {ports:?}");
+    }
+}
+
+/// A number of two bits behind the highest one has nothing to round at four, and something at one.
+#[test]
+fn a_rounding_that_adds_nothing_is_proven_to_need_no_constant() {
+    let equal = [4, 3, 2, 1].map(|kept| {
+        let mut small = Small::default();
+        let wire = small.port(0, 8);
+        small.normalised(&[wire], kept);
+        let rounded = small.net.nodes.iter().rposition(|node| matches!(node.op, Op::Sar(..))).expect("a rounding");
+        // The last wire is what fields show.
+        small.node(Op::Shl(rounded as NodeId, 1), Kind::Wire(32));
+        equal_operations_of(small)
+    });
+    assert!(equal[0] > equal[3], "{equal:?}");
+}
+
 #[test]
 fn dropping_dead_wires_keeps_every_output() {
     let mut small = Small::default();
