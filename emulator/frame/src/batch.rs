@@ -8,7 +8,7 @@ use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
 use roughxel_core::signals::{Sweep, TexturePosition};
-use roughxel_lanes::{Bare, Bumped, Columns, Derivatives, Footprint, LANES, Look, RepeatedMap, Shown};
+use roughxel_lanes::{Bare, Bumped, ByCount, Columns, Derivatives, Footprint, LANES, Look, RepeatedMap, Shown};
 
 use super::colour::Channel;
 use super::lighting::{Directions, Lit};
@@ -168,6 +168,7 @@ pub(super) struct Batch {
     cores: Columns<Surface<i32>>,
     core_shown: Columns<Shown<i32>>,
     both_shown: Columns<Shown<i32>>,
+    by_count: ByCount,
     lit: Lit,
 }
 
@@ -299,7 +300,7 @@ impl Prepared<'_> {
         batch: &mut Batch,
         sums: &mut Sums,
     ) {
-        let Batch { colours, surfaces, footprints, sweeps, shown, cores, core_shown, both_shown, .. } = batch;
+        let Batch { colours, surfaces, footprints, sweeps, shown, cores, core_shown, both_shown, by_count, .. } = batch;
         let (p, places) = (&self.precision, &fragments.places);
         let Some(map) = &self.environment else {
             for (&place, own) in places.iter().zip(colours.colours()) {
@@ -322,7 +323,7 @@ impl Prepared<'_> {
                 }
             };
             sums.clock.enter(Phase::Environment);
-            self.reading.environment(look, colours, (map.texels(), is_rough, reflectance), p, shown);
+            self.reading.environment(look, colours, (map.texels(), is_rough, reflectance), p, (by_count, shown));
             sums.taps += shown.taps();
         };
         look(surfaces, shown, sums);

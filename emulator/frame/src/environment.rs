@@ -3,7 +3,7 @@
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::Sweep;
-use roughxel_lanes::{Columns, CubeTexels, Footprint, Look, Reading, Shown};
+use roughxel_lanes::{ByCount, Columns, CubeTexels, Footprint, Look, Reading, Shown};
 use roughxel_maps::environment::CubePyramid;
 use roughxel_scene::picture::Picture;
 
@@ -60,7 +60,13 @@ impl EnvironmentMap {
     fn look(&self, look: Look<'_>, is_rough: bool, p: &Precision) -> [Channel; 3] {
         let own = Columns::from_iter([Shown { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
         let mut shown = Columns::default();
-        Reading::Scalar.environment(look, &own, (&self.texels, is_rough, &[Fx::int(1); 3]), p, &mut shown);
+        Reading::Scalar.environment(
+            look,
+            &own,
+            (&self.texels, is_rough, &[Fx::int(1); 3]),
+            p,
+            (&mut ByCount::default(), &mut shown),
+        );
         shown.get(0).channels
     }
 }

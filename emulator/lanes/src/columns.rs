@@ -4,6 +4,7 @@ use roughxel_core::bundle::{End, Rewire};
 use roughxel_core::design::Form;
 
 use super::LANES;
+use super::order::Order;
 
 /// Fragments of the larger group of lanes: rows have room for whole ones.
 pub(super) const GROUP: usize = 2 * LANES;
@@ -108,6 +109,28 @@ impl<B: Form> Columns<B> {
             words[self.len..][..LANES].copy_from_slice(row);
         }
         self.len += count;
+    }
+
+    /// The fragments in another order, in place of what `ordered` held.
+    pub(super) fn reorder(&self, Order(order): &Order, ordered: &mut Self) {
+        ordered.form = self.form;
+        ordered.resize(order.len());
+        for (words, from) in ordered.words.chunks_exact_mut(ordered.stride).zip(self.words.chunks_exact(self.stride)) {
+            for (word, &fragment) in words.iter_mut().zip(order) {
+                *word = from[fragment as usize];
+            }
+        }
+    }
+
+    /// Fragments in another order back in their own, in place of what `own` held.
+    pub(super) fn restore(&self, Order(order): &Order, own: &mut Self) {
+        own.form = self.form;
+        own.resize(order.len());
+        for (words, from) in own.words.chunks_exact_mut(own.stride).zip(self.words.chunks_exact(self.stride)) {
+            for (word, &fragment) in from.iter().zip(order) {
+                words[fragment as usize] = *word;
+            }
+        }
     }
 
     /// Any bundle of them: what parts there are.

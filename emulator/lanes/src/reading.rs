@@ -20,8 +20,10 @@ use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::width::on_words;
 use roughxel_core::word::Word;
 
+use super::LANES;
 use super::columns::Columns;
-use super::narrow::KEPT;
+use super::narrow::{KEPT, NARROW_LANES};
+use super::order::ByCount;
 use super::target::InstructionSet;
 use super::texels::{CubeTexels, MapTexels};
 #[cfg(target_arch = "x86_64")]
@@ -66,6 +68,22 @@ impl Columns<Shown<i32>> {
 
 fn sum(taps: &[i32]) -> u64 {
     taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
+}
+
+impl Columns<Footprint<i32>> {
+    /// How many probes each has.
+    pub fn counts(&self) -> &[i32] {
+        // Behind the seven words of the point.
+        self.row(7)
+    }
+}
+
+impl Columns<Sweep<i32>> {
+    /// How many probes each has.
+    pub fn counts(&self) -> &[i32] {
+        // Behind three vectors.
+        self.row(9)
+    }
 }
 
 impl Columns<Derivatives<i32>> {
@@ -461,8 +479,51 @@ impl Reading {
     }
 
     /// What every fragment shows: its own colour and what it sees of the environment, by its reflectance; a rough one looks with the
-    /// roughness bias.
+    /// roughness bias. Groups of lanes are of like counts where that spares turns.
     pub fn environment(
+        self,
+        look: Look<'_>,
+        own: &Columns<Shown<i32>>,
+        of: (&CubeTexels, bool, &[Control<i32, REFLECTANCE>; 3]),
+        p: &Precision,
+        (by_count, shown): (&mut ByCount, &mut Columns<Shown<i32>>),
+    ) {
+        let ByCount { order, footprints, sweeps, own: ordered_own, shown: ordered_shown } = by_count;
+        let counts = match look {
+            Look::Point(_) => &[],
+            Look::Face(footprints) => footprints.counts(),
+            Look::Sphere(sweeps) => sweeps.counts(),
+        };
+        if !self.lanes(p).is_some_and(|lanes| order.by(counts, lanes)) {
+            return self.environment_in_order(look, own, of, p, shown);
+        }
+        let look = match look {
+            Look::Point(_) => look,
+            Look::Face(all) => {
+                all.reorder(order, footprints);
+                Look::Face(footprints)
+            }
+            Look::Sphere(all) => {
+                all.reorder(order, sweeps);
+                Look::Sphere(sweeps)
+            }
+        };
+        own.reorder(order, ordered_own);
+        self.environment_in_order(look, ordered_own, of, p, ordered_shown);
+        ordered_shown.restore(order, shown);
+    }
+
+    /// Fragments of a group of lanes; `None` where there are no lanes.
+    fn lanes(self, p: &Precision) -> Option<usize> {
+        match (self, lanes_of(p)) {
+            (Self::Scalar, _) | (_, None) => None,
+            (Self::Lanes(_), Some(Width::Narrow)) => Some(NARROW_LANES),
+            (Self::Lanes(_), Some(Width::Full)) => Some(LANES),
+        }
+    }
+
+    /// The same, fragment after fragment.
+    fn environment_in_order(
         self,
         look: Look<'_>,
         own: &Columns<Shown<i32>>,

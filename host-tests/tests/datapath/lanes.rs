@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_core::bundle::{Bundle, Rewire};
+use roughxel_core::bundle::{Bundle, End, Rewire};
 use roughxel_core::datapath;
 use roughxel_core::datapath::texel::{Bump, BumpScale};
 use roughxel_core::design::Form;
@@ -13,7 +13,7 @@ use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::level_edge;
-use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
+use roughxel_core::signals::{MapScale, Probes, RepeatedFootprint, Sweep, TexturePosition};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
@@ -22,8 +22,8 @@ use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    Bumped, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes, Look, MapTexels,
-    NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, Shown, Target, WideLanes,
+    Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes, Look,
+    MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, Shown, Target, WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -344,15 +344,16 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             // Without a footprint the one probe is the point.
             let plan = &ReflectionPlan { footprint: FootprintKind::None, ..*plan };
             let (mut points, mut shown) = (Columns::default(), [Columns::default(), Columns::default()]);
+            let mut by_count = ByCount::default();
             Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut points);
-            Reading::Scalar.environment(Look::Point(&points), &own, look, &p, &mut shown[0]);
-            Reading::Scalar.environment(Look::Face(&points), &own, look, &p, &mut shown[1]);
+            Reading::Scalar.environment(Look::Point(&points), &own, look, &p, (&mut by_count, &mut shown[0]));
+            Reading::Scalar.environment(Look::Face(&points), &own, look, &p, (&mut by_count, &mut shown[1]));
             same_columns(&shown[0], &shown[1], &|| format!("{name}, a point, edge {edge}"));
             for at in [Look::Point(&footprints), Look::Face(&footprints), Look::Sphere(&sweeps)] {
                 let (mut expected, mut got) = (Columns::default(), Columns::default());
-                Reading::Scalar.environment(at, &own, look, &p, &mut expected);
+                Reading::Scalar.environment(at, &own, look, &p, (&mut by_count, &mut expected));
                 for reading in lanes() {
-                    reading.environment(at, &own, look, &p, &mut got);
+                    reading.environment(at, &own, look, &p, (&mut by_count, &mut got));
                     same_columns(&expected, &got, &|| format!("{name}, {reading}, edge {edge}, bright {is_bright}"));
                 }
             }
@@ -442,6 +443,13 @@ fn columns_know_their_words() {
     let one = PortBlock { mantissa: [0, 0, 1].map(Fx::from_raw), ..blank };
     for (dview, dnormal, is_flat) in [([one; 2], [blank; 2], true), ([blank; 2], [blank, one], false)] {
         assert_eq!(Columns::from_iter([Derivatives { dview, dnormal }]).is_flat(), is_flat);
+    }
+    for count in [1, 16] {
+        let probes = Probes { count: Fx::from_raw(count), ..Probes::<i32>::limit(End::High) };
+        let footprint = Footprint { probes, ..Footprint::<i32>::limit(End::High) };
+        assert_eq!(Columns::from_iter([footprint]).counts(), [count]);
+        let sweep = Sweep { count: Fx::from_raw(count), ..Sweep::<i32>::limit(End::High) };
+        assert_eq!(Columns::from_iter([sweep]).counts(), [count]);
     }
     for (offset, roughness, is_smooth) in
         [([1, 1], [0; 3], true), ([0, 0], [0, 0, 1], false), ([0, 0], [1, 0, 0], false)]
