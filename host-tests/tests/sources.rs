@@ -161,6 +161,22 @@ fn stages_do_not_import_each_other() {
     }
 }
 
+/// A closure by a name and the closure of a fold are functions of their own, compiled for the lanes' instruction set only where they are inlined.
+#[test]
+fn stages_name_no_closures_and_fold_no_iterators() {
+    let mut found = Vec::new();
+    for (name, _, tokens) in datapath_files().iter().filter(|(name, ..)| name.starts_with("stage/")) {
+        let text = |i: usize| tokens.get(i).map_or("", |token: &Token| token.text.as_str());
+        for (i, token) in tokens.iter().enumerate() {
+            let closure = token.text == "let" && text(i + 2) == "=" && matches!(text(i + 3), "|" | "||" | "move");
+            if closure || (token.text == "fold" && text(i.wrapping_sub(1)) == ".") {
+                found.push(format!("core/src/{name}:{}: {} {}", token.line, token.text, text(i + 1)));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{found:#?}");
+}
+
 #[test]
 fn every_stage_is_listed_and_every_listed_stage_exists() {
     let files = core_files();

@@ -76,9 +76,12 @@ pub fn wrapped<C: Word<Count = C>>(index: Fx<C, 32>, edge: Fx<C, 32>) -> [Fx<C, 
 fn bilinear<C: Word<Count = C>>(texels: &[Fx<C, 32>; 4], weight: &[Fx<C, WEIGHT>; 2]) -> C::Wide {
     let one: Fx<C, WEIGHT> = Fx::int(1);
     let [x, y] = *weight;
-    let product = |a: Fx<C, WEIGHT>, b: Fx<C, WEIGHT>| C::narrow(a.mul::<WEIGHT, { 2 * WEIGHT }>(b).raw());
-    let weights = [product(one - x, one - y), product(x, one - y), product(one - x, y), product(x, y)];
-    texels.iter().zip(weights).fold(C::Wide::lit(0), |sum, (&texel, weight)| sum.add(texel.raw().mul(weight)))
+    let weights = each!((a, b) in [(one - x, one - y), (x, one - y), (one - x, y), (x, y)] => {
+        C::narrow(a.mul::<WEIGHT, { 2 * WEIGHT }>(b).raw())
+    });
+    // Written out: the closure of a fold is not compiled for the lanes' instruction set where it is not inlined, and takes vectors through memory.
+    let [a, b, c, d] = each!(i in [0, 1, 2, 3] => texels[i].raw().mul(weights[i]));
+    a.add(b).add(c).add(d)
 }
 
 bundle! {
@@ -187,8 +190,8 @@ pub fn bright_texel<C: Word<Count = C>>(code: Fx<C, 32>) -> Fx<C, 32> {
 /// Relative error 2^−19, a 128th of what the codes of these texels have.
 #[inline(always)]
 pub fn bright_corner<C: Word<Count = C>>(three: &[Fx<C, 32>; 3]) -> Fx<C, 32> {
-    let sum = three.iter().fold(C::Wide::lit(1 << 18), |sum, texel| sum.add(texel.raw().mul(C::lit(174_763))));
-    Fx::from_raw(C::narrow(sum.sar(19)))
+    let [a, b, c] = each!(texel in *three => texel.raw().mul(C::lit(174_763)));
+    Fx::from_raw(C::narrow(a.add(C::Wide::lit(1 << 18)).add(b).add(c).sar(19)))
 }
 
 bundle! {

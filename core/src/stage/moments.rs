@@ -40,10 +40,10 @@ pub fn decode_roughness<C: Word<Count = C>>(code: Fx<C, 32>, down: Fx<C, 32>) ->
 /// K = D Dᵀ of one texel, the channels that are interpolated beside b.
 #[inline(always)]
 pub fn of_texel<W: Word>(d: &[Mantissa<W>; 3]) -> [Fx<W, MOMENT>; 3] {
-    let product = |a: Mantissa<W>, b: Mantissa<W>| -> Product<W> { a.mul(b) };
     let [d1, d2, d3] = *d;
-    [product(d1, d1) + product(d2, d2), product(d2, d3), product(d3, d3)]
-        .map(|element| element.round_to(Fx::<W, MOMENT>::FRACTION))
+    let [d11, d22, d23, d33] =
+        each!((a, b) in [(d1, d1), (d2, d2), (d2, d3), (d3, d3)] => a.mul::<MANTISSA, PRODUCT>(b));
+    each!(element in [d11 + d22, d23, d33] => element.round_to(Fx::<W, MOMENT>::FRACTION))
 }
 
 /// K of one texel that stores the isotropic I₁.
@@ -59,18 +59,17 @@ pub fn of_isotropic_texel<W: Word>(i1: Mantissa<W>) -> [Fx<W, MOMENT>; 3] {
 pub fn ramp<W: Word>(offsets: &[[[Mantissa<W>; 2]; 4]; 2], weights: &[Fx<W, SHARE>; 2]) -> [Fx<W, MOMENT>; 3] {
     // A quarter of each texel, so that half a mean difference is at most 1.
     let quarters = each!(level in *offsets => each!(texel in level => each!(b in texel => b.floor_shr(2))));
-    let slope = |from: [usize; 2], to: [usize; 2]| {
+    let slopes = each!((from, to) in [([0, 2], [1, 3]), ([0, 1], [2, 3])] => {
         each!(channel in [0, 1] => {
             let [fine, coarse]: [Wide<W, { MANTISSA + SHARE }>; 2] = each!(level in [0, 1] => {
-                let b = |texel: usize| quarters[level][texel][channel];
-                (b(to[0]) - b(from[0]) + (b(to[1]) - b(from[1]))).mul(weights[level])
+                let [rise, other] = each!(i in [0, 1] => quarters[level][to[i]][channel] - quarters[level][from[i]][channel]);
+                (rise + other).mul(weights[level])
             });
             let blend = (fine + coarse).claim(-1, 1, 0, "weights_of_a_ramp_sum_to_its_reach");
             blend.round_to::<MANTISSA>(Mantissa::<W>::FRACTION)
         })
-    };
-    let [along_u, along_v] = [slope([0, 2], [1, 3]), slope([0, 1], [2, 3])];
-    let [u, v] = each!(slope in [along_u, along_v] => products(&slope));
+    });
+    let [u, v] = each!(slope in slopes => products(&slope));
     // Half of the sum: the point moves.
     each!(i in [0, 1, 2] => (u[i] + v[i]).reread::<{ PRODUCT - 1 }>().round_to(Fx::<W, MOMENT>::FRACTION))
 }
@@ -115,15 +114,15 @@ pub fn covariance<W: Word>(moments: &Moments<W>, p: &Precision) -> Block<W, 3> {
 pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Control<W, OFFSET>; 3] {
     let keep = p.fraction_bits;
     let [a, b, c] = k.m;
-    let element = |m: Mantissa<W>| number(m.widen::<PRODUCT>(), k.e, keep);
-    let (root_a, _) = root_and_inverse(element(a), p);
-    let (root_c, inverse_c) = root_and_inverse(element(c), p);
+    let elements = each!(m in k.m => number(m.widen::<PRODUCT>(), k.e, keep));
+    let (root_a, _) = root_and_inverse(elements[0], p);
+    let (root_c, inverse_c) = root_and_inverse(elements[2], p);
     let det: Product<W> = (a.mul::<MANTISSA, PRODUCT>(c) - b.mul(b)).max(Fx::zero());
     let (root_det, _) = root_and_inverse(number(det, k.e + k.e, keep), p);
-    let over_root_c = |x: Number<W>| x.times(&inverse_c, keep);
+    let [det_over, b_over] = each!(x in [root_det, elements[1]] => x.times(&inverse_c, keep));
     let flat = c.is_zero();
-    let d1 = Block::select(flat, root_a, over_root_c(root_det));
-    let d2 = Block::select(flat, Block::zero(), over_root_c(element(b)));
+    let d1 = Block::select(flat, root_a, det_over);
+    let d2 = Block::select(flat, Block::zero(), b_over);
     each!(d in [d1, d2, root_c] => to_roughness(d))
 }
 

@@ -51,10 +51,9 @@ pub use avx512::Avx512;
 pub use columns::Columns;
 pub use lights::Slopes;
 pub use narrow::{Halves, KEPT, NARROW_LANES, NarrowFlags, NarrowLanes};
-pub use order::ByCount;
 pub use peaks::{MOST_PEAKS, PackedPeak, PeakTexels};
 pub use peaks_read::PeaksRead;
-pub use reading::{Bare, Bumped, Derivatives, Footprint, Look, Places, Ports, Reading, Shown};
+pub use reading::{Bare, Bumped, ByCount, Derivatives, Footprint, Look, Places, Ports, Reading, Shown};
 pub use target::{InstructionSet, Target};
 pub use texels::{CubeTexels, MapTexels, RepeatedMap, Texel};
 

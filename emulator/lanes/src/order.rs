@@ -1,20 +1,6 @@
 //! Fragments by how many probes they have: a group of lanes takes as many turns as the longest footprint in it.
 
 use roughxel_core::rom::MAX_PROBES;
-use roughxel_core::signals::Sweep;
-
-use super::columns::Columns;
-use super::reading::{Footprint, Shown};
-
-/// A batch in the order of its probe counts; its memory is kept for the next one.
-#[derive(Clone, Debug, Default)]
-pub struct ByCount {
-    pub(super) order: Order,
-    pub(super) footprints: Columns<Footprint<i32>>,
-    pub(super) sweeps: Columns<Sweep<i32>>,
-    pub(super) own: Columns<Shown<i32>>,
-    pub(super) shown: Columns<Shown<i32>>,
-}
 
 /// The fragment at each place of another order.
 #[derive(Clone, Debug, Default)]

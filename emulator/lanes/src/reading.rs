@@ -23,7 +23,7 @@ use roughxel_core::word::Word;
 use super::LANES;
 use super::columns::Columns;
 use super::narrow::{KEPT, NARROW_LANES};
-use super::order::ByCount;
+use super::order::Order;
 use super::target::InstructionSet;
 use super::texels::{CubeTexels, MapTexels};
 #[cfg(target_arch = "x86_64")]
@@ -68,6 +68,16 @@ impl Columns<Shown<i32>> {
 
 fn sum(taps: &[i32]) -> u64 {
     taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
+}
+
+/// A batch in the order of its probe counts; its memory is kept for the next one.
+#[derive(Clone, Debug, Default)]
+pub struct ByCount {
+    order: Order,
+    footprints: Columns<Footprint<i32>>,
+    sweeps: Columns<Sweep<i32>>,
+    own: Columns<Shown<i32>>,
+    shown: Columns<Shown<i32>>,
 }
 
 impl Columns<Footprint<i32>> {
