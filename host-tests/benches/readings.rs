@@ -160,7 +160,7 @@ fn frame() -> Set {
     let scene = Scene::builtin("globe").expect("the scene is built in").expect("built-in scenes are read");
     let prepared = Prepared::new(&scene, Mode::Footprint, &PROFILE).expect("built-in scenes are drawn");
     let captured = prepared.capture(FRAGMENTS).expect("built-in scenes are drawn");
-    let full = captured.into_iter().filter(|(_, plan)| *plan == ReflectionPlan::FULL);
+    let full = captured.into_iter().filter(|(_, plan)| plan.on_face() == ReflectionPlan::FULL);
     let fragments: Vec<_> = full.map(|(fragment, _)| fragment).collect();
     assert_eq!(fragments.len(), FRAGMENTS, "every fragment of the globe goes through every block");
     Set { name: "globe", edge_texels: fragments[0].edge_texels, fragments }
