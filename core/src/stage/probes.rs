@@ -81,7 +81,7 @@ pub fn count_and_level<W: Word>(
 }
 
 /// How much of a texel of level 0 a probe spans across: 2λ₂ where that is below 1, on a map of 2^`log2_unit` texels in a map unit.
-/// Error: 2^−(p−4) of λ₁ in texels, and 2^−17.
+/// Error: 2^−(p−4) of what λ₁ would be on a square map of the longer edge, for both derivatives of a column share their last place, and 2^−17.
 #[inline(always)]
 pub fn reach<W: Word>(axes: &Axes<W>, probes: &Probes<W>, log2_unit: Int<W>, p: &Precision) -> Control<W, SHARE> {
     let sigma = Block::select(probes.capped, axes.major, axes.minor);

@@ -541,7 +541,10 @@ fn a_probe_spans_what_the_reference_says_of_a_texel() {
                 let want = reference::texture(columns, 1.0, size, rule, p.max_probes);
                 let reach = (2.0 * want.probes.minor).min(1.0);
                 let error = (f64::from(probes.reach.raw()) / 65536.0 - reach).abs();
-                error / ((-17_f64).exp2() + (4.0 - f64::from(p.fraction_bits)).exp2() * want.axes.major)
+                let square = [size[0].max(size[1]); 2];
+                let on_square = reference::columns_in_texels(exact, square);
+                let major = reference::texture(on_square, 1.0, square, rule, p.max_probes).axes.major;
+                error / ((-17_f64).exp2() + (4.0 - f64::from(p.fraction_bits)).exp2() * major)
             })
             .reduce(|| 0.0, f64::max);
         println!("{name}: {worst:.3} of the stated error");
