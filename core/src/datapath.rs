@@ -24,7 +24,9 @@ pub mod texel;
 pub mod light;
 pub mod pixel;
 
-pub use footprint::{TextureFootprint, cube_place, environment_probe, sphere_probe, texture_footprint, texture_probe};
+pub use footprint::{
+    TextureFootprint, cube_place, environment_probe, probe_reach, sphere_probe, texture_footprint, texture_probe,
+};
 pub use light::{
     Gloss, Highlight, LitSurface, PeakLight, gloss, highlight, horizon, horizon_slopes, leave_highlight, lit_peak,
     lit_surface, local_components, local_direction, packed_peak, peak, peak_light, peak_sum,

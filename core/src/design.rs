@@ -4,7 +4,7 @@
 //! pixel, one function of the composer each: footprints, probes, addresses, samples, sums, bumps, colours. What may be on a
 //! port is part of its declaration. A design is a type, so that any reading runs the same function; [`Design`] is the list.
 
-use crate::block::Block;
+use crate::block::{Block, Mantissa};
 use crate::bundle::{Bundle, Value, bundle};
 use crate::datapath::pixel::{self, PixelSum};
 use crate::datapath::texel::{self, Bump, BumpCodes, BumpMoments, BumpSample, BumpScale, RepeatAddress};
@@ -142,6 +142,13 @@ designs! {
     /// footprint of a pixel in a repeated map: columns, ellipse, axes, probes
     Texture "texture": MapFootprintInput -> TextureFootprint<S>,
         |input, _, p| datapath::texture_footprint(&input.duv, &input.texture, &input.map, p);
+
+    /// how much of a texel the probes of a footprint in a repeated map span across
+    ProbeReach "probe_reach": ProbeReachInput -> Value<S, SHARE>,
+        |input, _, p| {
+            let [major, minor] = [input.major, input.minor].map(|sigma| Block { m: sigma.m, e: sigma.e });
+            Value(datapath::probe_reach([&major, &minor], &input.probes, &input.texture, p))
+        };
 
     /// place and weight of one probe in a repeated map
     TextureProbe "texture_probe": TextureProbeInput -> TextureProbe<S>,
@@ -293,6 +300,32 @@ bundle! {
         texture: TextureScale<W>,
         /// Scale of the level of detail.
         map: MapScale<W>,
+    }
+}
+
+bundle! {
+    /// λ of an ellipse as a port: where it is zero its exponent may be that of a zero over a zero, beyond that of other blocks.
+    pub struct Deviation<W> {
+        /// Mantissa.
+        #[range(-1..=1)]
+        m: [Mantissa<W>; 1],
+        /// Exponent.
+        #[range(-262144..=262144)]
+        e: Int<W>,
+    }
+}
+
+bundle! {
+    /// Ports of `probe_reach`.
+    pub struct ProbeReachInput<W> {
+        /// λ₁ of the footprint.
+        major: Deviation<W>,
+        /// λ₂.
+        minor: Deviation<W>,
+        /// Its probes.
+        probes: Probes<W>,
+        /// Constants of the map.
+        texture: TextureScale<W>,
     }
 }
 

@@ -158,7 +158,7 @@ bundle! {
     pub struct RepeatedFootprint<W> {
         /// Its probes.
         probes: Probes<W>,
-        /// How much of a texel of level 0 each spans across: 2λ₂, 1 where it is more.
+        /// How much of a texel of level 0 each spans across: 2λ₂, 1 where it is more; 0 where no rough bumps are read.
         #[range(0..=1)]
         reach: Control<W, SHARE>,
     }

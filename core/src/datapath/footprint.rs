@@ -1,19 +1,18 @@
 //! Footprints: the ellipse on a map and the probes that cover it.
 
-use crate::block::Block;
+use crate::block::{Block, Number};
 use crate::bundle::bundle;
 use crate::each::each;
-use crate::fx::Int;
+use crate::fx::{Control, Int};
 use crate::ports::{PortBlock, SHARE};
 use crate::precision::Precision;
 use crate::signals::{
-    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, RepeatedFootprint, SphereProbe, Sweep,
-    TexturePosition, TextureProbe,
+    Axes, CubePoint, Ellipse, FacePosition, FaceProbe, MapScale, Probes, SphereProbe, Sweep, TexturePosition,
+    TextureProbe,
 };
 use crate::stage::texture::TextureScale;
 use crate::stage::{axes, cube_face, ellipse, enter, probes, sweep, texture};
 use crate::staged::{Staged, control_stage, stage};
-use crate::word::Word;
 
 /// The ellipse of a pixel's two columns.
 #[inline(always)]
@@ -79,14 +78,6 @@ pub fn texture_probe<W: Staged>(
     TextureProbe { place, weight }
 }
 
-impl<W: Word> TextureFootprint<W> {
-    /// What fetches take of it.
-    #[inline(always)]
-    pub fn seen(&self) -> RepeatedFootprint<W> {
-        RepeatedFootprint { probes: self.probes, reach: self.reach }
-    }
-}
-
 bundle! {
     /// The footprint of a fragment in a repeated map.
     pub struct TextureFootprint<W> {
@@ -98,9 +89,6 @@ bundle! {
         axes: Axes<W>,
         /// N, step, level of detail.
         probes: Probes<W>,
-        /// How much of a texel of level 0 a probe spans across, at most 1.
-        #[range(0..=1)]
-        reach: Control<W, SHARE>,
     }
 }
 
@@ -118,6 +106,16 @@ pub fn texture_footprint<W: Staged>(
     });
     let ellipse = pixel_ellipse(&columns, p);
     let (axes, probes) = assemble(&ellipse, map, p);
-    let reach = control_stage!("probes.reach", probes::reach(&axes, &probes, texture.log2_unit, p));
-    TextureFootprint { columns, ellipse, axes, probes, reach }
+    TextureFootprint { columns, ellipse, axes, probes }
+}
+
+/// How much of a texel of level 0 a probe of a footprint in a repeated map spans across, at most 1: for the ramps of rough bumps. Of λ₁ and λ₂.
+#[inline(always)]
+pub fn probe_reach<W: Staged>(
+    sigmas: [&Number<W>; 2],
+    probes: &Probes<W>,
+    texture: &TextureScale<W>,
+    p: &Precision,
+) -> Control<W, SHARE> {
+    control_stage!("probes.reach", probes::reach(sigmas, probes, texture.log2_unit, p))
 }

@@ -83,8 +83,13 @@ pub fn count_and_level<W: Word>(
 /// How much of a texel of level 0 a probe spans across: 2λ₂ where that is below 1, on a map of 2^`log2_unit` texels in a map unit.
 /// Error: 2^−(p−4) of what λ₁ would be on a square map of the longer edge, for both derivatives of a column share their last place, and 2^−17.
 #[inline(always)]
-pub fn reach<W: Word>(axes: &Axes<W>, probes: &Probes<W>, log2_unit: Int<W>, p: &Precision) -> Control<W, SHARE> {
-    let sigma = Block::select(probes.capped, axes.major, axes.minor);
+pub fn reach<W: Word>(
+    [major, minor]: [&Number<W>; 2],
+    probes: &Probes<W>,
+    log2_unit: Int<W>,
+    p: &Precision,
+) -> Control<W, SHARE> {
+    let sigma = Block::select(probes.capped, *major, *minor);
     // 2√3/N of what N probes share, over √3.
     let count = Fx::select(probes.capped, probes.count, Fx::int(1));
     let per_sigma: Fx<W, OFFSET> = Fx::lookup(count, &rom::STEP_PER_SIGMA);

@@ -6,8 +6,9 @@
 use glam::DVec3;
 use roughxel_core::datapath::{self, Surface};
 use roughxel_core::design::{
-    Design, Edge, EnvironmentProbeInput, FaceAddressInput, FaceTexelsInput, HorizonInput, LevelsInput, LocalInput,
-    MapFootprintInput, RepeatAddressInput, ScaledReflectionInput, SphereProbeInput, StoredPeakInput, TextureProbeInput,
+    Design, Deviation, Edge, EnvironmentProbeInput, FaceAddressInput, FaceTexelsInput, HorizonInput, LevelsInput,
+    LocalInput, MapFootprintInput, ProbeReachInput, RepeatAddressInput, ScaledReflectionInput, SphereProbeInput,
+    StoredPeakInput, TextureProbeInput,
 };
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{Effects, FootprintKind, ReflectionPlan};
@@ -71,9 +72,14 @@ pub fn port_values(
             vec![integers_at(&Edge { edge_texels: Fx::int(fragment.edge_texels.clamp(1, 16384).into()) }, p)]
         }
         Design::Texture => vec![integers_at(&MapFootprintInput { duv, texture, map: texture_map }, p)],
-        Design::TextureProbe | Design::RepeatAddress => {
+        Design::ProbeReach | Design::TextureProbe | Design::RepeatAddress => {
             let (duv, texture, map) = (&duv, &texture, &texture_map);
-            let probes = on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p)).probes;
+            let footprint = on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p));
+            let (axes, probes) = (footprint.axes, footprint.probes);
+            if design == Design::ProbeReach {
+                let [major, minor] = [axes.major, axes.minor].map(|sigma| Deviation { m: sigma.m, e: sigma.e });
+                return vec![integers_at(&ProbeReachInput { major, minor, probes, texture: *texture }, p)];
+            }
             let centre = TexturePosition { uv: [0; 2].map(|_| Fx::lit(random.below(1 << 32) as i64)) };
             let indices = (0..probes.count.raw()).map(Fx::from_raw);
             if design == Design::TextureProbe {

@@ -72,7 +72,8 @@ impl Fragments {
             duv: needs.duv,
             main_direction: (!needs.tangents).then_some(object.main_direction),
         };
-        Self::with(parts, Footprints::new(object.maps().filter(|_| object.plan.texture_footprint)))
+        let maps = object.maps().filter(|_| object.plan.texture_footprint);
+        Self::with(parts, Footprints::new(maps, object.rough_map()))
     }
 
     /// None of the rays that hit nothing.

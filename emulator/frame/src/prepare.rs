@@ -54,6 +54,12 @@ impl PreparedObject {
         [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
     }
 
+    /// Its bump map, where that is read with its roughness.
+    pub(super) fn rough_map(&self) -> Option<&RepeatedMap> {
+        let is_rough = self.plan.roughness() != RoughnessKind::None;
+        self.bump_map.as_ref().filter(|_| is_rough).map(BumpMap::map)
+    }
+
     /// The attributes that its fragments read.
     pub(super) fn needs(&self) -> Needs {
         let uv = self.maps().next().is_some();

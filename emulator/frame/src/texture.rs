@@ -22,6 +22,8 @@ pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
 struct SizedFootprints {
     size: [i32; 2],
     scale: (TextureScale<i32>, MapScale<i32>),
+    /// Bumps with roughness are among the maps.
+    rough: bool,
     footprints: Columns<RepeatedFootprint<i32>>,
 }
 
@@ -30,12 +32,14 @@ struct SizedFootprints {
 pub struct Footprints(Vec<SizedFootprints>);
 
 impl Footprints {
-    /// Of no fragments yet, for these maps.
-    pub(super) fn new<'a>(maps: impl Iterator<Item = &'a RepeatedMap>) -> Self {
+    /// Of no fragments yet, for these maps; of a size that `rough` bumps have they know the reach of their probes.
+    pub(super) fn new<'a>(maps: impl Iterator<Item = &'a RepeatedMap>, rough: Option<&RepeatedMap>) -> Self {
         let mut sizes: Vec<SizedFootprints> = Vec::new();
         for map in maps {
+            let rough = rough.is_some_and(|rough| rough.size() == map.size());
             if sizes.iter().all(|sized| sized.size != map.size()) {
-                sizes.push(SizedFootprints { size: map.size(), scale: map.scale, footprints: Columns::default() });
+                let (size, scale) = (map.size(), map.scale);
+                sizes.push(SizedFootprints { size, scale, rough, footprints: Columns::default() });
             }
         }
         Self(sizes)
@@ -43,8 +47,8 @@ impl Footprints {
 
     /// The footprints of these fragments in place of all others.
     pub fn set(&mut self, derivatives: &Columns<TextureDerivatives>, reading: Reading, p: &Precision) {
-        for SizedFootprints { scale, footprints, .. } in &mut self.0 {
-            reading.texture_footprints(derivatives, scale, p, footprints);
+        for SizedFootprints { scale, rough, footprints, .. } in &mut self.0 {
+            reading.texture_footprints(derivatives, (scale, *rough), p, footprints);
         }
     }
 
@@ -78,7 +82,7 @@ impl ColourMap {
 
     /// The footprints that its samples need.
     pub fn footprints(&self) -> Footprints {
-        Footprints::new([&self.texels.map].into_iter())
+        Footprints::new([&self.texels.map].into_iter(), None)
     }
 
     pub(super) fn map(&self) -> &RepeatedMap {

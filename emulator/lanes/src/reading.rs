@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use roughxel_core::bundle::{Value, bundle};
 use roughxel_core::datapath::texel::{Bump, BumpMoments, BumpSample, BumpScale};
-use roughxel_core::datapath::{self, Reflection, Surface, pixel, texel};
+use roughxel_core::datapath::{self, Reflection, Surface, TextureFootprint, pixel, texel};
 use roughxel_core::each::each;
 use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Control, Fx, Int};
@@ -254,6 +254,19 @@ fn shown_of<W: Fetch, M: CubeMemory>(
 fn mean_of_lobes<W: Fetch>(a: &Shown<W>, b: &Shown<W>) -> Shown<W> {
     let channels = each!(i in [0, 1, 2] => pixel::lobes::<W>(a.channels[i], b.channels[i]));
     Shown { channels, taps: a.taps + b.taps }
+}
+
+/// What a fragment sees of a repeated map, with the reach of its probes for rough bumps.
+#[inline(always)]
+fn repeated_footprint<W: Fetch>(
+    duv: &[PortBlock<W, 2>; 2],
+    (texture, scale): (&TextureScale<W>, &MapScale<W>),
+    rough: bool,
+    p: &Precision,
+) -> RepeatedFootprint<W> {
+    let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(duv, texture, scale, p);
+    let reach = if rough { datapath::probe_reach([&axes.major, &axes.minor], &probes, texture, p) } else { Fx::zero() };
+    RepeatedFootprint { probes, reach }
 }
 
 /// The colour of a repeated map times `own`.
@@ -532,7 +545,7 @@ impl Reading {
         }
     }
 
-    /// The same, fragment after fragment.
+    /// What [`Self::environment`] says, of fragments as they stand.
     fn environment_in_order(
         self,
         look: Look<'_>,
@@ -564,18 +577,18 @@ impl Reading {
         }
     }
 
-    /// The footprint of every fragment in maps of one scale.
+    /// The footprint of every fragment in maps of one scale; `rough` says that bumps with roughness are among them.
     pub fn texture_footprints(
         self,
         derivatives: &Columns<[PortBlock<i32, 2>; 2]>,
-        (texture, scale): &(TextureScale<i32>, MapScale<i32>),
+        ((texture, scale), rough): (&(TextureScale<i32>, MapScale<i32>), bool),
         p: &Precision,
         footprints: &mut Columns<RepeatedFootprint<i32>>,
     ) {
         each_fragment!(
             self, p, derivatives, footprints,
-            |duv, texture, scale| datapath::texture_footprint(duv, texture, scale, p).seen(),
-            else soft_core::texture_footprint(duv, texture, scale, p).seen()
+            |duv, texture, scale| repeated_footprint(duv, (texture, scale), rough, p),
+            else on_words!(p, |duv, texture, scale| repeated_footprint(duv, (texture, scale), rough, p))
         );
     }
 

@@ -46,7 +46,8 @@ const BRIGHT_FETCH: [Design; 7] = [
 const TWO_LOBES: [Design; 2] = [Design::LobeCore, Design::Lobes];
 /// What a bump map adds to a fetch, and what its roughness adds.
 const BUMP: [Design; 1] = [Design::WordSample];
-const ROUGHNESS: [Design; 4] = [Design::BumpTexel, Design::BumpRamp, Design::BumpProbe, Design::Bump];
+const ROUGHNESS: [Design; 5] =
+    [Design::ProbeReach, Design::BumpTexel, Design::BumpRamp, Design::BumpProbe, Design::Bump];
 /// Hardware of something.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Hardware {

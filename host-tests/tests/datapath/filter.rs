@@ -5,6 +5,8 @@ use fixed::types::{I2F30, U0F32};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
+use roughxel_core::bundle::Value;
+use roughxel_core::datapath::{TextureFootprint, probe_reach};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockPair, TextureIn};
 use roughxel_core::precision::{Precision, ProbeRule};
@@ -17,6 +19,7 @@ use roughxel_core::stage::filter::{
 use roughxel_core::stage::moments::{
     Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel, ramp, with_ramp,
 };
+use roughxel_core::width::on_words;
 use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
@@ -535,12 +538,22 @@ fn a_probe_spans_what_the_reference_says_of_a_texel() {
                     let (mantissa, exponent) = normalise_exponent(column);
                     BlockPair { mantissa: mantissa.map(I2F30::from_num), exponent: exponent as i16 }
                 });
-                let probes = TextureIn { uv: [U0F32::ZERO; 2], duv }.footprint(&texture_scale(size), &p);
+                let scale = texture_scale(size);
+                let TextureFootprint { axes, probes, .. } =
+                    TextureIn { uv: [U0F32::ZERO; 2], duv }.footprint(&scale, &p);
+                let (axes, probes, texture) = (&axes, &probes, &scale.0);
+                let got = on_words!(&p, |axes, probes, texture| Value(probe_reach(
+                    [&axes.major, &axes.minor],
+                    probes,
+                    texture,
+                    &p
+                )))
+                .0;
                 let size = size.map(u32::from);
                 let columns = reference::columns_in_texels(exact, size);
                 let want = reference::texture(columns, 1.0, size, rule, p.max_probes);
                 let reach = (2.0 * want.probes.minor).min(1.0);
-                let error = (f64::from(probes.reach.raw()) / 65536.0 - reach).abs();
+                let error = (f64::from(got.raw()) / 65536.0 - reach).abs();
                 let square = [size[0].max(size[1]); 2];
                 let on_square = reference::columns_in_texels(exact, square);
                 let major = reference::texture(on_square, 1.0, square, rule, p.max_probes).axes.major;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use roughxel_core::bundle::{Bundle, End, Rewire};
-use roughxel_core::datapath;
 use roughxel_core::datapath::texel::{Bump, BumpScale};
+use roughxel_core::datapath::{self, TextureFootprint};
 use roughxel_core::design::Form;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
@@ -383,7 +383,7 @@ pub(super) fn random_views(
         })
     }));
     let mut probes = Columns::default();
-    Reading::Scalar.texture_footprints(&derivatives, &map.scale, p, &mut probes);
+    Reading::Scalar.texture_footprints(&derivatives, (&map.scale, true), p, &mut probes);
     let uv = |_| TexturePosition { uv: [(); 2].map(|()| Fx::from_raw(bits.0.below(1 << 32) as i64)) };
     (map, Columns::from_iter((0..count).map(uv)), probes)
 }
@@ -580,15 +580,23 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                 PortBlock { exponent: Fx::from_raw(exponent), ..any }
             };
             let derivatives = Columns::from_iter((0..index % 50).map(|_| [derivative(), derivative()]));
-            let (texture, map) = (&scale.0, &scale.1);
+            let (texture, map, rough) = (&scale.0, &scale.1, index % 3 > 0);
             let scalar = derivatives.iter().map(|duv| {
                 let duv = &duv;
-                on_words!(&p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, &p).seen())
+                on_words!(&p, |duv, texture, map| {
+                    let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(duv, texture, map, &p);
+                    let reach = if rough {
+                        datapath::probe_reach([&axes.major, &axes.minor], &probes, texture, &p)
+                    } else {
+                        Fx::zero()
+                    };
+                    RepeatedFootprint { probes, reach }
+                })
             });
             let scalar: Vec<RepeatedFootprint<i32>> = scalar.collect();
             for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
                 let mut probes = Columns::default();
-                reading.texture_footprints(&derivatives, &scale, &p, &mut probes);
+                reading.texture_footprints(&derivatives, (&scale, rough), &p, &mut probes);
                 assert_eq!(probes.len(), scalar.len());
                 for ((expected, got), duv) in scalar.iter().zip(probes.iter()).zip(derivatives.iter()) {
                     let context = |difference| format!("{name}, {reading}, {size:?}, {duv:?}: {difference}");

@@ -9,6 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::block::Block;
+use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::elementary;
 use roughxel_core::fx::{Fx, Int};
@@ -98,6 +99,10 @@ fn compare_texture_on<T: Scalar>(
     let checked = datapath::texture_footprint(&reread(ports), &checked_texture, &checked_map, p);
     let (expected, got) = (Integers::of::<T, _>(&scalar), Integers::of::<T::Checked, _>(&checked));
     assert_eq!(expected, got, "{:?} in {fragment:?}", first_difference(&expected, &got));
+
+    let expected = datapath::probe_reach([&scalar.axes.major, &scalar.axes.minor], &scalar.probes, texture, p);
+    let got = datapath::probe_reach([&checked.axes.major, &checked.axes.minor], &checked.probes, &checked_texture, p);
+    assert_eq!(Integers::of::<T, _>(&Value(expected)), Integers::of::<T::Checked, _>(&Value(got)), "{fragment:?}");
 
     let centre = TexturePosition::<T> { uv: fragment.uv.map(|u| Fx::from_raw(i64::from(u.to_bits()))) };
     for index in 0..i64::from(scalar.probes.count.raw()) {

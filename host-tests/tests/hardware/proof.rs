@@ -81,7 +81,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Which outcomes of a design feed which ports of another: design and path above, design and path below.
-const CONNECTIONS: [(Design, &str, Design, &str); 46] = [
+const CONNECTIONS: [(Design, &str, Design, &str); 49] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
     (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
@@ -116,7 +116,10 @@ const CONNECTIONS: [(Design, &str, Design, &str); 46] = [
     (Design::BumpTexel, "", Design::BumpRamp, "sample"),
     (Design::BumpTexel, "offset", Design::BumpRamp, "fine[0]"),
     (Design::Levels, "weight", Design::BumpRamp, "level_weight"),
-    (Design::Texture, "reach", Design::BumpRamp, "reach"),
+    (Design::Texture, "axes.major", Design::ProbeReach, "major"),
+    (Design::Texture, "axes.minor", Design::ProbeReach, "minor"),
+    (Design::Texture, "probes", Design::ProbeReach, "probes"),
+    (Design::ProbeReach, "", Design::BumpRamp, "reach"),
     (Design::BumpRamp, "", Design::BumpProbe, ""),
     (Design::FaceAddress, "", Design::FaceTexels, "address"),
     (Design::EnvironmentProbe, "place.face", Design::FaceTexels, "face"),

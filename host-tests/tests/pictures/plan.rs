@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
-use roughxel_core::datapath;
+use roughxel_core::datapath::{self, TextureFootprint};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{Port, PortBlock, ReflectionInput};
@@ -355,14 +355,17 @@ fn enter(entered: &mut Entered, part: &'static str, work: impl FnOnce()) {
 }
 
 /// The probes of a repeated map of `edge` texels, as the renderer takes them.
-fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, edge: u16, p: &Precision) {
+fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, (edge, rough): (u16, bool), p: &Precision) {
     if !plan.texture_footprint {
         return;
     }
     let (texture, map) = texture_scale([edge; 2]);
     let (texture, map) = (reread(&texture), reread(&map));
     let duv = input.dview.map(|d| PortBlock { mantissa: [d.mantissa[0], d.mantissa[1]], exponent: d.exponent });
-    let probes = datapath::texture_footprint(&duv, &texture, &map, p).probes;
+    let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(&duv, &texture, &map, p);
+    if rough {
+        datapath::probe_reach([&axes.major, &axes.minor], &probes, &texture, p);
+    }
     let centre = reread(&TexturePosition::<i32> { uv: [Fx::from_raw(1 << 30); 2] });
     for index in 0..probes.count.raw().value() {
         datapath::texture_probe(&centre, &probes, Fx::lit(i64::from(index)), &texture, p);
@@ -377,10 +380,10 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
     let lit = random_light("plan", index, p);
     let (light, shininess) = (reread(&lit.light.wires()), reread(&lit.shininess.wires()));
     if plan.colour_map {
-        enter(entered, "colour map", || fetch(&input, plan, 64, p));
+        enter(entered, "colour map", || fetch(&input, plan, (64, false), p));
     }
     if plan.bump_map() {
-        enter(entered, "bump map", || fetch(&input, plan, 128, p));
+        enter(entered, "bump map", || fetch(&input, plan, (128, plan.roughness() != RoughnessKind::None), p));
     }
     if let Some(plan) = &plan.reflection {
         enter(entered, "reflection", || {
@@ -435,7 +438,7 @@ fn is_of(effect: Effect, part: &str, block: &str) -> bool {
             ["bump map", "core"].contains(&part)
                 || ["reflection", "highlight"].contains(&part) && (perturbed || tangents_of_roughness.contains(&block))
         }
-        Effect::Roughness => part == "core" || tangents_of_roughness.contains(&block),
+        Effect::Roughness => part == "core" || block == "probes.reach" || tangents_of_roughness.contains(&block),
         Effect::Environment => ["reflection", "core"].contains(&part),
         Effect::TwoLobes => part == "core",
         Effect::Footprint => {
