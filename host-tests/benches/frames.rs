@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p roughxel-host-tests --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
 //! pixel and of which phases they are: the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; all others
-//! are what a frame needs beside it. It takes about a minute; `-- NAME…` draws the scenes of these names alone.
+//! are what a frame needs beside it. It takes about a minute; `-- NAME…` draws the scenes, or in the modes, of these names alone.
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::Precision;
@@ -31,7 +31,7 @@ normal_map = { generate = "hammered", size = 512, dents = 24, slope = 0.2 }
 "#;
 
 const MODES: [(&str, Mode); 3] =
-    [("unfiltered", Mode::Unfiltered), ("footprint", Mode::Footprint), ("16 samples", Mode::Supersampled { edge: 4 })];
+    [("unfiltered", Mode::Unfiltered), ("footprint", Mode::Footprint), ("16-samples", Mode::Supersampled { edge: 4 })];
 
 /// Frames of which the fastest counts.
 const FRAMES: usize = 5;
@@ -61,8 +61,11 @@ fn main() {
     }
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
     let names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
-    for scene in scenes().into_iter().filter(|scene| names.is_empty() || names.contains(&scene.name)) {
-        for (name, mode) in MODES {
+    let (modes, names): (Vec<_>, Vec<_>) =
+        names.iter().map(String::as_str).partition(|name| MODES.iter().any(|mode| mode.0 == *name));
+    let asked = |name: &str, among: &[&str]| among.is_empty() || among.contains(&name);
+    for scene in scenes().into_iter().filter(|scene| asked(&scene.name, &names)) {
+        for (name, mode) in MODES.into_iter().filter(|mode| asked(mode.0, &modes)) {
             let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene can be drawn");
             let times = one_thread.install(|| fastest(&prepared));
             let pixels = f64::from(scene.camera.width) * f64::from(scene.camera.height);

@@ -16,7 +16,7 @@ use super::phases::{Phase, PhaseClock};
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, TextureDerivatives};
 use crate::plan::Mode;
-use crate::raster::{AttributeRows, FragmentAttributes, Row, SIDE, same_rows};
+use crate::raster::{AttributeRows, FragmentAttributes, SIDE, same_rows};
 
 const _: () = assert!(SIDE == LANES, "attributes are made in vectors of lanes");
 
@@ -122,8 +122,8 @@ impl Fragments {
         self.places.push(place);
     }
 
-    /// Lets fragments wait that stand side by side; `derivatives` are those of [`Triangle::derivative_rows`](crate::raster::Triangle::derivative_rows).
-    pub(super) fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &[Row; 16]) {
+    /// Lets fragments wait that stand side by side; `derivatives` are those of [`Triangle::derivative_words`](crate::raster::Triangle::derivative_words).
+    pub(super) fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &[i32; 16]) {
         let Parts { surface, derivatives: has_derivatives, uv, duv, main_direction } = self.parts;
         let count = places.len();
         if surface {
@@ -135,7 +135,7 @@ impl Fragments {
             self.bare.append(count, &bare);
         }
         if has_derivatives {
-            self.derivatives.append(count, derivatives);
+            self.derivatives.append_same(count, derivatives);
         }
         if uv {
             self.centres.append(count, &rows.uv);
@@ -187,6 +187,8 @@ fn ray_plan(mode: Mode) -> ReflectionPlan {
 /// The light of a tile's pixels, summed over objects, lights and samples, and what was read for it.
 pub(super) struct Sums {
     pub(super) pixels: Vec<[PixelSum<i32>; 3]>,
+    /// How many samples each pixel has.
+    pub(super) counts: Vec<u32>,
     /// Taps, of four texels each.
     pub(super) taps: u64,
     pub(super) clock: PhaseClock,
@@ -195,7 +197,17 @@ pub(super) struct Sums {
 impl Sums {
     /// No light in so many pixels.
     pub(super) fn new(pixels: usize) -> Self {
-        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0, clock: PhaseClock::start() }
+        Self {
+            pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels],
+            counts: vec![0; pixels],
+            taps: 0,
+            clock: PhaseClock::start(),
+        }
+    }
+
+    /// So many more samples of each pixel.
+    pub(super) fn count(&mut self, counts: &[u32]) {
+        self.counts.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
     }
 
     /// Adds a colour to a pixel, as often as it counts there.

@@ -9,35 +9,35 @@ use roughxel_core::setup::block_vector;
 
 use super::batch::Place;
 use super::prepare::Prepared;
-use crate::raster::{FragmentAttributes, PIXEL_CENTRE_SUBPX, RasterError, SUBPIXELS, TileBuffer, TriangleList, tiles};
+use crate::raster::{FragmentAttributes, RasterError, Sampling, TileSamples, TriangleList, tiles};
 
 impl Prepared<'_> {
     /// Inputs of the reflection datapath for at most `most` reflecting fragments, evenly spread over the frame, with
     /// their plan: what `render --capture` and the demo export as vectors. Ports are quantised to the profile.
     pub fn capture(&self, most: usize) -> Result<Vec<(ReflectionIn, ReflectionPlan)>, RasterError> {
-        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
-        let mut buffer = TileBuffer::new();
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_reading(self.reading);
+        let passes = Sampling::Grid { edge: 1 }.passes();
+        let mut samples = TileSamples::default();
         let mut fragments = Vec::new();
         for tile in tiles(self.projection.width(), self.projection.height()) {
-            triangles.rasterise_tile(tile, PIXEL_CENTRE_SUBPX, &mut buffer);
-            for y in tile.y..tile.y + tile.height {
-                for x in tile.x..tile.x + tile.width {
-                    let Some(index) = buffer.triangle_at(x, y) else { continue };
+            for pass in &passes {
+                triangles.samples(tile, pass, &mut samples);
+                for (triangle, shown) in samples.by_triangle() {
+                    let Some(index) = triangle else { continue };
                     if self.objects[triangles.object_index(index)].plan.reflection.is_some() {
-                        fragments.push((x, y, index));
+                        fragments.extend(shown.iter().map(|&sample| (samples.position(sample), index)));
                     }
                 }
             }
         }
         // Rows first, so that the choice does not depend on the tiles.
-        fragments.sort_unstable_by_key(|&(x, y, _)| (y, x));
+        fragments.sort_unstable_by_key(|&([x, y], _)| (y, x));
         let count = most.min(fragments.len());
         let chosen = (0..count).filter_map(|i| {
-            let &(x, y, index) = fragments.get(i * fragments.len() / count.max(1))?;
+            let &([x, y], index) = fragments.get(i * fragments.len() / count.max(1))?;
             let object = triangles.object_index(index);
             let prepared = &self.objects[object];
             let triangle = triangles.triangle(index, prepared.needs())?;
-            let [x, y] = [x, y].map(|edge| edge as i32 * SUBPIXELS + SUBPIXELS / 2);
             let plan = prepared.plan.reflection?;
             let attributes = triangle.fragment(x, y);
             let place = Place { pixel: 0, times: 1 };

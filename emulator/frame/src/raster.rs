@@ -2,7 +2,7 @@
 //!
 //! The host turns every triangle into plane equations with exactly rounded float64 operations only (+, −, ×, ÷, √; the field of view
 //! goes through `libm`). What is visible at a sample is found in integers, its attributes with the same few operations of float64: the same
-//! bits on every machine and for every order of tiles. Drawing is deferred: [`TriangleList::rasterise_tile`] finds the
+//! bits on every machine and for every order of tiles. Drawing is deferred: [`TriangleList::samples`] finds the
 //! visible triangle of each sample, [`Triangle::fragment`] its attributes, as ports of the datapath.
 //!
 //! Screen: x right, y down, in pixels or in sub-pixels of 1/256 px; the centre of pixel (i, j) is the sub-pixel
@@ -27,8 +27,7 @@ use thiserror::Error;
 pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};
 pub use blocks::{AttributeRows, Positions, Row, SIDE, same_rows};
 pub use camera::Projection;
-pub use coverage::{Run, Sampling};
-pub use edges::TileBuffer;
+pub use coverage::{Pass, Sample, Sampling, TileSamples};
 pub use setup::TriangleList;
 
 /// Bits of the sub-pixel grid: one pixel is 2^8 steps.

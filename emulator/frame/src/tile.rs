@@ -12,7 +12,8 @@ use super::frame::Frame;
 use super::phases::PhaseTimes;
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
-    AttributeRows, Positions, RasterError, Run, SIDE, SUBPIXELS, Sampling, TileRect, TriangleList, tile_rows, tiles,
+    AttributeRows, Pass, Positions, RasterError, SIDE, SUBPIXELS, Sample, Sampling, TileRect, TileSamples,
+    TriangleList, tile_rows, tiles,
 };
 
 /// What drawing took.
@@ -42,13 +43,14 @@ impl Prepared<'_> {
     /// The same with what it took.
     pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Counted), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
-        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?;
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_reading(self.reading);
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
         // Each tile goes to its own rows of the one frame as soon as it is shaded: there is no second copy, and nobody waits.
+        let passes = self.sampling().passes();
         let counted = tile_rows(&mut pixels, width, height)
             .into_par_iter()
-            .map(|(tile, rows)| {
-                let (colours, counted) = self.shade_tile(&triangles, tile);
+            .map_init(TileSamples::default, |samples, (tile, rows)| {
+                let (colours, counted) = self.shade_tile(&triangles, tile, &passes, samples);
                 for (row, line) in rows.into_iter().zip(colours.chunks(tile.width as usize)) {
                     row.copy_from_slice(line);
                 }
@@ -74,45 +76,61 @@ impl Prepared<'_> {
     }
 
     /// The colours of a tile, and what they took.
-    fn shade_tile(&self, triangles: &TriangleList<'_>, tile: TileRect) -> (Vec<Colour>, Counted) {
+    fn shade_tile(
+        &self,
+        triangles: &TriangleList<'_>,
+        tile: TileRect,
+        passes: &[Pass],
+        samples: &mut TileSamples,
+    ) -> (Vec<Colour>, Counted) {
         let mut sums = Sums::new(tile.width as usize * tile.height as usize);
         let mut batch = Batch::default();
-        let (runs, counts) = triangles.samples(tile, self.sampling());
-        let object_of = |run: &Run| run.triangle.map(|triangle| triangles.object_index(triangle));
-        for runs in runs.chunk_by(|a, b| a.triangle == b.triangle || object_of(a) == object_of(b)) {
-            match object_of(&runs[0]) {
-                None => self.shade_background(runs, &mut batch, &mut sums),
-                Some(object) => self.shade_object(&self.objects[object], triangles, runs, &mut batch, &mut sums),
+        for pass in passes {
+            triangles.samples(tile, pass, samples);
+            let mut by_triangle = samples.by_triangle().peekable();
+            while let Some(&(triangle, shown)) = by_triangle.peek() {
+                let Some(triangle) = triangle else {
+                    self.shade_background(samples, shown, &mut batch, &mut sums);
+                    break;
+                };
+                let object = triangles.object_index(triangle);
+                let of_object = std::iter::from_fn(|| {
+                    by_triangle.next_if(|(triangle, _)| {
+                        triangle.is_some_and(|triangle| triangles.object_index(triangle) == object)
+                    })
+                });
+                self.shade_object(&self.objects[object], triangles, (samples, of_object), &mut batch, &mut sums);
             }
+            sums.count(samples.counts());
         }
         // Samples are what the datapath is compared with, and edges are the front end's: their mean, to nearest, is no stage.
-        let mean = |sum: PixelSum<i32>, count: u32| {
-            let count = i64::from(count);
-            PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) }
+        let mean = |sum: PixelSum<i32>, count: u32| match i64::from(count) {
+            1 => sum,
+            count => PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) },
         };
-        let colours = sums.pixels.into_iter().zip(counts);
+        let colours = sums.pixels.into_iter().zip(sums.counts);
         let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
         let colours = colours.collect();
         (colours, Counted { texels: 4 * sums.taps, times: sums.clock.stop() })
     }
 
-    /// The samples of an object.
-    fn shade_object(
+    /// The samples of an object, triangle by triangle.
+    fn shade_object<'s>(
         &self,
         object: &PreparedObject,
         triangles: &TriangleList<'_>,
-        runs: &[Run],
+        (tile, shown): (&TileSamples, impl Iterator<Item = (Option<u32>, &'s [Sample])>),
         batch: &mut Batch,
         sums: &mut Sums,
     ) {
         let mut fragments = Fragments::of(object);
-        for runs in runs.chunk_by(|a, b| a.triangle == b.triangle) {
-            let triangle = runs[0].triangle.and_then(|index| triangles.triangle(index, object.needs()));
+        let mut rows = AttributeRows::default();
+        for (triangle, shown) in shown {
+            let triangle = triangle.and_then(|index| triangles.triangle(index, object.needs()));
             let Some(triangle) = triangle else { continue };
             let points = object.lighting.as_ref().map(|lighting| lighting.points(&triangle)).unwrap_or_default();
-            let derivatives = triangle.derivative_rows();
-            for_each_side(runs, |places, positions| {
-                let mut rows = AttributeRows::default();
+            let derivatives = triangle.derivative_words();
+            for_each_side(tile, shown, |places, positions| {
                 self.reading.run(
                     #[inline(always)]
                     || triangle.fragments(positions, &mut rows),
@@ -133,11 +151,11 @@ impl Prepared<'_> {
     }
 
     /// The samples that show nothing.
-    fn shade_background(&self, runs: &[Run], batch: &mut Batch, sums: &mut Sums) {
+    fn shade_background(&self, tile: &TileSamples, shown: &[Sample], batch: &mut Batch, sums: &mut Sums) {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
             let (mut rays, derivatives) = (Fragments::rays(), self.projection.mirror_derivatives());
-            for_each_side(runs, |places, positions| {
-                let mut rows = AttributeRows::default();
+            let mut rows = AttributeRows::default();
+            for_each_side(tile, shown, |places, positions| {
                 self.reading.run(
                     #[inline(always)]
                     || self.projection.mirror_rays(positions, &mut rows),
@@ -149,10 +167,9 @@ impl Prepared<'_> {
             });
             return self.shade_rays(&mut rays, batch, sums);
         }
-        for run in runs {
-            for (pixel, [_, y]) in run.samples() {
-                sums.add(Place { pixel, times: run.times }, self.background(y));
-            }
+        let colours: Vec<_> = tile.lines().map(|y| self.background(y)).collect();
+        for &sample in shown {
+            sums.add(Place { pixel: tile.pixel(sample), times: tile.times(sample) }, colours[tile.line(sample)]);
         }
     }
 
@@ -169,27 +186,17 @@ impl Prepared<'_> {
     }
 }
 
-/// Hands the samples of runs to `take`, [`SIDE`] at a time: their places and positions; behind the last one, the last again.
-fn for_each_side(runs: &[Run], mut take: impl FnMut(&[Place], &Positions)) {
-    let mut places = [Place { pixel: 0, times: 0 }; SIDE];
-    let mut positions = [[0; SIDE]; 2];
-    let mut count = 0;
-    for run in runs {
-        for (pixel, [x, y]) in run.samples() {
-            places[count] = Place { pixel, times: run.times };
-            (positions[0][count], positions[1][count]) = (x, y);
-            count += 1;
-            if count == SIDE {
-                take(&places, &positions);
-                count = 0;
-            }
+/// Hands samples to `take`, [`SIDE`] at a time: their places and positions; behind the last one, the last again.
+#[inline(always)]
+fn for_each_side(tile: &TileSamples, samples: &[Sample], mut take: impl FnMut(&[Place], &Positions)) {
+    for side in samples.chunks(SIDE) {
+        let mut places = [Place { pixel: 0, times: 0 }; SIDE];
+        let mut positions = [[0; SIDE]; 2];
+        for lane in 0..SIDE {
+            let sample = side[lane.min(side.len() - 1)];
+            places[lane] = Place { pixel: tile.pixel(sample), times: tile.times(sample) };
+            [positions[0][lane], positions[1][lane]] = tile.position(sample);
         }
-    }
-    if count > 0 {
-        for row in &mut positions {
-            let last = row[count - 1];
-            row[count..].fill(last);
-        }
-        take(&places[..count], &positions);
+        take(&places[..side.len()], &positions);
     }
 }

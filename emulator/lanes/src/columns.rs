@@ -111,6 +111,20 @@ impl<B: Form> Columns<B> {
         self.len += count;
     }
 
+    /// Adds `count` fragments that are all the same, at most a vector of them: each word in the order of a walk.
+    ///
+    /// # Panics
+    /// If there are more, or not all words.
+    pub fn append_same(&mut self, count: usize, words: &[i32]) {
+        assert!(count <= LANES && words.len() == B::WORDS, "all words");
+        self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
+        self.grow(self.len + count);
+        for (row, &word) in self.words.chunks_exact_mut(self.stride).zip(words) {
+            row[self.len..][..LANES].fill(word);
+        }
+        self.len += count;
+    }
+
     /// The fragments in another order, in place of what `ordered` held.
     pub(super) fn reorder(&self, Order(order): &Order, ordered: &mut Self) {
         ordered.form = self.form;

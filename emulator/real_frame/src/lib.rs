@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::raster::{Needs, Projection, RasterError, Sampling, TileRect, TriangleList, tiles};
+use roughxel_frame::raster::{Needs, Projection, RasterError, Sampling, TileRect, TileSamples, TriangleList, tiles};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
 
@@ -119,24 +119,30 @@ pub fn work(scene: &Scene) -> u64 {
 
 /// The mean over the samples of each pixel.
 fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; tile.width as usize * tile.height as usize];
-    let (runs, counts) = triangles.samples(tile, sampling);
-    for runs in runs.chunk_by(|a, b| a.triangle == b.triangle) {
-        let shown = runs[0].triangle.map(|index| {
-            let object = triangles.object_index(index);
-            let needs = Needs { tangents: shader.needs_tangents(object), ..Needs::ALL };
-            (object, triangles.triangle(index, needs))
-        });
-        for (times, (pixel, [x, y])) in runs.iter().flat_map(|run| run.samples().map(|sample| (run.times, sample))) {
-            let colour = match &shown {
-                None => shader.background(x, y),
-                Some((object, Some(triangle))) => shader.fragment(*object, &triangle.fragment(x, y)),
-                Some((_, None)) => [0.0; 3],
-            };
-            for (sum, channel) in sums[pixel].iter_mut().zip(colour) {
-                *sum += f64::from(times) * channel;
+    let pixels = tile.width as usize * tile.height as usize;
+    let (mut sums, mut counts) = (vec![[0.0; 3]; pixels], vec![0; pixels]);
+    let mut samples = TileSamples::default();
+    for pass in sampling.passes() {
+        triangles.samples(tile, &pass, &mut samples);
+        for (triangle, samples_of) in samples.by_triangle() {
+            let shown = triangle.map(|index| {
+                let object = triangles.object_index(index);
+                let needs = Needs { tangents: shader.needs_tangents(object), ..Needs::ALL };
+                (object, triangles.triangle(index, needs))
+            });
+            for &sample in samples_of {
+                let [x, y] = samples.position(sample);
+                let colour = match &shown {
+                    None => shader.background(x, y),
+                    Some((object, Some(triangle))) => shader.fragment(*object, &triangle.fragment(x, y)),
+                    Some((_, None)) => [0.0; 3],
+                };
+                for (sum, channel) in sums[samples.pixel(sample)].iter_mut().zip(colour) {
+                    *sum += f64::from(samples.times(sample)) * channel;
+                }
             }
         }
+        counts.iter_mut().zip(samples.counts()).for_each(|(sum, count)| *sum += count);
     }
     sums.into_iter().zip(counts).map(|(sum, count)| sum.map(|channel| channel / f64::from(count))).collect()
 }

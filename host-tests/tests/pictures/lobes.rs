@@ -9,7 +9,7 @@ use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::Precision;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::plan::Mode;
-use roughxel_emulator::raster::{Needs, Projection, Run, SUBPIXELS, Sampling, TileRect, TriangleList, tiles};
+use roughxel_emulator::raster::{Needs, Projection, SUBPIXELS, Sampling, TileRect, TileSamples, TriangleList, tiles};
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::scene::picture::Picture;
 use roughxel_host_tests::space::whole_or;
@@ -124,16 +124,20 @@ fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
     let mut pixels = vec![[0.0; 3]; (width * height) as usize];
     for tile in tiles(width, height) {
         let TileRect { x: left, y: top, width: columns, .. } = tile;
-        let (runs, _) = triangles.samples(tile, Sampling::Grid { edge: SAMPLES as u32 });
-        let shaded: Vec<(usize, [f64; 3])> = runs
-            .par_iter()
-            .flat_map_iter(|run| run.samples().map(|sample| (run.triangle, sample)))
-            .map(|(triangle, (pixel, [x, y]))| {
-                let place = [x, y].map(|p| (p % SUBPIXELS * SAMPLES / SUBPIXELS) as usize);
-                let shift = 16 * (place[0] + SAMPLES as usize * place[1]) + 5 * place[1];
-                (pixel, triangle.map_or([0.5; 3], |triangle| shade(x, y, triangle, shift)))
-            })
-            .collect();
+        let mut samples = TileSamples::default();
+        let mut shaded: Vec<(usize, [f64; 3])> = Vec::new();
+        for pass in (Sampling::Grid { edge: SAMPLES as u32 }).passes() {
+            triangles.samples(tile, &pass, &mut samples);
+            for (triangle, shown) in samples.by_triangle() {
+                let colours = shown.par_iter().map(|&sample| {
+                    let [x, y] = samples.position(sample);
+                    let place = [x, y].map(|p| (p % SUBPIXELS * SAMPLES / SUBPIXELS) as usize);
+                    let shift = 16 * (place[0] + SAMPLES as usize * place[1]) + 5 * place[1];
+                    (samples.pixel(sample), triangle.map_or([0.5; 3], |triangle| shade(x, y, triangle, shift)))
+                });
+                shaded.par_extend(colours);
+            }
+        }
         for (pixel, colour) in shaded {
             let (x, y) = (left as usize + pixel % columns as usize, top as usize + pixel / columns as usize);
             let place = &mut pixels[y * width as usize + x];
@@ -169,10 +173,13 @@ fn inside(scene: &Scene) -> Vec<bool> {
     let (width, height) = (projection.width() as usize, projection.height() as usize);
     let mut hits = vec![0; width * height];
     for tile in tiles(width as u32, height as u32) {
-        let (runs, _) = triangles.samples(tile, Sampling::Grid { edge: 4 });
-        for (pixel, _) in runs.iter().filter(|run| run.triangle.is_some()).flat_map(Run::samples) {
-            let columns = tile.width as usize;
-            hits[(tile.y as usize + pixel / columns) * width + tile.x as usize + pixel % columns] += 1;
+        let mut samples = TileSamples::default();
+        for pass in (Sampling::Grid { edge: 4 }).passes() {
+            triangles.samples(tile, &pass, &mut samples);
+            for &sample in samples.by_triangle().filter(|(triangle, _)| triangle.is_some()).flat_map(|shown| shown.1) {
+                let (pixel, columns) = (samples.pixel(sample), tile.width as usize);
+                hits[(tile.y as usize + pixel / columns) * width + tile.x as usize + pixel % columns] += 1;
+            }
         }
     }
     hits.into_iter().map(|hits| hits == 16).collect()

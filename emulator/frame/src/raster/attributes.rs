@@ -13,7 +13,7 @@ use glam::DVec3;
 use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::SUBPIXELS;
-use super::blocks::{AttributeRows, Positions, Row, SIDE, block, block_rows, port, same_rows, scaled, turns};
+use super::blocks::{AttributeRows, Positions, SIDE, block, block_rows, derivative_words, port, scaled, turns};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
@@ -205,10 +205,9 @@ impl<'a> Triangle<'a> {
         }
     }
 
-    /// ∂v and ∂n of all its fragments, as rows of [`AttributeRows`].
-    pub fn derivative_rows(&self) -> [Row; 16] {
-        let [[vx, vy], [nx, ny]] = [self.projection.dview(), self.dnormal].map(|d| d.each_ref().map(same_rows));
-        core::array::from_fn(|row| [vx, vy, nx, ny][row / 4][row % 4])
+    /// ∂v and ∂n of all its fragments: of each the mantissas, then the exponent.
+    pub fn derivative_words(&self) -> [i32; 16] {
+        derivative_words(self.projection.dview(), self.dnormal)
     }
 
     /// Setup of the directions to a point in the world, once a triangle.

@@ -101,6 +101,16 @@ pub fn same_rows(block: &BlockVector) -> [Row; 4] {
     [x, y, z, [i32::from(block.exponent); SIDE]]
 }
 
+/// ∂v, then ∂n: of each the mantissas, then the exponent.
+pub(super) fn derivative_words(dview: [BlockVector; 2], dnormal: [BlockVector; 2]) -> [i32; 16] {
+    let blocks = [dview, dnormal];
+    let blocks = blocks.as_flattened();
+    core::array::from_fn(|word| match word % 4 {
+        3 => i32::from(blocks[word / 4].exponent),
+        component => blocks[word / 4].mantissa[component].to_bits(),
+    })
+}
+
 /// As ports.
 pub(super) fn port<const N: usize>((mantissas, exponent): ([i32; N], i32)) -> BlockPort<N> {
     BlockPort { mantissa: mantissas.map(I2F30::from_bits), exponent: exponent as i16 }

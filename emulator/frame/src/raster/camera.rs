@@ -7,7 +7,7 @@
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::BlockVector;
 
-use super::blocks::{AttributeRows, Positions, Row, SIDE, block, block_rows, port, same_rows};
+use super::blocks::{AttributeRows, Positions, Row, block, block_rows, derivative_words, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
 use roughxel_scene::{Camera, MAX_FRAME_PIXELS};
 
@@ -134,10 +134,9 @@ impl Projection {
         self.dview
     }
 
-    /// ∂v and no ∂n, as rows of [`Derivatives`](roughxel_lanes::Derivatives): a footprint as wide as the pixel.
-    pub fn mirror_derivatives(&self) -> [Row; 16] {
-        let [vx, vy] = self.dview.each_ref().map(same_rows);
-        core::array::from_fn(|row| [vx, vy].as_flattened().get(row).copied().unwrap_or([0; SIDE]))
+    /// ∂v and no ∂n, as words of [`Derivatives`](roughxel_lanes::Derivatives): a footprint as wide as the pixel.
+    pub fn mirror_derivatives(&self) -> [i32; 16] {
+        derivative_words(self.dview, [BlockVector::default(); 2])
     }
 
     /// Homogeneous screen coordinates (x·w, y·w, w) of a world position: x and y in pixels, w the distance along

@@ -108,10 +108,10 @@ pub(super) fn twice_area([a, b, c]: [[i32; 2]; 3]) -> i64 {
 
 /// Keeps the part of a convex polygon where `distance` ≥ 0; returns its new number of vertices.
 fn clip(polygon: &mut [DVec3; MAX_VERTICES], len: usize, distance: impl Fn(DVec3) -> f64) -> usize {
-    let source = *polygon;
-    if source[..len].iter().all(|&vertex| distance(vertex) >= 0.0) {
+    if polygon[..len].iter().all(|&vertex| distance(vertex) >= 0.0) {
         return len;
     }
+    let source = *polygon;
     let mut kept = 0;
     let mut push = |vertex: DVec3| {
         // A convex polygon gains one vertex per plane; rounding could make it look concave, hence the guard.
@@ -139,9 +139,15 @@ fn clip(polygon: &mut [DVec3; MAX_VERTICES], len: usize, distance: impl Fn(DVec3
     kept
 }
 
+/// ⌊x⌋ for |x| < 2^63: where a machine has no instruction for it, `f64::floor` is a call.
+pub(super) fn floor(x: f64) -> i64 {
+    let whole = x as i64;
+    whole - i64::from(whole as f64 > x)
+}
+
 /// A screen coordinate in pixels on the sub-pixel grid, to nearest; the guard band holds already, the clamp catches
 /// its rounding.
 fn snap(position_px: f64) -> i32 {
     let limit = 2.5 * GUARD_PX;
-    (position_px.clamp(-limit, limit) * f64::from(SUBPIXELS) + 0.5).floor() as i32
+    floor(position_px.clamp(-limit, limit) * f64::from(SUBPIXELS) + 0.5) as i32
 }

@@ -2,18 +2,21 @@
 //!
 //! A sample p is inside when (b − a) × (p − a) ≥ 0 for the three edges, and on an edge only where that edge is a top or
 //! a left one: shared edges are covered exactly once. Depth is near/w, linear on the screen, 56 fraction bits; the larger
-//! value wins, among equals the lower triangle index, so the order of drawing does not matter.
+//! value wins, among equals the triangle that was drawn first. Samples of a pixel, or of pixels side by side, lie in vectors of
+//! [`VECTOR`]: whoever draws compiles it for the instruction set of the machine.
 
 use glam::DVec3;
 
 use super::blocks::scale_by_power_of_two;
-use super::clip::ScreenPolygon;
+use super::clip::{ScreenPolygon, floor};
 use super::{SUBPIXELS, TileRect};
 
 /// Fraction bits of a depth: near/w = 1 is 2^56.
 const DEPTH_BITS: i32 = 56;
-/// Triangle index of a sample that no triangle covers.
-const NO_TRIANGLE: u32 = u32::MAX;
+/// Number of a sample that no triangle covers.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+/// Samples of a vector.
+const VECTOR: usize = 8;
 
 /// Depth over the screen: near/w · 2^56 of the whole triangle, held within the range of its visible part.
 #[derive(Clone, Copy, Debug)]
@@ -49,17 +52,24 @@ impl DepthPlane {
         let extent = |span: [i32; 2]| f64::from((span[1] - span[0] + 1) * SUBPIXELS);
         let bound = plane[0].abs() + plane[1].abs() * extent(polygon.columns) + plane[2].abs() * extent(polygon.rows);
         let [constant, per_x, per_y] = if bound < scale_by_power_of_two(1.0, 62) {
-            plane.map(|value| (value + 0.5).floor() as i64)
+            plane.map(|value| floor(value + 0.5))
         } else {
             [range[0] / 2 + range[1] / 2, 0, 0]
         };
         Self { reference, constant, per_x, per_y, range }
     }
 
-    /// Depth at a sub-pixel position inside the polygon's bounds.
+    /// Depth at a sub-pixel position: of numbers of 64 bits what is right inside the polygon's bounds.
+    #[inline(always)]
     fn at(&self, x: i32, y: i32) -> i64 {
         let (dx, dy) = (x - self.reference[0], y - self.reference[1]);
-        self.constant + self.per_x * i64::from(dx) + self.per_y * i64::from(dy)
+        self.constant.wrapping_add(self.rise(dx.into(), dy.into()))
+    }
+
+    /// By how much it grows over so many sub-pixels.
+    #[inline(always)]
+    fn rise(&self, dx: i64, dy: i64) -> i64 {
+        self.per_x.wrapping_mul(dx).wrapping_add(self.per_y.wrapping_mul(dy))
     }
 }
 
@@ -85,8 +95,46 @@ impl Edge {
         Self { constant: dy * ax - dx * ay - i64::from(!owns_boundary), per_x: -dy, per_y: dx }
     }
 
+    #[inline(always)]
     fn at(&self, x: i32, y: i32) -> i64 {
-        self.constant + self.per_x * i64::from(x) + self.per_y * i64::from(y)
+        self.constant + self.rise(x.into(), y.into())
+    }
+
+    /// By how much it grows over so many sub-pixels.
+    #[inline(always)]
+    fn rise(&self, dx: i64, dy: i64) -> i64 {
+        self.per_x * dx + self.per_y * dy
+    }
+}
+
+/// Places of a pixel at which visibility is asked for, and how they lie in vectors: the samples of a pixel one after the other, where they are a part of
+/// a vector those of the next pixel behind them.
+#[derive(Clone, Debug)]
+pub(super) struct Places {
+    count: usize,
+    /// Samples of a pixel in memory: a part of a vector, or whole ones, the last of which repeats the last place.
+    stride: usize,
+    /// Pixels of a vector.
+    pixels: usize,
+    /// For each vector of these pixels sub-pixels from the corner of the first one: x, then y.
+    vectors: Vec<[[i64; VECTOR]; 2]>,
+}
+
+impl Places {
+    /// Those at sub-pixels from the corner of the pixel: 0 to 255 each.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub(super) fn new(places: &[[i32; 2]]) -> Self {
+        let count = places.len();
+        let pixels = if VECTOR.is_multiple_of(count) { VECTOR / count } else { 1 };
+        let stride = if pixels > 1 { count } else { count.next_multiple_of(VECTOR) };
+        let at = |index: usize, axis: usize| {
+            let (pixel, place) = (index / stride, places[(index % stride).min(count - 1)]);
+            i64::from(place[axis]) + if axis == 0 { pixel as i64 * i64::from(SUBPIXELS) } else { 0 }
+        };
+        let vector = |index: usize| [0, 1].map(|axis| core::array::from_fn(|lane| at(index * VECTOR + lane, axis)));
+        Self { count, stride, pixels, vectors: (0..stride * pixels / VECTOR).map(vector).collect() }
     }
 }
 
@@ -103,6 +151,11 @@ pub(super) struct ScreenTriangle {
 impl ScreenTriangle {
     pub(super) fn new(vertices: [[i32; 2]; 3], depth: DepthPlane, triangle: u32) -> Self {
         Self { vertices, depth, triangle }
+    }
+
+    /// Number of the triangle in the frame.
+    pub(super) fn triangle(&self) -> u32 {
+        self.triangle
     }
 
     /// Columns or rows (axis 0 or 1) of pixels `first..=last` that the piece touches; may lie outside the frame.
@@ -128,8 +181,9 @@ impl ScreenTriangle {
         })
     }
 
-    /// Draws the samples at `offset` sub-pixels into their pixels.
-    pub(super) fn draw(&self, offset: [i32; 2], buffer: &mut TileBuffer) {
+    /// Draws its samples, as the number `number`.
+    #[inline(always)]
+    pub(super) fn draw(&self, number: u32, places: &Places, buffer: &mut TileBuffer) {
         let rect = buffer.rect;
         let inside = |axis: usize, start: u32, edge: u32| {
             let [first, last] = self.pixels(axis);
@@ -140,97 +194,86 @@ impl ScreenTriangle {
         if first_column > last_column || first_row > last_row {
             return;
         }
-        let edges = self.edges();
-        let columns = (last_column - first_column + 1) as usize;
-        let x = first_column * SUBPIXELS + offset[0];
-        let step = i64::from(SUBPIXELS);
-        let edge_step = edges.map(|edge| edge.per_x * step);
-        let depth_step = self.depth.per_x * step;
-        let [farthest, nearest] = self.depth.range;
-        for row in first_row..=last_row {
-            let y = row * SUBPIXELS + offset[1];
-            let mut inside = edges.map(|edge| edge.at(x, y));
-            let mut plane = self.depth.at(x, y);
-            let start = (row as u32 - rect.y) as usize * rect.width as usize + (first_column as u32 - rect.x) as usize;
-            let depths = &mut buffer.depth[start..start + columns];
-            let triangles = &mut buffer.triangle[start..start + columns];
-            for (depth, triangle) in depths.iter_mut().zip(triangles) {
-                if inside[0] | inside[1] | inside[2] >= 0 {
-                    let candidate = plane.clamp(farthest, nearest);
-                    if candidate > *depth || (candidate == *depth && self.triangle < *triangle) {
-                        *depth = candidate;
-                        *triangle = self.triangle;
+        let pixels = places.pixels as i32;
+        let [first, last] = [first_column, last_column].map(|column| (column - rect.x as i32) / pixels);
+        let (edges, depth) = (self.edges(), &self.depth);
+        let x = rect.x as i32 * SUBPIXELS + first * pixels * SUBPIXELS;
+        let step = i64::from(pixels * SUBPIXELS);
+        let (edge_step, depth_step) = (edges.map(|edge| edge.rise(step, 0)), depth.rise(step, 0));
+        let [farthest, nearest] = depth.range;
+        for (index, [dx, dy]) in places.vectors.iter().enumerate() {
+            let mut edge_rise = [[0; VECTOR]; 3];
+            let mut depth_rise = [0; VECTOR];
+            for lane in 0..VECTOR {
+                for (rise, edge) in edge_rise.iter_mut().zip(&edges) {
+                    rise[lane] = edge.rise(dx[lane], dy[lane]);
+                }
+                depth_rise[lane] = depth.rise(dx[lane], dy[lane]);
+            }
+            for row in first_row..=last_row {
+                let y = row * SUBPIXELS;
+                let [mut a, mut b, mut c] = edges.map(|edge| edge.at(x, y));
+                let mut plane = depth.at(x, y);
+                let start = (row as u32 - rect.y) as usize * buffer.row + first as usize * places.vectors.len() + index;
+                let vectors = (last - first) as usize * places.vectors.len() + 1;
+                let depths = buffer.depth[start..start + vectors].iter_mut();
+                let shown = buffer.shown[start..start + vectors].iter_mut();
+                for (depths, shown) in depths.zip(shown).step_by(places.vectors.len()) {
+                    for lane in 0..VECTOR {
+                        let inside = (a + edge_rise[0][lane]) | (b + edge_rise[1][lane]) | (c + edge_rise[2][lane]);
+                        let candidate = plane.wrapping_add(depth_rise[lane]).clamp(farthest, nearest);
+                        let wins = (inside >= 0) & (candidate > depths[lane]);
+                        depths[lane] = if wins { candidate } else { depths[lane] };
+                        shown[lane] = if wins { number } else { shown[lane] };
                     }
+                    (a, b, c) = (a + edge_step[0], b + edge_step[1], c + edge_step[2]);
+                    plane = plane.wrapping_add(depth_step);
                 }
-                for (value, step) in inside.iter_mut().zip(edge_step) {
-                    *value += step;
-                }
-                // The plane is bounded at the samples, but not one step past the last column.
-                plane = plane.wrapping_add(depth_step);
             }
         }
     }
 }
 
-/// What is visible in one rectangle of the frame: for each pixel's sample the nearest triangle and its depth.
+/// What is visible in one rectangle of the frame: for each sample the nearest triangle and its depth.
 #[derive(Clone, Debug, Default)]
-pub struct TileBuffer {
+pub(super) struct TileBuffer {
     rect: TileRect,
-    depth: Vec<i64>,
-    triangle: Vec<u32>,
+    /// Samples of a pixel, and how many of them lie in memory.
+    count: usize,
+    stride: usize,
+    /// Vectors of a row of pixels.
+    row: usize,
+    depth: Vec<[i64; VECTOR]>,
+    shown: Vec<[u32; VECTOR]>,
 }
 
 impl TileBuffer {
-    /// An empty buffer; [`super::TriangleList::rasterise_tile`] sizes it and may use it again and again.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The rectangle drawn last.
-    pub fn rect(&self) -> TileRect {
-        self.rect
-    }
-
-    /// Visible triangle at a pixel of the frame; `None` where there is none or the pixel is outside the rectangle.
-    pub fn triangle_at(&self, x: u32, y: u32) -> Option<u32> {
-        let triangle = *self.triangle.get(self.index(x, y)?)?;
-        (triangle != NO_TRIANGLE).then_some(triangle)
-    }
-
-    /// Depth at a pixel of the frame: near/w in units of 2⁻⁵⁶, larger is nearer; `None` as in
-    /// [`TileBuffer::triangle_at`].
-    pub fn depth_at(&self, x: u32, y: u32) -> Option<i64> {
-        self.triangle_at(x, y)?;
-        self.depth.get(self.index(x, y)?).copied()
-    }
-
-    /// Visible triangles of the rectangle, row by row from the top left.
-    pub fn triangles(&self) -> impl Iterator<Item = Option<u32>> {
-        self.triangle.iter().map(|&triangle| Self::shown(triangle))
-    }
-
-    /// The same as [`Self::shown`] reads them.
-    pub(super) fn visible(&self) -> &[u32] {
-        &self.triangle
-    }
-
-    /// The triangle that a number says, if any.
-    pub(super) fn shown(number: u32) -> Option<u32> {
-        (number != NO_TRIANGLE).then_some(number)
-    }
-
-    pub(super) fn clear(&mut self, rect: TileRect) {
-        let samples = rect.width as usize * rect.height as usize;
-        self.rect = rect;
+    /// Nothing is visible in the rectangle; the memory is kept.
+    pub(super) fn clear(&mut self, rect: TileRect, places: &Places) {
+        self.row = (rect.width as usize).div_ceil(places.pixels) * places.vectors.len();
+        (self.rect, self.count, self.stride) = (rect, places.count, places.stride);
+        let vectors = self.row * rect.height as usize;
         self.depth.clear();
-        self.depth.resize(samples, -1);
-        self.triangle.clear();
-        self.triangle.resize(samples, NO_TRIANGLE);
+        self.depth.resize(vectors, [-1; VECTOR]);
+        self.shown.clear();
+        self.shown.resize(vectors, [NO_TRIANGLE; VECTOR]);
     }
 
-    fn index(&self, x: u32, y: u32) -> Option<usize> {
+    /// Numbers of the triangles that the samples of a row of pixels show, or [`NO_TRIANGLE`]; pixel by pixel.
+    #[inline(always)]
+    pub(super) fn shown(&self, row: usize) -> impl Iterator<Item = &[u32]> {
+        let pixels = self.shown[row * self.row..][..self.row].as_flattened().chunks_exact(self.stride);
+        pixels.map(|samples| &samples[..self.count]).take(self.rect.width as usize)
+    }
+
+    /// Number at a place of a pixel of the frame, and its depth: near/w in units of 2⁻⁵⁶, larger is nearer; `None` where there is none or
+    /// the pixel is outside the rectangle.
+    #[cfg(test)]
+    pub(super) fn at(&self, x: u32, y: u32, place: usize) -> Option<(u32, i64)> {
         let column = x.checked_sub(self.rect.x).filter(|&c| c < self.rect.width)?;
         let row = y.checked_sub(self.rect.y).filter(|&r| r < self.rect.height)?;
-        Some(row as usize * self.rect.width as usize + column as usize)
+        let index = row as usize * self.row * VECTOR + column as usize * self.stride + place;
+        let number = self.shown.as_flattened()[index];
+        (number != NO_TRIANGLE).then(|| (number, self.depth.as_flattened()[index]))
     }
 }

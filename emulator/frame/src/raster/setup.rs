@@ -7,12 +7,26 @@
 use super::attributes::{Needs, Triangle};
 use super::camera::Projection;
 use super::clip::ScreenPolygon;
-use super::edges::{DepthPlane, ScreenTriangle, TileBuffer};
-use super::{MAX_TRIANGLES, RasterError, SUBPIXELS, TILE_EDGE_PX, TileRect};
+use super::edges::{DepthPlane, Places, ScreenTriangle, TileBuffer};
+use super::{MAX_TRIANGLES, RasterError, TILE_EDGE_PX, TileRect};
+use rayon::prelude::*;
+use roughxel_lanes::Reading;
 use roughxel_scene::{Object, Vertex};
 
 /// Most tiles whose lists one piece is entered in.
 const MAX_BINNED_TILES: usize = 16;
+
+/// Triangles that are set up one after the other by one thread.
+const SET_UP_TOGETHER: usize = 2048;
+
+/// The pieces that may be visible in a tile, in their order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drawn {
+    /// Each with the number of its triangle among `triangles`.
+    pieces: Vec<(u32, u32)>,
+    /// Numbers of the triangles in the frame.
+    pub(super) triangles: Vec<u32>,
+}
 
 /// All triangles of a frame that may be visible.
 #[derive(Clone, Debug)]
@@ -21,6 +35,8 @@ pub struct TriangleList<'a> {
     objects: &'a [Object],
     /// Number of the first triangle of each object, then the number of all triangles.
     first_triangle: Vec<u32>,
+    /// How samples are found.
+    reading: Reading,
     pieces: Vec<ScreenTriangle>,
     tile_columns: usize,
     /// `bins[bin_start[t]..bin_start[t + 1]]` are the pieces of tile t.
@@ -42,17 +58,27 @@ impl<'a> TriangleList<'a> {
         }
         let mut first_triangle = vec![0];
         let mut pieces = Vec::new();
-        let mut number = 0;
+        let mut first = 0;
         for object in objects {
-            for (index, corners) in object.mesh.triangles.iter().enumerate() {
-                let vertices = corner_vertices(object, index, corners)?;
-                if let Some(polygon) = ScreenPolygon::new(projection, vertices.map(|v| v.position)) {
-                    let depth = DepthPlane::new(&polygon, projection.near());
-                    pieces.extend(polygon.pieces().map(|piece| ScreenTriangle::new(piece, depth, number)));
+            let triangles = &object.mesh.triangles;
+            let part = |start: usize| -> Result<Vec<ScreenTriangle>, RasterError> {
+                let mut part = Vec::with_capacity(SET_UP_TOGETHER);
+                for (index, corners) in triangles.iter().enumerate().skip(start).take(SET_UP_TOGETHER) {
+                    let vertices = corner_vertices(object, index, corners)?;
+                    if let Some(polygon) = ScreenPolygon::new(projection, vertices.map(|v| v.position)) {
+                        let (depth, number) = (DepthPlane::new(&polygon, projection.near()), first + index as u32);
+                        part.extend(polygon.pieces().map(|piece| ScreenTriangle::new(piece, depth, number)));
+                    }
                 }
-                number += 1;
+                Ok(part)
+            };
+            let starts = (0..triangles.len()).into_par_iter().step_by(SET_UP_TOGETHER);
+            let parts: Vec<_> = starts.map(part).collect();
+            for part in parts {
+                pieces.append(&mut part?);
             }
-            first_triangle.push(number);
+            first += triangles.len() as u32;
+            first_triangle.push(first);
         }
         let tile_columns = projection.width().div_ceil(TILE_EDGE_PX) as usize;
         let tile_rows = projection.height().div_ceil(TILE_EDGE_PX) as usize;
@@ -60,6 +86,7 @@ impl<'a> TriangleList<'a> {
             projection,
             objects,
             first_triangle,
+            reading: Reading::Scalar,
             pieces,
             tile_columns,
             bin_start: vec![0; tile_columns * tile_rows + 1],
@@ -68,6 +95,11 @@ impl<'a> TriangleList<'a> {
         };
         list.fill_bins();
         Ok(list)
+    }
+
+    /// The same, drawn with vectors of an instruction set: what is visible stays the same.
+    pub fn with_reading(self, reading: Reading) -> Self {
+        Self { reading, ..self }
     }
 
     /// Number of triangles of all objects, visible or not.
@@ -94,38 +126,44 @@ impl<'a> TriangleList<'a> {
         Triangle::new(self.projection, vertices, needs)
     }
 
-    /// Finds the visible triangle of one sample per pixel of `tile`, at `sample_offset_subpx` from the pixel's top-left
-    /// corner (0 to 255 sub-pixels each, the centre is [`super::PIXEL_CENTRE_SUBPX`]).
-    ///
-    /// `tile` is taken as far as it lies in the frame; offsets outside 0 to 255 are taken to the nearest.
-    pub fn rasterise_tile(&self, tile: TileRect, sample_offset_subpx: [i32; 2], buffer: &mut TileBuffer) {
-        let (x, y) = (tile.x.min(self.projection.width()), tile.y.min(self.projection.height()));
-        let tile = TileRect {
-            x,
-            y,
-            width: tile.width.min(self.projection.width() - x),
-            height: tile.height.min(self.projection.height() - y),
-        };
-        buffer.clear(tile);
-        if tile.width == 0 || tile.height == 0 {
-            return;
+    /// What may be visible in a part of the frame, in place of what there was.
+    pub(super) fn drawn(&self, tile: TileRect, drawn: &mut Drawn) {
+        let Drawn { pieces, triangles } = drawn;
+        pieces.clear();
+        triangles.clear();
+        let span = |start: u32, edge: u32| start / TILE_EDGE_PX..(start + edge).div_ceil(TILE_EDGE_PX);
+        let (rows, columns) = (span(tile.y, tile.height), span(tile.x, tile.width));
+        let bins = rows.clone().flat_map(|row| columns.clone().map(move |column| (row as usize, column as usize)));
+        for (row, column) in bins {
+            let bin = row * self.tile_columns + column;
+            pieces.extend(self.bins[self.bin_start[bin]..self.bin_start[bin + 1]].iter().map(|&piece| (piece, 0)));
         }
-        let offset = sample_offset_subpx.map(|steps| steps.clamp(0, SUBPIXELS - 1));
-        let span = |start: u32, edge: u32| start / TILE_EDGE_PX..=(start + edge - 1) / TILE_EDGE_PX;
-        for row in span(tile.y, tile.height) {
-            for column in span(tile.x, tile.width) {
-                let bin = row as usize * self.tile_columns + column as usize;
-                for &piece in &self.bins[self.bin_start[bin]..self.bin_start[bin + 1]] {
-                    self.pieces[piece as usize].draw(offset, buffer);
+        let large = self.large.iter().filter(|&&piece| self.pieces[piece as usize].may_touch(tile));
+        pieces.extend(large.map(|&piece| (piece, 0)));
+        // Each list is in order, and of a tile of the frame there is one beside the large ones.
+        pieces.sort_unstable();
+        pieces.dedup();
+        for (piece, number) in pieces {
+            let triangle = self.pieces[*piece as usize].triangle();
+            if triangles.last() != Some(&triangle) {
+                triangles.push(triangle);
+            }
+            *number = triangles.len() as u32 - 1;
+        }
+    }
+
+    /// Finds the visible triangle of every sample of `tile`, a part of the frame, by its number in `drawn`: the nearest, among those as near the first
+    /// of the frame.
+    pub(super) fn draw(&self, drawn: &Drawn, places: &Places, tile: TileRect, buffer: &mut TileBuffer) {
+        buffer.clear(tile, places);
+        self.reading.run(
+            #[inline(always)]
+            || {
+                for &(piece, number) in &drawn.pieces {
+                    self.pieces[piece as usize].draw(number, places, buffer);
                 }
-            }
-        }
-        for &piece in &self.large {
-            let piece = &self.pieces[piece as usize];
-            if piece.may_touch(tile) {
-                piece.draw(offset, buffer);
-            }
-        }
+            },
+        );
     }
 
     /// Counts, then fills, the lists of the tiles.

@@ -5,6 +5,8 @@ use glam::{DVec2, DVec3};
 use roughxel_core::ports::{BlockPair, BlockPort, BlockVector};
 use roughxel_lanes::{InstructionSet, Reading};
 
+use super::edges::{Places, TileBuffer};
+use super::setup::Drawn;
 use super::*;
 use roughxel_scene::random::SplitMix64;
 use roughxel_scene::{Camera, Deviation, FrameSystem, Material, Mesh, Object, Vertex};
@@ -128,15 +130,35 @@ fn wrapped_distance(a: f64, b: f64) -> f64 {
     d.min(1.0 - d)
 }
 
+/// What is visible at places of the pixels of a part of the frame.
+struct Seen {
+    drawn: Drawn,
+    buffer: TileBuffer,
+}
+
+impl Seen {
+    fn of(list: &TriangleList<'_>, tile: TileRect, places: &[[i32; 2]]) -> Self {
+        let (mut drawn, mut buffer) = (Drawn::default(), TileBuffer::default());
+        list.drawn(tile, &mut drawn);
+        list.draw(&drawn, &Places::new(places), tile, &mut buffer);
+        Self { drawn, buffer }
+    }
+
+    /// The triangle at a place of a pixel of the frame, and its depth.
+    fn at(&self, x: u32, y: u32, place: usize) -> Option<(u32, i64)> {
+        let (number, depth) = self.buffer.at(x, y, place)?;
+        Some((self.drawn.triangles[number as usize], depth))
+    }
+}
+
 /// Every covered sample of the whole frame, as (x, y, triangle).
 fn visible(list: &TriangleList<'_>, projection: &Projection, offset: [i32; 2]) -> Vec<(i32, i32, u32)> {
-    let mut buffer = TileBuffer::new();
     let mut samples = Vec::new();
     for tile in tiles(projection.width(), projection.height()) {
-        list.rasterise_tile(tile, offset, &mut buffer);
+        let seen = Seen::of(list, tile, &[offset]);
         for y in tile.y..tile.y + tile.height {
             for x in tile.x..tile.x + tile.width {
-                if let Some(triangle) = buffer.triangle_at(x, y) {
+                if let Some((triangle, _)) = seen.at(x, y, 0) {
                     samples.push((x as i32 * SUBPIXELS + offset[0], y as i32 * SUBPIXELS + offset[1], triangle));
                 }
             }
@@ -412,9 +434,8 @@ fn depth_agrees_with_distance_and_the_nearer_triangle_wins() {
     let triangles: Vec<[u32; 3]> = (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let objects = vec![object(corners.clone(), triangles.clone())];
     let list = TriangleList::new(&projection, &objects).expect("a list");
-    let mut buffer = TileBuffer::new();
     let whole = TileRect { x: 0, y: 0, width: 160, height: 120 };
-    list.rasterise_tile(whole, PIXEL_CENTRE_SUBPX, &mut buffer);
+    let seen = Seen::of(&list, whole, &[PIXEL_CENTRE_SUBPX]);
     let mut covered = 0;
     for y in 0..120 {
         for x in 0..160 {
@@ -432,7 +453,7 @@ fn depth_agrees_with_distance_and_the_nearer_triangle_wins() {
             if near_an_edge {
                 continue;
             }
-            let depth = buffer.depth_at(x, y);
+            let depth = seen.at(x, y, 0).map(|(_, depth)| depth);
             assert_eq!(depth.is_some(), nearest.is_finite(), "{x} {y}");
             if let Some(depth) = depth {
                 covered += 1;
@@ -458,12 +479,10 @@ fn among_equal_depths_the_lower_triangle_wins_in_any_order_of_tiles() {
     assert_eq!(samples.len(), 130 * 70);
     assert!(samples.iter().all(|&(_, _, triangle)| triangle < 2));
     // One large rectangle instead of tiles: the same samples.
-    let mut buffer = TileBuffer::new();
-    list.rasterise_tile(TileRect { x: 0, y: 0, width: 999, height: 999 }, PIXEL_CENTRE_SUBPX, &mut buffer);
-    assert_eq!(buffer.triangles().count(), 130 * 70);
+    let seen = Seen::of(&list, TileRect { x: 0, y: 0, width: 130, height: 70 }, &[PIXEL_CENTRE_SUBPX]);
     for (x, y, triangle) in samples {
         let pixel = |s: i32| (s >> SUBPIXEL_BITS) as u32;
-        assert_eq!(buffer.triangle_at(pixel(x), pixel(y)), Some(triangle));
+        assert_eq!(seen.at(pixel(x), pixel(y), 0).map(|shown| shown.0), Some(triangle));
     }
 }
 
@@ -603,15 +622,15 @@ fn slivers_seen_edge_on_stay_within_their_corners() {
         let corners = [0, 1, 2].map(|k| vertex([a, b, c][k], DVec3::new(0.3, 0.1 * k as f64, 1.0), uv[k]));
         let objects = one_triangle(corners);
         let list = TriangleList::new(&projection, &objects).expect("a list");
-        let mut buffer = TileBuffer::new();
-        list.rasterise_tile(TileRect { x: 0, y: 0, width: 200, height: 150 }, [9, 140], &mut buffer);
+        let seen = Seen::of(&list, TileRect { x: 0, y: 0, width: 200, height: 150 }, &[[9, 140]]);
         let range = corners
             .map(|v| projection.near() / (v.position - camera.eye).dot((camera.target - camera.eye).normalize()));
         let low = range.iter().fold(f64::INFINITY, |m, v| m.min(*v));
         let high = range.iter().fold(0.0_f64, |m, v| m.max(*v));
         for (x, y, number) in visible(&list, &projection, [9, 140]) {
             samples += 1;
-            let depth = buffer.depth_at((x >> 8) as u32, (y >> 8) as u32).expect("covered") as f64 / 2f64.powi(56);
+            let (_, depth) = seen.at((x >> 8) as u32, (y >> 8) as u32, 0).expect("covered");
+            let depth = depth as f64 / 2f64.powi(56);
             // One step of depth, and float64's rounding of w.
             assert!(depth >= low * (1.0 - 1e-12) && depth <= high * (1.0 + 1e-12), "{depth} {low} {high}");
             let fragment = list.triangle(number, Needs::ALL).expect("visible").fragment(x, y);
@@ -637,13 +656,14 @@ fn frames_of_one_pixel_and_of_4096_pixels_work() {
 }
 
 /// A word of a side of fragments as [`FragmentAttributes`] has it.
-fn of_rows(rows: &AttributeRows, derivatives: &[Row; 16], lane: usize) -> FragmentAttributes {
+fn of_rows(rows: &AttributeRows, derivatives: &[i32; 16], lane: usize) -> FragmentAttributes {
     fn block<const N: usize>(rows: &[Row], lane: usize) -> BlockPort<N> {
         let mantissa = core::array::from_fn(|i| I2F30::from_bits(rows[i][lane]));
         BlockPort { mantissa, exponent: rows[N][lane] as i16 }
     }
     let four = |rows: &[Row; 16]| [0, 4, 8, 12].map(|first| block::<3>(&rows[first..], lane));
-    let ([normal, view, u, v], [vx, vy, nx, ny]) = (four(&rows.bare), four(derivatives));
+    let derivatives = derivatives.map(|word| [word; SIDE]);
+    let ([normal, view, u, v], [vx, vy, nx, ny]) = (four(&rows.bare), four(&derivatives));
     assert_eq!([rows.uv[1][lane], rows.uv[3][lane]], [0; 2], "upper halves of what is below 2^32");
     FragmentAttributes {
         normal,
@@ -675,7 +695,7 @@ fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
             visible_triangles += 1;
             // In the frame, and beside it.
             let positions = [97, 65].map(|edge| [0; SIDE].map(|_| random.real(-300.0, f64::from(edge) * 256.0) as i32));
-            let derivatives = triangle.derivative_rows();
+            let derivatives = triangle.derivative_words();
             let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar]);
             for reading in readings {
                 let mut rows = AttributeRows::default();
@@ -796,7 +816,7 @@ fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
 
 /// A sample of a frame of one tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Sample {
+struct Shaded {
     pixel: usize,
     position: [i32; 2],
     triangle: Option<u32>,
@@ -804,17 +824,84 @@ struct Sample {
 }
 
 /// Samples of a frame of one tile, by pixel, and how many each pixel has.
-fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<Sample>, Vec<u32>) {
-    let (runs, counts) = list.samples(tile, sampling);
-    let key = |run: &Run| run.triangle.unwrap_or(u32::MAX);
-    assert!(runs.is_sorted_by_key(key) && runs.iter().all(|run| run.count > 0), "by triangle");
-    let one = |run: &Run| {
-        let Run { triangle, times, .. } = *run;
-        run.samples().map(move |(pixel, position)| Sample { pixel, position, triangle, times })
-    };
-    let mut samples: Vec<Sample> = runs.iter().flat_map(one).collect();
-    samples.sort_by_key(|sample| (sample.pixel, sample.position));
-    (samples, counts)
+fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<Shaded>, Vec<u32>) {
+    let mut counts = vec![0; (tile.width * tile.height) as usize];
+    let mut shaded = Vec::new();
+    // What another tile left there has to be gone.
+    let mut samples = TileSamples::default();
+    list.samples(TileRect { width: 3, height: 2, ..tile }, &Sampling::Objects.passes()[0], &mut samples);
+    for pass in sampling.passes() {
+        list.samples(tile, &pass, &mut samples);
+        let by_triangle: Vec<_> = samples.by_triangle().collect();
+        assert!(by_triangle.is_sorted_by_key(|(triangle, _)| triangle.unwrap_or(u32::MAX)), "by triangle");
+        assert!(by_triangle.iter().all(|(_, shown)| !shown.is_empty()));
+        for (triangle, shown) in by_triangle {
+            shaded.extend(shown.iter().map(|&sample| {
+                let (pixel, position) = (samples.pixel(sample), samples.position(sample));
+                assert_eq!(samples.lines().nth(samples.line(sample)), Some(position[1]));
+                Shaded { pixel, position, triangle, times: samples.times(sample) }
+            }));
+        }
+        counts.iter_mut().zip(samples.counts()).for_each(|(sum, count)| *sum += count);
+    }
+    shaded.sort_by_key(|sample| (sample.pixel, sample.position));
+    (shaded, counts)
+}
+
+/// One triangle after the other at one sample after the other, as the definitions say.
+#[test]
+fn samples_are_those_found_one_by_one_with_every_instruction_set() {
+    let mut random = Random::new(77);
+    let projection = Projection::new(&camera(150, 70)).expect("a camera");
+    // Large ones in front of and behind small ones, so that lists of both are drawn in the order of the frame; some in one plane.
+    let objects: Vec<Object> = (0..6)
+        .map(|i| {
+            let reach = if i % 2 == 0 { 9.0 } else { 0.6 };
+            let corners: Vec<Vertex> = (0..45)
+                .map(|_| {
+                    let DVec3 { x, y, z } = random.vector(reach);
+                    vertex(DVec3::new(x, y, if i < 3 { 0.0 } else { z.min(4.0) }), DVec3::Z, DVec2::ZERO)
+                })
+                .collect();
+            object(corners, (0..15).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+        })
+        .collect();
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let place = |edge: u32, i: u32| ((2 * i + 1) * 256 / (2 * edge)) as i32;
+    for tile in tiles(150, 70) {
+        let mut alone = Vec::new();
+        for triangle in 0..list.len() {
+            let shown = list.object_index(triangle);
+            let first = objects[..shown].iter().map(|object| object.mesh.triangles.len() as u32).sum::<u32>();
+            let corners = objects[shown].mesh.triangles[(triangle - first) as usize];
+            let one = [object(objects[shown].mesh.vertices.clone(), vec![corners])];
+            let one = TriangleList::new(&projection, &one).expect("a list");
+            let at = |edge: u32| {
+                let places: Vec<_> = (0..edge * edge).map(|i| [place(edge, i % edge), place(edge, i / edge)]).collect();
+                Seen::of(&one, tile, &places)
+            };
+            alone.push([1, 2, 3, 4, 5].map(at));
+        }
+        let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar]);
+        for (reading, (index, edge)) in readings.flat_map(|reading| (0..5).map(move |i| (reading, (i, i as u32 + 1)))) {
+            let list = list.clone().with_reading(reading);
+            let (found, counts) = samples(&list, tile, Sampling::Grid { edge });
+            assert_eq!(counts, vec![edge * edge; counts.len()]);
+            assert_eq!(found.len(), counts.len() * (edge * edge) as usize);
+            for sample in found {
+                let [x, y] = sample.position.map(|p| (p / SUBPIXELS) as u32);
+                let [column, row] = sample.position.map(|p| (p % SUBPIXELS) as u32 * edge / 256);
+                let mut nearest: Option<(u32, i64)> = None;
+                for (triangle, seen) in (0..).zip(&alone) {
+                    let depth = seen[index].at(x, y, (row * edge + column) as usize).map(|shown| shown.1);
+                    if let Some(depth) = depth.filter(|&depth| nearest.is_none_or(|(_, other)| depth > other)) {
+                        nearest = Some((triangle, depth));
+                    }
+                }
+                assert_eq!(sample.triangle, nearest.map(|shown| shown.0), "{reading}, {edge}: {x}, {y}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -840,10 +927,9 @@ fn samples_of_a_pixel_count_as_often_as_it_has_samples() {
             }
             // What is shaded is seen where it is shaded.
             let [x, y] = sample.position;
-            let mut buffer = TileBuffer::new();
             let pixel = TileRect { x: x as u32 / 256, y: y as u32 / 256, width: 1, height: 1 };
-            list.rasterise_tile(pixel, [x & 255, y & 255], &mut buffer);
-            assert_eq!(buffer.triangle_at(pixel.x, pixel.y), sample.triangle);
+            let seen = Seen::of(&list, pixel, &[[x & 255, y & 255]]);
+            assert_eq!(seen.at(pixel.x, pixel.y, 0).map(|shown| shown.0), sample.triangle);
         }
         assert_eq!(sums, counts);
         assert!(counts.iter().all(|count| [1, 8].contains(count)));
