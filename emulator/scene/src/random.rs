@@ -2,6 +2,9 @@
 //!
 //! The same sequence on every machine; never used where quality against an adversary matters.
 
+/// What the state grows by with each number.
+const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+
 /// Generator state.
 #[derive(Clone, Debug)]
 pub struct SplitMix64(u64);
@@ -14,17 +17,33 @@ impl SplitMix64 {
 
     /// A generator for element `index` of the set `name`: what one element is does not depend on how many there are.
     pub fn for_element(name: &str, index: u64) -> Self {
-        // FNV-1a over the name, then one scramble with the index.
-        let hash = name
-            .bytes()
-            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-        let mut mixer = Self(hash ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        Self::for_element_of(Self::hash_of(name), index)
+    }
+
+    /// What the name of a set is to its elements: FNV-1a.
+    pub fn hash_of(name: &str) -> u64 {
+        name.bytes()
+            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+
+    /// The generator of an element of the set whose name has this [hash](Self::hash_of).
+    #[inline(always)]
+    pub const fn for_element_of(hash: u64, index: u64) -> Self {
+        // One scramble with the index.
+        let mut mixer = Self(hash ^ index.wrapping_mul(GAMMA));
         Self(mixer.next_u64())
     }
 
+    /// The generator behind `count` numbers more.
+    #[inline(always)]
+    pub const fn after(self, count: u64) -> Self {
+        Self(self.0.wrapping_add(count.wrapping_mul(GAMMA)))
+    }
+
     /// 64 uniform bits.
+    #[inline(always)]
     pub const fn next_u64(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        self.0 = self.0.wrapping_add(GAMMA);
         let mut z = self.0;
         z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -32,12 +51,34 @@ impl SplitMix64 {
     }
 
     /// A uniform integer in `0..bound`; `bound` 0 gives 0. The bias is below `bound`/2^64.
+    #[inline(always)]
     pub const fn below(&mut self, bound: u64) -> u64 {
-        ((self.next_u64() as u128 * bound as u128) >> 64) as u64
+        // The upper half of a product of 128 bits, by halves: those become vectors where many are drawn.
+        let (number, half) = (self.next_u64(), u32::MAX as u64);
+        let ([high, low], [bound_high, bound_low]) = ([number >> 32, number & half], [bound >> 32, bound & half]);
+        let middle = [high * bound_low, low * bound_high];
+        let carry = ((low * bound_low) >> 32) + (middle[0] & half) + (middle[1] & half);
+        high * bound_high + (middle[0] >> 32) + (middle[1] >> 32) + (carry >> 32)
     }
 
     /// A uniform number in [low, high).
+    #[inline(always)]
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_below_a_bound_is_the_upper_half_of_a_product() {
+        let mut bounds = SplitMix64::new(1);
+        for bound in [0, 1, 3, 10, 1 << 32, u64::MAX].into_iter().chain((0..64).map(|by| bounds.next_u64() >> by)) {
+            let mut random = SplitMix64::for_element("below", bound);
+            let product = u128::from(random.clone().next_u64()) * u128::from(bound);
+            assert_eq!(u128::from(random.below(bound)), product >> 64);
+        }
     }
 }

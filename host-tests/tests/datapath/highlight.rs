@@ -242,6 +242,12 @@ fn exponents_beyond_the_ends_read_as_the_ends() {
         assert!((port.exponent.to_num::<f64>() - m).abs() <= 2.0_f64.powi(-17));
         assert!((port.root.to_num::<f64>() - port.exponent.to_num::<f64>().sqrt()).abs() <= 2.0_f64.powi(-25));
     }
+    // To the bit: no integer is nearer to the root.
+    for bits in (1 << 16..=1 << 29_u64).step_by(9973).chain((256..=23_170).map(|root: u64| root * root)) {
+        let root = i64::from(shininess(bits as f64 / 65536.0).root.to_bits());
+        let square = (4 * bits as i64) << 30;
+        assert!((2 * root - 1).pow(2) / 4 < square && square <= (2 * root + 1).pow(2) / 4, "√{bits}");
+    }
 }
 
 #[test]
