@@ -41,7 +41,7 @@ use thiserror::Error;
 
 pub use bench::{BENCH_README, Bench, BenchError, Device};
 pub use c_library::c_library_files;
-pub use datapath::Inputs;
+pub use datapath::{InputSource, Inputs, Ports};
 pub use distil::{Distilled, Picked, distil};
 pub use explain::{Decision, DeviceWord, DeviceWordError, Explained, Explanation, Got, Real, Vector, Wrong};
 pub use export::{SetExport, SetInfo, Words, export, export_with};
@@ -57,7 +57,7 @@ pub use order::Misplaced;
 pub use part::{Part, Shard};
 pub use rom::rom_files;
 pub use score::{GradeEntry, Score};
-pub use sets::{RANDOM_SETS, VectorSet, hard_sets, random_set};
+pub use sets::{RANDOM_SETS, RandomSet, VectorSet, hard_sets, random_set};
 pub use stage::StageSet;
 pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, verify};

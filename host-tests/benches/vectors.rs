@@ -10,11 +10,13 @@ use std::time::{Duration, Instant};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
-use roughxel_emulator::vectors::{Form, RANDOM_SETS, SetInfo, Words, export_with, random_set};
+use roughxel_emulator::vectors::{Form, InputSource, Ports, RANDOM_SETS, RandomSet, SetInfo, Words, export_with};
 use sha2::{Digest, Sha256};
 
 /// Vectors of an export.
 const COUNT: u64 = 200_000;
+/// Vectors whose inputs are made at once, as an export does.
+const TASK: u64 = 512;
 /// Exports of which the fastest counts.
 const EXPORTS: usize = 5;
 
@@ -40,11 +42,12 @@ fn main() {
     }
     let rate = |time: Duration| format!("{:.2}", COUNT as f64 / time.as_secs_f64() / 1e6);
     for (name, datapath, description) in RANDOM_SETS {
-        let input = |index| random_set(datapath, name, index, &precision);
+        let input = RandomSet { datapath, seed: name, precision: &precision };
+        let mut ports = Ports::new(datapath);
         let inputs = fastest(|| {
-            (0..COUNT).for_each(|index| {
-                black_box(input(index));
-            });
+            for first in (0..COUNT).step_by(TASK as usize) {
+                input.fill(first..COUNT.min(first + TASK), black_box(&mut ports));
+            }
         });
         table.add_row([name.into(), "inputs".into(), String::new(), rate(inputs), String::new()]);
         for (what, taps, form) in [

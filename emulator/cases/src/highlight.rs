@@ -1,15 +1,20 @@
 //! Lights on surfaces to test with: seeded random ones, and every hard case of a highlight as a named set.
 
+use std::ops::Range;
+
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
+use roughxel_core::bundle::Bundle;
+use roughxel_core::each::each;
 use roughxel_core::plan::{FrameSystem, SurfacePlan};
-use roughxel_core::ports::{BlockVector, HighlightIn, ReflectionIn, Shininess, SurfaceIn};
+use roughxel_core::ports::{BlockVector, HighlightIn, HighlightInput, Port, ReflectionIn, Shininess, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, shininess};
 
-use super::fragment::{bit, direction, random_fragment};
+use super::draws::{Elements, Kind, Rows, at, set, unit, unit_or};
+use super::fragment::{Fragments, SURFACE, bit, put_bumps};
 use super::set::CaseSet;
-use roughxel_scene::random::SplitMix64;
+use roughxel_lanes::Columns;
 
 /// Every stage of a surface.
 pub const FULL: SurfacePlan =
@@ -63,41 +68,109 @@ impl RealLight {
 /// within four deviations of n_mod), one in ten has random bits at corner exponents. Depends on the name and the
 /// index only.
 pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
-    let mut random = SplitMix64::for_element(set, index);
-    let exponent = random.uniform(0.0, 13.0).exp2();
-    if random.below(10) == 0 {
-        let fragment = random_fragment(set, index, p);
-        let light = if random.below(4) == 0 { fragment.surface.view } else { fragment.dview[0] };
-        return lit(&fragment, light, shininess(exponent));
+    HighlightIn::of(&Lights::one(set, index, p))
+}
+
+/// The ports of those lights of the random set `set`, as [`random_light`] makes them, in place of what `columns` held.
+pub fn random_lights(set: &str, indices: Range<u64>, p: &Precision, columns: &mut Columns<HighlightInput<i32>>) {
+    Lights::many(set, indices, p, columns);
+}
+
+/// Words of a light on a surface.
+const LIGHT: usize = <HighlightInput<i32> as Bundle<i32>>::WORDS;
+
+/// The kind of [`random_light`].
+pub(super) enum Lights {}
+
+impl Kind<LIGHT> for Lights {
+    type Ports = HighlightInput<i32>;
+
+    #[inline(always)]
+    fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
+        let draws = &mut elements.draws();
+        draws.uniform(0.0, 13.0);
+        draws.each(|random| random.below(10) == 0)
     }
-    let normal = direction(&mut random).normalize();
-    let tangent = direction(&mut random).normalize();
-    let e1 = tangent.cross(normal).normalize_or_zero();
-    let e2 = normal.cross(e1);
-    let mut within = |bound: f64| random.uniform(-bound, bound);
-    let b = [within(0.6), within(0.6)];
-    let rough = within(4.0).exp2() / 4.0;
-    let roughness = [within(rough).abs(), within(rough), within(rough).abs()];
-    let deviation = 4.0 / exponent.sqrt();
-    let t = [within(1.0), within(1.0)];
-    let [d1, d2, d3] = roughness.map(|d| 2.0 * d);
-    let half = [b[0] + t[0] * (deviation + d1) + t[1] * d2, b[1] + t[1] * (deviation + d3)];
-    let half = (normal + half[0] * e1 + half[1] * e2).normalize();
-    // An eye on the side of the half vector, and the light opposite.
-    let eye = direction(&mut random).normalize();
+
+    #[inline(always)]
+    fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; LIGHT]) {
+        let draws = &mut elements.draws();
+        let exponents = draws.powers(0.0, 13.0);
+        draws.skip();
+        let [mut normals, mut tangents] = draws.directions::<2, 6>();
+        let b = each!(() in [(); 2] => draws.uniform(-0.6, 0.6));
+        let rough = each!(size in draws.powers(-4.0, 4.0) => size / 4.0);
+        let roughness = each!(() in [(); 3] => draws.within(&rough));
+        let t = each!(() in [(); 2] => draws.uniform(-1.0, 1.0));
+        let [mut eyes] = draws.directions::<1, 3>();
+        let [normal_sizes, eye_sizes, light_sizes] = each!(() in [(); 3] => draws.powers(-6.0, 6.0));
+        let mut lights = [[0.0; N]; 3];
+        for lane in 0..N {
+            let [normal, tangent] = each!(vectors in [&normals, &tangents] => unit(at(vectors, lane)));
+            let e1 = unit_or(tangent.cross(normal), DVec3::ZERO);
+            let e2 = normal.cross(e1);
+            let deviation = 4.0 / exponents[lane].sqrt();
+            let [d1, d2, d3] =
+                each!(d in [roughness[0][lane].abs(), roughness[1][lane], roughness[2][lane].abs()] => 2.0 * d);
+            let half = [
+                b[0][lane] + t[0][lane] * (deviation + d1) + t[1][lane] * d2,
+                b[1][lane] + t[1][lane] * (deviation + d3),
+            ];
+            let half = unit(normal + half[0] * e1 + half[1] * e2);
+            let [eye, light] = eye_and_light(unit(at(&eyes, lane)), half);
+            set(&mut normals, lane, normal * normal_sizes[lane]);
+            set(&mut tangents, lane, tangent);
+            set(&mut eyes, lane, eye * eye_sizes[lane]);
+            set(&mut lights, lane, light * light_sizes[lane]);
+        }
+        let mut words = Rows::new(words);
+        for vectors in [normals, eyes, tangents] {
+            words.put_vectors(&vectors, p);
+        }
+        words.put_zeros::<4>();
+        put_bumps(&mut words, &b, &roughness, p);
+        words.put_vectors(&lights, p);
+        put_shininess(&mut words, &exponents);
+    }
+
+    #[inline(always)]
+    fn odd<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; LIGHT]) {
+        let draws = &mut elements.draws();
+        let exponents = draws.powers(0.0, 13.0);
+        draws.skip();
+        let are_opposite = draws.each(|random| random.below(4) == 0);
+        let fragment = Fragments::any(elements, p);
+        let mut words = Rows::new(words);
+        for row in &fragment[..SURFACE] {
+            words.put_row(row);
+        }
+        // Light from the eye, or along the first derivative of the view.
+        for (view, dview) in fragment[4..8].iter().zip(&fragment[SURFACE..]) {
+            words.put(
+                #[inline(always)]
+                |lane| [if are_opposite[lane] { view[lane] } else { dview[lane] }],
+            );
+        }
+        put_shininess(&mut words, &exponents);
+    }
+}
+
+/// An eye on the side of the half vector, and the light opposite.
+#[inline(always)]
+pub(super) fn eye_and_light(eye: DVec3, half: DVec3) -> [DVec3; 2] {
     let eye = if eye.dot(half) < 0.0 { -eye } else { eye };
-    let light = 2.0 * eye.dot(half) * half - eye;
-    let size = |random: &mut SplitMix64| random.uniform(-6.0, 6.0).exp2();
-    RealLight {
-        normal: normal * size(&mut random),
-        view: eye * size(&mut random),
-        tangent,
-        offset: b,
-        roughness,
-        light: light * size(&mut random),
-        exponent,
-    }
-    .quantised(p)
+    [eye, 2.0 * eye.dot(half) * half - eye]
+}
+
+#[inline(always)]
+fn put_shininess<const N: usize>(words: &mut Rows<'_, N>, exponents: &[f64; N]) {
+    words.put(
+        #[inline(always)]
+        |lane| {
+            let Shininess { exponent, root } = shininess(exponents[lane]);
+            [exponent.to_bits(), root.to_bits()]
+        },
+    );
 }
 
 /// Every hard case of a highlight.

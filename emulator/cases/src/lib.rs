@@ -8,6 +8,7 @@
 
 pub mod corners;
 mod cube;
+mod draws;
 mod footprint;
 mod fragment;
 mod frame;
@@ -29,7 +30,8 @@ use footprint::{
 };
 use frame::{frame_horizon, frame_natural, frame_pole, frame_zero};
 
-pub use fragment::{RealFragment, direction, random_fragment};
+pub use draws::direction;
+pub use fragment::{RealFragment, random_fragment, random_fragments};
 pub use set::CaseSet;
 
 /// Every hard case of the reflection datapath, by stage.

@@ -1,15 +1,22 @@
 //! Lights on peaks to test with: seeded random ones, and every hard case of peaks and horizons on a surface.
 
-use fixed::types::{I1F15, I2F30, I4F12, I16F16};
-use glam::{DVec3, dvec3};
-use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
-use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, StoredPeak, SurfaceIn};
-use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, stored_peak};
+use std::ops::Range;
 
-use super::fragment::{bit, direction, random_fragment};
+use fixed::types::{I2F30, I16F16};
+use glam::{DVec3, dvec3};
+use roughxel_core::bundle::Bundle;
+use roughxel_core::each::{each, places};
+use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
+use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, SurfaceIn};
+use roughxel_core::precision::Precision;
+use roughxel_core::setup::{block_vector, stored_peak, stored_unit_peak};
+
+use super::draws::{Elements, Kind, Rows, at, direction, set, unit, unit_or};
+use super::fragment::{FRAGMENT, Fragments, SURFACE, bit};
+use super::highlight::eye_and_light;
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets, uniform};
 use super::set::CaseSet;
+use roughxel_lanes::Columns;
 use roughxel_scene::random::SplitMix64;
 
 /// Every effect.
@@ -24,53 +31,108 @@ fn weight(share: u32) -> I16F16 {
 /// within a few widths of the peak, horizons from steps to ramps), one in ten has random bits at corner exponents. Depends on
 /// the name and the index only.
 pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
-    let random = &mut SplitMix64::for_element(set, index);
-    if random.below(10) == 0 {
-        let fragment = random_fragment(set, index, p);
-        let mut bits = || random.next_u64();
-        return PeakIn {
-            surface: SurfaceIn { offset: Default::default(), roughness: Default::default(), ..fragment.surface },
-            light: fragment.dview[0],
-            peak: StoredPeak {
-                normal: [(); 3].map(|()| I1F15::from_bits(bits() as i16)),
-                amplitude: bits() as u16,
-                exponent: bits() as u16,
-            },
-            horizon: StoredHorizon {
-                low: [(); 4].map(|()| I4F12::from_bits(bits() as i16)),
-                inverse_width: [(); 4].map(|()| bits() as u16),
-            },
-            weight: I16F16::from_bits(bits() as i32),
-        };
+    PeakIn::of(&Peaks::one(set, index, p))
+}
+
+/// The ports of those peaks of the random set `set`, as [`random_lit_peak`] makes them, in place of what `columns` held.
+pub fn random_lit_peaks(set: &str, indices: Range<u64>, p: &Precision, columns: &mut Columns<PeakInput<i32>>) {
+    Peaks::many(set, indices, p, columns);
+}
+
+/// Words of a light on a peak.
+const PEAK: usize = <PeakInput<i32> as Bundle<i32>>::WORDS;
+
+/// The kind of [`random_lit_peak`].
+pub(super) enum Peaks {}
+
+impl Kind<PEAK> for Peaks {
+    type Ports = PeakInput<i32>;
+
+    #[inline(always)]
+    fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
+        elements.draws().each(|random| random.below(10) == 0)
     }
-    let [normal, tangent] = [(); 2].map(|()| direction(random).normalize());
-    let e1 = tangent.cross(normal).normalize_or_zero();
-    let e2 = normal.cross(e1);
-    let exponent = random.uniform(0.0, 13.0).exp2();
-    let peak = (direction(random) + DVec3::Z).normalize_or(DVec3::Z);
-    // A few widths √(2/n) away.
-    let half = peak + direction(random) * random.uniform(0.0, 2.0) * (2.0 / exponent).sqrt();
-    let half = (e1 * half.x + e2 * half.y + normal * half.z).normalize_or(normal);
-    // An eye on the side of the half vector, and the light opposite.
-    let eye = direction(random).normalize();
-    let eye = if eye.dot(half) < 0.0 { -eye } else { eye };
-    let light = 2.0 * eye.dot(half) * half - eye;
-    let [mean, sigma] = [(); 2].map(|()| [(); 4].map(|()| random.uniform(-1.0, 1.0)));
-    // A quarter of the horizons are steps.
-    let horizon = uniform(mean, sigma.map(|sigma: f64| (sigma + 0.5).max(0.0)));
-    let mut sized = |vector: DVec3| block_vector(vector * random.uniform(-6.0, 6.0).exp2(), p);
-    let (normal, view, light) = (sized(normal), sized(eye), sized(light));
-    PeakIn {
-        surface: SurfaceIn {
-            normal,
-            view,
-            frame_vectors: [block_vector(tangent, p), BlockVector::default()],
-            ..SurfaceIn::default()
-        },
-        light,
-        peak: stored_peak(peak, random.uniform(-10.0, 5.0).exp2(), exponent),
-        horizon,
-        weight: weight(random.below(u64::from(WHOLE) + 1) as u32),
+
+    #[inline(always)]
+    fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; PEAK]) {
+        let draws = &mut elements.draws();
+        draws.skip();
+        let [mut normals, mut tangents] = draws.directions::<2, 6>();
+        let exponents = draws.powers(0.0, 13.0);
+        let [mut peaks, away] = draws.directions::<2, 6>();
+        let far = draws.uniform(0.0, 2.0);
+        let [mut eyes] = draws.directions::<1, 3>();
+        let [means, sigmas] = each!(() in [(); 2] => each!(() in [(); 4] => draws.uniform(-1.0, 1.0)));
+        let [normal_sizes, eye_sizes, light_sizes] = each!(() in [(); 3] => draws.powers(-6.0, 6.0));
+        let amplitudes = draws.powers(-10.0, 5.0);
+        let weights = draws.each(|random| random.below(u64::from(WHOLE) + 1) as i32);
+        let mut lights = [[0.0; N]; 3];
+        for lane in 0..N {
+            let [normal, tangent] = each!(vectors in [&normals, &tangents] => unit(at(vectors, lane)));
+            let e1 = unit_or(tangent.cross(normal), DVec3::ZERO);
+            let e2 = normal.cross(e1);
+            let peak = unit_or(at(&peaks, lane) + DVec3::Z, DVec3::Z);
+            // A few widths √(2/n) away.
+            let half = peak + at(&away, lane) * far[lane] * (2.0 / exponents[lane]).sqrt();
+            let half = unit_or(e1 * half.x + e2 * half.y + normal * half.z, normal);
+            let [eye, light] = eye_and_light(unit(at(&eyes, lane)), half);
+            set(&mut normals, lane, normal * normal_sizes[lane]);
+            set(&mut tangents, lane, tangent);
+            set(&mut eyes, lane, eye * eye_sizes[lane]);
+            set(&mut lights, lane, light * light_sizes[lane]);
+            set(&mut peaks, lane, unit_or(peak / peak.abs().max_element(), DVec3::ZERO));
+        }
+        let mut words = Rows::new(words);
+        for vectors in [normals, eyes, tangents] {
+            words.put_vectors(&vectors, p);
+        }
+        words.put_zeros::<{ SURFACE - 12 }>();
+        words.put_vectors(&lights, p);
+        words.put(
+            #[inline(always)]
+            |lane| {
+                let peak = stored_unit_peak(at(&peaks, lane), amplitudes[lane], exponents[lane]);
+                let [x, y, z] = each!(n in peak.normal => n.to_bits().into());
+                [x, y, z, peak.amplitude.into(), peak.exponent.into()]
+            },
+        );
+        words.put::<8>(
+            #[inline(always)]
+            |lane| {
+                // A quarter of the horizons are steps.
+                let sigma = each!(side in places::<4>() => (sigmas[side][lane] + 0.5).max(0.0));
+                let StoredHorizon { low, inverse_width } = uniform(each!(side in places() => means[side][lane]), sigma);
+                let [l0, l1, l2, l3] = each!(low in low => low.to_bits().into());
+                let [w0, w1, w2, w3] = each!(width in inverse_width => width.into());
+                [l0, l1, l2, l3, w0, w1, w2, w3]
+            },
+        );
+        words.put_row(&weights);
+    }
+
+    #[inline(always)]
+    fn odd<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; PEAK]) {
+        let draws = &mut elements.draws();
+        draws.skip();
+        let mut fragment = [[0; N]; FRAGMENT];
+        Fragments::odd(elements, p, &mut fragment);
+        let mut words = Rows::new(words);
+        for row in &fragment[..16] {
+            words.put_row(row);
+        }
+        words.put_zeros::<{ SURFACE - 16 }>();
+        // Light along the first derivative of the view.
+        for row in &fragment[SURFACE..][..4] {
+            words.put_row(row);
+        }
+        let signed = |random: &mut SplitMix64| i32::from(random.next_u64() as i16);
+        let unsigned = |random: &mut SplitMix64| i32::from(random.next_u64() as u16);
+        let mut put = |bits: [i32; N]| words.put_row(&bits);
+        (0..3).for_each(|_| put(draws.each(signed)));
+        (0..2).for_each(|_| put(draws.each(unsigned)));
+        (0..4).for_each(|_| put(draws.each(signed)));
+        (0..4).for_each(|_| put(draws.each(unsigned)));
+        put(draws.each(|random| random.next_u64() as i32));
     }
 }
 

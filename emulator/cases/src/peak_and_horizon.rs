@@ -3,13 +3,15 @@
 use fixed::types::{I1F15, I2F30, I4F12};
 use glam::{DMat3, DVec3, dvec3};
 use roughxel_core::design::LocalInput;
+use roughxel_core::each::{each, places};
 use roughxel_core::ports::{BlockVector, Port, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_horizon, stored_peak, uniform_law};
 use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
 
-use super::fragment::{bit, direction};
+use super::draws::direction;
+use super::fragment::bit;
 use super::set::CaseSet;
 use roughxel_scene::random::SplitMix64;
 
@@ -85,9 +87,10 @@ pub fn random_peak_case(set: &str, index: u64, p: &Precision) -> PeakCase {
 }
 
 /// A horizon of uniform laws, from means and standard deviations.
+#[inline(always)]
 pub fn uniform(mean: [f64; 4], sigma: [f64; 4]) -> StoredHorizon {
-    let laws: [[f64; 2]; 4] = core::array::from_fn(|side| uniform_law(mean[side], sigma[side]));
-    stored_horizon(laws.map(|law| law[0]), laws.map(|law| law[1]))
+    let laws = each!(side in places::<4>() => uniform_law(mean[side], sigma[side]));
+    stored_horizon(each!([low, _] in laws => low), each!([_, width] in laws => width))
 }
 
 /// Case `index` of the random set `set`: light and eye anywhere, horizons from steps to ramps of any width.

@@ -44,7 +44,8 @@ impl OutputFile {
             Err(_) => path.to_path_buf(),
         };
         let directory = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
-        let file = BufWriter::with_capacity(1 << 16, temporary_in(directory)?);
+        // Larger pieces, as the words of vectors are, go past it.
+        let file = BufWriter::with_capacity(1 << 15, temporary_in(directory)?);
         Ok(Self { target: Target::Beside { file, path } })
     }
 

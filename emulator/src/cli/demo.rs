@@ -84,7 +84,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
         let precision = *precision;
         let info =
             SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
-        sets.push(export_with(&info, inputs.len() as u64, &|index| inputs[index as usize], &vectors, &|_| {})?);
+        sets.push(export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], &vectors, &|_| {})?);
     }
     bar.set_message("accuracy");
     let accuracy = measure(precision, ACCURACY_FRAGMENTS, &|_| {});

@@ -77,7 +77,8 @@ pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
         profile: &of.profile.name,
         words: Words { taps: of.taps, form: if args.bin { Form::Bin } else { Form::Hex } },
     };
-    let manifest = export_with(&info, inputs.len() as u64, &|index| inputs[index as usize], &args.output, &|_| {})?;
+    let manifest =
+        export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], &args.output, &|_| {})?;
     if let Some(path) = &args.picks {
         let lines = picked.iter().map(|Picked { set, index }| format!("{set} {index}\n"));
         write_text(path, &lines.collect::<String>())?;

@@ -14,8 +14,8 @@ use roughxel_emulator::output::write_files;
 use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
-    Form, Inputs, MAX_VECTORS, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, StageSet, VectorError, VectorSet,
-    Verification, Words, c_library_files, hard_sets, in_page, manifests_of, random_set, rom_files, tables, verify,
+    Form, InputSource, MAX_VECTORS, Manifest, RANDOM_SETS, RandomSet, SetExport, SetInfo, Shard, StageSet, VectorError,
+    VectorSet, Verification, Words, c_library_files, hard_sets, in_page, manifests_of, rom_files, tables, verify,
 };
 use serde_json::json;
 
@@ -248,7 +248,7 @@ impl Export<'_> {
             complain(&format!("note: {} has {all} vectors, {count} of them are written", set.name));
         }
         let info = self.info(set.name, set.description, None, set.datapath, set.effects);
-        self.write(&info, count, &|index| set.part(index, count))
+        self.write(&info, count, &|index: u64| set.part(index, count))
     }
 
     /// A random set.
@@ -256,7 +256,7 @@ impl Export<'_> {
         let (name, _, description) = RANDOM_SETS[datapath as usize];
         let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
         let info = self.info(name, description, Some(&seed), datapath, Effects::ALL);
-        self.write(&info, count, &|index| random_set(datapath, &seed, index, &self.profile.precision))
+        self.write(&info, count, &RandomSet { datapath, seed: &seed, precision: &self.profile.precision })
     }
 
     fn info<'b>(
@@ -274,12 +274,7 @@ impl Export<'_> {
 
     /// Writes a set, its part or, where it may stay and is there, nothing; or those of the modules of the stage. There are none where the
     /// part has no vectors, or the set's datapath no such stage.
-    fn write(
-        &self,
-        info: &SetInfo<'_>,
-        count: u64,
-        input: &(dyn Fn(u64) -> Inputs + Sync),
-    ) -> Result<Vec<Exported>, Failure> {
+    fn write(&self, info: &SetInfo<'_>, count: u64, input: &dyn InputSource) -> Result<Vec<Exported>, Failure> {
         let Some(stage) = self.stage else {
             return Ok(self.write_set(SetExport::new(info, count), input)?.into_iter().collect());
         };
@@ -292,11 +287,7 @@ impl Export<'_> {
     }
 
     /// Writes a set, or what [`write`](Self::write) says in its place.
-    fn write_set(
-        &self,
-        mut set: SetExport<'_>,
-        input: &(dyn Fn(u64) -> Inputs + Sync),
-    ) -> Result<Option<Exported>, Failure> {
+    fn write_set(&self, mut set: SetExport<'_>, input: &dyn InputSource) -> Result<Option<Exported>, Failure> {
         let directory = self.directory.to_path_buf();
         if let Some(shard) = self.shard {
             let (name, count, number) = (set.name().to_owned(), set.whole_count(), shard.number());

@@ -1,6 +1,8 @@
 //! The datapaths that vectors are of, as functions from the wires of ports to integers of outputs: of one vector in the scalar reading,
 //! which `verify` and `explain` recompute with, of many side by side, which an export is made with.
 
+use std::ops::Range;
+
 use roughxel_core::bundle::{Bundle, End};
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::{
@@ -89,72 +91,133 @@ pub(super) fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
     filled(&B::limit::<i32>(End::Low), inputs)
 }
 
-/// Vectors of one datapath, a row a wire. No wire of the three is wide, so the word of a row is the place of its port or output.
-pub(super) enum Batch {
-    Reflection(Columns<ReflectionInput<i32>>, Columns<ReflectionOutput<i32>>),
-    Highlight(Columns<HighlightInput<i32>>, Columns<HighlightOutput<i32>>),
-    Peak(Columns<PeakInput<i32>>, Columns<PeakOutput<i32>>),
+/// The ports of vectors of one datapath, a row a wire.
+#[derive(Debug)]
+pub enum Ports {
+    /// Of fragments that reflect.
+    Reflection(Columns<ReflectionInput<i32>>),
+    /// Of lights on surfaces.
+    Highlight(Columns<HighlightInput<i32>>),
+    /// Of lights on peaks.
+    Peak(Columns<PeakInput<i32>>),
+}
+
+impl Ports {
+    /// Of no vector yet.
+    pub fn new(datapath: Datapath) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(Columns::default()),
+            Datapath::Highlight => Self::Highlight(Columns::default()),
+            Datapath::Peak => Self::Peak(Columns::default()),
+        }
+    }
+
+    fn clear(&mut self) {
+        match self {
+            Self::Reflection(columns) => columns.clear(),
+            Self::Highlight(columns) => columns.clear(),
+            Self::Peak(columns) => columns.clear(),
+        }
+    }
+
+    /// Adds those of a vector.
+    ///
+    /// # Panics
+    /// If it is of another datapath.
+    fn push(&mut self, inputs: &Inputs) {
+        match (self, inputs) {
+            (Self::Reflection(columns), Inputs::Reflection(wires)) => columns.push(wires),
+            (Self::Highlight(columns), Inputs::Highlight(wires)) => columns.push(wires),
+            (Self::Peak(columns), Inputs::Peak(wires)) => columns.push(wires),
+            _ => panic!("{inputs:?} in a set of another datapath"),
+        }
+    }
+
+    /// One of every vector.
+    fn row(&self, place: usize) -> &[i32] {
+        match self {
+            Self::Reflection(columns) => columns.row(place),
+            Self::Highlight(columns) => columns.row(place),
+            Self::Peak(columns) => columns.row(place),
+        }
+    }
+}
+
+/// Where the inputs of vectors come from, by their indices. A function of an index gives them one by one.
+pub trait InputSource: Sync {
+    /// Those of a vector.
+    fn input(&self, index: u64) -> Inputs;
+
+    /// Puts those of some vectors into `ports`, in place of what was there.
+    ///
+    /// # Panics
+    /// If they are of another datapath.
+    fn fill(&self, indices: Range<u64>, ports: &mut Ports) {
+        ports.clear();
+        indices.for_each(|index| ports.push(&self.input(index)));
+    }
+}
+
+impl<F: Fn(u64) -> Inputs + Sync> InputSource for F {
+    fn input(&self, index: u64) -> Inputs {
+        self(index)
+    }
+}
+
+/// What a datapath makes of vectors, a row a wire.
+enum Outputs {
+    Reflection(Columns<ReflectionOutput<i32>>),
+    Highlight(Columns<HighlightOutput<i32>>),
+    Peak(Columns<PeakOutput<i32>>),
+}
+
+/// Vectors of one datapath. No wire of the three is wide, so the word of a row is the place of its port or output.
+pub(super) struct Batch {
+    ports: Ports,
+    outputs: Outputs,
 }
 
 impl Batch {
-    /// Those inputs through their datapath, by the fastest reading of this machine.
+    /// Of no vector yet.
+    pub(super) fn new(datapath: Datapath) -> Self {
+        let outputs = match datapath {
+            Datapath::Reflection => Outputs::Reflection(Columns::default()),
+            Datapath::Highlight => Outputs::Highlight(Columns::default()),
+            Datapath::Peak => Outputs::Peak(Columns::default()),
+        };
+        Self { ports: Ports::new(datapath), outputs }
+    }
+
+    /// Some vectors of `input` through their datapath, by the fastest reading of this machine, in place of those that were there.
     ///
     /// # Panics
-    /// If an input is of another datapath.
-    pub(super) fn of(
-        datapath: Datapath,
-        inputs: impl Iterator<Item = Inputs>,
-        effects: &Effects,
-        p: &Precision,
-    ) -> Self {
+    /// If they are of another datapath.
+    pub(super) fn fill(&mut self, input: &dyn InputSource, indices: Range<u64>, effects: &Effects, p: &Precision) {
         let reading = Reading::best();
-        let of_another = |inputs| -> ! { panic!("{inputs:?} in a set of the datapath `{}`", datapath.name()) };
-        match datapath {
-            Datapath::Reflection => {
-                let wires = inputs.map(|inputs| match inputs {
-                    Inputs::Reflection(wires) => wires,
-                    _ => of_another(inputs),
-                });
-                let (fragments, mut outputs) = (wires.collect(), Columns::default());
-                reading.fragments(&fragments, &effects.reflection(), p, &mut outputs);
-                Self::Reflection(fragments, outputs)
+        input.fill(indices, &mut self.ports);
+        match (&self.ports, &mut self.outputs) {
+            (Ports::Reflection(fragments), Outputs::Reflection(outputs)) => {
+                reading.fragments(fragments, &effects.reflection(), p, outputs);
             }
-            Datapath::Highlight => {
-                let wires = inputs.map(|inputs| match inputs {
-                    Inputs::Highlight(wires) => wires,
-                    _ => of_another(inputs),
-                });
-                let (lights, mut outputs) = (wires.collect(), Columns::default());
-                reading.lit_surfaces(&lights, &effects.highlight(), p, &mut outputs);
-                Self::Highlight(lights, outputs)
+            (Ports::Highlight(lights), Outputs::Highlight(outputs)) => {
+                reading.lit_surfaces(lights, &effects.highlight(), p, outputs);
             }
-            Datapath::Peak => {
-                let wires = inputs.map(|inputs| match inputs {
-                    Inputs::Peak(wires) => wires,
-                    _ => of_another(inputs),
-                });
-                let (lights, mut outputs) = (wires.collect(), Columns::default());
-                reading.lit_peaks(&lights, &effects.peak(), p, &mut outputs);
-                Self::Peak(lights, outputs)
-            }
+            (Ports::Peak(lights), Outputs::Peak(outputs)) => reading.lit_peaks(lights, &effects.peak(), p, outputs),
+            _ => unreachable!("both are of one datapath"),
         }
     }
 
     /// A port of every vector.
     pub(super) fn port(&self, place: usize) -> &[i32] {
-        match self {
-            Self::Reflection(inputs, _) => inputs.row(place),
-            Self::Highlight(inputs, _) => inputs.row(place),
-            Self::Peak(inputs, _) => inputs.row(place),
-        }
+        self.ports.row(place)
     }
 
     /// An output of every vector.
     pub(super) fn output(&self, place: usize) -> &[i32] {
-        match self {
-            Self::Reflection(_, outputs) => outputs.row(place),
-            Self::Highlight(_, outputs) => outputs.row(place),
-            Self::Peak(_, outputs) => outputs.row(place),
+        match &self.outputs {
+            Outputs::Reflection(outputs) => outputs.row(place),
+            Outputs::Highlight(outputs) => outputs.row(place),
+            Outputs::Peak(outputs) => outputs.row(place),
         }
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
-use super::datapath::{Batch, Inputs};
+use super::datapath::{Batch, InputSource, Inputs};
 use super::files::{SetFiles, size_and_hash};
 use super::layout::{Field, Layout};
 use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
@@ -70,14 +70,14 @@ where
     I: Sync,
     for<'a> &'a I: Into<Inputs>,
 {
-    export_with(info, inputs.len() as u64, &|index| (&inputs[index as usize]).into(), directory, &|_| {})
+    export_with(info, inputs.len() as u64, &|index: u64| (&inputs[index as usize]).into(), directory, &|_| {})
 }
 
-/// Exports the vectors of `input(0) … input(count − 1)`, a batch in memory at a time; `progress` is told how many are done.
+/// Exports the vectors 0 to count − 1 of `input`, a batch in memory at a time; `progress` is told how many are done.
 pub fn export_with(
     info: &SetInfo<'_>,
     count: u64,
-    input: &(dyn Fn(u64) -> Inputs + Sync),
+    input: &dyn InputSource,
     directory: &Path,
     progress: &dyn Fn(u64),
 ) -> Result<Manifest, VectorError> {
@@ -151,13 +151,13 @@ impl<'a> SetExport<'a> {
         (is_same && of_words()? == (entry.bytes, entry.sha256.clone())).then_some(found)
     }
 
-    /// Exports it: vector i is `input(i)`, i an index of the whole set, or of the base set of a stage's. A batch is in memory at a time; `progress` is told how many
+    /// Exports it: vector i is `input.input(i)`, i an index of the whole set, or of the base set of a stage's. A batch is in memory at a time; `progress` is told how many
     /// are done.
     ///
     /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
     pub fn write(
         &self,
-        input: &(dyn Fn(u64) -> Inputs + Sync),
+        input: &dyn InputSource,
         directory: &Path,
         progress: &dyn Fn(u64),
     ) -> Result<Manifest, VectorError> {
@@ -165,26 +165,32 @@ impl<'a> SetExport<'a> {
         let manifest = self.manifest();
         let mut files = SetFiles::create(&manifest, self.info.words.form, directory)?;
         let all = self.indices();
-        let words_of = |vectors| match self.stage {
-            Some(stage) => stage.written(self, vectors, input),
-            None => self.written(vectors, input),
+        let make = |(batch, words): &mut (Batch, Encoder), (vectors, mut text): (Range<u64>, Vec<u8>)| {
+            text.clear();
+            match self.stage {
+                Some(stage) => stage.write(self, vectors, input, words, &mut text)?,
+                None => self.write_vectors(vectors, input, (batch, words), &mut text)?,
+            }
+            Ok(text)
         };
-        let batch = |start: u64| -> Vec<Result<Vec<u8>, VectorError>> {
-            let vectors = start..all.end.min(start + BATCH);
-            let tasks: Vec<_> =
-                vectors.clone().step_by(TASK as usize).map(|first| first..vectors.end.min(first + TASK)).collect();
-            tasks.into_par_iter().map(words_of).collect()
+        // Texts that were written are room for others.
+        let batch = |start: u64, mut texts: Vec<Vec<u8>>| -> Vec<Result<Vec<u8>, VectorError>> {
+            let end = all.end.min(start + BATCH);
+            let task = |first: u64| (first..end.min(first + TASK), texts.pop().unwrap_or_default());
+            let tasks: Vec<_> = (start..end).step_by(TASK as usize).map(task).collect();
+            let room = || (Batch::new(self.info.datapath), Encoder::new(&self.layout, self.info.words.form));
+            tasks.into_par_iter().map_init(room, make).collect()
         };
-        let mut ready = batch(all.start);
+        let mut texts = Vec::new();
+        let mut ready = batch(all.start, Vec::new());
         for start in all.clone().step_by(BATCH as usize) {
-            let write = || -> Result<(), VectorError> {
-                for task in ready {
-                    files.write(&task?)?;
-                }
-                Ok(())
+            let write = || -> Result<Vec<Vec<u8>>, VectorError> {
+                let texts = ready.into_iter().collect::<Result<Vec<_>, _>>()?;
+                texts.iter().try_for_each(|text| files.write(text))?;
+                Ok(texts)
             };
-            let (done, next) = rayon::join(write, || batch(start + BATCH));
-            done?;
+            let (written, next) = rayon::join(write, || batch(start + BATCH, texts));
+            texts = written?;
             ready = next;
             progress(all.end.min(start + BATCH) - all.start);
         }
@@ -230,28 +236,25 @@ impl<'a> SetExport<'a> {
         }
     }
 
-    /// The words of some vectors as they are written.
-    fn written(&self, vectors: Range<u64>, input: &(dyn Fn(u64) -> Inputs + Sync)) -> Result<Vec<u8>, VectorError> {
-        let info = self.info;
-        let batch = Batch::of(info.datapath, vectors.clone().map(input), &info.effects, &info.precision);
-        let rows = self.layout.rows(&batch);
-        let mut words = self.words();
-        for first in (0..(vectors.end - vectors.start) as usize).step_by(CHUNK) {
-            for (field, &(row, drop)) in rows.iter().enumerate() {
-                let row = &row[first..row.len().min(first + CHUNK)];
-                if let Some(place) = words.set_row(field, row, drop) {
-                    let index = vectors.start + (first + place) as u64;
-                    return Err(self.inexact(index, &self.layout.fields()[field]));
-                }
+    /// Writes the words of some vectors to the end of `text`; batch and words are room for them.
+    fn write_vectors(
+        &self,
+        vectors: Range<u64>,
+        input: &dyn InputSource,
+        (batch, words): (&mut Batch, &mut Encoder),
+        text: &mut Vec<u8>,
+    ) -> Result<(), VectorError> {
+        let (info, count) = (self.info, (vectors.end - vectors.start) as usize);
+        batch.fill(input, vectors.clone(), &info.effects, &info.precision);
+        let rows = self.layout.rows(batch);
+        for first in (0..count).step_by(CHUNK) {
+            if let Some((field, place)) = words.set(&rows, first, CHUNK.min(count - first)) {
+                let index = vectors.start + (first + place) as u64;
+                return Err(self.inexact(index, &self.layout.fields()[field]));
             }
-            words.write();
+            words.write(text);
         }
-        Ok(words.into_text())
-    }
-
-    /// Words to be written.
-    fn words(&self) -> Encoder {
-        Encoder::new(&self.layout, self.info.words.form)
+        Ok(())
     }
 
     /// A field that its vector's integer does not fit.

@@ -115,7 +115,7 @@ impl Minimised {
     /// Errors: see [`VectorError`].
     pub fn write(&self, directory: &Path) -> Result<PathBuf, VectorError> {
         let info = SetInfo { name: &self.set, description: &self.description, seed: None, ..info(&self.manifest) };
-        let manifest = SetExport::new(&info, 1).write(&|_| self.inputs, directory, &|_| {})?;
+        let manifest = SetExport::new(&info, 1).write(&|_: u64| self.inputs, directory, &|_| {})?;
         Ok(directory.join(manifest.stem() + ".json"))
     }
 }

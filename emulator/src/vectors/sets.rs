@@ -1,17 +1,19 @@
 //! The sets there are: every hard case of each datapath, and seeded random ones.
 
+use std::ops::Range;
+
 use roughxel_core::plan::{Datapath, Effects, ReflectionPlan};
 use roughxel_core::precision::Precision;
 
-use super::datapath::Inputs;
+use super::datapath::{InputSource, Inputs, Ports};
 use super::manifest::Manifest;
 use crate::cases::corners::{
     CORNERS, fragment_corners, fragment_far, highlight_corners, highlight_far, peak_corners, peak_far,
 };
-use crate::cases::highlight::{self, highlight_sets, random_light};
+use crate::cases::highlight::{self, highlight_sets, random_light, random_lights};
 use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
-use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak};
-use crate::cases::{CaseSet, hard_case_sets, random_fragment};
+use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak, random_lit_peaks};
+use crate::cases::{CaseSet, hard_case_sets, random_fragment, random_fragments};
 
 /// The random set of each datapath: its name, and what it holds.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
@@ -157,5 +159,35 @@ pub fn random_set(datapath: Datapath, seed: &str, index: u64, p: &Precision) -> 
         Datapath::Reflection => (&random_fragment(seed, index, p)).into(),
         Datapath::Highlight => (&random_light(seed, index, p)).into(),
         Datapath::Peak => (&random_lit_peak(seed, index, p)).into(),
+    }
+}
+
+/// A datapath's random set with a seed; its vectors are [`random_set`]'s, made side by side where many are wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct RandomSet<'a> {
+    /// The datapath.
+    pub datapath: Datapath,
+    /// The text hashed with each index.
+    pub seed: &'a str,
+    /// Knobs.
+    pub precision: &'a Precision,
+}
+
+impl InputSource for RandomSet<'_> {
+    fn input(&self, index: u64) -> Inputs {
+        random_set(self.datapath, self.seed, index, self.precision)
+    }
+
+    fn fill(&self, indices: Range<u64>, ports: &mut Ports) {
+        match (self.datapath, ports) {
+            (Datapath::Reflection, Ports::Reflection(columns)) => {
+                random_fragments(self.seed, indices, self.precision, columns);
+            }
+            (Datapath::Highlight, Ports::Highlight(columns)) => {
+                random_lights(self.seed, indices, self.precision, columns);
+            }
+            (Datapath::Peak, Ports::Peak(columns)) => random_lit_peaks(self.seed, indices, self.precision, columns),
+            (datapath, _) => panic!("a set of `{}` in one of another datapath", datapath.name()),
+        }
     }
 }

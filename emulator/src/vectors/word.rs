@@ -9,6 +9,7 @@
 
 use super::layout::{CHECK_BITS, Field, Layout, mask};
 use super::manifest::Form;
+use crate::lanes::Reading;
 
 const POLYNOMIAL: u32 = 0x04c1_1db7;
 
@@ -42,6 +43,7 @@ const fn next_remainder(remainder: u32) -> u32 {
 }
 
 /// The remainder after so many bytes more, the last ones of `bytes`.
+#[inline(always)]
 fn after(bytes: u64, count: usize) -> u32 {
     (0..count).fold(0, |sum, followers| sum ^ BY_BYTE[followers][(bytes >> (8 * followers) & 255) as usize])
 }
@@ -109,6 +111,9 @@ pub(crate) fn locate_flip(syndrome: u32, word_bits: u32) -> Option<u32> {
     None
 }
 
+/// Eight characters between fields.
+const UNDERSCORES: u64 = u64::from_be_bytes([b'_'; 8]);
+
 /// Words that are put together at once: their fields stay in a processor's nearest cache.
 pub(crate) const CHUNK: usize = 64;
 
@@ -131,7 +136,8 @@ pub(crate) struct Encoder {
     packed: Vec<Row>,
     /// Words that wait.
     waiting: usize,
-    text: Vec<u8>,
+    /// Its instruction set.
+    reading: Reading,
 }
 
 /// Where a field is.
@@ -164,12 +170,29 @@ impl Encoder {
         };
         let bits = vec![[0; CHUNK]; places.len()];
         let packed = vec![[0; CHUNK]; digits.div_ceil(8) as usize];
-        Self { form, places, digits, length, bits, packed, waiting: 0, text: Vec::new() }
+        Self { form, places, digits, length, bits, packed, waiting: 0, reading: Reading::best() }
     }
 
-    /// Sets a field of words that wait, from its integers, whose lowest `drop` bits the profile drops; or the first word whose integer has
-    /// others than the field keeps.
-    pub(crate) fn set_row(&mut self, field: usize, integers: &[i32], drop: u32) -> Option<usize> {
+    /// Sets all fields of words that wait, from `count` integers of each from the `first` one on, whose lowest bits the profile drops; or the
+    /// first field of which a word's integer has others than the field keeps, and that word.
+    pub(crate) fn set(&mut self, rows: &[(&[i32], u32)], first: usize, count: usize) -> Option<(usize, usize)> {
+        let reading = self.reading;
+        reading.run(
+            #[inline(always)]
+            || {
+                for (field, &(row, drop)) in rows.iter().enumerate() {
+                    if let Some(word) = self.set_row(field, &row[first..][..count], drop) {
+                        return Some((field, word));
+                    }
+                }
+                None
+            },
+        )
+    }
+
+    /// Sets a field of words that wait; or the first word whose integer has other bits than the field keeps.
+    #[inline(always)]
+    fn set_row(&mut self, field: usize, integers: &[i32], drop: u32) -> Option<usize> {
         let Place { width, signed, .. } = self.places[field];
         let (mask, spare) = (mask(width), 32 - width);
         let row = &mut self.bits[field];
@@ -194,9 +217,9 @@ impl Encoder {
     }
 
     /// A word more, from its fields' bits without the check value.
-    pub(crate) fn push(&mut self, bits: &[u32]) {
+    pub(crate) fn push(&mut self, bits: &[u32], text: &mut Vec<u8>) {
         if self.waiting == CHUNK {
-            self.write();
+            self.write(text);
         }
         for (row, &bits) in self.bits.iter_mut().zip(bits) {
             row[self.waiting] = bits;
@@ -204,20 +227,27 @@ impl Encoder {
         self.waiting += 1;
     }
 
-    /// Writes the words that wait.
-    pub(crate) fn write(&mut self) {
+    /// Writes the words that wait to the end of `text`.
+    pub(crate) fn write(&mut self, text: &mut Vec<u8>) {
         let count = std::mem::take(&mut self.waiting);
-        self.pack();
-        let check = self.check();
-        let from = self.text.len();
-        self.text.resize(from + count * self.length, b'_');
-        let words = self.text[from..].chunks_exact_mut(self.length);
+        let check = self.reading.run(
+            #[inline(always)]
+            || {
+                self.pack();
+                self.check()
+            },
+        );
+        let from = text.len();
+        text.resize(from + count * self.length, b'_');
+        let words = text[from..].chunks_exact_mut(self.length);
         match self.form {
             Form::Hex => {
                 for (word, text) in words.enumerate() {
+                    // Eight characters whatever the digits: what is behind them is underscores, too, until the next field is there.
                     for (place, row) in self.places.iter().zip(&self.bits) {
-                        text[place.column..][..place.digits]
-                            .copy_from_slice(&hex_digits(row[word])[8 - place.digits..]);
+                        let digits = u64::from_be_bytes(hex_digits(row[word])) << (64 - 8 * place.digits);
+                        let behind = UNDERSCORES >> (8 * place.digits - 8) >> 8;
+                        text[place.column..][..8].copy_from_slice(&(digits | behind).to_be_bytes());
                     }
                     text[self.length - 9..][..8].copy_from_slice(&hex_digits(check[word]));
                     text[self.length - 1] = b'\n';
@@ -227,7 +257,8 @@ impl Encoder {
                 let in_first = ((self.digits + 7) % 8 + 1).div_ceil(2) as usize;
                 let Some((first, rest)) = self.packed.split_first() else { return };
                 for (word, record) in words.enumerate() {
-                    record[..in_first].copy_from_slice(&first[word].to_be_bytes()[4 - in_first..]);
+                    // What is behind them is written next.
+                    record[..4].copy_from_slice(&(first[word] << (32 - 8 * in_first)).to_be_bytes());
                     let eights = rest.iter().chain([&check]);
                     for (bytes, row) in record[in_first..].as_chunks_mut::<4>().0.iter_mut().zip(eights) {
                         *bytes = row[word].to_be_bytes();
@@ -237,12 +268,8 @@ impl Encoder {
         }
     }
 
-    /// The words as they are written.
-    pub(crate) fn into_text(self) -> Vec<u8> {
-        self.text
-    }
-
     /// The fields' digits eight by eight.
+    #[inline(always)]
     fn pack(&mut self) {
         self.packed.fill([0; CHUNK]);
         let last = self.packed.len() - 1;
@@ -260,6 +287,7 @@ impl Encoder {
     }
 
     /// The check values.
+    #[inline(always)]
     fn check(&self) -> Row {
         let mut remainders = [u32::MAX; CHUNK];
         let Some((first, rest)) = self.packed.split_first() else { return remainders };

@@ -105,7 +105,7 @@ fn chosen_vectors_read_every_table_and_show_its_entries() {
         assert_eq!(list.lines().count(), set.inputs.len());
         let VectorSet { name, inputs, .. } = set;
         let info = info(name, datapath, Precision::STANDARD, "standard");
-        export_with(&info, inputs.len() as u64, &|index| inputs[index as usize], directory.path(), &|_| {})
+        export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], directory.path(), &|_| {})
             .expect("the set can be written");
     }
     for of in grade(&manifests_in(directory.path()).expect("sets"), &|_| {}).expect("sets") {
@@ -142,7 +142,7 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
     let another = export_with(
         &info("other", Datapath::Highlight, p, "narrow"),
         3,
-        &|index| random_set(Datapath::Highlight, "", index, &p),
+        &|index: u64| random_set(Datapath::Highlight, "", index, &p),
         directory.path(),
         &|_| {},
     );
