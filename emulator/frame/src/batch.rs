@@ -24,10 +24,10 @@ const _: () = assert!(SIDE == LANES, "attributes are made in vectors of lanes");
 pub(super) const SHADED: usize = 128;
 
 /// Where a colour counts.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Place {
     /// The pixel in its tile.
-    pub(super) pixel: usize,
+    pub(super) pixel: u32,
     /// How many of its samples it stands for.
     pub(super) times: u32,
 }
@@ -122,17 +122,21 @@ impl Fragments {
         self.places.push(place);
     }
 
+    /// Rows for [`Self::append`]: what no triangle has of its own is in them.
+    pub(super) fn rows(&self) -> AttributeRows {
+        let mut rows = AttributeRows::default();
+        if let Some(main) = self.parts.main_direction {
+            rows.bare[8..12].copy_from_slice(&same_rows(&main));
+        }
+        rows
+    }
+
     /// Lets fragments wait that stand side by side; `derivatives` are those of [`Triangle::derivative_words`](crate::raster::Triangle::derivative_words).
     pub(super) fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &[i32; 16]) {
-        let Parts { surface, derivatives: has_derivatives, uv, duv, main_direction } = self.parts;
+        let Parts { surface, derivatives: has_derivatives, uv, duv, main_direction: _ } = self.parts;
         let count = places.len();
         if surface {
-            let mut bare = rows.bare;
-            if let Some(main) = main_direction {
-                bare[8..12].copy_from_slice(&same_rows(&main));
-                bare[12..].fill([0; SIDE]);
-            }
-            self.bare.append(count, &bare);
+            self.bare.append(count, &rows.bare);
         }
         if has_derivatives {
             self.derivatives.append_same(count, derivatives);
@@ -213,7 +217,7 @@ impl Sums {
     /// Adds a colour to a pixel, as often as it counts there.
     pub(super) fn add(&mut self, place: Place, colour: [Channel; 3]) {
         for _ in 0..place.times {
-            for (sum, channel) in self.pixels[place.pixel].iter_mut().zip(colour) {
+            for (sum, channel) in self.pixels[place.pixel as usize].iter_mut().zip(colour) {
                 *sum = pixel::sum(sum, channel);
             }
         }

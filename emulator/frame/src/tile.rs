@@ -1,5 +1,7 @@
 //! The tiles of a frame: what is visible at each sample, and the mean of a pixel's samples.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
@@ -12,8 +14,8 @@ use super::frame::Frame;
 use super::phases::PhaseTimes;
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
-    AttributeRows, Pass, Positions, RasterError, SIDE, SUBPIXELS, Sample, Sampling, TileRect, TileSamples,
-    TriangleList, tile_rows, tiles,
+    Pass, Positions, RasterError, SIDE, SUBPIXELS, Sample, Sampling, TileRect, TileSamples, TriangleList, tile_rows,
+    tiles,
 };
 
 /// What drawing took.
@@ -87,15 +89,15 @@ impl Prepared<'_> {
         let mut batch = Batch::default();
         for pass in passes {
             triangles.samples(tile, pass, samples);
-            let mut by_triangle = samples.by_triangle().peekable();
-            while let Some(&(triangle, shown)) = by_triangle.peek() {
-                let Some(triangle) = triangle else {
-                    self.shade_background(samples, shown, &mut batch, &mut sums);
+            let mut spans = samples.spans().peekable();
+            while let Some((triangle, span)) = spans.peek() {
+                let Some(triangle) = *triangle else {
+                    self.shade_background(samples, span.clone(), &mut batch, &mut sums);
                     break;
                 };
                 let object = triangles.object_index(triangle);
                 let of_object = std::iter::from_fn(|| {
-                    by_triangle.next_if(|(triangle, _)| {
+                    spans.next_if(|(triangle, _)| {
                         triangle.is_some_and(|triangle| triangles.object_index(triangle) == object)
                     })
                 });
@@ -115,26 +117,31 @@ impl Prepared<'_> {
     }
 
     /// The samples of an object, triangle by triangle.
-    fn shade_object<'s>(
+    fn shade_object(
         &self,
         object: &PreparedObject,
         triangles: &TriangleList<'_>,
-        (tile, shown): (&TileSamples, impl Iterator<Item = (Option<u32>, &'s [Sample])>),
+        (tile, spans): (&TileSamples, impl Iterator<Item = (Option<u32>, Range<usize>)>),
         batch: &mut Batch,
         sums: &mut Sums,
     ) {
         let mut fragments = Fragments::of(object);
-        let mut rows = AttributeRows::default();
-        for (triangle, shown) in shown {
+        let mut rows = fragments.rows();
+        for (triangle, span) in spans {
             let triangle = triangle.and_then(|index| triangles.triangle(index, object.needs()));
             let Some(triangle) = triangle else { continue };
             let points = object.lighting.as_ref().map(|lighting| lighting.points(&triangle)).unwrap_or_default();
             let derivatives = triangle.derivative_words();
-            for_each_side(tile, shown, |places, positions| {
-                self.reading.run(
+            for (side, count) in tile.sides(span) {
+                let (places, positions) = &self.reading.run(
                     #[inline(always)]
-                    || triangle.fragments(positions, &mut rows),
+                    || {
+                        let (places, positions) = places(tile, side);
+                        triangle.fragments(&positions, &mut rows);
+                        (places, positions)
+                    },
                 );
+                let places = &places[..count];
                 fragments.append(places, &rows, &derivatives);
                 if let Some(lighting) = &object.lighting {
                     for lane in 0..places.len() {
@@ -145,30 +152,34 @@ impl Prepared<'_> {
                 if fragments.len() + SIDE > SHADED {
                     self.shade(object, &mut fragments, batch, sums);
                 }
-            });
+            }
         }
         self.shade(object, &mut fragments, batch, sums);
     }
 
     /// The samples that show nothing.
-    fn shade_background(&self, tile: &TileSamples, shown: &[Sample], batch: &mut Batch, sums: &mut Sums) {
+    fn shade_background(&self, tile: &TileSamples, span: Range<usize>, batch: &mut Batch, sums: &mut Sums) {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
             let (mut rays, derivatives) = (Fragments::rays(), self.projection.mirror_derivatives());
-            let mut rows = AttributeRows::default();
-            for_each_side(tile, shown, |places, positions| {
-                self.reading.run(
+            let mut rows = rays.rows();
+            for (side, count) in tile.sides(span) {
+                let places = self.reading.run(
                     #[inline(always)]
-                    || self.projection.mirror_rays(positions, &mut rows),
+                    || {
+                        let (places, positions) = places(tile, side);
+                        self.projection.mirror_rays(&positions, &mut rows);
+                        places
+                    },
                 );
-                rays.append(places, &rows, &derivatives);
+                rays.append(&places[..count], &rows, &derivatives);
                 if rays.len() + SIDE > SHADED {
                     self.shade_rays(&mut rays, batch, sums);
                 }
-            });
+            }
             return self.shade_rays(&mut rays, batch, sums);
         }
         let colours: Vec<_> = tile.lines().map(|y| self.background(y)).collect();
-        for &sample in shown {
+        for &sample in tile.span(span) {
             sums.add(Place { pixel: tile.pixel(sample), times: tile.times(sample) }, colours[tile.line(sample)]);
         }
     }
@@ -186,17 +197,14 @@ impl Prepared<'_> {
     }
 }
 
-/// Hands samples to `take`, [`SIDE`] at a time: their places and positions; behind the last one, the last again.
+/// Where samples side by side count and lie.
 #[inline(always)]
-fn for_each_side(tile: &TileSamples, samples: &[Sample], mut take: impl FnMut(&[Place], &Positions)) {
-    for side in samples.chunks(SIDE) {
-        let mut places = [Place { pixel: 0, times: 0 }; SIDE];
-        let mut positions = [[0; SIDE]; 2];
-        for lane in 0..SIDE {
-            let sample = side[lane.min(side.len() - 1)];
-            places[lane] = Place { pixel: tile.pixel(sample), times: tile.times(sample) };
-            [positions[0][lane], positions[1][lane]] = tile.position(sample);
-        }
-        take(&places[..side.len()], &positions);
+fn places(tile: &TileSamples, side: &[Sample; SIDE]) -> ([Place; SIDE], Positions) {
+    let mut places = [Place::default(); SIDE];
+    let mut positions = [[0; SIDE]; 2];
+    for (lane, &sample) in side.iter().enumerate() {
+        places[lane] = Place { pixel: tile.pixel(sample), times: tile.times(sample) };
+        [positions[0][lane], positions[1][lane]] = tile.position(sample);
     }
+    (places, positions)
 }

@@ -54,18 +54,21 @@ pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const 
     body: impl Fn(&I::In<W>) -> O,
 ) {
     results.resize(inputs.len());
-    for group in 0..inputs.len().div_ceil(PARTS * LANES) {
-        // The composer and both walks are compiled for the instruction set, as the stages are.
-        let form = W::Set::run(
-            #[inline(always)]
-            || {
+    // The composer and both walks are compiled for the instruction set, as the stages are.
+    W::Set::run(
+        #[inline(always)]
+        || {
+            for group in 0..inputs.len().div_ceil(PARTS * LANES) {
                 let first = PARTS * LANES * group;
                 let input = inputs.load::<W, PARTS>(first, W::Set::proof());
-                body(&input).rewire(&mut Unload::<PARTS> { rows: results.rows_mut(), first, next: 0 })
-            },
-        );
-        results.set_form(form);
-    }
+                let form = body(&input).rewire(&mut Unload::<PARTS> { rows: results.rows_mut(), first, next: 0 });
+                // That of all: one more copy of a bundle costs as much as a stage.
+                if group == 0 {
+                    results.set_form(form);
+                }
+            }
+        },
+    );
 }
 
 /// The same bundle in every lane.

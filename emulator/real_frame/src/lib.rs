@@ -137,7 +137,7 @@ fn shade_tile(shader: &Shader<'_>, triangles: &TriangleList<'_>, tile: TileRect,
                     Some((object, Some(triangle))) => shader.fragment(*object, &triangle.fragment(x, y)),
                     Some((_, None)) => [0.0; 3],
                 };
-                for (sum, channel) in sums[samples.pixel(sample)].iter_mut().zip(colour) {
+                for (sum, channel) in sums[samples.pixel(sample) as usize].iter_mut().zip(colour) {
                     *sum += f64::from(samples.times(sample)) * channel;
                 }
             }

@@ -133,7 +133,7 @@ fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
                     let [x, y] = samples.position(sample);
                     let place = [x, y].map(|p| (p % SUBPIXELS * SAMPLES / SUBPIXELS) as usize);
                     let shift = 16 * (place[0] + SAMPLES as usize * place[1]) + 5 * place[1];
-                    (samples.pixel(sample), triangle.map_or([0.5; 3], |triangle| shade(x, y, triangle, shift)))
+                    (samples.pixel(sample) as usize, triangle.map_or([0.5; 3], |triangle| shade(x, y, triangle, shift)))
                 });
                 shaded.par_extend(colours);
             }
@@ -177,7 +177,7 @@ fn inside(scene: &Scene) -> Vec<bool> {
         for pass in (Sampling::Grid { edge: 4 }).passes() {
             triangles.samples(tile, &pass, &mut samples);
             for &sample in samples.by_triangle().filter(|(triangle, _)| triangle.is_some()).flat_map(|shown| shown.1) {
-                let (pixel, columns) = (samples.pixel(sample), tile.width as usize);
+                let (pixel, columns) = (samples.pixel(sample) as usize, tile.width as usize);
                 hits[(tile.y as usize + pixel / columns) * width + tile.x as usize + pixel % columns] += 1;
             }
         }

@@ -4,6 +4,9 @@
 //! visible is asked for at [`PATTERN`] and at the centre, and every object that is seen is shaded once: at the centre if it is seen there, else at the
 //! nearest of its samples, for all of them. A pixel that shows one object alone is shaded at its centre, as if nobody had asked.
 
+use std::ops::Range;
+
+use super::blocks::SIDE;
 use super::edges::{Places, TileBuffer};
 use super::setup::{Drawn, TriangleList};
 use super::{PIXEL_CENTRE_SUBPX, SUBPIXELS, TILE_EDGE_PX, TileRect};
@@ -24,7 +27,10 @@ pub enum Sampling {
     Objects,
 }
 
-const _: () = assert!(TILE_EDGE_PX <= 1 << u8::BITS, "a sample knows its column and row");
+/// Bits of a place in a tile, sub-pixels along an axis.
+const PLACE_BITS: u32 = 14;
+
+const _: () = assert!(TILE_EDGE_PX as i32 * SUBPIXELS <= 1 << PLACE_BITS, "a sample knows its place in the tile");
 
 /// Most places of a pixel that are looked at together: what a tile has of them stays in a second-level cache.
 const PLACES_TOGETHER: usize = 16;
@@ -56,16 +62,29 @@ impl Sampling {
     }
 }
 
-/// A sample of a tile that is shaded.
+/// A sample of a tile that is shaded: its place, sub-pixels to the right of the corner of the tile, then those down; how often its colour counts, 1 to 15. In
+/// one word, as many are sorted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sample {
-    /// Of its pixel in the tile.
-    column: u8,
-    row: u8,
-    /// Of the pass.
-    place: u8,
-    /// How often its colour counts.
-    times: u8,
+pub struct Sample(u32);
+
+impl Sample {
+    /// One that counts once, at a place of a pixel of the tile.
+    #[inline(always)]
+    fn new([column, row]: [u32; 2], [x, y]: [i32; 2]) -> Self {
+        let [right, down] = [(column, x), (row, y)].map(|(pixel, at)| pixel * SUBPIXELS as u32 + at as u32);
+        Self(right | (down << PLACE_BITS) | (1 << (2 * PLACE_BITS)))
+    }
+
+    /// The same, counted so often.
+    #[inline(always)]
+    fn counted(self, times: u32) -> Self {
+        Self(self.0 % (1 << (2 * PLACE_BITS)) | (times << (2 * PLACE_BITS)))
+    }
+
+    #[inline(always)]
+    fn from_corner(self) -> [u32; 2] {
+        [self.0, self.0 >> PLACE_BITS].map(|place| place % (1 << PLACE_BITS))
+    }
 }
 
 /// The samples of a tile that are shaded; the memory is kept from tile to tile.
@@ -73,12 +92,14 @@ pub struct Sample {
 pub struct TileSamples {
     tile: TileRect,
     places: Vec<[i32; 2]>,
+    /// A place in each row of sub-pixels that has one.
+    place_of_row: Vec<u8>,
     drawn: Drawn,
     centres: TileBuffer,
     around: TileBuffer,
     /// Pixel by pixel, each with the number of its triangle in the tile.
     found: Vec<(u32, Sample)>,
-    /// By triangle; those that show none are the last.
+    /// By triangle; those that show none are the last, and behind them as many as stand side by side.
     samples: Vec<Sample>,
     /// Where those of each triangle end.
     ends: Vec<usize>,
@@ -89,12 +110,27 @@ pub struct TileSamples {
 impl TileSamples {
     /// The samples of each triangle in turn, then those that show none.
     pub fn by_triangle(&self) -> impl Iterator<Item = (Option<u32>, &[Sample])> {
+        self.spans().map(|(triangle, span)| (triangle, self.span(span)))
+    }
+
+    /// The same, as spans of all samples.
+    pub fn spans(&self) -> impl Iterator<Item = (Option<u32>, Range<usize>)> {
         let begins = std::iter::once(&0).chain(&self.ends);
         let numbers = self.drawn.triangles.iter().copied().map(Some).chain([None]);
-        numbers
-            .zip(begins.zip(&self.ends))
-            .filter(|(_, (begin, end))| begin < end)
-            .map(|(triangle, (&begin, &end))| (triangle, &self.samples[begin..end]))
+        let spans = begins.zip(&self.ends).map(|(&begin, &end)| begin..end);
+        numbers.zip(spans).filter(|(_, span)| !span.is_empty())
+    }
+
+    /// The samples of a span.
+    pub fn span(&self, span: Range<usize>) -> &[Sample] {
+        &self.samples[span]
+    }
+
+    /// A span, [`SIDE`] samples at a time and how many of them it has; behind those any others.
+    #[inline(always)]
+    pub fn sides(&self, span: Range<usize>) -> impl Iterator<Item = (&[Sample; SIDE], usize)> {
+        let end = span.end;
+        span.step_by(SIDE).map(move |first| (&self.samples[first..].as_chunks().0[0], SIDE.min(end - first)))
     }
 
     /// How many samples each pixel has, row by row, those counted over that count more than once: the sum over all passes is what the sum of a pixel's
@@ -109,31 +145,31 @@ impl TileSamples {
         rows.flat_map(|row| self.places.iter().map(move |place| row as i32 * SUBPIXELS + place[1]))
     }
 
-    /// Which of [`Self::lines`] a sample lies in.
+    /// One of [`Self::lines`] that a sample lies in.
     #[inline(always)]
     pub fn line(&self, sample: Sample) -> usize {
-        usize::from(sample.row) * self.places.len() + usize::from(sample.place)
+        let [_, y] = sample.from_corner().map(|place| place as usize);
+        y / SUBPIXELS as usize * self.places.len() + usize::from(self.place_of_row[y % SUBPIXELS as usize])
     }
 
     /// The pixel of a sample in the tile, row by row.
     #[inline(always)]
-    pub fn pixel(&self, sample: Sample) -> usize {
-        usize::from(sample.row) * self.tile.width as usize + usize::from(sample.column)
+    pub fn pixel(&self, sample: Sample) -> u32 {
+        let [column, row] = sample.from_corner().map(|subpixels| subpixels / SUBPIXELS as u32);
+        row * self.tile.width + column
     }
 
     /// How often its colour counts.
     #[inline(always)]
     pub fn times(&self, sample: Sample) -> u32 {
-        sample.times.into()
+        sample.0 >> (2 * PLACE_BITS)
     }
 
     /// Where it is, in sub-pixels from the corner of the frame.
     #[inline(always)]
     pub fn position(&self, sample: Sample) -> [i32; 2] {
-        let Sample { column, row, place, .. } = sample;
-        let [x, y] = self.places[usize::from(place)];
-        let [left, top] = [self.tile.x + u32::from(column), self.tile.y + u32::from(row)].map(|pixel| pixel as i32);
-        [left * SUBPIXELS + x, top * SUBPIXELS + y]
+        let [x, y] = sample.from_corner();
+        [self.tile.x as i32 * SUBPIXELS + x as i32, self.tile.y as i32 * SUBPIXELS + y as i32]
     }
 
     /// Sorts what was found by triangle, in the order in which it was found.
@@ -150,7 +186,7 @@ impl TileSamples {
         for end in ends.iter_mut() {
             begin += std::mem::replace(end, begin);
         }
-        samples.resize(found.len(), Sample::default());
+        samples.resize(found.len() + SIDE, Sample::default());
         for same in found.chunk_by(|a, b| a.0 == b.0) {
             let next = &mut ends[(same[0].0 as usize).min(none)];
             let places = &mut samples[*next..][..same.len()];
@@ -166,6 +202,10 @@ impl TriangleList<'_> {
         let pixels = tile.width as usize * tile.height as usize;
         samples.tile = tile;
         samples.places.clone_from(&pass.places);
+        samples.place_of_row.resize(SUBPIXELS as usize, 0);
+        for (place, &[_, y]) in (0..).zip(&pass.places) {
+            samples.place_of_row[y as usize] = place;
+        }
         samples.found.clear();
         samples.counts.clear();
         self.drawn(tile, &mut samples.drawn);
@@ -174,10 +214,10 @@ impl TriangleList<'_> {
         } else {
             samples.counts.resize(pixels, pass.places.len() as u32);
             self.draw(&samples.drawn, &Places::new(&pass.places), tile, &mut samples.centres);
-            for row in 0..tile.height as u8 {
-                for (column, shown) in (0..).zip(samples.centres.shown(row.into())) {
-                    let sample = |place: u8| Sample { column, row, place, times: 1 };
-                    samples.found.extend((0..).zip(shown).map(|(place, &number)| (number, sample(place))));
+            for row in 0..tile.height {
+                for (column, shown) in (0..).zip(samples.centres.shown(row as usize)) {
+                    let found = shown.iter().zip(&pass.places);
+                    samples.found.extend(found.map(|(&number, &at)| (number, Sample::new([column, row], at))));
                 }
             }
         }
@@ -191,27 +231,27 @@ impl TriangleList<'_> {
         self.draw(drawn, &Places::new(&[*centre]), *tile, centres);
         self.draw(drawn, &Places::new(pattern), *tile, around);
         let object = |number: u32| drawn.triangles.get(number as usize).map(|&triangle| self.object_index(triangle));
-        for row in 0..tile.height as u8 {
-            for (column, (centre, seen)) in (0..).zip(centres.shown(row.into()).zip(around.shown(row.into()))) {
-                let (centre, place) = (centre[0], pattern.len() as u8);
-                let at_centre = (centre, Sample { column, row, place, times: 1 });
-                let alone = seen.iter().fold(0, |differs, &number| differs | (number ^ centre)) == 0;
-                let own = object(centre);
+        for row in 0..tile.height {
+            let shown = centres.shown(row as usize).zip(around.shown(row as usize));
+            for (column, (own, seen)) in (0..).zip(shown) {
+                let at_centre = (own[0], Sample::new([column, row], *centre));
+                let alone = seen.iter().fold(0, |differs, &number| differs | (number ^ own[0])) == 0;
+                let own = object(own[0]);
                 if alone || seen.iter().all(|&number| object(number) == own) {
                     found.push(at_centre);
                     counts.push(1);
                     continue;
                 }
                 counts.push(seen.len() as u32);
-                for (place, &number) in (0..).zip(seen) {
+                for (place, (&number, &at)) in seen.iter().zip(pattern).enumerate() {
                     let shown = object(number);
-                    if seen[..usize::from(place)].iter().any(|&other| object(other) == shown) {
+                    if seen[..place].iter().any(|&other| object(other) == shown) {
                         continue;
                     }
-                    let times = seen.iter().filter(|&&other| object(other) == shown).count() as u8;
-                    let nearest = (number, Sample { column, row, place, times });
-                    let centre = (centre, Sample { times, ..at_centre.1 });
-                    found.push(if shown == own { centre } else { nearest });
+                    let times = seen.iter().filter(|&&other| object(other) == shown).count() as u32;
+                    let nearest = (number, Sample::new([column, row], at));
+                    let (number, sample) = if shown == own { at_centre } else { nearest };
+                    found.push((number, sample.counted(times)));
                 }
             }
         }

@@ -837,7 +837,7 @@ fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<
         assert!(by_triangle.iter().all(|(_, shown)| !shown.is_empty()));
         for (triangle, shown) in by_triangle {
             shaded.extend(shown.iter().map(|&sample| {
-                let (pixel, position) = (samples.pixel(sample), samples.position(sample));
+                let (pixel, position) = (samples.pixel(sample) as usize, samples.position(sample));
                 assert_eq!(samples.lines().nth(samples.line(sample)), Some(position[1]));
                 Shaded { pixel, position, triangle, times: samples.times(sample) }
             }));
