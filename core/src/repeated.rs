@@ -110,6 +110,12 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
     probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS],
     p: &Precision,
 ) -> Mean<W, CHANNELS> {
+    if view.footprint.is_none() {
+        // The mean of one sample of one level is the sample.
+        let fine = tap::<W>(view.centre, finest::<W>(view.levels), p);
+        let sample = filter(&quad(&fine, [0, 0]), None, Fx::zero());
+        return Mean { channels: probe(sample), taps: Fx::int(1) };
+    }
     let mut sums = [ProbeSum::<W>::zero(); CHANNELS];
     let mut taps = Fx::zero();
     reads(

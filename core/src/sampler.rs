@@ -154,10 +154,9 @@ pub fn blended<W: Fetch, M: CubeMemory>(
 /// What a point of the cube sees without a footprint: one bilinear sample of the finest level.
 #[inline(always)]
 pub fn point_means<W: Fetch, M: CubeMemory>(point: &CubePoint<W>, cube: &Cube<'_, M>, p: &Precision) -> Seen<W> {
-    let mut sum = Sum::none();
+    // The mean of one sample of one level is the sample.
     let pair = LevelPair { level: Fx::zero(), weight: Fx::zero() };
-    sum.add::<M>((&cube_place(point), Fx::int(1)), &pair, W::known(true), cube, p);
-    sum.seen()
+    Seen { mean: trilinear::<W, M>(&cube_place(point), &pair, cube, p), taps: Fx::int(1) }
 }
 
 /// What a footprint on its face sees.

@@ -105,7 +105,8 @@ bundle! {
     }
 }
 
-/// [`colour_sample`] of every channel, as one stage: what their weights have in common is worked out once. Without a coarser level both are one.
+/// [`colour_sample`] of every channel, as one stage: what their weights have in common is worked out once. Without a coarser level, as where its weight is 0, it is
+/// bilinear.
 #[inline(always)]
 pub fn colour_samples<W: Staged, const CHANNELS: usize>(
     fine: &Quad<W, CHANNELS>,
@@ -134,11 +135,8 @@ fn samples<W: Staged, const CHANNELS: usize>(
 ) -> [Int<W>; CHANNELS] {
     let samples = match coarse {
         None => stage!(
-            "filter.trilinear",
-            each!(channel in places() => {
-                let one = patch(fine, channel);
-                Value::<W, 32>(filter::trilinear(&one, &one, level_weight, extra))
-            })
+            "filter.of_level",
+            each!(channel in places() => Value::<W, 32>(filter::of_level(&patch(fine, channel), extra)))
         ),
         Some(coarse) => stage!(
             "filter.trilinear",

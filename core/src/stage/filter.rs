@@ -140,6 +140,13 @@ bundle! {
     }
 }
 
+/// Bilinear interpolation of one channel: what [`trilinear`] is of one level, in the same range.
+#[inline(always)]
+pub fn of_level<W: Word>(patch: &Patch<W>, extra: u32) -> Int<W> {
+    let sum = bilinear(&patch.texels, &patch.weight);
+    Fx::from_raw(W::Count::narrow(sum.sar(20 - extra - 1).add(Wire::lit(1)).sar(1)))
+}
+
 /// Trilinear interpolation of one channel: four texels of each of two levels, rounded to `extra` more
 /// fraction bits than a texel has.
 ///
@@ -151,12 +158,10 @@ pub fn trilinear<W: Word>(
     level_weight: Control<W, LEVEL_WEIGHT>,
     extra: u32,
 ) -> Int<W> {
-    let [a, b] = each!(patch in [fine, coarse] => bilinear(&patch.texels, &patch.weight));
-    // Both levels are rounded to words of `extra` more places; the weights sum to one, so equal levels give exactly
-    // the sample.
-    let [a, b] = each!(x in [a, b] => W::Count::narrow(x.sar(20 - extra - 1).add(Wire::lit(1)).sar(1)));
+    let [a, b] = each!(patch in [fine, coarse] => of_level(patch, extra));
+    // The weights sum to one, so equal levels give exactly the sample.
     let one: Control<W, LEVEL_WEIGHT> = Fx::int(1);
-    let sum = a.mul((one - level_weight).raw()).add(b.mul(level_weight.raw()));
+    let sum = a.raw().mul((one - level_weight).raw()).add(b.raw().mul(level_weight.raw()));
     Fx::from_raw(W::Count::narrow(sum.add(Wire::lit(1 << 11)).sar(12)))
 }
 

@@ -1,12 +1,12 @@
 //! Repeated maps: the footprints of fragments in them, colours, and bumps with their second moments.
 
-use roughxel_core::datapath::texel::{self, BumpCodes, BumpScale};
+use roughxel_core::datapath::texel::{self, BumpScale};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::PortBlock;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
 use roughxel_core::stage::texture::TextureScale;
-use roughxel_lanes::{Bumped, Columns, MapTexels, Places, Reading, RepeatedMap, Shown};
+use roughxel_lanes::{BumpTexels, Bumped, Columns, MapTexels, Places, Reading, RepeatedMap, RoughBump, Shown};
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::mip::{ColourPyramid, smallest_exponent};
 use roughxel_scene::picture::Picture;
@@ -109,8 +109,9 @@ impl ColourMap {
 
 /// A bump map with roughness.
 pub(super) struct BumpMap {
-    /// The channels of each texel. What the hardware works out for each fetched texel depends on that texel only, so it is kept.
-    texels: MapTexels<[i32; 5]>,
+    /// What the hardware works out for each fetched texel depends on that texel only, so it is kept; of the offset where there is roughness, too, one
+    /// shift is left, or a texel would be half as large again.
+    texels: BumpTexels,
     scale: BumpScale<i32>,
     /// Of offsets and roughness as the format stores them.
     bytes: [u64; 2],
@@ -121,21 +122,29 @@ impl BumpMap {
     pub(super) fn new(pyramid: BumpPyramid) -> Self {
         let scale = pyramid.format.scale();
         let kind = pyramid.format.roughness.kind();
-        let decoded = |codes: &BumpCodes<i32>| texel::bump_texel(codes, &scale, kind).words().map(Fx::raw);
         let codes = pyramid.levels.iter().flat_map(|level| level.codes(&pyramid.format));
-        let texels = codes.map(|codes| decoded(&codes));
+        let decoded = codes.map(|codes| (codes, texel::bump_texel(&codes, &scale, kind)));
         let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
+        let texels = if pyramid.levels.iter().all(|level| level.roughness.is_empty()) {
+            BumpTexels::Smooth(MapTexels::new(map, decoded.map(|(_, texel)| texel.offset.map(Fx::raw))))
+        } else {
+            let rough = decoded.map(|(codes, texel)| RoughBump {
+                offset: codes.offset.map(|code| code.raw() as i16),
+                covariance: texel.covariance.map(Fx::raw),
+            });
+            BumpTexels::Rough(MapTexels::new(map, rough))
+        };
         let roughness_bits = u64::from(pyramid.format.roughness.bits());
         let roughness_bits = if kind == RoughnessKind::Isotropic { roughness_bits } else { 3 * roughness_bits };
         let bytes = pyramid.levels.iter().fold([0; 2], |[offsets, roughness], level| {
             let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
-        Self { texels: MapTexels::new(map, texels), scale, bytes }
+        Self { texels, scale, bytes }
     }
 
     pub(super) fn map(&self) -> &RepeatedMap {
-        &self.texels.map
+        self.texels.map()
     }
 
     /// Bytes of the stored offsets and of the stored roughness.
@@ -151,7 +160,7 @@ impl BumpMap {
         (reading, p): (Reading, &Precision),
         bumps: &mut Columns<Bumped<i32>>,
     ) {
-        let places = footprints.places(centres, &self.texels.map);
+        let places = footprints.places(centres, self.texels.map());
         reading.bumps(places, (&self.texels, &self.scale, kind), p, bumps);
     }
 }

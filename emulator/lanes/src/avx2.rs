@@ -45,18 +45,11 @@ vectors! {
     }
     memory {
         // As with AVX-512: lanes 0, 4 in one vector, 1, 5 in the next.
-        fn pairs(t, places: Word, memory: Memory) -> [Word; 4] {
-            if memory.len() < 2 {
-                return [_mm256_setzero_si256(); 4];
-            }
-            let lanes = word_lanes(t, places);
-            let half = |lane: usize| {
-                let [first, second] = two(memory, lanes[lane]);
-                _mm_set_epi64x(second.cast_signed(), first.cast_signed())
-            };
-            let rows = each!(i in [0, 1, 2, 3] => {
-                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(half(i)), half(i + 4))
-            });
+        fn row(t, halves: [[u64; 2]; 2]) -> Word {
+            let [a, b] = each!([first, second] in halves => _mm_set_epi64x(second.cast_signed(), first.cast_signed()));
+            _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(a), b)
+        }
+        fn transposed(t, rows: [Word; 4]) -> [Word; 4] {
             let first = each!(i in [0, 2] => _mm256_unpacklo_epi32(rows[i], rows[i + 1]));
             let second = each!(i in [0, 2] => _mm256_unpackhi_epi32(rows[i], rows[i + 1]));
             [
@@ -67,6 +60,7 @@ vectors! {
             ]
         }
     }
+    inline {}
     all {
         fn splat(t, value: i32) -> Word { _mm256_set1_epi32(value) }
         fn splat_wide(t, value: i64) -> Wide { [_mm256_set1_epi64x(value); 2] }

@@ -87,22 +87,14 @@ vectors! {
         fn flag_lanes(t, a: Flag) -> [bool; 16] { core::array::from_fn(|i| a.all >> i & 1 != 0) }
     }
     memory {
-        // No row of a vector goes through memory once more. Lanes 0, 4, 8, 12 in one, 1, 5, 9, 13 in the next: what is left is to exchange inside of
-        // quarters of vectors.
-        fn pairs(t, places: Word, memory: Memory) -> [Word; 4] {
-            if memory.len() < 2 {
-                return [_mm512_setzero_si512(); 4];
-            }
-            let lanes = word_lanes(t, places);
-            let quarter = |lane: usize| {
-                let [first, second] = two(memory, lanes[lane]);
-                _mm_set_epi64x(second.cast_signed(), first.cast_signed())
-            };
-            let rows = each!(i in [0, 1, 2, 3] => {
-                let low = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(quarter(i)), quarter(i + 4));
-                let high = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(quarter(i + 8)), quarter(i + 12));
-                _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
-            });
+        // Lanes 0, 4, 8, 12 in one, 1, 5, 9, 13 in the next: what is left is to exchange inside of quarters of vectors.
+        fn row(t, quarters: [[u64; 2]; 4]) -> Word {
+            let [a, b, c, d] = each!([first, second] in quarters => _mm_set_epi64x(second.cast_signed(), first.cast_signed()));
+            let low = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(a), b);
+            let high = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(c), d);
+            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
+        }
+        fn transposed(t, rows: [Word; 4]) -> [Word; 4] {
             let first = each!(i in [0, 2] => _mm512_unpacklo_epi32(rows[i], rows[i + 1]));
             let second = each!(i in [0, 2] => _mm512_unpackhi_epi32(rows[i], rows[i + 1]));
             [
@@ -111,6 +103,15 @@ vectors! {
                 _mm512_unpacklo_epi64(second[0], second[1]),
                 _mm512_unpackhi_epi64(second[0], second[1]),
             ]
+        }
+    }
+    inline {
+        // From four pages on, permutations of all of them take longer than reading lane by lane.
+        fn lookup(t, places: Word, table: Table) -> Word {
+            if table.len() <= 512 {
+                return permuted(t, places, table);
+            }
+            words(t, each!(place in word_lanes(t, places) => table.get(place as usize).copied().unwrap_or(0)))
         }
     }
     all {
@@ -135,11 +136,6 @@ vectors! {
     fn lt(t, a: Word, b: Word) -> Flag { of_all(t, _mm512_cmplt_epi32_mask(a, b)) }
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm512_mask_blend_epi32(f.all, b, a) }
     fn leading_zeros(t, a: Word) -> Word { _mm512_lzcnt_epi32(a) }
-    fn lookup(t, places: Word, table: Table) -> Word {
-        look_up!(places in table, i32, _mm512_test_epi32_mask, _mm512_set1_epi32, _mm512_mask_blend_epi32, _mm512_mask_mov_epi32,
-            _mm512_cmpeq_epi32_mask, _mm512_srli_epi32, of_part(t), |entry| entry)
-    }
-
     fn entries(t, places: Word, table: Entries) -> Word { _mm512_permutexvar_epi32(places, words(t, *table)) }
 
     fn add_wide(t, a: Wide, b: Wide) -> Wide { [_mm512_add_epi64(a[0], b[0]), _mm512_add_epi64(a[1], b[1])] }
@@ -238,6 +234,15 @@ vectors! {
         let places = short(t, even, odd);
         look_up!(places in table, i16, _mm512_test_epi16_mask, _mm512_set1_epi16, _mm512_mask_blend_epi16, _mm512_mask_mov_epi16,
             _mm512_cmpeq_epi16_mask, _mm512_srli_epi16, of_short_part(t), |entry| upper(entry, 16) as i16)
+    }
+}
+
+fearless_simd::kernel! {
+    /// Entries of a small table.
+    #[inline(always)]
+    fn permuted(t: Avx512, places: Word, table: Table) -> Word {
+        look_up!(places in table, i32, _mm512_test_epi32_mask, _mm512_set1_epi32, _mm512_mask_blend_epi32, _mm512_mask_mov_epi32,
+            _mm512_cmpeq_epi32_mask, _mm512_srli_epi32, of_part(t), |entry| entry)
     }
 }
 

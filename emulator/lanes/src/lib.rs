@@ -55,7 +55,7 @@ pub use peaks::{MOST_PEAKS, PackedPeak, PeakTexels};
 pub use peaks_read::PeaksRead;
 pub use reading::{Bare, Bumped, ByCount, Derivatives, Footprint, Look, Places, Ports, Reading, Shown};
 pub use target::{InstructionSet, Target};
-pub use texels::{CubeTexels, MapTexels, RepeatedMap, Texel};
+pub use texels::{BumpTexels, CubeTexels, MapTexels, RepeatedMap, RoughBump, Texel};
 
 /// Fragments side by side on words of 32 bits, whatever the instruction set.
 pub const LANES: usize = 16;

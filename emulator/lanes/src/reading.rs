@@ -25,7 +25,7 @@ use super::columns::Columns;
 use super::narrow::{KEPT, NARROW_LANES};
 use super::order::Order;
 use super::target::InstructionSet;
-use super::texels::{CubeTexels, MapTexels};
+use super::texels::{BumpMemory, BumpTexels, CubeTexels, MapTexels};
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512, Target};
 
@@ -298,9 +298,9 @@ fn same<W: Word, const CHANNELS: usize>(sample: [Int<W>; CHANNELS]) -> [Int<W>; 
 
 /// Bumps and roughness of a map.
 #[inline(always)]
-fn bump<W: Fetch>(
+fn bump<W: Fetch, M: BumpMemory>(
     view: &View<'_, W>,
-    texels: &MapTexels<[i32; 5]>,
+    texels: &M,
     scale: &BumpScale<W>,
     kind: RoughnessKind,
     p: &Precision,
@@ -309,7 +309,7 @@ fn bump<W: Fetch>(
         let Mean { channels: [b1, b2], taps } = repeated::mean(
             view,
             #[inline(always)]
-            |tap: &Tap<W>, _| texels.quad(tap),
+            |tap: &Tap<W>, _| texels.quad(tap, scale),
             texel::word_samples::<W, _>,
             same::<W, 2>,
             p,
@@ -323,7 +323,7 @@ fn bump<W: Fetch>(
         let Mean { channels, taps } = repeated::mean(
             view,
             #[inline(always)]
-            |tap: &Tap<W>, _| texels.quad(tap),
+            |tap: &Tap<W>, _| texels.quad(tap, scale),
             #[inline(always)]
             |fine, coarse, level_weight| {
                 let sample = texel::word_samples::<W, _>(fine, coarse, level_weight);
@@ -626,10 +626,25 @@ impl Reading {
     pub fn bumps(
         self,
         places: Places<'_>,
-        (map, scale, kind): (&MapTexels<[i32; 5]>, &BumpScale<i32>, RoughnessKind),
+        (map, scale, kind): (&BumpTexels, &BumpScale<i32>, RoughnessKind),
         p: &Precision,
         bumps: &mut Columns<Bumped<i32>>,
     ) {
+        match map {
+            BumpTexels::Smooth(texels) => self.bumps_of(places, (texels, scale, kind), p, bumps),
+            BumpTexels::Rough(texels) => self.bumps_of(places, (texels, scale, kind), p, bumps),
+        }
+    }
+
+    fn bumps_of<T>(
+        self,
+        places: Places<'_>,
+        (map, scale, kind): (&MapTexels<T>, &BumpScale<i32>, RoughnessKind),
+        p: &Precision,
+        bumps: &mut Columns<Bumped<i32>>,
+    ) where
+        MapTexels<T>: BumpMemory,
+    {
         let rough = kind != RoughnessKind::None;
         let (levels, texture) = (&map.map.levels[..], &map.map.scale.0);
         match places.footprints {

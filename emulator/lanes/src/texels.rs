@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use roughxel_core::datapath::texel::{self, Quad};
+use roughxel_core::datapath::texel::{self, BumpScale, Quad};
 use roughxel_core::each::{each, places};
 use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Fx, Int};
@@ -205,12 +205,31 @@ impl Texel for [u16; 3] {
     }
 }
 
-/// The channels of a bump in the halves of three words, the last one empty.
-impl Texel for [i32; 5] {
-    type Words = [u64; 3];
-    fn words(self) -> [u64; 3] {
-        let [b1, b2, k11, k12, k22] = self.map(|channel| u64::from(channel.cast_unsigned()));
-        [b1 | b2 << 32, k11 | k12 << 32, k22]
+/// The offset of a bump in the halves of a word.
+impl Texel for [i32; 2] {
+    type Words = [u64; 1];
+    fn words(self) -> [u64; 1] {
+        let [b1, b2] = self.map(|channel| u64::from(channel.cast_unsigned()));
+        [b1 | b2 << 32]
+    }
+}
+
+/// A bump with roughness.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughBump {
+    /// Codes of b₁, b₂.
+    pub offset: [i16; 2],
+    /// K, its elements 11, 12, 22, in units of the map.
+    pub covariance: [i32; 3],
+}
+
+/// The codes of the offset in a half of a word, the elements of K in three more.
+impl Texel for RoughBump {
+    type Words = [u64; 2];
+    fn words(self) -> [u64; 2] {
+        let [b1, b2] = self.offset.map(|code| u64::from(code.cast_unsigned()));
+        let [k11, k12, k22] = self.covariance.map(|channel| u64::from(channel.cast_unsigned()));
+        [b1 | b2 << 16 | k11 << 32, k12 | k22 << 32]
     }
 }
 
@@ -266,18 +285,60 @@ impl MapTexels<[u16; 3]> {
     }
 }
 
-impl MapTexels<[i32; 5]> {
-    /// The first channels of the bumps of a tap.
+/// The texels of a bump map.
+#[derive(Clone, Debug)]
+pub enum BumpTexels {
+    /// Without roughness, on no level: offsets in units of the map.
+    Smooth(MapTexels<[i32; 2]>),
+    /// With it.
+    Rough(MapTexels<RoughBump>),
+}
+
+impl BumpTexels {
+    /// Its levels as they lie in memory.
+    pub fn map(&self) -> &RepeatedMap {
+        match self {
+            Self::Smooth(texels) => &texels.map,
+            Self::Rough(texels) => &texels.map,
+        }
+    }
+}
+
+/// A memory of bumps.
+pub(super) trait BumpMemory {
+    /// The first channels of the bumps of a tap, in units of the map.
+    fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>, scale: &BumpScale<W>) -> Quad<W, CHANNELS>;
+}
+
+impl BumpMemory for MapTexels<[i32; 2]> {
     #[inline(always)]
-    pub(super) fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>) -> Quad<W, CHANNELS> {
+    fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>, _: &BumpScale<W>) -> Quad<W, CHANNELS> {
         let [left, _, lower, _] = tap.texels;
-        let [[a, b], [c, d]] = each!(texel in [left, lower] => {
-            let place = texel.shl(1) + texel;
-            let [first, second, third] = each!(on in [0, 2, 4] => W::pair(place + Fx::int(on), &self.words));
-            let [[b1, b2, k11, k12], [k22, _, c1, c2], [l11, l12, l22, _]] = [first, second, third];
-            [[b1, b2, k11, k12, k22], [c1, c2, l11, l12, l22]]
+        let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::pair(place, &self.words));
+        let zero = Fx::zero();
+        let texels = each!([b1, b2] in [[a, b], [c, d], [e, f], [g, h]] => {
+            let channels = [b1, b2, zero, zero, zero];
+            each!(channel in places() => channels[channel])
         });
-        let texels = each!(texel in [a, b, c, d] => each!(channel in places() => texel[channel]));
+        Quad { texels, weight: tap.weight }
+    }
+}
+
+impl BumpMemory for MapTexels<RoughBump> {
+    #[inline(always)]
+    fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>, scale: &BumpScale<W>) -> Quad<W, CHANNELS> {
+        let [left, _, lower, _] = tap.texels;
+        let [left, lower] = each!(texel in [left, lower] => texel.shl(1));
+        // `decode_offset` of a code that is in the upper half of its word already.
+        let down = scale.offset_down + Fx::int(1);
+        let texels = each!(place in [left, left + Fx::int(2), lower, lower + Fx::int(2)] => {
+            let [codes, k11, k12, k22] = W::pair(place, &self.words);
+            let [b1, b2] = each!(upper in [codes.raw().shl(16), codes.raw().and(Wire::lit(-1 << 16))] => {
+                Fx::from_raw(upper.sar_by(down.raw()))
+            });
+            let channels = [b1, b2, k11, k12, k22];
+            each!(channel in places() => channels[channel])
+        });
         Quad { texels, weight: tap.weight }
     }
 }

@@ -135,13 +135,32 @@ macro_rules! vectors {
         $target:ident: $proof:ident, $detected:ident, $vectors:tt vectors of $Word:ident, $Wide:ident, $Flag:ident, $Short:ident, $ShortFlag:ident;
         to { $(fn $to:ident($t0:ident, $a0:ident: $lanes0:ty) -> $out0:ident $body0:block)* }
         from { $(fn $from:ident($t1:ident, $a1:ident: $ty1:ident) -> $lanes1:ty $body1:block)* }
-        memory { fn pairs($t3:ident, $a3:ident: $ty3:ident, $memory:ident: Memory) -> $out3:ty $body3:block }
+        memory { $(fn $part:ident($t3:ident, $a3:ident: $ty3:ty) -> $out3:ty $body3:block)* }
+        inline { $(fn $inline:ident($t4:ident $(, $a4:ident: $ty4:ident)*) -> $out4:ident $body4:block)* }
         all { $(fn $all:ident($t2:ident, $a2:ident: $ty2:ident) -> $out2:ident $body2:block)* }
         $(fn $name:ident($t:ident $(, $a:ident: $ty:ident)*) -> $out:ident $body:block)*
     ) => {
         $(fearless_simd::kernel! { #[inline(always)] fn $to($t0: $target, $a0: $lanes0) -> $out0 { $body0 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $from($t1: $target, $a1: $ty1) -> $lanes1 { $body1 } })*
-        fearless_simd::kernel! { #[inline(always)] fn pairs($t3: $target, $a3: $ty3, $memory: Memory) -> $out3 { $body3 } }
+        $(fearless_simd::kernel! { #[inline(always)] fn $part($t3: $target, $a3: $ty3) -> $out3 { $body3 } })*
+
+        // No kernels: of their size those would be calls, and vectors go to a call and come back through memory.
+        $(
+            #[inline(always)]
+            fn $inline($t4: $proof $(, $a4: $ty4)*) -> $out4 { $body4 }
+        )*
+
+        #[inline(always)]
+        fn pairs_of(t: $proof, places: $Word, memory: Memory) -> [$Word; 4] {
+            if memory.len() < 2 {
+                return [splat(t, 0); 4];
+            }
+            let lanes = word_lanes(t, places);
+            let rows = each!(i in [0, 1, 2, 3] => {
+                row(t, each!(part in roughxel_core::each::places() => two(memory, lanes[i + 4 * part])))
+            });
+            transposed(t, rows)
+        }
         $(fearless_simd::kernel! { #[inline(always)] fn $all($t2: $target, $a2: $ty2) -> $out2 { $body2 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $name($t: $target $(, $a: $ty)*) -> $out { $body } })*
 
@@ -217,10 +236,16 @@ macro_rules! vectors {
                 }
             )*
             #[inline(always)]
-            fn pairs(self, $a3: Self::Words, $memory: Memory) -> [Self::Words; 4] {
-                let vectors: [[$Word; 4]; $vectors] = vectors!(@each $vectors, pairs, self.0, ($a3: $ty3), ($memory: Memory));
+            fn pairs(self, places: Self::Words, memory: Memory) -> [Self::Words; 4] {
+                let vectors: [[$Word; 4]; $vectors] = vectors!(@each $vectors, pairs_of, self.0, (places: Word), (memory: Memory));
                 each!(word in [0, 1, 2, 3] => each!(vector in vectors => vector[word]))
             }
+            $(
+                #[inline(always)]
+                fn $inline(self $(, $a4: vectors!(@vectors $ty4))*) -> vectors!(@vectors $out4) {
+                    vectors!(@each $vectors, $inline, self.0 $(, ($a4: $ty4))*)
+                }
+            )*
             $(
                 #[inline(always)]
                 fn $all(self, value: $ty2) -> vectors!(@vectors $out2) {

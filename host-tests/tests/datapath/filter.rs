@@ -71,6 +71,22 @@ proptest! {
     #![proptest_config(config())]
 
     #[test]
+    fn a_sample_of_one_level_is_that_between_it_and_itself_at_every_weight(
+        colours: [u16; 4],
+        words in prop::array::uniform4(-(1_i32 << 30)..=1 << 30),
+        weight in prop::array::uniform2(0_i32..1024),
+        level in 0_i32..4096,
+    ) {
+        for (texels, extra) in [(colours.map(i32::from), 8), (words, 0)] {
+            let patch = Patch { texels: texels.map(Fx::from_raw), weight: weight.map(Fx::from_raw) };
+            let sample = filter::of_level::<i32>(&patch, extra);
+            prop_assert_eq!(sample.raw(), trilinear([texels; 2], [weight; 2], level, extra));
+            // So is the mean of one probe.
+            prop_assert_eq!(ProbeSum::<i32>::zero().add(sample, Fx::int(1)).mean(), sample);
+        }
+    }
+
+    #[test]
     fn a_trilinear_sample_is_right_within_a_last_place(
         texels: [[u16; 4]; 2],
         weights in prop::array::uniform2(prop::array::uniform2(0_i32..1024)),

@@ -15,6 +15,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::level_edge;
 use roughxel_core::signals::{MapScale, Probes, RepeatedFootprint, Sweep, TexturePosition};
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
+use roughxel_core::stage::moments;
 use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
@@ -22,8 +23,9 @@ use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes, Look,
-    MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, Shown, Target, WideLanes,
+    BumpTexels, Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes,
+    Look, MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, RoughBump, Shown, Target,
+    WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::Mode;
@@ -399,10 +401,12 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
             let colours: Vec<_> = (0..texels).map(|_| [(); 3].map(|()| random.next_u64() as u16)).collect();
             // b of at most 1 and a covariance, as a decoded texel has.
             let mut share = || random.below(1 << 29) as i32 - (1 << 28);
-            let bumps: Vec<_> = (0..texels)
+            let smooth: Vec<_> = (0..texels).map(|_| [(); 2].map(|()| share())).collect();
+            let rough: Vec<_> = (0..texels)
                 .map(|_| {
                     let [b1, b2, k11, k12, k22] = [(); 5].map(|()| share());
-                    [b1, b2, k11.abs(), k12 / 2, k22.abs()]
+                    let offset = [b1, b2].map(|code| (code % 32768) as i16);
+                    RoughBump { offset, covariance: [k11.abs(), k12 / 2, k22.abs()] }
                 })
                 .collect();
 
@@ -414,7 +418,8 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
                 exponent: Fx::from_raw(random.below(17) as i32 - 13),
             };
             let colours = &MapTexels::new(map.clone(), colours);
-            let bumps = &MapTexels::new(map, bumps);
+            let smooth = BumpTexels::Smooth(MapTexels::new(map.clone(), smooth));
+            let rough = BumpTexels::Rough(MapTexels::new(map, rough));
             for footprints in [None, Some(&probes)] {
                 let places = Places { centres: &centres, footprints };
                 let context = |what: &str| format!("{name}, {what}, {size:?}, filtered {}", footprints.is_some());
@@ -424,7 +429,8 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
                     reading.colours(places, (colours, exponent, &own), &p, &mut got);
                     same_columns(&expected, &got, &|| context(&format!("colours, {reading}")));
                 }
-                for kind in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
+                let kinds = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
+                for (kind, bumps) in kinds.into_iter().flat_map(|kind| [(kind, &smooth), (kind, &rough)]) {
                     let (mut expected, mut got) = (Columns::default(), Columns::default());
                     Reading::Scalar.bumps(places, (bumps, &scale, kind), &p, &mut expected);
                     for reading in lanes() {
@@ -434,6 +440,33 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
                 }
             }
         });
+    }
+}
+
+#[test]
+fn offsets_are_the_same_with_roughness_beside_them() {
+    for (name, p) in profiles() {
+        let (map, centres, _) = random_views(name, 7, &p);
+        let mut random = SplitMix64::for_element(name, 0);
+        let texels: i32 = map.levels.iter().map(|level| level.size[0] * level.size[1]).sum();
+        let codes: Vec<_> =
+            (0..texels).map(|_| [(); 2].map(|()| (random.below(65535) as i32 - 32767) as i16)).collect();
+        let rough = codes.iter().map(|&offset| RoughBump { offset, covariance: [0; 3] });
+        let rough = BumpTexels::Rough(MapTexels::new(map.clone(), rough));
+        for down in 0..=16 {
+            let offset_down = Fx::from_raw(down);
+            let decoded = |code: i16| moments::decode_offset::<i32>(Fx::from_raw(code.into()), offset_down).raw();
+            let smooth = codes.iter().map(|codes| codes.map(decoded));
+            let smooth = BumpTexels::Smooth(MapTexels::new(map.clone(), smooth));
+            let scale = BumpScale { offset_down, roughness_down: Fx::zero(), exponent: Fx::zero() };
+            let places = Places { centres: &centres, footprints: None };
+            let [expected, got] = [&smooth, &rough].map(|texels| {
+                let mut bumps = Columns::default();
+                Reading::Scalar.bumps(places, (texels, &scale, RoughnessKind::None), &p, &mut bumps);
+                bumps
+            });
+            same_columns(&expected, &got, &|| format!("{name}, down {down}"));
+        }
     }
 }
 

@@ -78,11 +78,11 @@ impl Sample {
     /// The same, counted so often.
     #[inline(always)]
     fn counted(self, times: u32) -> Self {
-        Self(self.0 % (1 << (2 * PLACE_BITS)) | (times << (2 * PLACE_BITS)))
+        Self((self.0 % (1 << (2 * PLACE_BITS))) | (times << (2 * PLACE_BITS)))
     }
 
     #[inline(always)]
-    fn from_corner(self) -> [u32; 2] {
+    fn place_in_tile(self) -> [u32; 2] {
         [self.0, self.0 >> PLACE_BITS].map(|place| place % (1 << PLACE_BITS))
     }
 }
@@ -148,14 +148,14 @@ impl TileSamples {
     /// One of [`Self::lines`] that a sample lies in.
     #[inline(always)]
     pub fn line(&self, sample: Sample) -> usize {
-        let [_, y] = sample.from_corner().map(|place| place as usize);
+        let [_, y] = sample.place_in_tile().map(|place| place as usize);
         y / SUBPIXELS as usize * self.places.len() + usize::from(self.place_of_row[y % SUBPIXELS as usize])
     }
 
     /// The pixel of a sample in the tile, row by row.
     #[inline(always)]
     pub fn pixel(&self, sample: Sample) -> u32 {
-        let [column, row] = sample.from_corner().map(|subpixels| subpixels / SUBPIXELS as u32);
+        let [column, row] = sample.place_in_tile().map(|subpixels| subpixels / SUBPIXELS as u32);
         row * self.tile.width + column
     }
 
@@ -168,7 +168,7 @@ impl TileSamples {
     /// Where it is, in sub-pixels from the corner of the frame.
     #[inline(always)]
     pub fn position(&self, sample: Sample) -> [i32; 2] {
-        let [x, y] = sample.from_corner();
+        let [x, y] = sample.place_in_tile();
         [self.tile.x as i32 * SUBPIXELS + x as i32, self.tile.y as i32 * SUBPIXELS + y as i32]
     }
 
