@@ -263,6 +263,7 @@ impl Bench {
             ("VHDL_OUTPUT_MEMBERS", lines(outputs, vhdl_member)),
             ("VHDL_INPUT_PARTS", lines(inputs, vhdl_part)),
             ("VHDL_OUTPUT_PARTS", lines(outputs, vhdl_part)),
+            ("VHDL_OUTPUT_PLACES", lines(outputs, vhdl_place)),
             ("VHDL_COMPARISONS", lines(outputs, vhdl_comparison)),
             ("VHDL_INPUT_LIST", lines(inputs, |field| format!("  --   inputs.{}: {}", column(field), note(field)))),
             (
@@ -622,6 +623,11 @@ fn vhdl_member(field: &Field) -> String {
 fn vhdl_part(field: &Field) -> String {
     let (high, low) = (field.lsb + field.width - 1, field.lsb);
     format!("    result.{} := {}(word({high} downto {low}));", column(field), vhdl_type(field))
+}
+
+fn vhdl_place(field: &Field) -> String {
+    let (high, low) = (field.lsb + field.width - 1, field.lsb);
+    format!("    result({high} downto {low}) := std_ulogic_vector(outputs.{});", column(field))
 }
 
 fn vhdl_comparison(field: &Field) -> String {

@@ -150,9 +150,15 @@ pub fn minimise(
         return Err(MinimiseError::Damaged(mismatch.to_string()));
     }
     let manifest = vector.manifest();
+    if manifest.stage.is_some() {
+        let problem =
+            "a set of one stage; minimise a vector of its datapath, whose bench takes the stage's module in `rtl`";
+        return Err(VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }.into());
+    }
     let of_bench = Manifest::read(&directory.join("set.json"))?;
     if (of_bench.datapath, of_bench.effects, of_bench.taps) != (manifest.datapath, manifest.effects, manifest.taps)
         || of_bench.profile != manifest.profile
+        || of_bench.stage.is_some()
     {
         let (directory, bench, set) = (directory.into(), of_bench.stem(), manifest.stem());
         return Err(MinimiseError::OtherSet { directory, bench, set });

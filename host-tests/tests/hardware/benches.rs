@@ -60,6 +60,15 @@ impl Written {
         (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
     }
 
+    /// The same with the words that the device gave.
+    fn run_for_words(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
+        let path = self.directory.path().join("got.hex");
+        let (code, text) = self.run(&[arguments, &["--got", path.to_str().expect("a path in Unicode")]].concat());
+        let words = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}: {text}"));
+        fs::remove_file(path).expect("it is there");
+        (code, text, words)
+    }
+
     /// Makes every reflected vector half as long.
     fn break_reflect(&self) {
         let path = self.bench().join("rtl/reflect.v");
@@ -109,6 +118,17 @@ fn benches_pass_on_the_generated_verilog_and_name_what_is_broken() {
         assert!(text.contains("bench_narrow #0: stage reflect, field reflected_"), "{tool}: {text}");
         assert!(text.contains("FAIL bench_narrow: 2 of ") && text.contains("stopped there"), "{tool}: {text}");
     }
+    let mut given: Vec<String> = Vec::new();
+    for (tool, _) in &tools {
+        let (code, text, words) = written.run_for_words(&[tool, "--built", "--stop", "1"]);
+        assert_eq!(code, Some(3), "{tool}: {text}");
+        assert!(text.contains(" of 64 vectors differ") && !text.contains("bench_narrow #1: "), "{tool}: {text}");
+        assert_eq!(words.lines().count(), 64, "{tool}: {words}");
+        given.push(words);
+        let (code, text) = written.run(&[tool, "--built", "--got", "no/such/folder"]);
+        assert!(code == Some(1) && text.contains("ERROR") && text.contains("cannot be written"), "{tool}: {text}");
+    }
+    assert!(given.windows(2).all(|two| two[0] == two[1]), "each tool gives the same words of one device");
 }
 
 #[test]
@@ -139,6 +159,16 @@ fn the_bench_in_vhdl_plays_back_its_words_and_names_an_altered_one() {
     assert_eq!(code, Some(3), "{text}");
     assert!(text.contains("bench_narrow #7: stage perturb, field normal_mod_x: expected "), "{text}");
     assert!(text.contains("FAIL bench_narrow: 1 of 64 vectors differ"), "{text}");
+    let expected = fs::read_to_string(written.bench().join("words.hex")).expect("words");
+    let expected: Vec<_> =
+        expected.lines().filter(|l| !l.starts_with("//")).map(|line| line.replace('_', "")).collect();
+    let (code, _, words) = written.run_for_words(&["ghdl", "--built", "--playback"]);
+    assert!(code == Some(0) && words.lines().eq(&expected), "{words}");
+    let (code, _, words) = written.run_for_words(&["ghdl", "--built", "--playback", "--altered", "7", "--stop", "1"]);
+    let differing: Vec<_> = words.lines().zip(&expected).enumerate().filter(|(_, (got, word))| got != word).collect();
+    assert!(code == Some(3) && differing.len() == 1 && differing[0].0 == 7, "{differing:?}");
+    let (code, text) = written.run(&["ghdl", "--built", "--playback", "--got", "no/such/folder"]);
+    assert!(code == Some(1) && text.contains("ERROR") && text.contains("cannot be written"), "{text}");
     // The blank device.
     let (code, text) = written.run(&["ghdl", "--stop", "3", "--outputs-only"]);
     assert_eq!(code, Some(3), "{text}");

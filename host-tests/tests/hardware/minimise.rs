@@ -7,9 +7,12 @@ use std::process::Command;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use roughxel_emulator::vectors::{
-    Bench, Device, MinimiseError, MinimiseOptions, SetInfo, Vector, Words, export_with, minimise, random_set, verify,
+    Bench, Device, MinimiseError, MinimiseOptions, SetExport, SetInfo, StageSet, Vector, Words, export_with, minimise,
+    random_set, verify,
 };
 use roughxel_host_tests::simulators::have;
+
+use super::benches::{have_cocotb, installed_cocotb};
 
 /// A set of mirrors under `narrow` with its bench: the manifest, the folder of the bench.
 fn set(directory: &Path, effects: Effects) -> (PathBuf, PathBuf) {
@@ -94,6 +97,60 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
     let output = again.output().expect("a shell");
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stdout).contains("ERROR nothing was built with icarus"));
+}
+
+#[test]
+fn every_simulator_finds_the_same_vector() {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let with = |tool: &str, manifest: &Path, folder: &Path| {
+        let options = MinimiseOptions { tool: tool.into(), ..options() };
+        let minimised = minimise(manifest, 3, folder, &options, &|_| {}).expect("the bench runs").expect("it is wrong");
+        assert!(minimised.is_minimal, "{tool}: {minimised:?}");
+        minimised
+    };
+    if have("iverilog") && have_cocotb() {
+        let (manifest, folder) = set(directory.path(), Effects::NONE);
+        broken(&folder, "reflect.v", " - {", " + {");
+        // Beside the test of the bench Python finds what no environment names.
+        for package in installed_cocotb().into_iter().flat_map(|from| fs::read_dir(from).expect("it is there")) {
+            let package = package.expect("it is there");
+            std::os::unix::fs::symlink(package.path(), folder.join(package.file_name())).expect("a link can be made");
+        }
+        let [one, other] = ["icarus", "cocotb"].map(|tool| with(tool, &manifest, &folder));
+        assert_eq!((&one.simplified, &one.got, &one.stage), (&other.simplified, &other.got, &other.stage));
+    }
+    if have("ghdl") {
+        // A device in VHDL that gives nothing.
+        let of_vhdl = directory.path().join("vhdl");
+        fs::create_dir(&of_vhdl).expect("a folder");
+        let (manifest, _) = set(&of_vhdl, Effects::NONE);
+        let folder = of_vhdl.join("blank");
+        Bench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+        let minimised = with("ghdl", &manifest, &folder);
+        let result = minimised.write(&of_vhdl.join("result")).expect("the result can be written");
+        assert!(minimised.stage == "perturb" && verify(&result, &|_| {}).expect("it can be read").passed());
+    }
+}
+
+#[test]
+fn a_set_of_one_stage_is_refused_with_what_to_do() {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let (manifest, folder) = set(directory.path(), Effects::NONE);
+    let (datapath, effects, precision) = (Datapath::Reflection, Effects::NONE, Precision::NARROW);
+    let stage = StageSet::of(datapath, &effects, &precision, Some("reflect")).expect("reflect").remove(0);
+    let words = Words::default();
+    let info =
+        SetInfo { name: "s", description: "test", seed: None, datapath, effects, precision, profile: "narrow", words };
+    let input = |index| random_set(datapath, "bench", index, &precision);
+    let of_stage = directory.path().join("stage");
+    let written = SetExport::of_stage(&info, 4, &stage).write(&input, &of_stage, &|_| {}).expect("a set of a stage");
+    let of_stage = of_stage.join(&written.files[0].name).with_extension("json");
+    let error = minimise(&of_stage, 0, &folder, &options(), &|_| {}).expect_err("a stage").to_string();
+    assert!(error.contains("a set of one stage; minimise a vector of its datapath"), "{error}");
+    let bench = directory.path().join("of_stage");
+    Bench::new(&of_stage).and_then(|bench_| bench_.write(&bench, Device::Blank, false)).expect("a bench");
+    let error = minimise(&manifest, 0, &bench, &options(), &|_| {}).expect_err("a bench of a stage");
+    assert!(matches!(error, MinimiseError::OtherSet { .. }), "{error}");
 }
 
 #[test]

@@ -121,8 +121,24 @@ void show(const Field& field, uint32_t bits) {
   std::printf("%0*x = %.10g", int(field.width + 3) / 4, unsigned(bits), std::ldexp(double(integer), -int(field.fraction_bits)));
 }
 
-// Whether fields differ, taps aside with `outputs_only`; prints each.
-bool differs(size_t index, const Bits& word, const Bits& got, bool outputs_only) {
+// The word in hex with other outputs; its check value stays.
+void write(std::FILE* file, Bits word, const Bits& got) {
+  unsigned place = width_of(kOutputs);
+  for (const Field& field : kOutputs) {
+    place -= field.width;
+    const uint32_t is = slice(got, place, field.width);
+    for (unsigned bit = 0; bit < field.width; ++bit) {
+      uint32_t& part = word[(field.lsb + bit) / 32];
+      const uint32_t mask = uint32_t(1) << (field.lsb + bit) % 32;
+      part = (is >> bit & 1) != 0 ? part | mask : part & ~mask;
+    }
+  }
+  for (unsigned digit = kWordBits / 4; digit-- > 0;) std::fprintf(file, "%x", unsigned(slice(word, 4 * digit, 4)));
+  std::fprintf(file, "\n");
+}
+
+// Whether fields differ, taps aside with `outputs_only`; prints each, if not `silent`.
+bool differs(size_t index, const Bits& word, const Bits& got, bool outputs_only, bool silent) {
   bool found = false;
   unsigned place = width_of(kOutputs);
   for (const Field& field : kOutputs) {
@@ -130,6 +146,7 @@ bool differs(size_t index, const Bits& word, const Bits& got, bool outputs_only)
     const uint32_t expected = slice(word, field.lsb, field.width), is = slice(got, place, field.width);
     if (expected == is || (outputs_only && field.is_tap)) continue;
     found = true;
+    if (silent) break;
     std::printf("@SET@ #%zu: stage %s, field %s: expected ", index, field.stage, field.name);
     show(field, expected);
     std::printf(", got ");
@@ -152,13 +169,15 @@ bool number(const char* argument, const char* name, size_t& value) {
 int main(int argc, char** argv) {
   size_t stop = 10, timeout = 10000;
   bool outputs_only = false, stalls = false, is_usage = argc < 2;
+  const char* path = nullptr;
   for (int i = 2; i < argc; ++i) {
     if (std::strcmp(argv[i], "outputs_only") == 0) outputs_only = true;
     else if (std::strcmp(argv[i], "stalls") == 0) stalls = true;
+    else if (std::strncmp(argv[i], "got=", 4) == 0) path = argv[i] + 4;
     else if (!number(argv[i], "stop=", stop) && !number(argv[i], "timeout=", timeout)) is_usage = true;
   }
   if (is_usage) {
-    std::fprintf(stderr, "usage: %s WORDS [stop=N] [outputs_only] [stalls] [timeout=N]\n", argv[0]);
+    std::fprintf(stderr, "usage: %s WORDS [stop=N] [outputs_only] [stalls] [timeout=N] [got=FILE]\n", argv[0]);
     return 2;
   }
 
@@ -174,6 +193,13 @@ int main(int argc, char** argv) {
   }
   if (words.size() != kVectors) {
     std::printf("ERROR %s: %zu words, the set has %zu; make the bench again\n", argv[1], words.size(), kVectors);
+    return 1;
+  }
+
+  // What was written is kept whatever comes after it.
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> given(path != nullptr ? std::fopen(path, "w") : nullptr, std::fclose);
+  if (path != nullptr && !given) {
+    std::printf("ERROR %s cannot be written\n", path);
     return 1;
   }
 
@@ -211,7 +237,8 @@ int main(int argc, char** argv) {
         return 1;
       }
       get(top->outputs, got);
-      if (differs(checked, words[checked], got, outputs_only) && ++wrong == stop) {
+      if (given) write(given.get(), words[checked], got);
+      if (differs(checked, words[checked], got, outputs_only, given && wrong >= stop) && ++wrong == stop && !given) {
         std::printf("FAIL @SET@: %zu of %zu vectors differ, stopped there\n", wrong, checked + 1);
         return 3;
       }

@@ -34,15 +34,21 @@ package @NAME@_pkg is
   -- The outputs that belong to them.
   function outputs_of(word : word_t) return outputs_t;
 
+  -- The word with other outputs; its check value stays.
+  function with_outputs(word : word_t; outputs : outputs_t) return word_t;
+
   -- Whether a word was read whole: its last 32 bits are the CRC-32 of those above.
   function is_whole(word : word_t) return boolean;
+
+  -- Hex digits in lower case, zeros above the field.
+  function digits(bits : std_ulogic_vector) return string;
 
   -- The next word of a file. `is_good` is false at its end and where a line is no word of this set.
   procedure read_word(file words : text; word : out word_t; is_good : out boolean);
 
-  -- How many fields differ, taps aside with `outputs_only`; prints each, earliest stage first.
+  -- How many fields differ, taps aside with `outputs_only`; prints each, earliest stage first, if not `silent`.
   procedure compare(
-    index : natural; expected, got : outputs_t; outputs_only : boolean; differing : out natural);
+    index : natural; expected, got : outputs_t; outputs_only, silent : boolean; differing : out natural);
 
 end package;
 
@@ -59,6 +65,13 @@ package body @NAME@_pkg is
     variable result : outputs_t;
   begin
 @VHDL_OUTPUT_PARTS@
+    return result;
+  end function;
+
+  function with_outputs(word : word_t; outputs : outputs_t) return word_t is
+    variable result : word_t := word;
+  begin
+@VHDL_OUTPUT_PLACES@
     return result;
   end function;
 
@@ -127,7 +140,6 @@ package body @NAME@_pkg is
     return sum / 2.0 ** fraction_bits;
   end function;
 
-  -- Hex digits in lower case, zeros above the field.
   function digits(bits : std_ulogic_vector) return string is
     variable result : string(1 to (bits'length + 3) / 4) := to_hstring(bits);
   begin
@@ -140,7 +152,7 @@ package body @NAME@_pkg is
   end function;
 
   procedure compare(
-    index : natural; expected, got : outputs_t; outputs_only : boolean; differing : out natural) is
+    index : natural; expected, got : outputs_t; outputs_only, silent : boolean; differing : out natural) is
 
     variable found : natural := 0;
 
@@ -150,6 +162,9 @@ package body @NAME@_pkg is
     begin
       if expected /= got and not (outputs_only and is_tap) then
         found := found + 1;
+        if silent then
+          return;
+        end if;
         write(row, "@SET@ #" & to_string(index) & ": stage " & stage & ", field " & name
               & ": expected " & digits(expected)
               & " = " & to_string(number(expected, is_signed, fraction_bits), "%.10g")

@@ -6,6 +6,7 @@ Python 3.8 or newer, its standard library alone.
     vectors[7]["normal_x"]           # the integer of the field
     vectors.inputs(7)                # the inputs as one integer, first field most significant
     vectors.differences(7, got)      # a line a field that differs
+    vectors.with_outputs(7, got)     # the word with these outputs, for `roughxel vectors judge`
 """
 import hashlib
 import json
@@ -109,6 +110,19 @@ class VectorSet:
         for field in fields:
             packed = packed << field.width | field.bits(word)
         return packed
+
+    def with_outputs(self, index, got):
+        """Vector `index` in hex with other outputs; its check value stays. `got` as in `differences`; a digit that is none is an x."""
+        digits = got if isinstance(got, str) else f"{got:0{self.output_bits}b}"
+        length = sum(-(-field.width // 4) * 4 for field in self.fields.values()) + 32
+        bits = list(f"{self.words[index]:0{length}b}")
+        begin = 0
+        for field in self.output_fields:
+            end = length - field.lsb
+            bits[end - field.width:end] = digits[begin:begin + field.width]
+            begin += field.width
+        nibbles = ("".join(bits[place:place + 4]) for place in range(0, length, 4))
+        return "".join(f"{int(nibble, 2):x}" if set(nibble) <= {"0", "1"} else "x" for nibble in nibbles)
 
     def differences(self, index, got, outputs_only=False):
         """A line for each output that differs from vector `index`, in the order of the outputs; taps aside with `outputs_only`.

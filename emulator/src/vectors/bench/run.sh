@@ -3,7 +3,7 @@
 #   TOOL             icarus, verilator, cpp (Verilator with a driver in C++), ghdl (VHDL), cocotb (cocotb 2 in Icarus),
 #                    dpi (Verilator, random inputs against the C library)
 #   --stop N         ends at the N-th vector that differs (10)
-#   --got FILE       icarus, verilator: writes the device's words for `roughxel vectors judge`, all of them; --stop ends what is printed
+#   --got FILE       not dpi: writes the device's words for `roughxel vectors judge`, all of them; --stop ends what is printed
 #   --outputs-only   compares what leaves the datapath alone, for a device that does not show its stages
 #   --stalls         both sides of the handshake pause at random
 #   --timeout N      cycles without an output after which it gives up (10000)
@@ -58,7 +58,7 @@ done
 if [ "$stop" -eq 0 ] || [ "$timeout" -eq 0 ] || [ "$count" -eq 0 ]; then usage; fi
 case $only_dpi-$tool in 0-* | 1-dpi) ;; *) usage ;; esac
 case $playback-$altered-$tool in true-*-ghdl | false--1-*) ;; *) usage ;; esac
-case $got-$tool in -* | *-icarus | *-verilator) ;; *) usage ;; esac
+case $got-$tool in ?*-dpi) usage ;; esac
 
 plus="+stop=$stop +timeout=$timeout"
 [ $outputs_only -eq 0 ] || plus="$plus +outputs_only"
@@ -109,14 +109,14 @@ run() {
     case $tool in
         icarus) vvp -n $build/bench $plus ${got:+"+got=$got"} ;;
         verilator | dpi) $build/bench $plus ${got:+"+got=$got"} ;;
-        cpp) $build/bench words.hex $(echo "$plus" | tr -d +) ;;
+        cpp) $build/bench words.hex $(echo "$plus" | tr -d +) ${got:+"got=$got"} ;;
         ghdl)
             [ $outputs_only -eq 0 ] && outputs_only=false || outputs_only=true
             [ $stalls -eq 0 ] && stalls=false || stalls=true
             ghdl -r --std=08 --workdir=$build @NAME@_tb -gSTOP=$stop -gTIMEOUT=$timeout -gOUTPUTS_ONLY=$outputs_only \
-                -gSTALLS=$stalls -gPLAYBACK=$playback -gALTERED=$altered --ieee-asserts=disable-at-0 ;;
+                -gSTALLS=$stalls -gPLAYBACK=$playback -gALTERED=$altered ${got:+"-gGOT=$got"} --ieee-asserts=disable-at-0 ;;
         cocotb)
-            STOP=$stop TIMEOUT=$timeout OUTPUTS_ONLY=$outputs_only STALLS=$stalls BUILD=$build python3 test_@NAME@.py ;;
+            STOP=$stop TIMEOUT=$timeout OUTPUTS_ONLY=$outputs_only STALLS=$stalls BUILD=$build GOT=$got python3 test_@NAME@.py ;;
     esac
 }
 

@@ -12,6 +12,7 @@ use work.@NAME@_pkg.all;
 entity @NAME@_tb is
   generic (
     WORDS        : string   := "words.hex";
+    GOT          : string   := "";     -- writes the device's words there, all of them: STOP ends what is printed
     STOP         : positive := 10;     -- ends at that many vectors that differ
     OUTPUTS_ONLY : boolean  := false;  -- compares what leaves the datapath alone, for a device that does not show its stages
     STALLS       : boolean  := false;  -- both sides of the handshake pause at random
@@ -91,7 +92,12 @@ begin
   end process;
 
   check : process is
+    constant KEEPS     : boolean := GOT'length > 0;
     file     wanted    : text open read_mode is WORDS;
+    file     given     : text;
+    variable status    : file_open_status;
+    variable is_open   : boolean := false;
+    variable row       : line;
     variable word      : word_t;
     variable is_good   : boolean;
     variable checked   : natural := 0;
@@ -99,6 +105,14 @@ begin
     variable idle      : natural := 0;
     variable differing : natural;
   begin
+    if KEEPS and not is_open then
+      file_open(status, given, GOT, write_mode);
+      if status /= open_ok then
+        say("ERROR " & GOT & " cannot be written");
+        std.env.stop(1);
+      end if;
+      is_open := true;
+    end if;
     wait until rising_edge(clk);
     if rst = '1' then
       null;
@@ -109,11 +123,15 @@ begin
         std.env.stop(1);
       end if;
       read_word(wanted, word, is_good);
-      compare(checked, outputs_of(word), outputs, OUTPUTS_ONLY, differing);
+      if KEEPS then
+        write(row, digits(with_outputs(word, outputs)));
+        writeline(given, row);
+      end if;
+      compare(checked, outputs_of(word), outputs, OUTPUTS_ONLY, KEEPS and wrong >= STOP, differing);
       checked := checked + 1;
       if differing > 0 then
         wrong := wrong + 1;
-        if wrong = STOP then
+        if wrong = STOP and not KEEPS then
           say("FAIL @SET@: " & to_string(wrong) & " of " & to_string(checked) & " vectors differ, stopped there");
           std.env.stop(3);
         end if;
@@ -124,6 +142,9 @@ begin
     -- A device that gives one output too many does so soon.
     if checked = N_VECTORS and idle > 100 then
       is_done <= true;
+      if KEEPS then
+        file_close(given);
+      end if;
       if wrong = 0 then
         say("PASS @SET@: " & to_string(checked) & " vectors");
         std.env.stop(0);

@@ -1,7 +1,7 @@
 """Drives @NAME@_device with every vector of the set @SET@ in cocotb and compares every field.
 
 `python3 test_@NAME@.py` builds and runs it in Icarus; cocotb 2. Environment: STOP (10), OUTPUTS_ONLY, STALLS (0 or 1), TIMEOUT
-(10000 cycles), BUILD (build/cocotb) are those of run.sh.
+(10000 cycles), BUILD (build/cocotb), GOT (a file, for all words that the device gives) are those of run.sh.
 """
 import os
 import random
@@ -35,6 +35,12 @@ async def every_vector(dut):
     stop, timeout = setting("STOP", 10), setting("TIMEOUT", 10000)
     outputs_only, stalls = setting("OUTPUTS_ONLY", 0), setting("STALLS", 0)
     pauses = random.Random(1)
+    path = os.environ.get("GOT")
+    try:
+        got = open(path, "w", encoding="ascii") if path else None
+    except OSError as error:
+        print(f"ERROR {path} cannot be written: {error.strerror}")
+        raise AssertionError("no file for the words") from error
 
     dut.rst.value = 1
     dut.in_valid.value = 0
@@ -62,18 +68,24 @@ async def every_vector(dut):
             if checked == len(vectors):
                 print(f"ERROR an output after the last of {checked} vectors")
                 raise AssertionError("too many outputs")
-            lines = vectors.differences(checked, str(dut.outputs.value).lower(), outputs_only)
+            outputs = str(dut.outputs.value).lower()
+            if got:
+                print(vectors.with_outputs(checked, outputs), file=got)
+            lines = vectors.differences(checked, outputs, outputs_only)
             checked += 1
             if lines:
                 wrong += 1
-                print(*lines, sep="\n")
-                if wrong == stop:
+                if wrong <= stop:
+                    print(*lines, sep="\n")
+                if wrong == stop and not got:
                     print(f"FAIL @SET@: {wrong} of {checked} vectors differ, stopped there")
                     raise AssertionError("vectors differ")
         if idle > timeout:
             print(f"ERROR only {checked} of {len(vectors)} outputs came: none for {timeout} cycles")
             raise AssertionError("the outputs stopped")
         await FallingEdge(dut.clk)
+    if got:
+        got.close()
     print(f"FAIL @SET@: {wrong} of {checked} vectors differ" if wrong else f"PASS @SET@: {checked} vectors", flush=True)
     assert wrong == 0, "vectors differ"
 
