@@ -68,8 +68,7 @@ pub struct Read<W: Word> {
 #[inline(always)]
 pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(Read<W>)) {
     let Some((RepeatedFootprint { probes, .. }, scale)) = view.footprint else {
-        let fine = tap::<W>(view.centre, finest::<W>(view.levels), p);
-        let level_weight = Fx::zero();
+        let (fine, level_weight) = (point::<W>(view, p), Fx::zero());
         return take(Read { turn: 0, counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });
     };
     let LevelPair { level, weight: level_weight } = texel::levels::<W>(probes.lod, W::known(view.rough), p);
@@ -112,8 +111,7 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
 ) -> Mean<W, CHANNELS> {
     if view.footprint.is_none() {
         // The mean of one sample of one level is the sample.
-        let fine = tap::<W>(view.centre, finest::<W>(view.levels), p);
-        let sample = filter(&quad(&fine, [0, 0]), None, Fx::zero());
+        let sample = filter(&quad(&point::<W>(view, p), [0, 0]), None, Fx::zero());
         return Mean { channels: probe(sample), taps: Fx::int(1) };
     }
     let mut sums = [ProbeSum::<W>::zero(); CHANNELS];
@@ -140,10 +138,11 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
 /// Columns, rows, stride and start of a level.
 type Place<W> = [Int<W>; 4];
 
+/// What is read without a footprint: the middle, on the finest level.
 #[inline(always)]
-fn finest<W: Fetch>(levels: &[Level]) -> Place<W> {
-    let Level { size: [width, height], stride, start } = levels[0];
-    each!(number in [width, height, stride, start] => int::<W>(number))
+fn point<W: Fetch>(view: &View<'_, W>, p: &Precision) -> Tap<W> {
+    let Level { size: [width, height], stride, start } = view.levels[0];
+    tap::<W>(view.centre, each!(number in [width, height, stride, start] => int::<W>(number)), p)
 }
 
 /// Of every fragment; beyond the last one the last.

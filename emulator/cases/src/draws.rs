@@ -53,7 +53,13 @@ impl<const N: usize> Draws<N> {
         drawn
     }
 
-    /// Leaves out the number that says which elements are odd.
+    /// Which elements are odd: one in ten.
+    #[inline(always)]
+    pub(crate) fn are_odd(&mut self) -> [bool; N] {
+        self.each(|random| random.below(10) == 0)
+    }
+
+    /// Leaves out the number that says so.
     #[inline(always)]
     pub(crate) fn skip(&mut self) {
         self.each(SplitMix64::next_u64);
@@ -249,8 +255,11 @@ pub(crate) trait Kind<const WORDS: usize> {
     /// The ports.
     type Ports: Form + Bundle<i32, In<i32> = Self::Ports>;
 
-    /// Which elements are odd.
-    fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N];
+    /// Which elements are odd: their first numbers say so.
+    #[inline(always)]
+    fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
+        elements.draws().are_odd()
+    }
     /// Writes the words of plausible elements; those of others mean nothing.
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; WORDS]);
     /// Writes the words of odd elements; those of others mean nothing.

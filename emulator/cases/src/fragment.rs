@@ -105,11 +105,6 @@ impl Kind<FRAGMENT> for Fragments {
     type Ports = ReflectionInput<i32>;
 
     #[inline(always)]
-    fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
-        elements.draws().each(|random| random.below(10) == 0)
-    }
-
-    #[inline(always)]
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; FRAGMENT]) {
         let draws = &mut elements.draws();
         draws.skip();

@@ -89,7 +89,7 @@ impl Kind<LIGHT> for Lights {
     fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
         let draws = &mut elements.draws();
         draws.uniform(0.0, 13.0);
-        draws.each(|random| random.below(10) == 0)
+        draws.are_odd()
     }
 
     #[inline(always)]

@@ -49,11 +49,6 @@ impl Kind<PEAK> for Peaks {
     type Ports = PeakInput<i32>;
 
     #[inline(always)]
-    fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
-        elements.draws().each(|random| random.below(10) == 0)
-    }
-
-    #[inline(always)]
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; PEAK]) {
         let draws = &mut elements.draws();
         draws.skip();

@@ -100,7 +100,7 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
 }
 
 #[test]
-fn every_simulator_finds_the_same_vector() {
+fn cocotb_finds_the_vector_that_icarus_finds_and_ghdl_has_devices_in_vhdl() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let with = |tool: &str, manifest: &Path, folder: &Path| {
         let options = MinimiseOptions { tool: tool.into(), ..options() };
@@ -147,9 +147,9 @@ fn a_set_of_one_stage_is_refused_with_what_to_do() {
     let of_stage = of_stage.join(&written.files[0].name).with_extension("json");
     let error = minimise(&of_stage, 0, &folder, &options(), &|_| {}).expect_err("a stage").to_string();
     assert!(error.contains("a set of one stage; minimise a vector of its datapath"), "{error}");
-    let bench = directory.path().join("of_stage");
-    Bench::new(&of_stage).and_then(|bench_| bench_.write(&bench, Device::Blank, false)).expect("a bench");
-    let error = minimise(&manifest, 0, &bench, &options(), &|_| {}).expect_err("a bench of a stage");
+    let folder = directory.path().join("of_stage");
+    Bench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+    let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("a bench of a stage");
     assert!(matches!(error, MinimiseError::OtherSet { .. }), "{error}");
 }
 

@@ -31,6 +31,7 @@ pub enum Sampling {
 const PLACE_BITS: u32 = 14;
 
 const _: () = assert!(TILE_EDGE_PX as i32 * SUBPIXELS <= 1 << PLACE_BITS, "a sample knows its place in the tile");
+const _: () = assert!(PATTERN.len() < 1 << (u32::BITS - 2 * PLACE_BITS), "a sample knows how often it counts");
 
 /// Most places of a pixel that are looked at together: what a tile has of them stays in a second-level cache.
 const PLACES_TOGETHER: usize = 16;
