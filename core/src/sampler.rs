@@ -7,7 +7,7 @@ use core::ops::RangeInclusive;
 use crate::bundle::{Value, bundle};
 use crate::datapath::texel::Quad;
 use crate::datapath::{cube_place, environment_probe, pixel, sphere_probe, texel};
-use crate::each::{each, places};
+use crate::each::each;
 use crate::fetch::{Fetch, int};
 use crate::fx::{Control, Fx, Int};
 use crate::ports::{LIGHT, REFLECTANCE, SHARE};
@@ -277,86 +277,57 @@ fn face_quad<W: Fetch, M: CubeMemory>(
 /// its neighbours.
 #[inline(always)]
 pub fn patches<W: Fetch, M: CubeMemory>(memory: &M, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4] {
-    let &PatchPlace { level, edge, face, index } = at;
-    let last = edge - Fx::int(1);
-    let [s, t] = each!(index in index => index.ge(Fx::zero()) & index.lt(last));
-    let is_inside = s & t;
-    let inside = Fx::select(is_inside, Fx::int(1), Fx::zero());
-    let address = each!(number in [inside, level, edge, face, index[0], index[1]] => number.raw());
-    let codes = W::gather(
-        address,
+    let &PatchPlace { level, edge, face, index: [column, row] } = at;
+    let texels = W::gather(
+        each!(number in [level, edge, face, column, row] => number.raw()),
         #[inline(always)]
-        |[inside, level, _, face, column, row]| {
-            if inside == 0 {
-                return [0; 12];
+        |[level, edge, face, column, row]| {
+            // Without a sign −1 is the largest number.
+            let last = (edge - 1) as u32;
+            if column as u32 >= last || row as u32 >= last {
+                return seam_texels(level as u32, face, [column, row], edge as u32, memory);
             }
-            flat([(0, 0), (1, 0), (0, 1), (1, 1)].map(
-                #[inline(always)]
-                |(right, down)| memory.texel(level as u32, face as u32, (column + right) as u32, (row + down) as u32),
-            ))
+            flat(each!((right, down) in [(0, 0), (1, 0), (0, 1), (1, 1)] => {
+                let [column, row] = [(column + right) as u32, (row + down) as u32];
+                decoded(memory.texel(level as u32, face as u32, column, row), memory)
+            }))
         },
     );
-    let mut texels = each!(code in codes => {
-        let code = Fx::from_raw(code);
-        if memory.is_bright() { texel::bright_texel::<W>(code) } else { code }
-    });
-    if W::any(!is_inside) {
-        let beside = W::gather(
-            address,
-            #[inline(always)]
-            |[inside, level, edge, face, column, row]| {
-                if inside != 0 {
-                    return [0; 12];
-                }
-                seam_texels(level as u32, face, [column, row], edge as u32, memory)
-            },
-        );
-        texels = each!(i in places() => Fx::select(is_inside, texels[i], Fx::from_raw(beside[i])));
-    }
-    each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => texels[3 * i + channel]))
+    each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => Fx::from_raw(texels[3 * i + channel])))
+}
+
+/// What codes of a texel stand for.
+#[inline(always)]
+fn decoded<M: CubeMemory>(codes: [u16; 3], memory: &M) -> [i32; 3] {
+    each!(code in codes => {
+        let code = Int::<i32>::int(code.into());
+        if memory.is_bright() { texel::bright_texel::<i32>(code).raw() } else { code.raw() }
+    })
 }
 
 /// Channels of a patch one after the other.
 #[inline(always)]
-fn flat<T: Into<i32>>([[a, b, c], [d, e, f], [g, h, i], [j, k, l]]: [[T; 3]; 4]) -> [i32; 12] {
-    [
-        a.into(),
-        b.into(),
-        c.into(),
-        d.into(),
-        e.into(),
-        f.into(),
-        g.into(),
-        h.into(),
-        i.into(),
-        j.into(),
-        k.into(),
-        l.into(),
-    ]
+fn flat([[a, b, c], [d, e, f], [g, h, i], [j, k, l]]: [[i32; 3]; 4]) -> [i32; 12] {
+    [a, b, c, d, e, f, g, h, i, j, k, l]
 }
 
 /// The same beside an edge. A call of its own: few probes come here, and inlined it leaves no registers for all others. What it works
 /// out controls alone, so words of any width have the same.
 #[inline(never)]
 fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32, memory: &M) -> [i32; 12] {
-    let decoded = |code: u16| {
-        let code = Int::<i32>::int(code.into());
-        if memory.is_bright() { texel::bright_texel::<i32>(code) } else { code }
-    };
     let corner =
         |three: &_| if memory.is_bright() { texel::bright_corner::<i32>(three) } else { texel::corner::<i32>(three) };
     let read = |texel: FaceTexel<i32>| {
         let [column, row] = texel.index.map(|index| index.raw() as u32);
-        memory.texel(level, texel.face.raw() as u32, column, row).map(decoded)
+        decoded(memory.texel(level, texel.face.raw() as u32, column, row), memory)
     };
     let address = Address::<i32> { index: index.map(Fx::from_raw), weight: [Fx::zero(); 2] };
-    let texels = texel::face_texels(Fx::from_raw(face), &address, Fx::from_raw(edge as i32)).map(|texel| {
+    flat(texel::face_texels(Fx::from_raw(face), &address, Fx::from_raw(edge as i32)).map(|texel| {
         let own = read(texel.texel);
         if !texel.corner {
             return own;
         }
         let [s, t] = texel.across.map(read);
-        core::array::from_fn(|channel| corner(&[own, s, t].map(|texel| texel[channel])))
-    });
-    flat(texels.map(|texel| texel.map(Fx::raw)))
+        core::array::from_fn(|channel| corner(&[own, s, t].map(|texel| Fx::from_raw(texel[channel]))).raw())
+    }))
 }
