@@ -22,7 +22,8 @@ use crate::word::Word;
 pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
     let h_cross_n = cross(&h.m, &n.m);
-    let pole = normalise(h_cross_n, Fx::int(0), keep).is_zero();
+    let [x, y, z] = each!(c in h_cross_n => c.is_zero());
+    let pole = x & y & z;
     let stand_in = W::unless(
         !pole,
         [Fx::zero(); 3],
