@@ -1,9 +1,11 @@
-//! The same bits on every processor, and that a wrong one would be seen.
+//! The same bits on every processor, that a wrong one would be seen, and that the prices which are kept are those of this datapath.
 
 use std::path::Path;
 
 use crate::Failure;
 use crate::image::Image;
+use crate::measure::ALL_EFFECTS;
+use crate::price;
 use crate::target::Target;
 
 /// The table of which one entry is made wrong: every reflection reads it.
@@ -27,6 +29,9 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
         wrong_entry(target, &program)?;
         if target.is_small() {
             smallest(target)?;
+        }
+        if target == Target::Riscv32Imac {
+            price::hold(target)?;
         }
     }
     Ok(())
@@ -72,7 +77,7 @@ fn smallest(target: Target) -> Result<(), Failure> {
     if let Some(table) = tables.iter().find(|table| !SMALLEST.contains(table)) {
         return Err(Failure::broken(format!("environment alone holds {table}")));
     }
-    let whole = Image::read(&target.build("plan", "reflection+bump+curvature+footprint+anisotropic", "standard")?)?;
+    let whole = Image::read(&target.build("plan", ALL_EFFECTS, "standard")?)?;
     if bytes * 3 > whole.bytes - empty.bytes {
         return Err(Failure::broken(format!("environment alone is {bytes} bytes of {}", whole.bytes - empty.bytes)));
     }

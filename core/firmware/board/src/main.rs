@@ -17,7 +17,8 @@ const HELP: &str = "\
 The datapath on small processors: the same bits, and what it costs.
 
 cargo firmware check [TARGET…]
-    Golden vectors, a tile of a picture, and a table with one wrong entry that both must notice, on every target or on those named.
+    Golden vectors, a tile of a picture, and a table with one wrong entry that both must notice, on every target or on those named;
+    on riscv32imac some prices of PRICE.md, too.
 cargo firmware frames
     Golden frames of the emulator on s390x, whose words begin with their highest byte. Two minutes.
 cargo firmware price [--quick] [-o FILE]
@@ -31,7 +32,8 @@ Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-m
 Rust's targets come from rustup, or, where it has none to give, from the sources of the distribution's compiler (Debian: rustc-web
 rust-web-src). Emulators: Debian packages qemu-system-misc, qemu-system-arm, qemu-user; linkers gcc-aarch64-linux-gnu, gcc-s390x-linux-gnu.
 
-Exit codes: 0 all is right; 1 something is missing or cannot be built; 2 flags; 3 bits differ, or a program holds what it should not.";
+Exit codes: 0 all is right; 1 something is missing or cannot be built; 2 flags; 3 bits differ, a program holds what it should not, or takes
+other instructions than PRICE.md says.";
 
 /// What went wrong, with its exit code.
 #[derive(Debug)]

@@ -36,12 +36,92 @@ const PLANS: [(&str, &str); 18] = [
 const PROFILES: [(&str, f64); 5] =
     [("narrow", 14.0), ("paper", 16.0), ("compact", 16.0), ("standard", 20.0), ("precise", 26.0)];
 
+/// What there is around a plan: as the program prints it, and what it is.
+const AROUND: [(&str, &str); 7] = [
+    ("probe", "a probe of an environment: its place and weight"),
+    ("colour", "the same with eight texels and their filter"),
+    ("fragment", "set-up of a fragment on a scanline"),
+    ("textured", "the same with texture coordinates"),
+    ("triangle", "set-up of a triangle"),
+    ("float libm", "reflection, all effects, in f32 with libm"),
+    ("float micromath", "the same with micromath"),
+];
+
+/// Plans that tell whether the table that is kept is still that of the datapath.
+const HELD: [&str; 4] =
+    [ALL_EFFECTS, "pixel+bump+curvature+footprint+anisotropic", "highlight+bump+anisotropic", "peak+horizon"];
+
 /// What one plan costs.
 #[derive(Clone, Copy, Debug)]
 struct Cost {
     instructions: u64,
     stack: u64,
     bytes: u64,
+}
+
+/// The table that is kept, from the project's root.
+const KEPT: &str = "core/firmware/PRICE.md";
+
+fn kept() -> PathBuf {
+    target::root().join(KEPT)
+}
+
+/// Prices some plans in `standard` again: what the table that is kept says of them must be so within a thirtieth. A change of a few instructions
+/// is no reason for another table, which takes ten minutes; one that nobody made again was wrong by a third (a probe with eight texels).
+///
+/// Nothing is compared that another compiler made.
+pub fn hold(target: Target) -> Result<(), Failure> {
+    let table = std::fs::read_to_string(kept()).map_err(|error| Failure::trouble(format!("{KEPT}: {error}")))?;
+    let name = target.name();
+    let part = Part::of(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has nothing of {name}")))?;
+    if !part.has_line(&format!("{}.", target.compiler())) {
+        println!("{:12} {KEPT} is of another compiler: not compared", "");
+        return Ok(());
+    }
+    let mut now: Vec<(&str, u64)> = Vec::new();
+    for (plan, what) in PLANS.into_iter().filter(|(plan, _)| HELD.contains(plan)) {
+        now.push((what, measure::measure(target, "plan", plan, "standard")?.numbers["instructions"]));
+    }
+    let around = measure::measure(target, "around", "empty", "standard")?.numbers;
+    now.extend(AROUND.map(|(program, what)| (what, around[program])));
+    let mut most = 0.0_f64;
+    for (what, now) in now {
+        let Some(before) = part.number(what, "standard") else {
+            return Err(Failure::trouble(format!("{KEPT} has no `{what}` of {name} in standard")));
+        };
+        let moved = (now as f64 / before as f64 - 1.0).abs();
+        if moved > 1.0 / 30.0 {
+            return Err(Failure::broken(format!(
+                "{KEPT}: `{what}` of {name} takes {now} instructions, not {before}; `cargo firmware price` and `price --knobs` make both \
+                 tables again, `roughxel study --full -o emulator/study/results` what is read from them"
+            )));
+        }
+        most = most.max(moved);
+    }
+    println!("{:12} prices within {:.1} % of {KEPT}", "", 100.0 * most);
+    Ok(())
+}
+
+/// What a table says of a processor.
+struct Part<'a>(&'a str);
+
+impl<'a> Part<'a> {
+    fn of(table: &'a str, target: Target) -> Option<Self> {
+        let (_, part) = table.split_once(&format!("\n## {}\n", target.name()))?;
+        Some(Self(part.split_once("\n## ").map_or(part, |(part, _)| part)))
+    }
+
+    fn has_line(&self, line: &str) -> bool {
+        self.0.lines().any(|of| of == line)
+    }
+
+    /// The first number in a row and the column of a profile.
+    fn number(&self, row: &str, profile: &str) -> Option<u64> {
+        let cells = |line: &'a str| line.trim_matches('|').split('|').map(str::trim);
+        let column = cells(self.0.lines().find(|line| line.starts_with('|'))?).position(|name| name == profile)?;
+        let row = self.0.lines().find(|line| cells(line).next() == Some(row))?;
+        cells(row).nth(column)?.split(' ').next()?.parse().ok()
+    }
 }
 
 /// Writes the table.
@@ -71,7 +151,7 @@ pub fn run(quick: bool, file: Option<PathBuf>) -> Result<(), Failure> {
             print!("{text}");
             return Ok(());
         }
-        (None, false) => target::firmware().join("PRICE.md"),
+        (None, false) => kept(),
     };
     measure::write_whole(&file, &text)
 }
@@ -130,15 +210,7 @@ fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mu
         write(text, format!("| {shown} | {} |", cells.collect::<Vec<_>>().join(" | ")));
     }
     heading(text, "around it: instructions");
-    for (name, what) in [
-        ("probe", "a probe of an environment: its place and weight"),
-        ("colour", "the same with eight texels and their filter"),
-        ("fragment", "set-up of a fragment on a scanline"),
-        ("textured", "the same with texture coordinates"),
-        ("triangle", "set-up of a triangle"),
-        ("float libm", "reflection, all effects, in f32 with libm"),
-        ("float micromath", "the same with micromath"),
-    ] {
+    for (name, what) in AROUND {
         let cells = profiles.iter().map(|profile| stages[profile].get(name).map_or("–".into(), u64::to_string));
         write(text, format!("| {what} | {} |", cells.collect::<Vec<_>>().join(" | ")));
     }
