@@ -2,7 +2,7 @@
 //!
 //! Each rounding alone, both ways, says how much every outcome depends on it; the sum over all of them is, to first order, how far an outcome
 //! can be off where all are at once. A comparison is beyond first order: where the sum can turn it, a design is asked in which every
-//! rounding pushes towards that.
+//! rounding pushes towards that, and, where that leads elsewhere, how much every outcome depends on each rounding there.
 
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
@@ -13,10 +13,19 @@ const SCATTERED: u64 = 8;
 /// A design that rounds in another way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// One rounding alone, by its number: more, then less.
-    Alone(usize),
     /// All of them.
     Together,
+    /// One alone, by its number, in the design last shown as `Together`: more, then less.
+    Alone(usize),
+}
+
+/// What roundings do to the comparisons of a vector.
+#[derive(Clone, Debug)]
+pub struct Moves {
+    /// The wires of the design as it is.
+    right: Vec<i64>,
+    /// How much a − b of each comparison grows where each rounding has more, of the way by which it goes further.
+    moves: Vec<i128>,
 }
 
 /// A node that is rounded to nearest, and what depends on it.
@@ -94,73 +103,113 @@ impl<'a> Roundings<'a> {
     pub fn wires(&self, ports: &[i64], change: impl Fn(usize) -> i64, wires: &mut Vec<i64>) {
         wires.clear();
         for id in 0..self.net.nodes.len() as NodeId {
-            let value = self.net.value(id, ports, wires);
-            wires.push(match self.number[id as usize] {
-                Some(number) => self.roundings[number].changed(value, change(number)),
-                None => value,
+            wires.push(self.wire(id, ports, &change, wires));
+        }
+    }
+
+    /// Shows `see` the wires of the design with each rounding alone `places` last places more, then less, with the number of the rounding,
+    /// as far as outcomes depend on them. What that does to the comparisons says which `others` there are to see.
+    pub fn each_alone(&self, ports: &[i64], places: i64, see: &mut impl FnMut(usize, &[i64])) -> Moves {
+        let mut right = Vec::new();
+        self.net.evaluate(ports, &mut right);
+        let mut moves = vec![0_i128; self.comparisons.len() * self.count()];
+        self.each_alone_in(ports, &|_| 0, &right, places, &mut |number, places, wires| {
+            see(number, wires);
+            for &place in &self.roundings[number].comparisons {
+                let more = self.ahead(place, wires) - self.ahead(place, &right);
+                let most = &mut moves[place * self.count() + number];
+                if more.abs() > most.abs() {
+                    *most = more * i128::from(places.signum());
+                }
+            }
+        });
+        Moves { right, moves }
+    }
+
+    /// Shows `see` the wires of designs in which all roundings are up to `places` last places off: of those that push towards another decision,
+    /// and of some that are off in no order.
+    ///
+    /// Where `see` answers that a design leads elsewhere, it is shown each rounding alone there, too.
+    pub fn others(&self, ports: &[i64], places: i64, of: &Moves, see: &mut impl FnMut(Change, &[i64]) -> bool) {
+        let mut wires = Vec::new();
+        for place in 0..self.comparisons.len() {
+            let moves = &of.moves[place * self.count()..][..self.count()];
+            let reach: i128 = moves.iter().map(|most| most.abs()).sum();
+            let ahead = self.ahead(place, &of.right);
+            let can_turn = if ahead < 0 { ahead + reach >= 0 } else { ahead - reach < 0 };
+            if can_turn {
+                let towards = if ahead < 0 { places } else { -places };
+                self.other(ports, &|number| moves[number].signum() as i64 * towards, places, &mut wires, see);
+            }
+        }
+        for design in 0..SCATTERED {
+            self.other(ports, &|number| scattered(design, number, places), places, &mut wires, see);
+        }
+    }
+
+    /// Shows `see` the wires of a design, and each rounding alone there if that leads elsewhere.
+    fn other(
+        &self,
+        ports: &[i64],
+        change: &impl Fn(usize) -> i64,
+        places: i64,
+        wires: &mut Vec<i64>,
+        see: &mut impl FnMut(Change, &[i64]) -> bool,
+    ) {
+        self.wires(ports, change, wires);
+        if see(Change::Together, wires) {
+            self.each_alone_in(ports, change, wires, places, &mut |number, _, wires| {
+                see(Change::Alone(number), wires);
             });
         }
     }
 
-    /// Shows `see` the wires of designs with these ports in which roundings are up to `places` last places off.
-    ///
-    /// Of one rounding alone only wires that outcomes depend on.
-    pub fn each(&self, ports: &[i64], places: i64, see: &mut impl FnMut(Change, &[i64])) {
-        let mut right = Vec::new();
-        self.net.evaluate(ports, &mut right);
-        let ahead = |wires: &[i64], place: usize| {
-            let [a, b] = self.comparisons[place];
-            i128::from(wires[a as usize]) - i128::from(wires[b as usize])
-        };
-        // How far a − b of each comparison can go, and by which sign of each rounding it grows.
-        let mut reach = vec![0_i128; self.comparisons.len()];
-        let mut grows = vec![0_i8; self.comparisons.len() * self.count()];
-        let (mut wires, mut differs) = (right.clone(), vec![false; right.len()]);
+    /// Shows `see` the wires of designs in which one rounding is `places` last places more, then less, and the others are as `change` says;
+    /// `wires` are those where it is, too.
+    fn each_alone_in(
+        &self,
+        ports: &[i64],
+        change: &impl Fn(usize) -> i64,
+        wires: &[i64],
+        places: i64,
+        see: &mut impl FnMut(usize, i64, &[i64]),
+    ) {
+        let (mut theirs, mut differs) = (wires.to_vec(), vec![false; wires.len()]);
         for (number, rounding) in self.roundings.iter().enumerate() {
-            let mut most = vec![0_i128; rounding.comparisons.len()];
             for places in [places, -places] {
                 let node = rounding.node as usize;
-                wires[node] = rounding.changed(right[node], places);
-                if wires[node] == right[node] {
+                theirs[node] = self.wire(rounding.node, ports, |_| places, &theirs);
+                if theirs[node] == wires[node] {
                     continue;
                 }
                 differs[node] = true;
                 for &id in &rounding.behind {
                     if self.net.node(id).op.operands().any(|operand| differs[operand as usize]) {
-                        wires[id as usize] = self.net.value(id, ports, &wires);
-                        differs[id as usize] = wires[id as usize] != right[id as usize];
+                        theirs[id as usize] = self.wire(id, ports, change, &theirs);
+                        differs[id as usize] = theirs[id as usize] != wires[id as usize];
                     }
                 }
-                see(Change::Alone(number), &wires);
-                for (most, &place) in most.iter_mut().zip(&rounding.comparisons) {
-                    let more = ahead(&wires, place) - ahead(&right, place);
-                    if more.abs() > *most {
-                        *most = more.abs();
-                        grows[place * self.count() + number] = (more.signum() * i128::from(places.signum())) as i8;
-                    }
-                }
+                see(number, places, &theirs);
                 for id in rounding.behind.iter().copied().chain([rounding.node]) {
-                    (wires[id as usize], differs[id as usize]) = (right[id as usize], false);
+                    (theirs[id as usize], differs[id as usize]) = (wires[id as usize], false);
                 }
             }
-            for (most, &place) in most.iter().zip(&rounding.comparisons) {
-                reach[place] += most;
-            }
         }
-        for (place, &reach) in reach.iter().enumerate() {
-            let ahead = ahead(&right, place);
-            let turns = if ahead < 0 { ahead + reach >= 0 } else { ahead - reach < 0 };
-            if turns {
-                let towards = if ahead < 0 { places } else { -places };
-                let of = &grows[place * self.count()..][..self.count()];
-                self.wires(ports, |number| i64::from(of[number]) * towards, &mut wires);
-                see(Change::Together, &wires);
-            }
+    }
+
+    /// One wire of a design whose rounding of each number is `change` last places more, from the wires before it.
+    fn wire(&self, id: NodeId, ports: &[i64], change: impl Fn(usize) -> i64, before: &[i64]) -> i64 {
+        let value = self.net.value(id, ports, before);
+        match self.number[id as usize] {
+            Some(number) => self.roundings[number].changed(value, change(number)),
+            None => value,
         }
-        for design in 0..SCATTERED {
-            self.wires(ports, |number| scattered(design, number, places), &mut wires);
-            see(Change::Together, &wires);
-        }
+    }
+
+    /// a − b of a comparison.
+    fn ahead(&self, place: usize, wires: &[i64]) -> i128 {
+        let [a, b] = self.comparisons[place];
+        i128::from(wires[a as usize]) - i128::from(wires[b as usize])
     }
 }
 

@@ -247,10 +247,9 @@ impl Judge<'_> {
     }
 
     fn by_bounds(&self, bounds: &Bounds<'_>, line: &Line, expected: &[u32], found: &[u32]) -> Option<Failing> {
-        let leeway = bounds.leeway(expected);
-        let place = bounds.beyond(expected, found, &leeway)?;
+        let (place, leeway) = bounds.beyond(expected, found)?;
         let field = self.outcomes.list[place].field;
-        let within = match leeway[place] {
+        let within = match leeway {
             Leeway::Within(most) => Some(most),
             Leeway::OneOf(_) | Leeway::Any => None,
         };

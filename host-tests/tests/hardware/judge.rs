@@ -39,6 +39,11 @@ struct Bench {
 
 impl Bench {
     fn new(datapath: Datapath, effects: Effects, profile: Profile, taps: bool, count: u64) -> Self {
+        Self::of((0..count).collect(), datapath, effects, profile, taps)
+    }
+
+    /// Of random inputs with these numbers.
+    fn of(numbers: Vec<u64>, datapath: Datapath, effects: Effects, profile: Profile, taps: bool) -> Self {
         let precision = profile.precision();
         let directory = tempfile::tempdir().expect("a temporary directory");
         let words = Words { taps, ..Words::default() };
@@ -54,17 +59,17 @@ impl Bench {
         };
         let (manifest, ports): (_, Vec<_>) = match datapath {
             Datapath::Reflection => {
-                let inputs: Vec<ReflectionIn> = (0..count).map(|i| random_fragment(NAME, i, &precision)).collect();
+                let inputs: Vec<ReflectionIn> = numbers.iter().map(|&i| random_fragment(NAME, i, &precision)).collect();
                 let ports = inputs.iter().map(|input| integers_at(&input.wires(), &precision)).collect();
                 (export(&info, &inputs, directory.path()), ports)
             }
             Datapath::Highlight => {
-                let inputs: Vec<HighlightIn> = (0..count).map(|i| random_light(NAME, i, &precision)).collect();
+                let inputs: Vec<HighlightIn> = numbers.iter().map(|&i| random_light(NAME, i, &precision)).collect();
                 let ports = inputs.iter().map(|input| integers_at(&input.wires(), &precision)).collect();
                 (export(&info, &inputs, directory.path()), ports)
             }
             Datapath::Peak => {
-                let inputs: Vec<PeakIn> = (0..count).map(|i| random_lit_peak(NAME, i, &precision)).collect();
+                let inputs: Vec<PeakIn> = numbers.iter().map(|&i| random_lit_peak(NAME, i, &precision)).collect();
                 let ports = inputs.iter().map(|input| integers_at(&input.wires(), &precision)).collect();
                 (export(&info, &inputs, directory.path()), ports)
             }
@@ -288,6 +293,19 @@ fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_wh
             }
         }
     }
+}
+
+/// A bug: designs beyond a threshold were looked at where all roundings push past it, and not close behind it. Vector 131 has a threshold of the
+/// count in its reach; behind it the last probe has any share, from none.
+#[test]
+fn close_behind_a_threshold_of_the_count_a_share_is_within_bounds() {
+    let devices = vec![131; whole_or(1000, 100)];
+    let count = devices.len() as u64;
+    let bench = Bench::of(devices, Datapath::Reflection, effects(FootprintKind::Sphere), Profile::Standard, true);
+    let marked = bench.marks(4).marked.len() as u64;
+    assert_eq!(marked, count, "the threshold is in reach");
+    let judged = bench.judge(&bench.rounded_otherwise(4), Tier::Bound { places: 4 }).expect("judged");
+    assert_eq!(judged.passing, count, "{:#?}", judged.failures);
 }
 
 #[test]
