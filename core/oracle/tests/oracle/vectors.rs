@@ -1,0 +1,123 @@
+//! The golden vectors of `vectors/smoke`, every field of every one.
+
+use std::fs;
+use std::path::Path;
+
+use roughxel_core::bundle::{Bundle, End};
+use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
+use roughxel_core::precision::{Profile, RoughnessKind};
+use roughxel_core::soft_core;
+use serde_json::Value;
+
+use crate::walk::{Number, bundle, limits, numbers};
+
+pub(crate) fn every_field_of_every_golden_vector_is_that_of_the_soft_core() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/smoke");
+    let mut sets = 0;
+    for entry in fs::read_dir(folder).expect("the vectors are beside the core") {
+        let path = entry.expect("a folder can be read").path();
+        if path.extension().is_some_and(|extension| extension == "json") {
+            let manifest = fs::read_to_string(&path).expect("a manifest can be read");
+            let manifest: Value = serde_json::from_str(&manifest).expect("a manifest is JSON");
+            let words = fs::read_to_string(path.with_extension("hex")).expect("its words are beside it");
+            set(&manifest, &words, &path.display().to_string());
+            sets += 1;
+        }
+    }
+    assert!(sets > 50, "{sets} sets");
+}
+
+fn set(manifest: &Value, words: &str, name: &str) {
+    let profile = manifest["profile"]["name"].as_str().and_then(Profile::by_name).expect("a profile has a name");
+    let (p, effects) = (&profile.precision(), effects(&manifest["effects"]));
+    match manifest["datapath"].as_str() {
+        Some("reflection") => {
+            check(manifest, words, name, |input| soft_core::fragment(input, &effects.reflection(), p));
+        }
+        Some("highlight") => {
+            check(manifest, words, name, |input| soft_core::highlight(input, &effects.highlight(), p));
+        }
+        Some("peak") => check(manifest, words, name, |input| soft_core::lit_peak(input, &effects.peak(), p)),
+        other => panic!("{name}: no datapath is named {other:?}"),
+    }
+}
+
+/// A field of a set: where it stands in a line, its place among the wires of its bundle, and how its digits become an integer.
+struct Column {
+    at: usize,
+    place: usize,
+    width: u32,
+    signed: bool,
+    up: u32,
+}
+
+fn check<I, O>(manifest: &Value, words: &str, name: &str, run: impl Fn(&I) -> O)
+where
+    I: Bundle<i32, In<i32> = I>,
+    O: Bundle<i32, In<i32> = O>,
+{
+    let (inputs, outputs) = (limits::<I>(End::Low), limits::<O>(End::Low));
+    let columns = |direction: &str, wires: &[Number]| -> Vec<Column> {
+        let fields = manifest["fields"].as_array().expect("a manifest has fields");
+        let fields = fields.iter().enumerate().filter(|(_, field)| field["direction"] != "check");
+        fields
+            .filter(|(_, field)| (field["direction"] == "in") == (direction == "in"))
+            .map(|(at, field)| {
+                let number = |key: &str| field[key].as_u64().expect("a number") as u32;
+                let place = wires.iter().position(|wire| field["port"] == wire.path);
+                let place = place.unwrap_or_else(|| panic!("{name}: the core has no port {}", field["port"]));
+                let up = wires[place].fraction_bits - number("fraction_bits");
+                Column { at, place, width: number("width"), signed: field["signed"] == true, up }
+            })
+            .collect()
+    };
+    let (ins, outs) = (columns("in", &inputs), columns("out", &outputs));
+    let lines = words.lines().filter(|line| !line.starts_with("//"));
+    for (index, line) in lines.enumerate() {
+        let digits: Vec<&str> = line.split('_').collect();
+        let integer = |column: &Column| {
+            let bits = u32::from_str_radix(digits[column.at], 16).expect("digits are hexadecimal");
+            let spare = 32 - column.width;
+            let integer = if column.signed { (bits << spare) as i32 >> spare } else { bits as i32 };
+            i64::from(integer << column.up)
+        };
+        let mut input = vec![0; inputs.len()];
+        ins.iter().for_each(|column| input[column.place] = integer(column));
+        let output = numbers(&run(&bundle(input)));
+        for column in &outs {
+            let found = &output[column.place];
+            assert_eq!(found.integer, integer(column), "{name}#{index} {}", found.path);
+        }
+    }
+}
+
+fn effects(effects: &Value) -> Effects {
+    Effects {
+        bump: effects["bump"] == true,
+        frame: match effects["frame"].as_str() {
+            Some("main_direction") => FrameSystem::MainDirection,
+            Some("natural") => FrameSystem::Natural,
+            Some("natural_normalised") => FrameSystem::NaturalNormalised,
+            other => panic!("no frame is named {other:?}"),
+        },
+        roughness: match effects["roughness"].as_str() {
+            Some("none") => RoughnessKind::None,
+            Some("isotropic") => RoughnessKind::Isotropic,
+            Some("anisotropic") => RoughnessKind::Anisotropic,
+            other => panic!("no roughness is named {other:?}"),
+        },
+        curvature: effects["curvature"] == true,
+        footprint: match effects["footprint"].as_str() {
+            Some("none") => FootprintKind::None,
+            Some("face") => FootprintKind::Face,
+            Some("sphere") => FootprintKind::Sphere,
+            other => panic!("no footprint is named {other:?}"),
+        },
+        horizon: match effects["horizon"].as_str() {
+            Some("none") => HorizonKind::None,
+            Some("correlated") => HorizonKind::Correlated,
+            Some("product") => HorizonKind::Product,
+            other => panic!("no horizon is named {other:?}"),
+        },
+    }
+}
