@@ -8,6 +8,7 @@ mod random;
 mod rom;
 mod scanline;
 mod setup;
+mod soft_core;
 mod tile;
 mod vectors;
 mod walk;
@@ -67,6 +68,10 @@ tests! {
     scanline::corners_out_of_range_and_backs_are_no_triangles,
     scanline::attributes_of_fragments_are_perspective_correct,
     scanline::a_plane_is_its_corners_at_its_corners,
+    soft_core::every_plan_hashes_to_what_it_did,
+    soft_core::an_effect_that_is_off_leaves_its_inputs_unread,
+    soft_core::constants_of_a_map_are_those_of_its_longer_edge,
+    soft_core::firmware_has_the_bits_of_the_soft_core,
     designs::what_a_design_makes_of_random_integers_hashes_to_what_it_did,
     maps::what_fragments_see_of_maps_hashes_to_what_it_did,
     maps::levels_of_an_environment_halve_down_to_the_coarsest_edge,

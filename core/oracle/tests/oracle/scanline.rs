@@ -150,7 +150,7 @@ fn unit_vectors(random: &mut Random, scale: f64) -> [BlockVector; 3] {
 pub(crate) fn attributes_of_fragments_are_perspective_correct() {
     let mut random = Random(2);
     let (mut fragments, mut triangles) = (0, 0);
-    while triangles < 150 {
+    while triangles < 60 {
         let size = [24, 2000, 1_000_000][triangles % 3];
         let mut v = [(); 3].map(|()| {
             let [x, y] = [(); 2].map(|()| random.below(2 * size as u64 + 1) as i32 - size);
@@ -205,7 +205,7 @@ pub(crate) fn attributes_of_fragments_are_perspective_correct() {
             }
         }
     }
-    assert!(fragments > 1000, "{fragments}");
+    assert!(fragments > 400, "{fragments}");
 }
 
 fn check(v: &[ScreenVertex; 3], corners: &Attributes, template: &ReflectionIn, fragment: &Fragment, y: i32) {
