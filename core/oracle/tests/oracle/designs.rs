@@ -3,7 +3,7 @@
 use roughxel_core::bundle::End;
 use roughxel_core::design::{Design, Recorded, Visitor};
 use roughxel_core::plan::{Effects, FootprintKind};
-use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
 use roughxel_core::scalar::Scalar;
 use roughxel_core::width::{narrowed, widened};
 
@@ -11,10 +11,33 @@ use crate::random::Random;
 use crate::walk::{bundle, limits, numbers};
 
 /// Inputs of a design in a profile.
-const INPUTS: usize = 200;
+const INPUTS: usize = 150;
 
-/// Words of both widths, and both kinds of probes and axes.
-const PROFILES: [Profile; 4] = [Profile::Narrow, Profile::Paper, Profile::Standard, Profile::Precise];
+/// Words of both widths, both kinds of probes and axes, and knobs at their ends.
+const ACCURACIES: [Precision; 6] = [
+    Precision::NARROW,
+    Precision::PAPER,
+    Precision::STANDARD,
+    Precision::PRECISE,
+    Precision {
+        reciprocal: Newton { seed_bits: 10, steps: 2 },
+        inverse_root: Newton { seed_bits: 10, steps: 2 },
+        probe_weights: ProbeWeights::Gaussian,
+        max_probes: 5,
+        ..Precision::NARROW
+    },
+    Precision {
+        fraction_bits: 28,
+        reciprocal: Newton { seed_bits: 6, steps: 0 },
+        inverse_root: Newton { seed_bits: 6, steps: 0 },
+        direction: AxisDirection::Table { steps: 64 },
+        probe_rule: ProbeRule::PowerOfTwo,
+        probe_weights: ProbeWeights::Gaussian,
+        max_probes: 11,
+        weight_bits: 2,
+        ..Precision::PRECISE
+    },
+];
 
 /// The hash of all that a design makes of random inputs.
 struct Outcomes<'a> {
@@ -49,50 +72,50 @@ pub(crate) fn what_a_design_makes_of_random_integers_hashes_to_what_it_did() {
     let mut found = String::new();
     for design in Design::ALL {
         let effects = &Effects { footprint: FootprintKind::Sphere, ..Effects::ALL };
-        let hash = PROFILES.into_iter().fold(0, |hash, profile| {
-            hash ^ design.visit(Outcomes { effects, p: &profile.precision(), random: Random(profile as u64) })
-        });
+        let hash = ACCURACIES
+            .iter()
+            .fold(0, |hash, p| Random(hash ^ design.visit(Outcomes { effects, p, random: Random(hash) })).bits());
         found += &format!("{} {hash:016x}\n", design.name());
     }
     assert!(found == HASHES, "{found}");
 }
 
-/// Of all profiles, line by line.
+/// Of all accuracies, line by line.
 const HASHES: &str = "\
-map_scale e20ef4f3b52e26a0
-texture 2eb0a8de12f4b9a2
-probe_reach 59083c4627fed082
-texture_probe 931f7ba056e900ac
-repeat_address adc0a8b48b89fccc
-bump_texel 200e89848ed53113
-bump_ramp d129b0b951fe2d00
-bump_probe 1f80c38fe7a96ca9
-bump e31ebf9da5cf74a0
-fragment 3f78f818c2ee70b7
-reflection 59532dcf222878a3
-environment_probe 0f8858a19a484adc
-sphere_probe e5b63b41dd7fe93e
-levels b1d4a14d91bd8c62
-face_address 4570df07e614a630
-face_texels abb49d058985c613
-corner 658f892b982ac94f
-bright_texel fde3cb088a57f2ca
-bright_corner 5052cd61d4db575c
-colour_sample 393d50fbfd0cd24d
-word_sample f7c68d3f33a36bb8
-probe_sum 0fd2b254cd11eb62
-probe_mean 08923600cb395b50
-colour 24c9fdb750199901
-modulated f9b1d8d08aee7448
-lobe_core e2469ae1d309e0be
-lobes dcdfbc36833d34f5
-highlight df88e5d9a683e17b
-lit_peak fb48eb2a369d5740
-blend 215bcde72c9ef95d
-bright_blend e62dee90befae518
-local 2f33d9de6bb162fb
-peak e649e2ceb3484555
-horizon 1561cde90b4ef88a
-pixel_sum 0e86c726d83e3a52
-pixel 10fd88cc906c5e9b
+map_scale 00675eca7aca409c
+texture cace816b2a9109af
+probe_reach 5324401114e2a63b
+texture_probe 45be8f22a0264d82
+repeat_address 1f4819891d2c0ae8
+bump_texel 0990eafe9c71cdb7
+bump_ramp 650e145165955f54
+bump_probe 1400588b734f2a9c
+bump 74ae1cc06acf6953
+fragment d12706e40716406e
+reflection 32e6718c0d49c396
+environment_probe fe95aa1b356b86c6
+sphere_probe 92cd8d9d20c9c728
+levels ece3fc7ec607c235
+face_address 1017065634710a3d
+face_texels 23af1a992bab86e3
+corner 4c89b79ca6432ba7
+bright_texel 6d5a48a0e63505ee
+bright_corner e144dd65c70f8926
+colour_sample 7eb3f3c176386cbd
+word_sample c1830279a653b9f5
+probe_sum 683daabf296f3635
+probe_mean e77e72abba4c8ff2
+colour e999028207527c7b
+modulated 3ec665c72d71d6bf
+lobe_core 56a9522ea077680a
+lobes 9a9ed3756d66dabd
+highlight ae0a63637be2dce0
+lit_peak f9f8277d3cf56529
+blend b945f97c884e15ee
+bright_blend e79865ae0333dd8a
+local c4f6685c24d39210
+peak 5e7db5c43b1ba38d
+horizon f74872105702c4e9
+pixel_sum 0efaa2fcfc2cad64
+pixel bb4207c95a059b0f
 ";

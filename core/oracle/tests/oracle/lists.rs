@@ -25,12 +25,12 @@ pub(crate) fn everything_with_a_name_is_found_by_it() {
     are_names(&Profile::ALL, |profile| profile.name(), Profile::by_name);
     are_names(&Knob::ALL, |knob| knob.name(), Knob::by_name);
     are_names(Design::ALL, |design| design.name(), Design::by_name);
-    are_names(&Datapath::ALL, |datapath| datapath.name(), |name| {
-        Datapath::ALL.into_iter().find(|datapath| datapath.name() == name)
-    });
-    are_names(StatusBit::ALL, |bit| bit.name(), |name| {
-        StatusBit::ALL.iter().copied().find(|bit| bit.name() == name)
-    });
+    are_names(
+        &Datapath::ALL,
+        |datapath| datapath.name(),
+        |name| Datapath::ALL.into_iter().find(|datapath| datapath.name() == name),
+    );
+    are_names(StatusBit::ALL, |bit| bit.name(), |name| StatusBit::ALL.iter().copied().find(|bit| bit.name() == name));
     assert_eq!(Profile::ALL.map(Profile::name), Profile::NAMES);
     assert_eq!(format!("{:>0}", Knob::ReciprocalSteps), Knob::ReciprocalSteps.name());
     for design in Design::ALL {
@@ -106,7 +106,10 @@ pub(crate) fn a_knob_that_is_set_has_that_value_and_is_read_as_it_is_written() {
         assert_eq!(knob.read("exact"), (knob == Knob::Direction).then_some(0));
         // A choice has a name, not a number.
         assert_eq!(knob.read("1"), knob.choices().is_empty().then_some(1));
-        assert_eq!(knob.with(1, Precision::STANDARD).probe_weights == ProbeWeights::Gaussian, knob == Knob::ProbeWeights);
+        assert_eq!(
+            knob.with(1, Precision::STANDARD).probe_weights == ProbeWeights::Gaussian,
+            knob == Knob::ProbeWeights
+        );
     }
     assert_eq!(Knob::Direction.text(0).to_string(), "exact");
     assert_eq!(Knob::Direction.text(10).to_string(), "10");

@@ -2,6 +2,7 @@
 //! fails; an argument is a part of the names of those that run.
 
 mod designs;
+mod elementary;
 mod lists;
 mod maps;
 mod random;
@@ -33,6 +34,11 @@ tests! {
     lists::profiles_have_the_knobs_that_the_manifests_of_sets_name,
     lists::a_frame_is_needed_for_bumps_roughness_and_what_is_local,
     lists::plans_have_of_the_effects_what_their_datapath_knows,
+    elementary::what_rounds_up_to_one_has_the_seed_of_the_last_interval,
+    elementary::a_step_squares_the_error_of_a_seed,
+    elementary::logarithms_and_powers_are_right_on_words_of_every_width,
+    elementary::a_short_number_is_its_fraction_at_its_exponent,
+    elementary::a_reading_that_branches_has_the_frames_of_one_that_does_not,
     words::leading_zeros_by_table_are_those_of_the_processor,
     words::products_without_a_multiplier_are_exact,
     words::words_of_small_processors_round_and_normalise_as_the_others_do,

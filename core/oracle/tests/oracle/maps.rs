@@ -151,7 +151,9 @@ pub(crate) fn what_fragments_see_of_maps_hashes_to_what_it_did() {
     for profile in [Profile::Narrow, Profile::Paper, Profile::Standard] {
         let p = &profile.precision();
         let on_face = Effects::ALL.reflection();
-        for (edge, plan) in [(64, on_face), (1000, on_face), (3, on_face), (64, on_face.on_sphere()), (1000, on_face.on_sphere())] {
+        for (edge, plan) in
+            [(64, on_face), (1000, on_face), (3, on_face), (64, on_face.on_sphere()), (1000, on_face.on_sphere())]
+        {
             found += &format!("{} {edge} {:?} {:016x}\n", profile.name(), plan.footprint, environments(edge, &plan, p));
         }
         for size in [[64, 32], [37, 500]] {

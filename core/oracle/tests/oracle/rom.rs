@@ -163,10 +163,8 @@ pub(crate) fn probes_of_a_sweep_are_parts_of_the_normal_law() {
 }
 
 pub(crate) fn probes_of_a_sweep_come_from_those_of_one_less() {
-    let tables: [(&SweepTable, &SweepTable); 2] = [
-        (&NORMAL_PLACES, &NORMAL_PLACES_OF_ONE_LESS),
-        (&NORMAL_WIDENINGS, &NORMAL_WIDENINGS_OF_ONE_LESS),
-    ];
+    let tables: [(&SweepTable, &SweepTable); 2] =
+        [(&NORMAL_PLACES, &NORMAL_PLACES_OF_ONE_LESS), (&NORMAL_WIDENINGS, &NORMAL_WIDENINGS_OF_ONE_LESS)];
     for (own, of_one_less) in tables {
         let row = |table: &SweepTable, n: usize| table[MAX_PROBES * (n - 1)..][..n].to_vec();
         for n in 1..=2 {

@@ -246,7 +246,8 @@ fn check(v: &[ScreenVertex; 3], corners: &Attributes, template: &ReflectionIn, f
 
 pub(crate) fn a_plane_is_its_corners_at_its_corners() {
     // Corners at the centres of pixels, weights 1: A at a corner is the attribute times the area.
-    let v = [vertex(128, 128), vertex(128 + 256 * 8, 128), vertex(128, 128 + 256 * 4)].map(|v| ScreenVertex { inverse_w: 1, ..v });
+    let v = [vertex(128, 128), vertex(128 + 256 * 8, 128), vertex(128, 128 + 256 * 4)]
+        .map(|v| ScreenVertex { inverse_w: 1, ..v });
     let triangle = Triangle::new(&v).expect("it runs clockwise");
     let corner = |x: i32, exponent: i16| BlockPort { mantissa: [I2F30::from_bits(x)], exponent };
     let real = |port: &BlockPort<1>| f64::from(port.mantissa[0].to_bits()) * f64::from(port.exponent).exp2();

@@ -117,7 +117,8 @@ pub(crate) fn constants_of_a_map_are_those_of_its_longer_edge() {
             }
         }
     }
-    let same = |a: [u16; 2], b: [u16; 2]| assert_eq!(format!("{:?}", texture_scale(a)), format!("{:?}", texture_scale(b)));
+    let same =
+        |a: [u16; 2], b: [u16; 2]| assert_eq!(format!("{:?}", texture_scale(a)), format!("{:?}", texture_scale(b)));
     same([0, 7], [1, 7]);
     same([9, 65535], [9, 16384]);
 }
@@ -127,7 +128,8 @@ struct Bumpy<A, const SPHERE: bool>(A);
 
 impl<A: Accuracy, const SPHERE: bool> Firmware for Bumpy<A, SPHERE> {
     type Accuracy = A;
-    const EFFECTS: Effects = if SPHERE { Effects { footprint: FootprintKind::Sphere, ..Effects::ALL } } else { Effects::ALL };
+    const EFFECTS: Effects =
+        if SPHERE { Effects { footprint: FootprintKind::Sphere, ..Effects::ALL } } else { Effects::ALL };
 }
 
 /// No effect but a footprint.

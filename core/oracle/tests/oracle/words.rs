@@ -5,9 +5,7 @@ use roughxel_core::bundle::{Bundle, End, Rewire, Step, Value, bundle, flag_limit
 use roughxel_core::each::places;
 use roughxel_core::fetch::{Fetch, two};
 use roughxel_core::fx::{Fx, Wide};
-use roughxel_core::small::{
-    Full, Half, WideFull, WideHalf, leading_zeros_by_table, product_by_adds, product_by_table,
-};
+use roughxel_core::small::{Full, Half, WideFull, WideHalf, leading_zeros_by_table, product_by_adds, product_by_table};
 use roughxel_core::width::{IntegerWord, narrowed, of_ports, to_ports, widened};
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -47,7 +45,17 @@ pub(crate) fn products_without_a_multiplier_are_exact() {
     }
     for _ in 0..20_000 {
         let [a, b] = [(); 2].map(|()| of_every_size(&mut random) as i32);
-        for (a, b) in [(a, b), (i32::MIN, b), (a, i32::MIN), (i32::MIN, i32::MIN), (a, 0), (a, 255), (a, 256), (a, 0xffff), (a, 0x10000)] {
+        for (a, b) in [
+            (a, b),
+            (i32::MIN, b),
+            (a, i32::MIN),
+            (i32::MIN, i32::MIN),
+            (a, 0),
+            (a, 255),
+            (a, 256),
+            (a, 0xffff),
+            (a, 0x10000),
+        ] {
             assert_eq!(product_by_adds(a, b), i64::from(a) * i64::from(b), "{a} {b}");
         }
     }
@@ -177,7 +185,14 @@ pub(crate) fn bundles_keep_every_bit_on_words_of_every_reading_but_the_lower_hal
         assert_eq!(through::<Half>(bundle), rounded);
         assert_eq!(integers(&widened(&narrowed(bundle))), rounded);
     }
-    for (port, word) in [(i32::MAX, i16::MAX), (0x7fff_8000, i16::MAX), (0x7fff_7fff, i16::MAX), (0x7ffe_8000, i16::MAX), (0x7ffe_7fff, i16::MAX - 1), (i32::MIN, i16::MIN)] {
+    for (port, word) in [
+        (i32::MAX, i16::MAX),
+        (0x7fff_8000, i16::MAX),
+        (0x7fff_7fff, i16::MAX),
+        (0x7ffe_8000, i16::MAX),
+        (0x7ffe_7fff, i16::MAX - 1),
+        (i32::MIN, i16::MIN),
+    ] {
         assert_eq!(i16::of_port(port), word);
         assert_eq!(Half::of_port(port), Half(word.into()));
     }
@@ -315,9 +330,10 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
     assert_eq!([X::int(-5), X::int(1), X::int(5)].map(|x| x.saturate(low, high)), [low, X::int(1), high]);
     assert!(high.ge(high) && high.ge(low) && !low.ge(high) && low.lt(high) && !low.lt(low));
     assert_eq!([X::lit(-1), X::lit(0), X::lit(1)].map(|x| x.is_zero()), [false, true, false]);
-    assert_eq!([low.abs(), high.abs(), high.negate_if(true), -low, high - low, low + high].map(|x| x.raw() >> 28), [
-        2, 3, -3, 2, 5, 1
-    ]);
+    assert_eq!(
+        [low.abs(), high.abs(), high.negate_if(true), -low, high - low, low + high].map(|x| x.raw() >> 28),
+        [2, 3, -3, 2, 5, 1]
+    );
     assert_eq!(<Fx<i16, 4>>::entry(0x1234_8000).raw(), 0x1235);
 }
 

@@ -1,0 +1,112 @@
+//! Roots, logarithms and powers at the ends of what they take, and frames in a reading that branches.
+
+use roughxel_core::block::{Block, Mantissa};
+use roughxel_core::elementary::{exp2, half_inverse_root, half_reciprocal, log2, short_number};
+use roughxel_core::fx::Fx;
+use roughxel_core::precision::{Newton, Precision};
+use roughxel_core::small::Full;
+use roughxel_core::stage::frame::main_direction;
+use roughxel_core::width::{of_ports, to_ports};
+
+use crate::random::Random;
+use crate::walk::numbers;
+
+/// Seeds and steps of both iterations.
+fn newton(seed_bits: u32, steps: u32) -> Precision {
+    let newton = Newton { seed_bits, steps };
+    Precision { fraction_bits: 28, reciprocal: newton, inverse_root: newton, ..Precision::PRECISE }
+}
+
+pub(crate) fn what_rounds_up_to_one_has_the_seed_of_the_last_interval() {
+    for seed_bits in 6..=10 {
+        let p = &newton(seed_bits, 0);
+        let [one, below] = [1 << 30, (1 << 30) - 1].map(Mantissa::<i32>::from_raw);
+        assert_eq!(half_inverse_root(one, p), half_inverse_root(below, p));
+        assert_eq!(half_reciprocal(one, p), half_reciprocal(below, p));
+    }
+}
+
+pub(crate) fn a_step_squares_the_error_of_a_seed() {
+    let mut random = Random(1);
+    for seed_bits in 6..=10 {
+        for steps in 0..=2 {
+            let p = &newton(seed_bits, steps);
+            // At ¼ half an interval is 2^−seed_bits of a root, and the seed is rounded; no step is right beyond the kept bits.
+            let mut bar = 1.25 * f64::from(-(seed_bits as i32)).exp2();
+            (0..steps).for_each(|_| bar = 1.5 * bar * bar + 3.0 * (-28_f64).exp2());
+            for _ in 0..200 {
+                let raw = (1 << 28) + random.below(3 << 28) as i32;
+                let x = f64::from(raw) / f64::from(1 << 30);
+                let error =
+                    |found: Mantissa<i32>, exact: f64| f64::from(found.raw()) / f64::from(1 << 30) / exact - 1.0;
+                let root = error(half_inverse_root(Fx::from_raw(raw), p), 0.5 / x.sqrt());
+                assert!(root.abs() <= bar, "{seed_bits} {steps} {x}: {root} {bar}");
+                if x >= 0.5 {
+                    let reciprocal = error(half_reciprocal(Fx::from_raw(raw), p), 0.5 / x);
+                    assert!(reciprocal.abs() <= bar, "{seed_bits} {steps} {x}: {reciprocal} {bar}");
+                }
+            }
+        }
+    }
+}
+
+/// Error of logarithms and powers of a word with `fraction` fraction bits.
+fn logarithms(of: impl Fn(f64) -> (f64, f64), power: impl Fn(f64) -> (f64, f64), bar: f64) {
+    for i in 0..=1000 {
+        let (x, log) = of(0.5 + f64::from(i) / 2000.0);
+        assert!((log - x.log2()).abs() <= bar, "log2 {x}: {log}");
+        let (x, found) = power(f64::from(i) / 50.0 - 10.0);
+        assert!((found / x.exp2() - 1.0).abs() <= bar, "exp2 {x}: {found}");
+    }
+}
+
+pub(crate) fn logarithms_and_powers_are_right_on_words_of_every_width() {
+    macro_rules! check {
+        ($word:ty, $bar:expr) => {
+            let p = &Precision { fraction_bits: <$word>::BITS - 2, ..Precision::PRECISE };
+            let unit = f64::from(<$word>::BITS - 2).exp2();
+            logarithms(
+                |x| {
+                    let raw = (x * unit) as $word;
+                    (f64::from(raw) / unit, f64::from(log2::<$word>(Fx::from_raw(raw), p).raw()) / 24_f64.exp2())
+                },
+                |x| {
+                    let raw = (x * 24_f64.exp2()) as i32;
+                    let found = exp2::<$word>(Fx::from_raw(raw), p);
+                    let mantissa = f64::from(found.m[0].raw()) / unit;
+                    (f64::from(raw) / 24_f64.exp2(), mantissa * f64::from(found.e.raw()).exp2())
+                },
+                $bar,
+            );
+        };
+    }
+    // A table of 256 intervals is right to 2^−18; of a word of 8 bits the knot alone is left, and half a last place.
+    check!(i32, (-18_f64).exp2());
+    check!(i16, (-13_f64).exp2());
+    check!(i8, (-6_f64).exp2());
+}
+
+pub(crate) fn a_short_number_is_its_fraction_at_its_exponent() {
+    for code in (0..=0xffff).step_by(17).chain([4095, 4096, 8191, 8192]) {
+        let (c, f) = (code >> 12, code & 0xfff);
+        let number = short_number::<i32>(Fx::from_raw(code));
+        let value = f64::from(number.m[0].raw()) / f64::from(1 << 30) * f64::from(number.e.raw()).exp2();
+        let expected = if c == 0 { f64::from(f) } else { f64::from(f + 4096) * f64::from(c - 1).exp2() };
+        assert_eq!(value * 8192.0, expected, "{code:#x}");
+    }
+}
+
+pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {
+    let p = &Precision::STANDARD;
+    let block = |m: [i32; 3]| Block::<i32, 3> { m: m.map(|m| Fx::from_raw(m << 20)), e: Fx::int(1) };
+    for n in [[0, 0, 512], [300, -1, 512], [0, 512, 512], [-512, 3, 2]] {
+        for h in [n, [512, 9, -77], [0; 3]] {
+            let (n, h) = (block(n), block(h));
+            let scalar = main_direction(&n, &h, p);
+            let small = main_direction(&of_ports::<Full, _>(&n), &of_ports::<Full, _>(&h), p);
+            let integers = |frame: &_| numbers(frame).iter().map(|number| number.integer).collect::<Vec<_>>();
+            assert_eq!(integers(&to_ports::<Full, _>(&small)), integers(&scalar));
+            assert!(scalar.e1.m.iter().chain(&scalar.e2.m).any(|m| m.raw() != 0), "a pole has a frame, too");
+        }
+    }
+}
