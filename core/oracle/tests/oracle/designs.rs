@@ -7,8 +7,8 @@ use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, Prob
 use roughxel_core::scalar::Scalar;
 use roughxel_core::width::{narrowed, widened};
 
-use crate::random::Random;
-use crate::walk::{bundle, limits, numbers};
+use roughxel_oracle::random::Random;
+use roughxel_oracle::walk::{bundle, limits, numbers};
 
 /// Inputs of a design in a profile.
 const INPUTS: usize = 150;

@@ -1,15 +1,15 @@
 //! Roots, logarithms and powers at the ends of what they take, and frames in a reading that branches.
 
 use roughxel_core::block::{Block, Mantissa};
-use roughxel_core::elementary::{exp2, half_inverse_root, half_reciprocal, log2, short_number};
+use roughxel_core::elementary::{exp2, half_inverse_root, half_reciprocal, log2, one_plus, short_number};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision};
 use roughxel_core::small::Full;
 use roughxel_core::stage::frame::main_direction;
 use roughxel_core::width::{of_ports, to_ports};
 
-use crate::random::Random;
-use crate::walk::numbers;
+use roughxel_oracle::random::Random;
+use roughxel_oracle::walk::numbers;
 
 /// Seeds and steps of both iterations.
 fn newton(seed_bits: u32, steps: u32) -> Precision {
@@ -94,6 +94,16 @@ pub(crate) fn a_short_number_is_its_fraction_at_its_exponent() {
         let expected = if c == 0 { f64::from(f) } else { f64::from(f + 4096) * f64::from(c - 1).exp2() };
         assert_eq!(value * 8192.0, expected, "{code:#x}");
     }
+}
+
+pub(crate) fn one_and_a_number_is_the_larger_of_them_where_they_are_far_apart() {
+    let block = |e: i64| Block::<i32, 1> { m: [Fx::number(3, -2)], e: Fx::int(e) };
+    for e in [40, 63, 64, 65, 66, 2000, 70_000] {
+        assert!(one_plus(block(e), 28) == block(e), "{e}");
+        assert!(one_plus(block(-e), 28) == Block::one(), "{e}");
+    }
+    let [sum, small] = [one_plus(block(2), 28), one_plus(block(-3), 28)];
+    assert_eq!([sum, small].map(|sum| (sum.m[0].raw(), sum.e.raw())), [(1 << 29, 3), (35 << 24, 1)]);
 }
 
 pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {

@@ -15,9 +15,9 @@ use roughxel_core::signals::{RepeatedFootprint, TexturePosition};
 use roughxel_core::soft_core::{environment_scale, reflection, texture_footprint, texture_scale};
 use roughxel_core::width::on_words;
 
-use crate::random::Random;
 use crate::tile;
-use crate::walk::numbers;
+use roughxel_oracle::random::Random;
+use roughxel_oracle::walk::numbers;
 
 /// An environment whose texels are random codes, bright or not.
 pub(crate) struct Noise {
@@ -76,7 +76,7 @@ fn environments(edge: u16, plan: &ReflectionPlan, p: &Precision) -> u64 {
     let mut hash = Hash::default();
     let map = environment_scale(edge, p);
     let last_level = map.last_level.raw() as u32;
-    for (fragment, _) in fragments().iter().copied() {
+    for (fragment, _) in fragments() {
         let out = reflection(&fragment.wires(), &map, plan, p);
         for bright in [false, true] {
             let memory = &Noise { bright, edge: edge.into() };
@@ -123,7 +123,7 @@ fn textures(size: [u16; 2], p: &Precision) -> u64 {
         }),
         weight: tap.weight,
     };
-    for (_, fragment) in fragments().iter().copied() {
+    for (_, fragment) in fragments() {
         let footprint = texture_footprint(&fragment.duv.wires(), &scale, &map, p);
         hash.add(&footprint);
         let centre = &TexturePosition { uv: fragment.uv.wires() };

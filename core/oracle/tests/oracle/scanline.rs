@@ -9,7 +9,7 @@ use roughxel_core::scanline::{
 };
 use roughxel_core::setup::{block_vector, real_pair, real_vector};
 
-use crate::random::Random;
+use roughxel_oracle::random::Random;
 
 /// As many bits as a set-up in floating point may keep.
 const CODES: Precision = Precision { fraction_bits: 28, ..Precision::PRECISE };
@@ -230,8 +230,8 @@ fn check(v: &[ScreenVertex; 3], corners: &Attributes, template: &ReflectionIn, f
     }
     // n and dn have the scale W² beside that of their ports: what counts is their ratio.
     let scale = real_vector(&surface.normal).length() / n.a.length();
-    for axis in 0..2 {
-        let found = real_vector(&dnormal[axis]) / scale;
+    for (axis, derivative) in dnormal.iter().enumerate() {
+        let found = real_vector(derivative) / scale;
         let error = (found - n.da[axis]).length();
         let bar = ((-24_f64).exp2() + (-34_f64).exp2() * n.loss)
             * (n.da[axis].length() + n.a.length() * n.dw[axis].abs() + 1e-6);

@@ -9,7 +9,7 @@ use roughxel_core::setup::{
     scale_by_power_of_two, shininess, stored_horizon, stored_peak, stored_unit_peak, uniform_law,
 };
 
-use crate::random::Random;
+use roughxel_oracle::random::Random;
 
 /// 2^exponent.
 fn power(exponent: i32) -> f64 {
@@ -74,7 +74,7 @@ fn check_vector(v: DVec3, p: &Precision) {
         return assert_eq!(port, BlockPort::default());
     }
     let bits = p.fraction_bits;
-    let mantissas = port.mantissa.map(|m| m.to_bits());
+    let mantissas = port.mantissa.map(I2F30::to_bits);
     assert!(mantissas.iter().all(|m| m.trailing_zeros() >= 30 - bits));
     let largest = mantissas.iter().map(|m| m.unsigned_abs()).max().expect("there are three");
     assert!((1 << 29..=1 << 30).contains(&largest), "{v} {port:?}");
@@ -125,7 +125,7 @@ pub(crate) fn shininess_has_the_exponent_and_its_root_to_the_nearest() {
     let mut random = Random(3);
     let many = (0..20_000).map(|_| (random.below(13 << 20) as f64 / power(20)).exp2());
     let squares = (1..=90).map(|root| f64::from(root * root));
-    let ends = [1.0, 8192.0, 8191.999_99, 1.0 + power(-16), 2.5 + power(-17), 2.5 + power(-18)];
+    let ends = [1.0, 8192.0, 8191.99, 1.0 + power(-16), 2.5 + power(-17), 2.5 + power(-18)];
     for m in many.chain(squares).chain(ends) {
         let port = shininess(m);
         let exponent = f64::from(port.exponent.to_bits());
@@ -189,7 +189,7 @@ pub(crate) fn the_normal_of_a_stored_peak_has_unit_length_whatever_came() {
     let ends = stored_unit_peak(DVec3::new(1.0, -1.0, 0.0), 1.0, 1.0).normal;
     assert_eq!(ends, [I1F15::MAX, I1F15::MIN, I1F15::ZERO]);
     let rounded = stored_unit_peak(DVec3::new(1.5 * power(-15), 1.49 * power(-15), -1.5 * power(-15)), 1.0, 1.0).normal;
-    assert_eq!(rounded.map(|x| x.to_bits()), [2, 1, -1]);
+    assert_eq!(rounded.map(I1F15::to_bits), [2, 1, -1]);
     let none = stored_peak(DVec3::ZERO, 2.0, 3.0);
     assert_eq!((none.normal, none.amplitude), ([I1F15::ZERO; 3], 0));
     assert!(stored_peak(DVec3::new(0.0, 0.0, -9.0), 2.0, 3.0).amplitude > 0);
@@ -198,7 +198,7 @@ pub(crate) fn the_normal_of_a_stored_peak_has_unit_length_whatever_came() {
 pub(crate) fn a_horizon_has_slopes_and_inverse_widths() {
     let low = [-1.5, 0.25, 1.5 * power(-12), 9.0];
     let stored = stored_horizon(low, [2.0, 0.5, 1e-9, 0.0]);
-    let codes = stored.low.map(|low| low.to_bits());
+    let codes = stored.low.map(I4F12::to_bits);
     assert_eq!(codes, [-6144, 1024, 2, i16::MAX]);
     let (lows, inverses) = real_horizon(&stored);
     assert_eq!(lows, [-1.5, 0.25, power(-11), 8.0 - power(-12)]);

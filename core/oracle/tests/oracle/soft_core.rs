@@ -1,8 +1,9 @@
 //! The datapaths from ports to ports under every plan, and constants of maps.
 
-use fixed::types::I16F16;
+use fixed::types::{I4F28, I8F24, I16F16};
 use glam::DVec3;
 use roughxel_core::firmware::{Accuracy, Firmware, Narrow, Standard};
+use roughxel_core::fx::Fx;
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::ports::{HighlightIn, PeakIn, Port, ReflectionIn};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
@@ -162,13 +163,13 @@ fn firmware_is_the_soft_core_on_a_face<F: Firmware>() {
         let stages = soft_core::reflection(&fragment.wires(), &map, &plan, p);
         for (probe, expected) in footprint.probes().zip(environment_probes(&stages.point, &stages.probes, p)) {
             assert_eq!(i32::from(probe.face), expected.place.face.raw());
-            assert_eq!(probe.st.map(|s| s.to_bits()), expected.place.st.map(|s| s.raw()));
+            assert_eq!(probe.st.map(I4F28::to_bits), expected.place.st.map(Fx::raw));
             assert_eq!(probe.weight.to_bits(), expected.weight.raw());
         }
         let rough = plan.roughness != RoughnessKind::None;
         let (point, probes) = (&stages.point, &stages.probes);
         let colour = on_words!(p, |point, probes| sampler::environment(point, probes, rough, cube, p));
-        assert_eq!(footprint.colour(cube).map(|c| c.to_bits()), colour.map(|c| c.0.raw()));
+        assert_eq!(footprint.colour(cube).map(I8F24::to_bits), colour.map(|c| c.0.raw()));
 
         let (light, peak) = lit(&fragment, index % 5);
         assert_eq!(F::highlight(&light), light.highlight(&F::EFFECTS.highlight(), p));
@@ -180,7 +181,7 @@ fn firmware_is_the_soft_core_on_a_face<F: Firmware>() {
         let centre = &TexturePosition { uv: texture.uv.wires() };
         assert_eq!((seen.lod().to_bits(), seen.probes().len() as i32), (expected.lod.raw(), expected.count.raw()));
         for (probe, expected) in seen.probes().zip(texture_probes(centre, &expected, &scale.0, p)) {
-            assert_eq!(probe.uv.map(|u| i64::from(u.to_bits())), expected.place.uv.map(|u| u.raw()));
+            assert_eq!(probe.uv.map(|u| i64::from(u.to_bits())), expected.place.uv.map(Fx::raw));
             assert_eq!(probe.weight.to_bits(), expected.weight.raw());
         }
     }
@@ -203,12 +204,12 @@ fn firmware_is_the_soft_core_on_the_sphere<F: Firmware>() {
         assert_eq!(footprint.probes().len(), expected.len());
         for ((probe, lod), expected) in footprint.probes().zip(expected) {
             assert_eq!(i32::from(probe.face), expected.place.face.raw());
-            assert_eq!(probe.st.map(|s| s.to_bits()), expected.place.st.map(|s| s.raw()));
+            assert_eq!(probe.st.map(I4F28::to_bits), expected.place.st.map(Fx::raw));
             assert_eq!((probe.weight.to_bits(), lod.to_bits()), (expected.weight.raw(), expected.lod.raw()));
         }
         let (sweep, rough) = (&stages.sweep, plan.roughness != RoughnessKind::None);
         let colour = on_words!(p, |sweep| sampler::swept_environment(sweep, rough, cube, p));
-        assert_eq!(footprint.colour(cube).map(|c| c.to_bits()), colour.map(|c| c.0.raw()));
+        assert_eq!(footprint.colour(cube).map(I8F24::to_bits), colour.map(|c| c.0.raw()));
     }
 }
 

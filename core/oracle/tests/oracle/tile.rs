@@ -1,5 +1,6 @@
 //! The tile of a picture that firmware draws.
 
+use fixed::types::I8F24;
 use roughxel_core::firmware::{Accuracy, Firmware, Narrow, Standard};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
@@ -26,7 +27,7 @@ fn shade<A: Accuracy>() -> Hash {
     let cube = Cube { memory: &Sky, edge: SKY_EDGE.into(), last_level: SKY_EDGE.ilog2(), exponent: 0 };
     drawn::fragments(|y, fragment| {
         let colour = Bumpy::<A>::reflect(&fragment.reflection, &environment).colour(&cube);
-        [fragment.x, y].into_iter().chain(colour.map(|channel| channel.to_bits())).for_each(|part| hash.add(part));
+        [fragment.x, y].into_iter().chain(colour.map(I8F24::to_bits)).for_each(|part| hash.add(part));
     });
     hash
 }

@@ -9,7 +9,7 @@ use roughxel_core::precision::{Profile, RoughnessKind};
 use roughxel_core::soft_core;
 use serde_json::Value;
 
-use crate::walk::{Number, bundle, limits, numbers};
+use roughxel_oracle::walk::{Number, bundle, limits, numbers};
 
 pub(crate) fn every_field_of_every_golden_vector_is_that_of_the_soft_core() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/smoke");

@@ -9,8 +9,8 @@ use roughxel_core::small::{Full, Half, WideFull, WideHalf, leading_zeros_by_tabl
 use roughxel_core::width::{IntegerWord, narrowed, of_ports, to_ports, widened};
 use roughxel_core::word::{WideWire, Wire, Word};
 
-use crate::random::Random;
-use crate::walk::{limits, numbers};
+use roughxel_oracle::random::Random;
+use roughxel_oracle::walk::{limits, numbers};
 
 /// Integers of every size, both signs.
 fn of_every_size(random: &mut Random) -> i64 {
@@ -286,7 +286,7 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
             for k in [0, 1, 5, 31] {
                 // Rounded once, after the bits below the kept ones are cut.
                 let cut = i64::from(raw >> drop);
-                let expected = ((cut * 2 >> k) + 1) >> 1 << drop;
+                let expected = (((cut * 2) >> k) + 1) >> 1 << drop;
                 assert_eq!(i64::from(x.round_shr_by(Fx::int(k), keep).raw()), expected, "{raw} {keep} {k}");
             }
         }
@@ -343,7 +343,7 @@ pub(crate) fn a_memory_is_read_at_its_end_where_a_place_is_beyond_it() {
     for place in [1, 2, 3, -1, i32::MAX, i32::MIN] {
         assert_eq!(two(memory, place), [memory[1], memory[2]]);
     }
-    let pair = |place: i32, memory: &[u64]| <i32 as Fetch>::pair(Fx::from_raw(place), memory).map(|half| half.raw());
+    let pair = |place: i32, memory: &[u64]| <i32 as Fetch>::pair(Fx::from_raw(place), memory).map(Fx::raw);
     assert_eq!(pair(0, memory), [1, 0x1111_1111, 2, 0x2222_2222]);
     assert_eq!(pair(9, memory), [2, 0x2222_2222, 3, 0x3333_3333]);
     assert_eq!(pair(0, &memory[..2]), [1, 0x1111_1111, 2, 0x2222_2222]);

@@ -6,26 +6,32 @@ use roughxel_core::bundle::{Bundle, End, Rewire, Step};
 
 /// A wire of a bundle: its path, its fraction bits, its integer.
 #[derive(Clone, Debug)]
-pub(crate) struct Number {
-    pub(crate) path: String,
-    pub(crate) fraction_bits: u32,
-    pub(crate) integer: i64,
+pub struct Number {
+    /// `surface.normal.mantissa[0]`.
+    pub path: String,
+    /// Of its point.
+    pub fraction_bits: u32,
+    /// What is on it; 1 for a flag that is set.
+    pub integer: i64,
 }
 
 /// The wires of a bundle in the order of its walk.
-pub(crate) fn numbers<B: Bundle<i32>>(bundle: &B) -> Vec<Number> {
+pub fn numbers<B: Bundle<i32>>(bundle: &B) -> Vec<Number> {
     let mut walk = Walk::default();
     bundle.rewire::<i32, _>(&mut walk);
     walk.found
 }
 
 /// The wires of a bundle at one end of their declared ranges.
-pub(crate) fn limits<B: Bundle<i32, In<i32> = B>>(end: End) -> Vec<Number> {
+pub fn limits<B: Bundle<i32, In<i32> = B>>(end: End) -> Vec<Number> {
     numbers(&B::limit::<i32>(end))
 }
 
 /// The bundle whose wires have these integers.
-pub(crate) fn bundle<B: Bundle<i32, In<i32> = B>>(integers: Vec<i64>) -> B {
+///
+/// # Panics
+/// If they are fewer than its wires.
+pub fn bundle<B: Bundle<i32, In<i32> = B>>(integers: Vec<i64>) -> B {
     let mut walk = Walk { instead: Some(integers.into_iter()), ..Walk::default() };
     B::limit::<i32>(End::Low).rewire(&mut walk)
 }
