@@ -75,6 +75,7 @@ tests! {
     scanline::a_plane_is_its_corners_at_its_corners,
     soft_core::every_plan_hashes_to_what_it_did,
     soft_core::an_effect_that_is_off_leaves_its_inputs_unread,
+    soft_core::a_reading_that_branches_has_the_probes_of_one_that_does_not,
     soft_core::constants_of_a_map_are_those_of_its_longer_edge,
     soft_core::firmware_has_the_bits_of_the_soft_core,
     designs::what_a_design_makes_of_random_integers_hashes_to_what_it_did,

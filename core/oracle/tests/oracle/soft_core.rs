@@ -1,5 +1,7 @@
 //! The datapaths from ports to ports under every plan, and constants of maps.
 
+use std::collections::BTreeSet;
+
 use fixed::types::{I4F28, I8F24, I16F16};
 use glam::DVec3;
 use roughxel_core::firmware::{Accuracy, Firmware, Narrow, Standard};
@@ -11,8 +13,12 @@ use roughxel_core::probe_list::{environment_probes, sphere_probes, texture_probe
 use roughxel_core::sampler::{self, Cube};
 use roughxel_core::setup::{shininess, stored_horizon, stored_peak};
 use roughxel_core::signals::TexturePosition;
+use roughxel_core::small::Full;
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
-use roughxel_core::width::on_words;
+use roughxel_core::stage::{probes, sweep};
+use roughxel_core::width::{of_ports, on_words, to_ports};
+
+use roughxel_oracle::walk::{Number, numbers};
 
 use crate::maps::{Hash, Noise, fragments};
 
@@ -99,6 +105,30 @@ pub(crate) fn an_effect_that_is_off_leaves_its_inputs_unread() {
         changed.dview = fragment.dview;
         assert_eq!(changed.reflect(&face.reflection(), p), out);
     }
+}
+
+pub(crate) fn a_reading_that_branches_has_the_probes_of_one_that_does_not() {
+    let p = &Precision::STANDARD;
+    let plan = &Effects::ALL.reflection().on_sphere();
+    let map = environment_scale(64, p);
+    let small_map = &of_ports::<Full, _>(&map);
+    let same = |small: &[Number], scalar: &[Number]| {
+        let integers = |numbers: &[Number]| numbers.iter().map(|number| number.integer).collect::<Vec<_>>();
+        assert_eq!(integers(small), integers(scalar));
+    };
+    let mut counts = BTreeSet::new();
+    for (fragment, _) in fragments() {
+        let axes = soft_core::reflection(&fragment.wires(), &map, plan, p).axes;
+        let spread = sweep::spread(&axes, p);
+        let small = &of_ports::<Full, _>(&axes);
+        let found = probes::count_and_level(small, of_ports::<Full, _>(&spread), small_map, p);
+        let scalar = probes::count_and_level(&axes, spread, &map, p);
+        counts.insert(scalar.count.raw());
+        same(&numbers(&to_ports::<Full, _>(&found)), &numbers(&scalar));
+        let found = probes::probes(small, small_map, p);
+        same(&numbers(&to_ports::<Full, _>(&found)), &numbers(&probes::probes(&axes, &map, p)));
+    }
+    assert!(counts.len() > 3 && counts.contains(&2), "{counts:?}");
 }
 
 pub(crate) fn constants_of_a_map_are_those_of_its_longer_edge() {
