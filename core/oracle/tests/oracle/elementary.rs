@@ -4,8 +4,10 @@ use roughxel_core::block::{Block, Mantissa};
 use roughxel_core::elementary::{exp2, half_inverse_root, half_reciprocal, log2, one_plus, short_number};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision};
+use roughxel_core::signals::CountAndLevel;
 use roughxel_core::small::Full;
 use roughxel_core::stage::frame::main_direction;
+use roughxel_core::stage::sweep::sweep;
 use roughxel_core::width::{of_ports, to_ports};
 
 use roughxel_oracle::random::Random;
@@ -104,6 +106,20 @@ pub(crate) fn one_and_a_number_is_the_larger_of_them_where_they_are_far_apart() 
     }
     let [sum, small] = [one_plus(block(2), 28), one_plus(block(-3), 28)];
     assert_eq!([sum, small].map(|sum| (sum.m[0].raw(), sum.e.raw())), [(1 << 29, 3), (35 << 24, 1)]);
+}
+
+pub(crate) fn a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_bound() {
+    let p = &Precision::STANDARD;
+    let block = |m: [i64; 3], e: i64| Block::<i32, 3> { m: m.map(|m| Fx::number(m, -1)), e: Fx::int(e) };
+    let zero = Fx::zero();
+    let probes = CountAndLevel::<i32> { count: Fx::int(3), share: zero, level: zero, empty: false, capped: false };
+    let level = |places: i64| {
+        let [r, small] = [block([0, 0, 1], 40), block([0, 1, 0], 40 + places - 5)];
+        sweep(&r, [&block([1, 0, 1], 40 + places), &small, &small], &probes, p).level.raw()
+    };
+    for places in [-9000, -8193, -8192, -8191, -77, -1, 0, 1, 77, 8191, 8192, 8193, 9000] {
+        assert_eq!(level(places) - level(0), -(places.clamp(-8192, 8192) as i32) << 16, "{places}");
+    }
 }
 
 pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {

@@ -37,6 +37,7 @@ tests! {
     elementary::logarithms_and_powers_are_right_on_words_of_every_width,
     elementary::a_short_number_is_its_fraction_at_its_exponent,
     elementary::one_and_a_number_is_the_larger_of_them_where_they_are_far_apart,
+    elementary::a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_bound,
     elementary::a_reading_that_branches_has_the_frames_of_one_that_does_not,
     words::leading_zeros_by_table_are_those_of_the_processor,
     words::products_without_a_multiplier_are_exact,
