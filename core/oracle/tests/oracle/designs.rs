@@ -3,7 +3,7 @@
 use roughxel_core::bundle::End;
 use roughxel_core::design::{Design, Recorded, Visitor};
 use roughxel_core::plan::{Effects, FootprintKind};
-use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
+use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_core::scalar::Scalar;
 use roughxel_core::width::{narrowed, widened};
 
@@ -24,6 +24,7 @@ const ACCURACIES: [Precision; 6] = [
         inverse_root: Newton { seed_bits: 10, steps: 2 },
         probe_weights: ProbeWeights::Gaussian,
         max_probes: 5,
+        roughness: RoughnessKind::Isotropic,
         ..Precision::NARROW
     },
     Precision {
@@ -35,6 +36,7 @@ const ACCURACIES: [Precision; 6] = [
         probe_weights: ProbeWeights::Gaussian,
         max_probes: 11,
         weight_bits: 2,
+        roughness: RoughnessKind::None,
         ..Precision::PRECISE
     },
 ];
@@ -87,10 +89,10 @@ texture cace816b2a9109af
 probe_reach 5324401114e2a63b
 texture_probe 45be8f22a0264d82
 repeat_address 1f4819891d2c0ae8
-bump_texel 0990eafe9c71cdb7
+bump_texel 646b4d7833a2110b
 bump_ramp 650e145165955f54
 bump_probe 1400588b734f2a9c
-bump 74ae1cc06acf6953
+bump bfa6994398ec8c4d
 fragment d12706e40716406e
 reflection 32e6718c0d49c396
 environment_probe fe95aa1b356b86c6
