@@ -1,7 +1,10 @@
 //! Roots, logarithms and powers at the ends of what they take, and frames in a reading that branches.
 
 use roughxel_core::block::{Block, Mantissa};
-use roughxel_core::elementary::{exp2, half_inverse_root, half_reciprocal, log2, one_plus, short_number};
+use roughxel_core::elementary::{
+    VERSINE, exp2, half_inverse_root, half_reciprocal, log2, log2_one_plus, minus_log2_one_minus, one_plus,
+    short_number,
+};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision};
 use roughxel_core::signals::CountAndLevel;
@@ -88,6 +91,35 @@ pub(crate) fn logarithms_and_powers_are_right_on_words_of_every_width() {
     check!(i8, (-6_f64).exp2());
 }
 
+/// The number that a block stands for.
+fn real(x: &Block<i32, 1>) -> f64 {
+    f64::from(x.m[0].raw()) / f64::from(1 << 30) * f64::from(x.e.raw()).exp2()
+}
+
+pub(crate) fn logarithms_beside_one_keep_the_accuracy_of_small_numbers() {
+    let p = &Precision { fraction_bits: 28, ..Precision::PRECISE };
+    for e in (-70..=0).chain([1, 2, 5, 20, 31, 32, 33, 62, 63, 64, 65, 70, 300, 1000]) {
+        for raw in [1 << 29, 5 << 27, 7 << 27, (1 << 30) - 7, 0x2b3c_4d5e] {
+            let x = Block::<i32, 1> { m: [Fx::from_raw(raw)], e: Fx::int(e) };
+            let exact = real(&x).ln_1p() / std::f64::consts::LN_2;
+            let found = real(&log2_one_plus(x, p));
+            assert!((found / exact - 1.0).abs() < (-18_f64).exp2(), "log2(1 + {}): {found}", real(&x));
+            // y on its wide wire: 2^−61 at the least.
+            if (-57..1).contains(&e) {
+                let y = Fx::<i64, VERSINE>::from_raw(i64::from(raw) << 31 >> -e);
+                let real_y = y.raw() as f64 / 61_f64.exp2();
+                let exact = -(-real_y).ln_1p() / std::f64::consts::LN_2;
+                let found = real(&minus_log2_one_minus::<i32>(y, p));
+                assert!((found / exact - 1.0).abs() < (-18_f64).exp2(), "−log2(1 − {real_y}): {found}");
+            }
+        }
+    }
+    // Of 1 and more it is 64.
+    for y in [1 << 61, (1 << 61) + 5] {
+        assert_eq!(real(&minus_log2_one_minus::<i32>(Fx::from_raw(y), p)), 64.0);
+    }
+}
+
 pub(crate) fn a_short_number_is_its_fraction_at_its_exponent() {
     for code in (0..=0xffff).step_by(17).chain([4095, 4096, 8191, 8192]) {
         let (c, f) = (code >> 12, code & 0xfff);
@@ -134,8 +166,8 @@ pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {
             assert_eq!(integers(&to_ports::<Full, _>(&small)), integers(&scalar));
             // A pole has a frame, too, which is orthogonal to n but for the bits that are not kept.
             for e in [scalar.e1, scalar.e2] {
-                let real = |b: &Block<i32, 3>| b.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30));
-                let products = real(&e).into_iter().zip(real(&n)).map(|(e, n)| e * n);
+                let parts = |b: &Block<i32, 3>| b.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30));
+                let products = parts(&e).into_iter().zip(parts(&n)).map(|(e, n)| e * n);
                 assert!(products.sum::<f64>().abs() < (-18_f64).exp2() && !e.is_zero(), "{n:?} {h:?}");
             }
         }

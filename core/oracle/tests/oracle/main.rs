@@ -35,6 +35,7 @@ tests! {
     elementary::what_rounds_up_to_one_has_the_seed_of_the_last_interval,
     elementary::a_step_squares_the_error_of_a_seed,
     elementary::logarithms_and_powers_are_right_on_words_of_every_width,
+    elementary::logarithms_beside_one_keep_the_accuracy_of_small_numbers,
     elementary::a_short_number_is_its_fraction_at_its_exponent,
     elementary::one_and_a_number_is_the_larger_of_them_where_they_are_far_apart,
     elementary::a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_bound,
