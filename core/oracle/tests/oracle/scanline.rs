@@ -254,6 +254,8 @@ pub(crate) fn a_plane_is_its_corners_at_its_corners() {
     let plane = triangle.plane(&[corner(1 << 29, 1), corner(3 << 28, 2), corner(-(1 << 29), 3)]);
     let [a, b, c] = [(0, 0), (8, 0), (0, 4)].map(|(x, y)| real(&plane.line(x, y).block()));
     assert!((b / a - 3.0).abs() < 1e-8 && (c / a + 4.0).abs() < 1e-8, "{a} {b} {c}");
+    // Twice the area, 2^21 square sub-pixels, times 1, in units of 2^54.
+    assert!((a * (-30_f64).exp2() / (21.0 - 54.0_f64).exp2() - 1.0).abs() < 1e-8, "{a}");
     assert!((real(&plane.dx()) / a - 2.0 / 8.0).abs() < 1e-8);
     assert!((real(&plane.dy()) / a + 5.0 / 4.0).abs() < 1e-8);
     let mut line = plane.line(0, 0);

@@ -306,6 +306,8 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
         let kept = |keep: u32| ((wide.raw() >> (55 - keep)) + 1) >> 1 << (24 - keep);
         assert_eq!(i64::from(wide.round_to::<8>(20).raw()), kept(20));
         assert_eq!(i64::from(wide.round_to_control::<8>(24).raw()), kept(24));
+        // Of more bits than there are all are kept.
+        assert_eq!([24, 25, 31].map(|keep| i64::from(wide.round_to::<8>(keep).raw())), [kept(24); 3]);
         assert_eq!(wide.at_exponent::<12>(Fx::int(3)).raw(), wide.raw() >> 1);
         assert_eq!(wide.at_exponent::<12>(Fx::int(4)).raw(), wide.raw());
         assert_eq!(wide.at_exponent::<12>(Fx::int(5)).raw(), wide.raw());
