@@ -72,7 +72,7 @@ fn under_plans(footprint: FootprintKind, p: &Precision) -> [u64; 3] {
 fn lit(fragment: &ReflectionIn, index: usize) -> (HighlightIn, PeakIn) {
     let surface = fragment.surface;
     // From anywhere, or from where it shines.
-    let light = if index % 2 == 0 { fragment.dview[0] } else { surface.view };
+    let light = [fragment.dview[0], surface.view][index % 2];
     let tilt = index as f64 / 10.0;
     let peak = stored_peak(DVec3::new(tilt, -tilt, 1.0), 3.0, 20.0);
     let horizon = stored_horizon([-0.5 - tilt; 4], [2.0, 0.5, 1.0, 0.0]);
