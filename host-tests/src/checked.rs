@@ -412,33 +412,101 @@ pub fn reread<T: Scalar, B: Bundle<T>>(bundle: &B) -> B::In<T::Checked> {
     bundle.rewire(&mut SameIntegers)
 }
 
-/// Every wire of a bundle with its name and the integer on it, for comparison between readings.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Integers(pub Vec<(String, i64)>);
+/// Every wire of a bundle with its name and the integer on it, for comparison between readings. Names are kept as the steps of a walk: as
+/// texts they took longer than what is compared.
+#[derive(Clone, Default)]
+pub struct Integers {
+    values: Vec<i64>,
+    /// The steps to each wire, one path behind the other.
+    steps: Vec<Step>,
+    /// Where the path of each wire ends among them.
+    ends: Vec<usize>,
+}
 
 impl Integers {
     /// The wires of a bundle.
     pub fn of<W: Visible, B: Bundle<W>>(bundle: &B) -> Self {
-        let mut list = List { path: Vec::new(), found: Vec::new() };
+        let mut list = List { path: Vec::new(), found: Self::default() };
         bundle.rewire::<W, _>(&mut list);
-        Self(list.found)
+        list.found
     }
+
+    /// The integers, in the order of the walk.
+    pub fn values(&self) -> &[i64] {
+        &self.values
+    }
+
+    /// The names: `e1.m[0]`.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        self.wires().map(|(path, _)| name_of(path))
+    }
+
+    /// The integer on the wire at the end of a path.
+    pub fn at(&self, path: &[Step]) -> Option<i64> {
+        self.wires().find(|(of, _)| is_same(of, path)).map(|(_, value)| value)
+    }
+
+    fn wires(&self) -> impl Iterator<Item = (&[Step], i64)> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts.zip(&self.ends).zip(&self.values).map(|((&start, &end), &value)| (&self.steps[start..end], value))
+    }
+
+    fn add(&mut self, path: &[Step], value: i64) {
+        self.values.push(value);
+        self.steps.extend_from_slice(path);
+        self.ends.push(self.steps.len());
+    }
+}
+
+impl<'a> FromIterator<(&'a [Step], i64)> for Integers {
+    fn from_iter<I: IntoIterator<Item = (&'a [Step], i64)>>(wires: I) -> Self {
+        let mut integers = Self::default();
+        wires.into_iter().for_each(|(path, value)| integers.add(path, value));
+        integers
+    }
+}
+
+impl PartialEq for Integers {
+    fn eq(&self, other: &Self) -> bool {
+        self.values == other.values && self.ends == other.ends && is_same(&self.steps, &other.steps)
+    }
+}
+
+impl fmt::Debug for Integers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_map().entries(self.wires().map(|(path, value)| (name_of(path), value))).finish()
+    }
+}
+
+/// Whether steps have the same names.
+fn is_same(a: &[Step], b: &[Step]) -> bool {
+    let is_same = |(a, b): (&Step, &Step)| match (a, b) {
+        // One declaration, or two in which a field has the same name.
+        (Step::Field(a), Step::Field(b)) => std::ptr::eq(*a, *b) || a.name == b.name,
+        (Step::Index(a), Step::Index(b)) => a == b,
+        _ => false,
+    };
+    a.len() == b.len() && a.iter().zip(b).all(is_same)
+}
+
+/// A path as a text.
+fn name_of(path: &[Step]) -> String {
+    path.iter().fold(String::new(), |name, step| match step {
+        Step::Field(field) if name.is_empty() => field.name.to_owned(),
+        Step::Field(field) => format!("{name}.{}", field.name),
+        Step::Index(index) => format!("{name}[{index}]"),
+    })
 }
 
 /// Lists the wires of a walk.
 struct List {
     path: Vec<Step>,
-    found: Vec<(String, i64)>,
+    found: Integers,
 }
 
 impl List {
     fn add(&mut self, value: i64) {
-        let name = self.path.iter().fold(String::new(), |name, step| match step {
-            Step::Field(field) if name.is_empty() => field.name.to_owned(),
-            Step::Field(field) => format!("{name}.{}", field.name),
-            Step::Index(index) => format!("{name}[{index}]"),
-        });
-        self.found.push((name, value));
+        self.found.add(&self.path, value);
     }
 }
 
@@ -469,6 +537,7 @@ impl<W: Visible> Rewire<W, W> for List {
 
 /// The first name whose integers differ, with both.
 pub fn first_difference(a: &Integers, b: &Integers) -> Option<String> {
-    let pair = a.0.iter().zip(&b.0).find(|(a, b)| a != b)?;
-    Some(format!("{}: {} and {}", pair.0.0, pair.0.1, pair.1.1))
+    let differ = |((path, a), (other, b)): &((&[Step], i64), (&[Step], i64))| a != b || !is_same(path, other);
+    let ((path, a), (_, b)) = a.wires().zip(b.wires()).find(differ)?;
+    Some(format!("{}: {a} and {b}", name_of(path)))
 }

@@ -45,7 +45,7 @@ impl DesignInput {
             Self::Peak(input) => integers(input, p),
             Self::Horizon(input) => integers(input, p),
         };
-        integers.0.into_iter().map(|(_, value)| value).collect()
+        integers.values().to_vec()
     }
 }
 

@@ -211,7 +211,7 @@ fn keep_runtime(objects: &Path) {
 
 /// Integers of the outputs, by the scalar reading.
 fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
-    scalar(design, ports, effects, p).0.into_iter().map(|(_, value)| value).collect()
+    scalar(design, ports, effects, p).values().to_vec()
 }
 
 /// A design with vectors and what the scalar reading makes of them.

@@ -24,15 +24,15 @@ fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
     let block = &net.runs[tap.stage? as usize];
     let mut runs = trace.iter().filter(|(name, _)| *name == block.name);
     let (_, outcome) = runs.nth(block.run as usize)?;
-    outcome.0.iter().find(|(name, _)| *name == tap.name).map(|(_, value)| *value)
+    outcome.at(&tap.path)
 }
 
 /// Compares outputs with the scalar reading and taps with the checked one. Says how many taps were compared.
 fn compare(design: Design, net: &Net, wires: &[i64], ports: &[i64], effects: &Effects, p: &Precision) -> usize {
     let name = design.name();
     let scalar = scalar(design, ports, effects, p);
-    let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
-    let outputs = Integers(outputs.collect());
+    let outputs = net.outputs.iter().map(|output| (&output.path[..], wires[output.node as usize]));
+    let outputs: Integers = outputs.collect();
     assert_eq!(outputs, scalar, "{name} of {ports:?}");
     let (checked, trace) = traced(|| checked(design, ports, effects, p));
     assert_eq!(checked, scalar);
@@ -134,6 +134,6 @@ fn integers_of_a_bundle_are_the_ports_of_its_net() {
     let net = Net::of(Design::Fragment, &Effects::ALL, &p);
     let names: Vec<_> = net.ports.iter().map(|port| port.name.clone()).collect();
     let expected = Integers::of(&wires);
-    assert_eq!(names, expected.0.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
-    assert_eq!(integers(&wires), expected.0.into_iter().map(|(_, value)| value).collect::<Vec<_>>());
+    assert_eq!(names, expected.names().collect::<Vec<_>>());
+    assert_eq!(integers(&wires), expected.values());
 }

@@ -50,8 +50,8 @@ fn readings_of_16_bits_agree() {
                 let mut random = SplitMix64::for_element(design.name(), index);
                 for ports in port_values(design, &net, &fragment, &Effects::ALL, &p, &mut random) {
                     let wires = seen.evaluate(&net, &ports);
-                    let outputs = net.outputs.iter().map(|output| (output.name.clone(), wires[output.node as usize]));
-                    let outputs = Integers(outputs.collect());
+                    let outputs = net.outputs.iter().map(|output| (&output.path[..], wires[output.node as usize]));
+                    let outputs: Integers = outputs.collect();
                     let name = design.name();
                     assert_eq!(outputs, scalar(design, &ports, &Effects::ALL, &p), "{name} of {ports:?}");
                     let checked = checked(design, &ports, &Effects::ALL, &p);
