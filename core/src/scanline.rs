@@ -108,7 +108,6 @@ fn first_column(columns: Range<i32>, holds: impl Fn(i32) -> bool) -> i32 {
 /// `x · 2^places`, to nearest or modulo 2^64. Range: |x| ≤ 2^62.
 fn shifted(x: i64, places: i32) -> i64 {
     match places {
-        64.. => 0,
         0..64 => x << places,
         -62..0 => ((x >> (-1 - places)) + 1) >> 1,
         _ => 0,
