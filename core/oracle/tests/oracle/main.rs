@@ -82,6 +82,7 @@ tests! {
     soft_core::firmware_has_the_bits_of_the_soft_core,
     designs::what_a_design_makes_of_random_integers_hashes_to_what_it_did,
     maps::what_fragments_see_of_maps_hashes_to_what_it_did,
+    maps::beyond_the_last_level_of_a_map_the_last_one_is_read,
     maps::levels_of_an_environment_halve_down_to_the_coarsest_edge,
     tile::the_tile_hashes_to_what_it_does_on_every_machine,
     vectors::every_field_of_every_golden_vector_is_that_of_the_soft_core,

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use roughxel_core::bundle::{Bundle, Value};
-use roughxel_core::datapath::texel;
+use roughxel_core::datapath::{TextureFootprint, texel};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{Effects, FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, TextureIn};
@@ -104,6 +104,11 @@ fn environments(edge: u16, plan: &ReflectionPlan, p: &Precision) -> u64 {
     hash.0
 }
 
+/// Without a reach: no bumps are read.
+fn footprint_of(footprint: &TextureFootprint<i32>) -> RepeatedFootprint<i32> {
+    RepeatedFootprint { probes: footprint.probes, reach: Fx::zero() }
+}
+
 fn textures(size: [u16; 2], p: &Precision) -> u64 {
     let mut hash = Hash::default();
     let (scale, map) = texture_scale(size);
@@ -129,7 +134,7 @@ fn textures(size: [u16; 2], p: &Precision) -> u64 {
         let centre = &TexturePosition { uv: fragment.uv.wires() };
         let probes = texture_probes(centre, &footprint.probes, &scale, p);
         probes.iter().for_each(|probe| hash.add(probe));
-        let repeated = &RepeatedFootprint { probes: footprint.probes, reach: Fx::zero() };
+        let repeated = &footprint_of(&footprint);
         for rough in [false, true] {
             let view = &View { centre, footprint: Some((repeated, &scale)), levels: &levels, rough };
             let mut weights = 0;
@@ -161,6 +166,26 @@ pub(crate) fn what_fragments_see_of_maps_hashes_to_what_it_did() {
         }
     }
     assert!(found == HASHES, "{found}");
+}
+
+pub(crate) fn beyond_the_last_level_of_a_map_the_last_one_is_read() {
+    let (p, size) = (&Precision::STANDARD, [64, 64]);
+    let (scale, map) = texture_scale(size);
+    let only = Level { size: size.map(i32::from), stride: 67, start: 5 };
+    for (_, fragment) in fragments() {
+        let footprint = texture_footprint(&fragment.duv.wires(), &scale, &map, p);
+        let (centre, repeated) = (&TexturePosition { uv: fragment.uv.wires() }, &footprint_of(&footprint));
+        let read = |levels: &[Level]| {
+            let mut texels = Vec::new();
+            let view = &View { centre, footprint: Some((repeated, &scale)), levels, rough: false };
+            repeated::reads::<i32>(view, p, |read| {
+                let taps = [Some(read.fine), read.coarse].into_iter().flatten();
+                texels.extend(taps.flat_map(|tap| tap.texels.map(Fx::raw)));
+            });
+            texels
+        };
+        assert_eq!(read(&[only]), read(&[only; 8]));
+    }
 }
 
 pub(crate) fn levels_of_an_environment_halve_down_to_the_coarsest_edge() {
