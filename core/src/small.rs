@@ -330,9 +330,8 @@ fn normalised_full<const N: usize>(wires: [WideFull; N], drop: u32, up: u32) -> 
     }
     // Where the upper registers hold all that is kept: left and right in one shift.
     let Some(right) = (drop + up - 32).checked_sub(zeros) else { return from_both(wires, zeros, drop, up) };
-    // At most 31 − up bits and a sign: without one to spare the half is added behind the shift.
-    let rounded = |x: i32| if up == 0 { half_up(x) } else { (x + 1) >> 1 };
-    let words = each!(wire in wires => Full(rounded(high(wire.0) >> right)).shl(up));
+    // With bits to spare, for without any the other ways were taken: at most 31 − up and a sign.
+    let words = each!(wire in wires => Full(((high(wire.0) >> right) + 1) >> 1).shl(up));
     (words, Full(zeros as i32), false)
 }
 

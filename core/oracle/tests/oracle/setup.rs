@@ -126,7 +126,9 @@ pub(crate) fn shininess_has_the_exponent_and_its_root_to_the_nearest() {
     let many = (0..20_000).map(|_| (random.below(13 << 20) as f64 / power(20)).exp2());
     let squares = (1..=90).map(|root| f64::from(root * root));
     let ends = [1.0, 8192.0, 8191.99, 1.0 + power(-16), 2.5 + power(-17), 2.5 + power(-18)];
-    for m in many.chain(squares).chain(ends) {
+    // Less than a last place of float64 from the square of an integer that is their root to the nearest.
+    let beside = [4096.0 - power(-16), 4096.0 + power(-16)];
+    for m in many.chain(squares).chain(ends).chain(beside) {
         let port = shininess(m);
         let exponent = f64::from(port.exponent.to_bits());
         assert_eq!(exponent, (m * 65536.0 + 0.5).floor());
