@@ -201,8 +201,7 @@ impl Model {
                 ports.into_iter().next().expect("a fragment is a vector")
             };
             let inputs: Vec<_> = set.fragments.iter().map(&mut ports).collect();
-            let wires = |ports: &Vec<i64>| scalar(Self::DESIGN, ports, &Effects::ALL, &PROFILE).0;
-            let integers = |ports| wires(ports).into_iter().map(|(_, integer)| integer).collect();
+            let integers = |ports: &Vec<i64>| scalar(Self::DESIGN, ports, &Effects::ALL, &PROFILE).values().to_vec();
             let outputs: Vec<Vec<i64>> = inputs.iter().map(integers).collect();
             let top = model.verilog.top.as_ref().expect("the datapath has a top");
             let bench = Bench::new(top, &inputs, &outputs).expect("the ports hold the fragments");

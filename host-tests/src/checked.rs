@@ -423,6 +423,9 @@ pub struct Integers {
     ends: Vec<usize>,
 }
 
+/// The steps to a wire, and the integer on it.
+pub type Named<'a> = (&'a [Step], i64);
+
 impl Integers {
     /// The wires of a bundle.
     pub fn of<W: Visible, B: Bundle<W>>(bundle: &B) -> Self {
@@ -446,7 +449,7 @@ impl Integers {
         self.wires().find(|(of, _)| is_same(of, path)).map(|(_, value)| value)
     }
 
-    fn wires(&self) -> impl Iterator<Item = (&[Step], i64)> {
+    fn wires(&self) -> impl Iterator<Item = Named<'_>> {
         let starts = std::iter::once(&0).chain(&self.ends);
         starts.zip(&self.ends).zip(&self.values).map(|((&start, &end), &value)| (&self.steps[start..end], value))
     }
@@ -458,8 +461,8 @@ impl Integers {
     }
 }
 
-impl<'a> FromIterator<(&'a [Step], i64)> for Integers {
-    fn from_iter<I: IntoIterator<Item = (&'a [Step], i64)>>(wires: I) -> Self {
+impl<'a> FromIterator<Named<'a>> for Integers {
+    fn from_iter<I: IntoIterator<Item = Named<'a>>>(wires: I) -> Self {
         let mut integers = Self::default();
         wires.into_iter().for_each(|(path, value)| integers.add(path, value));
         integers
@@ -537,7 +540,7 @@ impl<W: Visible> Rewire<W, W> for List {
 
 /// The first name whose integers differ, with both.
 pub fn first_difference(a: &Integers, b: &Integers) -> Option<String> {
-    let differ = |((path, a), (other, b)): &((&[Step], i64), (&[Step], i64))| a != b || !is_same(path, other);
+    let differ = |((path, a), (other, b)): &(Named<'_>, Named<'_>)| a != b || !is_same(path, other);
     let ((path, a), (_, b)) = a.wires().zip(b.wires()).find(differ)?;
     Some(format!("{}: {a} and {b}", name_of(path)))
 }

@@ -340,14 +340,17 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
 }
 
 pub(crate) fn a_memory_is_read_at_its_end_where_a_place_is_beyond_it() {
-    let memory = &[0x1111_1111_0000_0001, 0x2222_2222_0000_0002, 0x3333_3333_0000_0003];
-    assert_eq!(two(memory, 0), [memory[0], memory[1]]);
-    for place in [1, 2, 3, -1, i32::MAX, i32::MIN] {
-        assert_eq!(two(memory, place), [memory[1], memory[2]]);
+    let memory: [u64; 5] = std::array::from_fn(|place| 0x1111_1111_0000_0001 * (place as u64 + 1));
+    let memory = &memory[..];
+    for place in 0..4 {
+        assert_eq!(two(memory, place), memory[place as usize..][..2]);
+    }
+    for place in [4, 5, 6, -1, i32::MAX, i32::MIN] {
+        assert_eq!(two(memory, place), memory[3..]);
     }
     let pair = |place: i32, memory: &[u64]| <i32 as Fetch>::pair(Fx::from_raw(place), memory).map(Fx::raw);
     assert_eq!(pair(0, memory), [1, 0x1111_1111, 2, 0x2222_2222]);
-    assert_eq!(pair(9, memory), [2, 0x2222_2222, 3, 0x3333_3333]);
+    assert_eq!(pair(9, memory), [4, 0x4444_4444, 5, 0x5555_5555]);
     assert_eq!(pair(0, &memory[..2]), [1, 0x1111_1111, 2, 0x2222_2222]);
     assert_eq!(pair(0, &memory[..1]), [0; 4]);
 }
