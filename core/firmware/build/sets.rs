@@ -4,66 +4,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use roughxel_core::bundle::{Bundle, End, Rewire, Step};
+use roughxel_core::bundle::End;
 use roughxel_core::ports::{HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput};
+use roughxel_oracle::walk::limits;
 use serde_json::Value;
 
 /// Where the vectors are.
 const FOLDER: &str = "../../vectors/smoke";
-
-/// A number of a bundle: its path and its fraction bits.
-struct Place {
-    path: String,
-    fraction_bits: u32,
-}
-
-/// The numbers of a bundle in the order of its walk.
-#[derive(Default)]
-struct Places {
-    path: Vec<String>,
-    found: Vec<Place>,
-}
-
-impl Places {
-    fn of<B: Bundle<i32>>() -> Vec<Place>
-    where
-        B::In<i32>: Bundle<i32>,
-    {
-        let mut places = Self::default();
-        B::limit::<i32>(End::Low).rewire::<i32, _>(&mut places);
-        places.found
-    }
-
-    fn add(&mut self, fraction_bits: u32) {
-        self.found.push(Place { path: self.path.concat().trim_start_matches('.').to_string(), fraction_bits });
-    }
-}
-
-impl Rewire<i32, i32> for Places {
-    fn enter(&mut self, step: Step) {
-        self.path.push(match step {
-            Step::Field(field) => format!(".{}", field.name),
-            Step::Index(index) => format!("[{index}]"),
-        });
-    }
-    fn leave(&mut self) {
-        self.path.pop();
-    }
-    fn word(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.add(fraction_bits);
-        wire
-    }
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.add(fraction_bits);
-        wire
-    }
-    fn wide(&mut self, wire: i64, _: u32) -> i64 {
-        wire
-    }
-    fn flag(&mut self, wire: bool) -> bool {
-        wire
-    }
-}
 
 /// A field of a set: its place among the numbers of its bundle, and how its digits become that number.
 struct Column {
@@ -97,10 +44,12 @@ pub fn write(out: &Path) {
 fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String) {
     let (datapath, inputs, outputs) = match manifest["datapath"].as_str() {
         Some("reflection") => {
-            ("Reflection", Places::of::<ReflectionInput<i32>>(), Places::of::<ReflectionOutput<i32>>())
+            ("Reflection", limits::<ReflectionInput<i32>>(End::Low), limits::<ReflectionOutput<i32>>(End::Low))
         }
-        Some("highlight") => ("Highlight", Places::of::<HighlightInput<i32>>(), Places::of::<HighlightOutput<i32>>()),
-        Some("peak") => ("Peak", Places::of::<PeakInput<i32>>(), Places::of::<PeakOutput<i32>>()),
+        Some("highlight") => {
+            ("Highlight", limits::<HighlightInput<i32>>(End::Low), limits::<HighlightOutput<i32>>(End::Low))
+        }
+        Some("peak") => ("Peak", limits::<PeakInput<i32>>(End::Low), limits::<PeakOutput<i32>>(End::Low)),
         other => panic!("{name}.json: no datapath is named {other:?}"),
     };
     let fields = manifest["fields"].as_array().expect("a manifest has fields");

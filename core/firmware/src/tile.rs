@@ -3,12 +3,14 @@
 //! Corners come from `glam` and `micromath`, once a triangle; all else is integers. The host draws the same tile with the readings of the
 //! emulator (`host-tests/tests/datapath/tile.rs`).
 
-use fixed::types::I4F28;
+use fixed::types::{I4F28, I8F24};
 use glam::{Mat3, Vec3};
 use micromath::F32Ext;
+use roughxel_core::firmware::{Accuracy, Firmware};
+use roughxel_core::plan::Effects;
 use roughxel_core::ports::{BlockPair, BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, Profile};
-use roughxel_core::sampler::CubeMemory;
+use roughxel_core::sampler::{Cube, CubeMemory};
 pub use roughxel_core::scanline::Attributes;
 use roughxel_core::scanline::{Fragment, Fragments, ScreenVertex, Triangle};
 use roughxel_core::setup::block_vector;
@@ -91,6 +93,26 @@ pub fn fragments(mut pixel: impl FnMut(i32, &Fragment)) {
 /// Dents of eight pixels: offsets rise and fall along both axes, at most 1/4.
 fn bump(x: i32, y: i32) -> [I4F28; 2] {
     [x, y].map(|place| I4F28::from_bits((((place & 7) << 1) - 7) << 23))
+}
+
+/// The surface of the tile.
+struct Bumpy<A>(A);
+
+impl<A: Accuracy> Firmware for Bumpy<A> {
+    type Accuracy = A;
+    const EFFECTS: Effects = Effects::ALL;
+}
+
+/// The hash of the tile: place and colour of each of its pixels.
+pub fn shade<A: Accuracy>() -> Hash {
+    let mut hash = Hash::default();
+    let environment = Bumpy::<A>::environment(SKY_EDGE);
+    let cube = Cube { memory: &Sky, edge: SKY_EDGE.into(), last_level: SKY_EDGE.ilog2(), exponent: 0 };
+    fragments(|y, fragment| {
+        let colour = Bumpy::<A>::reflect(&fragment.reflection, &environment).colour(&cube);
+        [fragment.x, y].into_iter().chain(colour.map(I8F24::to_bits)).for_each(|part| hash.add(part));
+    });
+    hash
 }
 
 /// A hash of colours in the order in which they are added (FNV-1a, 32 bits).

@@ -9,7 +9,7 @@ use roughxel_core::width::on_words;
 use roughxel_emulator::lanes::{Ports, Reading};
 
 #[path = "../../../core/firmware/src/tile.rs"]
-#[expect(unreachable_pub, reason = "it is the firmware's")]
+#[expect(unreachable_pub, dead_code, reason = "it is the firmware's")]
 mod drawn;
 
 use drawn::{EDGE, HASHES, Hash, SKY_EDGE, Sky};

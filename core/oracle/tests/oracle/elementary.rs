@@ -1,4 +1,4 @@
-//! Roots, logarithms and powers at the ends of what they take, and frames in a reading that branches.
+//! Roots, logarithms and powers at the ends of what they take.
 
 use roughxel_core::block::{Block, Mantissa};
 use roughxel_core::elementary::{
@@ -7,14 +7,8 @@ use roughxel_core::elementary::{
 };
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision};
-use roughxel_core::signals::CountAndLevel;
-use roughxel_core::small::Full;
-use roughxel_core::stage::frame::main_direction;
-use roughxel_core::stage::sweep::sweep;
-use roughxel_core::width::{of_ports, to_ports};
 
 use roughxel_oracle::random::Random;
-use roughxel_oracle::walk::numbers;
 
 /// Seeds and steps of both iterations.
 fn newton(seed_bits: u32, steps: u32) -> Precision {
@@ -138,38 +132,4 @@ pub(crate) fn one_and_a_number_is_the_larger_of_them_where_they_are_far_apart() 
     }
     let [sum, small] = [one_plus(block(2), 28), one_plus(block(-3), 28)];
     assert_eq!([sum, small].map(|sum| (sum.m[0].raw(), sum.e.raw())), [(1 << 29, 3), (35 << 24, 1)]);
-}
-
-pub(crate) fn a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_bound() {
-    let p = &Precision::STANDARD;
-    let block = |m: [i64; 3], e: i64| Block::<i32, 3> { m: m.map(|m| Fx::number(m, -1)), e: Fx::int(e) };
-    let zero = Fx::zero();
-    let probes = CountAndLevel::<i32> { count: Fx::int(3), share: zero, level: zero, empty: false, capped: false };
-    let level = |places: i64| {
-        let [r, small] = [block([0, 0, 1], 40), block([0, 1, 0], 40 + places - 5)];
-        sweep(&r, [&block([1, 0, 1], 40 + places), &small, &small], &probes, p).level.raw()
-    };
-    for places in [-9000, -8193, -8192, -8191, -77, -1, 0, 1, 77, 8191, 8192, 8193, 9000] {
-        assert_eq!(level(places) - level(0), -(places.clamp(-8192, 8192) as i32) << 16, "{places}");
-    }
-}
-
-pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {
-    let p = &Precision::STANDARD;
-    let block = |m: [i32; 3]| Block::<i32, 3> { m: m.map(|m| Fx::from_raw(m << 20)), e: Fx::int(1) };
-    for n in [[0, 0, 512], [300, -1, 512], [0, 512, 512], [-512, 3, 2]] {
-        for h in [n, [512, 9, -77], [0; 3]] {
-            let (n, h) = (block(n), block(h));
-            let scalar = main_direction(&n, &h, p);
-            let small = main_direction(&of_ports::<Full, _>(&n), &of_ports::<Full, _>(&h), p);
-            let integers = |frame: &_| numbers(frame).iter().map(|number| number.integer).collect::<Vec<_>>();
-            assert_eq!(integers(&to_ports::<Full, _>(&small)), integers(&scalar));
-            // A pole has a frame, too, which is orthogonal to n but for the bits that are not kept.
-            for e in [scalar.e1, scalar.e2] {
-                let parts = |b: &Block<i32, 3>| b.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30));
-                let products = parts(&e).into_iter().zip(parts(&n)).map(|(e, n)| e * n);
-                assert!(products.sum::<f64>().abs() < (-18_f64).exp2() && !e.is_zero(), "{n:?} {h:?}");
-            }
-        }
-    }
 }

@@ -9,6 +9,7 @@ mod rom;
 mod scanline;
 mod setup;
 mod soft_core;
+mod stages;
 mod tile;
 mod vectors;
 mod words;
@@ -38,8 +39,10 @@ tests! {
     elementary::logarithms_beside_one_keep_the_accuracy_of_small_numbers,
     elementary::a_short_number_is_its_fraction_at_its_exponent,
     elementary::one_and_a_number_is_the_larger_of_them_where_they_are_far_apart,
-    elementary::a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_bound,
-    elementary::a_reading_that_branches_has_the_frames_of_one_that_does_not,
+    stages::the_spread_of_axes_is_right_however_far_apart_they_are,
+    stages::a_roughness_is_a_number_up_to_four_with_the_bits_of_its_wide_wire,
+    stages::a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_bound,
+    stages::a_reading_that_branches_has_the_frames_of_one_that_does_not,
     words::leading_zeros_by_table_are_those_of_the_processor,
     words::products_without_a_multiplier_are_exact,
     words::words_of_small_processors_round_and_normalise_as_the_others_do,
