@@ -166,7 +166,8 @@ impl<'a> SetExport<'a> {
         let mut files = SetFiles::create(&manifest, self.info.words.form, directory)?;
         let all = self.indices();
         let make = |(batch, words): &mut (Batch, Encoder), (vectors, mut text): (Range<u64>, Vec<u8>)| {
-            text.clear();
+            // Of all tasks but the last it has this length from the one before.
+            text.resize(words.length_of((vectors.end - vectors.start) as usize), 0);
             match self.stage {
                 Some(stage) => stage.write(self, vectors, input, words, &mut text)?,
                 None => self.write_vectors(vectors, input, (batch, words), &mut text)?,
@@ -236,13 +237,13 @@ impl<'a> SetExport<'a> {
         }
     }
 
-    /// Writes the words of some vectors to the end of `text`; batch and words are room for them.
+    /// Writes the words of some vectors over `text`, which is as long as they are; batch and words are room for them.
     fn write_vectors(
         &self,
         vectors: Range<u64>,
         input: &dyn InputSource,
         (batch, words): (&mut Batch, &mut Encoder),
-        text: &mut Vec<u8>,
+        mut text: &mut [u8],
     ) -> Result<(), VectorError> {
         let (info, count) = (self.info, (vectors.end - vectors.start) as usize);
         batch.fill(input, vectors.clone(), &info.effects, &info.precision);
@@ -252,7 +253,7 @@ impl<'a> SetExport<'a> {
                 let index = vectors.start + (first + place) as u64;
                 return Err(self.inexact(index, &self.layout.fields()[field]));
             }
-            words.write(text);
+            text = words.write(text);
         }
         Ok(())
     }

@@ -9,7 +9,7 @@
 
 use super::layout::{CHECK_BITS, Field, Layout, mask};
 use super::manifest::Form;
-use crate::lanes::Reading;
+use crate::lanes::{Digits, Reading};
 
 const POLYNOMIAL: u32 = 0x04c1_1db7;
 
@@ -66,23 +66,39 @@ pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec
     }
 }
 
+/// What four bytes behind it make of the remainder, by its digits.
+const BY_DIGIT: Digits = {
+    let mut digits: Digits = [[0; 16]; 8];
+    let mut place = 0;
+    while place < 8 {
+        let mut digit = 0;
+        while digit < 16 {
+            digits[place][digit] = BY_BYTE[place / 2][digit << (4 * (place % 2))].cast_signed();
+            digit += 1;
+        }
+        place += 1;
+    }
+    digits
+};
+
+/// The remainder that the zeros before the first of so many digits, as [`pack`] has them, bring to all ones.
+const fn begun(digits: u32) -> u32 {
+    let mut remainder = u32::MAX;
+    let mut zeros = digits.wrapping_neg() % 8 * 4;
+    while zeros > 0 {
+        // Backwards: the polynomial is odd, so the last bit says whether it was taken off.
+        remainder = if remainder & 1 == 1 { (remainder ^ POLYNOMIAL) >> 1 | 1 << 31 } else { remainder >> 1 };
+        zeros -= 1;
+    }
+    remainder
+}
+
 /// The check value of a word's digits above it, as [`pack`] puts them.
 pub(crate) fn check_of(packed: &[u32], digits: u32) -> u32 {
-    let Some((&first, rest)) = packed.split_first() else { return u32::MAX };
-    let in_first = (digits + 7) % 8 + 1;
-    let by_digit = |remainder: u32, place: u32| {
-        let with_digit = remainder ^ (first >> (4 * place) & 15) << 28;
-        (0..4).fold(with_digit, |remainder, _| next_remainder(remainder))
-    };
-    let begun = if in_first == 8 {
-        after(u64::from(u32::MAX ^ first), 4)
-    } else {
-        (0..in_first).rev().fold(u32::MAX, by_digit)
-    };
-    let (pairs, last) = rest.as_chunks::<2>();
+    let (pairs, last) = packed.as_chunks::<2>();
     let remainder = pairs
         .iter()
-        .fold(begun, |remainder, &[high, low]| after(u64::from(remainder ^ high) << 32 | u64::from(low), 8));
+        .fold(begun(digits), |remainder, &[high, low]| after(u64::from(remainder ^ high) << 32 | u64::from(low), 8));
     last.iter().fold(remainder, |remainder, &word| after(u64::from(remainder ^ word), 4))
 }
 
@@ -216,30 +232,31 @@ impl Encoder {
         row.iter().zip(integers).position(|(&bits, &integer)| !is_kept(bits, integer))
     }
 
-    /// A word more, from its fields' bits without the check value.
-    pub(crate) fn push(&mut self, bits: &[u32], text: &mut Vec<u8>) {
-        if self.waiting == CHUNK {
-            self.write(text);
-        }
+    /// Characters or bytes of so many words.
+    pub(crate) fn length_of(&self, words: usize) -> usize {
+        words * self.length
+    }
+
+    /// A word more, from its fields' bits without the check value. Range: fewer than [`CHUNK`] wait.
+    pub(crate) fn push(&mut self, bits: &[u32]) {
         for (row, &bits) in self.bits.iter_mut().zip(bits) {
             row[self.waiting] = bits;
         }
         self.waiting += 1;
     }
 
-    /// Writes the words that wait to the end of `text`.
-    pub(crate) fn write(&mut self, text: &mut Vec<u8>) {
+    /// Writes the words that wait over the beginning of `text`, which has room for them, and returns what is behind them.
+    pub(crate) fn write<'a>(&mut self, text: &'a mut [u8]) -> &'a mut [u8] {
         let count = std::mem::take(&mut self.waiting);
-        let check = self.reading.run(
+        let reading = self.reading;
+        reading.run(
             #[inline(always)]
-            || {
-                self.pack();
-                self.check()
-            },
+            || self.pack(),
         );
-        let from = text.len();
-        text.resize(from + count * self.length, b'_');
-        let words = text[from..].chunks_exact_mut(self.length);
+        let mut check = [begun(self.digits); CHUNK];
+        reading.fold(&BY_DIGIT, &self.packed, &mut check);
+        let (text, rest) = text.split_at_mut(count * self.length);
+        let words = text.chunks_exact_mut(self.length);
         match self.form {
             Form::Hex => {
                 for (word, text) in words.enumerate() {
@@ -248,6 +265,7 @@ impl Encoder {
                         let digits = u64::from_be_bytes(hex_digits(row[word])) << (64 - 8 * place.digits);
                         let behind = UNDERSCORES >> (8 * place.digits - 8) >> 8;
                         text[place.column..][..8].copy_from_slice(&(digits | behind).to_be_bytes());
+                        text[place.column + place.digits] = b'_';
                     }
                     text[self.length - 9..][..8].copy_from_slice(&hex_digits(check[word]));
                     text[self.length - 1] = b'\n';
@@ -255,17 +273,18 @@ impl Encoder {
             }
             Form::Bin => {
                 let in_first = ((self.digits + 7) % 8 + 1).div_ceil(2) as usize;
-                let Some((first, rest)) = self.packed.split_first() else { return };
                 for (word, record) in words.enumerate() {
+                    let mut eights = self.packed.iter().chain([&check]).map(|row| row[word]);
+                    let first = eights.next().unwrap_or_default();
                     // What is behind them is written next.
-                    record[..4].copy_from_slice(&(first[word] << (32 - 8 * in_first)).to_be_bytes());
-                    let eights = rest.iter().chain([&check]);
-                    for (bytes, row) in record[in_first..].as_chunks_mut::<4>().0.iter_mut().zip(eights) {
-                        *bytes = row[word].to_be_bytes();
+                    record[..4].copy_from_slice(&(first << (32 - 8 * in_first)).to_be_bytes());
+                    for (bytes, eight) in record[in_first..].as_chunks_mut::<4>().0.iter_mut().zip(eights) {
+                        *bytes = eight.to_be_bytes();
                     }
                 }
             }
         }
+        rest
     }
 
     /// The fields' digits eight by eight.
@@ -284,26 +303,6 @@ impl Encoder {
                 }
             }
         }
-    }
-
-    /// The check values.
-    #[inline(always)]
-    fn check(&self) -> Row {
-        let mut remainders = [u32::MAX; CHUNK];
-        let Some((first, rest)) = self.packed.split_first() else { return remainders };
-        let in_first = (self.digits + 7) % 8 + 1;
-        for place in (0..in_first).rev() {
-            for (remainder, first) in remainders.iter_mut().zip(first) {
-                let with_digit = *remainder ^ (first >> (4 * place) & 15) << 28;
-                *remainder = with_digit << 4 ^ BY_BYTE[0][(with_digit >> 28) as usize];
-            }
-        }
-        for row in rest {
-            for (remainder, eight) in remainders.iter_mut().zip(row) {
-                *remainder = after(u64::from(*remainder ^ eight), 4);
-            }
-        }
-        remainders
     }
 }
 

@@ -7,7 +7,7 @@ use crate::vectors::VectorError;
 use crate::vectors::datapath::InputSource;
 use crate::vectors::manifest::StageEntry;
 use crate::vectors::stage::StageSet;
-use crate::vectors::word::Encoder;
+use crate::vectors::word::{CHUNK, Encoder};
 
 impl StageSet {
     /// What the set of a base set holds.
@@ -22,29 +22,31 @@ impl StageSet {
         StageEntry { module: self.name().into(), runs: self.runs().map(str::to_owned).collect() }
     }
 
-    /// Writes the words of some vectors to the end of `text`; `words` is room for them.
+    /// Writes the words of some vectors over `text`, which is as long as they are; `words` is room for them.
     pub(super) fn write(
         &self,
         set: &SetExport<'_>,
         vectors: Range<u64>,
         input: &dyn InputSource,
         words: &mut Encoder,
-        text: &mut Vec<u8>,
+        mut text: &mut [u8],
     ) -> Result<(), VectorError> {
         let (runs, fields, info) = (&self.stage.runs, self.layout.fields(), set.info);
         let (mut wires, mut evaluated) = (Vec::new(), None);
-        for index in vectors {
-            let base = index / runs.len() as u64;
-            if evaluated != Some(base) {
-                self.net.evaluate(&input.input(base).recorded(&info.precision), &mut wires);
-                evaluated = Some(base);
+        for first in vectors.clone().step_by(CHUNK) {
+            for index in first..vectors.end.min(first + CHUNK as u64) {
+                let base = index / runs.len() as u64;
+                if evaluated != Some(base) {
+                    self.net.evaluate(&input.input(base).recorded(&info.precision), &mut wires);
+                    evaluated = Some(base);
+                }
+                let run = &runs[(index % runs.len() as u64) as usize];
+                let integers = |nodes: &[u32]| -> Vec<i64> { nodes.iter().map(|&node| wires[node as usize]).collect() };
+                let bits = self.layout.encode(&integers(&run.inputs), &integers(&run.outputs));
+                words.push(&bits.map_err(|field| set.inexact(index, &fields[field]))?);
             }
-            let run = &runs[(index % runs.len() as u64) as usize];
-            let integers = |nodes: &[u32]| -> Vec<i64> { nodes.iter().map(|&node| wires[node as usize]).collect() };
-            let bits = self.layout.encode(&integers(&run.inputs), &integers(&run.outputs));
-            words.push(&bits.map_err(|field| set.inexact(index, &fields[field]))?, text);
+            text = words.write(text);
         }
-        words.write(text);
         Ok(())
     }
 }
