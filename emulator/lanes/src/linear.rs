@@ -1,7 +1,7 @@
 //! Linear maps of words over GF(2), such as a step of a cyclic code, of many words at once.
 //!
-//! By digits of four bits: the table of a digit is one permutation of a vector. Tables of bytes are a quarter of the steps, but there is no way to
-//! read them side by side that is not as long as one after the other.
+//! By digits of four bits: the table of a digit is one permutation of a vector. By bytes it would be half the steps, each a gather, which reads one
+//! lane after the other.
 
 use roughxel_core::each::each;
 use roughxel_core::fetch::Fetch;

@@ -127,9 +127,6 @@ pub(crate) fn locate_flip(syndrome: u32, word_bits: u32) -> Option<u32> {
     None
 }
 
-/// Eight characters between fields.
-const UNDERSCORES: u64 = u64::from_be_bytes([b'_'; 8]);
-
 /// Words that are put together at once: their fields stay in a processor's nearest cache.
 pub(crate) const CHUNK: usize = 64;
 
@@ -260,11 +257,10 @@ impl Encoder {
         match self.form {
             Form::Hex => {
                 for (word, text) in words.enumerate() {
-                    // Eight characters whatever the digits: what is behind them is underscores, too, until the next field is there.
+                    // Eight characters whatever the digits: an underscore is behind them, and the next field over what is left.
                     for (place, row) in self.places.iter().zip(&self.bits) {
                         let digits = u64::from_be_bytes(hex_digits(row[word])) << (64 - 8 * place.digits);
-                        let behind = UNDERSCORES >> (8 * place.digits - 8) >> 8;
-                        text[place.column..][..8].copy_from_slice(&(digits | behind).to_be_bytes());
+                        text[place.column..][..8].copy_from_slice(&digits.to_be_bytes());
                         text[place.column + place.digits] = b'_';
                     }
                     text[self.length - 9..][..8].copy_from_slice(&hex_digits(check[word]));
