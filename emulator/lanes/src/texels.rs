@@ -77,21 +77,30 @@ impl CubeTexels {
         };
         self.starts[self.levels as usize] = self.texels.len() as i32;
         self.levels += 1;
-        for (face, row) in (0..FACES as i32).flat_map(|face| (-1..=edge).map(move |row| (face, row))) {
-            self.texels.extend((-1..=edge).map(|column| {
-                let [face, column, row, edge] = [face, column, row, edge].map(Fx::from_raw);
-                let CubeTexel { texel, across, corner } = texel::cube_texel::<i32>(face, [column, row], edge);
-                let own = at(&texel);
-                if !corner {
-                    return colour_word(own);
-                }
-                let [s, t] = across.map(|texel| at(&texel));
-                colour_word(core::array::from_fn(|channel| {
-                    let three = [own, s, t].map(|texel| Fx::from_raw(texel[channel].into()));
-                    if self.is_bright { 0 } else { texel::corner::<i32>(&three).raw() as u16 }
-                }))
-            }));
+        let around = |face: i32, row: i32, column: i32| {
+            let [face, column, row, edge] = [face, column, row, edge].map(Fx::from_raw);
+            let CubeTexel { texel, across, corner } = texel::cube_texel::<i32>(face, [column, row], edge);
+            let own = at(&texel);
+            if !corner {
+                return colour_word(own);
+            }
+            let [s, t] = across.map(|texel| at(&texel));
+            colour_word(core::array::from_fn(|channel| {
+                let three = [own, s, t].map(|texel| Fx::from_raw(texel[channel].into()));
+                if self.is_bright { 0 } else { texel::corner::<i32>(&three).raw() as u16 }
+            }))
+        };
+        let mut words = Vec::new();
+        for (face, texels) in (0..).zip(level.chunks_exact((edge * edge) as usize)) {
+            words.extend((-1..=edge).map(|column| around(face, -1, column)));
+            for (row, texels) in (0..).zip(texels.chunks_exact(edge as usize)) {
+                words.push(around(face, row, -1));
+                words.extend(texels.iter().copied().map(colour_word));
+                words.push(around(face, row, edge));
+            }
+            words.extend((-1..=edge).map(|column| around(face, edge, column)));
         }
+        self.texels.append(&mut words);
     }
 
     /// Texels along the edge of a face of level 0.

@@ -228,8 +228,8 @@ impl BumpPyramid {
                     let factor = match options.deviation {
                         Deviation::RootMeanSquare => 1.0,
                         Deviation::Mean => {
-                            let texel = |x: usize, y: usize| offsets[y * width as usize + x].map(f64::from);
-                            concentration(mean, covariance, cover, texel)
+                            let row = |y: usize| &offsets[y * width as usize..][..width as usize];
+                            concentration(mean, covariance, cover, row)
                         }
                     };
                     ((factor, covariance.a + covariance.c), components(level, index, covariance.scaled(factor)))

@@ -77,7 +77,7 @@ impl ColourPyramid {
 pub fn smallest_exponent<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> i32 {
     // The maximum of numbers alone: the same in any order.
     let brightest_of = |brightest: f32, pixel: &[f32; 3]| {
-        pixel.iter().filter(|value| value.is_finite()).fold(brightest, |brightest, value| brightest.max(*value))
+        pixel.iter().fold(brightest, |most, &value| if (value > most) & (value < f32::INFINITY) { value } else { most })
     };
     let brightest = pictures
         .into_iter()

@@ -11,6 +11,7 @@ use crate::levels::power_of_two;
 use crate::mip::{Cover, for_each_level};
 pub use roughxel_core::precision::RoughnessKind;
 use roughxel_scene::RoughnessField;
+use roughxel_scene::widest::{WIDTH, widest};
 
 /// Kind and word length of stored roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,11 +145,11 @@ impl Covariance {
 /// nothing of either: with this as a factor of the deviation it is that of most facets, and the few steep ones are what it leaves out. With less than
 /// half of it the few that are steep would be missed more than the others are won (`real_scenes` of the host tests). Texels at the edge of an
 /// area count as whole ones.
-pub(crate) fn concentration(
+pub(crate) fn concentration<'a>(
     mean: [f64; 2],
     covariance: Covariance,
     [columns, rows]: [&Cover; 2],
-    texel: impl Fn(usize, usize) -> [f64; 2],
+    row: impl Fn(usize) -> &'a [[i16; 2]],
 ) -> f64 {
     let Covariance { a, b, c } = covariance;
     let (trace, determinant) = (a + c, a * c - b * b);
@@ -158,19 +159,53 @@ pub(crate) fn concentration(
     // Of one axis the mean is √(2/π), of two √(π/2).
     let flat = determinant <= 1e-9 * trace * trace;
     let expected = if flat { std::f64::consts::FRAC_2_PI.sqrt() } else { std::f64::consts::FRAC_PI_2.sqrt() };
-    let (mut sum, mut count) = (0.0, 0.0);
-    for y in rows.first..=rows.last {
-        for x in columns.first..=columns.last {
-            let texel = texel(x, y);
-            let [u, v] = [texel[0] - mean[0], texel[1] - mean[1]];
-            let square =
-                if flat { (u * u + v * v) / trace } else { (c * u * u - 2.0 * b * u * v + a * v * v) / determinant };
-            sum += square.max(0.0).sqrt();
-            count += 1.0;
-        }
-    }
-    let mean = sum / (count * expected);
+    let metric = if flat { Metric::Line { trace } } else { Metric::Plane { covariance, determinant } };
+    let mut sum = 0.0;
+    widest(
+        #[inline(always)]
+        || {
+            for y in rows.first..=rows.last {
+                let (groups, rest) = row(y)[columns.first..=columns.last].as_chunks::<WIDTH>();
+                for offsets in groups {
+                    metric.lengths(offsets, mean).iter().for_each(|length| sum += length);
+                }
+                let mut last = [[0; 2]; WIDTH];
+                last[..rest.len()].copy_from_slice(rest);
+                metric.lengths(&last, mean)[..rest.len()].iter().for_each(|length| sum += length);
+            }
+        },
+    );
+    let count = (columns.last - columns.first + 1) * (rows.last - rows.first + 1);
+    let mean = sum / (count as f64 * expected);
     (mean * mean).clamp(0.5, 1.0)
+}
+
+/// How the length of z is measured.
+#[derive(Clone, Copy)]
+enum Metric {
+    /// All bumps are along one axis.
+    Line { trace: f64 },
+    /// By the inverse of K.
+    Plane { covariance: Covariance, determinant: f64 },
+}
+
+impl Metric {
+    /// Those of some bumps.
+    #[inline(always)]
+    fn lengths(self, offsets: &[[i16; 2]; WIDTH], mean: [f64; 2]) -> [f64; WIDTH] {
+        let mut lengths = [0.0; WIDTH];
+        for lane in 0..WIDTH {
+            let [u, v] = [f64::from(offsets[lane][0]) - mean[0], f64::from(offsets[lane][1]) - mean[1]];
+            let square = match self {
+                Self::Line { trace } => (u * u + v * v) / trace,
+                Self::Plane { covariance: Covariance { a, b, c }, determinant } => {
+                    (c * u * u - 2.0 * b * u * v + a * v * v) / determinant
+                }
+            };
+            lengths[lane] = square.max(0.0).sqrt();
+        }
+        lengths
+    }
 }
 
 /// Fraction bits of the factors of a roughness map before they are averaged.

@@ -18,7 +18,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use roughxel_core::sampler::COARSEST_EDGE;
-use roughxel_scene::cube::FACE_AXES;
+use roughxel_scene::cube;
+use roughxel_scene::widest::{WIDTH, widest};
 
 /// Texels along an edge of a face of the levels that are filtered here, at most.
 pub(crate) const COARSE: u32 = COARSEST_EDGE;
@@ -40,17 +41,13 @@ struct Piece {
 /// The texels of six faces, face by face in rows.
 fn texels(edge: u32) -> Vec<Piece> {
     let centre = |i: u32| f64::from(2 * i + 1) / f64::from(edge) - 1.0;
-    let texel = |axes: &[(usize, i32); 3], s: f64, t: f64| {
+    let texel = |face: usize, s: f64, t: f64| {
         let square = 1.0 + s * s + t * t;
         let rho = square.sqrt();
-        let mut direction = [0.0; 3];
-        for (&(axis, sign), value) in axes.iter().zip([s, t, 1.0]) {
-            direction[axis] = f64::from(sign) * value / rho;
-        }
-        Piece { direction, solid_angle: 1.0 / (square * rho) }
+        Piece { direction: cube::direction(face, s, t).map(|x| x / rho), solid_angle: 1.0 / (square * rho) }
     };
-    let face = |axes| (0..edge * edge).map(move |i| texel(axes, centre(i % edge), centre(i / edge)));
-    FACE_AXES.iter().flat_map(face).collect()
+    let face = |face| (0..edge * edge).map(move |i| texel(face, centre(i % edge), centre(i / edge)));
+    (0..6).flat_map(face).collect()
 }
 
 /// Blocks of `block` × `block` texels of faces of `edge`, smaller ones at the ends: which of them each texel is in, and the blocks.
@@ -111,20 +108,44 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
     let share = nominal / f64::from(edge);
     // Of (1 − x²/reach²)⁴ in the plane, a twelfth of reach² along each axis.
     let square_reach = 12.0 * texel * texel * (VARIANCE - share * share / 6.0);
+    // Its square of the chord is below this, with room for roundings: nearly all sources are told to be outside by that alone.
+    let near = 4.0 * square_reach / (4.0 + square_reach) * (1.0 + 1e-9);
+    let groups: Vec<[[f64; WIDTH]; 3]> = sources
+        .chunks(WIDTH)
+        .map(|group| {
+            [0, 1, 2].map(|axis| std::array::from_fn(|lane| group.get(lane).map_or(0.0, |piece| piece.direction[axis])))
+        })
+        .collect();
     let mut rows: Rows = targets
         .par_iter()
         .map(|target| {
-            let weight = |source: &Piece| {
-                let [x, y, z] = [0, 1, 2].map(|i| target.direction[i] - source.direction[i]);
-                // 4·cos² of half the angle, and 4·tan² of it.
-                let cosine = 4.0 - (x * x + y * y + z * z);
-                let square = 4.0 * (4.0 - cosine) / cosine;
-                // A piece of the plane is (4/cosine)² as large as that of the sphere.
-                let falling = (1.0 - square / square_reach) * (1.0 - square / square_reach) * (4.0 / cosine);
-                if square < square_reach { falling * falling * source.solid_angle } else { 0.0 }
-            };
-            let inside = (0..).zip(&sources).map(|(index, source)| (index, weight(source)));
-            inside.filter(|(_, w)| *w > 0.0).collect()
+            let mut row = Vec::new();
+            widest(
+                #[inline(always)]
+                || {
+                    for (group, directions) in groups.iter().enumerate() {
+                        let squares = squares_of_chords(target.direction, directions);
+                        if !squares.iter().fold(false, |any, &square| any | (square < near)) {
+                            continue;
+                        }
+                        for (lane, square_of_chord) in squares.into_iter().enumerate() {
+                            let index = WIDTH * group + lane;
+                            let Some(source) = sources.get(index) else { break };
+                            // 4·cos² of half the angle, and 4·tan² of it.
+                            let cosine = 4.0 - square_of_chord;
+                            let square = 4.0 * (4.0 - cosine) / cosine;
+                            // A piece of the plane is (4/cosine)² as large as that of the sphere.
+                            let falling =
+                                (1.0 - square / square_reach) * (1.0 - square / square_reach) * (4.0 / cosine);
+                            let weight = falling * falling * source.solid_angle;
+                            if square < square_reach && weight > 0.0 {
+                                row.push((index as u32, weight));
+                            }
+                        }
+                    }
+                },
+            );
+            row
         })
         .collect();
     let given: f64 = sources.iter().map(|source| source.solid_angle).sum();
@@ -157,6 +178,17 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
         scale(row, 1.0 / sum);
     }
     Kernel { members, solid_angles: sources.iter().map(|source| source.solid_angle).collect(), rows }
+}
+
+/// Squares of the chords from one point of the unit sphere to others.
+#[inline(always)]
+fn squares_of_chords(from: [f64; 3], [xs, ys, zs]: &[[f64; WIDTH]; 3]) -> [f64; WIDTH] {
+    let mut squares = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        let (x, y, z) = (from[0] - xs[lane], from[1] - ys[lane], from[2] - zs[lane]);
+        squares[lane] = x * x + y * y + z * z;
+    }
+    squares
 }
 
 fn scale(row: &mut [(u32, f64)], factor: f64) {

@@ -28,6 +28,7 @@ mod scene;
 mod shapes;
 mod source;
 pub mod spelling;
+pub mod widest;
 
 pub use builtin::{builtin_names, builtin_text};
 pub use bump::{BumpField, FrameSystem, HeightField, HeightScale, OFFSET_LIMIT};

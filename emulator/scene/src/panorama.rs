@@ -4,10 +4,13 @@
 //! equirectangular picture (at most 64×64, which only texels around the poles reach), so it cannot alias. Its
 //! angles come from a fixed series and correctly rounded operations: the same faces on every machine.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
+
 use rayon::prelude::*;
 
-use crate::cube::FACE_AXES;
+use crate::cube::direction;
 use crate::picture::Picture;
+use crate::widest::{WIDTH, widest};
 
 /// Most samples a face texel takes along an axis.
 const MOST_SAMPLES: f64 = 64.0;
@@ -24,73 +27,124 @@ pub fn faces_from_equirectangular(panorama: &Picture, face_edge: u32) -> [Pictur
     let edge = face_edge.max(1);
     std::array::from_fn(|face| {
         let mut picture = Picture::filled(edge, edge, [0.0; 3]);
-        picture.pixels.par_chunks_mut(edge as usize).enumerate().for_each(|(row, pixels)| {
-            for (column, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = resample(panorama, face, column, row, edge);
+        picture.pixels.par_chunks_mut(edge as usize).enumerate().for_each(|(row, means)| {
+            for (group, means) in means.chunks_mut(WIDTH).enumerate() {
+                widest(
+                    #[inline(always)]
+                    || resample(panorama, face, [WIDTH * group, row], edge, means),
+                );
             }
         });
         picture
     })
 }
 
-/// Mean of the panorama over one texel of a face.
-fn resample(panorama: &Picture, face: usize, column: usize, row: usize, edge: u32) -> [f32; 3] {
+/// Means of the panorama over texels of a row of a face, at most [`WIDTH`], from this column and row on.
+#[inline(always)]
+fn resample(panorama: &Picture, face: usize, [first, row]: [usize; 2], edge: u32, means: &mut [[f32; 3]]) {
     let texel = 2.0 / f64::from(edge);
     let coordinate = |index: usize, offset: f64| (index as f64 + offset) * texel - 1.0;
-    let [x, y, z] = direction(face, coordinate(column, 0.5), coordinate(row, 0.5));
+    let (mut sums, mut steps) = ([[0.0; 3]; WIDTH], [0.0; WIDTH]);
+    let mut waiting = Samples::default();
+    for (number, step) in steps.iter_mut().enumerate().take(means.len()) {
+        let column = first + number;
+        let centre = direction(face, coordinate(column, 0.5), coordinate(row, 0.5));
+        let count = samples_along(panorama, centre, texel);
+        *step = 1.0 / count as f64;
+        for j in 0..count {
+            let t = coordinate(row, (j as f64 + 0.5) * *step);
+            for i in 0..count {
+                waiting.push(number, [coordinate(column, (i as f64 + 0.5) * *step), t]);
+                if waiting.count == WIDTH {
+                    waiting.add_to(&mut sums, panorama, face);
+                }
+            }
+        }
+    }
+    waiting.add_to(&mut sums, panorama, face);
+    for (mean, (sum, step)) in means.iter_mut().zip(sums.into_iter().zip(steps)) {
+        *mean = sum.map(|sum| (sum * step * step) as f32);
+    }
+}
+
+/// Samples along an axis of a texel of this size in s and t, whose centre is there on the cube.
+#[inline(always)]
+fn samples_along(panorama: &Picture, [x, y, z]: [f64; 3], texel: f64) -> usize {
     // The span of the texel in texels of the panorama: texel / |d| radians along a meridian, texel / ρ along a circle
     // of latitude, with ρ the distance from the axis at the texel's nearest point, but for the pole itself.
     let from_axis = (x * x + z * z).sqrt();
     let nearest = (from_axis - texel).max(0.5 * texel);
-    let columns = texel / nearest * f64::from(panorama.width) / std::f64::consts::TAU;
+    let columns = texel / nearest * f64::from(panorama.width) / TAU;
     let length = (from_axis * from_axis + y * y).sqrt();
-    let rows = texel / length * f64::from(panorama.height) / std::f64::consts::PI;
-    let samples = columns.max(rows).ceil().clamp(2.0, MOST_SAMPLES);
+    let rows = texel / length * f64::from(panorama.height) / PI;
+    columns.max(rows).ceil().clamp(2.0, MOST_SAMPLES) as usize
+}
 
-    let step = 1.0 / samples;
-    let count = samples as usize;
-    let mut sum = [0.0; 3];
-    for j in 0..count {
-        let t = coordinate(row, (j as f64 + 0.5) * step);
-        for i in 0..count {
-            let s = coordinate(column, (i as f64 + 0.5) * step);
-            let colour = bilinear(panorama, position(direction(face, s, t)));
-            for (sum, channel) in sum.iter_mut().zip(colour) {
+/// Samples of a face that wait to be taken side by side.
+#[derive(Default)]
+struct Samples {
+    count: usize,
+    /// The texel that each is of.
+    of: [usize; WIDTH],
+    /// s and t of each.
+    places: [[f64; WIDTH]; 2],
+}
+
+impl Samples {
+    /// One more. Range: fewer than [`WIDTH`] wait.
+    #[inline(always)]
+    fn push(&mut self, of: usize, [s, t]: [f64; 2]) {
+        self.of[self.count] = of;
+        self.places[0][self.count] = s;
+        self.places[1][self.count] = t;
+        self.count += 1;
+    }
+
+    /// Takes those that wait, the first first, and adds each to the sum of its texel.
+    #[inline(always)]
+    fn add_to(&mut self, sums: &mut [[f64; 3]; WIDTH], panorama: &Picture, face: usize) {
+        let [s, t] = &self.places;
+        let [mut left, mut top, mut right_weight, mut bottom_weight] = [[0.0; WIDTH]; 4];
+        for lane in 0..WIDTH {
+            let tap = tap(panorama, position(direction(face, s[lane], t[lane])));
+            [left[lane], top[lane], right_weight[lane], bottom_weight[lane]] = tap;
+        }
+        for lane in 0..std::mem::take(&mut self.count) {
+            let colour = bilinear(panorama, [left[lane], top[lane], right_weight[lane], bottom_weight[lane]]);
+            for (sum, channel) in sums[self.of[lane]].iter_mut().zip(colour) {
                 *sum += channel;
             }
         }
     }
-    sum.map(|sum| (sum * step * step) as f32)
-}
-
-/// The direction of (s, t) on the cube of half edge 1.
-fn direction(face: usize, s: f64, t: f64) -> [f64; 3] {
-    let mut vector = [0.0; 3];
-    for ((axis, sign), component) in FACE_AXES[face].into_iter().zip([s, t, 1.0]) {
-        vector[axis] = f64::from(sign) * component;
-    }
-    vector
 }
 
 /// Position of a direction in the panorama, both 0…1: 0 at the left border and at the top.
+#[inline(always)]
 fn position([x, y, z]: [f64; 3]) -> [f64; 2] {
-    let longitude = atan2(x, -z) / std::f64::consts::TAU;
-    let latitude = atan2(y, (x * x + z * z).sqrt()) / std::f64::consts::PI;
+    let longitude = atan2(x, -z) / TAU;
+    let latitude = atan2(y, (x * x + z * z).sqrt()) / PI;
     [0.5 + longitude, 0.5 - latitude]
 }
 
-/// Bilinear sample; columns wrap around, rows end at the poles.
-fn bilinear(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 3] {
-    let (width, height) = (panorama.width as usize, panorama.height as usize);
-    let x = u * f64::from(panorama.width) - 0.5;
-    let y = (v * f64::from(panorama.height) - 0.5).clamp(0.0, (height - 1) as f64);
+/// First column and row of a bilinear sample, and the weights of the second ones; columns wrap around, rows end at the poles.
+#[inline(always)]
+fn tap(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
+    let [width, height] = [panorama.width, panorama.height].map(f64::from);
+    let x = u * width - 0.5;
+    let y = (v * height - 0.5).max(0.0).min(height - 1.0);
     let (left, top) = (x.floor(), y.floor());
-    let (right_weight, bottom_weight) = (x - left, y - top);
-    // x lies within −½…width − ½, so only the columns −1 and width are to be wrapped.
-    let first = if left < 0.0 { width - 1 } else { left as usize };
-    let columns = [first, if first + 1 == width { 0 } else { first + 1 }];
-    let rows = [top as usize, (top as usize + 1).min(height - 1)];
-    let pixel = |i: usize, j: usize| panorama.pixels[rows[j] * width + columns[i]].map(f64::from);
+    // x lies within −½…width − ½, so of first columns only −1 is to be wrapped.
+    [if left < 0.0 { width - 1.0 } else { left }, top, x - left, y - top]
+}
+
+/// Bilinear sample at a [`tap`].
+#[inline(always)]
+fn bilinear(panorama: &Picture, [left, top, right_weight, bottom_weight]: [f64; 4]) -> [f64; 3] {
+    let (width, height) = (panorama.width as usize, panorama.height as usize);
+    let (left, top) = (left as u32 as usize, top as u32 as usize);
+    let columns = [left, if left + 1 == width { 0 } else { left + 1 }];
+    let rows = [top * width, (top + 1).min(height - 1) * width];
+    let pixel = |i: usize, j: usize| panorama.pixels[rows[j] + columns[i]].map(f64::from);
     let (a, b, c, d) = (pixel(0, 0), pixel(1, 0), pixel(0, 1), pixel(1, 1));
     std::array::from_fn(|channel| {
         let upper = a[channel] + (b[channel] - a[channel]) * right_weight;
@@ -103,24 +157,23 @@ fn bilinear(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 3] {
 ///
 /// The platform's atan2 may differ in the last bit, and one such bit can move a 16-bit texel. 2⁻³⁶ is 2⁻²⁴ texels of
 /// the widest panorama.
+#[inline(always)]
 fn atan2(y: f64, x: f64) -> f64 {
+    // Values are chosen, not ways, so that loops become vectors.
     let (small, large) = (y.abs().min(x.abs()), y.abs().max(x.abs()));
-    if large == 0.0 {
-        return 0.0;
-    }
     // arctan(a/b) = π/4 + arctan((a − b)/(a + b)) brings the upper half of the octant to the lower.
-    let first_octant = if small > TAN_PI_8 * large {
-        std::f64::consts::FRAC_PI_4 + atan_series((small - large) / (small + large))
-    } else {
-        atan_series(small / large)
-    };
-    let first_quadrant = if y.abs() > x.abs() { std::f64::consts::FRAC_PI_2 - first_octant } else { first_octant };
-    let upper_half = if x < 0.0 { std::f64::consts::PI - first_quadrant } else { first_quadrant };
-    if y < 0.0 { -upper_half } else { upper_half }
+    let is_upper = small > TAN_PI_8 * large;
+    let [numerator, denominator] = if is_upper { [small - large, small + large] } else { [small, large] };
+    let series = atan_series(numerator / denominator);
+    let first_octant = if is_upper { FRAC_PI_4 + series } else { series };
+    let first_quadrant = if y.abs() > x.abs() { FRAC_PI_2 - first_octant } else { first_octant };
+    let upper_half = if x < 0.0 { PI - first_quadrant } else { first_quadrant };
+    let angle = if y < 0.0 { -upper_half } else { upper_half };
+    if large == 0.0 { 0.0 } else { angle }
 }
 
 /// tan(π/8) = √2 − 1.
-const TAN_PI_8: f64 = std::f64::consts::SQRT_2 - 1.0;
+const TAN_PI_8: f64 = SQRT_2 - 1.0;
 
 /// Coefficients 1, −1/3, 1/5 … of the series of arctan, in powers of the square.
 const ATAN_COEFFICIENTS: [f64; 12] = [
@@ -139,6 +192,7 @@ const ATAN_COEFFICIENTS: [f64; 12] = [
 ];
 
 /// arctan for |tan| up to tan(π/8): the first term left out, t²⁵/25, is below 2⁻³⁶.
+#[inline(always)]
 fn atan_series(tan: f64) -> f64 {
     let square = tan * tan;
     let sum = ATAN_COEFFICIENTS.iter().rev().fold(0.0, |sum, coefficient| sum * square + coefficient);
@@ -156,7 +210,7 @@ mod tests {
             assert!((atan2(y, x) - y.atan2(x)).abs() <= power(-36), "{y} {x}");
         }
         assert_eq!(atan2(0.0, 0.0), 0.0);
-        assert_eq!(atan2(0.0, -1.0), std::f64::consts::PI);
+        assert_eq!(atan2(0.0, -1.0), PI);
     }
 
     fn power(exponent: i32) -> f64 {
@@ -169,7 +223,7 @@ mod tests {
         for (index, pixel) in picture.pixels.iter_mut().enumerate() {
             let u = ((index as u32 % width) as f64 + 0.5) / f64::from(width);
             let v = ((index as u32 / width) as f64 + 0.5) / f64::from(height);
-            let (longitude, latitude) = ((u - 0.5) * std::f64::consts::TAU, (0.5 - v) * std::f64::consts::PI);
+            let (longitude, latitude) = ((u - 0.5) * TAU, (0.5 - v) * PI);
             *pixel = colour([latitude.cos() * longitude.sin(), latitude.sin(), -latitude.cos() * longitude.cos()]);
         }
         picture

@@ -64,55 +64,87 @@ pub(super) struct Writing {
 }
 
 /// Samples along the edge of a texel.
-const SAMPLES: u32 = 4;
+const SAMPLES: usize = 4;
+
+/// What a column or a row of samples of a page meets.
+struct Line {
+    /// Letter or line of the writing, and the cell of its glyph.
+    writing: Option<(usize, usize)>,
+    /// Whether it is within the margin around the writing.
+    is_beside_writing: bool,
+    /// Whether it is within the margin of the page.
+    is_on_page: bool,
+    /// Cell of the maze, and the place in it.
+    cell: i64,
+    place: f64,
+}
 
 /// Draws [`Writing`].
 pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
-    let letters: Vec<Vec<char>> = page.lines.iter().map(|line| line.chars().collect()).collect();
+    type Glyph = Option<[u8; GLYPH_ROWS]>;
+    let letters: Vec<Vec<Glyph>> = page.lines.iter().map(|line| line.chars().map(glyph).collect()).collect();
     let longest = letters.iter().map(Vec::len).max().unwrap_or(1).max(1);
     let [left, bottom, right, top] = page.frame;
-    let is_ink = |u: f64, v: f64| {
-        // In glyph cells: one column and one row of space after each letter and line.
-        let across = (u - left) / (right - left) * (longest * (GLYPH_COLUMNS + 1)) as f64;
-        let down = (top - v) / (top - bottom) * (letters.len() * (GLYPH_ROWS + 1)) as f64;
-        if across < 0.0 || down < 0.0 {
-            return false;
+    let margin = 0.02;
+    let line = |at: f64, [from, to]: [f64; 2], in_cells: f64, cells: usize| {
+        let place = at * f64::from(page.maze_cells);
+        Line {
+            writing: (in_cells >= 0.0).then_some((in_cells as usize / (cells + 1), in_cells as usize % (cells + 1))),
+            is_beside_writing: at > from - margin && at < to + margin,
+            is_on_page: at > margin && at < 1.0 - margin,
+            cell: place.floor() as i64,
+            place: place - place.floor(),
         }
-        let (column, row) = (across as usize, down as usize);
-        let letter = letters.get(row / (GLYPH_ROWS + 1)).and_then(|line| line.get(column / (GLYPH_COLUMNS + 1)));
-        let (column, row) = (column % (GLYPH_COLUMNS + 1), row % (GLYPH_ROWS + 1));
+    };
+    // One column and one row of space after each letter and line.
+    let samples = || (0..page.size as usize * SAMPLES).map(|step| (step / SAMPLES, step % SAMPLES));
+    let at =
+        |(texel, step): (usize, usize)| (texel as f64 + (step as f64 + 0.5) / SAMPLES as f64) / f64::from(page.size);
+    let columns: Vec<Line> = samples()
+        .map(|sample| {
+            let u = at(sample);
+            let across = (u - left) / (right - left) * (longest * (GLYPH_COLUMNS + 1)) as f64;
+            line(u, [left, right], across, GLYPH_COLUMNS)
+        })
+        .collect();
+    let rows: Vec<Line> = samples()
+        .map(|sample| {
+            let v = 1.0 - at(sample);
+            let down = (top - v) / (top - bottom) * (letters.len() * (GLYPH_ROWS + 1)) as f64;
+            line(v, [bottom, top], down, GLYPH_ROWS)
+        })
+        .collect();
+    let is_ink = |column: &Line, row: &Line| {
+        let (Some((letter, column)), Some((line, row))) = (column.writing, row.writing) else { return false };
+        let glyph = letters.get(line).and_then(|line| *line.get(letter)?);
         column < GLYPH_COLUMNS
             && row < GLYPH_ROWS
-            && letter
-                .and_then(|&letter| glyph(letter))
-                .is_some_and(|rows| rows[row] >> (GLYPH_COLUMNS - 1 - column) & 1 == 1)
+            && glyph.is_some_and(|rows| rows[row] >> (GLYPH_COLUMNS - 1 - column) & 1 == 1)
     };
-    let margin = 0.02;
-    let is_maze = |u: f64, v: f64| {
-        let inside_writing = u > left - margin && u < right + margin && v > bottom - margin && v < top + margin;
-        let inside_page = u.min(v) > margin && u.max(v) < 1.0 - margin;
-        if page.maze_cells == 0 || inside_writing || !inside_page {
+    let is_maze = |column: &Line, row: &Line| {
+        let inside_writing = column.is_beside_writing && row.is_beside_writing;
+        if page.maze_cells == 0 || inside_writing || !(column.is_on_page && row.is_on_page) {
             return false;
         }
-        let [x, y] = [u, v].map(|coordinate| coordinate * f64::from(page.maze_cells));
-        let rising = hash(7, x.floor() as i64, y.floor() as i64, 3) & 1 == 1;
-        let (x, y) = (x - x.floor(), y - y.floor());
+        let rising = hash(7, column.cell, row.cell, 3) & 1 == 1;
+        let (x, y) = (column.place, row.place);
         let distance = if rising { (x - y).abs() } else { (x + y - 1.0).abs() };
         distance < 0.2
     };
     let pixels = grid.square(page.size, |column, row| {
         let (mut ink, mut line) = (0, 0);
-        for sample in 0..SAMPLES * SAMPLES {
-            let offset = [sample % SAMPLES, sample / SAMPLES].map(|step| (f64::from(step) + 0.5) / f64::from(SAMPLES));
-            let u = (f64::from(column) + offset[0]) / f64::from(page.size);
-            let v = 1.0 - (f64::from(row) + offset[1]) / f64::from(page.size);
-            if is_ink(u, v) {
-                ink += 1;
-            } else if is_maze(u, v) {
-                line += 1;
+        let [columns, rows] =
+            [(&columns, column), (&rows, row)].map(|(lines, texel)| &lines[SAMPLES * texel as usize..][..SAMPLES]);
+        for row in rows {
+            for column in columns {
+                if is_ink(column, row) {
+                    ink += 1;
+                } else if is_maze(column, row) {
+                    line += 1;
+                }
             }
         }
-        let share = |count: u32| f64::from(count) / f64::from(SAMPLES * SAMPLES);
+        let share = |count: u32| f64::from(count) / (SAMPLES * SAMPLES) as f64;
         mix(mix(page.paper, page.line, share(line)), page.ink, share(ink))
     });
     Picture { width: page.size, height: page.size, pixels }
@@ -133,29 +165,36 @@ pub(super) fn earth(grid: Grid<'_>, earth: &Earth, graticule_degrees: f64) -> Pi
         let steps = degrees / graticule_degrees;
         (steps - (steps + 0.5).floor()).abs() * graticule_degrees
     };
-    let pixels = grid.rectangle(width, height, |column, row| {
-        let (column, row) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let at = earth.direction(column, row);
-        let height = earth.height_above_sea(at);
-        let ground = if height < 0.0 {
-            mix(SHALLOW, DEEP, smoothstep(0.0, 0.25, -height))
-        } else {
-            mix(LOWLAND, HIGHLAND, smoothstep(0.02, 0.22, height))
-        };
-        let colour = mix(ground, ICE, smoothstep(0.9, 0.95, at[1].abs() + 0.3 * height));
-        if graticule_degrees == 0.0 {
-            return colour;
-        }
-        let latitude = 90.0 - row * texel_degrees;
-        let longitude = column * texel_degrees - 180.0;
-        // A line is a quarter of a degree to each side of latitude, and as wide on the ground along longitude.
-        let ground_per_degree = (at[0] * at[0] + at[2] * at[2]).sqrt();
-        let cover = |distance: f64, half_width: f64| 1.0 - smoothstep(half_width, half_width + texel_degrees, distance);
-        let parallel = cover(to_line(latitude), 0.25);
-        // Towards a pole meridians would fill the circle: they end at 80 degrees.
-        let meridian = if latitude.abs() > 80.0 { 0.0 } else { cover(to_line(longitude), 0.25 / ground_per_degree) };
-        mix(colour, LINE, 0.7 * parallel.max(meridian))
-    });
+    let pixels = grid.rectangle(
+        width,
+        height,
+        #[inline(always)]
+        |column, row| {
+            let (column, row) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let at = earth.direction(column, row);
+            let height = earth.height_above_sea(at);
+            let ground = if height < 0.0 {
+                mix(SHALLOW, DEEP, smoothstep(0.0, 0.25, -height))
+            } else {
+                mix(LOWLAND, HIGHLAND, smoothstep(0.02, 0.22, height))
+            };
+            let colour = mix(ground, ICE, smoothstep(0.9, 0.95, at[1].abs() + 0.3 * height));
+            if graticule_degrees == 0.0 {
+                return colour;
+            }
+            let latitude = 90.0 - row * texel_degrees;
+            let longitude = column * texel_degrees - 180.0;
+            // A line is a quarter of a degree to each side of latitude, and as wide on the ground along longitude.
+            let ground_per_degree = (at[0] * at[0] + at[2] * at[2]).sqrt();
+            let cover =
+                |distance: f64, half_width: f64| 1.0 - smoothstep(half_width, half_width + texel_degrees, distance);
+            let parallel = cover(to_line(latitude), 0.25);
+            // Towards a pole meridians would fill the circle: they end at 80 degrees.
+            let meridian =
+                if latitude.abs() > 80.0 { 0.0 } else { cover(to_line(longitude), 0.25 / ground_per_degree) };
+            mix(colour, LINE, 0.7 * parallel.max(meridian))
+        },
+    );
     Picture { width, height, pixels }
 }
 

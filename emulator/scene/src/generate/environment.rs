@@ -3,42 +3,67 @@
 use super::font::glyph;
 use super::grid::Grid;
 use super::maths::{Random, cos_turns, dot, mix, normalised, sin_turns, smoothstep};
+use crate::cube::direction;
 use crate::picture::Picture;
 
 /// Samples along the edge of a texel.
-const SAMPLES: u32 = 4;
+const ALONG: usize = 4;
+/// Samples of a texel.
+const SAMPLES: usize = ALONG * ALONG;
 
-/// Direction of face `face` (Vulkan's order and table) at s, t in [−1, 1]; t = −1 is the top row.
-fn face_direction(face: usize, s: f64, t: f64) -> [f64; 3] {
-    match face {
-        0 => [1.0, -t, -s],
-        1 => [-1.0, -t, s],
-        2 => [s, 1.0, t],
-        3 => [s, -1.0, -t],
-        4 => [s, -t, 1.0],
-        _ => [-s, -t, -1.0],
-    }
+/// The unit direction of each sample of a texel, x, y and z.
+type Directions = [[f64; SAMPLES]; 3];
+/// The colour of each sample of a texel, channel by channel.
+type Colours = [[f32; SAMPLES]; 3];
+
+/// Six faces of the light from each unit direction, averaged over each texel. What `light` captures it captures by value: a loop that reads what it
+/// might write becomes no vectors.
+fn faces(grid: Grid<'_>, edge: u32, light: impl Fn([f64; 3]) -> [f32; 3] + Copy + Sync) -> [Picture; 6] {
+    faces_side_by_side(
+        grid,
+        edge,
+        #[inline(always)]
+        move |directions| {
+            let (light, mut colours) = (light, [[0.0; SAMPLES]; 3]);
+            for sample in 0..SAMPLES {
+                set(&mut colours, sample, light(at(directions, sample)));
+            }
+            colours
+        },
+    )
 }
 
-/// Six faces of the light from each unit direction, averaged over each texel.
-fn faces(grid: Grid<'_>, edge: u32, light: impl Fn([f64; 3]) -> [f32; 3] + Sync) -> [Picture; 6] {
+/// [`faces`] of the light from all directions of a texel.
+fn faces_side_by_side(grid: Grid<'_>, edge: u32, light: impl Fn(&Directions) -> Colours + Sync) -> [Picture; 6] {
     std::array::from_fn(|face| {
-        let pixels = grid.square(edge, |column, row| {
-            let mut sum = [0.0f32; 3];
-            for sample in 0..SAMPLES * SAMPLES {
-                let offset =
-                    [sample % SAMPLES, sample / SAMPLES].map(|step| (f64::from(step) + 0.5) / f64::from(SAMPLES));
-                let [s, t] = [f64::from(column) + offset[0], f64::from(row) + offset[1]]
-                    .map(|at| 2.0 * at / f64::from(edge) - 1.0);
-                let colour = light(normalised(face_direction(face, s, t)));
-                for (total, channel) in sum.iter_mut().zip(colour) {
-                    *total += channel;
+        let pixels = grid.square(
+            edge,
+            #[inline(always)]
+            |column, row| {
+                let mut directions = [[0.0; SAMPLES]; 3];
+                for sample in 0..SAMPLES {
+                    let offset = [sample % ALONG, sample / ALONG].map(|step| (step as f64 + 0.5) / ALONG as f64);
+                    let [s, t] = [f64::from(column) + offset[0], f64::from(row) + offset[1]]
+                        .map(|at| 2.0 * at / f64::from(edge) - 1.0);
+                    set(&mut directions, sample, normalised(direction(face, s, t)));
                 }
-            }
-            sum.map(|total| total / (SAMPLES * SAMPLES) as f32)
-        });
+                light(&directions).map(|samples| samples.into_iter().fold(0.0, |sum, x| sum + x) / SAMPLES as f32)
+            },
+        );
         Picture { width: edge, height: edge, pixels }
     })
+}
+
+/// What is of one sample.
+#[inline(always)]
+fn at<T: Copy>([x, y, z]: &[[T; SAMPLES]; 3], sample: usize) -> [T; 3] {
+    [x[sample], y[sample], z[sample]]
+}
+
+/// Sets it.
+#[inline(always)]
+fn set<T>([x, y, z]: &mut [[T; SAMPLES]; 3], sample: usize, of: [T; 3]) {
+    [x[sample], y[sample], z[sample]] = of;
 }
 
 /// Unit vector; azimuth 0 is −z, 90 is +x.
@@ -53,16 +78,19 @@ fn chord(degrees: f64) -> f64 {
     2.0 * sin_turns(degrees.abs() / 720.0)
 }
 
+#[inline(always)]
 fn chord_between(a: [f64; 3], b: [f64; 3]) -> f64 {
     let difference: [f64; 3] = std::array::from_fn(|axis| a[axis] - b[axis]);
     dot(difference, difference).sqrt()
 }
 
+#[inline(always)]
 fn add(a: [f32; 3], b: [f32; 3], weight: f64) -> [f32; 3] {
     std::array::from_fn(|channel| a[channel] + b[channel] * weight as f32)
 }
 
 /// Ground below, and from the horizon to the zenith above; the horizon itself is a fifth of a degree wide.
+#[inline(always)]
 fn gradient(at: [f64; 3], zenith: [f32; 3], horizon: [f32; 3], ground: [f32; 3]) -> [f32; 3] {
     let above = mix(horizon, zenith, at[1].max(0.0).sqrt());
     mix(ground, above, smoothstep(-0.002, 0.002, at[1]))
@@ -88,17 +116,21 @@ pub(super) fn moon(grid: Grid<'_>, sky: &Moon, edge: u32) -> [Picture; 6] {
     let centre = towards(sky.elevation_degrees, sky.azimuth_degrees);
     let radius = chord(sky.radius_degrees);
     let reach = chord(sky.glow_degrees);
-    faces(grid, edge, |at| {
-        let dark = gradient(at, sky.zenith, sky.horizon, sky.ground);
-        let distance = chord_between(at, centre);
-        if at[1] <= 0.0 {
-            return dark;
-        }
-        let disc = 1.0 - smoothstep(radius * 0.97, radius * 1.03, distance);
-        let beyond = (distance - radius).max(0.0) / reach;
-        let glow = 1.0 / ((1.0 + beyond * beyond) * (1.0 + beyond * beyond));
-        mix(add(dark, sky.glow, glow), sky.moon, disc)
-    })
+    let &Moon { moon, glow, zenith, horizon, ground, .. } = sky;
+    faces(
+        grid,
+        edge,
+        #[inline(always)]
+        move |at| {
+            let dark = gradient(at, zenith, horizon, ground);
+            let distance = chord_between(at, centre);
+            let disc = 1.0 - smoothstep(radius * 0.97, radius * 1.03, distance);
+            let beyond = (distance - radius).max(0.0) / reach;
+            let near = 1.0 / ((1.0 + beyond * beyond) * (1.0 + beyond * beyond));
+            let bright = mix(add(dark, glow, near), moon, disc);
+            if at[1] <= 0.0 { dark } else { bright }
+        },
+    )
 }
 
 /// The skin of a zebra all around: a sum of waves of nearly one length and direction, cut at zero.
@@ -130,12 +162,26 @@ pub(super) fn zebra(grid: Grid<'_>, zebra: &Zebra, edge: u32) -> [Picture; 6] {
     });
     let [light, dark] = zebra.colours;
     let edge_width = zebra.softness.max(1e-6);
-    faces(grid, edge, |at| {
-        let sum: f64 = waves.iter().map(|(vector, phase)| sin_turns(dot(*vector, at) + phase)).sum();
-        // √(n/2) is the standard deviation of the sum.
-        let height = sum / (WAVES as f64 / 2.0).sqrt();
-        mix(dark, light, smoothstep(-edge_width, edge_width, height))
-    })
+    // √(n/2) is the standard deviation of the sum.
+    let deviation = (WAVES as f64 / 2.0).sqrt();
+    faces_side_by_side(
+        grid,
+        edge,
+        #[inline(always)]
+        |directions| {
+            let mut sums = [0.0; SAMPLES];
+            for (vector, phase) in &waves {
+                for (sample, sum) in sums.iter_mut().enumerate() {
+                    *sum += sin_turns(dot(*vector, at(directions, sample)) + phase);
+                }
+            }
+            let mut colours = [[0.0; SAMPLES]; 3];
+            for (sample, sum) in sums.into_iter().enumerate() {
+                set(&mut colours, sample, mix(dark, light, smoothstep(-edge_width, edge_width, sum / deviation)));
+            }
+            colours
+        },
+    )
 }
 
 /// Squares on each face, tinted per face, with the face's name in its middle: to see which face is where.
@@ -190,13 +236,17 @@ pub(super) struct Sky {
 pub(super) fn sky(grid: Grid<'_>, sky: &Sky, edge: u32) -> [Picture; 6] {
     let centre = towards(sky.elevation_degrees, sky.azimuth_degrees);
     let radius = chord(sky.radius_degrees);
-    faces(grid, edge, |at| {
-        let clear = gradient(at, sky.zenith, sky.horizon, sky.ground);
-        if at[1] <= 0.0 {
-            return clear;
-        }
-        mix(sky.sun, clear, smoothstep(radius * 0.97, radius * 1.03, chord_between(at, centre)))
-    })
+    let &Sky { zenith, horizon, ground, sun, .. } = sky;
+    faces(
+        grid,
+        edge,
+        #[inline(always)]
+        move |at| {
+            let clear = gradient(at, zenith, horizon, ground);
+            let above = mix(sun, clear, smoothstep(radius * 0.97, radius * 1.03, chord_between(at, centre)));
+            if at[1] <= 0.0 { clear } else { above }
+        },
+    )
 }
 
 /// A dark room with three lamps behind white cloth: a window with a cross, a strip and a ceiling panel.
@@ -209,6 +259,7 @@ pub(super) struct Studio {
 
 /// Draws [`Studio`].
 pub(super) fn studio(grid: Grid<'_>, studio: &Studio, edge: u32) -> [Picture; 6] {
+    let &Studio { wall, floor, light } = studio;
     // Coverage of a rectangle with edges a fiftieth wide.
     let inside = |x: f64, y: f64, [left, bottom, right, top]: [f64; 4]| {
         smoothstep(left, left + 0.02, x)
@@ -216,49 +267,29 @@ pub(super) fn studio(grid: Grid<'_>, studio: &Studio, edge: u32) -> [Picture; 6]
             * smoothstep(bottom, bottom + 0.02, y)
             * (1.0 - smoothstep(top - 0.02, top, y))
     };
-    faces(grid, edge, |at| {
-        let [x, y, z] = at;
-        let room = mix(studio.floor, studio.wall, smoothstep(-0.6, 0.4, y));
-        let mut lamp = 0.0f64;
-        if x < -0.05 {
+    faces(
+        grid,
+        edge,
+        #[inline(always)]
+        move |[x, y, z]| {
+            let room = mix(floor, wall, smoothstep(-0.6, 0.4, y));
             // Seen on the wall x = −1.
             let (u, v) = (-z / x, -y / x);
             let cross = inside(u, v, [-0.12, -0.2, -0.08, 0.9]).max(inside(u, v, [-0.7, 0.33, 0.5, 0.37]));
-            lamp = lamp.max(inside(u, v, [-0.7, -0.2, 0.5, 0.9]) * (1.0 - cross));
-        }
-        if x > 0.05 {
-            lamp = lamp.max(0.6 * inside(z / x, y / x, [0.1, -0.5, 0.35, 1.2]));
-        }
-        if y > 0.05 {
-            lamp = lamp.max(0.8 * inside(x / y, z / y, [-0.5, -0.9, 0.5, -0.3]));
-        }
-        mix(room, studio.light, lamp)
-    })
+            let window = inside(u, v, [-0.7, -0.2, 0.5, 0.9]) * (1.0 - cross);
+            let strip = 0.6 * inside(z / x, y / x, [0.1, -0.5, 0.35, 1.2]);
+            let ceiling = 0.8 * inside(x / y, z / y, [-0.5, -0.9, 0.5, -0.3]);
+            // Each on its side alone; of what lies beside it no quotient counts.
+            let lamp = if x < -0.05 { window } else { 0.0 };
+            let lamp = lamp.max(if x > 0.05 { strip } else { 0.0 });
+            mix(room, light, lamp.max(if y > 0.05 { ceiling } else { 0.0 }))
+        },
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn directions_follow_the_table_of_vulkan() {
-        // (s_c, t_c) of the face that holds the direction, as Vulkan prints them.
-        let table: [fn([f64; 3]) -> [f64; 2]; 6] = [
-            |[_, y, z]| [-z, -y],
-            |[_, y, z]| [z, -y],
-            |[x, _, z]| [x, z],
-            |[x, _, z]| [x, -z],
-            |[x, y, _]| [x, -y],
-            |[x, y, _]| [-x, -y],
-        ];
-        for (face, coordinates) in table.into_iter().enumerate() {
-            for (s, t) in [(0.25, -0.5), (-0.75, 0.125)] {
-                let direction = face_direction(face, s, t);
-                assert_eq!(coordinates(direction), [s, t]);
-                assert_eq!(direction[face / 2], if face % 2 == 0 { 1.0 } else { -1.0 });
-            }
-        }
-    }
 
     #[test]
     fn faces_meet_without_a_step() {

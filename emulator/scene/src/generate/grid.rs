@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use crate::widest::widest;
+
 /// Is told how far the making of a scene's maps is; from any thread.
 pub trait MapProgress: Sync {
     /// A map is begun that takes so many steps.
@@ -32,18 +34,33 @@ impl Grid<'_> {
         Self { map: "", progress: &Unseen }
     }
 
-    /// A square of `size` × `size` values, row 0 on top, from `value(column, row)`; rows are made in parallel.
-    pub(super) fn square<T: Send>(self, size: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
+    /// A square of `size` × `size` values, row 0 on top, from `value(column, row)`; rows are made in parallel, and what is inlined is compiled for the
+    /// vectors of the machine.
+    pub(super) fn square<T: Clone + Default + Send>(self, size: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
         self.rectangle(size, size, value)
     }
 
     /// [`Grid::square`] for any width and height.
-    pub(super) fn rectangle<T: Send>(self, width: u32, height: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
+    pub(super) fn rectangle<T: Clone + Default + Send>(
+        self,
+        width: u32,
+        height: u32,
+        value: impl Fn(u32, u32) -> T + Sync,
+    ) -> Vec<T> {
         self.begin(height.into());
-        let value = &value;
-        let row = |row: u32| (0..width).map(move |column| value(column, row));
-        // Told when it is begun: behind its values there is nothing that runs.
-        (0..height).into_par_iter().inspect(|_| self.step()).flat_map_iter(row).collect()
+        let mut values = vec![T::default(); width as usize * height as usize];
+        (0..height).into_par_iter().zip(values.par_chunks_mut(width as usize)).for_each(|(row, values)| {
+            widest(
+                #[inline(always)]
+                || {
+                    for (column, place) in (0..width).zip(values) {
+                        *place = value(column, row);
+                    }
+                },
+            );
+            self.step();
+        });
+        values
     }
 
     /// Begins what takes so many steps.

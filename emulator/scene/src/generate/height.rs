@@ -70,18 +70,22 @@ pub(super) struct Ripples {
 pub(super) fn ripples(grid: Grid<'_>, ripples: &Ripples) -> Picture {
     let mut random = Random::new(ripples.seed);
     let drops: Vec<[f64; 3]> = (0..ripples.drops).map(|_| [random.unit(), random.unit(), random.unit()]).collect();
-    let heights = grid.square(ripples.size, |column, row| {
-        let at = [column, row].map(|index| f64::from(index) / f64::from(ripples.size));
-        drops
-            .iter()
-            .map(|[x, y, phase]| {
-                let [dx, dy] = [at[0] - x, at[1] - y].map(|distance| distance - (distance + 0.5).floor());
-                let distance = (dx * dx + dy * dy).sqrt();
-                let fade = 1.0 - smoothstep(0.0, ripples.reach, distance);
-                fade * sin_turns(distance * ripples.rings + phase)
-            })
-            .sum::<f64>()
-    });
+    let heights = grid.square(
+        ripples.size,
+        #[inline(always)]
+        |column, row| {
+            let at = [column, row].map(|index| f64::from(index) / f64::from(ripples.size));
+            drops
+                .iter()
+                .map(|[x, y, phase]| {
+                    let [dx, dy] = [at[0] - x, at[1] - y].map(|distance| distance - (distance + 0.5).floor());
+                    let distance = (dx * dx + dy * dy).sqrt();
+                    let fade = 1.0 - smoothstep(0.0, ripples.reach, distance);
+                    fade * sin_turns(distance * ripples.rings + phase)
+                })
+                .sum::<f64>()
+        },
+    );
     grey(ripples.size, &heights)
 }
 
@@ -100,19 +104,23 @@ pub(super) struct Bumps {
 
 /// Draws [`Bumps`].
 pub(super) fn bumps(grid: Grid<'_>, bumps: &Bumps) -> Picture {
-    let heights = grid.square(bumps.size, |column, row| {
-        let at = [column, row].map(|index| f64::from(index) / f64::from(bumps.size));
-        let mut height = 0.0;
-        let mut weight = 1.0;
-        for octave in 0..bumps.octaves {
-            let cells = bumps.cells << octave;
-            let seed = hash(u64::from(bumps.seed), i64::from(octave), 0, 0);
-            let scaled = [at[0] * f64::from(cells), at[1] * f64::from(cells), 0.5];
-            height += weight * lattice_noise(seed, scaled, [i64::from(cells), i64::from(cells), 0]);
-            weight *= bumps.gain;
-        }
-        height
-    });
+    let heights = grid.square(
+        bumps.size,
+        #[inline(always)]
+        |column, row| {
+            let at = [column, row].map(|index| f64::from(index) / f64::from(bumps.size));
+            let mut height = 0.0;
+            let mut weight = 1.0;
+            for octave in 0..bumps.octaves {
+                let cells = bumps.cells << octave;
+                let seed = hash(u64::from(bumps.seed), i64::from(octave), 0, 0);
+                let scaled = [at[0] * f64::from(cells), at[1] * f64::from(cells), 0.5];
+                height += weight * lattice_noise(seed, scaled, [i64::from(cells), i64::from(cells), 0]);
+                weight *= bumps.gain;
+            }
+            height
+        },
+    );
     grey(bumps.size, &heights)
 }
 
@@ -131,6 +139,7 @@ pub(super) struct Earth {
 
 impl Earth {
     /// Height above the sea, from −1 to 1 at most, at a unit vector.
+    #[inline(always)]
     pub(super) fn height_above_sea(&self, at: [f64; 3]) -> f64 {
         let (mut sum, mut weight, mut total, mut frequency) = (0.0, 1.0, 0.0, self.detail);
         for octave in 0..self.octaves {
@@ -145,6 +154,7 @@ impl Earth {
     }
 
     /// Unit vector of the centre of a texel; the middle column faces +z, the top row is the north.
+    #[inline(always)]
     pub(super) fn direction(&self, column: f64, row: f64) -> [f64; 3] {
         let longitude = column / f64::from(2 * self.size);
         let latitude = 0.25 - 0.5 * row / f64::from(self.size);
@@ -158,11 +168,16 @@ impl Earth {
 /// the map meet in one point.
 pub(super) fn earth(grid: Grid<'_>, earth: &Earth) -> Picture {
     let (width, height) = (2 * earth.size, earth.size);
-    let heights = grid.rectangle(width, height, |column, row| {
-        let at = earth.direction(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let polar = 1.0 - smoothstep(sin_turns(82.0 / 360.0), sin_turns(86.0 / 360.0), at[1].abs());
-        polar * earth.height_above_sea(at).max(0.0)
-    });
+    let heights = grid.rectangle(
+        width,
+        height,
+        #[inline(always)]
+        |column, row| {
+            let at = earth.direction(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let polar = 1.0 - smoothstep(sin_turns(82.0 / 360.0), sin_turns(86.0 / 360.0), at[1].abs());
+            polar * earth.height_above_sea(at).max(0.0)
+        },
+    );
     grey(width, &heights)
 }
 

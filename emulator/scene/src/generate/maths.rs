@@ -8,62 +8,89 @@ use std::f64::consts::TAU;
 ///
 /// Taylor polynomials on [−π/4, π/4]: the remainders are (π/4)¹⁷/17! = 4.6e-17 and (π/4)¹⁸/18! = 2e-18; what is left
 /// is the rounding of `turns`.
+#[inline(always)]
 pub(crate) fn sin_turns(turns: f64) -> f64 {
     let wrapped = turns - (turns + 0.5).floor();
     let folded = if wrapped.abs() > 0.25 { 0.5_f64.copysign(wrapped) - wrapped } else { wrapped };
-    if folded.abs() <= 0.125 {
-        let x = TAU * folded;
-        x * alternating_series(x * x, 2)
-    } else {
-        let x = TAU * (0.25 - folded.abs());
-        alternating_series(x * x, 1).copysign(folded)
-    }
+    // Near whole turns the sine, elsewhere the cosine of what is left of a quarter: values are chosen, not ways, so that loops become vectors.
+    let is_near = folded.abs() <= 0.125;
+    let x = TAU * if is_near { folded } else { 0.25 - folded.abs() };
+    let square = x * x;
+    let series = (0..8).rev().fold(1.0, |sum, term| {
+        let [sine, cosine] = [SINE, COSINE].map(|series| series[term]);
+        1.0 - square * if is_near { sine } else { cosine } * sum
+    });
+    if is_near { x * series } else { series.copysign(folded) }
 }
 
-/// 1 − s/(f(f+1)) + s²/(f(f+1)(f+2)(f+3)) − … with eight terms: sin(x)/x for f = 2, cos(x) for f = 1, s = x².
-fn alternating_series(square: f64, first: u32) -> f64 {
-    (0..8).rev().fold(1.0, |sum, term| {
-        let factor = f64::from(first + 2 * term);
-        1.0 - square / (factor * (factor + 1.0)) * sum
-    })
+/// Factors of sin(x)/x = 1 − s/(2·3)·(1 − s/(4·5)·(1 − …)), s = x².
+const SINE: [f64; 8] = factors(2);
+
+/// Factors of cos(x) = 1 − s/(1·2)·(1 − s/(3·4)·(1 − …)), s = x².
+const COSINE: [f64; 8] = factors(1);
+
+/// 1/(f(f + 1)), 1/((f + 2)(f + 3)) and so on.
+const fn factors(first: u32) -> [f64; 8] {
+    let mut factors = [0.0; 8];
+    let mut term = 0;
+    while term < factors.len() {
+        let factor = first + 2 * term as u32;
+        factors[term] = 1.0 / (factor * (factor + 1)) as f64;
+        term += 1;
+    }
+    factors
 }
 
 /// Cosine of `turns` full turns; error as [`sin_turns`].
+#[inline(always)]
 pub(crate) fn cos_turns(turns: f64) -> f64 {
     sin_turns(turns + 0.25)
 }
 
 /// 0 below `from`, 1 above `to`, with a smooth cubic between.
+#[inline(always)]
 pub(crate) fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 /// `a` at 0, `b` at 1.
+#[inline(always)]
 pub(crate) fn mix(a: [f32; 3], b: [f32; 3], t: f64) -> [f32; 3] {
     let t = t as f32;
     std::array::from_fn(|channel| a[channel] + (b[channel] - a[channel]) * t)
 }
 
 /// Unit vector along `v`; +z for the zero vector.
+#[inline(always)]
 pub(crate) fn normalised(v: [f64; 3]) -> [f64; 3] {
     let length = dot(v, v).sqrt();
     if length > 0.0 { v.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
 }
 
 /// Inner product.
+#[inline(always)]
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// What the seed of a [`hash`] is mixed with.
+const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
+
 /// A 64-bit mix of three lattice coordinates and a seed: one step of SplitMix64 for each.
+#[inline(always)]
 pub(crate) fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
-    [x, y, z].into_iter().fold(seed ^ 0x9E37_79B9_7F4A_7C15, |state, coordinate| {
-        SplitMix64::new(state.wrapping_add(coordinate as u64)).next_u64()
-    })
+    [x, y, z].into_iter().fold(seed ^ SEED, mixed)
+}
+
+/// What a coordinate more makes of a [`hash`].
+#[inline(always)]
+fn mixed(state: u64, coordinate: i64) -> u64 {
+    SplitMix64::new(state.wrapping_add(coordinate as u64)).next_u64()
 }
 
 /// The top 53 bits as a number in [0, 1).
+#[inline(always)]
 pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
@@ -79,6 +106,7 @@ impl Random {
     }
 
     /// Uniform in [0, 1).
+    #[inline(always)]
     pub(crate) fn unit(&mut self) -> f64 {
         unit(self.0.next_u64())
     }
@@ -91,21 +119,34 @@ impl Random {
 
 /// Smooth noise in [−1, 1] on the integer lattice: trilinear with a quintic ease; repeats after `period` cells in each
 /// coordinate (0: never).
+#[inline(always)]
 pub(crate) fn lattice_noise(seed: u64, at: [f64; 3], period: [i64; 3]) -> f64 {
-    let cell = at.map(|x| x.floor() as i64);
+    let floor = at.map(f64::floor);
+    let cell = floor.map(|x| x as i64);
     let ease: [f64; 3] = std::array::from_fn(|axis| {
-        let t = at[axis] - at[axis].floor();
+        let t = at[axis] - floor[axis];
         t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
     });
     let wrap = |axis: usize, step: i64| match period[axis] {
         0 => cell[axis] + step,
         period => (cell[axis] + step).rem_euclid(period),
     };
+    let ends: [[i64; 2]; 3] = std::array::from_fn(|axis| [wrap(axis, 0), wrap(axis, 1)]);
+    // Corners share what their hashes begin with: fourteen steps, not 24. Bits of a corner's number are its ends in x, y and z.
+    let (mut of_x, mut of_y, mut of_z) = ([0; 2], [0; 4], [0; 8]);
+    for (corner, hash) in of_x.iter_mut().enumerate() {
+        *hash = mixed(seed ^ SEED, ends[0][corner]);
+    }
+    for (corner, hash) in of_y.iter_mut().enumerate() {
+        *hash = mixed(of_x[corner & 1], ends[1][corner >> 1]);
+    }
+    for (corner, hash) in of_z.iter_mut().enumerate() {
+        *hash = mixed(of_y[corner & 3], ends[2][corner >> 2]);
+    }
     let mut sum = 0.0;
-    for corner in 0..8i64 {
-        let step = [corner & 1, (corner >> 1) & 1, corner >> 2];
-        let weight: f64 = (0..3).map(|axis| if step[axis] == 1 { ease[axis] } else { 1.0 - ease[axis] }).product();
-        sum += weight * unit(hash(seed, wrap(0, step[0]), wrap(1, step[1]), wrap(2, step[2])));
+    for (corner, hash) in of_z.into_iter().enumerate() {
+        let side = |axis: usize| if corner >> axis & 1 == 1 { ease[axis] } else { 1.0 - ease[axis] };
+        sum += side(0) * side(1) * side(2) * unit(hash);
     }
     2.0 * sum - 1.0
 }

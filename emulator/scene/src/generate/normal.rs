@@ -20,26 +20,30 @@ pub(super) struct Hammered {
 pub(super) fn hammered(grid: Grid<'_>, hammered: &Hammered) -> Picture {
     let dents = i64::from(hammered.dents);
     let seed = u64::from(hammered.seed);
-    let pixels = grid.square(hammered.size, |column, row| {
-        let [x, y] = [column, hammered.size - 1 - row]
-            .map(|texel| (f64::from(texel) + 0.5) * f64::from(hammered.dents) / f64::from(hammered.size));
-        let cell = [x, y].map(|at| at.floor() as i64);
-        let mut nearest = [f64::INFINITY; 2];
-        for step in 0..9 {
-            let at = [cell[0] + step % 3 - 1, cell[1] + step / 3 - 1];
-            let [i, j] = at.map(|index| index.rem_euclid(dents));
-            // Within the middle two thirds of its cell.
-            let middle = |axis: i64| 1.0 / 6.0 + 2.0 / 3.0 * unit(hash(seed, i, j, 4 + axis));
-            let from_middle = [x - at[0] as f64 - middle(0), y - at[1] as f64 - middle(1)];
-            let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
-            if square(from_middle) < square(nearest) {
-                nearest = from_middle;
+    let pixels = grid.square(
+        hammered.size,
+        #[inline(always)]
+        |column, row| {
+            let [x, y] = [column, hammered.size - 1 - row]
+                .map(|texel| (f64::from(texel) + 0.5) * f64::from(hammered.dents) / f64::from(hammered.size));
+            let cell = [x, y].map(|at| at.floor() as i64);
+            let mut nearest = [f64::INFINITY; 2];
+            for step in 0..9 {
+                let at = [cell[0] + step % 3 - 1, cell[1] + step / 3 - 1];
+                let [i, j] = at.map(|index| index.rem_euclid(dents));
+                // Within the middle two thirds of its cell.
+                let middle = |axis: i64| 1.0 / 6.0 + 2.0 / 3.0 * unit(hash(seed, i, j, 4 + axis));
+                let from_middle = [x - at[0] as f64 - middle(0), y - at[1] as f64 - middle(1)];
+                let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+                if square(from_middle) < square(nearest) {
+                    nearest = from_middle;
+                }
             }
-        }
-        // A bowl: its height grows with the square of the distance, its normal leans towards the middle.
-        let [lean_u, lean_v] = nearest.map(|distance| -2.0 * hammered.slope * distance);
-        normalised([lean_u, lean_v, 1.0]).map(|component| (0.5 + 0.5 * component) as f32)
-    });
+            // A bowl: its height grows with the square of the distance, its normal leans towards the middle.
+            let [lean_u, lean_v] = nearest.map(|distance| -2.0 * hammered.slope * distance);
+            normalised([lean_u, lean_v, 1.0]).map(|component| (0.5 + 0.5 * component) as f32)
+        },
+    );
     Picture { width: hammered.size, height: hammered.size, pixels }
 }
 
