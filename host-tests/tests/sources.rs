@@ -16,11 +16,15 @@ fn core_root() -> PathBuf {
 
 /// Every source file of the core by its path under `src`, with its tokens, in order of names.
 fn core_files() -> Vec<(String, String, Vec<Token>)> {
-    let root = core_root().join("src");
+    files_below(&core_root().join("src"))
+}
+
+/// Every source file below a folder by its path from there, with its tokens, in order of names.
+fn files_below(root: &Path) -> Vec<(String, String, Vec<Token>)> {
     let mut names = Vec::new();
-    let mut folders = vec![root.clone()];
+    let mut folders = vec![root.to_owned()];
     while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("the core has sources") {
+        for entry in fs::read_dir(&folder).expect("there are sources") {
             let path = entry.expect("a folder can be read").path();
             if path.is_dir() {
                 folders.push(path);
@@ -30,7 +34,7 @@ fn core_files() -> Vec<(String, String, Vec<Token>)> {
         }
     }
     names.sort();
-    let name = |path: &Path| path.strip_prefix(&root).expect("below src").to_string_lossy().replace('\\', "/");
+    let name = |path: &Path| path.strip_prefix(root).expect("below the folder").to_string_lossy().replace('\\', "/");
     names
         .iter()
         .map(|path| {
@@ -332,6 +336,43 @@ fn a_frame_calls_no_arithmetic_of_its_own() {
     }
     for (used, (file, item, reason)) in used.into_iter().zip(FRAME_ARITHMETIC) {
         assert!(used, "{file} {item} ({reason}) computes no more: strike it from the list");
+    }
+}
+
+/// Where a function may be the platform's own, whose last bit is another with each: file, reason.
+const PLATFORM_FUNCTIONS: [(&str, &str); 3] = [
+    ("scene/src/picture/compare.rs", "figures of likeness, of which a few digits are printed"),
+    ("frame/src/frame.rs", "the same"),
+    ("frame/src/printed.rs", "a printed formula, for comparison"),
+];
+
+/// Inputs of sets and hard cases had sines and powers of the platform's library: vectors of one name could differ by a last place between machines.
+#[test]
+fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
+    const FUNCTIONS: [&str; 23] = [
+        "exp", "exp2", "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "powf", "cbrt", "hypot", "mul_add", "sin",
+        "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh",
+    ];
+    let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
+    let mut used = [false; PLATFORM_FUNCTIONS.len()];
+    for package in ["cases", "scene", "maps", "frame", "lanes"] {
+        for (name, _, tokens) in files_below(&emulator.join(package).join("src")) {
+            let name = format!("{package}/src/{name}");
+            if name.ends_with("/tests.rs") {
+                continue;
+            }
+            let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
+            // Tests are the last module of a file.
+            let end = (0..tokens.len()).find(|&i| text(i) == "cfg" && text(i + 2) == "test").unwrap_or(tokens.len());
+            for i in (1..end).filter(|&i| text(i - 1) == "." && text(i + 1) == "(" && FUNCTIONS.contains(&text(i))) {
+                let allowed = PLATFORM_FUNCTIONS.iter().position(|(file, _)| *file == name);
+                let Some(allowed) = allowed else { panic!("{name}:{}: {} of the platform", tokens[i].line, text(i)) };
+                used[allowed] = true;
+            }
+        }
+    }
+    for (used, (file, reason)) in used.into_iter().zip(PLATFORM_FUNCTIONS) {
+        assert!(used, "{file} ({reason}) has none any more: strike it from the list");
     }
 }
 

@@ -44,7 +44,7 @@ pub(super) fn footprint_circle(p: &Precision) -> Vec<ReflectionIn> {
     let r = 0.011;
     let mut fragments = Vec::new();
     for step in 0..64 {
-        let (sin, cos) = (f64::from(step) * std::f64::consts::PI / 32.0).sin_cos();
+        let (sin, cos) = libm::sincos(f64::from(step) * std::f64::consts::PI / 32.0);
         for excess in [0.0, 1e-4, 0.09, 0.11] {
             fragments.push(flat_footprint(
                 [r * cos, r * sin],
@@ -72,7 +72,7 @@ pub(super) fn footprint_aspect(p: &Precision) -> Vec<ReflectionIn> {
     ratios.extend([20.0, 50.0, 100.0, 300.0, 1000.0, 3000.0]);
     for ratio in ratios {
         for turn in 0..6 {
-            let (sin, cos) = (f64::from(turn) * 0.55).sin_cos();
+            let (sin, cos) = libm::sincos(f64::from(turn) * 0.55);
             let (major, minor) = (0.04, 0.04 / ratio);
             fragments.push(flat_footprint([major * cos, major * sin], [-minor * sin, minor * cos], p));
         }
@@ -119,7 +119,7 @@ pub(super) fn footprint_cancel(p: &Precision) -> Vec<ReflectionIn> {
     }
     // A cylinder around y: the normal turns in one direction only.
     for step in -8..=8 {
-        let (sin, cos) = (f64::from(step) * 0.18).sin_cos();
+        let (sin, cos) = libm::sincos(f64::from(step) * 0.18);
         fragments.push(
             RealFragment {
                 normal: dvec3(sin, 0.0, cos),
@@ -140,7 +140,7 @@ pub(super) fn roughness_rank(p: &Precision) -> Vec<ReflectionIn> {
     let mut decompositions: Vec<[f64; 3]> = (0..32)
         .map(|step| {
             // Rank one along (cos, sin): c = σ² sin², d₁ = 0 (c ≠ 0).
-            let (sin, cos) = (f64::from(step) * std::f64::consts::PI / 32.0).sin_cos();
+            let (sin, cos) = libm::sincos(f64::from(step) * std::f64::consts::PI / 32.0);
             if step == 0 { [0.2, 0.0, 0.0] } else { [0.0, 0.2 * cos, 0.2 * sin] }
         })
         .collect();

@@ -17,7 +17,7 @@ pub(super) fn frame_pole(p: &Precision) -> Vec<ReflectionIn> {
             fragments.push(
                 RealFragment {
                     normal,
-                    tangents: [normal * angle.cos() + side * angle.sin(), DVec3::X],
+                    tangents: [normal * libm::cos(angle) + side * libm::sin(angle), DVec3::X],
                     offset: [0.3, -0.2],
                     roughness: [0.1, 0.03, 0.05],
                     ..RealFragment::PLAIN

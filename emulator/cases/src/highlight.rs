@@ -210,7 +210,7 @@ fn peak(p: &Precision) -> Vec<HighlightIn> {
                 fragments.extend((0..3).map(|i| HighlightIn { light: moved(&exact.light, i, -1, p), ..exact }));
                 for power in 2..p.fraction_bits {
                     let angle = 0.5_f64.powi(power as i32);
-                    let light = normal * angle.cos() + side * angle.sin();
+                    let light = normal * libm::cos(angle) + side * libm::sin(angle);
                     fragments.push(RealLight { light, view: light, ..at }.quantised(p));
                 }
             }
@@ -226,7 +226,7 @@ fn opposite(p: &Precision) -> Vec<HighlightIn> {
         for power in 0..p.fraction_bits + 2 {
             // Eye and light close above the floor, on either side of the half vector.
             let angle = 0.5_f64.powi(power as i32);
-            let [view, light] = [1.0, -1.0].map(|side| dvec3(side * angle.cos(), angle.sin(), 0.1 * angle));
+            let [view, light] = [1.0, -1.0].map(|side| dvec3(side * libm::cos(angle), libm::sin(angle), 0.1 * angle));
             fragments.push(RealLight { view, light, ..plain }.quantised(p));
         }
         for view in [DVec3::Y, dvec3(0.3, 0.5, -0.8), DVec3::X] {
@@ -254,7 +254,7 @@ fn rank(p: &Precision) -> Vec<HighlightIn> {
     let last = 0.5_f64.powi(p.offset_bits() as i32);
     let mut fragments = Vec::new();
     for turn in 0..16 {
-        let (sin, cos) = (f64::from(turn) * std::f64::consts::PI / 16.0).sin_cos();
+        let (sin, cos) = libm::sincos(f64::from(turn) * std::f64::consts::PI / 16.0);
         for size in [last, 0.01, 0.3, 4.0] {
             // K = size²·(cos, sin)(cos, sin)ᵀ: d₁ = 0 but where sin = 0.
             let roughness = if turn == 0 { [size, 0.0, 0.0] } else { [0.0, size * cos, size * sin] };

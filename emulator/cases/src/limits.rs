@@ -6,6 +6,7 @@ use roughxel_core::ports::{BlockVector, HighlightIn, PeakIn, ReflectionIn, Store
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::shininess;
 
+use super::draws::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// What makes the ports of one case.
@@ -93,7 +94,7 @@ impl<'a> Limits<'a> {
 
     fn light(mut self) -> HighlightIn {
         let (surface, light) = (self.surface(), self.vector());
-        let exponent = [1.0, 2.0, 91.0, 8192.0, self.random.uniform(0.0, 13.0).exp2()][self.random.below(5) as usize];
+        let exponent = [1.0, 2.0, 91.0, 8192.0, exp2(self.random.uniform(0.0, 13.0))][self.random.below(5) as usize];
         HighlightIn { surface, light, shininess: shininess(exponent) }
     }
 

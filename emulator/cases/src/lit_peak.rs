@@ -11,7 +11,7 @@ use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, 
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_peak, stored_unit_peak};
 
-use super::draws::{Elements, Kind, Rows, at, direction, set, unit, unit_or};
+use super::draws::{Elements, Kind, Rows, at, direction, exp2, set, unit, unit_or};
 use super::fragment::{FRAGMENT, Fragments, SURFACE, bit};
 use super::highlight::eye_and_light;
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets, uniform};
@@ -192,12 +192,12 @@ fn random_with(frame: FrameSystem, p: &Precision) -> Vec<PeakIn> {
     let name = format!("{frame:?}");
     let any = |index: u64| {
         let random = &mut SplitMix64::for_element(&name, index);
-        let u = direction(random) * random.uniform(-6.0, 6.0).exp2();
+        let u = direction(random) * exp2(random.uniform(-6.0, 6.0));
         let v = match index % 8 {
             0 => u,
             1 => DVec3::ZERO,
-            2 => u + direction(random) * random.uniform(-20.0, -6.0).exp2(),
-            _ => direction(random) * random.uniform(-6.0, 6.0).exp2(),
+            2 => u + direction(random) * exp2(random.uniform(-20.0, -6.0)),
+            _ => direction(random) * exp2(random.uniform(-6.0, 6.0)),
         };
         PeakIn {
             surface: SurfaceIn {

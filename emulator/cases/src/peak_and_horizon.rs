@@ -10,7 +10,7 @@ use roughxel_core::setup::{block_vector, stored_horizon, stored_peak, uniform_la
 use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
 
-use super::draws::direction;
+use super::draws::{direction, exp2};
 use super::fragment::bit;
 use super::set::CaseSet;
 use roughxel_scene::random::SplitMix64;
@@ -65,7 +65,7 @@ pub struct HorizonCase {
 pub const WHOLE: u32 = 1 << 16;
 
 fn power_of_two(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
-    random.uniform(low, high).exp2()
+    exp2(random.uniform(low, high))
 }
 
 /// Case `index` of the random set `set`: any frame of any size, up to 8 peaks with exponents from 1 to 8192 and amplitudes

@@ -20,6 +20,7 @@ use roughxel_core::soft_core::{environment_scale, reflection, texture_scale};
 use roughxel_core::stage::enter::enter;
 use roughxel_core::width::on_words;
 
+use super::draws::exp2;
 use roughxel_lanes::PackedPeak;
 use roughxel_net::graph::Net;
 use roughxel_net::record::integers_at;
@@ -56,13 +57,13 @@ pub fn port_values(
         Design::Reflection => vec![integers_at(&ScaledReflectionInput { fragment: wires, map }, p)],
         // A light has any direction: that of the first derivative is as good as another.
         Design::Highlight => {
-            let shininess = setup::shininess(random.uniform(0.0, 13.0).exp2()).wires();
+            let shininess = setup::shininess(exp2(random.uniform(0.0, 13.0))).wires();
             vec![integers_at(&HighlightInput { surface: wires.surface, light: wires.dview[0], shininess }, p)]
         }
         Design::LitPeak => {
             let mut any = |low, high| random.uniform(low, high);
             let normal = DVec3::new(any(-1.0, 1.0), any(-1.0, 1.0), any(0.0, 1.0));
-            let peak = stored_peak(normal, any(-10.0, 6.0).exp2(), any(0.0, 13.0).exp2()).wires();
+            let peak = stored_peak(normal, exp2(any(-10.0, 6.0)), exp2(any(0.0, 13.0))).wires();
             let mut four = |low, high| [(); 4].map(|()| any(low, high));
             let horizon = stored_horizon(four(-1.5, 1.5), four(-0.6, 2.0)).wires();
             let weight = share(random, 1 << 17);
@@ -146,9 +147,9 @@ pub fn port_values(
             let half = on_words!(p, |surface| {
                 datapath::local_direction(&surface.view, &surface.frame, &surface.normal, p)
             });
-            let exponent = random.uniform(0.0, 13.0).exp2();
+            let exponent = exp2(random.uniform(0.0, 13.0));
             let near = DVec3::from_array(half.unit.map(|m| f64::from(m.raw()) + random.uniform(-1e8, 1e8)));
-            let peak = stored_peak(near, random.uniform(-10.0, 6.0).exp2(), exponent).wires();
+            let peak = stored_peak(near, exp2(random.uniform(-10.0, 6.0)), exponent).wires();
             let light = Control::<i32, LIGHT>::lit(random.below(64 << 24) as i64);
             let sum = PeakSum { light, saturated: random.below(2) == 1 };
             let words = PackedPeak::from(&peak).words();

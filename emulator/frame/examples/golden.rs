@@ -1,7 +1,7 @@
 //! Whole frames on this processor: draws those that a list names and compares their digests with it.
 //!
 //! `golden LIST [--part N] SCENE…` takes the lines of `host-tests/golden/frames.txt` that belong to these built-in scenes, every N-th
-//! of each where `--part` is given, for where a frame takes long. `cargo firmware check` runs it on other families of processors.
+//! of each where `--part` is given, for where a frame takes long. `cargo firmware frames` runs it on another family of processors.
 //!
 //! Exit codes: 0 all are equal, 1 a list or a scene is not there or cannot be drawn, 3 some differ.
 

@@ -270,7 +270,7 @@ impl BumpPyramid {
         let unit = power_of_two(self.format.roughness_exponent - self.format.roughness.bits() as i32);
         let codes = self.levels.iter().flat_map(|level| &level.roughness);
         let factors = codes.map(|codes| codes.map(|code| f64::from(code) * unit));
-        factors.fold(0.0, |largest, [d1, d2, d3]| largest.max(d1.hypot(d2)).max(d3))
+        factors.fold(0.0, |largest, [d1, d2, d3]| largest.max(libm::hypot(d1, d2)).max(d3))
     }
 
     /// Whether no level has roughness: the roughness columns of the datapath are not called for.

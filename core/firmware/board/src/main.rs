@@ -7,6 +7,7 @@ mod knobs;
 mod measure;
 mod price;
 mod target;
+mod vectors;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,6 +22,8 @@ cargo firmware check [TARGET…]
     on riscv32imac some prices of PRICE.md, too.
 cargo firmware frames
     Golden frames of the emulator on s390x, whose words begin with their highest byte. Two minutes.
+cargo firmware vectors
+    The sets of vectors/smoke, written by the program on s390x, compared byte for byte. Two minutes, nearly all of it building.
 cargo firmware price [--quick] [-o FILE]
     Instructions, bytes and stack of every plan, as one table: core/firmware/PRICE.md. The same numbers every time with one compiler.
     --quick: two profiles on one target, to standard output.
@@ -62,6 +65,7 @@ fn run() -> Result<(), Failure> {
             check::run(if named.is_empty() { &Target::ALL } else { &named })
         }
         Some("frames") => frames::run(Target::S390X),
+        Some("vectors") => vectors::run(Target::S390X),
         Some("price") => {
             let (mut quick, mut by_knobs, mut file) = (false, false, None);
             while let Some(flag) = arguments.next() {

@@ -47,10 +47,10 @@ fn rustup_has(triple: &'static str) -> bool {
     })
 }
 
-/// How the program that draws frames is optimised: libraries hardly, for they read scenes and little more; what every texel and pixel goes
-/// through as in a release. It takes two minutes of one core to build for a processor, and its frames 48 s on s390x; with everything at
+/// How programs of the emulator are optimised: libraries hardly, for they read scenes and little more; what every texel and pixel goes
+/// through as in a release. That of the frames takes two minutes of one core to build for a processor, and its frames 48 s on s390x; with everything at
 /// the first level they take about twice as long.
-const FRAMES_PROFILE: [&str; 5] = [
+const HOSTED_PROFILE: [&str; 5] = [
     "profile.release.opt-level=1",
     "profile.release.package.roughxel-core.opt-level=3",
     "profile.release.package.roughxel-frame.opt-level=3",
@@ -181,9 +181,9 @@ impl Target {
         Ok(folder.join(triple).join("release").join(program))
     }
 
-    /// Builds the program that draws whole frames with the emulator's packages; where it is. `None` where there is no standard library for
-    /// the processor: the sources that a distribution ships with its compiler are enough for `core` alone.
-    pub fn build_frames(self) -> Result<Option<PathBuf>, Failure> {
+    /// Builds a program of the project that needs a standard library, by cargo's words for it; where it is, below the folder of a release. `None` where there is no
+    /// standard library for the processor: the sources that a distribution ships with its compiler are enough for `core` alone.
+    pub fn build_hosted(self, program: &[&str], place: &str) -> Result<Option<PathBuf>, Failure> {
         let triple = self.triple();
         if !rustup_has(triple) {
             return Ok(None);
@@ -194,17 +194,18 @@ impl Target {
         let mut cargo = Command::new("cargo");
         cargo
             .current_dir(root())
-            .args(["build", "--release", "--locked", "--quiet", "--package", "roughxel-frame", "--example", "golden"])
+            .args(["build", "--release", "--locked", "--quiet"])
+            .args(program)
             .args(["--target", triple, "--target-dir"])
             .arg(&folder)
             .env(format!("CARGO_TARGET_{key}_LINKER"), format!("{}-linux-gnu-gcc", self.name()));
-        cargo.args(FRAMES_PROFILE.iter().flat_map(|setting| ["--config", setting]));
+        cargo.args(HOSTED_PROFILE.iter().flat_map(|setting| ["--config", setting]));
         let output = cargo.output().map_err(|error| Failure::trouble(format!("cargo: {error}")))?;
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr);
-            return Err(Failure::trouble(format!("the frames cannot be built for {}:\n{text}", self.name())));
+            return Err(Failure::trouble(format!("{place} cannot be built for {}:\n{text}", self.name())));
         }
-        Ok(Some(folder.join(triple).join("release/examples/golden")))
+        Ok(Some(folder.join(triple).join("release").join(place)))
     }
 
     /// Runs a program: its exit code and what it printed.
