@@ -340,10 +340,9 @@ fn a_frame_calls_no_arithmetic_of_its_own() {
 }
 
 /// Where a function may be the platform's own, whose last bit is another with each: file, reason.
-const PLATFORM_FUNCTIONS: [(&str, &str); 3] = [
+const PLATFORM_FUNCTIONS: [(&str, &str); 2] = [
     ("scene/src/picture/compare.rs", "figures of likeness, of which a few digits are printed"),
     ("frame/src/frame.rs", "the same"),
-    ("frame/src/printed.rs", "a printed formula, for comparison"),
 ];
 
 /// Inputs of sets and hard cases had sines and powers of the platform's library: vectors of one name could differ by a last place between machines.

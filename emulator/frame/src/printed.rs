@@ -23,7 +23,7 @@ pub(super) fn light(surface: &Surface<i32>, input: &SurfaceInput<i32>, light: &B
     let difference: Vector3 = core::array::from_fn(|i| normal[i] - half[i]);
     let [e1, e2] = [&surface.frame.e1, &surface.frame.e2].map(direction);
     let cos2 = printed_cos2(ports.roughness.map(real_offset), [dot(&difference, &e1), dot(&difference, &e2)]);
-    let share = cos2.powf(0.5 * m);
+    let share = libm::pow(cos2, 0.5 * m);
     // NaN is no light.
     Fx::from_raw((share.clamp(0.0, 1.0) * f64::from(1 << 24)).round() as i32)
 }
