@@ -89,6 +89,7 @@ pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
     let line = |at: f64, [from, to]: [f64; 2], in_cells: f64, cells: usize| {
         let place = at * f64::from(page.maze_cells);
         Line {
+            // One column and one row of space after each letter and line.
             writing: (in_cells >= 0.0).then_some((in_cells as usize / (cells + 1), in_cells as usize % (cells + 1))),
             is_beside_writing: at > from - margin && at < to + margin,
             is_on_page: at > margin && at < 1.0 - margin,
@@ -96,7 +97,6 @@ pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
             place: place - place.floor(),
         }
     };
-    // One column and one row of space after each letter and line.
     let samples = || (0..page.size as usize * SAMPLES).map(|step| (step / SAMPLES, step % SAMPLES));
     let at =
         |(texel, step): (usize, usize)| (texel as f64 + (step as f64 + 0.5) / SAMPLES as f64) / f64::from(page.size);
