@@ -361,9 +361,15 @@ fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
                 continue;
             }
             let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
-            // Tests are the last module of a file.
-            let end = (0..tokens.len()).find(|&i| text(i) == "cfg" && text(i + 2) == "test").unwrap_or(tokens.len());
-            for i in (1..end).filter(|&i| text(i - 1) == "." && text(i + 1) == "(" && FUNCTIONS.contains(&text(i))) {
+            // Tests are the last module of a file; one that is a file of its own is left out above.
+            let begins_tests = |&i: &usize| text(i) == "cfg" && text(i + 2) == "test" && text(i + 7) == "{";
+            let end = (0..tokens.len()).find(begins_tests).unwrap_or(tokens.len());
+            // As a method, or by the path of its type.
+            let is_named = |i: usize| {
+                let of_float = text(i - 1) == ":" && matches!(text(i.wrapping_sub(3)), "f32" | "f64");
+                FUNCTIONS.contains(&text(i)) && (of_float || text(i - 1) == "." && text(i + 1) == "(")
+            };
+            for i in (1..end).filter(|&i| is_named(i)) {
                 let allowed = PLATFORM_FUNCTIONS.iter().position(|(file, _)| *file == name);
                 let Some(allowed) = allowed else { panic!("{name}:{}: {} of the platform", tokens[i].line, text(i)) };
                 used[allowed] = true;

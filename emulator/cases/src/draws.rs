@@ -3,7 +3,6 @@
 //! Each element has its own generator, so that it does not depend on those beside it; loops over the elements choose values, not ways, and become
 //! vectors of the instruction set that they are compiled for.
 
-use std::f64::consts::LN_2;
 use std::ops::Range;
 
 use glam::{DVec3, dvec3};
@@ -15,6 +14,7 @@ use roughxel_core::setup::{block_vector, offset};
 
 use roughxel_lanes::{Columns, LANES, Reading};
 use roughxel_net::record::filled;
+use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// The components of a vector of each element.
@@ -147,31 +147,6 @@ pub fn direction(random: &mut SplitMix64) -> DVec3 {
             return point;
         }
     }
-}
-
-/// 2^`x`, |x| below 1000, with a relative error below 2⁻⁵¹; exact for whole numbers. The same on every machine, and a vector where many are asked for.
-#[inline(always)]
-pub(crate) fn exp2(x: f64) -> f64 {
-    /// 1/n.
-    const INVERSE: [f64; 14] = {
-        let mut inverse = [0.0; 14];
-        let mut n = 1;
-        while n < 14 {
-            inverse[n] = 1.0 / n as f64;
-            n += 1;
-        }
-        inverse
-    };
-    let whole = (x + 0.5).floor();
-    // e^t = 1 + t(1 + t/2(1 + t/3(…))), |t| ≤ ln 2/2: what is left out is below 2⁻⁵⁷.
-    let t = (x - whole) * LN_2;
-    let mut series = 1.0;
-    for n in (1..14).rev() {
-        series = 1.0 + t * INVERSE[n] * series;
-    }
-    // Above 2⁵² the lowest bits of a float are those of an integer: here the exponent of 2^whole.
-    let exponent = (whole + (1023.0 + (1_u64 << 52) as f64)).to_bits() << 52;
-    f64::from_bits(exponent) * series
 }
 
 /// The vector of an element.
@@ -374,19 +349,6 @@ mod tests {
             hold::<Fragments, _>(&p);
             hold::<Lights, _>(&p);
             hold::<Peaks, _>(&p);
-        }
-    }
-
-    #[test]
-    fn powers_of_two_agree_with_the_library() {
-        let mut random = SplitMix64::new(3);
-        for _ in 0..100_000 {
-            let x = random.uniform(-60.0, 60.0);
-            // The library's own error is below one last place.
-            assert!((exp2(x) / x.exp2() - 1.0).abs() < 2.0 * f64::EPSILON, "{x}");
-        }
-        for whole in -1000..1000 {
-            assert_eq!(exp2(whole.into()), 2_f64.powi(whole));
         }
     }
 

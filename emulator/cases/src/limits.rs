@@ -6,7 +6,7 @@ use roughxel_core::ports::{BlockVector, HighlightIn, PeakIn, ReflectionIn, Store
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::shininess;
 
-use super::draws::exp2;
+use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// What makes the ports of one case.

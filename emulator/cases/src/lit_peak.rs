@@ -11,12 +11,13 @@ use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, 
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_peak, stored_unit_peak};
 
-use super::draws::{Elements, Kind, Rows, at, direction, exp2, set, unit, unit_or};
+use super::draws::{Elements, Kind, Rows, at, direction, set, unit, unit_or};
 use super::fragment::{FRAGMENT, Fragments, SURFACE, bit};
 use super::highlight::eye_and_light;
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets, uniform};
 use super::set::CaseSet;
 use roughxel_lanes::Columns;
+use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// Every effect.

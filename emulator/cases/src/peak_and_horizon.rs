@@ -10,9 +10,10 @@ use roughxel_core::setup::{block_vector, stored_horizon, stored_peak, uniform_la
 use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
 
-use super::draws::{direction, exp2};
+use super::draws::direction;
 use super::fragment::bit;
 use super::set::CaseSet;
+use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// A direction and the frame of the surface in which it is wanted.

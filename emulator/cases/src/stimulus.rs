@@ -20,10 +20,10 @@ use roughxel_core::soft_core::{environment_scale, reflection, texture_scale};
 use roughxel_core::stage::enter::enter;
 use roughxel_core::width::on_words;
 
-use super::draws::exp2;
 use roughxel_lanes::PackedPeak;
 use roughxel_net::graph::Net;
 use roughxel_net::record::integers_at;
+use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// Integers for the ports of a design, in the order of [`Net::ports`]: those a fragment leads to (a list for every probe and

@@ -169,9 +169,11 @@ pub(crate) fn concentration<'a>(
                 for offsets in groups {
                     metric.lengths(offsets, mean).iter().for_each(|length| sum += length);
                 }
-                let mut last = [[0; 2]; WIDTH];
-                last[..rest.len()].copy_from_slice(rest);
-                metric.lengths(&last, mean)[..rest.len()].iter().for_each(|length| sum += length);
+                if !rest.is_empty() {
+                    let mut last = [[0; 2]; WIDTH];
+                    last[..rest.len()].copy_from_slice(rest);
+                    metric.lengths(&last, mean)[..rest.len()].iter().for_each(|length| sum += length);
+                }
             }
         },
     );
@@ -190,7 +192,7 @@ enum Metric {
 }
 
 impl Metric {
-    /// Those of some bumps.
+    /// |z| of bumps side by side.
     #[inline(always)]
     fn lengths(self, offsets: &[[i16; 2]; WIDTH], mean: [f64; 2]) -> [f64; WIDTH] {
         let mut lengths = [0.0; WIDTH];

@@ -248,6 +248,26 @@ mod tests {
     ];
 
     #[test]
+    fn a_kernel_has_every_source_within_its_reach_and_no_other() {
+        for (edge, nominal, source_edge) in LEVELS {
+            let made = kernel(edge, nominal, source_edge);
+            let wanted = (4.0 * nominal).ceil().max(8.0) as u32;
+            let (_, sources) = blocks(source_edge, (source_edge / wanted).max(1));
+            let (texel, share) = (FRAC_PI_2 / nominal, nominal / f64::from(edge));
+            let square_reach = 12.0 * texel * texel * (VARIANCE - share * share / 6.0);
+            for (target, row) in texels(edge).iter().zip(&made.rows) {
+                let is_inside = |source: &Piece| {
+                    let [x, y, z] = [0, 1, 2].map(|i| target.direction[i] - source.direction[i]);
+                    let cosine = 4.0 - (x * x + y * y + z * z);
+                    4.0 * (4.0 - cosine) / cosine < square_reach
+                };
+                let inside = (0..).zip(&sources).filter(|(_, source)| is_inside(source)).map(|(index, _)| index);
+                assert!(row.iter().map(|&(index, _)| index).eq(inside), "{edge} {nominal} {source_edge}");
+            }
+        }
+    }
+
+    #[test]
     fn every_source_is_as_bright_on_every_level() {
         for (edge, nominal, source_edge) in LEVELS {
             let (targets, Kernel { solid_angles, rows, .. }) = (texels(edge), kernel(edge, nominal, source_edge));

@@ -13,6 +13,7 @@ mod bump;
 pub mod cube;
 mod description;
 mod error;
+pub mod exp2;
 mod generate;
 pub mod input;
 mod lighting;

@@ -175,6 +175,25 @@ mod tests {
     }
 
     #[test]
+    fn corners_of_lattice_noise_have_the_hashes_of_their_coordinates() {
+        let mut random = SplitMix64::new(2);
+        for _ in 0..1000 {
+            let at = [(); 3].map(|()| random.uniform(-9.0, 9.0));
+            let cell = at.map(|x| x.floor() as i64);
+            let ease = [0, 1, 2].map(|axis| {
+                let t: f64 = at[axis] - at[axis].floor();
+                t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+            });
+            let mut sum = 0.0;
+            for (z, y, x) in (0..2).flat_map(|z| (0..2).flat_map(move |y| (0..2).map(move |x| (z, y, x)))) {
+                let side = |axis: usize, end: i64| if end == 1 { ease[axis] } else { 1.0 - ease[axis] };
+                sum += side(0, x) * side(1, y) * side(2, z) * unit(hash(5, cell[0] + x, cell[1] + y, cell[2] + z));
+            }
+            assert_eq!(lattice_noise(5, at, [0; 3]), 2.0 * sum - 1.0, "{at:?}");
+        }
+    }
+
+    #[test]
     fn lattice_noise_repeats_after_its_period() {
         let at = [0.3, 1.7, 2.2];
         let here = lattice_noise(5, at, [4, 3, 0]);

@@ -1,24 +1,8 @@
 //! Light of pictures: exposure, and what of it their storage does not hold.
 
+use crate::exp2::exp2;
 use crate::limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT};
 use crate::picture::Picture;
-
-/// 2^x by multiplications and square roots alone, which IEEE 754 fixes to the last bit. Range: |x| < 1000.
-fn exp2(x: f64) -> f64 {
-    let whole = x.floor();
-    let (mut rest, mut factor, mut power) = (x - whole, 2.0_f64, 1.0);
-    // 52 binary digits of the rest.
-    for _ in 0..52 {
-        factor = factor.sqrt();
-        rest *= 2.0;
-        if rest >= 1.0 {
-            rest -= 1.0;
-            power *= factor;
-        }
-    }
-    let step = if whole < 0.0 { 0.5 } else { 2.0 };
-    (0..whole.abs() as u32).fold(power, |power, _| power * step)
-}
 
 /// Multiplies all pixels by 2^`stops`, within the finite numbers.
 pub(super) fn expose(faces: &mut [Picture; 6], stops: f64) {
@@ -91,17 +75,6 @@ pub(super) fn cut_colour(name: &str, picture: &Picture) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn powers_of_two_agree_with_the_library() {
-        for step in -1000..=1000 {
-            let x = f64::from(step) / 100.0;
-            assert!((exp2(x) / x.exp2() - 1.0).abs() < 1e-14, "{x}");
-        }
-        for stops in -10..=10 {
-            assert_eq!(exp2(stops.into()), 2_f64.powi(stops));
-        }
-    }
 
     #[test]
     fn exposure_is_in_stops_and_stays_finite() {
