@@ -14,7 +14,7 @@ use roughxel_emulator::vectors::{Form, InputSource, Ports, RANDOM_SETS, RandomSe
 use sha2::{Digest, Sha256};
 
 /// Vectors of an export.
-const COUNT: u64 = 200_000;
+const COUNT: u64 = 1_000_000;
 /// Vectors whose inputs are made at once, as an export does.
 const TASK: u64 = 512;
 /// Exports of which the fastest counts.

@@ -35,20 +35,21 @@ fn loaded<T: Target>(proof: T, words: &[u32; LANES]) -> Lanes<T> {
     Lanes(proof.words(words.map(u32::cast_signed)), proof)
 }
 
-/// [`Reading::fold`], so many columns side by side.
+/// [`Reading::fold`], so many columns side by side: two vectors at once, for a step waits for the one before.
 #[cfg(target_arch = "x86_64")]
 fn fold_lanes<T: Target, const COLUMNS: usize>(map: &Digits, rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
     T::run(
         #[inline(always)]
         || {
             let proof = T::proof();
-            for (group, sums) in sums.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-                let sum = rows.iter().fold(
-                    loaded(proof, sums),
-                    #[inline(always)]
-                    |sum, row| through(map, sum.xor(loaded(proof, &row.as_chunks().0[group]))),
-                );
-                *sums = sum.lanes().map(i32::cast_unsigned);
+            for (pair, sums) in sums.as_chunks_mut::<LANES>().0.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+                let [mut first, mut second] = each!(sums in *sums => loaded(proof, &sums));
+                for row in rows {
+                    let row = row.as_chunks().0;
+                    first = through(map, first.xor(loaded(proof, &row[2 * pair])));
+                    second = through(map, second.xor(loaded(proof, &row[2 * pair + 1])));
+                }
+                *sums = each!(sum in [first, second] => sum.lanes().map(i32::cast_unsigned));
             }
         },
     );
@@ -56,9 +57,9 @@ fn fold_lanes<T: Target, const COLUMNS: usize>(map: &Digits, rows: &[[u32; COLUM
 
 impl Reading {
     /// Folds the rows of each column into its sum, the first row first: a sum becomes what the map makes of the exclusive or of it and of the
-    /// column's word. Columns are a multiple of [`LANES`].
+    /// column's word. Columns are a multiple of twice [`LANES`].
     pub fn fold<const COLUMNS: usize>(self, map: &Digits, rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
-        const { assert!(COLUMNS.is_multiple_of(LANES), "no column is left over") }
+        const { assert!(COLUMNS.is_multiple_of(2 * LANES), "no column is left over") }
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Lanes(InstructionSet::Avx2) => fold_lanes::<Avx2, COLUMNS>(map, rows, sums),

@@ -21,12 +21,18 @@ pub(super) struct SetFiles {
 }
 
 impl SetFiles {
-    /// Opens the words that a manifest is to have, in `directory`, which is made if it is not there.
-    pub(super) fn create(manifest: &Manifest, form: Form, directory: &Path) -> Result<Self, VectorError> {
+    /// Opens the words that a manifest is to have, each so many bytes, in `directory`, which is made if it is not there.
+    pub(super) fn create(
+        manifest: &Manifest,
+        form: Form,
+        length: usize,
+        directory: &Path,
+    ) -> Result<Self, VectorError> {
         fs::create_dir_all(directory).map_err(cannot_write(directory))?;
         let (words_path, json_path) =
             (directory.join(manifest.words_name(form)), directory.join(manifest.stem() + ".json"));
         let words = OutputFile::create(&words_path).map_err(cannot_write(&words_path))?;
+        words.reserve(manifest.count * length as u64).map_err(cannot_write(&words_path))?;
         let mut files = Self { words, hash: Sha256::new(), bytes: 0, words_path, json_path };
         if form == Form::Hex {
             files.write(title(manifest).as_bytes())?;

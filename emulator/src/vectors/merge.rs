@@ -14,6 +14,7 @@ use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
 use super::part::Part;
 use super::verify::manifests_of;
+use super::word::length;
 
 /// Why parts cannot be joined.
 #[derive(Debug, Error)]
@@ -160,7 +161,7 @@ impl Parts {
         let (path, first, _) = &self.parts[0];
         let whole = Manifest { part: None, count: self.count(), files: Vec::new(), grade: None, ..first.clone() };
         let (layout, form) = (whole.layout(path)?, first.form());
-        let mut files = SetFiles::create(&whole, form, directory)?;
+        let mut files = SetFiles::create(&whole, form, length(&layout, form), directory)?;
         for (path, manifest, part) in &self.parts {
             let mut join = || -> Result<bool, VectorError> {
                 let mut lines = Lines::open(path, manifest)?;

@@ -127,11 +127,22 @@ pub(crate) fn locate_flip(syndrome: u32, word_bits: u32) -> Option<u32> {
     None
 }
 
+/// Characters of a line with its end, or bytes of a record.
+pub(crate) fn length(layout: &Layout, form: Form) -> usize {
+    match form {
+        Form::Hex => layout.line_length() + 1,
+        Form::Bin => layout.word_bits().div_ceil(8) as usize,
+    }
+}
+
 /// Words that are put together at once: their fields stay in a processor's nearest cache.
 pub(crate) const CHUNK: usize = 64;
 
 /// A number of each of some words.
 type Row = [u32; CHUNK];
+
+/// Rows whose words are brought beside each other at once.
+const PIECE: usize = 4;
 
 /// Puts words together field by field, many at a time, as text or as bytes.
 pub(crate) struct Encoder {
@@ -145,8 +156,10 @@ pub(crate) struct Encoder {
     length: usize,
     /// The fields' bits.
     bits: Vec<Row>,
-    /// The words as [`pack`] has them, the first eight digits first.
-    packed: Vec<Row>,
+    /// The words as [`pack`] has them, the first eight digits first, then the check value: whole pieces of four rows, zeros before the first.
+    rows: Vec<Row>,
+    /// Of each word those of some rows, as bytes.
+    pieces: Vec<[[[u8; 4]; PIECE]; CHUNK]>,
     /// Words that wait.
     waiting: usize,
     /// Its instruction set.
@@ -165,6 +178,32 @@ struct Place {
     column: usize,
 }
 
+impl Place {
+    /// The field's bits of words with these integers; `others` gets the bits in which an integer is not what the field keeps of it.
+    #[inline(always)]
+    fn bits_of(&self, integers: &[i32; CHUNK], drop: u32, bits: &mut Row, others: &mut [i32; CHUNK]) {
+        let (mask, spare) = (mask(self.width), 32 - self.width);
+        // An unsigned field of 32 bits has no integer below 0.
+        let (sign, never) = if self.signed { (spare, 0) } else { (0, i32::MIN) };
+        for word in 0..CHUNK {
+            let (integer, kept) = (integers[word], (integers[word] >> drop).cast_unsigned() & mask);
+            bits[word] = kept;
+            others[word] |= (kept << sign).cast_signed() >> sign << drop ^ integer | integer & never;
+        }
+    }
+
+    /// Whether the field keeps all of an integer.
+    fn keeps(&self, integer: i32, drop: u32) -> bool {
+        let above = u64::from((integer >> drop).cast_unsigned() & mask(self.width)) << (64 - self.width);
+        let kept = if self.signed {
+            above.cast_signed() >> (64 - self.width)
+        } else {
+            (above >> (64 - self.width)).cast_signed()
+        };
+        kept << drop == i64::from(integer)
+    }
+}
+
 impl Encoder {
     pub(crate) fn new(layout: &Layout, form: Form) -> Self {
         let mut column = 0;
@@ -177,61 +216,44 @@ impl Encoder {
         let mut places: Vec<Place> = layout.fields().iter().map(place).collect();
         places.pop();
         let digits = layout.data_digits();
-        let length = match form {
-            Form::Hex => layout.line_length() + 1,
-            Form::Bin => layout.word_bits().div_ceil(8) as usize,
-        };
+        let length = length(layout, form);
         let bits = vec![[0; CHUNK]; places.len()];
-        let packed = vec![[0; CHUNK]; digits.div_ceil(8) as usize];
-        Self { form, places, digits, length, bits, packed, waiting: 0, reading: Reading::best() }
+        let rows = vec![[0; CHUNK]; (digits.div_ceil(8) as usize + 1).next_multiple_of(PIECE)];
+        let pieces = vec![[[[0; 4]; PIECE]; CHUNK]; rows.len() / PIECE];
+        Self { form, places, digits, length, bits, rows, pieces, waiting: 0, reading: Reading::best() }
     }
 
     /// Sets all fields of words that wait, from `count` integers of each from the `first` one on, whose lowest bits the profile drops; or the
     /// first field of which a word's integer has others than the field keeps, and that word.
     pub(crate) fn set(&mut self, rows: &[(&[i32], u32)], first: usize, count: usize) -> Option<(usize, usize)> {
-        let reading = self.reading;
-        reading.run(
+        self.waiting = count;
+        let others = self.reading.run(
             #[inline(always)]
             || {
-                for (field, &(row, drop)) in rows.iter().enumerate() {
-                    if let Some(word) = self.set_row(field, &row[first..][..count], drop) {
-                        return Some((field, word));
+                let mut others = [0; CHUNK];
+                for ((place, bits), &(row, drop)) in self.places.iter().zip(&mut self.bits).zip(rows) {
+                    let row = &row[first..][..count];
+                    match row.first_chunk() {
+                        Some(row) => place.bits_of(row, drop, bits, &mut others),
+                        None => {
+                            // 0 is in every field.
+                            let mut filled = [0; CHUNK];
+                            filled[..count].copy_from_slice(row);
+                            place.bits_of(&filled, drop, bits, &mut others);
+                        }
                     }
                 }
-                None
+                others
             },
-        )
-    }
-
-    /// Sets a field of words that wait; or the first word whose integer has other bits than the field keeps.
-    #[inline(always)]
-    fn set_row(&mut self, field: usize, integers: &[i32], drop: u32) -> Option<usize> {
-        let Place { width, signed, .. } = self.places[field];
-        let (mask, spare) = (mask(width), 32 - width);
-        let row = &mut self.bits[field];
-        let mut others = 0;
-        for (bits, &integer) in row.iter_mut().zip(integers) {
-            *bits = (integer >> drop) as u32 & mask;
-            let above = *bits << spare;
-            // An unsigned field of 32 bits has no integer below 0.
-            let kept = if signed { above.cast_signed() >> spare } else { (above >> spare).cast_signed() };
-            others |= kept << drop ^ integer | if signed { 0 } else { integer & i32::MIN };
-        }
-        self.waiting = integers.len();
-        if others == 0 {
+        );
+        if others == [0; CHUNK] {
             return None;
         }
-        let is_kept = |bits: u32, integer: i32| {
-            let above = u64::from(bits) << (64 - width);
-            let kept = if signed { above.cast_signed() >> (64 - width) } else { (above >> (64 - width)).cast_signed() };
-            kept << drop == i64::from(integer)
-        };
-        row.iter().zip(integers).position(|(&bits, &integer)| !is_kept(bits, integer))
-    }
-
-    /// Characters or bytes of so many words.
-    pub(crate) fn length_of(&self, words: usize) -> usize {
-        words * self.length
+        let mut fields = self.places.iter().zip(rows).enumerate();
+        fields.find_map(|(field, (place, &(row, drop)))| {
+            let word = row[first..][..count].iter().position(|&integer| !place.keeps(integer, drop))?;
+            Some((field, word))
+        })
     }
 
     /// A word more, from its fields' bits without the check value. Range: fewer than [`CHUNK`] wait.
@@ -250,13 +272,13 @@ impl Encoder {
             #[inline(always)]
             || self.pack(),
         );
+        let last = self.rows.len() - 1;
         let mut check = [begun(self.digits); CHUNK];
-        reading.fold(&BY_DIGIT, &self.packed, &mut check);
+        reading.fold(&BY_DIGIT, &self.rows[last - self.digits.div_ceil(8) as usize..last], &mut check);
         let (text, rest) = text.split_at_mut(count * self.length);
-        let words = text.chunks_exact_mut(self.length);
         match self.form {
             Form::Hex => {
-                for (word, text) in words.enumerate() {
+                for (word, text) in text.chunks_exact_mut(self.length).enumerate() {
                     // Eight characters whatever the digits: an underscore is behind them, and the next field over what is left.
                     for (place, row) in self.places.iter().zip(&self.bits) {
                         let digits = u64::from_be_bytes(hex_digits(row[word])) << (64 - 8 * place.digits);
@@ -268,16 +290,11 @@ impl Encoder {
                 }
             }
             Form::Bin => {
-                let in_first = ((self.digits + 7) % 8 + 1).div_ceil(2) as usize;
-                for (word, record) in words.enumerate() {
-                    let mut eights = self.packed.iter().chain([&check]).map(|row| row[word]);
-                    let first = eights.next().unwrap_or_default();
-                    // What is behind them is written next.
-                    record[..4].copy_from_slice(&(first << (32 - 8 * in_first)).to_be_bytes());
-                    for (bytes, eight) in record[in_first..].as_chunks_mut::<4>().0.iter_mut().zip(eights) {
-                        *bytes = eight.to_be_bytes();
-                    }
-                }
+                self.rows[last] = check;
+                reading.run(
+                    #[inline(always)]
+                    || self.write_records(text),
+                );
             }
         }
         rest
@@ -286,16 +303,43 @@ impl Encoder {
     /// The fields' digits eight by eight.
     #[inline(always)]
     fn pack(&mut self) {
-        self.packed.fill([0; CHUNK]);
-        let last = self.packed.len() - 1;
+        self.rows.fill([0; CHUNK]);
+        let last = self.rows.len() - 2;
         for (place, row) in self.places.iter().zip(&self.bits) {
             let (eight, shift) = (last - place.below as usize / 32, place.below % 32);
-            for (packed, bits) in self.packed[eight].iter_mut().zip(row) {
+            for (packed, bits) in self.rows[eight].iter_mut().zip(row) {
                 *packed |= bits << shift;
             }
             if shift as usize + 4 * place.digits > 32 {
-                for (packed, bits) in self.packed[eight - 1].iter_mut().zip(row) {
+                for (packed, bits) in self.rows[eight - 1].iter_mut().zip(row) {
                     *packed |= bits >> (32 - shift);
+                }
+            }
+        }
+    }
+
+    /// Writes the rows record by record over `text`.
+    #[inline(always)]
+    fn write_records(&mut self, text: &mut [u8]) {
+        for (rows, pieces) in self.rows.as_chunks::<PIECE>().0.iter().zip(&mut self.pieces) {
+            for (word, piece) in pieces.iter_mut().enumerate() {
+                *piece = [rows[0][word], rows[1][word], rows[2][word], rows[3][word]].map(u32::to_be_bytes);
+            }
+        }
+        let padded = 4 * self.rows.len();
+        // From the last record to the first: the zeros that a record begins with lie over the end of the one before.
+        for word in (0..text.len() / self.length).rev() {
+            let text = &mut text[..(word + 1) * self.length];
+            match text.len().checked_sub(padded) {
+                Some(first) => {
+                    for (to, pieces) in text[first..].as_chunks_mut::<{ 4 * PIECE }>().0.iter_mut().zip(&self.pieces) {
+                        to.copy_from_slice(pieces[word].as_flattened());
+                    }
+                }
+                None => {
+                    let bytes = self.pieces.iter().flat_map(|pieces| pieces[word].as_flattened());
+                    let bytes = bytes.skip(padded - text.len());
+                    text.iter_mut().zip(bytes).for_each(|(to, &byte)| *to = byte);
                 }
             }
         }

@@ -267,3 +267,12 @@ fn the_code_on_the_page_of_the_arithmetic_runs() {
     fs::write(&file, code).expect("the code can be written");
     run(Command::new("python3").arg(file));
 }
+
+#[test]
+fn values_from_the_inside_are_those_of_the_model() {
+    if !have("python3") {
+        return;
+    }
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/hardware/inside.py");
+    run(Command::new("python3").arg("-B").arg(script).arg(vectors("")));
+}
