@@ -194,6 +194,7 @@ impl<'a> SetExport<'a> {
             rooms.lock().unwrap_or_else(PoisonError::into_inner).push(room);
             made
         };
+        // Vectors computed while those before them are written: of few threads they stay in a cache, more have enough to do until the slowest is ready.
         let of_batch = TASK * (4 * rayon::current_num_threads() as u64).clamp(8, 32);
         // What was written is room for another.
         let batch = |start: u64, mut text: Vec<u8>| -> Result<Vec<u8>, VectorError> {
@@ -203,12 +204,12 @@ impl<'a> SetExport<'a> {
             made.into_iter().collect::<Result<(), _>>()?;
             Ok(text)
         };
-        let (mut ready, mut room) = (batch(all.start, Vec::new())?, Vec::new());
+        let (mut ready, mut spare) = (batch(all.start, Vec::new())?, Vec::new());
         for start in all.clone().step_by(of_batch as usize) {
             let write = || ready.chunks(WRITE).try_for_each(|text| files.write(text));
-            let (written, next) = rayon::join(write, || batch(start + of_batch, room));
+            let (written, next) = rayon::join(write, || batch(start + of_batch, spare));
             written?;
-            (ready, room) = (next?, ready);
+            (ready, spare) = (next?, ready);
             progress(all.end.min(start + of_batch) - all.start);
         }
         Ok(())

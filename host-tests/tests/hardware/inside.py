@@ -12,7 +12,7 @@ import os
 import re
 import sys
 
-BLOCK = {
+SOURCES = {
     "random_standard": """
         enter: n | enter 0 ret
         enter: v | enter 1 ret
@@ -181,7 +181,7 @@ def main():
             drop = model.Profile.from_knobs(manifest["profile"]["knobs"]).dropped
             model.evaluate(manifest, vector)        # what is kept from call to call is there
             calls, fields = traced(model, lambda: model.evaluate(manifest, vector))
-            rows = dict(row.strip().split(" | ") for row in BLOCK[title[2]].strip().split("\n"))
+            rows = dict(row.strip().split(" | ") for row in SOURCES[title[2]].strip().split("\n"))
             continue
         label, _, cell = line.strip("| ").partition(" | ")
         if label not in rows:
@@ -197,7 +197,7 @@ def main():
             different += 1
             print(f"{path}:{place + 1}: {line}, but the model has {right}")
             lines[place] = right
-    if checked != sum(len(table.strip().split("\n")) for table in BLOCK.values()):
+    if checked != sum(len(table.strip().split("\n")) for table in SOURCES.values()):
         sys.exit(f"only {checked} values are there")
     if "--write" in sys.argv:
         with open(path, "w", encoding="utf-8") as file:
