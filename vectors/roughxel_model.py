@@ -1413,6 +1413,96 @@ def load(path: str) -> Iterator[Fields]:
 
 
 # --------------------------------------------------------------------------------------------------------------------
+# FORMAT.md: random inputs of a reflection
+# --------------------------------------------------------------------------------------------------------------------
+
+SEED_RULE = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15), inputs 2"
+GAMMA = 0x9E3779B97F4A7C15
+BITS_64 = (1 << 64) - 1
+
+
+def mixed(state: int) -> int:
+    """A number of SplitMix64 from its state."""
+    z = state & BITS_64
+    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9 & BITS_64
+    z = (z ^ z >> 27) * 0x94D049BB133111EB & BITS_64
+    return z ^ z >> 31
+
+
+def numbers_of(name: str, index: int) -> Callable[[int], int]:
+    """The numbers of a vector, by their places."""
+    of_name = 0xCBF29CE484222325
+    for byte in name.encode():
+        of_name = (of_name ^ byte) * 0x100000001B3 & BITS_64
+    seed = mixed((of_name ^ index * GAMMA & BITS_64) + GAMMA)
+    return lambda place: mixed(seed + (place + 1) * GAMMA)
+
+
+def below(number: int, quarter: int, bound: int) -> int:
+    """An integer below `bound` from a quarter of a number, the highest first."""
+    return (number >> (48 - 16 * quarter) & 0xffff) * bound >> 16
+
+
+def upper_bits(word: int, bits: int) -> int:
+    """The upper bits of a word of 32 bits, as a signed integer."""
+    word &= 0xffffffff
+    return (word - (word >> 31 << 32)) >> (32 - bits)
+
+
+def odd_word(number: int, bits: int) -> int:
+    """A word of `bits` bits, with weight on the corners."""
+    one = 1 << ((number >> 32 & 0xffff) * (bits - 1) >> 16)
+    corners = [0, one, -one, one - 1, -(1 << (bits - 1))]
+    kind = number >> 61
+    return corners[kind] if kind < len(corners) else upper_bits(number, bits)
+
+
+def odd_exponent(number: int) -> int:
+    """An exponent with weight on 0, some far from it."""
+    kind = below(number, 0, 6)
+    return 0 if kind == 0 else below(number, 1, 119) - 59 if kind == 1 else below(number, 2, 15) - 11
+
+
+def random_reflection(name: str, index: int, profile: Profile) -> Fields:
+    """The inputs of vector `index` of a random set of reflections, as integers of their fields; those that a set has no field of, too."""
+    number = numbers_of(name, index)
+    vectors = ["normal", "view", "frame_vectors_0", "frame_vectors_1", "dview_0", "dview_1", "dnormal_0", "dnormal_1"]
+    bits, bump_bits = profile.fraction_bits + 1, profile.fraction_bits + 2
+    if below(number(0), 0, 10) == 0:
+        mantissas = [odd_word(number(1 + i), bits) for i in range(24)]
+        b1, b2, d1, d2, d3 = (odd_word(number(25 + i), bump_bits) for i in range(5))
+        most = (1 << (bump_bits - 1)) - 1
+        d1, d3 = min(abs(d1), most), min(abs(d3), most)
+        exponents = [odd_exponent(number(30 + i)) for i in range(8)]
+        edge = 1 << below(number(38), 0, 15)
+    else:
+        first, second = number(1), number(2)
+        normal, view = below(first, 0, 7) - 3, below(first, 1, 13) - 6
+        shift, turn = view + below(first, 2, 9) - 12, normal + below(first, 3, 10) - 14
+        exponents = [normal, view, 0, 0, shift, shift, turn, turn]
+        rough = below(second, 0, 8)
+        edge = 16 << below(second, 1, 8)
+        words = [number(3 + i // 2) >> (32 - i % 2 * 32) & 0xffffffff for i in range(30)]
+        mantissas = [upper_bits(word, bits) for word in words[:24]]
+        b1, b2, d1, d2, d3 = words[24:29]
+        b1, b2, d2 = upper_bits(b1, bump_bits - 4), upper_bits(b2, bump_bits - 4), upper_bits(d2, bump_bits - 4 - rough)
+        d1, d3 = (d >> (32 + 5 + rough - bump_bits) for d in (d1, d3))
+    fields = {"offset_1": b1, "offset_2": b2, "roughness_1": d1, "roughness_2": d2, "roughness_3": d3, "edge_texels": edge}
+    for place, (vector, exponent) in enumerate(zip(vectors, exponents)):
+        fields.update(zip((f"{vector}_{axis}" for axis in "xyz"), mantissas[3 * place:]))
+        fields[f"{vector}_e"] = exponent
+    return fields
+
+
+def random_inputs(manifest: Manifest, index: int) -> Fields:
+    """The inputs that follow from a set's seed; of other sets, and of seeds that the model does not know, none."""
+    seed = manifest["seed"]
+    if "stage" in manifest or manifest["datapath"] != "reflection" or seed is None or seed["rule"] != SEED_RULE:
+        return {}
+    return random_reflection(seed["name"], index, Profile.from_knobs(manifest["profile"]["knobs"]))
+
+
+# --------------------------------------------------------------------------------------------------------------------
 # Command line
 # --------------------------------------------------------------------------------------------------------------------
 
@@ -1442,8 +1532,9 @@ def compare(path: str, stop: Optional[int]) -> Tuple[int, int, Optional[Mismatch
     """Vectors seen, wrong ones, and the first mismatch of the first wrong stage. Ends after `stop` wrong vectors."""
     manifest = read_manifest(path)
     checked = [(STAGES.index(field["stage"]) if field["stage"] in STAGES else len(STAGES), field)
-               for field in manifest["fields"] if field["direction"] in ("tap", "out")]
+               for field in manifest["fields"] if field["direction"] in ("in", "tap", "out")]
     checked.sort(key=lambda pair: pair[0])
+    inputs = [field["name"] for field in manifest["fields"] if field["direction"] == "in"]
     count, wrong = 0, 0
     first: Optional[Mismatch] = None
     for index, vector in enumerate(load(path), first_index(manifest)):
@@ -1452,6 +1543,8 @@ def compare(path: str, stop: Optional[int]) -> Tuple[int, int, Optional[Mismatch
             got = evaluate(manifest, vector)
         except KeyError as error:
             raise Unreadable(f"{path}: an input has no field: {error}") from error
+        # Inputs without a seed are taken as they are.
+        got.update(random_inputs(manifest, index) or {name: vector[name] for name in inputs})
         for stage, field in checked:
             name = field["name"]
             if got.get(name) != vector[name]:

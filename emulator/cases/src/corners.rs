@@ -167,6 +167,12 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
             .enumerate()
             .map(|(index, surface)| ReflectionIn { surface, ..random_fragment("fragment_corners", index as u64, p) }),
     );
+    // A logarithm that is rounded the other way shows at one level of detail in some thousand.
+    fragments.extend((0..4096).map(|index| {
+        let any = random_fragment("edges", index, p);
+        let dview = any.dview.map(|of| BlockVector { exponent: of.exponent + 5, ..of });
+        ReflectionIn { edge_texels: 4 * index as u16 + 2, dview, ..any }
+    }));
     fragments
 }
 

@@ -1,7 +1,8 @@
 //! Random vectors side by side: numbers of `N` elements in arrays, and the ports that they become, a row a word.
 //!
 //! Each element has its own generator, so that it does not depend on those beside it; loops over the elements choose values, not ways, and become
-//! vectors of the instruction set that they are compiled for.
+//! vectors of the instruction set that they are compiled for. A number of the generator is two words or four small integers, and nothing is drawn
+//! again until it is right: the fewer numbers an element takes and the more each element takes the same, the sooner it is drawn.
 
 use std::ops::Range;
 
@@ -14,7 +15,6 @@ use roughxel_core::setup::{block_vector, offset};
 
 use roughxel_lanes::{Columns, LANES, Reading};
 use roughxel_net::record::filled;
-use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 
 /// The components of a vector of each element.
@@ -54,96 +54,59 @@ impl<const N: usize> Draws<N> {
         drawn
     }
 
-    /// Which elements are odd: one in ten.
-    #[inline(always)]
-    pub(crate) fn are_odd(&mut self) -> [bool; N] {
-        self.each(|random| random.below(10) == 0)
-    }
-
-    /// Leaves out the number that says so.
+    /// Leaves out the number that decides.
     #[inline(always)]
     pub(crate) fn skip(&mut self) {
         self.each(SplitMix64::next_u64);
     }
 
-    /// Uniform numbers in [low, high).
+    /// Two words of each element, of any bits.
     #[inline(always)]
-    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> [f64; N] {
-        self.each(|random| random.uniform(low, high))
+    pub(crate) fn words(&mut self) -> [[i32; N]; 2] {
+        let numbers = self.each(SplitMix64::next_u64);
+        each!(shift in [32, 0] => each!(number in numbers => (number >> shift) as i32))
     }
 
-    /// Powers of two with uniform exponents in [low, high).
+    /// Two uniform numbers in [−1, 1) of each element, each a word of 32 bits over 2^31.
     #[inline(always)]
-    pub(crate) fn powers(&mut self, low: f64, high: f64) -> [f64; N] {
-        let mut powers = self.uniform(low, high);
-        for power in &mut powers {
-            *power = exp2(*power);
-        }
-        powers
+    pub(crate) fn reals(&mut self) -> [[f64; N]; 2] {
+        each!(words in self.words() => each!(word in words => f64::from(word) * (1.0 / (1_u64 << 31) as f64)))
     }
 
-    /// Uniform numbers up to a bound of each element, of either sign.
+    /// Four uniform integers of each element, each from 0 to below its bound, which is at most 2^15.
     #[inline(always)]
-    pub(crate) fn within(&mut self, bounds: &[f64; N]) -> [f64; N] {
-        let mut drawn = [0.0; N];
-        for ((drawn, random), &bound) in drawn.iter_mut().zip(&mut self.0).zip(bounds) {
-            *drawn = random.uniform(-bound, bound);
-        }
-        drawn
+    pub(crate) fn below(&mut self, bounds: [i32; 4]) -> [[i32; N]; 4] {
+        let numbers = self.each(SplitMix64::next_u64);
+        each!(i in [0, 1, 2, 3] => each!(number in numbers => {
+            (((number >> (48 - 16 * i)) & 0xffff) as i32 * bounds[i]) >> 16
+        }))
     }
 
-    /// Vectors as of [`direction`], one after the other, of which `POINTS` points are tried side by side: half of all are in the sphere, so
-    /// three for each vector leave few elements that need more.
+    /// Two decisions for each element, independent of each other: one in ten is true.
     #[inline(always)]
-    pub(crate) fn directions<const K: usize, const POINTS: usize>(&mut self) -> [Vectors<N>; K] {
-        const { assert!(POINTS <= 32, "a bit a point") };
-        let mut points = [[[0.0; N]; 3]; POINTS];
-        let mut inside = [0_u32; N];
-        let mut generators = self.0.clone();
-        for (number, [x, y, z]) in points.iter_mut().enumerate() {
-            for lane in 0..N {
-                let point = point(&mut generators[lane]);
-                [x[lane], y[lane], z[lane]] = point.to_array();
-                inside[lane] |= u32::from(is_direction(point)) << number;
-            }
-        }
-        let mut directions = [[[0.0; N]; 3]; K];
-        for (lane, &inside) in inside.iter().enumerate() {
-            let (mut left, found) = (inside, inside.count_ones() as usize);
-            let mut behind = 0;
-            for direction in directions.iter_mut().take(found) {
-                let number = left.trailing_zeros() as usize;
-                left &= left - 1;
-                behind = number + 1;
-                set(direction, lane, at(&points[number], lane));
-            }
-            let drawn = if found < K { POINTS } else { behind };
-            self.0[lane] = self.0[lane].clone().after(3 * drawn as u64);
-            for vector in directions.iter_mut().skip(found) {
-                set(vector, lane, direction(&mut self.0[lane]));
-            }
-        }
-        directions
+    pub(crate) fn tenths(&mut self) -> [[bool; N]; 2] {
+        let [first, _, _, last] = self.below([10, 1, 1, 10]);
+        each!(drawn in [first, last] => each!(of_ten in drawn => of_ten == 0))
     }
 }
 
-/// A point in the cube of edge 2.
+/// A number in an octave, from 2^exponent to below twice that, by a number in [−1, 1). For exponents of normal numbers.
 #[inline(always)]
-fn point(random: &mut SplitMix64) -> DVec3 {
-    dvec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0))
+pub(crate) fn in_octave(exponent: i32, real: f64) -> f64 {
+    (1.5 + 0.5 * real) * octave(exponent)
 }
 
-/// Whether a point is one that [`direction`] takes.
+/// 2^exponent, for exponents of normal numbers.
 #[inline(always)]
-fn is_direction(point: DVec3) -> bool {
-    (0.01..=1.0).contains(&point.length_squared())
+pub(crate) fn octave(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
 /// A vector of any direction, from a tenth to 1 long.
 pub fn direction(random: &mut SplitMix64) -> DVec3 {
     loop {
-        let point = point(random);
-        if is_direction(point) {
+        let point = dvec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+        if (0.01..=1.0).contains(&point.length_squared()) {
             return point;
         }
     }
@@ -161,19 +124,9 @@ pub(crate) fn set<const N: usize>([x, y, z]: &mut Vectors<N>, lane: usize, vecto
     [x[lane], y[lane], z[lane]] = vector.to_array();
 }
 
-/// Vectors at the lengths of these numbers.
-#[inline(always)]
-pub(crate) fn scaled<const N: usize>(vectors: &Vectors<N>, by: &[f64; N]) -> Vectors<N> {
-    let mut products = [[0.0; N]; 3];
-    for (lane, &by) in by.iter().enumerate() {
-        set(&mut products, lane, at(vectors, lane) * by);
-    }
-    products
-}
-
 /// The length of a vector, with a root that loops take many of at once.
 #[inline(always)]
-pub(crate) fn length(vector: DVec3) -> f64 {
+fn length(vector: DVec3) -> f64 {
     vector.length_squared().sqrt()
 }
 
@@ -226,6 +179,16 @@ impl<'a, const N: usize> Rows<'a, N> {
         *self.take::<1>() = [*row];
     }
 
+    /// Vectors: three mantissas and an exponent each.
+    #[inline(always)]
+    pub(crate) fn put_blocks(&mut self, mantissas: &[[[i32; N]; 3]], exponents: &[[i32; N]]) {
+        for (vector, exponent) in mantissas.iter().zip(exponents) {
+            for row in vector.iter().chain([exponent]) {
+                self.put_row(row);
+            }
+        }
+    }
+
     /// Words that are 0.
     #[inline(always)]
     pub(crate) fn put_zeros<const COUNT: usize>(&mut self) {
@@ -260,10 +223,10 @@ pub(crate) trait Kind<const WORDS: usize> {
     /// The ports.
     type Ports: Form + Bundle<i32, In<i32> = Self::Ports>;
 
-    /// Which elements are odd: their first numbers say so.
+    /// Which elements are odd: their first number says so.
     #[inline(always)]
     fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
-        elements.draws().are_odd()
+        elements.draws().tenths()[0]
     }
     /// Writes the words of plausible elements; those of others mean nothing.
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; WORDS]);
@@ -349,18 +312,6 @@ mod tests {
             hold::<Fragments, _>(&p);
             hold::<Lights, _>(&p);
             hold::<Peaks, _>(&p);
-        }
-    }
-
-    #[test]
-    fn directions_are_taken_from_the_same_numbers() {
-        let generators: [SplitMix64; 400] = std::array::from_fn(|seed| SplitMix64::new(seed as u64));
-        let mut draws = Draws(generators.clone());
-        // Few points, so that many elements need more.
-        let directions = draws.directions::<2, 3>();
-        for (lane, mut random) in generators.into_iter().enumerate() {
-            assert_eq!(directions.map(|vectors| at(&vectors, lane)), [(); 2].map(|()| direction(&mut random)));
-            assert_eq!(draws.0[lane].next_u64(), random.next_u64());
         }
     }
 }

@@ -9,9 +9,8 @@ use roughxel_core::ports::{Port, ReflectionIn, ReflectionInput, SurfaceIn, Surfa
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 
-use super::draws::{Elements, Kind, Rows, at, length, scaled};
+use super::draws::{Draws, Elements, Kind, Rows};
 use roughxel_lanes::Columns;
-use roughxel_scene::random::SplitMix64;
 
 /// One fragment in real numbers, the form the generators think in; the fields are those of [`ReflectionIn`].
 #[derive(Clone, Copy, Debug)]
@@ -65,8 +64,8 @@ impl RealFragment {
 }
 
 /// Fragment `index` of the random set `set`: nine in ten are plausible fragments (any attitude, footprints from a
-/// fifth of a texel to a face, offsets to 0.6, roughness to 0.4), one in ten has random bits at corner
-/// exponents. Depends on the name and the index only.
+/// fifth of a texel to a face, offsets and roughness to ½), one in ten has random bits at corner
+/// exponents. Depends on the name and the index only, and is drawn in integers; vectors/FORMAT.md says how.
 pub fn random_fragment(set: &str, index: u64, p: &Precision) -> ReflectionIn {
     ReflectionIn::of(&Fragments::one(set, index, p))
 }
@@ -108,30 +107,36 @@ impl Kind<FRAGMENT> for Fragments {
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; FRAGMENT]) {
         let draws = &mut elements.draws();
         draws.skip();
-        let [pixel, bend, rough] =
-            each!((low, high) in [(-12.0, -4.0), (-14.0, -5.0), (-8.0, -1.3)] => draws.powers(low, high));
-        let [far, size] = each!(bound in [6.0, 3.0] => draws.powers(-bound, bound));
-        let [normal, view, dview_x, dview_y, dnormal_x, dnormal_y, tangent_u, tangent_v] = draws.directions::<8, 24>();
-        let (normal, view) = (scaled(&normal, &size), scaled(&view, &far));
-        let (mut shift, mut turn) = ([0.0; N], [0.0; N]);
+        let [normal, view, pixel, bend] = draws.below([7, 13, 9, 10]);
+        let [rough, edge, ..] = draws.below([8, 8, 1, 1]);
+        let drop = 30 - p.fraction_bits;
+        let mantissas = each!(() in [(); 12] => {
+            each!(words in draws.words() => each!(word in words => word >> (drop + 1) << drop))
+        });
+        let bumps = each!(() in [(); 3] => draws.words());
+        let mut exponents = [[0; N]; 8];
         for lane in 0..N {
-            shift[lane] = pixel[lane] * length(at(&view, lane));
-            turn[lane] = bend[lane] * size[lane];
+            let [normal, view] = [normal[lane] - 3, view[lane] - 6];
+            let [shift, turn] = [view + pixel[lane] - 12, normal + bend[lane] - 14];
+            for (row, exponent) in exponents.iter_mut().zip([normal, view, 0, 0, shift, shift, turn, turn]) {
+                row[lane] = exponent;
+            }
         }
-        let roughness = each!(() in [(); 3] => draws.within(&rough));
-        let offsets = each!(() in [(); 2] => draws.uniform(-0.6, 0.6));
-        let edges = draws.each(|random| 1 << (4 + random.below(8)));
-        let mut words = Rows::new(words);
-        for vectors in [normal, view, tangent_u, tangent_v] {
-            words.put_vectors(&vectors, p);
-        }
-        put_bumps(&mut words, &offsets, &roughness, p);
-        for vectors in
-            [scaled(&dview_x, &shift), scaled(&dview_y, &shift), scaled(&dnormal_x, &turn), scaled(&dnormal_y, &turn)]
-        {
-            words.put_vectors(&vectors, p);
-        }
-        words.put_row(&edges);
+        let [[b1, b2], [d1, d2], [d3, _]] = bumps;
+        let drop = 28 - p.offset_bits();
+        put_fragment(
+            &mut Rows::new(words),
+            mantissas.as_flattened(),
+            &exponents,
+            #[inline(always)]
+            |lane| {
+                let least = 4 + rough[lane];
+                let share = |d: i32| (d.cast_unsigned() >> (least + 1)).cast_signed();
+                let bumps = [b1[lane] >> 4, b2[lane] >> 4, share(d1[lane]), d2[lane] >> least, share(d3[lane])];
+                each!(bump in bumps => bump >> drop << drop)
+            },
+            &each!(edge in edge => 16 << edge),
+        );
     }
 
     #[inline(always)]
@@ -140,70 +145,65 @@ impl Kind<FRAGMENT> for Fragments {
         draws.skip();
         // |mantissa| < 1: entry shifts left only, so the reference sees what the datapath keeps.
         let (bits, drop) = (p.fraction_bits + 1, 30 - p.fraction_bits);
-        let mantissas = each!(() in [(); 24] => draws.each(#[inline(always)] |random| odd_word(random, bits, drop)));
+        let mantissas =
+            each!(() in [(); 24] => draws.each(#[inline(always)] |random| odd_word(random.next_u64(), bits, drop)));
         let (bits, drop) = (p.offset_bits() + 4, 28 - p.offset_bits());
-        let offsets = each!(() in [(); 5] => draws.each(#[inline(always)] |random| odd_word(random, bits, drop)));
-        let exponents = each!(() in [(); 8] => draws.each(odd_exponent));
-        let edges = draws.each(|random| 1 << random.below(15));
-        let [b1, b2, d1, d2, d3] = offsets;
-        let [d1, d3] = each!(row in [d1, d3] => each!(d in row => d.saturating_abs() >> drop << drop));
-        let mut words = Rows::new(words);
-        let put = |words: &mut Rows<'_, N>, vectors: Range<usize>| {
-            for (mantissa, exponent) in mantissas.as_chunks::<3>().0[vectors.clone()].iter().zip(&exponents[vectors]) {
-                for row in mantissa.iter().chain([exponent]) {
-                    words.put_row(row);
-                }
-            }
-        };
-        put(&mut words, 0..4);
-        words.put(
+        let bumps =
+            each!(() in [(); 5] => draws.each(#[inline(always)] |random| odd_word(random.next_u64(), bits, drop)));
+        let exponents = each!(() in [(); 8] => odd_exponents(draws));
+        let [edges, ..] = draws.below([15, 1, 1, 1]);
+        let [b1, b2, d1, d2, d3] = bumps;
+        let share = |d: i32| d.saturating_abs() >> drop << drop;
+        put_fragment(
+            &mut Rows::new(words),
+            &mantissas,
+            &exponents,
             #[inline(always)]
-            |lane| [b1[lane], b2[lane], d1[lane], d2[lane], d3[lane]],
+            |lane| [b1[lane], b2[lane], share(d1[lane]), d2[lane], share(d3[lane])],
+            &each!(edge in edges => 1 << edge),
         );
-        put(&mut words, 4..8);
-        words.put_row(&edges);
     }
 }
 
-/// Offsets, then roughnesses of which the first and the last are not negative.
+/// The words of fragments: those of the surface's vectors, offsets and roughnesses, those of the other vectors.
 #[inline(always)]
-pub(super) fn put_bumps<const N: usize>(
+fn put_fragment<const N: usize>(
     words: &mut Rows<'_, N>,
-    offsets: &[[f64; N]; 2],
-    roughness: &[[f64; N]; 3],
-    p: &Precision,
+    mantissas: &[[i32; N]],
+    exponents: &[[i32; N]; 8],
+    bumps: impl Fn(usize) -> [i32; 5],
+    edges: &[i32; N],
 ) {
-    let [d1, d2, d3] = roughness;
-    for numbers in [&offsets[0], &offsets[1], &each!(d in *d1 => d.abs()), d2, &each!(d in *d3 => d.abs())] {
-        words.put_offsets(numbers, p);
-    }
+    let vectors = mantissas.as_chunks::<3>().0;
+    words.put_blocks(&vectors[..4], &exponents[..4]);
+    words.put(bumps);
+    words.put_blocks(&vectors[4..], &exponents[4..]);
+    words.put_row(edges);
 }
 
 /// A word of `bits` bits above `drop` zeros, with weight on the corners: all ones, single bits, runs, zero.
 #[inline(always)]
-fn odd_word(random: &mut SplitMix64, bits: u32, drop: u32) -> i32 {
-    let kind = random.below(8);
-    let any = random.clone().next_u64() as i64 >> (64 - bits);
-    let one = 1 << random.clone().below(u64::from(bits - 1));
-    let lowest = i64::MIN >> (64 - bits);
-    let is_drawn = (kind != 0) & (kind != 4);
+fn odd_word(number: u64, bits: u32, drop: u32) -> i32 {
+    let (kind, spare) = ((number >> 61) as i32, 32 - bits);
+    let any = number as i32 >> spare;
+    let one = 1 << (((number >> 32 & 0xffff) as u32 * (bits - 1)) >> 16);
     let mut value = any;
-    for (of, corner) in [0, one, -one, one - 1, lowest].into_iter().enumerate() {
-        value = if kind == of as u64 { corner } else { value };
+    for (of, corner) in [0, one, -one, one - 1, i32::MIN >> spare].into_iter().enumerate() {
+        value = if kind == of as i32 { corner } else { value };
     }
-    *random = random.clone().after(is_drawn.into());
-    (value << drop).clamp(i64::from(i32::MIN), i64::from(i32::MAX) >> drop << drop) as i32
+    value << drop
 }
 
-/// An exponent with weight on 0, some far from it.
+/// Exponents: one in six is 0, one far from it, the others near.
 #[inline(always)]
-fn odd_exponent(random: &mut SplitMix64) -> i32 {
-    let kind = random.below(6);
-    let behind = random.clone().after((kind != 0).into());
-    let (far, near) = (random.clone().uniform(-60.0, 60.0), random.clone().uniform(-12.0, 4.0));
-    *random = behind;
-    let exponent = if kind == 1 { far } else { near };
-    if kind == 0 { 0 } else { exponent as i32 }
+fn odd_exponents<const N: usize>(draws: &mut Draws<N>) -> [i32; N] {
+    let [kinds, far, near, _] = draws.below([6, 119, 15, 1]);
+    let mut exponents = [0; N];
+    for lane in 0..N {
+        let exponent = if kinds[lane] == 1 { far[lane] - 59 } else { near[lane] - 11 };
+        exponents[lane] = if kinds[lane] == 0 { 0 } else { exponent };
+    }
+    exponents
 }
 
 /// One last bit of a mantissa port.

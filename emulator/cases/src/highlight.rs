@@ -11,8 +11,8 @@ use roughxel_core::ports::{BlockVector, HighlightIn, HighlightInput, Port, Refle
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, shininess};
 
-use super::draws::{Elements, Kind, Rows, at, set, unit, unit_or};
-use super::fragment::{Fragments, SURFACE, bit, put_bumps};
+use super::draws::{Draws, Elements, Kind, Rows, at, in_octave, octave, set, unit, unit_or};
+use super::fragment::{Fragments, SURFACE, bit};
 use super::set::CaseSet;
 use roughxel_lanes::Columns;
 
@@ -87,48 +87,51 @@ impl Kind<LIGHT> for Lights {
 
     #[inline(always)]
     fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
-        let draws = &mut elements.draws();
-        draws.uniform(0.0, 13.0);
-        draws.are_odd()
+        // The other decision: odd lights may fall on plausible surfaces.
+        elements.draws().tenths()[1]
     }
 
     #[inline(always)]
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; LIGHT]) {
         let draws = &mut elements.draws();
-        let exponents = draws.powers(0.0, 13.0);
         draws.skip();
-        let [mut normals, mut tangents] = draws.directions::<2, 6>();
-        let b = each!(() in [(); 2] => draws.uniform(-0.6, 0.6));
-        let rough = each!(size in draws.powers(-4.0, 4.0) => size / 4.0);
-        let roughness = each!(() in [(); 3] => draws.within(&rough));
-        let t = each!(() in [(); 2] => draws.uniform(-1.0, 1.0));
-        let [mut eyes] = draws.directions::<1, 3>();
-        let [normal_sizes, eye_sizes, light_sizes] = each!(() in [(); 3] => draws.powers(-6.0, 6.0));
+        let exponents = exponents_of(draws);
+        let [normal_size, eye_size, light_size, rough] = draws.below([13, 13, 13, 8]);
+        let reals = each!(() in [(); 8] => draws.reals());
+        let [[nx, ny], [nz, tx], [ty, tz], [ex, ey], [ez, t1], b, [d1, d2], [d3, t2]] = reals;
+        let [[normal_length, eye_length], [light_length, _]] = each!(() in [(); 2] => draws.reals());
+        let (mut normals, mut tangents, mut eyes) = ([nx, ny, nz], [tx, ty, tz], [ex, ey, ez]);
+        let (mut b, mut roughness) = (b, [d1, d2, d3]);
+        for lane in 0..N {
+            let most = octave(rough[lane] - 6);
+            let [d1, d2, d3] = each!(d in [d1[lane].abs(), d2[lane], d3[lane].abs()] => d * most);
+            [roughness[0][lane], roughness[1][lane], roughness[2][lane]] = [d1, d2, d3];
+            [b[0][lane], b[1][lane]] = [0.6 * b[0][lane], 0.6 * b[1][lane]];
+        }
         let mut lights = [[0.0; N]; 3];
         for lane in 0..N {
             let [normal, tangent] = each!(vectors in [&normals, &tangents] => unit(at(vectors, lane)));
             let e1 = unit_or(tangent.cross(normal), DVec3::ZERO);
             let e2 = normal.cross(e1);
             let deviation = 4.0 / exponents[lane].sqrt();
-            let [d1, d2, d3] =
-                each!(d in [roughness[0][lane].abs(), roughness[1][lane], roughness[2][lane].abs()] => 2.0 * d);
-            let half = [
-                b[0][lane] + t[0][lane] * (deviation + d1) + t[1][lane] * d2,
-                b[1][lane] + t[1][lane] * (deviation + d3),
-            ];
+            let [d1, d2, d3] = each!(d in [roughness[0][lane], roughness[1][lane], roughness[2][lane]] => 2.0 * d);
+            let half =
+                [b[0][lane] + t1[lane] * (deviation + d1) + t2[lane] * d2, b[1][lane] + t2[lane] * (deviation + d3)];
             let half = unit(normal + half[0] * e1 + half[1] * e2);
             let [eye, light] = eye_and_light(unit(at(&eyes, lane)), half);
-            set(&mut normals, lane, normal * normal_sizes[lane]);
+            set(&mut normals, lane, normal * in_octave(normal_size[lane] - 6, normal_length[lane]));
             set(&mut tangents, lane, tangent);
-            set(&mut eyes, lane, eye * eye_sizes[lane]);
-            set(&mut lights, lane, light * light_sizes[lane]);
+            set(&mut eyes, lane, eye * in_octave(eye_size[lane] - 6, eye_length[lane]));
+            set(&mut lights, lane, light * in_octave(light_size[lane] - 6, light_length[lane]));
         }
         let mut words = Rows::new(words);
         for vectors in [normals, eyes, tangents] {
             words.put_vectors(&vectors, p);
         }
         words.put_zeros::<4>();
-        put_bumps(&mut words, &b, &roughness, p);
+        for numbers in b.iter().chain(&roughness) {
+            words.put_offsets(numbers, p);
+        }
         words.put_vectors(&lights, p);
         put_shininess(&mut words, &exponents);
     }
@@ -136,8 +139,8 @@ impl Kind<LIGHT> for Lights {
     #[inline(always)]
     fn odd<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; LIGHT]) {
         let draws = &mut elements.draws();
-        let exponents = draws.powers(0.0, 13.0);
         draws.skip();
+        let exponents = exponents_of(draws);
         let are_opposite = draws.each(|random| random.below(4) == 0);
         let fragment = Fragments::any(elements, p);
         let mut words = Rows::new(words);
@@ -160,6 +163,16 @@ impl Kind<LIGHT> for Lights {
 pub(super) fn eye_and_light(eye: DVec3, half: DVec3) -> [DVec3; 2] {
     let eye = if eye.dot(half) < 0.0 { -eye } else { eye };
     [eye, 2.0 * eye.dot(half) * half - eye]
+}
+
+/// Exponents from 1 to below 8192, as many in each octave.
+#[inline(always)]
+fn exponents_of<const N: usize>(draws: &mut Draws<N>) -> [f64; N] {
+    let ([octaves, ..], [mut exponents, _]) = (draws.below([13, 1, 1, 1]), draws.reals());
+    for (exponent, octave) in exponents.iter_mut().zip(octaves) {
+        *exponent = in_octave(octave, *exponent);
+    }
+    exponents
 }
 
 #[inline(always)]

@@ -5,16 +5,16 @@ use std::ops::Range;
 use fixed::types::{I2F30, I16F16};
 use glam::{DVec3, dvec3};
 use roughxel_core::bundle::Bundle;
-use roughxel_core::each::{each, places};
+use roughxel_core::each::each;
 use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
-use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, SurfaceIn};
+use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, StoredPeak, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_peak, stored_unit_peak};
 
-use super::draws::{Elements, Kind, Rows, at, direction, set, unit, unit_or};
+use super::draws::{Elements, Kind, Rows, at, direction, in_octave, octave, set, unit, unit_or};
 use super::fragment::{FRAGMENT, Fragments, SURFACE, bit};
 use super::highlight::eye_and_light;
-use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets, uniform};
+use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
 use super::set::CaseSet;
 use roughxel_lanes::Columns;
 use roughxel_scene::exp2::exp2;
@@ -40,6 +40,13 @@ pub fn random_lit_peaks(set: &str, indices: Range<u64>, p: &Precision, columns: 
     Peaks::many(set, indices, p, columns);
 }
 
+/// One of those codes, as many of each octave, from the lower half of a word.
+#[inline(always)]
+fn code(word: i32, codes: Range<u32>) -> i32 {
+    let span = codes.end - codes.start;
+    (codes.start + (((word.cast_unsigned() & 0xffff) * span) >> 16)).cast_signed()
+}
+
 /// Words of a light on a peak.
 const PEAK: usize = <PeakInput<i32> as Bundle<i32>>::WORDS;
 
@@ -53,29 +60,33 @@ impl Kind<PEAK> for Peaks {
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; PEAK]) {
         let draws = &mut elements.draws();
         draws.skip();
-        let [mut normals, mut tangents] = draws.directions::<2, 6>();
-        let exponents = draws.powers(0.0, 13.0);
-        let [mut peaks, away] = draws.directions::<2, 6>();
-        let far = draws.uniform(0.0, 2.0);
-        let [mut eyes] = draws.directions::<1, 3>();
-        let [means, sigmas] = each!(() in [(); 2] => each!(() in [(); 4] => draws.uniform(-1.0, 1.0)));
-        let [normal_sizes, eye_sizes, light_sizes] = each!(() in [(); 3] => draws.powers(-6.0, 6.0));
-        let amplitudes = draws.powers(-10.0, 5.0);
-        let weights = draws.each(|random| random.below(u64::from(WHOLE) + 1) as i32);
+        let [octaves, normal_size, eye_size, light_size] = draws.below([13; 4]);
+        let reals = each!(() in [(); 8] => draws.reals());
+        let [[nx, ny], [nz, tx], [ty, tz], [px, py], [pz, ax], [ay, az], [ex, ey], [ez, far]] = reals;
+        let (mut normals, mut tangents, mut peaks) = ([nx, ny, nz], [tx, ty, tz], [px, py, pz]);
+        let (away, mut eyes) = ([ax, ay, az], [ex, ey, ez]);
+        let horizon = each!(() in [(); 4] => draws.words());
+        let ([fractions, amplitudes], [weights, _]) = (draws.words(), draws.words());
+        let [[normal_length, eye_length], [light_length, _]] = each!(() in [(); 2] => draws.reals());
+        let mut exponents = [0; N];
         let mut lights = [[0.0; N]; 3];
         for lane in 0..N {
             let [normal, tangent] = each!(vectors in [&normals, &tangents] => unit(at(vectors, lane)));
             let e1 = unit_or(tangent.cross(normal), DVec3::ZERO);
             let e2 = normal.cross(e1);
             let peak = unit_or(at(&peaks, lane) + DVec3::Z, DVec3::Z);
+            // 4096 + fraction in 2^(octave − 12), as a code has it.
+            let fraction = (fractions[lane].cast_unsigned() >> 20).cast_signed();
+            exponents[lane] = ((octaves[lane] + 2) << 12) + fraction;
+            let exponent = f64::from(4096 + fraction) * octave(octaves[lane] - 12);
             // A few widths √(2/n) away.
-            let half = peak + at(&away, lane) * far[lane] * (2.0 / exponents[lane]).sqrt();
+            let half = peak + at(&away, lane) * (1.0 + far[lane]) * (2.0 / exponent).sqrt();
             let half = unit_or(e1 * half.x + e2 * half.y + normal * half.z, normal);
             let [eye, light] = eye_and_light(unit(at(&eyes, lane)), half);
-            set(&mut normals, lane, normal * normal_sizes[lane]);
+            set(&mut normals, lane, normal * in_octave(normal_size[lane] - 6, normal_length[lane]));
             set(&mut tangents, lane, tangent);
-            set(&mut eyes, lane, eye * eye_sizes[lane]);
-            set(&mut lights, lane, light * light_sizes[lane]);
+            set(&mut eyes, lane, eye * in_octave(eye_size[lane] - 6, eye_length[lane]));
+            set(&mut lights, lane, light * in_octave(light_size[lane] - 6, light_length[lane]));
             set(&mut peaks, lane, unit_or(peak / peak.abs().max_element(), DVec3::ZERO));
         }
         let mut words = Rows::new(words);
@@ -87,23 +98,33 @@ impl Kind<PEAK> for Peaks {
         words.put(
             #[inline(always)]
             |lane| {
-                let peak = stored_unit_peak(at(&peaks, lane), amplitudes[lane], exponents[lane]);
-                let [x, y, z] = each!(n in peak.normal => n.to_bits().into());
-                [x, y, z, peak.amplitude.into(), peak.exponent.into()]
+                let StoredPeak { normal, .. } = stored_unit_peak(at(&peaks, lane), 0.0, 1.0);
+                let [x, y, z] = each!(n in normal => n.to_bits().into());
+                // 2^−10 to 2^5.
+                [x, y, z, code(amplitudes[lane], 2048..61440), exponents[lane]]
             },
         );
-        words.put::<8>(
+        // Slopes from −3½ to ½; a quarter of the horizons are steps, other ramps 2^−3 to 2^3 wide.
+        for [lows, _] in &horizon {
+            words.put(
+                #[inline(always)]
+                |lane| [(lows[lane] >> 18) - 6144],
+            );
+        }
+        for [_, widths] in &horizon {
+            words.put(
+                #[inline(always)]
+                |lane| {
+                    let width = widths[lane];
+                    [if width.cast_unsigned() >> 30 == 0 { 0 } else { code(width, 2048..24576) }]
+                },
+            );
+        }
+        // 0 and the whole weight half as often as others.
+        words.put(
             #[inline(always)]
-            |lane| {
-                // A quarter of the horizons are steps.
-                let sigma = each!(side in places::<4>() => (sigmas[side][lane] + 0.5).max(0.0));
-                let StoredHorizon { low, inverse_width } = uniform(each!(side in places() => means[side][lane]), sigma);
-                let [l0, l1, l2, l3] = each!(low in low => low.to_bits().into());
-                let [w0, w1, w2, w3] = each!(width in inverse_width => width.into());
-                [l0, l1, l2, l3, w0, w1, w2, w3]
-            },
+            |lane| [(((weights[lane].cast_unsigned() >> 15) + 1) >> 1).cast_signed()],
         );
-        words.put_row(&weights);
     }
 
     #[inline(always)]

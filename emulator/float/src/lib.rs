@@ -78,14 +78,22 @@ impl From<&ReflectionIn> for Fragment {
 }
 
 impl Fragment {
-    /// Whether the exponents of the ports lie within ±23: no product of three inputs then leaves the range of `f32`.
+    /// Whether the exponents of the ports lie within ±23, so that no product of three inputs leaves the range of `f32`, and derivatives are less than 2^30
+    /// times as long as what they are of, so that the determinant of a footprint, a product of four such quotients, does not either.
     pub fn in_range(ports: &ReflectionIn) -> bool {
         let ReflectionIn { surface, dview, dnormal, .. } = ports;
+        let size = |v: &BlockVector| {
+            let largest = v.mantissa.iter().fold(0, |largest, m| largest | m.to_bits().unsigned_abs());
+            i32::from(v.exponent) - largest.leading_zeros().cast_signed()
+        };
+        let is_near = |derivatives: &[BlockVector; 2], of| derivatives.iter().all(|d| size(d) - size(of) < 29);
         [&surface.normal, &surface.view, &surface.frame_vectors[0]]
             .into_iter()
             .chain(dview)
             .chain(dnormal)
             .all(|v| v.exponent.abs() < 24)
+            && is_near(dview, &surface.view)
+            && is_near(dnormal, &surface.normal)
     }
 }
 

@@ -81,9 +81,9 @@ impl Figure {
 /// Largest errors of a light on a peak in each profile: log₂ of that of its local half vector from the ports on (frame, half
 /// vector and local direction together), times the sine between n and h and times |l̂ + v̂|/2, which say how well either is
 /// defined; and of its light at the direction and the visibility that the datapath has, as a share of the amplitude: in `narrow` a
-/// stored N loses its last place, 55·√3·2^−15. Measured −12.3, −14.2, −18.1, −24.3 and −8.9, −15.9, −19.8, −19.6.
+/// stored N loses its last place, 55·√3·2^−15. Measured −12.3, −14.2, −18.1, −24.3 and −8.9, −15.8, −20.1, −21.0.
 pub const LIT_PEAK_BARS: [[f64; 2]; 5] =
-    [[-12.0, -8.5], [-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.5], [-24.0, -19.5]];
+    [[-12.0, -8.5], [-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.8], [-24.0, -20.6]];
 
 /// Largest error of the light of a peak from the ports on, as a share of its amplitude, where h is perpendicular to n and l and v are
 /// within 25° of the half vector: both of [`LIT_PEAK_BARS`], an angle counting √(n/e) times, for a power falls that steeply; and the

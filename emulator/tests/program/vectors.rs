@@ -190,15 +190,48 @@ fn two_flipped_bits_are_damage_at_the_earliest_stage() {
     assert_eq!((mismatch.index, mismatch.stage.as_str(), mismatch.cause), (1, "reflect", Cause::Damaged));
 }
 
+/// Vectors of [`both_forms`]: two whole groups of words that are put together at once, and a part of one.
+const BOTH_FORMS: u64 = 140;
+
 /// Both forms of the same vectors, with taps or without, in directories of their own.
 fn both_forms(datapath: Datapath, profile: &str, taps: bool) -> [(tempfile::TempDir, Manifest); 2] {
     [Form::Hex, Form::Bin].map(|form| {
         let directory = tempfile::tempdir().unwrap();
         let info = SetInfo { datapath, words: Words { taps, form }, ..info("random", profile) };
         let input = |index| random_set(datapath, "test", index, &info.precision);
-        let manifest = export_with(&info, 40, &input, directory.path(), &|_| {}).unwrap();
+        let manifest = export_with(&info, BOTH_FORMS, &input, directory.path(), &|_| {}).unwrap();
         (directory, manifest)
     })
+}
+
+/// Records are written in pieces of 16 bytes, the last one first: here a piece is longer than a record.
+#[test]
+fn records_shorter_than_a_piece_are_the_digits_of_the_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().to_str().unwrap();
+    for form in [&[][..], &["--bin"]] {
+        let arguments = [
+            "vectors",
+            "export",
+            "random",
+            "--stage",
+            "enter_offset",
+            "--count",
+            "100",
+            "--profile",
+            "narrow",
+            "-o",
+            path,
+        ];
+        assert!(roughxel(&[&arguments, form].concat()).status.success());
+    }
+    let name = directory.path().join("random_enter_offset_narrow");
+    let lines = fs::read_to_string(name.with_extension("hex")).unwrap();
+    let lines: Vec<String> =
+        lines.lines().filter(|line| !line.starts_with("//")).map(|line| padded(&line.replace('_', ""))).collect();
+    assert!(lines.len() == 100 && lines[0].len() < 32, "{} of {}", lines.len(), lines[0]);
+    let records = fs::read(name.with_extension("bin")).unwrap();
+    assert_eq!(lines.concat(), records.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
 }
 
 #[test]
@@ -256,9 +289,9 @@ fn a_flipped_bit_of_a_record_is_located_and_a_record_cut_short_is_told() {
 
     fs::write(&bin, &whole[..whole.len() - 3]).unwrap();
     let error = verify(&json, &|_| {}).unwrap_err().to_string();
-    assert!(error.contains("random_standard.bin:40: ") && error.contains("bytes"), "{error}");
+    assert!(error.contains("random_standard.bin:140: ") && error.contains("bytes"), "{error}");
     fs::write(&bin, &whole[..whole.len() - record]).unwrap();
-    assert!(matches!(verify(&json, &|_| {}), Err(VectorError::Count { found: 39, expected: 40, .. })));
+    assert!(matches!(verify(&json, &|_| {}), Err(VectorError::Count { found: 139, expected: BOTH_FORMS, .. })));
 }
 
 #[test]

@@ -114,8 +114,10 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
             // Random bits are no unit vectors, and their exponents have no bar.
             let plausible = (normal.length() - 1.0).abs() < 2.0_f64.powi(-14) && n <= 8192.0;
             let peak = a * share * peaks::peak(direction, normal.to_array(), 1.0, n);
-            // The weight is rounded to 16 fraction bits, the light to 24.
-            let free = a * 2.0_f64.powi(-17) + 2.0_f64.powi(-24);
+            // The weight is rounded to 16 fraction bits, the light to 24; and a stored N that is not 1 long scales 1 − cos.
+            let cosine = peaks::peak(direction, normal.to_array(), 1.0, 1.0);
+            let steep = n * (1.0 - cosine) * cosine.powf(n - 1.0) * (normal.length() - 1.0).abs();
+            let free = a * (2.0_f64.powi(-17) + share * steep) + 2.0_f64.powi(-24);
             let error = ((out.peak.to_num::<f64>() - peak).abs() - free).max(0.0) / a.max(2.0_f64.powi(-21));
             let slack = if direction == [0.0; 3] { 0.0 } else { 1.0 };
             [(visibility - want).abs(), if plausible { error * slack } else { 0.0 }]

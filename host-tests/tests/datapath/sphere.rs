@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn};
-use roughxel_core::precision::Precision;
+use roughxel_core::precision::{Precision, ProbeRule};
 use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::rom::{
     NORMAL_PLACES, NORMAL_PLACES_OF_ONE_LESS, NORMAL_WIDENINGS, NORMAL_WIDENINGS_OF_ONE_LESS, SPREAD_LIMIT,
@@ -65,6 +65,11 @@ fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<Moments> {
     let last = f64::from(inputs.edge_texels.ilog2());
     let size = norm(&lobe.first) + norm(&lobe.second) + norm(&lobe.centre);
     if lobe.minor < lobe.scale / 16.0 || lobe.scale > 64.0 || size > 16.0 {
+        return None;
+    }
+    // Twice as many probes or not is a matter of rounding where R − 1/16 is an integer.
+    let wanted = ((lobe.major / lobe.minor).powi(2) - 1.0).max(0.0).sqrt() - 0.0625;
+    if p.probe_rule == ProbeRule::PowerOfTwo && (wanted - wanted.round()).abs() < 2_f64.powi(-8) {
         return None;
     }
     let mut moments = Moments::default();

@@ -18,8 +18,8 @@ use roughxel_emulator::net::record::integers_at;
 use roughxel_emulator::net::rounding::{Roundings, scattered};
 use roughxel_emulator::net::verilog::{Options, StagePort, Stages};
 use roughxel_emulator::vectors::{
-    self, Direction, Failing, Judgement, Manifest, Marks, SetExport, SetInfo, StageSet, Tier, VectorError, Words,
-    export, judge, marks, random_set,
+    self, Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError,
+    Words, export, judge, marks, random_set,
 };
 use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
@@ -295,13 +295,17 @@ fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_wh
     }
 }
 
-/// A bug: designs beyond a threshold were looked at where all roundings push past it, and not close behind it. Vector 131 has a threshold of the
-/// count in its reach; behind it the last probe has any share, from none.
+/// A bug: designs beyond a threshold were looked at where all roundings push past it, and not close behind it. Where a threshold of the
+/// count is in reach the last probe has any share behind it, from none.
 #[test]
 fn close_behind_a_threshold_of_the_count_a_share_is_within_bounds() {
-    let devices = vec![131; whole_or(1000, 100)];
+    let (datapath, effects) = (Datapath::Reflection, effects(FootprintKind::Sphere));
+    let any = Bench::new(datapath, effects, Profile::Standard, true, 1000).marks(4);
+    let counted = |marked: &&Marked| marked.fields.iter().any(|name| name == "probes");
+    let near = any.marked.iter().find(counted).expect("one near a threshold").index;
+    let devices = vec![near; whole_or(1000, 100)];
     let count = devices.len() as u64;
-    let bench = Bench::of(devices, Datapath::Reflection, effects(FootprintKind::Sphere), Profile::Standard, true);
+    let bench = Bench::of(devices, datapath, effects, Profile::Standard, true);
     let marked = bench.marks(4).marked.len() as u64;
     assert_eq!(marked, count, "the threshold is in reach");
     let judged = bench.judge(&bench.rounded_otherwise(4), Tier::Bound { places: 4 }).expect("judged");
