@@ -58,8 +58,10 @@ fn drawn(fragment: &ReflectionIn, p: &Precision) -> Moments {
     moments
 }
 
-/// The same of the reference; `None` where the lobe is known too badly to be compared: terms that cancel, or a probe that hardly looks anywhere.
-fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<Moments> {
+/// The same of the reference, and what counts of a difference of directions: how far a lobe is from a circle, major² − minor², is what is left of terms as large
+/// as its scale², so along that axis its probes are known as much worse. `None` where the lobe is known too badly to be compared: terms that cancel, or a probe that
+/// hardly looks anywhere.
+fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<(Moments, f64)> {
     let inputs = reference_inputs(fragment);
     let lobe = lobe(&inputs, &reference_options(&PLAN, p))?;
     let last = f64::from(inputs.edge_texels.ilog2());
@@ -80,10 +82,12 @@ fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<Moments> {
         }
         moments.add(probe.weight, direction.normalize(), probe.lod.clamp(0.0, last));
     }
-    Some(moments)
+    let spread = (lobe.major.powi(2) - lobe.minor.powi(2)).max(0.0).sqrt();
+    let weight = if lobe.probes.len() > 1 { (64.0 * spread * size / lobe.scale.powi(2)).min(1.0) } else { 1.0 };
+    Some((moments, weight))
 }
 
-/// Bars of directions (radians) and of levels: twice and more what the worst of all fragments reached. `paper` knows eight directions of an axis.
+/// Bars of directions (radians) and of levels: one and a half times and more what the worst of all fragments reached. `paper` knows eight directions of an axis.
 fn bars(name: &str) -> [f64; 2] {
     let powers = match name {
         "narrow" => [-8, -5],
@@ -104,7 +108,11 @@ fn probes_on_the_sphere_are_those_of_the_reference() {
         let errors: Vec<([f64; 2], usize)> = fragments
             .par_iter()
             .enumerate()
-            .filter_map(|(index, fragment)| Some((drawn(fragment, &p).differences(&expected(fragment, &p)?), index)))
+            .filter_map(|(index, fragment)| {
+                let (expected, weight) = expected(fragment, &p)?;
+                let [directions, levels] = drawn(fragment, &p).differences(&expected);
+                Some(([weight * directions, levels], index))
+            })
             .collect();
         assert!(errors.len() > fragments.len() / 3, "{name}: {} of {} count", errors.len(), fragments.len());
         for (figure, bar) in bars(name).into_iter().enumerate() {
