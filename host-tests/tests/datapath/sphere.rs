@@ -90,11 +90,11 @@ fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<(Moments, f64)> {
 /// Bars of directions (radians) and of levels: one and a half times and more what the worst of all fragments reached. `paper` knows eight directions of an axis.
 fn bars(name: &str) -> [f64; 2] {
     let powers = match name {
-        "narrow" => [-8, -5],
+        "narrow" => [-8, -6],
         "paper" => [-2, -3],
-        "compact" => [-9, -5],
-        "standard" => [-11, -7],
-        _ => [-11, -9],
+        "compact" => [-9, -6],
+        "standard" => [-13, -8],
+        _ => [-13, -12],
     };
     powers.map(|power| 2_f64.powi(power))
 }
