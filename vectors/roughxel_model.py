@@ -1266,12 +1266,83 @@ def stage_half(path: Datapath, port: StagePorts) -> None:
     port.out_block("", path.half(port.block("enter_light"), port.block("enter_view")))
 
 
+def stage_probes(path: Datapath, port: StagePorts) -> None:
+    """probes (6) in the plane of a face, or on the sphere."""
+    on_sphere = port.effects["footprint"] == "sphere"
+    direction = [] if on_sphere else port.integers("axes_direction", path.f)
+    axes = Axes(port.block("axes_major"), port.block("axes_minor"), direction)
+    log2_texels = port.wires["map_scale_log2_texels"][0]
+    if on_sphere:
+        spread, f = port.wires["sweep_spread"]
+        rule, share, level = path.count_and_level(axes, spread << (path.f - f), log2_texels)
+        port.outcomes.update(share=(share, 16), level=(level, 16))
+    else:
+        rule, step, level, saturated = path.probes(axes, log2_texels, port.wires["map_scale_last_level"][0])
+        port.out("step", step, 28)
+        port.outcomes["lod"] = (level, 16)
+        port.out_flag("saturated", saturated)
+    port.outcomes["count"] = (rule.count, 0)
+    port.out_flag("empty", axes.major.zero)
+    port.out_flag("capped", rule.capped)
+
+
+def stage_spread(path: Datapath, port: StagePorts) -> None:
+    """highlight.spread (6); the normal is modified or as it entered."""
+    normal = port.block("perturb" if "perturb_m_0" in port.wires else "enter_normal")
+    rough = [port.block(f"roughness_{i}").scaled(port.wires["enter_normal_e"][0]) for i in range(2)]
+    tangents, amplitude = path.spread_highlight(normal, rough, port.block("enter_shininess_root"))
+    for i, tangent in enumerate(tangents):
+        port.out_block(f"rough_{i}", tangent)
+    port.out_block("amplitude", amplitude)
+    port.out_block("reciprocal", path.times(amplitude, amplitude))
+
+
+def stage_highlight(path: Datapath, port: StagePorts) -> None:
+    """highlight (6), of a rough or of a smooth surface."""
+    normal = port.block("enter_normal")
+    modified = port.block("perturb") if "perturb_m_0" in port.wires else normal
+    spread, amplitude = None, path.unit
+    if "highlight_spread_rough_0_m_0" in port.wires:
+        spread = [port.block(f"highlight_spread_rough_{i}") for i in range(2)]
+        amplitude = port.block("highlight_spread_amplitude")
+    f, light_below, half_below = path.highlight(normal, modified, port.block("enter_light"), port.block("half"), spread,
+                                                amplitude, port.block("enter_shininess_exponent"))
+    port.outcomes["f"] = (f, 24)
+    port.out_flag("light_below", light_below)
+    port.out_flag("half_below", half_below)
+
+
+def stage_local_unit(path: Datapath, port: StagePorts) -> None:
+    """local.unit (6)."""
+    local = port.block("local_components")
+    port.out("unit", path.local_unit(local), path.f)
+    port.out_flag("none", local.zero)
+
+
+def stage_slopes(path: Datapath, port: StagePorts) -> None:
+    """horizon.slopes (6)."""
+    for i, slope in enumerate(path.slopes(port.block("local_components"))):
+        port.outcomes[f"slopes_{i}_slope"] = (slope.slope, path.w - 6)
+        port.out_flag(f"slopes_{i}_negative", slope.negative)
+        port.out_flag(f"slopes_{i}_upright", slope.upright)
+
+
+def stage_peak(path: Datapath, port: StagePorts) -> None:
+    """peaks (6): one stored peak."""
+    unit, none = port.integers("local_unit_unit", path.f), port.wires["local_unit_none"][0] == 1
+    amplitude, exponent, weight = (port.wires[name][0] for name in ("peak_amplitude", "peak_exponent", "peaks_weight"))
+    peak = path.peak(unit, none, port.integers("peak_normal", 15), amplitude, exponent, weight)
+    port.outcomes["peak"] = (peak, 24)
+
+
 # By the names of modules.
 ALONE: Dict[str, Callable[[Datapath, StagePorts], None]] = {
     **{f"enter_{name}": stage_enter for name in ("normal", "view", "tangent", "dview", "dnormal", "light")},
     "enter_offset": stage_enter_offset, "enter_roughness": stage_enter_offset, "frame": stage_frame,
     "perturb": stage_perturb, "roughness": stage_roughness, "reflect": stage_reflect, "cube_face": stage_cube_face,
-    "axes": stage_axes, "map_scale": stage_map_scale, "half": stage_half}
+    "axes": stage_axes, "map_scale": stage_map_scale, "probes": stage_probes, "half": stage_half,
+    "highlight_spread": stage_spread, "highlight": stage_highlight, "local_unit": stage_local_unit,
+    "horizon_slopes": stage_slopes, "peaks_peak": stage_peak}
 
 
 def evaluate_stage(path: Datapath, manifest: Manifest, inputs: Fields) -> Fields:

@@ -2,11 +2,22 @@
 
 use fixed::types::I2F30;
 use glam::{DMat3, DVec3, dvec3};
+use roughxel_core::elementary::log2;
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
+use roughxel_core::rom::{LOG_BITS, LOG2_DIAMETER};
+use roughxel_core::scalar::Scalar;
+use roughxel_core::soft_core::environment_scale;
 
 use super::cube::reflecting_to;
 use super::fragment::{RealFragment, bit};
+
+/// Fraction bits of a mantissa, of a logarithm and of a level.
+const MANTISSA_BITS: u32 = 30;
+const LOGARITHM_BITS: u32 = 24;
+const LOD_BITS: u32 = 16;
 
 /// A flat mirror facing +z whose pixel columns on the face are exactly (−1/2) of the given ones.
 fn flat_footprint(x: [f64; 2], y: [f64; 2], p: &Precision) -> ReflectionIn {
@@ -90,6 +101,56 @@ pub(super) fn footprint_size(p: &Precision) -> Vec<ReflectionIn> {
             ]
         })
         .collect()
+}
+
+/// Levels of detail that the last place of an entry of `log2` decides: the logarithm of λ₂ is a last place from where it is cut to [`LOD`], and with the edge of
+/// the face the level is a last place from where it is rounded. The mantissas nearest to an entry first, from both sides of it, for both its neighbours.
+pub(super) fn footprint_level(p: &Precision) -> Vec<ReflectionIn> {
+    let cut = 1 << (LOGARITHM_BITS - LOD_BITS);
+    let round = 1 << (LOD_BITS - p.lod_bits);
+    // By what is left of the level's fraction when it is rounded, the larger faces, of which every level occurs.
+    let mut faces = vec![Vec::new(); round as usize];
+    for edge in 1024..=16384 {
+        let texels = environment_scale(edge, p).log2_texels.raw();
+        faces[texels.rem_euclid(round) as usize].push(edge);
+    }
+    let plan = ReflectionPlan::FULL;
+    let interval = 1 << (p.fraction_bits - 1 - LOG_BITS);
+    let mut fragments = Vec::new();
+    for knot in 0..=1 << LOG_BITS {
+        for side in [1, -1] {
+            for (low_bits, left) in [(0, round / 2), (cut - 1, round / 2 - 1)] {
+                let mantissas =
+                    (0..interval).map(|place| (1 << (p.fraction_bits - 1)) + knot * interval + side * place);
+                let decided = mantissas.filter_map(|mantissa| {
+                    let log = log2::<Scalar>(Fx::from_raw(mantissa << (MANTISSA_BITS - p.fraction_bits)), p).raw();
+                    let sum = (log >> (LOGARITHM_BITS - LOD_BITS)) + LOG2_DIAMETER;
+                    let &edge = faces[(left - sum).rem_euclid(round) as usize].first()?;
+                    (log.rem_euclid(cut) == low_bits).then_some((mantissa, edge))
+                });
+                // Of more bits than a level has any number is decided, few of them by a footprint.
+                let levels = decided.take(8).filter_map(|(mantissa, edge_texels)| {
+                    Some(ReflectionIn { edge_texels, ..with_minor(mantissa, &plan, p)? })
+                });
+                fragments.extend(levels.take(2));
+            }
+        }
+    }
+    fragments
+}
+
+/// A flat mirror in which λ₂ has that mantissa, of a circle where one has, else of an ellipse; `None` where none was found.
+fn with_minor(mantissa: i32, plan: &ReflectionPlan, p: &Precision) -> Option<ReflectionIn> {
+    let last_place = 2.0_f64.powi(-4 - p.fraction_bits as i32);
+    let diameter = (f64::from(mantissa) * libm::sqrt(12.0)).round();
+    [1.0, 1.25, 1.5, 1.75].into_iter().find_map(|aspect| {
+        (-3..=3).find_map(|off| {
+            let size = (diameter + f64::from(off)) * last_place;
+            let fragment = flat_footprint([size * aspect, 0.0], [0.0, size], p);
+            let minor = fragment.reflect(plan, p).minor.mantissa[0];
+            (minor.to_bits() == mantissa << (MANTISSA_BITS - p.fraction_bits)).then_some(fragment)
+        })
+    })
 }
 
 pub(super) fn footprint_cancel(p: &Precision) -> Vec<ReflectionIn> {

@@ -25,14 +25,17 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 
 use cube::{cube_corners, cube_edges};
 use footprint::{
-    footprint_aspect, footprint_cancel, footprint_circle, footprint_rank, footprint_size, roughness_isotropic,
-    roughness_rank,
+    footprint_aspect, footprint_cancel, footprint_circle, footprint_level, footprint_rank, footprint_size,
+    roughness_isotropic, roughness_rank,
 };
 use frame::{frame_horizon, frame_natural, frame_pole, frame_zero};
 
 pub use draws::direction;
 pub use fragment::{RealFragment, random_fragment, random_fragments};
 pub use set::CaseSet;
+
+/// Name of the set of levels of detail.
+pub const FOOTPRINT_LEVEL: &str = "footprint_level";
 
 /// Every hard case of the reflection datapath, by stage.
 pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet<ReflectionIn, ReflectionPlan>> {
@@ -60,6 +63,7 @@ pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet<ReflectionIn, ReflectionPlan
         set("footprint_circle", "near circles: a = c and c - a changing sign by one bit", footprint_circle(p)),
         set("footprint_aspect", "aspect just below and above every probe count, to 1000", footprint_aspect(p)),
         set("footprint_size", "from far below a texel to far beyond a face", footprint_size(p)),
+        set(FOOTPRINT_LEVEL, "levels of detail that the last place of an entry of log2 decides", footprint_level(p)),
         set("footprint_cancel", "concave mirror around its focus, cylinder", footprint_cancel(p)),
         set(
             "roughness_rank",

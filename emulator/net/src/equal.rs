@@ -1,4 +1,4 @@
-//! Proof that an operation may be another one: faults that no vector can show.
+//! Proof that an operation may be another one, or an entry of a table that is read at one place: faults that no vector can show.
 //!
 //! A fault makes a difference only where its wire does, and that is a condition on wires of the right design: a choice is always the first
 //! value, which matters where its flag is not set. From such a condition the ranges of the wires before and behind it are narrowed, as long as
@@ -28,6 +28,15 @@ const FLAGS_TRIED: usize = 3;
 /// Bounds of wires that hold together.
 type Condition = Vec<(NodeId, i128, i128)>;
 
+/// What is wrong at a node.
+#[derive(Clone, Copy)]
+enum Wrong {
+    /// Its operation.
+    Slip(Slip),
+    /// What it reads.
+    Value(i64),
+}
+
 /// Nothing is left of a range: the condition never holds.
 struct Never;
 
@@ -49,21 +58,30 @@ impl<'a> Prover<'a> {
         Self { faults, right: known(), wrong: known(), moved: Vec::new() }
     }
 
-    /// Whether an operation may be another one in this way; `false` where that is not proven, and of all other faults.
+    /// Whether an operation may be another one in this way, or an entry of a table that one lookup reads; `false` where that is not proven, and of
+    /// all other faults.
     pub fn is_equal(&mut self, fault: Fault) -> bool {
-        let Fault::Slip { node, slip } = fault else { return false };
-        self.faults.ranges.violations.is_empty()
-            && self
-                .conditions(node, slip)
-                .into_iter()
-                .all(|condition| self.is_equal_under(node, slip, &condition, MOST_FLAGS))
+        let is_proven = self.faults.ranges.violations.is_empty();
+        match fault {
+            Fault::Slip { node, slip } => {
+                let mut conditions = self.conditions(node, slip).into_iter();
+                is_proven && conditions.all(|of| self.is_equal_under(node, Wrong::Slip(slip), &of, MOST_FLAGS))
+            }
+            Fault::Entry { table, index, more } => {
+                let read = &self.faults.tables[table as usize];
+                let (&[(node, at)], Some(value)) = (&read.lookups[..], read.wrong(index, more)) else { return false };
+                let condition = vec![(at, index.into(), index.into())];
+                is_proven && self.is_equal_under(node, Wrong::Value(value), &condition, MOST_FLAGS)
+            }
+            Fault::Stuck { .. } => false,
+        }
     }
 
     /// Whether no field differs under a condition; where that is not seen at once, whether it is so with a flag set and without.
-    fn is_equal_under(&mut self, node: NodeId, slip: Slip, condition: &Condition, flags: u32) -> bool {
+    fn is_equal_under(&mut self, node: NodeId, wrong: Wrong, condition: &Condition, flags: u32) -> bool {
         let mut open = Vec::new();
         let is_equal = match self.narrow(condition) {
-            Ok(()) => !self.is_shown(node, slip, &mut open),
+            Ok(()) => !self.is_shown(node, wrong, &mut open),
             Err(Never) => true,
         };
         for id in self.moved.drain(..) {
@@ -78,7 +96,7 @@ impl<'a> Prover<'a> {
                 && open.into_iter().take(FLAGS_TRIED).any(|flag| {
                     [0, 1].into_iter().all(|set| {
                         let with_flag = [condition.as_slice(), &[(flag, set, set)]].concat();
-                        self.is_equal_under(node, slip, &with_flag, flags - 1)
+                        self.is_equal_under(node, wrong, &with_flag, flags - 1)
                     })
                 })
     }
@@ -258,8 +276,8 @@ impl<'a> Prover<'a> {
 
     /// Whether a constant that is added makes no difference, because it is less than the last place of what it is added to and only bits from there on
     /// are read.
-    fn rounds_nothing(&self, node: NodeId, slip: Slip) -> bool {
-        let (Slip::WithoutConstant, Op::Add(a, c)) = (slip, self.right.op(node)) else { return false };
+    fn rounds_nothing(&self, node: NodeId, wrong: Wrong) -> bool {
+        let (Wrong::Slip(Slip::WithoutConstant), Op::Add(a, c)) = (wrong, self.right.op(node)) else { return false };
         let (zeros, added) = (self.zeros(a), self.right.range(c));
         let reads_above = |&reader: &NodeId| matches!(self.right.op(reader), Op::Sar(of, k) if of == node && k <= zeros && added.high < 1 << k);
         added.low >= 0
@@ -395,17 +413,17 @@ impl<'a> Prover<'a> {
     }
 
     /// Whether some field may differ under the condition; `open` are flags that do not differ and choose behind the fault.
-    fn is_shown(&mut self, node: NodeId, slip: Slip, open: &mut Vec<NodeId>) -> bool {
+    fn is_shown(&mut self, node: NodeId, wrong: Wrong, open: &mut Vec<NodeId>) -> bool {
         for &id in &self.moved {
             self.wrong.ranges[id as usize] = self.right.ranges[id as usize];
         }
         self.wrong.opaque.push(node);
-        if self.rounds_nothing(node, slip) {
+        if self.rounds_nothing(node, wrong) {
             return false;
         }
         let (mut waiting, mut differs) = (BTreeSet::from([node]), BTreeSet::new());
         while let Some(id) = waiting.pop_first() {
-            let range = if id == node { self.slipped(node, slip) } else { self.wrong_range(id) };
+            let range = if id == node { self.wrong_value(node, wrong) } else { self.wrong_range(id) };
             let right = self.right.ranges[id as usize].constant();
             if right.is_some() && right == range.constant() {
                 continue;
@@ -436,7 +454,11 @@ impl<'a> Prover<'a> {
     }
 
     /// What the wire of a fault holds.
-    fn slipped(&mut self, node: NodeId, slip: Slip) -> Range {
+    fn wrong_value(&mut self, node: NodeId, wrong: Wrong) -> Range {
+        let slip = match wrong {
+            Wrong::Slip(slip) => slip,
+            Wrong::Value(value) => return Range::of(value),
+        };
         let op = self.faults.net.node(node).op;
         if let (Slip::Unsigned(Side::First), Op::Sar(a, k)) = (slip, op)
             && self.wrong.range(a).high < 0

@@ -186,7 +186,7 @@ pub struct ReadTable {
     /// The last place that its entries have.
     last_place: i64,
     /// Who reads it, and at which index.
-    lookups: Vec<(NodeId, NodeId)>,
+    pub(super) lookups: Vec<(NodeId, NodeId)>,
 }
 
 impl ReadTable {
@@ -211,6 +211,16 @@ impl ReadTable {
             last_place: 1 << zeros.unwrap_or(0),
             lookups,
         }
+    }
+
+    /// An entry that is one last place more or less.
+    fn off_by_one(&self, entry: i64, more: bool) -> i64 {
+        entry + if more { self.last_place } else { -self.last_place }
+    }
+
+    /// What is read at an index, as it is wrong; `None` outside.
+    pub(super) fn wrong(&self, index: u32, more: bool) -> Option<i64> {
+        Some(self.off_by_one(self.table.entry(index as usize)?.into(), more))
     }
 
     /// The entries that lookups of the design read where its wires hold `wires`.
@@ -289,7 +299,7 @@ impl<'a> Faults<'a> {
     }
 
     /// Of every node the bits of its integer, as one of 64 bits, that can make a difference to a bit that a field shows.
-    fn wanted(&self) -> Vec<u64> {
+    pub(super) fn wanted(&self) -> Vec<u64> {
         let mut wanted = self.shown.clone();
         for (id, node) in self.net.iter().rev() {
             // Above a wire's bits are copies of its sign.
@@ -491,7 +501,7 @@ impl<'a> Simulator<'a> {
 
 impl Faults<'_> {
     /// The integer of a node under a fault, its operands given.
-    fn value(&self, fault: Fault, id: NodeId, right: &[i64], of: impl Fn(NodeId) -> i64) -> i64 {
+    pub(super) fn value(&self, fault: Fault, id: NodeId, right: &[i64], of: impl Fn(NodeId) -> i64) -> i64 {
         let node = self.net.node(id);
         let op = |of: &dyn Fn(NodeId) -> i64| match node.op {
             Op::Port(_) => right[id as usize],
@@ -510,8 +520,7 @@ impl Faults<'_> {
             (Fault::Entry { table, index, more }, Op::Lookup(at, read))
                 if read == self.tables[table as usize].table && of(at) == i64::from(index) =>
             {
-                let last_place = self.tables[table as usize].last_place;
-                op(&of) + if more { last_place } else { -last_place }
+                self.tables[table as usize].off_by_one(op(&of), more)
             }
             _ => op(&of),
         }

@@ -12,6 +12,7 @@ pub mod census;
 pub mod delay;
 pub mod equal;
 pub mod evaluate;
+pub mod exhaust;
 pub mod fault;
 pub mod graph;
 pub mod interval;

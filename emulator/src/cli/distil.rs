@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use roughxel_emulator::vectors::{
-    Distilled, Form, MAX_VECTORS, Manifest, Picked, SetInfo, Words, distil, export_with, manifests_of,
+    Distilled, Form, MAX_VECTORS, Manifest, Mistake, Picked, SetInfo, Wanted, Words, distil, export_with, manifests_of,
 };
 use serde_json::json;
 
@@ -18,11 +18,13 @@ Write a set of few vectors that show the same mistakes as many: what `vectors re
 
 All sets are of one datapath, effects, profile and columns. Vectors that are needed for an operation that is another one, for an entry of
 a table or for a bin come first, then those that show most stuck bits, up to --most of them: always the one that shows most of what is
-still missing, so the first hundred are the best hundred.
+still missing, so the first hundred are the best hundred. With --beside what other sets show is not looked for again, and --mistakes leaves
+the others out: a last place of some entries shows once in a million vectors, and a million are soon asked for that alone.
 
   roughxel vectors export random --count 200000 --bin -o many
   roughxel vectors distil many/random_standard.json vectors/smoke/cube_edges_standard.json -o few --name few --most 500
-  roughxel vectors report few";
+  roughxel vectors report few
+  roughxel vectors distil many --beside few --mistakes entries -o more --name more";
 
 #[derive(Args)]
 pub(super) struct DistilArgs {
@@ -38,6 +40,12 @@ pub(super) struct DistilArgs {
     /// Vectors of the new set at most.
     #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_VECTORS))]
     most: u64,
+    /// Directories of sets, or single ones, that the new one stands beside: what they show is not looked for again.
+    #[arg(long, value_name = "DIR|MANIFEST", num_args = 1..)]
+    beside: Vec<PathBuf>,
+    /// Which mistakes to look for; all without it.
+    #[arg(long, value_name = "KIND", value_delimiter = ',')]
+    mistakes: Vec<MistakeArg>,
     /// Words as records of bytes, NAME.bin, instead of as text.
     #[arg(long)]
     bin: bool,
@@ -49,21 +57,51 @@ pub(super) struct DistilArgs {
     json: bool,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum MistakeArg {
+    /// Operations that are others; and bins: decisions on both sides, limits, entries that are read.
+    Operations,
+    /// Entries of tables that are off by a last place.
+    Entries,
+    /// Bits that are stuck.
+    Stuck,
+}
+
+impl From<MistakeArg> for Mistake {
+    fn from(kind: MistakeArg) -> Self {
+        match kind {
+            MistakeArg::Operations => Self::Operation,
+            MistakeArg::Entries => Self::Entry,
+            MistakeArg::Stuck => Self::Stuck,
+        }
+    }
+}
+
 pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
     check_directory(&args.output)?;
     if let Some(path) = &args.picks {
         check_file(path)?;
     }
-    let mut manifests = Vec::new();
-    for path in &args.paths {
-        manifests.extend(manifests_of(path)?);
-    }
+    let manifests_of_all = |paths: &[PathBuf]| {
+        let manifests = paths.iter().map(|path| manifests_of(path)).collect::<Result<Vec<_>, _>>()?;
+        Ok::<_, Failure>(manifests.concat())
+    };
+    let (manifests, beside) = (manifests_of_all(&args.paths)?, manifests_of_all(&args.beside)?);
     let Some((first, others)) = manifests.split_first() else { return Ok(()) };
-    let counts = manifests.iter().map(|path| Manifest::read(path).map(|manifest| manifest.count));
+    let counts = manifests.iter().chain(&beside).map(|path| Manifest::read(path).map(|manifest| manifest.count));
     let bar = progress(counts.sum::<Result<u64, _>>()?, "faults");
-    let distilled = distil(first, others, args.most as usize, &|done| bar.set_position(done));
+    let mistakes: Vec<Mistake> = args.mistakes.iter().map(|&kind| kind.into()).collect();
+    let mistakes = if mistakes.is_empty() { &Mistake::ALL[..] } else { &mistakes };
+    let wanted = Wanted { most: args.most as usize, beside: &beside, mistakes };
+    let distilled = distil(first, others, wanted, &|done| bar.set_position(done));
     bar.finish_and_clear();
     let Distilled { of, picked, inputs } = distilled?;
+    if picked.is_empty() {
+        let text =
+            if args.json { r#"{ "picked": [] }"# } else { "no vector shows what the others do not: nothing written" };
+        writeln!(io::stdout().lock(), "{text}")?;
+        return Ok(());
+    }
     let sets: BTreeSet<&str> = picked.iter().map(|picked| picked.set.as_str()).collect();
     let sets: Vec<&str> = sets.into_iter().collect();
     let description = format!("vectors of {} that show what the others do not", sets.join(", "));

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use roughxel_emulator::vectors::{Alarm, Grade, Manifest, Score, VectorError, grade, manifests_of, write_grade};
+use roughxel_emulator::vectors::{Alarm, Grade, Manifest, Score, grade, manifests_of, write_grades};
 use serde_json::json;
 
 use super::Failure;
@@ -48,17 +48,8 @@ pub(super) fn run(args: &GradeArgs) -> Result<(), Failure> {
     }
     let counts = manifests.iter().map(|path| Manifest::read(path).map(|manifest| manifest.count));
     let bar = progress(counts.sum::<Result<u64, _>>()?, "faults");
-    let grades = if args.write {
-        let mut before = 0;
-        let of_set = |path: &PathBuf| {
-            let grade = write_grade(path, &|done| bar.set_position(before + done))?;
-            before += grade.vectors;
-            Ok(grade)
-        };
-        manifests.iter().map(of_set).collect::<Result<_, VectorError>>()
-    } else {
-        grade(&manifests, &|done| bar.set_position(done))
-    };
+    let on_all = if args.write { write_grades } else { grade };
+    let grades = on_all(&manifests, &|done| bar.set_position(done));
     bar.finish_and_clear();
     let mut out = io::stdout().lock();
     let grades = grades?;

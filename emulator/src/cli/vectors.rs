@@ -15,7 +15,8 @@ use roughxel_emulator::spelling::did_you_mean;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use roughxel_emulator::vectors::{
     Form, InputSource, MAX_VECTORS, Manifest, RANDOM_SETS, RandomSet, SetExport, SetInfo, Shard, StageSet, VectorError,
-    VectorSet, Verification, Words, c_library_files, hard_sets, in_page, manifests_of, rom_files, tables, verify,
+    VectorSet, Verification, Words, c_library_files, entries_set, hard_sets, in_page, manifests_of, rom_files, tables,
+    verify,
 };
 use serde_json::json;
 
@@ -38,6 +39,13 @@ const SMOKE_CASES: u64 = 14;
 const SMOKE_ALONE: u64 = 40;
 const SMOKE_CHOSEN: u64 = 400;
 const SMOKE_RANDOM: u64 = 256;
+/// Of each datapath the modules of stages that read tables and together show their entries alone; and the folder of these sets beside the others.
+const SMOKE_STAGES: [&[&str]; 3] = [
+    &["map_scale", "frame", "cube_face", "axes", "probes"],
+    &["frame", "half", "highlight_spread", "highlight"],
+    &["frame", "half", "local_unit", "horizon_slopes", "peaks_peak"],
+];
+const SMOKE_STAGES_FOLDER: &str = "stages";
 
 #[derive(Subcommand)]
 pub(super) enum VectorsCommand {
@@ -425,7 +433,8 @@ fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failur
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {
         let profile = &named.into();
         let export = Export { profile, ..*options };
-        for set in hard_sets(&profile.precision).iter().filter(|set| set.best_first || named == Profile::Standard) {
+        let sets = hard_sets(&profile.precision);
+        for set in sets.iter().filter(|set| set.best_first || named == Profile::Standard && !set.only_whole) {
             let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
             let most = match is_alone {
                 _ if set.best_first => SMOKE_CHOSEN,
@@ -436,6 +445,21 @@ fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failur
         }
         for datapath in Datapath::ALL {
             written.extend(export.random(datapath, SMOKE_RANDOM, 0)?);
+        }
+        if named == Profile::Standard {
+            let directory = &options.directory.join(SMOKE_STAGES_FOLDER);
+            check_directory(directory)?;
+            remove_abandoned_in(directory);
+            let export = Export { directory, ..export };
+            for set in sets.iter().filter(|set| set.name == entries_set(set.datapath)) {
+                let (count, datapath) = (set.inputs.len() as u64, set.datapath);
+                let info = export.info(set.name, set.description, None, datapath, set.effects);
+                let stages = StageSet::of(datapath, &info.effects, &info.precision, None)?;
+                for stage in stages.iter().filter(|stage| SMOKE_STAGES[datapath as usize].contains(&stage.name())) {
+                    let input = |index: u64| set.part(index, count);
+                    written.extend(export.write_set(SetExport::of_stage(&info, count, stage), &input)?);
+                }
+            }
         }
     }
     Ok(())

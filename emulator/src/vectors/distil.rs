@@ -13,17 +13,52 @@ use serde::Serialize;
 
 use super::VectorError;
 use super::datapath::Inputs;
-use super::grade::{Hunt, is_of_one_design, read_words};
+use super::grade::{Hunt, Proofs, is_of_one_design, read_words};
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
 use crate::net::bins::Bins;
 use crate::net::fault::{Effect, Fault, Faults, Simulator};
 use crate::net::interval::Ranges;
 
+/// Kinds of mistakes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mistake {
+    /// An operation is another one; with it go decisions and limits that are to be met.
+    Operation,
+    /// An entry of a table is off by a last place.
+    Entry,
+    /// A bit of a wire never changes.
+    Stuck,
+}
+
+impl Mistake {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Operation, Self::Entry, Self::Stuck];
+
+    fn of(fault: &Fault) -> Self {
+        match fault {
+            Fault::Slip { .. } => Self::Operation,
+            Fault::Entry { .. } => Self::Entry,
+            Fault::Stuck { .. } => Self::Stuck,
+        }
+    }
+}
+
+/// What is wanted of few vectors.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// So many at most.
+    pub most: usize,
+    /// Sets that they stand beside: what those show is not looked for again.
+    pub beside: &'a [PathBuf],
+    /// Which mistakes they are to show.
+    pub mistakes: &'a [Mistake],
+}
+
 /// A vector of a set.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Picked {
-    /// The set.
+    /// The set, or its seed, which of the published random sets is their name.
     pub set: String,
     /// Index of the vector, from 0.
     pub index: u64,
@@ -49,13 +84,18 @@ struct Candidate {
     has_to: bool,
 }
 
-/// At most `most` vectors of sets of one design; `progress` is told how many vectors are done.
+/// Few vectors of sets of one design; `progress` is told how many vectors are done, those of the sets that they stand beside among them.
 ///
 /// Errors: see [`VectorError`]; sets of several designs.
-pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u64)) -> Result<Distilled, VectorError> {
+pub fn distil(
+    first: &Path,
+    others: &[PathBuf],
+    Wanted { most, beside, mistakes }: Wanted<'_>,
+    progress: &dyn Fn(u64),
+) -> Result<Distilled, VectorError> {
     let of = Manifest::read(first)?;
     let mut sets = vec![(first, of.clone())];
-    for path in others {
+    for path in others.iter().chain(beside) {
         let manifest = Manifest::read(path)?;
         if !is_of_one_design(&of, &manifest) {
             let problem = format!(
@@ -81,21 +121,37 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
         outcomes.net.evaluate(&outcomes.ports(bits), &mut wires);
         wires
     };
-    let still = Still { faults: &faults, bins: &bins };
-    let (has_to, stuck): (Vec<Fault>, Vec<Fault>) =
-        faults.faults.iter().partition(|fault| !matches!(fault, Fault::Stuck { .. }));
+    let still = Still { faults: &faults, bins: mistakes.contains(&Mistake::Operation).then_some(&bins) };
+    let (has_to, stuck): (Vec<Fault>, Vec<Fault>) = (faults.faults.iter())
+        .filter(|fault| mistakes.contains(&Mistake::of(fault)))
+        .partition(|fault| Mistake::of(fault) != Mistake::Stuck);
+    let (mut has_to, mut stuck) = (still.of(&has_to), still.of(&stuck).without_bins());
+    let mut done = 0;
+    let (sets, beside) = sets.split_at(1 + others.len());
+    for (path, manifest) in beside {
+        read_words(path, manifest, &layout, &mut |_, batch| {
+            let wires: Vec<_> = batch.iter().map(wires).collect();
+            has_to.show(&wires);
+            stuck.show(&wires);
+            done += batch.len() as u64;
+            progress(done);
+        })?;
+    }
+    if !beside.is_empty() {
+        has_to.only_what_can_be_shown();
+        stuck.only_what_can_be_shown();
+    }
 
     // What shows something first, of all.
-    let (mut has_to, mut stuck) = (still.of(&has_to), still.of(&stuck).without_bins());
     let mut candidates: Vec<Candidate> = Vec::new();
-    let mut done = 0;
-    for (path, manifest) in &sets {
+    for (path, manifest) in sets {
         read_words(path, manifest, &layout, &mut |index, batch| {
             let wires: Vec<_> = batch.iter().map(wires).collect();
             let shown = has_to.show(&wires).into_iter().zip(stuck.show(&wires));
+            let set = manifest.seed.as_ref().map_or(&manifest.set, |seed| &seed.name);
             for (place, ((has_to, stuck), bits)) in shown.zip(batch).enumerate() {
                 if has_to + stuck > 0 {
-                    let picked = Picked { set: manifest.set.clone(), index: index + place as u64 };
+                    let picked = Picked { set: set.clone(), index: index + place as u64 };
                     candidates.push(Candidate { picked, bits: bits.clone(), has_to: has_to > 0 });
                 }
             }
@@ -135,14 +191,16 @@ pub fn distil(first: &Path, others: &[PathBuf], most: usize, progress: &dyn Fn(u
 #[derive(Clone, Copy)]
 struct Still<'a> {
     faults: &'a Faults<'a>,
-    bins: &'a Bins<'a>,
+    /// What is to be met beside operations, where those are wanted.
+    bins: Option<&'a Bins<'a>>,
 }
 
 impl<'a> Still<'a> {
     /// Of some faults, and of bins.
     fn of(self, faults: &[Fault]) -> Looking<'a> {
         let hunt = Hunt::new(self.faults, faults.iter().copied());
-        Looking { all: faults.to_vec(), hunt, bins: self.bins, met: vec![false; self.bins.bins.len()] }
+        let met = vec![false; self.bins.map_or(0, |bins| bins.bins.len())];
+        Looking { of: self.faults, all: faults.to_vec(), hunt, bins: self.bins, met }
     }
 
     /// Places of the faults that a vector shows, and behind them those of the bins that it meets.
@@ -150,7 +208,9 @@ impl<'a> Still<'a> {
         let is_seen = |&place: &usize| simulator.effect(faults[place], wires) == Effect::Seen;
         let mut shown: Vec<usize> = (0..faults.len()).filter(is_seen).collect();
         let first = shown.len();
-        self.bins.met(wires, |bin| shown.push(faults.len() + bin));
+        if let Some(bins) = self.bins {
+            bins.met(wires, |bin| shown.push(faults.len() + bin));
+        }
         // An entry is met as often as it is read.
         shown[first..].sort_unstable();
         shown.dedup();
@@ -189,23 +249,32 @@ fn cover(rows: &[Vec<usize>], first: &dyn Fn(usize) -> bool, most: usize) -> Vec
 
 /// What is looked for.
 struct Looking<'a> {
+    of: &'a Faults<'a>,
     all: Vec<Fault>,
     hunt: Hunt<'a>,
-    bins: &'a Bins<'a>,
+    bins: Option<&'a Bins<'a>>,
     met: Vec<bool>,
 }
 
 impl Looking<'_> {
-    fn without_bins(mut self) -> Self {
-        self.met.fill(true);
-        self
+    fn without_bins(self) -> Self {
+        Self { bins: None, ..self }
+    }
+
+    /// Forgets what has been shown, and looks for nothing that is proven to be equal.
+    fn only_what_can_be_shown(&mut self) {
+        let mut proofs = Proofs::default();
+        let equal = proofs.equal(self.of, &self.hunt.unseen);
+        self.hunt.unseen.retain(|(fault, _)| !equal.contains(fault));
+        self.all = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
     }
 
     /// How much each of these vectors is the first to show.
     fn show(&mut self, wires: &[Vec<i64>]) -> Vec<usize> {
         let mut shown = self.hunt.show(wires);
         for (shown, wires) in shown.iter_mut().zip(wires) {
-            self.bins.met(wires, |bin| *shown += usize::from(!std::mem::replace(&mut self.met[bin], true)));
+            let Some(bins) = self.bins else { continue };
+            bins.met(wires, |bin| *shown += usize::from(!std::mem::replace(&mut self.met[bin], true)));
         }
         shown
     }

@@ -19,6 +19,7 @@ use super::outcomes::Outcomes;
 use super::score::{GradeEntry, Score};
 use crate::net::bins::{Bin, Bins};
 use crate::net::equal::Prover;
+use crate::net::exhaust::{Exhaustion, Task};
 use crate::net::fault::{Effect, Fault, Faults, Simulator};
 use crate::net::interval::Ranges;
 use crate::net::observe::Observed;
@@ -122,6 +123,8 @@ pub struct Grade {
     pub decisions: Score,
     /// The faults that are not seen.
     pub unseen: Vec<Unseen>,
+    /// Entries of tables that may be off by a last place, as is proven: they are not counted.
+    pub equal_entries: Vec<String>,
     /// The bins that are not met.
     pub unmet: Vec<String>,
     /// What fields hold.
@@ -149,26 +152,48 @@ impl Grade {
     }
 }
 
-/// Grades a set alone and writes what it shows into its manifest, which is replaced whole or not at all; `progress` is told how many vectors
+/// Grades each set alone and writes what it shows into its manifest, which is replaced whole or not at all; `progress` is told how many vectors
 /// are done.
 ///
 /// Errors: see [`VectorError`].
-pub fn write_grade(path: &Path, progress: &dyn Fn(u64)) -> Result<Grade, VectorError> {
-    let manifest = Manifest::read(path)?;
-    let mut done = 0;
-    let grade = grade_one(&[(path.into(), manifest.clone())], &mut |vectors| {
-        done += vectors;
-        progress(done);
-    })?;
-    write_manifest(path, &Manifest { grade: Some(grade.entry()), ..manifest })?;
-    Ok(grade)
+pub fn write_grades(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
+    let (mut done, mut grades) = (0, Vec::new());
+    for sets in by_design(manifests)? {
+        // What is proven of a design is that for each of its sets.
+        let alone: Vec<_> = sets.chunks(1).collect();
+        grade_parts(&alone, &mut |vectors| progress(done + vectors), &mut |part, grade| {
+            let (path, manifest) = &sets[part];
+            write_manifest(path, &Manifest { grade: Some(grade.entry()), ..manifest.clone() })?;
+            grades.push((manifests.iter().position(|of| of == path), grade));
+            Ok(())
+        })?;
+        done += sets.iter().map(|(_, manifest)| manifest.count).sum::<u64>();
+    }
+    grades.sort_by_key(|&(place, _)| place);
+    Ok(grades.into_iter().map(|(_, grade)| grade).collect())
 }
 
 /// Grades the sets of manifests, those of one design together; `progress` is told how many vectors are done.
 ///
 /// Errors: see [`VectorError`].
 pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
-    let mut groups: Vec<Vec<(PathBuf, Manifest)>> = Vec::new();
+    let (mut done, mut grades) = (0, Vec::new());
+    for sets in by_design(manifests)? {
+        grade_parts(&[&sets], &mut |vectors| progress(done + vectors), &mut |_, grade| {
+            grades.push(grade);
+            Ok(())
+        })?;
+        done += sets.iter().map(|(_, manifest)| manifest.count).sum::<u64>();
+    }
+    Ok(grades)
+}
+
+/// Sets with their manifests.
+type Sets = Vec<(PathBuf, Manifest)>;
+
+/// The sets of manifests, those of one design together.
+fn by_design(manifests: &[PathBuf]) -> Result<Vec<Sets>, VectorError> {
+    let mut groups: Vec<Sets> = Vec::new();
     for path in manifests {
         let manifest = Manifest::read(path)?;
         match groups.iter_mut().find(|sets| is_of_one_design(&sets[0].1, &manifest)) {
@@ -176,12 +201,7 @@ pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>
             None => groups.push(vec![(path.clone(), manifest)]),
         }
     }
-    let mut done = 0;
-    let mut progress = |vectors| {
-        done += vectors;
-        progress(done);
-    };
-    groups.iter().map(|sets| grade_one(sets, &mut progress)).collect()
+    Ok(groups)
 }
 
 /// Whether sets are of the same hardware and show the same of it.
@@ -190,22 +210,32 @@ pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
     of(a) == of(b) && a.stage == b.stage
 }
 
-/// Grades the sets of one design.
-fn grade_one(sets: &[(PathBuf, Manifest)], progress: &mut dyn FnMut(u64)) -> Result<Grade, VectorError> {
-    let (path, of) = &sets[0];
+/// Grades parts of the sets of one design, each alone; `progress` is told how many vectors are done, and `graded` the number of a part and its
+/// grade.
+fn grade_parts(
+    parts: &[&[(PathBuf, Manifest)]],
+    progress: &mut dyn FnMut(u64),
+    graded: &mut dyn FnMut(usize, Grade) -> Result<(), VectorError>,
+) -> Result<(), VectorError> {
+    let (path, of) = &parts[0][0];
     let layout = of.layout(path)?;
     let outcomes = Outcomes::of(of, &layout);
     let ranges = Ranges::new(&outcomes.net);
     let faults = Faults::new(&outcomes.net, &ranges, outcomes.shown());
     let bins = Bins::new(&outcomes.net, &ranges, &faults.tables);
-    let mut tally = Tally::new(&outcomes, &faults, &bins);
-    for (path, manifest) in sets {
-        read_words(path, manifest, &layout, &mut |_, batch| {
-            tally.add(&manifest.set, &batch.iter().map(|bits| outcomes.ports(bits)).collect::<Vec<_>>());
-            progress(batch.len() as u64);
-        })?;
+    let (mut proofs, mut done) = (Proofs::default(), 0);
+    for (number, sets) in parts.iter().enumerate() {
+        let mut tally = Tally::new(&outcomes, &faults, &bins);
+        for (path, manifest) in *sets {
+            read_words(path, manifest, &layout, &mut |_, batch| {
+                tally.add(&manifest.set, &batch.iter().map(|bits| outcomes.ports(bits)).collect::<Vec<_>>());
+                done += batch.len() as u64;
+                progress(done);
+            })?;
+        }
+        graded(number, tally.grade(of, &ranges, &mut proofs))?;
     }
-    Ok(tally.grade(of, &ranges))
+    Ok(())
 }
 
 /// Reads the fields' bits of a set, some vectors at a time, with the index of the first of them.
@@ -268,6 +298,32 @@ impl<'a> Hunt<'a> {
     }
 }
 
+/// What is proven of the faults of a design, whatever vectors there are.
+#[derive(Default)]
+pub(super) struct Proofs {
+    tried: HashSet<Fault>,
+    equal: HashSet<Fault>,
+}
+
+impl Proofs {
+    /// The faults that are proven to make no difference to any field, all such of `unseen` among them.
+    pub(super) fn equal(&mut self, of: &Faults, unseen: &[(Fault, Effect)]) -> &HashSet<Fault> {
+        let new: Vec<Fault> =
+            unseen.iter().map(|&(fault, _)| fault).filter(|&fault| self.tried.insert(fault)).collect();
+        let operations = new.par_chunks(TASK).map_init(
+            || Prover::new(of),
+            |prover, task| task.iter().copied().filter(|&fault| prover.is_equal(fault)).collect::<Vec<_>>(),
+        );
+        self.equal.extend(operations.flatten_iter().collect::<Vec<_>>());
+        let shown = |exhaustion: &Exhaustion, tasks: &[Task]| {
+            let shown = tasks.par_iter().map_init(|| exhaustion.wires(), |wires, task| exhaustion.shown(task, wires));
+            shown.flatten_iter().collect()
+        };
+        self.equal.extend(Exhaustion::new(of, new.into_iter()).equal(&shown));
+        &self.equal
+    }
+}
+
 /// What vectors have shown so far.
 struct Tally<'a> {
     outcomes: &'a Outcomes<'a>,
@@ -317,16 +373,10 @@ impl<'a> Tally<'a> {
         self.vectors += vectors.len() as u64;
     }
 
-    fn grade(mut self, of: &Manifest, ranges: &Ranges) -> Grade {
+    fn grade(mut self, of: &Manifest, ranges: &Ranges, proofs: &mut Proofs) -> Grade {
         let net = &self.outcomes.net;
         // What vectors show is not equal, so the others alone are tried.
-        let tasks = self.hunt.unseen.par_chunks(TASK).map_init(
-            || Prover::new(self.faults),
-            |prover, task| {
-                task.iter().map(|&(fault, _)| fault).filter(|&fault| prover.is_equal(fault)).collect::<Vec<_>>()
-            },
-        );
-        let equal: HashSet<Fault> = tasks.flatten_iter().collect();
+        let equal = proofs.equal(self.faults, &self.hunt.unseen);
         self.hunt.unseen.retain(|(fault, _)| !equal.contains(fault));
         let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
         let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
@@ -376,6 +426,9 @@ impl<'a> Tally<'a> {
         if self.repeated > 0 {
             alarms.push(Alarm::Repeated { vectors: self.repeated });
         }
+        let mut equal_entries: Vec<Fault> =
+            self.faults.faults.iter().copied().filter(|fault| equal.contains(fault)).collect();
+        equal_entries.retain(|fault| matches!(fault, Fault::Entry { .. }));
         let unseen = self
             .hunt
             .unseen
@@ -392,6 +445,7 @@ impl<'a> Tally<'a> {
             tables,
             decisions,
             unseen: unseen.collect(),
+            equal_entries: equal_entries.into_iter().map(|fault| self.faults.text(fault)).collect(),
             unmet,
             fields,
             alarms,

@@ -13,7 +13,7 @@ use crate::cases::corners::{
 use crate::cases::highlight::{self, highlight_sets, random_light, random_lights};
 use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
 use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak, random_lit_peaks};
-use crate::cases::{CaseSet, hard_case_sets, random_fragment, random_fragments};
+use crate::cases::{CaseSet, FOOTPRINT_LEVEL, hard_case_sets, random_fragment, random_fragments};
 
 /// The random set of each datapath: its name, and what it holds.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
@@ -32,6 +32,19 @@ const CHOSEN: [(&str, Datapath, &str); 3] = [
     ("chosen_highlight", Datapath::Highlight, include_str!("chosen/highlight.txt")),
     ("chosen_peak", Datapath::Peak, include_str!("chosen/peak.txt")),
 ];
+
+/// Vectors of the other sets and of millions of random ones that show every entry of every table off by a last place, as far as it can be shown.
+/// Made in the same way.
+const ENTRIES: [(&str, Datapath, &str); 3] = [
+    ("entries", Datapath::Reflection, include_str!("chosen/entries_reflection.txt")),
+    ("entries_highlight", Datapath::Highlight, include_str!("chosen/entries_highlight.txt")),
+    ("entries_peak", Datapath::Peak, include_str!("chosen/entries_peak.txt")),
+];
+
+/// Name of the set that shows every entry of every table of a datapath off by a last place.
+pub const fn entries_set(datapath: Datapath) -> &'static str {
+    ENTRIES[datapath as usize].0
+}
 
 /// What the sets of ports at their limits hold.
 const LIMITS: &str =
@@ -52,6 +65,8 @@ pub struct VectorSet {
     pub inputs: Vec<Inputs>,
     /// Its first vectors are its best.
     pub best_first: bool,
+    /// Few of its vectors are worth little: each is for an entry of a table.
+    pub only_whole: bool,
 }
 
 impl VectorSet {
@@ -106,6 +121,7 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
             datapath,
             inputs: cases.iter().map(Into::into).collect(),
             best_first: false,
+            only_whole: name == FOOTPRINT_LEVEL,
         })
     }
     let (limits, corners) = (LIMITS, CORNERS);
@@ -126,26 +142,28 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
         .chain(vectors(highlights, Datapath::Highlight))
         .chain(vectors(peaks, Datapath::Peak))
         .collect();
-    let chosen = CHOSEN.map(|(name, datapath, list)| VectorSet {
-        name,
-        description: "vectors of the other sets that show most mistakes, those that show most first",
-        effects: Effects::ALL,
-        datapath,
-        inputs: chosen(datapath, list, &sets, p),
-        best_first: true,
-    });
-    sets.extend(chosen);
+    let listed = |lists: [(&'static str, Datapath, &str); 3], description, best_first| {
+        let set = |(name, datapath, list)| {
+            let inputs = chosen(datapath, list, &sets, p);
+            let effects = Effects::ALL;
+            VectorSet { name, description, effects, datapath, inputs, best_first, only_whole: !best_first }
+        };
+        lists.map(set)
+    };
+    let most = listed(CHOSEN, "vectors of the other sets that show most mistakes, those that show most first", true);
+    let entries = listed(ENTRIES, "vectors that show every entry of every table off by a last place", false);
+    sets.extend(entries.into_iter().chain(most));
     sets
 }
 
-/// The listed vectors of other sets of a datapath: a line has the name of a set and an index in it.
+/// The listed vectors of other sets of a datapath: a line has the name of a set, or the seed of a random one, and an index in it.
 fn chosen(datapath: Datapath, list: &str, sets: &[VectorSet], p: &Precision) -> Vec<Inputs> {
     let (random, ..) = RANDOM_SETS[datapath as usize];
     let inputs = |line: &str| {
         let (set, index) = line.split_once(' ')?;
         let index = index.parse().ok()?;
-        if set == random {
-            return Some(random_set(datapath, random, index, p));
+        if set.split('+').next() == Some(random) {
+            return Some(random_set(datapath, set, index, p));
         }
         sets.iter().find(|of| of.name == set)?.inputs.get(index as usize).copied()
     };

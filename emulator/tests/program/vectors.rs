@@ -535,7 +535,8 @@ fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
 
 #[test]
 fn the_committed_smoke_sets_verify() {
-    let output = roughxel(&["vectors", "verify", repository().join("vectors/smoke").to_str().unwrap()]);
+    let [smoke, stages] = ["vectors/smoke", "vectors/smoke/stages"].map(|folder| repository().join(folder));
+    let output = roughxel(&["vectors", "verify", smoke.to_str().unwrap(), stages.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
 }
 
@@ -587,13 +588,19 @@ fn the_rom_command_writes_the_committed_tables() {
     writes_what_is_committed(&["vectors", "rom"], "vectors/rom", |_, bytes| bytes);
 }
 
-/// Runs a command with `-o`: it has to write the files of a folder of the repository, as far as `compared` leaves of them, and no others.
+/// Runs a command with `-o`: it has to write the files of a folder of the repository and of the folders in it, as far as `compared` leaves of them,
+/// and no others.
 fn writes_what_is_committed(arguments: &[&str], folder: &str, compared: impl Fn(&str, Vec<u8>) -> Vec<u8>) {
     let directory = tempfile::tempdir().unwrap();
     let output = roughxel(&[arguments, &["-o", directory.path().to_str().unwrap()]].concat());
     assert_eq!(output.status.code(), Some(0));
-    let files = |path: &Path| -> Vec<_> {
-        let mut names: Vec<_> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let files = |path: &Path| -> Vec<PathBuf> {
+        let inside = |folder: &Path| -> Vec<PathBuf> {
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
+        };
+        let (folders, mut files): (Vec<_>, Vec<_>) = inside(path).into_iter().partition(|path| path.is_dir());
+        files.extend(folders.iter().flat_map(|folder| inside(folder)));
+        let mut names: Vec<_> = files.iter().map(|file| file.strip_prefix(path).unwrap().to_owned()).collect();
         names.sort();
         names
     };

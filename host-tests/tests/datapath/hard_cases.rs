@@ -99,6 +99,7 @@ fn every_documented_set_exists_and_holds_fragments() {
         "footprint_circle",
         "footprint_aspect",
         "footprint_size",
+        "footprint_level",
         "footprint_cancel",
         "roughness_rank",
         "roughness_isotropic",

@@ -55,6 +55,8 @@ fn the_python_model_is_right_on_every_committed_set() {
     }
     let sets = manifests_in(&vectors("smoke")).expect("the committed sets").len();
     assert_eq!(right(&run(&mut model())), sets + 1);
+    let stages = manifests_in(&vectors("smoke/stages")).expect("the committed sets").len();
+    assert_eq!(right(&run(model().arg(vectors("smoke/stages")))), stages + 1);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! How good sets are: what `roughxel vectors report` counts, what the committed sets show, and what distilling keeps.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -13,8 +14,8 @@ use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::record::integers_at;
 use roughxel_emulator::vectors::{
-    Alarm, Distilled, Grade, Score, SetInfo, VectorError, VectorSet, Words, distil, export_with, grade, hard_sets,
-    manifests_in, random_set, verify,
+    Alarm, Distilled, Grade, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, Words, distil, entries_set,
+    export_with, grade, hard_sets, manifests_in, random_set, verify,
 };
 use roughxel_host_tests::space::whole_or;
 
@@ -92,28 +93,49 @@ fn the_committed_sets_show_nineteen_operations_in_twenty_and_are_below_a_thousan
     }
 }
 
-/// No line of a list is lost, and the chosen vectors read every entry of every table at a place where one last place shows, as far as
-/// the sets that they were chosen from do.
+/// No line of a list is lost, and the vectors that were picked for it show every entry of every table off by a last place; of each table the
+/// committed sets of stages alone show as many.
 #[test]
-fn chosen_vectors_read_every_table_and_show_its_entries() {
+fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_and_by_stages_alone() {
     let sets = hard_sets(&Precision::STANDARD);
     let directory = tempfile::tempdir().expect("a temporary directory");
     for datapath in Datapath::ALL {
-        let list = format!("../emulator/src/vectors/chosen/{}.txt", datapath.name());
-        let list = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(list)).expect("the list");
-        let set = sets.iter().find(|set| set.best_first && set.datapath == datapath).expect("a chosen set");
-        assert_eq!(list.lines().count(), set.inputs.len());
-        let VectorSet { name, inputs, .. } = set;
-        let info = info(name, datapath, Precision::STANDARD, "standard");
-        export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], directory.path(), &|_| {})
-            .expect("the set can be written");
+        for (list, shows_entries) in [("", false), ("entries_", true)] {
+            let list = format!("../emulator/src/vectors/chosen/{list}{}.txt", datapath.name());
+            let list = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(list)).expect("the list");
+            let is_it =
+                |set: &VectorSet| if shows_entries { set.name == entries_set(datapath) } else { set.best_first };
+            let of = |set: &&VectorSet| is_it(set) && set.datapath == datapath;
+            let VectorSet { name, inputs, .. } = sets.iter().find(of).expect("a set of a list");
+            assert_eq!(list.lines().count(), inputs.len(), "{name}");
+            if shows_entries {
+                let info = info(name, datapath, Precision::STANDARD, "standard");
+                let input = |index: u64| inputs[index as usize];
+                export_with(&info, inputs.len() as u64, &input, directory.path(), &|_| {}).expect("a set");
+            }
+        }
     }
+    let stages = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke/stages");
+    let stages = grade(&manifests_in(&stages).expect("the committed sets"), &|_| {}).expect("sets");
     for of in grade(&manifests_in(directory.path()).expect("sets"), &|_| {}).expect("sets") {
         for table in &of.tables {
-            assert_eq!(table.read.found, table.read.all, "{} of {}", table.table, of.datapath);
-            if table.table.contains("reciprocal") || table.table.contains("inverse_root") {
-                assert!(table.entries.percent() > 99.5, "{} of {}: {:?}", table.table, of.datapath, table.entries);
-            }
+            let (name, entries) = (format!("{} of {}", table.table, of.datapath), table.entries);
+            assert_eq!(table.read.found, table.read.all, "{name}");
+            // A footprint is blurred only where it asks for more probes than there are, so one of the entries is read in earnest.
+            let missed = if table.table == "rom_log2_of_count" { 14 } else { 0 };
+            assert_eq!(entries.all - entries.found, missed, "{name}");
+
+            // Modules that read the same table are shown all entries together.
+            let readers = stages.iter().filter(|stage| stage.datapath == of.datapath);
+            let readers = readers.filter(|stage| stage.tables.iter().any(|reader| reader.table == table.table));
+            let not_shown = |stage: &Grade| -> HashSet<String> {
+                let unseen = stage.unseen.iter().map(|unseen| &unseen.fault);
+                let of_table = |fault: &&String| fault.starts_with(&format!("table {}:", table.table));
+                unseen.chain(&stage.equal_entries).filter(of_table).cloned().collect()
+            };
+            let by_none = readers.map(not_shown).reduce(|a, b| &a & &b).expect("a stage");
+            let may_be: HashSet<String> = of.equal_entries.iter().cloned().collect();
+            assert_eq!((&by_none - &may_be).len(), missed, "{name}, stages alone: {by_none:?}");
         }
     }
 }
@@ -127,7 +149,9 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
     let input = |index| random_set(Datapath::Peak, "distil", index, &p);
     export_with(&info("many", Datapath::Peak, p, "narrow"), 400, &input, &many, &|_| {}).expect("a set");
     export_with(&info("others", Datapath::Peak, p, "narrow"), 30, &input, &others, &|_| {}).expect("a set");
-    let Distilled { picked, inputs, .. } = distil(&many.join("many_narrow.json"), &[], 30, &|_| {}).expect("a set");
+    let first = many.join("many_narrow.json");
+    let wanted = |most, beside| Wanted { most, beside, mistakes: &Mistake::ALL };
+    let Distilled { picked, inputs, .. } = distil(&first, &[], wanted(30, &[]), &|_| {}).expect("a set");
     assert_eq!((picked.len(), inputs.len()), (30, 30));
     let input = |index| inputs[index as usize];
     export_with(&info("few", Datapath::Peak, p, "narrow"), 30, &input, &few, &|_| {}).expect("a set");
@@ -138,6 +162,22 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
     let [few, others, many] = [few, others, many].map(|grade| (operations(&grade).found, grade.faults().found));
     assert!(others.1 < few.1 && few.1 <= many.1, "{others:?} {few:?} {many:?}");
     assert!(others.0 < few.0 && few.0 * 100 >= many.0 * 99, "{others:?} {few:?} {many:?}");
+
+    // Beside them: vectors that are needed for entries of tables, none of those; and beside all none.
+    let beside = [directory.path().join("few/few_narrow.json")];
+    let entries = Wanted { mistakes: &[Mistake::Entry], ..wanted(1000, &beside) };
+    let Distilled { picked: more, inputs, .. } = distil(&first, &[], entries, &|_| {}).expect("a set");
+    assert!(!more.is_empty() && more.iter().all(|vector| !picked.contains(vector)), "{more:?}");
+    let (name, input) = (directory.path().join("more"), |index| inputs[index as usize]);
+    export_with(&info("more", Datapath::Peak, p, "narrow"), more.len() as u64, &input, &name, &|_| {}).expect("a set");
+    let entries = |paths: &[PathBuf]| {
+        let grades = grade(paths, &|_| {}).expect("sets");
+        grades[0].tables.iter().map(|table| table.entries.found).sum::<usize>()
+    };
+    assert_eq!(entries(&[beside[0].clone(), name.join("more_narrow.json")]), entries(std::slice::from_ref(&first)));
+    let all = [first.clone()];
+    let Distilled { picked: none, .. } = distil(&first, &[], wanted(1000, &all), &|_| {}).expect("a set");
+    assert!(none.is_empty(), "{none:?}");
 
     let another = export_with(
         &info("other", Datapath::Highlight, p, "narrow"),
@@ -150,7 +190,7 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
     let of_two = distil(
         &directory.path().join("other_narrow.json"),
         &[directory.path().join("many/many_narrow.json")],
-        5,
+        wanted(5, &[]),
         &|_| {},
     );
     assert!(

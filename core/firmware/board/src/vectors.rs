@@ -7,15 +7,17 @@ use std::path::Path;
 use crate::Failure;
 use crate::target::{Target, root};
 
-/// The words of sets in a folder, by the names of their files.
+/// The words of sets in a folder and of those of stages in it, by the names of their files.
 fn words(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Failure> {
-    let trouble = |error: std::io::Error| Failure::trouble(format!("{}: {error}", folder.display()));
     let mut words = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).map_err(trouble)? {
-        let path = entry.map_err(trouble)?.path();
-        if path.extension() == Some(OsStr::new("hex")) {
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            words.insert(name, std::fs::read(&path).map_err(trouble)?);
+    for folder in [folder, &folder.join("stages")] {
+        let trouble = |error: std::io::Error| Failure::trouble(format!("{}: {error}", folder.display()));
+        for entry in std::fs::read_dir(folder).map_err(trouble)? {
+            let path = entry.map_err(trouble)?.path();
+            if path.extension() == Some(OsStr::new("hex")) {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                words.insert(name, std::fs::read(&path).map_err(trouble)?);
+            }
         }
     }
     Ok(words)

@@ -8,6 +8,7 @@ use proptest::test_runner::{RngSeed, TestRunner};
 use roughxel_core::rom;
 use roughxel_emulator::net::equal::Prover;
 use roughxel_emulator::net::evaluate::apply_exactly;
+use roughxel_emulator::net::exhaust::{Exhaustion, Task};
 use roughxel_emulator::net::fault::{Effect, Fault, Faults, Simulator};
 use roughxel_emulator::net::graph::{Kind, Net, Node, NodeId, Op, Port, Table, Tap};
 use roughxel_emulator::net::interval::Ranges;
@@ -302,8 +303,17 @@ fn tap(node: NodeId) -> Tap {
     Tap { stage: None, name: "outcome".into(), path: Vec::new(), mantissa: false, fraction_bits: 0, node }
 }
 
-/// Operations that a prover says may be others, in a net whose last wire is what fields show: tried on every input. How many there are.
-fn equal_operations_of(small: Small) -> usize {
+/// Entries that make no difference for any value of what they are looked up by.
+fn equal_entries(faults: &Faults) -> Vec<Fault> {
+    let shown = |exhaustion: &Exhaustion, tasks: &[Task]| {
+        let mut wires = exhaustion.wires();
+        tasks.iter().flat_map(|task| exhaustion.shown(task, &mut wires)).collect()
+    };
+    Exhaustion::new(faults, faults.faults.iter().copied()).equal(&shown).into_iter().collect()
+}
+
+/// Operations and entries of tables that are said to make no difference, in a net whose last wire is what fields show: tried on every input. How many there are.
+fn equal_faults_of(small: Small) -> [usize; 2] {
     let mut net = small.net;
     let last = net.nodes.len() as NodeId - 1;
     net.outputs = vec![tap(last)];
@@ -311,7 +321,9 @@ fn equal_operations_of(small: Small) -> usize {
     let faults = Faults::new(&net, &ranges, [(last, u64::MAX)]);
     let mut prover = Prover::new(&faults);
     let is_equal = |fault: &Fault| prover.is_equal(*fault);
-    let equal: Vec<Fault> = faults.faults.iter().copied().filter(is_equal).collect();
+    let mut equal: Vec<Fault> = faults.faults.iter().copied().filter(is_equal).collect();
+    equal.extend(equal_entries(&faults));
+    let entries = equal.iter().filter(|fault| matches!(fault, Fault::Entry { .. })).count();
     let mut simulator = Simulator::new(&faults);
     for_every_input(&net, |ports, wires| {
         for &fault in &equal {
@@ -319,12 +331,12 @@ fn equal_operations_of(small: Small) -> usize {
             assert!(effect != Effect::Seen, "{} is shown by {ports:?} in {:#?}", faults.text(fault), net.nodes);
         }
     });
-    equal.len()
+    [equal.len() - entries, entries]
 }
 
 /// What is proven equal is equal, and a good part of what no input shows is proven.
 #[test]
-fn no_input_of_any_small_graph_shows_an_operation_that_is_proven_equal() {
+fn no_input_of_any_small_graph_shows_an_operation_or_an_entry_that_is_proven_equal() {
     let mut runner = TestRunner::new(ProptestConfig {
         cases: 20_000,
         failure_persistence: None,
@@ -333,7 +345,7 @@ fn no_input_of_any_small_graph_shows_an_operation_that_is_proven_equal() {
     });
     let ports = prop::collection::vec((-40_i64..40, 0_i64..6), 1..4);
     let steps = prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..16);
-    let proven = Cell::new(0);
+    let proven = Cell::new([0; 2]);
     let outcome = runner.run(&(ports, steps), |(ports, steps)| {
         let mut small = Small::default();
         for (low, extent) in ports {
@@ -342,11 +354,55 @@ fn no_input_of_any_small_graph_shows_an_operation_that_is_proven_equal() {
         for (code, pick) in steps {
             small.grow(code, pick);
         }
-        proven.set(proven.get() + equal_operations_of(small));
+        let equal = equal_faults_of(small);
+        proven.set([0, 1].map(|kind| proven.get()[kind] + equal[kind]));
         Ok(())
     });
-    outcome.expect("equal operations");
-    assert!(proven.get() > 1000, "{}", proven.get());
+    outcome.expect("equal operations and entries");
+    assert!(proven.get().iter().all(|&proven| proven > 1000), "{:?}", proven.get());
+}
+
+/// Where a table is looked up by a wire of few values that other wires join behind a rounding, exactly what no value shows is proven.
+#[test]
+fn of_a_function_of_one_wire_every_entry_is_proven_that_no_value_shows() {
+    let word = Kind::Wire(32);
+    let mut unseen_of = Vec::new();
+    for cut in [0, 3, 6, 9, 12] {
+        // log₂ of 1 + x/128, four steps between entries, to so many bits less, beside another number.
+        let mut small = Small::default();
+        let (x, y) = (small.port(0, 127), small.port(-3, 3));
+        let [one, rest_bits] = [1, 3].map(|value| small.lit(value, word));
+        let index = small.node(Op::Sar(x, 2), word);
+        let upper = small.node(Op::Add(index, one), word);
+        let table = Table { entries: &rom::LOG2, bits: 32 };
+        let [knot, next] = [index, upper].map(|index| small.node(Op::Lookup(index, table), word));
+        let rest = small.node(Op::And(x, rest_bits), word);
+        let rise = small.node(Op::Sub(next, knot), word);
+        let rise = small.node(Op::Mul(rise, rest), Kind::Wire(64));
+        let knot = small.node(Op::Widen(knot), Kind::Wire(64));
+        let knot = small.node(Op::Shl(knot, 2), Kind::Wire(64));
+        let sum = small.node(Op::Add(knot, rise), Kind::Wire(64));
+        let sum = small.node(Op::Sar(sum, 2 + cut), Kind::Wire(64));
+        let sum = small.node(Op::Narrow(sum), word);
+        let last = small.node(Op::Add(sum, y), word);
+        let mut net = small.net;
+        net.outputs = vec![tap(last)];
+        let ranges = Ranges::new(&net);
+        let faults = Faults::new(&net, &ranges, [(last, u64::MAX)]);
+        let mut simulator = Simulator::new(&faults);
+        let mut unseen: Vec<Fault> =
+            faults.faults.iter().copied().filter(|fault| matches!(fault, Fault::Entry { .. })).collect();
+        let all = unseen.len();
+        for_every_input(&net, |_, wires| unseen.retain(|&fault| simulator.effect(fault, wires) != Effect::Seen));
+        let mut equal = equal_entries(&faults);
+        let text = |fault: &Fault| faults.text(*fault);
+        equal.sort_by_key(text);
+        unseen.sort_by_key(text);
+        assert_eq!(equal, unseen, "{cut} bits less");
+        assert_eq!(all, 66);
+        unseen_of.push(unseen.len());
+    }
+    assert_eq!(unseen_of, [1, 47, 65, 65, 65]);
 }
 
 impl Small {
@@ -386,7 +442,7 @@ fn whether_wires_that_are_normalised_are_all_zero_is_proven_to_need_no_rounding(
         for &(_, flag) in &flags[1..] {
             all = small.node(Op::And(all, flag), Kind::Flag);
         }
-        let equal = equal_operations_of(small);
+        let [equal, _] = equal_faults_of(small);
         assert!(equal >= least, "{equal} operations of {ports:?}");
     }
 }
@@ -401,7 +457,7 @@ fn a_rounding_that_adds_nothing_is_proven_to_need_no_constant() {
         let rounded = small.net.nodes.iter().rposition(|node| matches!(node.op, Op::Sar(..))).expect("a rounding");
         // The last wire is what fields show.
         small.node(Op::Shl(rounded as NodeId, 1), Kind::Wire(32));
-        equal_operations_of(small)
+        equal_faults_of(small)[0]
     });
     assert!(equal[0] > equal[3], "{equal:?}");
 }

@@ -1,0 +1,207 @@
+//! Proof by exhaustion that an entry of a table may be another one: faults that no vector can show.
+//!
+//! What a lookup reads, and what is made of it until another wire joins, is often a function of one wire of some twenty bits: the mantissa of
+//! which a logarithm or a root is taken. All its values are tried. Where none of them makes a difference to a wire that is read outside that
+//! function, the last place of the entry is rounded away in it, whatever the ports hold.
+
+use std::collections::{BTreeSet, HashSet};
+use std::ops::Range;
+
+use super::fault::{Fault, Faults};
+use super::graph::NodeId;
+
+/// Values of a wire that are tried at most.
+const MOST_VALUES: u64 = 1 << 24;
+/// Values of a task.
+const TASK: u64 = 1 << 14;
+/// Of all values every so many-th is tried first; a number that does not meet the intervals of a table at the same places.
+const FIRST_STEP: usize = 61;
+
+/// What is a function of one wire alone.
+struct Function {
+    /// The wire.
+    of: NodeId,
+    /// Its smallest value in its last places, the constant low zeros below them, and how many values there are.
+    first: i64,
+    zeros: u32,
+    count: u64,
+    /// What is made of it, in order, and how many of these wires there are up to the last index of a lookup.
+    wires: Vec<NodeId>,
+    before_lookups: usize,
+    /// Those of `wires` that a field shows or that are read with other wires, with the bits that count.
+    out: Vec<(NodeId, u64)>,
+    /// The table that is looked up, as a place in [`Faults::tables`], and where.
+    table: u32,
+    lookups: Vec<(NodeId, NodeId)>,
+}
+
+impl Function {
+    /// That around a lookup, of the furthest wire before it that all else goes through and that has few values.
+    fn around(lookup: NodeId, table: u32, faults: &Faults, wanted: &[u64]) -> Option<Self> {
+        // Behind a lookup a wire that its range makes constant is that in the wrong design too: it reads wires that are compared.
+        let is_constant = |id: NodeId| faults.ranges.of(id).constant().is_some();
+        let operands = |id: NodeId| faults.net.node(id).op.operands().filter(|&id| !is_constant(id));
+        // Wires of which the lookup is a function, the last of them replaced by what it is of, until there is one.
+        let mut before: BTreeSet<NodeId> = operands(lookup).collect();
+        let mut furthest = None;
+        while let Some(last) = before.pop_last() {
+            let range = faults.ranges.of(last);
+            let zeros = range.zeros.min(63);
+            let is_value = range.low == 0 || range.low.trailing_zeros() >= zeros;
+            let first = (range.low >> zeros) + i64::from(!is_value);
+            let count = (range.high >> zeros).saturating_sub(first).saturating_add(1).max(0) as u64;
+            if before.is_empty() && count <= MOST_VALUES {
+                furthest = Some((last, first, zeros, count));
+            } else if operands(last).next().is_none() {
+                // A port beside others: nothing before it is all that the lookup is of.
+                break;
+            }
+            before.extend(operands(last));
+        }
+        let (of, first, zeros, count) = furthest?;
+        let mut inside = vec![false; faults.net.nodes.len()];
+        inside[of as usize] = true;
+        for id in of + 1..inside.len() as NodeId {
+            let is_inside = |operand: NodeId| inside[operand as usize];
+            inside[id as usize] = !is_constant(id) && operands(id).next().is_some() && operands(id).all(is_inside);
+        }
+        let wires: Vec<_> = (of + 1..inside.len() as NodeId).filter(|&id| inside[id as usize]).collect();
+        let leaves = |id: NodeId| faults.readers[id as usize].iter().any(|&reader| !inside[reader as usize]);
+        let out = wires.iter().filter(|&&id| faults.shown[id as usize] != 0 || leaves(id));
+        let out = out.map(|&id| (id, wanted[id as usize])).collect();
+        let lookups = &faults.tables[table as usize].lookups;
+        let lookups: Vec<_> = lookups.iter().filter(|(lookup, _)| inside[*lookup as usize]).copied().collect();
+        let last_index = lookups.iter().map(|&(_, index)| index).max();
+        let before_lookups = wires.partition_point(|&id| Some(id) <= last_index);
+        Some(Self { of, first, zeros, count, wires, before_lookups, out, table, lookups })
+    }
+}
+
+/// Some values of what a lookup is a function of.
+pub struct Task {
+    /// The function.
+    function: usize,
+    values: Range<u64>,
+    /// Of them every so many-th.
+    step: usize,
+}
+
+/// Wires of the right and of the wrong design; one serves any number of tasks after each other.
+pub struct Wires {
+    right: Vec<i64>,
+    wrong: Vec<i64>,
+}
+
+/// Entries of tables, and all values of what they are looked up by.
+pub struct Exhaustion<'a> {
+    faults: &'a Faults<'a>,
+    functions: Vec<Function>,
+    /// The entries that every lookup reads as a function of few values.
+    entries: HashSet<Fault>,
+}
+
+impl<'a> Exhaustion<'a> {
+    /// For those of some faults of a design that are entries of tables.
+    pub fn new(faults: &'a Faults<'a>, some: impl Iterator<Item = Fault> + Clone) -> Self {
+        let wanted = faults.wanted();
+        let (mut functions, mut entries) = (Vec::<Function>::new(), HashSet::new());
+        for (table, read) in (0..).zip(&faults.tables) {
+            let of_table =
+                || some.clone().filter(move |&fault| matches!(fault, Fault::Entry { table: of, .. } if of == table));
+            if !faults.ranges.violations.is_empty() || of_table().next().is_none() {
+                continue;
+            }
+            let known = functions.len();
+            let has_all = read.lookups.iter().all(|lookup| {
+                let is_in = |function: &Function| function.lookups.contains(lookup);
+                functions[known..].iter().any(is_in)
+                    || Function::around(lookup.0, table, faults, &wanted)
+                        .map(|function| functions.push(function))
+                        .is_some()
+            });
+            if has_all {
+                entries.extend(of_table());
+            } else {
+                functions.truncate(known);
+            }
+        }
+        Self { faults, functions, entries }
+    }
+
+    /// The entries that are left that no value shows; `shown` shows some values of what tables are looked up by, by whatever means. All values are tried in two
+    /// rounds, for most entries are shown by one of few values, and what is made of a value that reads none of the others need not be looked at.
+    pub fn equal(mut self, shown: &dyn Fn(&Self, &[Task]) -> HashSet<Fault>) -> HashSet<Fault> {
+        for step in [FIRST_STEP, 1] {
+            let shown = shown(&self, &self.tasks(step));
+            self.entries.retain(|fault| !shown.contains(fault));
+        }
+        self.entries
+    }
+
+    /// Every so many-th value of the tables with entries that are left, in parts.
+    fn tasks(&self, step: usize) -> Vec<Task> {
+        let is_of = |fault: &Fault, of: u32| matches!(*fault, Fault::Entry { table, .. } if table == of);
+        let tasks = |(function, Function { count, table, .. }): (usize, &Function)| {
+            let count = if self.entries.iter().any(|fault| is_of(fault, *table)) { *count } else { 0 };
+            let length = TASK * step as u64;
+            let values = move |task| task * length..count.min((task + 1) * length);
+            (0..count.div_ceil(length)).map(move |task| Task { function, values: values(task), step })
+        };
+        self.functions.iter().enumerate().flat_map(tasks).collect()
+    }
+
+    /// Wires for tasks.
+    pub fn wires(&self) -> Wires {
+        let ranges = self.faults.ranges.ranges.iter();
+        let constants: Vec<i64> = ranges.map(|range| range.constant().unwrap_or(0)).collect();
+        Wires { right: constants.clone(), wrong: constants }
+    }
+
+    /// The entries that make a difference for some value of a task.
+    pub fn shown(&self, Task { function, values, step }: &Task, Wires { right, wrong }: &mut Wires) -> HashSet<Fault> {
+        let Function { of, first, zeros, ref wires, before_lookups, ref out, table, ref lookups, .. } =
+            self.functions[*function];
+        let (before, behind) = wires.split_at(before_lookups);
+        let mut shown = HashSet::new();
+        // Which of the entries are looked for: less and more of each index.
+        let mut wanted = vec![[false; 2]; self.faults.tables[table as usize].indices.end as usize];
+        for &fault in &self.entries {
+            if let Fault::Entry { table: of, index, more } = fault
+                && of == table
+            {
+                wanted[index as usize][usize::from(more)] = true;
+            }
+        }
+        for value in values.clone().step_by(*step) {
+            right[of as usize] = (first + value as i64) << zeros;
+            wrong[of as usize] = right[of as usize];
+            let evaluate = |right: &mut [i64], ids: &[NodeId]| {
+                ids.iter().for_each(|&id| right[id as usize] = self.faults.net.value(id, &[], right));
+            };
+            evaluate(right, before);
+            let indices = lookups.iter().map(|&(_, at)| right[at as usize] as usize);
+            let mut read: Vec<usize> = indices.filter(|&index| wanted[index] != [false; 2]).collect();
+            if read.is_empty() {
+                continue;
+            }
+            read.dedup();
+            evaluate(right, behind);
+            for index in read {
+                for more in [false, true] {
+                    if !wanted[index][usize::from(more)] {
+                        continue;
+                    }
+                    let fault = Fault::Entry { table, index: index as u32, more };
+                    for &id in wires {
+                        wrong[id as usize] = self.faults.value(fault, id, right, |id| wrong[id as usize]);
+                    }
+                    if out.iter().any(|&(id, bits)| (right[id as usize] ^ wrong[id as usize]) as u64 & bits != 0) {
+                        shown.insert(fault);
+                        wanted[index][usize::from(more)] = false;
+                    }
+                }
+            }
+        }
+        shown
+    }
+}
