@@ -4,7 +4,7 @@
 Exact integers throughout; Python 3.8 or newer and nothing else. Names and section numbers are those of SPEC.md.
 As a program:
 
-    python3 roughxel_model.py                       # the tables in `rom` and the sets in `smoke`, beside this file
+    python3 roughxel_model.py                       # the tables in `rom` and the sets in `smoke` and `smoke/stages`, beside this file
     python3 roughxel_model.py DIR_OR_JSON...        # other sets
 
 Exit code: 0 all right, 3 a field or a table differs, 1 something is unreadable, 2 usage, 4 nothing differs, but there are sets of
@@ -1648,8 +1648,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser = argparse.ArgumentParser(description="Checks golden vectors with a bit-exact model of the datapaths.",
                                      epilog="Exit code: 0 all right, 3 something differs, 1 something is unreadable, 4 nothing "
                                             "differs, but there are sets of stages that are read and not computed.")
-    parser.add_argument("sets", nargs="*", metavar="DIR_OR_JSON", default=[os.path.join(here, "smoke")],
-                        help="folders of sets, or manifests (NAME.json); without, those of `smoke`")
+    smoke = os.path.join(here, "smoke")
+    parser.add_argument("sets", nargs="*", metavar="DIR_OR_JSON", default=[smoke, os.path.join(smoke, "stages")],
+                        help="folders of sets, or manifests (NAME.json); without, those of `smoke` and `smoke/stages`")
     parser.add_argument("--stop", type=int, metavar="N", help="leave a set after N wrong vectors")
     parser.add_argument("--rom", metavar="DIR", default=os.path.join(here, "rom"),
                         help="folder of the tables that are checked first; without, `rom` beside this file")

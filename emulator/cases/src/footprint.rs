@@ -2,10 +2,11 @@
 
 use fixed::types::I2F30;
 use glam::{DMat3, DVec3, dvec3};
-use roughxel_core::elementary::log2;
-use roughxel_core::fx::Fx;
+use roughxel_core::block::Mantissa;
+use roughxel_core::elementary::{LOGARITHM, log2};
+use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::ReflectionPlan;
-use roughxel_core::ports::ReflectionIn;
+use roughxel_core::ports::{LOD, ReflectionIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::rom::{LOG_BITS, LOG2_DIAMETER};
 use roughxel_core::scalar::Scalar;
@@ -15,9 +16,9 @@ use super::cube::reflecting_to;
 use super::fragment::{RealFragment, bit};
 
 /// Fraction bits of a mantissa, of a logarithm and of a level.
-const MANTISSA_BITS: u32 = 30;
-const LOGARITHM_BITS: u32 = 24;
-const LOD_BITS: u32 = 16;
+const MANTISSA_BITS: u32 = Mantissa::<Scalar>::FRACTION;
+const LOGARITHM_BITS: u32 = Control::<Scalar, LOGARITHM>::FRACTION;
+const LOD_BITS: u32 = Control::<Scalar, LOD>::FRACTION;
 
 /// A flat mirror facing +z whose pixel columns on the face are exactly (−1/2) of the given ones.
 fn flat_footprint(x: [f64; 2], y: [f64; 2], p: &Precision) -> ReflectionIn {
@@ -103,7 +104,7 @@ pub(super) fn footprint_size(p: &Precision) -> Vec<ReflectionIn> {
         .collect()
 }
 
-/// Levels of detail that the last place of an entry of `log2` decides: the logarithm of λ₂ is a last place from where it is cut to [`LOD`], and with the edge of
+/// Levels of detail that the last place of an entry of `log2` decides: the logarithm of λ₂ is a last place from where it is cut to the bits of a level, and with the edge of
 /// the face the level is a last place from where it is rounded. The mantissas nearest to an entry first, from both sides of it, for both its neighbours.
 pub(super) fn footprint_level(p: &Precision) -> Vec<ReflectionIn> {
     let cut = 1 << (LOGARITHM_BITS - LOD_BITS);

@@ -22,7 +22,7 @@ followed through the recorded design until a field of some vector differs.
   decisions          flags seen set and not set; comparisons a < b seen at a = b and at a = b - 1, as far as ranges allow
   read, off by one   entries of a table that vectors read; those whose last place they would miss, up and down
 
-A fault that proven ranges exclude is none. Of what no vector shows some makes no difference to any output; --unseen lists all of it,
+A fault that proven ranges exclude is none, nor is an entry of a table that no value it is looked up by shows. Of what no vector shows some makes no difference to any output; --unseen lists all of it,
 `masked` where its own wire differed and no field did.";
 
 #[derive(Args)]

@@ -129,7 +129,7 @@ pub(super) struct ExportArgs {
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
     /// The smoke sets kept in the repository: of each datapath 400 chosen and 256 random vectors under `standard`, `compact` and
-    /// `narrow`, under `standard` hard cases by name, too.
+    /// `narrow`, under `standard` hard cases by name, too, and in DIR/stages the vectors for entries of tables of the stages that read them.
     #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
     /// Words as records of bytes, NAME.bin, for programs, instead of as text, NAME.hex, for simulators.

@@ -141,6 +141,7 @@ pub fn distil(
         has_to.only_what_can_be_shown();
         stuck.only_what_can_be_shown();
     }
+    let met_beside = has_to.met.clone();
 
     // What shows something first, of all.
     let mut candidates: Vec<Candidate> = Vec::new();
@@ -164,7 +165,7 @@ pub fn distil(
     let needed: Vec<usize> = (0..candidates.len()).filter(|&place| candidates[place].has_to).collect();
     let shown = needed.par_iter().map_init(
         || Simulator::new(&faults),
-        |simulator, &place| still.shown(simulator, &has_to, &wires(&candidates[place].bits)),
+        |simulator, &place| still.shown(simulator, &has_to, &met_beside, &wires(&candidates[place].bits)),
     );
     let is_operation = |number: usize| matches!(has_to.get(number), Some(Fault::Slip { .. }));
     let mut chosen: Vec<usize> =
@@ -203,13 +204,17 @@ impl<'a> Still<'a> {
         Looking { of: self.faults, all: faults.to_vec(), hunt, bins: self.bins, met }
     }
 
-    /// Places of the faults that a vector shows, and behind them those of the bins that it meets.
-    fn shown(self, simulator: &mut Simulator, faults: &[Fault], wires: &[i64]) -> Vec<usize> {
+    /// Places of the faults that a vector shows, and behind them those of the bins that it meets and that were not `met` before.
+    fn shown(self, simulator: &mut Simulator, faults: &[Fault], met: &[bool], wires: &[i64]) -> Vec<usize> {
         let is_seen = |&place: &usize| simulator.effect(faults[place], wires) == Effect::Seen;
         let mut shown: Vec<usize> = (0..faults.len()).filter(is_seen).collect();
         let first = shown.len();
         if let Some(bins) = self.bins {
-            bins.met(wires, |bin| shown.push(faults.len() + bin));
+            bins.met(wires, |bin| {
+                if !met[bin] {
+                    shown.push(faults.len() + bin);
+                }
+            });
         }
         // An entry is met as often as it is read.
         shown[first..].sort_unstable();

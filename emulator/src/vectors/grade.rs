@@ -426,9 +426,8 @@ impl<'a> Tally<'a> {
         if self.repeated > 0 {
             alarms.push(Alarm::Repeated { vectors: self.repeated });
         }
-        let mut equal_entries: Vec<Fault> =
-            self.faults.faults.iter().copied().filter(|fault| equal.contains(fault)).collect();
-        equal_entries.retain(|fault| matches!(fault, Fault::Entry { .. }));
+        let is_equal_entry = |fault: &&Fault| matches!(fault, Fault::Entry { .. }) && equal.contains(fault);
+        let equal_entries = self.faults.faults.iter().filter(is_equal_entry).map(|&fault| self.faults.text(fault));
         let unseen = self
             .hunt
             .unseen
@@ -445,7 +444,7 @@ impl<'a> Tally<'a> {
             tables,
             decisions,
             unseen: unseen.collect(),
-            equal_entries: equal_entries.into_iter().map(|fault| self.faults.text(fault)).collect(),
+            equal_entries: equal_entries.collect(),
             unmet,
             fields,
             alarms,

@@ -91,6 +91,20 @@ fn a_distilled_set_verifies_and_says_where_its_vectors_are_from() {
 }
 
 #[test]
+fn vectors_of_another_seed_are_named_by_it_and_beside_all_of_them_nothing_is_picked_or_written() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |file: &str| directory.path().join(file).to_str().unwrap().to_owned();
+    let (many, few, none, picks) = (path("many"), path("few"), path("none"), path("picks.txt"));
+    stdout(&["export", "random_peak", "--count", "50", "--seed", "7", "--profile", "narrow", "-o", &many], 0);
+    stdout(&["distil", &many, "-o", &few, "--name", "few", "--most", "3", "--picks", &picks], 0);
+    let picks = fs::read_to_string(picks).unwrap();
+    assert!(picks.lines().count() == 3 && picks.lines().all(|line| line.starts_with("random_peak+7 ")), "{picks}");
+    let text = stdout(&["distil", &few, "-o", &none, "--beside", &many], 0);
+    assert_eq!(text.trim(), "no vector shows what the others do not: nothing written");
+    assert!(!Path::new(&none).exists() || fs::read_dir(&none).unwrap().next().is_none());
+}
+
+#[test]
 fn what_cannot_be_graded_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     let output = directory.path().join("few").to_str().unwrap().to_owned();

@@ -558,26 +558,34 @@ fn the_smoke_command_writes_the_committed_sets() {
 fn the_committed_sets_say_how_good_they_are() {
     let committed = repository().join("vectors/smoke");
     let directory = tempfile::tempdir().unwrap();
-    let manifests = manifests_in(&committed).unwrap();
-    let names = manifests.iter().map(|path| path.file_stem().unwrap().to_str().unwrap());
+    let folders = [committed.clone(), committed.join("stages")];
+    let manifests: Vec<PathBuf> = folders.iter().flat_map(|folder| manifests_in(folder).unwrap()).collect();
+    let name = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
     // Random sets and hard cases of each datapath.
-    let sample = ["random_narrow", "chosen_highlight_narrow", "random_peak_compact", "cube_edges_standard"];
-    let wanted = |name: &&str| std::env::var_os("ROUGHXEL_SWEEP").is_some() || sample.contains(name);
-    let names: Vec<&str> = names.filter(wanted).collect();
-    assert!(names.len() >= sample.len());
-    for name in &names {
+    let sample = [
+        "random_narrow",
+        "chosen_highlight_narrow",
+        "random_peak_compact",
+        "cube_edges_standard",
+        "entries_cube_face_standard",
+    ];
+    let is_all = std::env::var_os("ROUGHXEL_SWEEP").is_some();
+    let wanted = |path: &&PathBuf| is_all || sample.contains(&name(path).as_str());
+    let manifests: Vec<&PathBuf> = manifests.iter().filter(wanted).collect();
+    assert!(manifests.len() >= sample.len());
+    for path in &manifests {
         for extension in ["hex", "json"] {
-            let file = format!("{name}.{extension}");
-            fs::copy(committed.join(&file), directory.path().join(&file)).unwrap();
+            let file = format!("{}.{extension}", name(path));
+            fs::copy(path.with_extension(extension), directory.path().join(&file)).unwrap();
         }
     }
     let output = roughxel(&["vectors", "report", directory.path().to_str().unwrap(), "--write"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    for name in names {
-        let [theirs, ours] =
-            [&committed, directory.path()].map(|at| fs::read(at.join(format!("{name}.json"))).unwrap());
-        assert!(theirs == ours, "{name}: run `roughxel vectors report vectors/smoke --write`");
-        assert!(Manifest::read(&committed.join(format!("{name}.json"))).unwrap().grade.is_some());
+    for path in manifests {
+        let name = name(path);
+        let [theirs, ours] = [path, &directory.path().join(format!("{name}.json"))].map(|path| fs::read(path).unwrap());
+        assert!(theirs == ours, "{name}: run `roughxel vectors report vectors/smoke vectors/smoke/stages --write`");
+        assert!(Manifest::read(path).unwrap().grade.is_some());
     }
     let output = roughxel(&["vectors", "verify", directory.path().to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0));

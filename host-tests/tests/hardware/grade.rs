@@ -175,6 +175,15 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
         grades[0].tables.iter().map(|table| table.entries.found).sum::<usize>()
     };
     assert_eq!(entries(&[beside[0].clone(), name.join("more_narrow.json")]), entries(std::slice::from_ref(&first)));
+    // What those met, decisions and limits among it, is not covered again: each vector is needed behind the ones before it.
+    let operations = Wanted { mistakes: &[Mistake::Operation], ..wanted(1000, &beside) };
+    let Distilled { picked: more, inputs, .. } = distil(&first, &[], operations, &|_| {}).expect("a set");
+    let (name, input) = (directory.path(), |index| inputs[index as usize]);
+    export_with(&info("needed", Datapath::Peak, p, "narrow"), more.len() as u64, &input, name, &|_| {}).expect("a set");
+    let needed = directory.path().join("needed_narrow.json");
+    let Distilled { picked: needed, .. } = distil(&needed, &[], operations, &|_| {}).expect("a set");
+    assert!(more.len() > 2 && needed.len() == more.len(), "{} of {}", needed.len(), more.len());
+
     let all = [first.clone()];
     let Distilled { picked: none, .. } = distil(&first, &[], wanted(1000, &all), &|_| {}).expect("a set");
     assert!(none.is_empty(), "{none:?}");
