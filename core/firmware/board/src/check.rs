@@ -16,8 +16,9 @@ const SMALLEST: [&str; 2] = [WRONG_TABLE, "LEADING_ZEROS"];
 
 /// Runs everything on these targets.
 pub fn run(targets: &[Target]) -> Result<(), Failure> {
+    Target::build_each(targets, "check", "empty", "standard")?;
     for &target in targets {
-        let program = target.build("check", "empty", "standard")?;
+        let program = target.place("check");
         let (code, text) = target.run(&program)?;
         let summary = text.lines().last().unwrap_or_default();
         println!("{:12} {summary}", target.name());
@@ -27,12 +28,10 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
             other => return Err(Failure::trouble(format!("on {}: exit code {other}\n{text}", target.name()))),
         }
         wrong_entry(target, &program)?;
-        if target.is_small() {
-            smallest(target)?;
-        }
-        if target == Target::Riscv32Imac {
-            price::hold(target)?;
-        }
+    }
+    smallest(&targets.iter().copied().filter(|target| target.is_small()).collect::<Vec<_>>())?;
+    if targets.contains(&Target::Riscv32Imac) {
+        price::hold(Target::Riscv32Imac)?;
     }
     Ok(())
 }
@@ -67,19 +66,25 @@ fn make_executable(like: &Path, path: &Path) -> Result<(), Failure> {
 }
 
 /// Environment mapping alone holds no table of an effect that is off.
-fn smallest(target: Target) -> Result<(), Failure> {
-    let empty = Image::read(&target.build("plan", "empty", "standard")?)?;
-    let program = target.build("plan", "reflection", "standard")?;
-    let image = Image::read(&program)?;
-    let bytes = image.bytes - empty.bytes;
-    let tables: Vec<&str> = image.tables.keys().map(String::as_str).collect();
-    println!("{:12} environment alone: {bytes} bytes, tables {}", "", tables.join(", "));
-    if let Some(table) = tables.iter().find(|table| !SMALLEST.contains(table)) {
-        return Err(Failure::broken(format!("environment alone holds {table}")));
-    }
-    let whole = Image::read(&target.build("plan", ALL_EFFECTS, "standard")?)?;
-    if bytes * 3 > whole.bytes - empty.bytes {
-        return Err(Failure::broken(format!("environment alone is {bytes} bytes of {}", whole.bytes - empty.bytes)));
+fn smallest(targets: &[Target]) -> Result<(), Failure> {
+    let images = |plan: &str| {
+        Target::build_each(targets, "plan", plan, "standard")?;
+        targets.iter().map(|target| Image::read(&target.place("plan"))).collect::<Result<Vec<_>, _>>()
+    };
+    let (empty, environment, whole) = (images("empty")?, images("reflection")?, images(ALL_EFFECTS)?);
+    for (((target, empty), image), whole) in targets.iter().zip(empty).zip(environment).zip(whole) {
+        let bytes = image.bytes - empty.bytes;
+        let tables: Vec<&str> = image.tables.keys().map(String::as_str).collect();
+        println!("{:12} environment alone: {bytes} bytes, tables {}", target.name(), tables.join(", "));
+        if let Some(table) = tables.iter().find(|table| !SMALLEST.contains(table)) {
+            return Err(Failure::broken(format!("environment alone holds {table}")));
+        }
+        if bytes * 3 > whole.bytes - empty.bytes {
+            return Err(Failure::broken(format!(
+                "environment alone is {bytes} bytes of {}",
+                whole.bytes - empty.bytes
+            )));
+        }
     }
     Ok(())
 }

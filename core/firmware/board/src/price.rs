@@ -75,7 +75,7 @@ pub fn hold(target: Target) -> Result<(), Failure> {
     let name = target.name();
     let part = Part::of(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has nothing of {name}")))?;
     if !part.has_line(&format!("{}.", target.compiler())) {
-        println!("{:12} {KEPT} is of another compiler: not compared", "");
+        println!("{name:12} {KEPT} is of another compiler: not compared");
         return Ok(());
     }
     let mut now: Vec<(&str, u64)> = Vec::new();
@@ -98,7 +98,7 @@ pub fn hold(target: Target) -> Result<(), Failure> {
         }
         most = most.max(moved);
     }
-    println!("{:12} prices within {:.1} % of {KEPT}", "", 100.0 * most);
+    println!("{name:12} prices within {:.1} % of {KEPT}", 100.0 * most);
     Ok(())
 }
 

@@ -147,38 +147,65 @@ impl Target {
     /// Builds a program of the firmware for a plan, as `build/plan.rs` reads it, behind a feature of the core and `/` where it has one, and
     /// for an accuracy: a profile, behind it the knobs that differ; where it is.
     pub fn build(self, program: &str, plan: &str, accuracy: &str) -> Result<PathBuf, Failure> {
-        let folder = built();
+        Self::build_each(&[self], program, plan, accuracy)?;
+        Ok(self.place(program))
+    }
+
+    /// The same for several targets, side by side: a program is one unit of one compiler, which has one processor to itself. Each is at its
+    /// [`place`](Self::place).
+    pub fn build_each(targets: &[Self], program: &str, plan: &str, accuracy: &str) -> Result<(), Failure> {
+        let (given, made): (Vec<Self>, Vec<Self>) = targets.iter().partition(|target| rustup_has(target.triple()));
         let (profile, knobs) = accuracy.split_once(' ').unwrap_or((accuracy, ""));
-        let mut cargo = Command::new("cargo");
-        cargo
-            .current_dir(firmware())
-            .args(["build", "--release", "--locked", "--quiet", "--bin", program, "--target-dir"])
-            .arg(&folder)
-            .env("ROUGHXEL_PROFILE", profile)
-            .env("ROUGHXEL_KNOBS", knobs);
-        match plan.split_once('/') {
-            Some((feature, plan)) => cargo.args(["--features", feature]).env("ROUGHXEL_PLAN", plan),
-            None => cargo.env("ROUGHXEL_PLAN", plan),
-        };
-        let triple = self.triple();
-        cargo.args(["--target", triple]);
-        let key = triple.replace('-', "_").to_uppercase();
-        if !self.is_small() {
-            cargo.env(format!("CARGO_TARGET_{key}_LINKER"), format!("{}-linux-gnu-gcc", self.name()));
-        }
-        if !rustup_has(triple) {
-            // The distribution's compiler comes with the sources of `core`.
-            cargo.arg("-Zbuild-std=core").env("RUSTC", "/usr/bin/rustc").env("RUSTC_BOOTSTRAP", "1");
-            if self.is_small() {
-                cargo.env(format!("CARGO_TARGET_{key}_LINKER"), linker()?);
+        for (targets, is_given) in [(given, true), (made, false)] {
+            if targets.is_empty() {
+                continue;
+            }
+            let mut cargo = Command::new("cargo");
+            cargo
+                .current_dir(firmware())
+                .args(["build", "--release", "--locked", "--quiet", "--bin", program, "--target-dir"])
+                .arg(built())
+                .env("ROUGHXEL_PROFILE", profile)
+                .env("ROUGHXEL_KNOBS", knobs);
+            match plan.split_once('/') {
+                Some((feature, plan)) => cargo.args(["--features", feature]).env("ROUGHXEL_PLAN", plan),
+                None => cargo.env("ROUGHXEL_PLAN", plan),
+            };
+            if !is_given {
+                // The distribution's compiler comes with the sources of `core`.
+                cargo.arg("-Zbuild-std=core").env("RUSTC", "/usr/bin/rustc").env("RUSTC_BOOTSTRAP", "1");
+            }
+            for target in &targets {
+                cargo.args(["--target", target.triple()]);
+                if !target.is_small() {
+                    cargo.env(target.linker_key(), target.hosted_linker());
+                } else if !is_given {
+                    cargo.env(target.linker_key(), linker()?);
+                }
+            }
+            let output = cargo.output().map_err(|error| Failure::trouble(format!("cargo: {error}")))?;
+            if !output.status.success() {
+                let text = String::from_utf8_lossy(&output.stderr);
+                let names: Vec<&str> = targets.into_iter().map(Self::name).collect();
+                return Err(Failure::trouble(format!("{program} cannot be built for {}:\n{text}", names.join(", "))));
             }
         }
-        let output = cargo.output().map_err(|error| Failure::trouble(format!("cargo: {error}")))?;
-        if !output.status.success() {
-            let text = String::from_utf8_lossy(&output.stderr);
-            return Err(Failure::trouble(format!("{program} cannot be built for {}:\n{text}", self.name())));
-        }
-        Ok(folder.join(triple).join("release").join(program))
+        Ok(())
+    }
+
+    /// Where a program of the firmware is once it is built.
+    pub fn place(self, program: &str) -> PathBuf {
+        built().join(self.triple()).join("release").join(program)
+    }
+
+    /// The variable by which cargo is told what links its programs.
+    fn linker_key(self) -> String {
+        format!("CARGO_TARGET_{}_LINKER", self.triple().replace('-', "_").to_uppercase())
+    }
+
+    /// What links its programs where it has an operating system.
+    fn hosted_linker(self) -> String {
+        format!("{}-linux-gnu-gcc", self.name())
     }
 
     /// Builds a program of the project that needs a standard library, by cargo's words for it; where it is, below the folder of a release. `None` where there is no
@@ -190,7 +217,6 @@ impl Target {
         }
         // That of the project: what runs in the compiler is there for all of its builds.
         let folder = root().join("target");
-        let key = triple.replace('-', "_").to_uppercase();
         let mut cargo = Command::new("cargo");
         cargo
             .current_dir(root())
@@ -198,7 +224,7 @@ impl Target {
             .args(program)
             .args(["--target", triple, "--target-dir"])
             .arg(&folder)
-            .env(format!("CARGO_TARGET_{key}_LINKER"), format!("{}-linux-gnu-gcc", self.name()));
+            .env(self.linker_key(), self.hosted_linker());
         cargo.args(HOSTED_PROFILE.iter().flat_map(|setting| ["--config", setting]));
         let output = cargo.output().map_err(|error| Failure::trouble(format!("cargo: {error}")))?;
         if !output.status.success() {
