@@ -1,5 +1,10 @@
 //! The space in which a test claims something: every named profile, every plan, any bits at the ports.
 
+use std::cell::Cell;
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+
 use fixed::types::I2F30;
 use roughxel_core::plan::{
     Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
@@ -16,8 +21,31 @@ const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, 
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
 /// Whether tests run over all they claim: set by `cargo sweep`. Without, they run over a part that is quick.
+///
+/// With `ROUGHXEL_ASKED` the name of the test that asks is appended to that file, once: a test that is not in it has nothing more to try.
+///
+/// # Panics
+///
+/// Where it is asked on another thread than a test's own while names are kept, or the file cannot be written.
 pub fn sweep() -> bool {
+    if let Some(file) = std::env::var_os("ROUGHXEL_ASKED") {
+        keep_name(Path::new(&file));
+    }
     std::env::var_os("ROUGHXEL_SWEEP").is_some()
+}
+
+fn keep_name(file: &Path) {
+    thread_local! {
+        static KEPT: Cell<bool> = const { Cell::new(false) };
+    }
+    if KEPT.replace(true) {
+        return;
+    }
+    let thread = std::thread::current();
+    // A test's thread has the test's name, which is below a module; others have none, or that of a program.
+    let test = thread.name().filter(|name| name.contains("::")).expect("how much to try is asked on a test's thread");
+    let kept = File::options().create(true).append(true).open(file);
+    kept.and_then(|mut kept| kept.write_all(format!("{test}\n").as_bytes())).expect("names of tests are kept");
 }
 
 /// How much of something a test tries: all of it in a sweep, else a part.

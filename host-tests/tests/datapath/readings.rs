@@ -229,12 +229,13 @@ fn corner_precision(random: &mut SplitMix64) -> Precision {
 #[test]
 fn readings_agree_on_every_hard_case_under_every_plan() {
     let plans = plans();
+    // A dozen plans each, three without a sweep; the sets hold enough fragments for every plan to meet every kind of case.
+    let each = whole_or(12, 3);
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
             set.cases.par_iter().enumerate().for_each(|(index, fragment)| {
                 compare(fragment, &set.plan, &p);
-                // A dozen plans each, three without a sweep; the sets hold enough fragments for every plan to meet every kind of case.
-                for plan in plans.iter().cycle().skip(index).step_by(6).take(whole_or(12, 3)) {
+                for plan in plans.iter().cycle().skip(index).step_by(6).take(each) {
                     compare(fragment, plan, &p);
                 }
             });

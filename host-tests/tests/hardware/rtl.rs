@@ -11,6 +11,7 @@ use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
+use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
@@ -374,7 +375,8 @@ fn the_committed_vectors_run_in_both_simulators() {
         }
     }
     assert!(read >= 3000, "{read} vectors");
-    for (design, options, case) in cases {
+    let all = sweep();
+    cases.into_par_iter().for_each(|(design, options, case)| {
         println!("{} {} {:?}: {} vectors", design.name(), options.profile, options.effects, case.inputs.len());
         if have("iverilog") {
             case.written.icarus(&case.bench());
@@ -382,10 +384,10 @@ fn the_committed_vectors_run_in_both_simulators() {
         // The effects that others verilate, too.
         let is_full =
             options.profile == "standard" && options.effects == FULL.of(design.datapath().expect("a datapath"));
-        if have("verilator") && (sweep() || is_full) {
+        if have("verilator") && (all || is_full) {
             case.verilate(&["stalls"]);
         }
-    }
+    });
 }
 
 #[test]
@@ -394,24 +396,26 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
         return;
     }
     let quick = [Design::Highlight, Design::LitPeak, Design::Texture];
+    let mut cases = Vec::new();
     for design in Design::ALL.iter().copied().filter(|&design| design != Design::Reflection) {
         if sweep() || quick.contains(&design) {
-            Case::new(design, whole_or(20_000, 2000), &options("standard", FULL, None)).verilate(&["stalls"]);
+            cases.push((design, whole_or(20_000, 2000), options("standard", FULL, None)));
         }
     }
-    if !sweep() {
-        Case::new(Design::EnvironmentProbe, 2000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
-        return;
-    }
-    for datapath in Datapath::ALL {
-        for ((name, effects), profile) in variants_of(datapath).into_iter().skip(1).zip(Profile::NAMES) {
-            println!("{profile} {name}");
-            Case::new(Design::of(datapath), 10_000, &options(profile, effects, None)).verilate(&["stalls"]);
+    if sweep() {
+        for datapath in Datapath::ALL {
+            for ((_, effects), profile) in variants_of(datapath).into_iter().skip(1).zip(Profile::NAMES) {
+                cases.push((Design::of(datapath), 10_000, options(profile, effects, None)));
+            }
+            cases.push((Design::of(datapath), 10_000, options("compact", FULL, Some(24))));
         }
+    } else {
+        cases.push((Design::EnvironmentProbe, 2000, options("compact", FULL, Some(24))));
     }
-    for datapath in Datapath::ALL {
-        Case::new(Design::of(datapath), 10_000, &options("compact", FULL, Some(24))).verilate(&["stalls"]);
-    }
+    // Most of their time is one compiler's, on one processor.
+    cases.into_par_iter().for_each(|(design, count, options)| {
+        Case::new(design, count, &options).verilate(&["stalls"]);
+    });
 }
 
 #[test]

@@ -71,17 +71,18 @@ fn value(field: &Field, digits: &str) -> i128 {
 
 #[test]
 fn every_stage_is_exported_verified_and_named_where_an_outcome_is_altered() {
+    let count = whole_or(200, 20);
     for (variant, effects) in variants().into_iter().enumerate() {
         for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant, profile)) {
             for datapath in Datapath::ALL {
                 let info = info(datapath, effects, profile, precision);
                 let directory = tempfile::tempdir().expect("a temporary directory");
                 stages(&info, None).par_iter().enumerate().for_each(|(number, set)| {
-                    let manifest = export(set, &info, whole_or(200, 20), directory.path());
+                    let manifest = export(set, &info, count, directory.path());
                     let path = manifest_path(directory.path(), &manifest);
                     let result = verify(&path, &|_| {}).expect("a set");
                     assert!(result.passed(), "{} ({profile}): {:?}", manifest.set, result.mismatches);
-                    assert_eq!(manifest.count, whole_or(200, 20) * set.runs().len() as u64);
+                    assert_eq!(manifest.count, count * set.runs().len() as u64);
 
                     // The lowest bit of an outcome, with the check value that belongs to it.
                     let outcomes: Vec<&Field> =

@@ -40,12 +40,13 @@ fn no_wire_of_any_design_can_leave_words_of_16_bits() {
 
 #[test]
 fn readings_of_16_bits_agree() {
+    let count = whole_or(4000, 200);
     narrow_precisions().into_par_iter().for_each(|p| {
         for &design in Design::ALL {
             let net = Net::of(design, &Effects::ALL, &p);
             let ranges = Ranges::new(&net);
             let mut seen = Observed::new(&net);
-            for index in 0..whole_or(4000, 200) {
+            for index in 0..count {
                 let fragment = random_fragment("widths", index, &p);
                 let mut random = SplitMix64::for_element(design.name(), index);
                 for ports in port_values(design, &net, &fragment, &Effects::ALL, &p, &mut random) {
