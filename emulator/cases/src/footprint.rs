@@ -10,6 +10,7 @@ use roughxel_core::ports::{LOD, ReflectionIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::rom::{LOG_BITS, LOG2_DIAMETER};
 use roughxel_core::scalar::Scalar;
+use roughxel_core::setup::offset;
 use roughxel_core::soft_core::environment_scale;
 
 use super::cube::reflecting_to;
@@ -152,6 +153,40 @@ fn with_minor(mantissa: i32, plan: &ReflectionPlan, p: &Precision) -> Option<Ref
             (minor.to_bits() == mantissa << (MANTISSA_BITS - p.fraction_bits)).then_some(fragment)
         })
     })
+}
+
+/// Circles of a pixel and of roughness together in which λ₂ comes out above λ₁ and with the larger exponent, so that they change places: λ₁² is a last place
+/// below a power of two, and so many of the minors of four columns are rounded up that the determinant is that of the power itself.
+pub(super) fn footprint_swap(p: &Precision) -> Vec<ReflectionIn> {
+    let plan = ReflectionPlan::FULL;
+    let (last_place, lambda) = (2.0_f64.powi(-(p.fraction_bits as i32)), 0.5);
+    let below_one = I2F30::from_bits(I2F30::ONE.to_bits() - bit(p));
+    let circles = (0..1 << 12).flat_map(|step| {
+        // A mirror doubles roughness; a pixel's box has 1/√12, rounded as the profile has it.
+        let rough = offset(lambda * libm::sqrt(f64::from(step) / f64::from(1 << 12)) / 2.0, p).to_num::<f64>();
+        let fragments = (-4..8).map(|halves| {
+            let pixel = lambda * lambda * (1.0 - f64::from(halves) / 2.0 * last_place) - 4.0 * rough * rough;
+            let size = libm::sqrt(12.0 * pixel.max(0.0));
+            RealFragment {
+                dview: [dvec3(size, 0.0, 0.0), dvec3(0.0, size, 0.0)],
+                roughness: [rough, 0.0, rough],
+                ..reflecting_to(DVec3::Z)
+            }
+            .quantised(p)
+        });
+        // Two sizes may be one of the port.
+        let mut fragments: Vec<_> = fragments.collect();
+        fragments.dedup();
+        fragments
+    });
+    let change_places = |fragment: &ReflectionIn| {
+        let out = fragment.reflect(&plan, p);
+        let [determinant] = out.determinant.mantissa;
+        out.minor == out.major
+            && out.covariance.mantissa == [below_one, I2F30::ZERO, below_one]
+            && (determinant == I2F30::ONE || determinant == I2F30::from_bits(I2F30::ONE.to_bits() >> 1))
+    };
+    circles.filter(change_places).take(32).collect()
 }
 
 pub(super) fn footprint_cancel(p: &Precision) -> Vec<ReflectionIn> {

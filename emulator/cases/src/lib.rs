@@ -26,7 +26,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use cube::{cube_corners, cube_edges};
 use footprint::{
     footprint_aspect, footprint_cancel, footprint_circle, footprint_level, footprint_rank, footprint_size,
-    roughness_isotropic, roughness_rank,
+    footprint_swap, roughness_isotropic, roughness_rank,
 };
 use frame::{frame_horizon, frame_natural, frame_pole, frame_zero};
 
@@ -36,6 +36,8 @@ pub use set::CaseSet;
 
 /// Name of the set of levels of detail.
 pub const FOOTPRINT_LEVEL: &str = "footprint_level";
+/// Name of the set of circles whose λ₂ comes out above λ₁.
+pub const FOOTPRINT_SWAP: &str = "footprint_swap";
 
 /// Every hard case of the reflection datapath, by stage.
 pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet<ReflectionIn, ReflectionPlan>> {
@@ -64,6 +66,7 @@ pub fn hard_case_sets(p: &Precision) -> Vec<CaseSet<ReflectionIn, ReflectionPlan
         set("footprint_aspect", "aspect just below and above every probe count, to 1000", footprint_aspect(p)),
         set("footprint_size", "from far below a texel to far beyond a face", footprint_size(p)),
         set(FOOTPRINT_LEVEL, "levels of detail that the last place of an entry of log2 decides", footprint_level(p)),
+        set(FOOTPRINT_SWAP, "circles in which λ2 comes out above λ1 and across a power of two", footprint_swap(p)),
         set("footprint_cancel", "concave mirror around its focus, cylinder", footprint_cancel(p)),
         set(
             "roughness_rank",

@@ -434,14 +434,14 @@ fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failur
         let profile = &named.into();
         let export = Export { profile, ..*options };
         let sets = hard_sets(&profile.precision);
-        for set in sets.iter().filter(|set| set.best_first || named == Profile::Standard && !set.only_whole) {
+        for set in sets.iter().filter(|set| set.best_first || named == Profile::Standard && set.enough > 0) {
             let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
             let most = match is_alone {
                 _ if set.best_first => SMOKE_CHOSEN,
                 true => SMOKE_ALONE,
                 false => SMOKE_CASES,
             };
-            written.extend(export.cases(set, most)?);
+            written.extend(export.cases(set, most.min(set.enough))?);
         }
         for datapath in Datapath::ALL {
             written.extend(export.random(datapath, SMOKE_RANDOM, 0)?);

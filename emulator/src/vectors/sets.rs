@@ -13,7 +13,7 @@ use crate::cases::corners::{
 use crate::cases::highlight::{self, highlight_sets, random_light, random_lights};
 use crate::cases::limits::{fragment_limits, highlight_limits, peak_limits};
 use crate::cases::lit_peak::{self, lit_peak_sets, random_lit_peak, random_lit_peaks};
-use crate::cases::{CaseSet, FOOTPRINT_LEVEL, hard_case_sets, random_fragment, random_fragments};
+use crate::cases::{CaseSet, FOOTPRINT_LEVEL, FOOTPRINT_SWAP, hard_case_sets, random_fragment, random_fragments};
 
 /// The random set of each datapath: its name, and what it holds.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
@@ -65,8 +65,8 @@ pub struct VectorSet {
     pub inputs: Vec<Inputs>,
     /// Its first vectors are its best.
     pub best_first: bool,
-    /// Few of its vectors are worth little: each is for an entry of a table.
-    pub only_whole: bool,
+    /// So many of its vectors show operations as all do: none where each is for an entry of a table, two where all are of one kind.
+    pub enough: u64,
 }
 
 impl VectorSet {
@@ -121,7 +121,11 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
             datapath,
             inputs: cases.iter().map(Into::into).collect(),
             best_first: false,
-            only_whole: name == FOOTPRINT_LEVEL,
+            enough: match name {
+                FOOTPRINT_LEVEL => 0,
+                FOOTPRINT_SWAP => 2,
+                _ => u64::MAX,
+            },
         })
     }
     let (limits, corners) = (LIMITS, CORNERS);
@@ -146,7 +150,15 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
         let set = |(name, datapath, list)| {
             let inputs = chosen(datapath, list, &sets, p);
             let effects = Effects::ALL;
-            VectorSet { name, description, effects, datapath, inputs, best_first, only_whole: !best_first }
+            VectorSet {
+                name,
+                description,
+                effects,
+                datapath,
+                inputs,
+                best_first,
+                enough: if best_first { u64::MAX } else { 0 },
+            }
         };
         lists.map(set)
     };

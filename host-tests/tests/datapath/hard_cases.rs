@@ -100,6 +100,7 @@ fn every_documented_set_exists_and_holds_fragments() {
         "footprint_aspect",
         "footprint_size",
         "footprint_level",
+        "footprint_swap",
         "footprint_cancel",
         "roughness_rank",
         "roughness_isotropic",
@@ -338,6 +339,19 @@ fn a_footprint_of_rank_one_is_capped_and_points_along_its_line() {
         assert_eq!((circle.probes, circle.direction), (1, [I2F30::ONE, I2F30::ZERO]));
         let ratio = real_number(&circle.minor) / real_number(&circle.major);
         assert!((1.0 - 2.0 * study.last()..=1.0).contains(&ratio), "{}: {ratio}", study.name);
+    }
+}
+
+/// No set had them, and a comparison at the exponent of λ₁ alone passed all sets.
+#[test]
+fn standard_deviations_that_come_out_in_the_wrong_order_change_places() {
+    for study in studies("footprint_swap") {
+        for (index, out) in study.all() {
+            assert_eq!(out.minor, out.major, "{} {index}", study.name);
+            // With det above λ₁⁴ λ₂ is above λ₁, though it is λ₁ of a circle.
+            let square = f64::from(out.covariance.mantissa[0]) * 2.0_f64.powi(out.covariance.exponent.into());
+            assert!(real_number(&out.determinant) > square * square, "{} {index}", study.name);
+        }
     }
 }
 
