@@ -16,6 +16,8 @@ const SMALLEST: [&str; 2] = [WRONG_TABLE, "LEADING_ZEROS"];
 
 /// Runs everything on these targets.
 pub fn run(targets: &[Target]) -> Result<(), Failure> {
+    let names: Vec<&str> = targets.iter().map(|target| target.name()).collect();
+    eprintln!("building for {}: minutes, the first time", names.join(", "));
     Target::build_each(targets, "check", "empty", "standard")?;
     for &target in targets {
         let program = target.place("check");
