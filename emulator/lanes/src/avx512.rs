@@ -27,15 +27,16 @@ pub struct Flag {
     odd: __mmask8,
 }
 
-/// Entries of a table at the places of a vector. Every 32 entries are one permutation of two vectors; among the eight of 256
+/// Entries of a table at the places of a vector. Every 32 entries are one permutation of two vectors, 16 of one; among the eight of 256
 /// entries three bits of the place choose.
 macro_rules! look_up {
     (
         $places:ident in $table:ident, $int:ty, $test:ident, $splat:ident, $blend:ident, $mov:ident, $equal:ident, $srl:ident,
-        $of_part:ident($t:ident), |$entry:ident| $of_entry:expr
+        $of_part:ident, $of_half_part:ident($t:ident), |$entry:ident| $of_entry:expr
     ) => {{
         let (pages, rest) = $table.as_chunks::<256>();
-        let (parts, entries) = rest.as_chunks::<32>();
+        let (parts, rest) = rest.as_chunks::<32>();
+        let (half_parts, entries) = rest.as_chunks::<16>();
         let [bit_5, bit_6, bit_7] = each!(bit in [5, 6, 7] => $test($places, $splat(1 << bit)));
         let mut values = _mm512_setzero_si512();
         let (page_of, part_of) = ($srl::<8>($places), $srl::<5>($places));
@@ -50,6 +51,10 @@ macro_rules! look_up {
         for (index, part) in parts.iter().enumerate() {
             let here = $equal(part_of, $splat((8 * pages.len() + index) as $int));
             values = $mov(values, here, $of_part($t, $places, part));
+        }
+        for half_part in half_parts {
+            let here = $equal($srl::<4>($places), $splat(($table.len() / 32 * 2) as $int));
+            values = $mov(values, here, $of_half_part($t, $places, half_part));
         }
         for (index, &$entry) in entries.iter().enumerate() {
             let place = $table.len() - entries.len() + index;
@@ -106,8 +111,15 @@ vectors! {
         }
     }
     inline {
-        // From four pages on, permutations of all of them take longer than reading lane by lane.
+        // From four pages on, permutations of all of them take longer than reading lane by lane. One page without a knot behind it is rows of sixteen by
+        // the count of probes, which most groups of lanes have in common: a permutation of one vector in place of sixteen.
         fn lookup(t, places: Word, table: Table) -> Word {
+            if let (rows @ [_, ..], []) = table.as_chunks()
+                && table.len() == 256
+                && let Some(row) = common_row(t, places, rows)
+            {
+                return entries(t, places, row);
+            }
             if table.len() <= 512 {
                 return permuted(t, places, table);
             }
@@ -233,7 +245,7 @@ vectors! {
     fn lookup_short(t, even: Word, odd: Word, table: Table) -> Short {
         let places = short(t, even, odd);
         look_up!(places in table, i16, _mm512_test_epi16_mask, _mm512_set1_epi16, _mm512_mask_blend_epi16, _mm512_mask_mov_epi16,
-            _mm512_cmpeq_epi16_mask, _mm512_srli_epi16, of_short_part(t), |entry| upper(entry, 16) as i16)
+            _mm512_cmpeq_epi16_mask, _mm512_srli_epi16, of_short_part, of_half_short_part(t), |entry| upper(entry, 16) as i16)
     }
 }
 
@@ -242,7 +254,7 @@ fearless_simd::kernel! {
     #[inline(always)]
     fn permuted(t: Avx512, places: Word, table: Table) -> Word {
         look_up!(places in table, i32, _mm512_test_epi32_mask, _mm512_set1_epi32, _mm512_mask_blend_epi32, _mm512_mask_mov_epi32,
-            _mm512_cmpeq_epi32_mask, _mm512_srli_epi32, of_part(t), |entry| entry)
+            _mm512_cmpeq_epi32_mask, _mm512_srli_epi32, of_part, of_half_part(t), |entry| entry)
     }
 }
 
@@ -273,6 +285,23 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
+    /// The entries at the places modulo 16.
+    #[inline(always)]
+    fn of_half_part(t: Avx512, places: Word, part: &[i32; 16]) -> Word { entries(t, places, part) }
+}
+
+fearless_simd::kernel! {
+    /// The row in which all places are, if it is one.
+    #[inline(always)]
+    fn common_row(t: Avx512, places: Word, rows: &'static [[i32; 16]]) -> Option<&'static [i32; 16]> {
+        let of_lanes = _mm512_srli_epi32::<4>(places);
+        let first = _mm512_castsi512_si128(of_lanes);
+        let alike = _mm512_cmpeq_epi32_mask(of_lanes, _mm512_broadcastd_epi32(first));
+        if alike == u16::MAX { rows.get(_mm_cvtsi128_si32(first) as usize) } else { None }
+    }
+}
+
+fearless_simd::kernel! {
     /// The entries at the places modulo 32, rounded to their upper halves: every second word of two vectors.
     #[inline(always)]
     fn of_short_part(t: Avx512, places: Short, part: &[i32; 32]) -> Short {
@@ -280,6 +309,15 @@ fearless_simd::kernel! {
         let [low, high] = each!(i in [0, 1] => _mm512_add_epi32(words(t, part.as_chunks().0[i]), half));
         let places = _mm512_or_si512(_mm512_slli_epi16::<1>(places), _mm512_set1_epi16(1));
         _mm512_permutex2var_epi16(low, places, high)
+    }
+}
+
+fearless_simd::kernel! {
+    /// The same of sixteen entries, at the places modulo 16.
+    #[inline(always)]
+    fn of_half_short_part(t: Avx512, places: Short, part: &[i32; 16]) -> Short {
+        let part = _mm512_add_epi32(words(t, *part), _mm512_set1_epi32(1 << 15));
+        _mm512_permutexvar_epi16(_mm512_or_si512(_mm512_slli_epi16::<1>(places), _mm512_set1_epi16(1)), part)
     }
 }
 
