@@ -32,4 +32,4 @@ pub use light::{
     lit_surface, local_components, local_direction, packed_peak, peak, peak_light, peak_sum,
 };
 pub use reflection::{Reflection, fragment, map_scale, reflection, reflection_of};
-pub use surface::{Surface, lobe_core, surface};
+pub use surface::{Framed, Surface, framed, lobe_core, surface, surface_in_frame};

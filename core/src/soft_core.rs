@@ -74,6 +74,21 @@ pub fn surface(input: &SurfaceInput<Scalar>, plan: &SurfacePlan, p: &Precision) 
     on_words!(p, |input| datapath::surface(input, plan, p))
 }
 
+/// A normal and its frame, of a fragment whose surface has them in common with others.
+pub fn framed(input: &SurfaceInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> datapath::Framed<Scalar> {
+    on_words!(p, |input| datapath::framed(&input.normal, &input.frame_vectors, plan, p))
+}
+
+/// The surface of a fragment whose normal and frame are made.
+pub fn surface_in_frame(
+    framed: &datapath::Framed<Scalar>,
+    input: &SurfaceInput<Scalar>,
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> datapath::Surface<Scalar> {
+    on_words!(p, |framed, input| datapath::surface_in_frame(framed, input, plan, p))
+}
+
 /// The reflection datapath from ports to ports.
 pub fn fragment(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
     let stages = &reflection(input, &map_scale(input.edge_texels, p), plan, p);

@@ -4,7 +4,7 @@ use crate::block::Block;
 use crate::bundle::{bundle, never};
 use crate::each::each;
 use crate::plan::{FrameSystem, SurfacePlan};
-use crate::ports::SurfaceInput;
+use crate::ports::{PortBlock, SurfaceInput};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::TangentFrame;
 use crate::stage::{enter, frame, perturb, roughness};
@@ -32,29 +32,91 @@ pub fn lobe_core<W: Staged>(rough: &[Block<W, 3>; 2]) -> [Block<W, 3>; 2] {
     stage!("roughness.core", roughness::core(rough))
 }
 
+bundle! {
+    /// A normal and the frame that stands on it: what the fragments of a flat triangle have in common.
+    pub struct Framed<W> {
+        /// n, normalised.
+        normal: Block<W, 3>,
+        /// E₁, E₂ in units of the mantissas of n; zero where the plan needs none.
+        frame: TangentFrame<W>,
+    }
+}
+
 /// The perturbed and rough surface of one fragment.
 #[inline(always)]
 pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Precision) -> Surface<W> {
-    let normal = stage!("enter.normal", enter::enter(&input.normal, p));
-    let view = stage!("enter.view", enter::enter(&input.view, p));
+    let normal = normal(&input.normal, p);
+    let view = view(&input.view, p);
+    let frame = tangent_frame(&normal, &input.frame_vectors, plan, p);
+    bumpy(&Framed { normal, frame }, &view, input, plan, p)
+}
 
-    let frame = if plan.needs_frame() {
-        let [first, second] = &input.frame_vectors;
-        let vectors = match plan.frame {
-            FrameSystem::MainDirection => [stage!("enter.tangent", enter::enter(first, p)), Block::zero()],
-            FrameSystem::Natural | FrameSystem::NaturalNormalised => {
-                each!(vector in [first, second] => stage!("enter.tangent", enter::enter(vector, p)))
-            }
-        };
-        match plan.frame {
-            FrameSystem::MainDirection => stage!("frame", frame::main_direction(&normal, &vectors[0], p)),
-            FrameSystem::Natural => stage!("frame", frame::natural(&normal, &vectors, p)),
-            FrameSystem::NaturalNormalised => stage!("frame", frame::natural_normalised(&normal, &vectors, p)),
+/// What a normal and the vectors of its frame are made into.
+#[inline(always)]
+pub fn framed<W: Staged>(
+    normal_port: &PortBlock<W, 3>,
+    frame_vectors: &[PortBlock<W, 3>; 2],
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> Framed<W> {
+    let normal = normal(normal_port, p);
+    Framed { normal, frame: tangent_frame(&normal, frame_vectors, plan, p) }
+}
+
+/// The same surface as [`surface`] of an input whose normal and frame are made.
+#[inline(always)]
+pub fn surface_in_frame<W: Staged>(
+    framed: &Framed<W>,
+    input: &SurfaceInput<W>,
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> Surface<W> {
+    bumpy(framed, &view(&input.view, p), input, plan, p)
+}
+
+#[inline(always)]
+fn normal<W: Staged>(port: &PortBlock<W, 3>, p: &Precision) -> Block<W, 3> {
+    stage!("enter.normal", enter::enter(port, p))
+}
+
+#[inline(always)]
+fn view<W: Staged>(port: &PortBlock<W, 3>, p: &Precision) -> Block<W, 3> {
+    stage!("enter.view", enter::enter(port, p))
+}
+
+/// The frame, zero where the plan needs none.
+#[inline(always)]
+fn tangent_frame<W: Staged>(
+    normal: &Block<W, 3>,
+    [first, second]: &[PortBlock<W, 3>; 2],
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> TangentFrame<W> {
+    if !plan.needs_frame() {
+        return TangentFrame { e1: Block::zero(), e2: Block::zero(), pole: never::<W>() };
+    }
+    let vectors = match plan.frame {
+        FrameSystem::MainDirection => [stage!("enter.tangent", enter::enter(first, p)), Block::zero()],
+        FrameSystem::Natural | FrameSystem::NaturalNormalised => {
+            each!(vector in [first, second] => stage!("enter.tangent", enter::enter(vector, p)))
         }
-    } else {
-        TangentFrame { e1: Block::zero(), e2: Block::zero(), pole: never::<W>() }
     };
+    match plan.frame {
+        FrameSystem::MainDirection => stage!("frame", frame::main_direction(normal, &vectors[0], p)),
+        FrameSystem::Natural => stage!("frame", frame::natural(normal, &vectors, p)),
+        FrameSystem::NaturalNormalised => stage!("frame", frame::natural_normalised(normal, &vectors, p)),
+    }
+}
 
+/// Bumps and roughness on a normal with its frame.
+#[inline(always)]
+fn bumpy<W: Staged>(
+    &Framed { normal, frame }: &Framed<W>,
+    view: &Block<W, 3>,
+    input: &SurfaceInput<W>,
+    plan: &SurfacePlan,
+    p: &Precision,
+) -> Surface<W> {
     let normal_mod = if plan.bump {
         let offset = stage!("enter.offset", each!(b in input.offset => enter::enter_offset(b, p)));
         stage!("perturb", perturb::perturb(&normal, &offset, [&frame.e1, &frame.e2], p))
@@ -72,5 +134,5 @@ pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Preci
             }
         }
     };
-    Surface { normal, view, frame, normal_mod, rough }
+    Surface { normal, view: *view, frame, normal_mod, rough }
 }

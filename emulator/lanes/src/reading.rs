@@ -70,6 +70,16 @@ fn sum(taps: &[i32]) -> u64 {
     taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
 }
 
+impl Columns<Bare<i32>> {
+    /// Whether there are fragments, all of one normal and frame.
+    #[inline(always)]
+    fn is_in_one_frame(&self) -> bool {
+        // Blocks of three words and an exponent: the normal, the view, the vectors of the frame.
+        let mut rows = (0..4).chain(8..16).map(|word| self.row(word));
+        !self.is_empty() && rows.all(|row| row.iter().fold(0, |differs, &word| differs | (word ^ row[0])) == 0)
+    }
+}
+
 /// A batch in the order of its probe counts; its memory is kept for the next one.
 #[derive(Clone, Debug, Default)]
 pub struct ByCount {
@@ -431,7 +441,7 @@ impl Reading {
         }
     }
 
-    /// The surface of every fragment, with its bumps.
+    /// The surface of every fragment, with its bumps. A frame that all of them have is made once.
     pub fn surfaces(
         self,
         bare: &Columns<Bare<i32>>,
@@ -440,6 +450,20 @@ impl Reading {
         p: &Precision,
         surfaces: &mut Columns<Surface<i32>>,
     ) {
+        let in_one_frame = plan.needs_frame()
+            && self.run(
+                #[inline(always)]
+                || bare.is_in_one_frame(),
+            );
+        if in_one_frame {
+            let framed = &soft_core::framed(&ports(&bare.get(0), &bumps.get(0).bump), plan, p);
+            each_fragment!(
+                self, p, (bare, bumps), surfaces,
+                |(bare, bumped), framed| datapath::surface_in_frame(framed, &ports(bare, &bumped.bump), plan, p),
+                else soft_core::surface_in_frame(framed, &ports(bare, &bumped.bump), plan, p)
+            );
+            return;
+        }
         each_fragment!(
             self, p, (bare, bumps), surfaces,
             |(bare, bumped)| datapath::surface(&ports(bare, &bumped.bump), plan, p),

@@ -10,7 +10,7 @@ use roughxel_core::datapath::{self, TextureFootprint};
 use roughxel_core::design::Form;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
-use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput};
+use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::level_edge;
 use roughxel_core::signals::{MapScale, Probes, RepeatedFootprint, Sweep, TexturePosition};
@@ -146,12 +146,16 @@ static TABLE: [i32; 1100] = {
 macro_rules! operations_of_words {
     ($name:ident, $count:literal of $words:ident, $int:ty, $wides:ident, $wide:ty, $counts:ident) => {
         fn $name<T: Target>(random: &mut SplitMix64) {
-            // No whole vector of entries; whole ones; a page of 256 and more.
-            let table = &TABLE[..[5, 32, 77, 192, 256, 257, 768, 1024, 1100][random.below(9) as usize]];
+            // No whole vector of entries; one, and whole ones; a page of 256 and more.
+            let lengths = [5, 16, 17, 32, 49, 77, 192, 256, 257, 768, 1024, 1100];
+            let table = &TABLE[..lengths[random.below(lengths.len() as u64) as usize]];
+            // Places of all of it and beyond, or all in one row of sixteen.
+            let row = random.below(table.len() as u64 / 16 + 2) as i32;
+            let (first, span) = if random.below(2) == 1 { (-1, table.len() as u64 + 40) } else { (16 * row, 16) };
             let mut lane = || core::array::from_fn(|_| corner(random) as $int);
             let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
+            let places: [i32; $count] = core::array::from_fn(|_| first + random.below(span) as i32);
             let wide: [$wide; $count] = core::array::from_fn(|_| corner(random) as $wide);
-            let places: [i32; $count] = core::array::from_fn(|_| random.below(table.len() as u64 + 40) as i32 - 1);
             let [x, y] = [a, b].map($words::<T>::of);
             let (w, place) = ($wides::<T>::of(wide), $counts::<T>::of(places));
             macro_rules! same {
@@ -548,6 +552,39 @@ impl Rewire<i32, i32> for AnyBits {
     }
     fn flag(&mut self, _: bool) -> bool {
         self.0.below(2) == 1
+    }
+}
+
+#[test]
+fn fragments_of_one_frame_have_the_surface_that_each_has_alone() {
+    let plans = plans();
+    for (name, p) in profiles() {
+        (0..60_u64).into_par_iter().for_each(|batch| {
+            let count = 1 + 3 * batch;
+            let fragments: Vec<_> = (0..count).map(|index| random_fragment(name, 200 * batch + index, &p)).collect();
+            let mut inputs = wires(&fragments);
+            let SurfaceInput { normal, frame_vectors, .. } = inputs[0].surface;
+            for input in &mut inputs {
+                input.surface = SurfaceInput { normal, frame_vectors, ..input.surface };
+            }
+            let (scale, plan) = (scale_of(&inputs, &p), &plans[batch as usize % plans.len()]);
+            compare(&inputs, &scale, plan, &p);
+            let (ports, mut surfaces) = (Ports::from_iter(inputs.iter().copied()), Columns::default());
+            Reading::Scalar.surfaces(&ports.bare, &ports.bumps, &plan.surface(), &p, &mut surfaces);
+            for (input, surface) in inputs.iter().zip(surfaces.iter()) {
+                same_wires(&soft_core::surface(&input.surface, &plan.surface(), &p), &surface).unwrap();
+            }
+            // Of all but one, by one word of its normal or of a vector of its frame.
+            let last = inputs.len() - 1;
+            let SurfaceInput { normal, frame_vectors: [u, v], .. } = &mut inputs[last].surface;
+            let block = match batch % 3 {
+                0 => normal,
+                1 => u,
+                _ => v,
+            };
+            block.exponent = block.exponent + Fx::from_raw(1);
+            compare(&inputs, &scale, plan, &p);
+        });
     }
 }
 

@@ -3,7 +3,9 @@
 //! The weights eᵢ(x, y) = βᵢ/w (βᵢ barycentric in the plane of the triangle) are linear on the screen and come from the
 //! whole triangle by homogeneous cross products, so clipping and snapping change no value. Every attribute is a sum over the
 //! three corners: n = Σ eᵢ nᵢ up to one scale per triangle, and aᵢ perspective-correct = Σ eᵢ aᵢ / Σ eᵢ with one
-//! division per fragment. ∂(u, v) = Σ ∂eᵢ ((u, v)ᵢ − (u, v)) / Σ eᵢ: no two large terms are subtracted.
+//! division per fragment. ∂(u, v) = Σ ∂eᵢ ((u, v)ᵢ − (u, v)) / Σ eᵢ: no two large terms are subtracted. What is the same at all corners is that
+//! everywhere, without a sum: the normal of a flat triangle does not turn, and its ∂n is zero, where ∂(Σ eᵢ nᵢ) = n·∂(Σ eᵢ) is how its length changes
+//! with the distance, which bumps would turn into a footprint.
 //!
 //! All of it is float64 with correctly rounded +, −, × and ÷ alone, none of them fused, sixteen fragments at a time where there are so many: the same
 //! bits on every machine. Error: weights 2⁻⁵¹ of the largest in view (tests: 2⁻²⁸ of |n|, 1/256 texel).
@@ -13,7 +15,9 @@ use glam::DVec3;
 use roughxel_core::ports::{BlockPair, BlockVector};
 
 use super::SUBPIXELS;
-use super::blocks::{AttributeRows, Positions, SIDE, block, block_rows, derivative_words, port, scaled, turns};
+use super::blocks::{
+    AttributeRows, Positions, Row, SIDE, block, block_rows, derivative_words, port, same_rows, scaled, turns,
+};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
@@ -21,7 +25,8 @@ use super::edges::relative_to;
 /// What the datapath needs to know about one fragment; vectors in world space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FragmentAttributes {
-    /// Unnormalised normal: Σ βᵢ nᵢ / w of unit vertex normals, times one power of two per triangle.
+    /// Unnormalised normal: Σ βᵢ nᵢ / w of unit vertex normals, times one power of two per triangle; of equal ones that one, its
+    /// largest component 1 − 2⁻¹².
     pub normal: BlockVector,
     /// Vector v from the surface to the eye, in pixels of the picture plane; see [`Projection::ray_view`].
     pub view: BlockVector,
@@ -53,6 +58,9 @@ impl Needs {
     pub const ALL: Self = Self { tangents: true, uv: true, duv: true };
 }
 
+/// The largest number below 1 of the narrowest words, which keep 12 fraction bits.
+const LARGEST: f64 = 1.0 - 1.0 / 4096.0;
+
 /// The values of one component at the three corners.
 type Corners = [f64; 3];
 
@@ -74,6 +82,58 @@ impl CornerVectors {
     fn at(&self, weights: Corners) -> [f64; 3] {
         let [x, y, z] = &self.components;
         [weighted_sum(weights, x), weighted_sum(weights, y), weighted_sum(weights, z)]
+    }
+}
+
+/// A vector over a triangle.
+#[derive(Clone, Copy, Debug)]
+enum VectorOverTriangle {
+    /// That of every corner.
+    Same(BlockVector),
+    /// By the weights of the corners.
+    Sum(CornerVectors),
+}
+
+impl VectorOverTriangle {
+    fn new(corners: [DVec3; 3]) -> Self {
+        let vectors = CornerVectors::new(corners);
+        let [first, rest @ ..] = corners;
+        if rest != [first; 2] {
+            return Self::Sum(vectors);
+        }
+        Self::Same(port(block(vectors.components.map(|component| component[0]), vectors.exponent)))
+    }
+
+    /// Of vectors whose length is free: where all are the same, their largest component is all but 1, so that words of few bits hold most of them.
+    fn of_free_length(corners: [DVec3; 3]) -> Self {
+        let largest = corners[0].abs().max_element();
+        let is_same = corners == [corners[0]; 3] && largest > 0.0;
+        Self::new(if is_same { corners.map(|corner| corner * (LARGEST / largest)) } else { corners })
+    }
+
+    /// At weights, times `factor`, which is the reciprocal of their sum or any number where the length does not count.
+    fn at(&self, weights: Corners, factor: f64) -> BlockVector {
+        match self {
+            Self::Same(vector) => *vector,
+            Self::Sum(vectors) => port(block(scale(vectors.at(weights), factor), vectors.exponent)),
+        }
+    }
+
+    /// The same of [`SIDE`] samples, whose values `of` finds from the corners.
+    #[inline(always)]
+    fn rows(&self, rows: &mut [Row], of: impl Fn(&CornerVectors, usize) -> [f64; 3]) {
+        match self {
+            Self::Same(vector) => rows.copy_from_slice(&same_rows(vector)),
+            Self::Sum(vectors) => block_rows(rows, vectors.exponent, |lane| of(vectors, lane)),
+        }
+    }
+
+    /// Its derivatives by one of the weights' slopes, where its length does not count.
+    fn slope(&self, slope: Corners) -> BlockVector {
+        match self {
+            Self::Same(_) => BlockVector::default(),
+            Self::Sum(vectors) => port(block(vectors.at(slope), vectors.exponent)),
+        }
     }
 }
 
@@ -99,11 +159,11 @@ pub struct Triangle<'a> {
     least_weight: f64,
     /// Of the weights, per pixel.
     slopes: [Corners; 2],
-    normals: CornerVectors,
+    normals: VectorOverTriangle,
     dnormal: [BlockVector; 2],
     /// Less a whole number of repeats.
     uv: [Corners; 2],
-    tangents: Option<[CornerVectors; 2]>,
+    tangents: Option<[VectorOverTriangle; 2]>,
     needs: Needs,
 }
 
@@ -125,8 +185,9 @@ impl<'a> Triangle<'a> {
         let weights = scaled_planes(planes, bounds, reference)?;
         let slopes = [1, 2].map(|axis| weights.map(|plane| plane[axis] * f64::from(SUBPIXELS)));
 
-        let normals = CornerVectors::new(vertices.map(|v| unit(v.normal).map_or(DVec3::ZERO, |(n, _)| n)));
-        let dnormal = slopes.map(|slope| port(block(normals.at(slope), normals.exponent)));
+        let normals =
+            VectorOverTriangle::of_free_length(vertices.map(|v| unit(v.normal).map_or(DVec3::ZERO, |(n, _)| n)));
+        let dnormal = slopes.map(|slope| normals.slope(slope));
         Some(Self {
             projection,
             bounds,
@@ -138,7 +199,7 @@ impl<'a> Triangle<'a> {
             normals,
             dnormal,
             uv: corner_uv(vertices.map(|v| v.uv.to_array())),
-            tangents: needs.tangents.then(|| [0, 1].map(|i| CornerVectors::new(vertices.map(|v| v.tangents[i])))),
+            tangents: needs.tangents.then(|| [0, 1].map(|i| VectorOverTriangle::new(vertices.map(|v| v.tangents[i])))),
             needs,
         })
     }
@@ -150,15 +211,14 @@ impl<'a> Triangle<'a> {
     pub fn fragment(&self, x_subpx: i32, y_subpx: i32) -> FragmentAttributes {
         let (weights, reciprocal) = self.weights_at(x_subpx, y_subpx);
         let mut fragment = FragmentAttributes {
-            normal: port(block(self.normals.at(weights), self.normals.exponent)),
+            normal: self.normals.at(weights, 1.0),
             view: self.projection.ray_view(x_subpx, y_subpx),
             dview: self.projection.dview(),
             dnormal: self.dnormal,
             ..FragmentAttributes::default()
         };
         if let Some(tangents) = &self.tangents {
-            let at = |tangent: &CornerVectors| port(block(scale(tangent.at(weights), reciprocal), tangent.exponent));
-            fragment.frame_vectors = tangents.each_ref().map(at);
+            fragment.frame_vectors = tangents.map(|tangent| tangent.at(weights, reciprocal));
         }
         if self.needs.uv {
             let uv = self.uv_at(weights, reciprocal);
@@ -184,11 +244,20 @@ impl<'a> Triangle<'a> {
         }
         let at = |lane: usize| [weights[0][lane], weights[1][lane], weights[2][lane]];
         let AttributeRows { bare, uv, duv } = rows;
-        block_rows(&mut bare[..4], self.normals.exponent, |lane| self.normals.at(at(lane)));
+        self.normals.rows(
+            &mut bare[..4],
+            #[inline(always)]
+            |normals, lane| normals.at(at(lane)),
+        );
         self.projection.ray_views(positions, &mut bare[4..8]);
-        if let Some([u, v]) = &self.tangents {
-            block_rows(&mut bare[8..12], u.exponent, |lane| scale(u.at(at(lane)), reciprocal[lane]));
-            block_rows(&mut bare[12..], v.exponent, |lane| scale(v.at(at(lane)), reciprocal[lane]));
+        if let Some(tangents) = &self.tangents {
+            for (tangent, rows) in tangents.iter().zip(bare[8..].chunks_exact_mut(4)) {
+                tangent.rows(
+                    rows,
+                    #[inline(always)]
+                    |tangents, lane| scale(tangents.at(at(lane)), reciprocal[lane]),
+                );
+            }
         }
         if self.needs.uv {
             let mut places = [[0.0; SIDE]; 2];

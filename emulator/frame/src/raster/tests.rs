@@ -189,10 +189,13 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
         let fragment = triangle.fragment(xs, ys);
         let (share, w) = intersect(camera, &corners, x, y);
 
-        let normal = blend(share, corners.map(|v| v.normal.normalize())) / w;
+        let of_corners = corners.map(|v| v.normal.normalize());
+        // A flat triangle has the normal of its corners, of one length everywhere.
+        let w = if of_corners == [of_corners[0]; 3] { 1.0 } else { w };
+        let normal = blend(share, of_corners) / w;
         let n = vector_value(fragment.normal);
         let s = *scale.get_or_insert(n.dot(normal) / normal.length_squared());
-        let reach = corners.map(|v| v.normal.normalize().length()).iter().sum::<f64>() / 3.0 / w;
+        let reach = of_corners.map(DVec3::length).iter().sum::<f64>() / 3.0 / w;
         // Rounding of three words of 2^-31, and of the sample that gave the scale; measured 2^-29.1.
         assert!((n / s - normal).length() <= reach * 2f64.powi(-28), "n at {x}, {y}: {} {normal}", n / s);
 
@@ -271,6 +274,28 @@ fn ground_plane_with_turning_normals_keeps_28_bits() {
     corners[0].normal = DVec3::new(-0.5, 1.0, 0.2);
     corners[2].normal = DVec3::new(0.0, 1.0, -3.0);
     assert!(check_against_rays(&plain_camera(320, 200), corners) > 20_000);
+}
+
+#[test]
+fn a_flat_triangle_has_one_normal_and_frame_that_do_not_turn() {
+    let projection = Projection::new(&plain_camera(320, 200)).expect("a camera");
+    let tangents = [DVec3::new(0.3, 0.0, 0.1), DVec3::new(-0.1, 0.0, 0.7)];
+    let corners = ground(300.0, 8.0).map(|corner| Vertex { normal: DVec3::new(0.1, 1.0, -0.2), tangents, ..corner });
+    let objects = one_triangle(corners);
+    let list = TriangleList::new(&projection, &objects).expect("a list");
+    let triangle = list.triangle(0, Needs::ALL).expect("visible");
+    let samples = visible(&list, &projection, [128, 128]);
+    assert!(samples.len() > 20_000);
+    let first = triangle.fragment(samples[0].0, samples[0].1);
+    let normal = corners[0].normal * (4095.0 / 4096.0);
+    for (vector, expected) in [(first.normal, normal), (first.frame_vectors[1], tangents[1])] {
+        assert!((vector_value(vector) - expected).length() < 2f64.powi(-30), "{vector:?} {expected}");
+    }
+    for &(x, y, _) in &samples {
+        let fragment = triangle.fragment(x, y);
+        assert_eq!((fragment.normal, fragment.frame_vectors), (first.normal, first.frame_vectors), "at {x}, {y}");
+        assert_eq!(fragment.dnormal, [BlockVector::default(); 2], "at {x}, {y}");
+    }
 }
 
 #[test]
@@ -683,10 +708,14 @@ fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
     let mut visible_triangles = 0;
     for i in 0..400 {
         let far = if i % 4 == 0 { 900.0 } else { 1.5 };
-        let corners = [0; 3].map(|_| {
+        let mut corners = [0; 3].map(|_| {
             let uv = DVec2::new(random.real(-far, far), random.real(-3.0, 3.0));
             vertex(random.vector(far), random.vector(1.0) * 7.0, uv)
         });
+        if i % 3 == 0 {
+            let [Vertex { normal, tangents, .. }, ..] = corners;
+            corners = corners.map(|corner| Vertex { normal, tangents, ..corner });
+        }
         let objects = one_triangle(corners);
         let list = TriangleList::new(&projection, &objects).expect("a list");
         for bits in 0..8 {
