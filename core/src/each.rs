@@ -30,17 +30,17 @@ pub fn places<const N: usize>() -> [usize; N] {
 pub fn unrolled<B: Copy, const N: usize>(mut f: impl FnMut(usize) -> B) -> [B; N] {
     const { assert!(N > 0, "an array of wires has wires") }
     let mut results = [f(0); N];
-    if N > 1 {
-        results[1] = f(1);
+    if let Some(result) = results.get_mut(1) {
+        *result = f(1);
     }
-    if N > 2 {
-        results[2] = f(2);
+    if let Some(result) = results.get_mut(2) {
+        *result = f(2);
     }
-    if N > 3 {
-        results[3] = f(3);
+    if let Some(result) = results.get_mut(3) {
+        *result = f(3);
     }
-    if N > 4 {
-        results[4] = f(4);
+    if let Some(result) = results.get_mut(4) {
+        *result = f(4);
     }
     for (i, result) in results.iter_mut().enumerate().skip(5) {
         *result = f(i);
