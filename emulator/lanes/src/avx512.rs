@@ -114,9 +114,8 @@ vectors! {
         // From four pages on, permutations of all of them take longer than reading lane by lane. One page without a knot behind it is rows of sixteen by
         // the count of probes, which most groups of lanes have in common: a permutation of one vector in place of sixteen.
         fn lookup(t, places: Word, table: Table) -> Word {
-            if let (rows @ [_, ..], []) = table.as_chunks()
-                && table.len() == 256
-                && let Some(row) = common_row(t, places, rows)
+            if table.len() == 256
+                && let Some(row) = common_row(t, places, table.as_chunks().0)
             {
                 return entries(t, places, row);
             }
