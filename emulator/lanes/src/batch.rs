@@ -1,5 +1,7 @@
 //! Batches: fragments in columns, side by side through a part of the datapath, and in columns again.
 
+use core::slice::ChunksExact;
+
 use roughxel_core::bundle::{Bundle, Rewire, Value};
 use roughxel_core::design::{Form, In};
 use roughxel_core::each::{each, places};
@@ -7,7 +9,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{Wire, Word};
 
-use super::columns::{Columns, Rows, RowsMut};
+use super::columns::{self, Columns};
 use super::peaks::PeakPairs;
 use super::vectors::Vectors;
 use super::{LANES, Lanes, Target};
@@ -61,7 +63,7 @@ pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const 
             for group in 0..inputs.len().div_ceil(PARTS * LANES) {
                 let first = PARTS * LANES * group;
                 let input = inputs.load::<W, PARTS>(first, W::Set::proof());
-                let form = body(&input).rewire(&mut Unload::<PARTS> { rows: results.rows_mut(), first, next: 0 });
+                let form = body(&input).rewire(&mut Unload::<PARTS>(results.vectors_mut(first)));
                 // That of all: one more copy of a bundle costs as much as a stage.
                 if group == 0 {
                     results.set_form(form);
@@ -101,7 +103,7 @@ impl<B: Form> Inputs for &Columns<B> {
     }
     #[inline(always)]
     fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> In<B, W> {
-        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { rows: self.rows(), first, proof, next: 0 })
+        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { vectors: self.vectors(first), proof })
     }
 }
 
@@ -162,7 +164,7 @@ impl<B: Form> Inputs for (&PeakPairs, &Columns<B>) {
     fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> Self::In<W> {
         let (pairs, bundles) = self;
         let [peaks, fragments] = each!(words in [&pairs.peaks, &pairs.fragments] => {
-            each!(part in places::<PARTS>() => Rows::lanes(words, first + LANES * part))
+            each!(part in places::<PARTS>() => words[first + LANES * part..][..LANES].as_chunks().0[0])
         });
         let peak = W::of_counts(each!(words in peaks => Lanes(proof.words(words), proof)));
         // By fragment: most groups are of one.
@@ -170,7 +172,7 @@ impl<B: Form> Inputs for (&PeakPairs, &Columns<B>) {
         let bundle = if one == last {
             spread::<W, _, _>(&bundles.get(one as usize))
         } else {
-            bundles.form().rewire::<W, _>(&mut Pick::<_, PARTS> { rows: bundles.rows(), fragments, proof, next: 0 })
+            bundles.form().rewire::<W, _>(&mut Pick::<_, PARTS> { rows: bundles.rows(), fragments, proof })
         };
         (Value(Fx::from_raw(peak)), bundle)
     }
@@ -178,17 +180,15 @@ impl<B: Form> Inputs for (&PeakPairs, &Columns<B>) {
 
 /// Takes the words of any fragments in the order of a walk.
 struct Pick<'a, T, const PARTS: usize> {
-    rows: Rows<'a>,
+    rows: ChunksExact<'a, i32>,
     fragments: [[i32; LANES]; PARTS],
     proof: T,
-    next: usize,
 }
 
 impl<T: Target, const PARTS: usize> Pick<'_, T, PARTS> {
     #[inline(always)]
     fn row(&mut self) -> [Lanes<T>; PARTS] {
-        let row = self.rows.row(self.next);
-        self.next += 1;
+        let row = self.rows.next().unwrap_or_default();
         each!(part in places() => {
             let fragments = self.fragments[part];
             let words = each!(lane in places() => row.get(fragments[lane] as usize).copied().unwrap_or(0));
@@ -201,21 +201,14 @@ rewire_rows!(Pick);
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
 struct Load<'a, T, const PARTS: usize> {
-    rows: Rows<'a>,
-    first: usize,
+    vectors: columns::Vectors<'a>,
     proof: T,
-    next: usize,
 }
 
 impl<T: Target, const PARTS: usize> Load<'_, T, PARTS> {
     #[inline(always)]
     fn row(&mut self) -> [Lanes<T>; PARTS] {
-        let row = self.rows.row(self.next);
-        self.next += 1;
-        each!(part in places() => {
-            let words = Rows::lanes(row, self.first + LANES * part);
-            Lanes(self.proof.words(words), self.proof)
-        })
+        each!(words in self.vectors.next() => Lanes(self.proof.words(words), self.proof))
     }
 }
 
@@ -251,19 +244,12 @@ impl<W: Side<PARTS>, const PARTS: usize> Rewire<i32, W> for Spread<W::Set, PARTS
 }
 
 /// Puts the wires of a walk into columns; a wide wire is two words, a flag is 0 or 1.
-struct Unload<'a, const PARTS: usize> {
-    rows: RowsMut<'a>,
-    first: usize,
-    next: usize,
-}
+struct Unload<'a, const PARTS: usize>(columns::VectorsMut<'a>);
 
 impl<const PARTS: usize> Unload<'_, PARTS> {
     #[inline(always)]
     fn row<T: Target>(&mut self, words: [Lanes<T>; PARTS]) -> i32 {
-        for (part, words) in words.into_iter().enumerate() {
-            self.rows.set_lanes(self.next, self.first + LANES * part, words.lanes());
-        }
-        self.next += 1;
+        self.0.put(each!(words in words => words.lanes()));
         0
     }
 }

@@ -1,7 +1,10 @@
 //! Bundles of many fragments, wire by wire: what lanes load and store without putting words together one by one.
 
+use core::slice::{ChunksExact, ChunksExactMut};
+
 use roughxel_core::bundle::{End, Rewire};
 use roughxel_core::design::Form;
+use roughxel_core::each::{each, places};
 
 use super::LANES;
 use super::order::Order;
@@ -14,7 +17,9 @@ pub(super) const GROUP: usize = 2 * LANES;
 pub struct Columns<B> {
     /// Which of its parts there are: a plan leaves some out.
     form: Option<B>,
-    words: Vec<i32>,
+    memory: Vec<i32>,
+    /// Where the rows begin in it: with a cache line, so that no vector of a group lies in two.
+    start: usize,
     /// Words of a row, with room behind the last fragment for a whole vector.
     stride: usize,
     len: usize,
@@ -22,7 +27,7 @@ pub struct Columns<B> {
 
 impl<B> Default for Columns<B> {
     fn default() -> Self {
-        Self { form: None, words: Vec::new(), stride: 0, len: 0 }
+        Self { form: None, memory: Vec::new(), start: 0, stride: 0, len: 0 }
     }
 }
 
@@ -56,7 +61,8 @@ impl<B: Form> Columns<B> {
     pub fn push(&mut self, bundle: &B) {
         self.form = Some(*bundle);
         self.grow(self.len + 1);
-        bundle.rewire::<i32, _>(&mut Store { words: &mut self.words, stride: self.stride, place: self.len });
+        let (stride, place) = (self.stride, self.len);
+        bundle.rewire::<i32, _>(&mut Store { words: self.words_mut(), stride, place });
         self.len += 1;
     }
 
@@ -68,7 +74,7 @@ impl<B: Form> Columns<B> {
         }
         self.push(bundle);
         self.grow(len);
-        for row in self.words.chunks_exact_mut(self.stride) {
+        for row in self.rows_mut() {
             let first = row[0];
             row[..len].fill(first);
         }
@@ -81,7 +87,7 @@ impl<B: Form> Columns<B> {
     /// If there are not so many.
     pub fn get(&self, index: usize) -> B {
         assert!(index < self.len, "fragment {index} of {}", self.len);
-        self.form().rewire::<i32, _>(&mut Take { words: &self.words, stride: self.stride, place: index })
+        self.form().rewire::<i32, _>(&mut Take { words: self.words(), stride: self.stride, place: index })
     }
 
     /// Those of all fragments, in their order.
@@ -94,7 +100,7 @@ impl<B: Form> Columns<B> {
     /// # Panics
     /// If the bundle has not so many words.
     pub fn row(&self, word: usize) -> &[i32] {
-        &self.words[word * self.stride..][..self.len]
+        &self.words()[word * self.stride..][..self.len]
     }
 
     /// Adds `count` fragments word by word, at most a vector of them: a row of each word, in the order of a walk.
@@ -105,8 +111,9 @@ impl<B: Form> Columns<B> {
         assert!(count <= LANES && rows.len() == B::WORDS, "a vector of each word");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
-        for (words, row) in self.words.chunks_exact_mut(self.stride).zip(rows) {
-            words[self.len..][..LANES].copy_from_slice(row);
+        let len = self.len;
+        for (words, row) in self.rows_mut().zip(rows) {
+            words[len..][..LANES].copy_from_slice(row);
         }
         self.len += count;
     }
@@ -119,8 +126,9 @@ impl<B: Form> Columns<B> {
         assert!(count <= LANES && words.len() == B::WORDS, "all words");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
-        for (row, &word) in self.words.chunks_exact_mut(self.stride).zip(words) {
-            row[self.len..][..LANES].fill(word);
+        let len = self.len;
+        for (row, &word) in self.rows_mut().zip(words) {
+            row[len..][..LANES].fill(word);
         }
         self.len += count;
     }
@@ -129,7 +137,7 @@ impl<B: Form> Columns<B> {
     pub(super) fn reorder(&self, Order(order): &Order, ordered: &mut Self) {
         ordered.form = self.form;
         ordered.resize(order.len());
-        for (words, from) in ordered.words.chunks_exact_mut(ordered.stride).zip(self.words.chunks_exact(self.stride)) {
+        for (words, from) in ordered.rows_mut().zip(self.rows()) {
             for (word, &fragment) in words.iter_mut().zip(order) {
                 *word = from[fragment as usize];
             }
@@ -140,7 +148,7 @@ impl<B: Form> Columns<B> {
     pub(super) fn restore(&self, Order(order): &Order, own: &mut Self) {
         own.form = self.form;
         own.resize(order.len());
-        for (words, from) in own.words.chunks_exact_mut(own.stride).zip(self.words.chunks_exact(self.stride)) {
+        for (words, from) in own.rows_mut().zip(self.rows()) {
             for (word, &fragment) in from.iter().zip(order) {
                 words[fragment as usize] = *word;
             }
@@ -156,12 +164,35 @@ impl<B: Form> Columns<B> {
         self.form = Some(form);
     }
 
-    pub(super) fn rows(&self) -> Rows<'_> {
-        Rows { words: &self.words, stride: self.stride }
+    /// One word of all after the other, with the room behind them.
+    pub(super) fn rows(&self) -> ChunksExact<'_, i32> {
+        self.words().chunks_exact(self.stride)
     }
 
-    pub(super) fn rows_mut(&mut self) -> RowsMut<'_> {
-        RowsMut { words: &mut self.words, stride: self.stride }
+    fn rows_mut(&mut self) -> ChunksExactMut<'_, i32> {
+        let stride = self.stride;
+        self.words_mut().chunks_exact_mut(stride)
+    }
+
+    fn words(&self) -> &[i32] {
+        &self.memory[self.start..][..self.stride * B::WORDS]
+    }
+
+    fn words_mut(&mut self) -> &mut [i32] {
+        &mut self.memory[self.start..][..self.stride * B::WORDS]
+    }
+
+    /// Vectors of all words, from that of the group which begins with fragment `first`.
+    #[inline(always)]
+    pub(super) fn vectors(&self, first: usize) -> Vectors<'_> {
+        Vectors { vectors: self.words().as_chunks().0, stride: self.stride / LANES, place: first / LANES }
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
+    pub(super) fn vectors_mut(&mut self, first: usize) -> VectorsMut<'_> {
+        let stride = self.stride / LANES;
+        VectorsMut { vectors: self.words_mut().as_chunks_mut().0, stride, place: first / LANES }
     }
 
     /// So many fragments, in place of what there was; whoever asks writes all of them.
@@ -179,48 +210,54 @@ impl<B: Form> Columns<B> {
         }
         // An odd number of cache lines: the places of one fragment in all rows lie in as many sets of a cache as it has.
         let stride = (needed.max(2 * self.stride).div_ceil(LANES) | 1) * LANES;
-        let mut words = vec![0; stride * B::WORDS];
-        if self.stride > 0 {
-            for (row, old) in words.chunks_exact_mut(stride).zip(self.words.chunks_exact(self.stride)) {
-                row[..self.len].copy_from_slice(&old[..self.len]);
+        let memory = vec![0; stride * B::WORDS + LANES];
+        let start = memory.as_ptr().align_offset(size_of::<[i32; LANES]>()).min(LANES);
+        let old = core::mem::replace(self, Self { form: self.form, memory, start, stride, len: self.len });
+        if old.stride > 0 {
+            for (row, from) in self.rows_mut().zip(old.rows()) {
+                row[..old.len].copy_from_slice(&from[..old.len]);
             }
         }
-        (self.words, self.stride) = (words, stride);
     }
 }
 
-/// All words of columns, to be read.
+/// Vectors of a group of fragments, word by word.
 #[derive(Clone, Copy)]
-pub(super) struct Rows<'a> {
-    words: &'a [i32],
+pub(super) struct Vectors<'a> {
+    vectors: &'a [[i32; LANES]],
+    /// Vectors of a row.
     stride: usize,
+    /// Where the first vector of the next word lies.
+    place: usize,
 }
 
-impl<'a> Rows<'a> {
-    /// One word of all.
+impl Vectors<'_> {
+    /// The first `PARTS` vectors of the next word.
     #[inline(always)]
-    pub(super) fn row(&self, word: usize) -> &'a [i32] {
-        &self.words[word * self.stride..][..self.stride]
-    }
-
-    /// A vector of a row.
-    #[inline(always)]
-    pub(super) fn lanes(row: &[i32], first: usize) -> [i32; LANES] {
-        row[first..][..LANES].as_chunks().0[0]
+    pub(super) fn next<const PARTS: usize>(&mut self) -> [[i32; LANES]; PARTS] {
+        let word = each!(part in places() => self.vectors[self.place + part]);
+        self.place += self.stride;
+        word
     }
 }
 
 /// The same, to be written.
-pub(super) struct RowsMut<'a> {
-    words: &'a mut [i32],
+pub(super) struct VectorsMut<'a> {
+    vectors: &'a mut [[i32; LANES]],
+    /// Vectors of a row.
     stride: usize,
+    /// Where the first vector of the next word lies.
+    place: usize,
 }
 
-impl RowsMut<'_> {
-    /// A vector of a word.
+impl VectorsMut<'_> {
+    /// Puts the first `PARTS` vectors of the next word.
     #[inline(always)]
-    pub(super) fn set_lanes(&mut self, word: usize, first: usize, lanes: [i32; LANES]) {
-        self.words[word * self.stride + first..][..LANES].copy_from_slice(&lanes);
+    pub(super) fn put<const PARTS: usize>(&mut self, word: [[i32; LANES]; PARTS]) {
+        for (part, lanes) in word.into_iter().enumerate() {
+            self.vectors[self.place + part] = lanes;
+        }
+        self.place += self.stride;
     }
 }
 

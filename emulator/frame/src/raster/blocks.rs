@@ -18,6 +18,7 @@ pub type Positions = [Row; 2];
 /// The attributes of [`SIDE`] fragments side by side, word by word: of a vector its mantissas, then its exponent; of a texture coordinate the lower
 /// and the upper half of a wide word.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct AttributeRows {
     /// `normal`, `view`, `frame_vectors`.
     pub bare: [Row; 16],

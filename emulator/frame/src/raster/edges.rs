@@ -218,7 +218,7 @@ impl ScreenTriangle {
                 let vectors = (last - first) as usize * places.vectors.len() + 1;
                 let depths = buffer.depth[start..start + vectors].iter_mut();
                 let shown = buffer.shown[start..start + vectors].iter_mut();
-                for (depths, shown) in depths.zip(shown).step_by(places.vectors.len()) {
+                for (Depths(depths), shown) in depths.zip(shown).step_by(places.vectors.len()) {
                     for lane in 0..VECTOR {
                         let inside = (a + edge_rise[0][lane]) | (b + edge_rise[1][lane]) | (c + edge_rise[2][lane]);
                         let candidate = plane.wrapping_add(depth_rise[lane]).clamp(farthest, nearest);
@@ -234,6 +234,11 @@ impl ScreenTriangle {
     }
 }
 
+/// Depths of a vector of samples: one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Depths([i64; VECTOR]);
+
 /// What is visible in one rectangle of the frame: for each sample the nearest triangle and its depth.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileBuffer {
@@ -243,7 +248,7 @@ pub(super) struct TileBuffer {
     stride: usize,
     /// Vectors of a row of pixels.
     row: usize,
-    depth: Vec<[i64; VECTOR]>,
+    depth: Vec<Depths>,
     shown: Vec<[u32; VECTOR]>,
 }
 
@@ -254,7 +259,7 @@ impl TileBuffer {
         (self.rect, self.count, self.stride) = (rect, places.count, places.stride);
         let vectors = self.row * rect.height as usize;
         self.depth.clear();
-        self.depth.resize(vectors, [-1; VECTOR]);
+        self.depth.resize(vectors, Depths([-1; VECTOR]));
         self.shown.clear();
         self.shown.resize(vectors, [NO_TRIANGLE; VECTOR]);
     }
@@ -274,6 +279,6 @@ impl TileBuffer {
         let row = y.checked_sub(self.rect.y).filter(|&r| r < self.rect.height)?;
         let index = row as usize * self.row * VECTOR + column as usize * self.stride + place;
         let number = self.shown.as_flattened()[index];
-        (number != NO_TRIANGLE).then(|| (number, self.depth.as_flattened()[index]))
+        (number != NO_TRIANGLE).then(|| (number, self.depth[index / VECTOR].0[index % VECTOR]))
     }
 }
