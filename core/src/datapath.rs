@@ -31,5 +31,5 @@ pub use light::{
     Gloss, Highlight, LitSurface, PeakLight, gloss, highlight, horizon, horizon_slopes, leave_highlight, lit_peak,
     lit_surface, local_components, local_direction, packed_peak, peak, peak_light, peak_sum,
 };
-pub use reflection::{Reflection, fragment, map_scale, reflection, reflection_of};
+pub use reflection::{Reflection, fragment, map_scale, mirrored, reflection, reflection_of};
 pub use surface::{Framed, Surface, framed, lobe_core, surface, surface_in_frame};

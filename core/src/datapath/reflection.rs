@@ -60,6 +60,14 @@ pub fn reflection<W: Staged>(
     reflection_of(&surface, [&input.dview, &input.dnormal], map, plan, p)
 }
 
+/// What a surface mirrors that was made: its reflection, and where that meets the cube.
+#[inline(always)]
+pub fn mirrored<W: Staged>(surface: &Surface<W>, p: &Precision) -> (Reflected<W>, CubePoint<W>) {
+    let reflected = stage!("reflect", reflect::reflect(&surface.normal_mod, &surface.view, p));
+    let point = stage!("cube_face", cube_face::cube_face(&reflected.r, p));
+    (reflected, point)
+}
+
 /// What comes after the surface, which was made with the stages of [`ReflectionPlan::surface`] at least: `dview` and `dnormal` are
 /// the derivatives over the pixel.
 #[inline(always)]
@@ -71,9 +79,7 @@ pub fn reflection_of<W: Staged>(
     p: &Precision,
 ) -> Reflection<W> {
     let Surface { normal, view, frame, normal_mod, .. } = surface;
-    let reflected = stage!("reflect", reflect::reflect(normal_mod, view, p));
-    let point = stage!("cube_face", cube_face::cube_face(&reflected.r, p));
-
+    let (reflected, point) = mirrored(surface, p);
     let mirror = Mirror { normal: normal_mod, view, reflected: &reflected, point: &point };
     let derivatives = [dview, dnormal];
     let Footprint { columns, ellipse, axes, probes, sweep } = match plan.footprint {

@@ -7,7 +7,7 @@ use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
-use roughxel_core::signals::{Sweep, TexturePosition};
+use roughxel_core::signals::{CubePoint, Sweep, TexturePosition};
 use roughxel_lanes::{Bare, Bumped, ByCount, Columns, Derivatives, Footprint, LANES, Look, RepeatedMap, Shown};
 
 use super::colour::Channel;
@@ -37,7 +37,7 @@ pub(super) struct Place {
 struct Parts {
     /// They have a surface, which reflects or shines.
     surface: bool,
-    /// They reflect.
+    /// They reflect, over footprints.
     derivatives: bool,
     /// They read maps.
     uv: bool,
@@ -67,7 +67,7 @@ impl Fragments {
         let needs = object.needs();
         let parts = Parts {
             surface: object.plan.reflection.is_some() || object.lighting.is_some(),
-            derivatives: object.plan.reflection.is_some(),
+            derivatives: object.plan.reflection.is_some_and(|plan| plan.footprint.is_some()),
             uv: needs.uv,
             duv: needs.duv,
             main_direction: (!needs.tangents).then_some(object.main_direction),
@@ -77,9 +77,9 @@ impl Fragments {
     }
 
     /// None of the rays that hit nothing.
-    pub(super) fn rays() -> Self {
+    pub(super) fn rays(mode: Mode) -> Self {
         let none = Some(BlockVector::default());
-        let parts = Parts { surface: true, derivatives: true, uv: false, duv: false, main_direction: none };
+        let parts = Parts { surface: true, derivatives: mode.filters(), uv: false, duv: false, main_direction: none };
         Self::with(parts, Footprints::default())
     }
 
@@ -167,6 +167,7 @@ pub(super) struct Batch {
     colours: Columns<Shown<i32>>,
     bumps: Columns<Bumped<i32>>,
     surfaces: Columns<Surface<i32>>,
+    points: Columns<CubePoint<i32>>,
     footprints: Columns<Footprint<i32>>,
     sweeps: Columns<Sweep<i32>>,
     shown: Columns<Shown<i32>>,
@@ -216,19 +217,32 @@ impl Sums {
 
     /// Adds a colour to a pixel, as often as it counts there.
     pub(super) fn add(&mut self, place: Place, colour: [Channel; 3]) {
-        for _ in 0..place.times {
-            for (sum, channel) in self.pixels[place.pixel as usize].iter_mut().zip(colour) {
-                *sum = pixel::sum(sum, channel);
-            }
-        }
+        let sums = &mut self.pixels[place.pixel as usize];
+        *sums = with_colour(*sums, place.times, colour);
     }
 
-    /// Adds the colours of a batch.
+    /// Adds the colours of a batch. Samples of a pixel mostly follow each other: their sum does not go through memory.
     fn add_all(&mut self, places: &[Place], colours: &Columns<Shown<i32>>) {
-        for (&place, colour) in places.iter().zip(colours.colours()) {
-            self.add(place, colour);
+        let mut colours = colours.colours();
+        for of_pixel in places.chunk_by(|a, b| a.pixel == b.pixel) {
+            let sums = &mut self.pixels[of_pixel[0].pixel as usize];
+            *sums = of_pixel
+                .iter()
+                .zip(&mut colours)
+                .fold(*sums, |sums, (place, colour)| with_colour(sums, place.times, colour));
         }
     }
+}
+
+/// Sums with a colour that counts so often.
+#[inline(always)]
+fn with_colour(mut sums: [PixelSum<i32>; 3], times: u32, colour: [Channel; 3]) -> [PixelSum<i32>; 3] {
+    for _ in 0..times {
+        for (sum, channel) in sums.iter_mut().zip(colour) {
+            *sum = pixel::sum(sum, channel);
+        }
+    }
+    sums
 }
 
 impl Prepared<'_> {
@@ -317,7 +331,9 @@ impl Prepared<'_> {
         batch: &mut Batch,
         sums: &mut Sums,
     ) {
-        let Batch { colours, surfaces, footprints, sweeps, shown, cores, core_shown, both_shown, by_count, .. } = batch;
+        let Batch {
+            colours, surfaces, points, footprints, sweeps, shown, by_count, cores, core_shown, both_shown, ..
+        } = batch;
         let (p, places) = (&self.precision, &fragments.places);
         let Some(map) = &self.environment else {
             for (&place, own) in places.iter().zip(colours.colours()) {
@@ -330,9 +346,13 @@ impl Prepared<'_> {
             let (scale, derivatives) = (&self.environment_scale, &fragments.derivatives);
             sums.clock.enter(Phase::Footprints);
             let look = match seen.footprint {
-                FootprintKind::None | FootprintKind::Face => {
+                FootprintKind::None => {
+                    self.reading.points(surfaces, p, points);
+                    Look::Point(points)
+                }
+                FootprintKind::Face => {
                     self.reading.footprints(surfaces, derivatives, (scale, seen), p, footprints);
-                    if seen.footprint == FootprintKind::None { Look::Point(footprints) } else { Look::Face(footprints) }
+                    Look::Face(footprints)
                 }
                 FootprintKind::Sphere => {
                     self.reading.sweeps(surfaces, derivatives, (scale, seen), p, sweeps);

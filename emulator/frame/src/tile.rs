@@ -160,7 +160,7 @@ impl Prepared<'_> {
     /// The samples that show nothing.
     fn shade_background(&self, tile: &TileSamples, span: Range<usize>, batch: &mut Batch, sums: &mut Sums) {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
-            let (mut rays, derivatives) = (Fragments::rays(), self.projection.mirror_derivatives());
+            let (mut rays, derivatives) = (Fragments::rays(self.mode), self.projection.mirror_derivatives());
             let mut rows = rays.rows();
             for (side, count) in tile.sides(span) {
                 let places = self.reading.run(

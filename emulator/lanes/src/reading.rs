@@ -222,8 +222,8 @@ impl Ports {
 /// Where fragments look in an environment, and over which footprints.
 #[derive(Clone, Copy, Debug)]
 pub enum Look<'a> {
-    /// At points, over no footprint: the probes do not matter.
-    Point(&'a Columns<Footprint<i32>>),
+    /// At points, over no footprint.
+    Point(&'a Columns<CubePoint<i32>>),
     /// On the planes of its faces.
     Face(&'a Columns<Footprint<i32>>),
     /// On the sphere.
@@ -489,6 +489,15 @@ impl Reading {
         );
     }
 
+    /// Where every fragment whose surface is made looks without a footprint.
+    pub fn points(self, surfaces: &Columns<Surface<i32>>, p: &Precision, points: &mut Columns<CubePoint<i32>>) {
+        each_fragment!(
+            self, p, surfaces, points,
+            |surface| datapath::mirrored(surface, p).1,
+            else on_words!(p, |surface| datapath::mirrored(surface, p).1)
+        );
+    }
+
     /// What fetching needs of every fragment whose surface is made, on the planes of faces.
     pub fn footprints(
         self,
@@ -589,9 +598,7 @@ impl Reading {
             };
         }
         match look {
-            Look::Point(footprints) => {
-                look!((footprints, own), |footprint| sampler::point_means(&footprint.point, cube, p));
-            }
+            Look::Point(points) => look!((points, own), |point| sampler::point_means(point, cube, p)),
             Look::Face(footprints) => look!((footprints, own), |footprint| {
                 sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
             }),

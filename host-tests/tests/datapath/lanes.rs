@@ -284,7 +284,9 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
     for set in InstructionSet::available() {
         let reading = Reading::Lanes(set);
         let (mut surfaces, mut footprints, mut sweeps) = (Columns::default(), Columns::default(), Columns::default());
+        let mut points = Columns::default();
         reading.surfaces(&ports.bare, &ports.bumps, &plan.surface(), p, &mut surfaces);
+        reading.points(&surfaces, p, &mut points);
         // What fetching needs comes without what the other kind of footprint has.
         match plan.footprint {
             FootprintKind::Sphere => {
@@ -292,10 +294,11 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
             }
             _ => reading.footprints(&surfaces, &ports.derivatives, (scale, plan), p, &mut footprints),
         }
-        assert_eq!([surfaces.len(), footprints.len() + sweeps.len()], [inputs.len(); 2], "{set}");
+        assert_eq!([surfaces.len(), points.len(), footprints.len() + sweeps.len()], [inputs.len(); 3], "{set}");
         for (index, expected) in scalar.iter().enumerate() {
             let context = |difference| format!("{set}, {plan:?}: {difference}");
             same_wires(&expected.surface, &surfaces.get(index)).map_err(context).unwrap();
+            same_wires(&expected.point, &points.get(index)).map_err(context).unwrap();
             if index < footprints.len() {
                 same_wires(&Footprint::of(expected), &footprints.get(index)).map_err(context).unwrap();
             }
@@ -349,13 +352,14 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             let look = (&map, random.below(2) == 1, &reflectance);
             // Without a footprint the one probe is the point.
             let plan = &ReflectionPlan { footprint: FootprintKind::None, ..*plan };
-            let (mut points, mut shown) = (Columns::default(), [Columns::default(), Columns::default()]);
-            let mut by_count = ByCount::default();
-            Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut points);
+            let (mut points, mut one_probe) = (Columns::default(), Columns::default());
+            let (mut shown, mut by_count) = ([Columns::default(), Columns::default()], ByCount::default());
+            Reading::Scalar.points(&surfaces, &p, &mut points);
+            Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut one_probe);
             Reading::Scalar.environment(Look::Point(&points), &own, look, &p, (&mut by_count, &mut shown[0]));
-            Reading::Scalar.environment(Look::Face(&points), &own, look, &p, (&mut by_count, &mut shown[1]));
+            Reading::Scalar.environment(Look::Face(&one_probe), &own, look, &p, (&mut by_count, &mut shown[1]));
             same_columns(&shown[0], &shown[1], &|| format!("{name}, a point, edge {edge}"));
-            for at in [Look::Point(&footprints), Look::Face(&footprints), Look::Sphere(&sweeps)] {
+            for at in [Look::Point(&points), Look::Face(&footprints), Look::Sphere(&sweeps)] {
                 let (mut expected, mut got) = (Columns::default(), Columns::default());
                 Reading::Scalar.environment(at, &own, look, &p, (&mut by_count, &mut expected));
                 for reading in lanes() {
