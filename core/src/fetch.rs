@@ -1,5 +1,7 @@
 //! Readings that address a memory: of one fragment, or of several side by side, each with an address and a number of probes of its own.
 
+use core::cell::Cell;
+
 use crate::each::each;
 use crate::fx::{Fx, Int};
 use crate::staged::Staged;
@@ -31,8 +33,11 @@ pub trait Fetch: Staged {
     /// An entry of a table of every fragment, by the lowest four bits of the index.
     fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self>;
 
-    /// Hands words of every fragment to `take`, one fragment after the other.
-    fn scatter<const WORDS: usize>(words: [Self::Count; WORDS], take: impl FnMut([i32; WORDS]));
+    /// Puts a word of every fragment into a row, each at its place: fragments side by side have neighbouring ones. Beyond the row they are lost.
+    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]);
+
+    /// The words of a row at the places of all fragments, as [`Self::put`] put them; beyond the row 0.
+    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self>;
 
     /// A decision that is known before.
     #[inline(always)]
@@ -81,8 +86,15 @@ impl<W: IntegerWord> Fetch for W {
     }
 
     #[inline(always)]
-    fn scatter<const WORDS: usize>(words: [W::Count; WORDS], mut take: impl FnMut([i32; WORDS])) {
-        take(each!(word in words => word.integer()));
+    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
+        if let Some(cell) = row.get(place.raw().integer() as u32 as usize) {
+            cell.set(word.raw().integer());
+        }
+    }
+
+    #[inline(always)]
+    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
+        Fx::from_raw(W::Count::of_integer(row.get(place.raw().integer() as u32 as usize).map_or(0, Cell::get)))
     }
 
     #[inline(always)]

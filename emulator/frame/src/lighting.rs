@@ -73,13 +73,9 @@ pub(super) fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKin
         Some(*end)
     });
     let peaks = || kept.iter().flat_map(pyramid::PeakLevel::peaks);
-    PeakTexels {
-        map: RepeatedMap::new(kept.iter().map(|level| (level.width, level.height))),
-        begins: std::iter::once(0).chain(ends).collect(),
-        peaks: peaks().map(stored).collect(),
-        horizons: peaks().filter_map(|peak| peak.horizon.filter(|_| kind != HorizonKind::None)).map(horizon).collect(),
-        kind,
-    }
+    let horizons = peaks().filter_map(|peak| peak.horizon.filter(|_| kind != HorizonKind::None)).map(horizon);
+    let map = RepeatedMap::new(kept.iter().map(|level| (level.width, level.height)));
+    PeakTexels::new(map, std::iter::once(0).chain(ends).collect(), peaks().map(stored), (horizons, kind))
 }
 
 /// What a batch of fragments goes through at a light; its memory is kept for the next one.
@@ -132,9 +128,10 @@ impl Lighting {
         let surface =
             if matches!(self.lobes, Lobes::Highlight(_) | Lobes::Printed(_)) { plan.highlight } else { plan.peaks };
         self.plan = surface?;
-        if let (HorizonKind::None, Lobes::Map(map)) = (plan.horizon, &mut self.lobes) {
-            map.horizons = Vec::new();
-        }
+        self.lobes = match self.lobes {
+            Lobes::Map(map) if plan.horizon == HorizonKind::None => Lobes::Map(map.without_horizons()),
+            lobes => lobes,
+        };
         Some(self)
     }
 
@@ -144,7 +141,8 @@ impl Lighting {
             Lobes::Highlight(_) | Lobes::Printed(_) => [0; 2],
             Lobes::Given(peaks) => [size_of::<StoredPeak>() as u64 * peaks.len() as u64, 0],
             Lobes::Map(map) => {
-                let (peaks, horizons) = (map.peaks.len() as u64, map.horizons.len() as u64);
+                let peaks = map.len() as u64;
+                let horizons = if map.has_horizons() { peaks } else { 0 };
                 [peaks * size_of::<StoredPeak>() as u64, horizons * size_of::<StoredHorizon>() as u64]
             }
         }
@@ -226,7 +224,7 @@ impl Lighting {
                 }
                 Lobes::Map(map) => {
                     reading.halves((surfaces, directions), p, halves);
-                    let has_horizons = !map.horizons.is_empty();
+                    let has_horizons = map.has_horizons();
                     if has_horizons {
                         reading.slopes((surfaces, directions), p, slopes);
                     }

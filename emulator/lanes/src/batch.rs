@@ -172,17 +172,31 @@ impl<B: Form> Inputs for (&PeakPairs, &Columns<B>) {
         let bundle = if one == last {
             spread::<W, _, _>(&bundles.get(one as usize))
         } else {
-            bundles.form().rewire::<W, _>(&mut Pick::<_, PARTS> { rows: bundles.rows(), fragments, proof })
+            bundles.form().rewire::<W, _>(&mut Pick::new(bundles.rows(), fragments, proof))
         };
         (Value(Fx::from_raw(peak)), bundle)
     }
 }
 
-/// Takes the words of any fragments in the order of a walk.
-struct Pick<'a, T, const PARTS: usize> {
+/// Takes the words of any fragments in the order of a walk: of fragments near each other, as are those of peaks in their order, a permutation of a vector.
+struct Pick<'a, T: Target, const PARTS: usize> {
     rows: ChunksExact<'a, i32>,
+    /// In ascending order.
     fragments: [[i32; LANES]; PARTS],
+    /// Where they lie behind the first one, if all are in one vector from there on.
+    behind_first: [Option<T::Words>; PARTS],
     proof: T,
+}
+
+impl<'a, T: Target, const PARTS: usize> Pick<'a, T, PARTS> {
+    #[inline(always)]
+    fn new(rows: ChunksExact<'a, i32>, fragments: [[i32; LANES]; PARTS], proof: T) -> Self {
+        let behind_first = each!(of_part in fragments => {
+            let (first, last) = (of_part[0], of_part[LANES - 1]);
+            (last - first < LANES as i32).then_some(proof.sub(proof.words(of_part), proof.splat(first)))
+        });
+        Self { rows, fragments, behind_first, proof }
+    }
 }
 
 impl<T: Target, const PARTS: usize> Pick<'_, T, PARTS> {
@@ -191,8 +205,12 @@ impl<T: Target, const PARTS: usize> Pick<'_, T, PARTS> {
         let row = self.rows.next().unwrap_or_default();
         each!(part in places() => {
             let fragments = self.fragments[part];
-            let words = each!(lane in places() => row.get(fragments[lane] as usize).copied().unwrap_or(0));
-            Lanes(self.proof.words(words), self.proof)
+            let vector = row.get(fragments[0] as usize..).and_then(<[i32]>::first_chunk);
+            let words = match (self.behind_first[part], vector) {
+                (Some(places), Some(vector)) => self.proof.entries(places, vector),
+                _ => self.proof.words(each!(fragment in fragments => row.get(fragment as usize).copied().unwrap_or(0))),
+            };
+            Lanes(words, self.proof)
         })
     }
 }

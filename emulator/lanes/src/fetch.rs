@@ -1,5 +1,7 @@
 //! Fetches of fragments side by side: each has an address, a level and a number of probes of its own.
 
+use std::cell::Cell;
+
 use roughxel_core::each::{each, places};
 use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Fx, Int};
@@ -47,13 +49,10 @@ fn read_all<const IN: usize, const OUT: usize>(
     }
 }
 
-/// One fragment after the other.
+/// The cells of a row from the place of the first fragment on: the others follow it.
 #[inline(always)]
-fn scatter<T: Target, const WORDS: usize>(words: [Lanes<T>; WORDS], take: &mut impl FnMut([i32; WORDS])) {
-    let rows = each!(row in words => row.lanes());
-    for lane in 0..LANES {
-        take(each!(row in rows => row[lane]));
-    }
+fn cells<'a, T: Target>(place: Lanes<T>, row: &'a [Cell<i32>]) -> Option<&'a [Cell<i32>; LANES]> {
+    row.get(place.lanes()[0] as u32 as usize..)?.first_chunk()
 }
 
 impl<T: Target> Fetch for Lanes<T> {
@@ -87,8 +86,17 @@ impl<T: Target> Fetch for Lanes<T> {
         Fx::from_raw(Lanes(proof.entries(places, table), proof))
     }
     #[inline(always)]
-    fn scatter<const WORDS: usize>(words: [Self; WORDS], mut take: impl FnMut([i32; WORDS])) {
-        scatter(words, &mut take);
+    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
+        if let Some(cells) = cells(place.raw(), row) {
+            cells.iter().zip(word.raw().lanes()).for_each(|(cell, word)| cell.set(word));
+        }
+    }
+    #[inline(always)]
+    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
+        let place = place.raw();
+        let words = cells(place, row)
+            .map_or([0; LANES], |cells| each!(cell in each!(i in places() => &cells[i]) => cell.get()));
+        Fx::from_raw(Lanes(place.1.words(words), place.1))
     }
 }
 
@@ -125,9 +133,15 @@ impl<T: Target> Fetch for NarrowLanes<T> {
         Fx::from_raw(Halves(halves))
     }
     #[inline(always)]
-    fn scatter<const WORDS: usize>(words: [Halves<Lanes<T>>; WORDS], mut take: impl FnMut([i32; WORDS])) {
+    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
+        let (word, place) = (word.raw().0, place.raw().0);
         for half in [0, 1] {
-            scatter(each!(word in words => word.0[half]), &mut take);
+            <Lanes<T> as Fetch>::put(Fx::from_raw(word[half]), Fx::from_raw(place[half]), row);
         }
+    }
+    #[inline(always)]
+    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
+        let halves = each!(half in place.raw().0 => <Lanes<T> as Fetch>::take(Fx::from_raw(half), row).raw());
+        Fx::from_raw(Halves(halves))
     }
 }

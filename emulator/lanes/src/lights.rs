@@ -3,7 +3,7 @@
 use roughxel_core::bundle::{Value, bundle, never};
 use roughxel_core::datapath::texel::Quad;
 use roughxel_core::datapath::{self, Surface, pixel, texel};
-use roughxel_core::each::{each, places};
+use roughxel_core::each::each;
 use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::SurfacePlan;
@@ -96,12 +96,8 @@ fn stored<W: Fetch>(
     map: &PeakTexels,
     p: &Precision,
 ) -> Value<W, LIGHT> {
-    let words = W::gather(
-        [peak.raw()],
-        #[inline(always)]
-        |[peak]| map.peaks.get(peak as usize).map_or([0; 3], |peak| peak.0),
-    );
-    Value(datapath::packed_peak(half, each!(word in words => Fx::from_raw(word)), weight, p))
+    let [xy, z_amplitude, exponent, _] = W::pair(peak.shl(1), map.peaks.as_flattened());
+    Value(datapath::packed_peak(half, [xy, z_amplitude, exponent], weight, p))
 }
 
 /// The light of a peak of a map above its horizon.
@@ -113,20 +109,9 @@ fn above_horizon<W: Fetch>(
     map: &PeakTexels,
     p: &Precision,
 ) -> Value<W, LIGHT> {
-    let words = W::gather(
-        [peak.raw()],
-        #[inline(always)]
-        |[peak]| {
-            map.horizons.get(peak as usize).map_or([0; 8], |horizon| {
-                let [low, width] = [horizon.low.map(Fx::raw), horizon.inverse_width.map(Fx::raw)];
-                each!(i in places() => if i < 4 { low[i] } else { width[i - 4] })
-            })
-        },
-    );
-    let horizon = Horizon::<W> {
-        low: each!(side in places() => Fx::from_raw(words[side])),
-        inverse_width: each!(side in places::<4>() => Fx::from_raw(words[4 + side])),
-    };
+    let low = peak.shl(2);
+    let [low, inverse_width] = each!(place in [low, low + Fx::int(2)] => W::pair(place, map.horizons.as_flattened()));
+    let horizon = Horizon::<W> { low: each!(side in low => side.reread()), inverse_width };
     let weight = datapath::horizon(&slopes.light, &slopes.eye, &horizon, map.kind, p);
     stored(&Value(peak), half, weight, map, p)
 }
@@ -146,11 +131,9 @@ fn patches_of<W: Fetch>(
         #[inline(always)]
         |read| {
             let keep = |tap: &Tap<W>, level| {
-                let [a, b, c, d] = each!(texel in tap.texels => texel.raw());
-                let slot = W::Count::lit(slot(read.turn, level).into());
-                W::scatter([number.raw(), slot, a, b, c, d], |[number, slot, a, b, c, d]| {
-                    patches.at(number, slot).set([a, b, c, d]);
-                });
+                for (texel, row) in tap.texels.into_iter().zip(patches.rows(slot(read.turn, level))) {
+                    W::put(texel, number, row);
+                }
             };
             keep(&read.fine, 0);
             if let Some(coarse) = &read.coarse {
@@ -175,12 +158,10 @@ fn mean_of<W: Fetch>(
         view,
         #[inline(always)]
         |tap: &Tap<W>, [turn, level]| {
-            let slot = slot(turn, level);
             let texels = W::gather(
-                [number.raw()],
+                each!(row in patches.rows(slot(turn, level)) => W::take(number, row).raw()),
                 #[inline(always)]
-                |[number]| {
-                    let places = patches.at(number, slot).get();
+                |places| {
                     // A patch of another turn or level, with the weight 0, may name any place.
                     each!(place in places => sums.get(place as u32 as usize).copied().unwrap_or(0))
                 },

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use roughxel_core::each::each;
 use roughxel_core::fx::{Fx, Int};
 use roughxel_core::plan::HorizonKind;
 use roughxel_core::ports::{Horizon, Peak};
@@ -39,43 +40,122 @@ pub struct PeakTexels {
     pub map: RepeatedMap,
     /// Where the peaks of each texel begin, of all levels, the finest first; and where the last end. No texel has more than [`MOST_PEAKS`].
     pub begins: Vec<u32>,
-    /// Of all texels.
-    pub peaks: Vec<PackedPeak>,
-    /// As many as peaks, or none.
-    pub horizons: Vec<Horizon<i32>>,
+    /// Of all texels: the words of each, and a 0.
+    pub(super) peaks: Vec<[u64; 2]>,
+    /// As many as peaks, or none: the beginnings of each, then what its widths are the reciprocals of.
+    pub(super) horizons: Vec<[u64; 4]>,
     /// How horizons are joined.
     pub kind: HorizonKind,
+}
+
+/// Two words of 32 bits in one of 64.
+fn wide([low, high]: [i32; 2]) -> u64 {
+    u64::from(low.cast_unsigned()) | u64::from(high.cast_unsigned()) << 32
+}
+
+/// The same apart.
+fn halves(word: u64) -> [i32; 2] {
+    [word as i32, (word >> 32) as i32]
+}
+
+impl PeakTexels {
+    /// Of a map's texels; a horizon for each peak, or none.
+    ///
+    /// # Panics
+    /// If there are other numbers of them, or a texel has more than [`MOST_PEAKS`].
+    pub fn new(
+        map: RepeatedMap,
+        begins: Vec<u32>,
+        peaks: impl Iterator<Item = PackedPeak>,
+        (horizons, kind): (impl Iterator<Item = Horizon<i32>>, HorizonKind),
+    ) -> Self {
+        let peaks: Vec<_> = peaks.map(|PackedPeak([a, b, c])| [wide([a, b]), wide([c, 0])]).collect();
+        let horizon = |Horizon { low, inverse_width }: Horizon<i32>| {
+            let [[a, b, c, d], [e, f, g, h]] = [low.map(Fx::raw), inverse_width.map(Fx::raw)];
+            [[a, b], [c, d], [e, f], [g, h]].map(wide)
+        };
+        let horizons: Vec<_> = horizons.map(horizon).collect();
+        let of_texels = begins.iter().zip(&begins[1..]).all(|(&begin, &end)| end - begin <= MOST_PEAKS as u32);
+        assert!(of_texels && begins.last().is_some_and(|&end| end as usize == peaks.len()), "the peaks of all texels");
+        assert!(horizons.is_empty() || horizons.len() == peaks.len(), "a horizon for each peak");
+        Self { map, begins, peaks, horizons, kind }
+    }
+
+    /// Peaks of all texels.
+    pub fn len(&self) -> usize {
+        self.peaks.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.peaks.is_empty()
+    }
+
+    /// One of them.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    pub fn peak(&self, index: usize) -> PackedPeak {
+        let [[a, b], [c, _]] = self.peaks[index].map(halves);
+        PackedPeak([a, b, c])
+    }
+
+    /// That of a peak, if the map has horizons.
+    pub fn horizon(&self, index: usize) -> Option<Horizon<i32>> {
+        let [low, inverse_width] = self.horizons.get(index)?.as_chunks().0 else { return None };
+        let word = |pair: &[u64; 2], side: usize| halves(pair[side / 2])[side % 2];
+        Some(Horizon {
+            low: core::array::from_fn(|side| Fx::from_raw(word(low, side))),
+            inverse_width: core::array::from_fn(|side| Fx::from_raw(word(inverse_width, side))),
+        })
+    }
+
+    /// Whether peaks have horizons.
+    pub fn has_horizons(&self) -> bool {
+        !self.horizons.is_empty()
+    }
+
+    /// The same without horizons.
+    pub fn without_horizons(self) -> Self {
+        Self { horizons: Vec::new(), ..self }
+    }
 }
 
 /// Peaks of a texel, at most.
 pub const MOST_PEAKS: usize = 8;
 
 /// Patches that a fragment reads, at most: of two levels for each probe.
-pub(super) const PATCHES: usize = 32;
+const PATCHES: usize = 32;
 
 /// The slot of a patch of a fragment.
 pub(super) fn slot(turn: i32, level: i32) -> i32 {
     2 * turn + level
 }
 
-/// The patches of a batch of fragments, slot by slot: the texels of each, or the places of what stands for them.
+/// The patches of a batch of fragments: of each slot four rows, with a word of every fragment, which are the texels of its patch or the places of what stands
+/// for them.
 #[derive(Clone, Copy)]
 pub(super) struct Patches<'a> {
-    cells: &'a [Cell<[i32; 4]>],
+    cells: &'a [Cell<i32>],
     /// As many as there is room for.
     fragments: usize,
 }
 
 impl<'a> Patches<'a> {
-    pub(super) fn of(cells: &'a mut [[i32; 4]]) -> Self {
-        let fragments = cells.len() / PATCHES;
-        Self { cells: Cell::from_mut(cells).as_slice_of_cells(), fragments }
+    /// Words for so many fragments.
+    pub(super) const fn words(fragments: usize) -> usize {
+        4 * PATCHES * fragments
     }
 
-    /// That of a fragment, in its [`slot`].
+    pub(super) fn of(words: &'a mut [i32]) -> Self {
+        let fragments = words.len() / Self::words(1);
+        Self { cells: Cell::from_mut(words).as_slice_of_cells(), fragments }
+    }
+
+    /// The rows of a [`slot`].
     #[inline(always)]
-    pub(super) fn at(&self, fragment: i32, slot: i32) -> &'a Cell<[i32; 4]> {
-        &self.cells[slot as usize * self.fragments + fragment as usize]
+    pub(super) fn rows(&self, slot: i32) -> [&'a [Cell<i32>]; 4] {
+        each!(texel in [0, 1, 2, 3] => &self.cells[(4 * slot as usize + texel) * self.fragments..][..self.fragments])
     }
 }
 

@@ -13,7 +13,7 @@ use roughxel_core::signals::{LocalDirection, PeakSum};
 
 use super::columns::{Columns, GROUP};
 use super::lights::{PatchesRead, Slopes};
-use super::peaks::{MOST_PEAKS, PATCHES, Patches, PeakPairs, PeakTexels, slot};
+use super::peaks::{MOST_PEAKS, Patches, PeakPairs, PeakTexels, slot};
 use super::reading::{Places, Reading, Shown};
 
 /// Room for the peaks of a texel.
@@ -36,10 +36,10 @@ pub struct PeaksRead {
     /// How many patches each fragment reads.
     read: Columns<PatchesRead<i32>>,
     /// Their texels; then the places of those in `sums`.
-    patches: Vec<[i32; 4]>,
+    patches: Vec<i32>,
     pairs: PeakPairs,
-    /// The texel of each pair, as its place in `sums`.
-    owners: Vec<u32>,
+    /// Where the pairs of each texel end, in the order of `sums`, and room for more.
+    ends: Vec<u32>,
     lights: Columns<Value<i32, LIGHT>>,
     /// The light of each texel.
     sums: Vec<i32>,
@@ -52,7 +52,7 @@ impl PeaksRead {
         let room = fragments + GROUP;
         if self.numbers.len() < room {
             self.numbers = (0..room as i32).map(|number| Value(Fx::from_raw(number))).collect();
-            self.patches.resize(PATCHES * room, [0; 4]);
+            self.patches.resize(Patches::words(room), 0);
         }
         let patches = Patches::of(&mut self.patches);
         reading.peak_patches(places, &map.map, &self.numbers, &patches, p, &mut self.read);
@@ -69,36 +69,36 @@ impl PeaksRead {
     /// Names the peaks of all texels that are read; patches then hold the places of their sums.
     #[inline(always)]
     fn pair(&mut self, map: &PeakTexels) {
-        let Self { read, patches, pairs, owners, sums, .. } = self;
+        let Self { read, patches, pairs, ends, sums, .. } = self;
         let [turns, levels] = [0, 1].map(|word| read.row(word));
         let (begins, patches) = (&map.begins[..], Patches::of(patches));
         let (mut peaks, mut texels) = (0, 0);
         for (fragment, (&turns, &levels)) in turns.iter().zip(levels).enumerate() {
             let first = peaks;
-            let most = peaks + MOST_PEAKS * 4 * (turns * levels) as usize;
-            pairs.reserve(most);
-            if owners.len() < most + MOST_PEAKS {
-                owners.resize(most + MOST_PEAKS, 0);
+            let most = 4 * (turns * levels) as usize;
+            pairs.reserve(peaks + MOST_PEAKS * most);
+            if ends.len() < texels as usize + most + 1 {
+                ends.resize(texels as usize + most + 1, 0);
             }
             for level in 0..levels {
                 let mut before = [(NO_TEXEL, NO_PLACE); 4];
                 for turn in 0..turns {
-                    let patch = patches.at(fragment as i32, slot(turn, level));
-                    let now = each!(texel in patch.get() => {
-                        let texel = texel as u32;
+                    let patch = each!(row in patches.rows(slot(turn, level)) => &row[fragment]);
+                    let now = each!(cell in patch => {
+                        let texel = cell.get() as u32;
                         let same = |place, &(read, at): &(u32, u32)| if read == texel { at } else { place };
                         let shared = before.iter().fold(NO_PLACE, same);
                         let is_new = shared == NO_PLACE;
                         let [begin, end] = each!(i in [0, 1] => begins[texel as usize + i]);
                         // Written in any case and kept if new: whether a texel is shared cannot be predicted, nor how many peaks it has.
                         run(&mut pairs.peaks[peaks..]).iter_mut().zip(begin as i32..).for_each(|(at, peak)| *at = peak);
-                        run(&mut owners[peaks..]).fill(texels);
                         let place = if is_new { texels } else { shared };
                         peaks += if is_new { end - begin } else { 0 } as usize;
+                        ends[texels as usize] = peaks as u32;
                         texels += u32::from(is_new);
+                        cell.set(place as i32);
                         (texel, place)
                     });
-                    patch.set(each!((_, place) in now => place as i32));
                     before = now;
                 }
             }
@@ -118,13 +118,14 @@ impl PeaksRead {
         (reading, p): (Reading, &Precision),
         shown: &mut Columns<Shown<i32>>,
     ) {
-        let Self { numbers, patches, pairs, owners, lights, sums, .. } = self;
+        let Self { numbers, patches, pairs, ends, lights, sums, .. } = self;
         reading.peaks(pairs, views, map, p, lights);
-        sums.fill(0);
-        for (&owner, &light) in owners.iter().zip(lights.row(0)) {
-            let sum = &mut sums[owner as usize];
-            let before = PeakSum::<i32> { light: Fx::from_raw(*sum), saturated: false };
-            *sum = datapath::peak_sum(&before, Fx::from_raw(light)).light.raw();
+        let (lights, mut begin) = (lights.row(0), 0);
+        for (sum, &end) in sums.iter_mut().zip(&*ends) {
+            let lights = &lights[begin..end as usize];
+            let none = PeakSum::<i32> { light: Fx::zero(), saturated: false };
+            *sum = lights.iter().fold(none, |sum, &light| datapath::peak_sum(&sum, Fx::from_raw(light))).light.raw();
+            begin = end as usize;
         }
         let patches = Patches::of(patches);
         reading.peak_means((places, numbers), (&map.map, &patches, sums), colour, p, shown);

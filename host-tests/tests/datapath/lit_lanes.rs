@@ -145,24 +145,27 @@ fn random_peaks(map: RepeatedMap, index: u64, bits: &mut AnyBits) -> PeakTexels 
         let low = [(); 4].map(|()| fixed::types::I4F12::from_bits(code() as i16));
         StoredHorizon { low, inverse_width: [(); 4].map(|()| code() >> (code() % 16)) }.wires()
     };
-    PeakTexels {
-        map,
-        begins,
-        peaks: (0..count).map(|_| PackedPeak::from(&stored_peak(bits))).collect(),
-        horizons: (0..if kind == HorizonKind::None { 0 } else { count }).map(|_| horizon(&mut bits.0)).collect(),
-        kind,
+    let peaks: Vec<_> = (0..count).map(|_| PackedPeak::from(&stored_peak(bits))).collect();
+    let horizons = if kind == HorizonKind::None { 0 } else { count };
+    let horizons: Vec<_> = (0..horizons).map(|_| horizon(&mut bits.0)).collect();
+    let texels = PeakTexels::new(map, begins, peaks.iter().copied(), (horizons.iter().copied(), kind));
+    for (index, peak) in peaks.iter().enumerate() {
+        let horizon = |horizon: &Horizon<i32>| (horizon.low, horizon.inverse_width);
+        assert_eq!(texels.peak(index).words(), peak.words(), "a memory keeps its peaks");
+        assert_eq!(texels.horizon(index).as_ref().map(horizon), horizons.get(index).map(horizon), "and their horizons");
     }
+    texels
 }
 
 /// The light of a texel, peak by peak.
 fn texel_light(texel: i32, map: &PeakTexels, half: &LocalDirection<i32>, slopes: &Slopes<i32>, p: &Precision) -> i32 {
     let [begin, end] = [0, 1].map(|next| map.begins[texel as usize + next] as usize);
     let light = |index: usize| {
-        let weight = map.horizons.get(index).map_or(Fx::int(1), |horizon| {
+        let weight = map.horizon(index).as_ref().map_or(Fx::int(1), |horizon| {
             let Slopes { light, eye } = slopes;
             on_words!(p, |light, eye, horizon| Value(datapath::horizon(light, eye, horizon, map.kind, p))).0
         });
-        packed_light(&map.peaks[index], half, weight, p)
+        packed_light(&map.peak(index), half, weight, p)
     };
     sum((begin..end).map(light)).raw()
 }
@@ -219,7 +222,7 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
                     let (mut read, mut got) = (PeaksRead::default(), Columns::default());
                     reading.halves((&surfaces, &lights), &p, &mut halves);
                     reading.slopes((&surfaces, &lights), &p, &mut slopes);
-                    let views = (&halves, (!map.horizons.is_empty()).then_some(&slopes));
+                    let views = (&halves, map.has_horizons().then_some(&slopes));
                     // Twice: what a batch leaves in the memory of the next one changes nothing.
                     for turn in 0..2 {
                         let context = || format!("{name} {index}, {reading}, {footprints:?}, turn {turn}");

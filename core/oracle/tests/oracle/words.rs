@@ -1,5 +1,7 @@
 //! Words and what is read by them: the algebra on integers, the reading for small processors, words of fewer bits, memories.
 
+use std::cell::Cell;
+
 use roughxel_core::block::{Block, Mantissa, Number, dot};
 use roughxel_core::bundle::{Bundle, End, Rewire, Step, Value, bundle, flag_limit, never};
 use roughxel_core::each::places;
@@ -365,8 +367,12 @@ pub(crate) fn a_reading_of_one_fragment_takes_its_own_turns() {
     assert_eq!((index.raw(), counts), (4, true));
     assert_eq!([true, false].map(<i32 as Fetch>::any), [true, false]);
     assert_eq!([true, false].map(<i32 as Fetch>::known), [true, false]);
-    let mut taken = Vec::new();
-    <Full as Fetch>::scatter([Full(3), Full(-4)], |words| taken.push(words));
-    assert_eq!(taken, [[3, -4]]);
+    let row: [Cell<i32>; 3] = Default::default();
+    for (place, word) in [(0, 3), (2, -4), (3, 5), (-1, 6)] {
+        <Full as Fetch>::put(Fx::from_raw(Full(word)), Fx::from_raw(Full(place)), &row);
+    }
+    assert_eq!(row.each_ref().map(Cell::get), [3, 0, -4]);
+    let taken = [0, 1, 2, 3, -1].map(|place| <Full as Fetch>::take(Fx::from_raw(Full(place)), &row).raw());
+    assert_eq!(taken, [Full(3), Full(0), Full(-4), Full(0), Full(0)]);
     assert_eq!(<Full as Fetch>::gather([Full(3), Full(-4)], |[a, b]| [a - b]), [Full(7)]);
 }
