@@ -9,7 +9,7 @@ use roughxel_core::fx::Fx;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{Wire, Word};
 
-use super::columns::{self, Columns};
+use super::columns::{Columns, Walk, WalkMut};
 use super::peaks::PeakPairs;
 use super::vectors::Vectors;
 use super::{LANES, Lanes, Target};
@@ -63,7 +63,7 @@ pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const 
             for group in 0..inputs.len().div_ceil(PARTS * LANES) {
                 let first = PARTS * LANES * group;
                 let input = inputs.load::<W, PARTS>(first, W::Set::proof());
-                let form = body(&input).rewire(&mut Unload::<PARTS>(results.vectors_mut(first)));
+                let form = body(&input).rewire(&mut Unload::<PARTS>(results.walk_mut(first)));
                 // That of all: one more copy of a bundle costs as much as a stage.
                 if group == 0 {
                     results.set_form(form);
@@ -103,7 +103,7 @@ impl<B: Form> Inputs for &Columns<B> {
     }
     #[inline(always)]
     fn load<W: Side<PARTS>, const PARTS: usize>(self, first: usize, proof: W::Set) -> In<B, W> {
-        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { vectors: self.vectors(first), proof })
+        self.form().rewire::<W, _>(&mut Load::<_, PARTS> { walk: self.walk(first), proof })
     }
 }
 
@@ -219,14 +219,14 @@ rewire_rows!(Pick);
 
 /// Takes the words of a group in the order of a walk, all lanes at once.
 struct Load<'a, T, const PARTS: usize> {
-    vectors: columns::Vectors<'a>,
+    walk: Walk<'a>,
     proof: T,
 }
 
 impl<T: Target, const PARTS: usize> Load<'_, T, PARTS> {
     #[inline(always)]
     fn row(&mut self) -> [Lanes<T>; PARTS] {
-        each!(words in self.vectors.next() => Lanes(self.proof.words(words), self.proof))
+        each!(words in self.walk.next() => Lanes(self.proof.words(words), self.proof))
     }
 }
 
@@ -262,7 +262,7 @@ impl<W: Side<PARTS>, const PARTS: usize> Rewire<i32, W> for Spread<W::Set, PARTS
 }
 
 /// Puts the wires of a walk into columns; a wide wire is two words, a flag is 0 or 1.
-struct Unload<'a, const PARTS: usize>(columns::VectorsMut<'a>);
+struct Unload<'a, const PARTS: usize>(WalkMut<'a>);
 
 impl<const PARTS: usize> Unload<'_, PARTS> {
     #[inline(always)]

@@ -184,15 +184,15 @@ impl<B: Form> Columns<B> {
 
     /// Vectors of all words, from that of the group which begins with fragment `first`.
     #[inline(always)]
-    pub(super) fn vectors(&self, first: usize) -> Vectors<'_> {
-        Vectors { vectors: self.words().as_chunks().0, stride: self.stride / LANES, place: first / LANES }
+    pub(super) fn walk(&self, first: usize) -> Walk<'_> {
+        Walk { vectors: self.words().as_chunks().0, stride: self.stride / LANES, place: first / LANES }
     }
 
     /// The same, to be written.
     #[inline(always)]
-    pub(super) fn vectors_mut(&mut self, first: usize) -> VectorsMut<'_> {
+    pub(super) fn walk_mut(&mut self, first: usize) -> WalkMut<'_> {
         let stride = self.stride / LANES;
-        VectorsMut { vectors: self.words_mut().as_chunks_mut().0, stride, place: first / LANES }
+        WalkMut { vectors: self.words_mut().as_chunks_mut().0, stride, place: first / LANES }
     }
 
     /// So many fragments, in place of what there was; whoever asks writes all of them.
@@ -223,7 +223,7 @@ impl<B: Form> Columns<B> {
 
 /// Vectors of a group of fragments, word by word.
 #[derive(Clone, Copy)]
-pub(super) struct Vectors<'a> {
+pub(super) struct Walk<'a> {
     vectors: &'a [[i32; LANES]],
     /// Vectors of a row.
     stride: usize,
@@ -231,7 +231,7 @@ pub(super) struct Vectors<'a> {
     place: usize,
 }
 
-impl Vectors<'_> {
+impl Walk<'_> {
     /// The first `PARTS` vectors of the next word.
     #[inline(always)]
     pub(super) fn next<const PARTS: usize>(&mut self) -> [[i32; LANES]; PARTS] {
@@ -242,7 +242,7 @@ impl Vectors<'_> {
 }
 
 /// The same, to be written.
-pub(super) struct VectorsMut<'a> {
+pub(super) struct WalkMut<'a> {
     vectors: &'a mut [[i32; LANES]],
     /// Vectors of a row.
     stride: usize,
@@ -250,7 +250,7 @@ pub(super) struct VectorsMut<'a> {
     place: usize,
 }
 
-impl VectorsMut<'_> {
+impl WalkMut<'_> {
     /// Puts the first `PARTS` vectors of the next word.
     #[inline(always)]
     pub(super) fn put<const PARTS: usize>(&mut self, word: [[i32; LANES]; PARTS]) {

@@ -51,7 +51,7 @@ fn read_all<const IN: usize, const OUT: usize>(
 
 /// The cells of a row from the place of the first fragment on: the others follow it.
 #[inline(always)]
-fn cells<'a, T: Target>(place: Lanes<T>, row: &'a [Cell<i32>]) -> Option<&'a [Cell<i32>; LANES]> {
+fn cells<T: Target>(place: Lanes<T>, row: &[Cell<i32>]) -> Option<&[Cell<i32>; LANES]> {
     row.get(place.lanes()[0] as u32 as usize..)?.first_chunk()
 }
 
