@@ -141,7 +141,7 @@ impl Lighting {
             Lobes::Highlight(_) | Lobes::Printed(_) => [0; 2],
             Lobes::Given(peaks) => [size_of::<StoredPeak>() as u64 * peaks.len() as u64, 0],
             Lobes::Map(map) => {
-                let peaks = map.len() as u64;
+                let peaks = map.count() as u64;
                 let horizons = if map.has_horizons() { peaks } else { 0 };
                 [peaks * size_of::<StoredPeak>() as u64, horizons * size_of::<StoredHorizon>() as u64]
             }

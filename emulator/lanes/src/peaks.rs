@@ -8,7 +8,7 @@ use roughxel_core::plan::HorizonKind;
 use roughxel_core::ports::{Horizon, Peak};
 
 use super::columns::GROUP;
-use super::texels::RepeatedMap;
+use super::texels::{RepeatedMap, wide};
 
 /// Words of a [`PackedPeak`].
 pub(super) const WORDS: usize = 3;
@@ -48,16 +48,6 @@ pub struct PeakTexels {
     pub kind: HorizonKind,
 }
 
-/// Two words of 32 bits in one of 64.
-fn wide([low, high]: [i32; 2]) -> u64 {
-    u64::from(low.cast_unsigned()) | u64::from(high.cast_unsigned()) << 32
-}
-
-/// The same apart.
-fn halves(word: u64) -> [i32; 2] {
-    [word as i32, (word >> 32) as i32]
-}
-
 impl PeakTexels {
     /// Of a map's texels; a horizon for each peak, or none.
     ///
@@ -75,39 +65,15 @@ impl PeakTexels {
             [[a, b], [c, d], [e, f], [g, h]].map(wide)
         };
         let horizons: Vec<_> = horizons.map(horizon).collect();
-        let of_texels = begins.iter().zip(&begins[1..]).all(|(&begin, &end)| end - begin <= MOST_PEAKS as u32);
+        let of_texels = begins.is_sorted() && begins.windows(2).all(|of| of[1] - of[0] <= MOST_PEAKS as u32);
         assert!(of_texels && begins.last().is_some_and(|&end| end as usize == peaks.len()), "the peaks of all texels");
         assert!(horizons.is_empty() || horizons.len() == peaks.len(), "a horizon for each peak");
         Self { map, begins, peaks, horizons, kind }
     }
 
     /// Peaks of all texels.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.peaks.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.peaks.is_empty()
-    }
-
-    /// One of them.
-    ///
-    /// # Panics
-    /// If there are not so many.
-    pub fn peak(&self, index: usize) -> PackedPeak {
-        let [[a, b], [c, _]] = self.peaks[index].map(halves);
-        PackedPeak([a, b, c])
-    }
-
-    /// That of a peak, if the map has horizons.
-    pub fn horizon(&self, index: usize) -> Option<Horizon<i32>> {
-        let [low, inverse_width] = self.horizons.get(index)?.as_chunks().0 else { return None };
-        let word = |pair: &[u64; 2], side: usize| halves(pair[side / 2])[side % 2];
-        Some(Horizon {
-            low: core::array::from_fn(|side| Fx::from_raw(word(low, side))),
-            inverse_width: core::array::from_fn(|side| Fx::from_raw(word(inverse_width, side))),
-        })
     }
 
     /// Whether peaks have horizons.

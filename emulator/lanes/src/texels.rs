@@ -17,6 +17,11 @@ use roughxel_core::word::{Wire, Word};
 /// Faces of a cube.
 const FACES: u32 = 6;
 
+/// Two words of 32 bits in one of 64.
+pub(super) fn wide([low, high]: [i32; 2]) -> u64 {
+    u64::from(low.cast_unsigned()) | u64::from(high.cast_unsigned()) << 32
+}
+
 /// Levels of a map, at most: of 2^14 texels along an edge, and room for one more.
 const LEVELS: usize = 16;
 
@@ -218,8 +223,7 @@ impl Texel for [u16; 3] {
 impl Texel for [i32; 2] {
     type Words = [u64; 1];
     fn words(self) -> [u64; 1] {
-        let [b1, b2] = self.map(|channel| u64::from(channel.cast_unsigned()));
-        [b1 | b2 << 32]
+        [wide(self)]
     }
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_core::bundle::{Bundle, End, Rewire};
+use roughxel_core::bundle::{Bundle, End, Rewire, Value};
 use roughxel_core::datapath::texel::{Bump, BumpScale};
 use roughxel_core::datapath::{self, TextureFootprint};
 use roughxel_core::design::Form;
@@ -320,6 +320,17 @@ pub(super) fn same_columns<B: Form>(expected: &Columns<B>, got: &Columns<B>, con
     for (expected, got) in expected.iter().zip(got.iter()) {
         same_wires(&expected, &got).unwrap_or_else(|difference| panic!("{}: {difference}", context()));
     }
+}
+
+#[test]
+fn rows_of_columns_begin_with_a_cache_line_however_they_grow() {
+    let mut columns = Columns::<[Value<i32, 32>; 3]>::default();
+    for number in 0..1000 {
+        columns.push(&[number, -number, 7].map(|word| Value(Fx::from_raw(word))));
+        let is_aligned = |word| columns.row(word).as_ptr().align_offset(64) == 0;
+        assert!((0..3).all(is_aligned), "{number}");
+    }
+    assert!(columns.row(1).iter().copied().eq((0..1000).map(|number: i32| -number)), "what there was is kept");
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub type Row = [i32; SIDE];
 pub type Positions = [Row; 2];
 
 /// The attributes of [`SIDE`] fragments side by side, word by word: of a vector its mantissas, then its exponent; of a texture coordinate the lower
-/// and the upper half of a wide word.
+/// and the upper half of a wide word. A row is a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct AttributeRows {
