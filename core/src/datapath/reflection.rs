@@ -228,7 +228,7 @@ fn lobe<W: Staged, const COLUMNS: usize>(
     let shares = stage!("sweep.shares", sweep::shares(deviations, &axes, (spread, probes.count), p));
     let first = stage!("sweep.first", sweep::mixed(&shares, &moves, p));
     let turn = stage!("sweep.turn", sweep::mixed(&shares, &turns, p));
-    let shift = stage!("sweep.mean", sweep::mean_shift(&turns, mirror.view, p));
+    let shift = stage!("sweep.mean", sweep::mean_shift(ellipse::pixel_columns(&turns, p), mirror.view, p));
     let sweep = swept(mirror, [&first, &turn, &shift], &axes, &probes, p);
 
     let mut columns = [Block::zero(); 4];

@@ -13,10 +13,10 @@ use crate::word::Word;
 
 /// Columns as standard deviations, of which the first two are those of a pixel: a box of one pixel has variance 1/12.
 #[inline(always)]
-pub fn pixel_columns<W: Word, const COLUMNS: usize>(
-    columns: &[Block<W, 2>; COLUMNS],
+pub fn pixel_columns<W: Word, const N: usize, const COLUMNS: usize>(
+    columns: &[Block<W, N>; COLUMNS],
     p: &Precision,
-) -> [Block<W, 2>; COLUMNS] {
+) -> [Block<W, N>; COLUMNS] {
     let sigma = Fx::entry(rom::BOX_SIGMA).keep(p.fraction_bits);
     unrolled(
         #[inline(always)]

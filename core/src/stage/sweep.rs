@@ -74,27 +74,16 @@ pub fn mixed<W: Word, const COLUMNS: usize>(
     normalise(sum, e, p.fraction_bits)
 }
 
-/// How far the mean of the reflections lies from r: 2Cv − v·tr C with the covariance C = Σ dn_j dn_jᵀ, exact, for r is a polynomial of degree two.
+/// How far the mean of the reflections lies from r: 2Cv − v·tr C with the covariance C = Σ dn_j dn_jᵀ, exact, for r is a polynomial of degree two. The
+/// turns are standard deviations.
 #[inline(always)]
 pub fn mean_shift<W: Word, const COLUMNS: usize>(
-    turns: &[Block<W, 3>; COLUMNS],
+    turns: [Block<W, 3>; COLUMNS],
     view: &Block<W, 3>,
     p: &Precision,
 ) -> Block<W, 3> {
     let keep = p.fraction_bits;
-    let sigma = Fx::entry(rom::BOX_SIGMA).keep(keep);
-    let deviations = unrolled::<_, COLUMNS>(
-        #[inline(always)]
-        |column| {
-            let turn = turns[column];
-            if column < 2 {
-                normalise(each!(m in turn.m => m.mul::<MANTISSA, PRODUCT>(sigma)), turn.e, keep)
-            } else {
-                turn
-            }
-        },
-    );
-    let (turns, e) = align(deviations, keep);
+    let (turns, e) = align(turns, keep);
     let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     let sums = unrolled::<_, 6>(
         #[inline(always)]
