@@ -73,6 +73,15 @@ pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const 
     );
 }
 
+/// The same in the scalar reading. A function of its own for each body: a caller that holds several is compiled in more time than its parts.
+#[inline(never)]
+pub(super) fn one_by_one<I: Inputs, B: Form>(inputs: I, results: &mut Columns<B>, body: impl Fn(&I::In<i32>) -> B) {
+    results.clear();
+    for index in 0..inputs.len() {
+        results.push(&body(&inputs.at(index)));
+    }
+}
+
 /// The same bundle in every lane.
 #[inline(always)]
 pub(super) fn spread<W: Side<PARTS>, B: Form, const PARTS: usize>(bundle: &B) -> In<B, W> {

@@ -400,11 +400,7 @@ macro_rules! each_fragment {
                 each_fragment!(@lanes $crate::Lanes<$crate::Avx512>, $inputs, $results, |$input $(, $same)*| $body);
             }
             _ => {
-                $results.clear();
-                for index in 0..$crate::batch::Inputs::len($inputs) {
-                    let $input = &$crate::batch::Inputs::at($inputs, index);
-                    $results.push(&$scalar);
-                }
+                $crate::batch::one_by_one($inputs, $results, |$input| $scalar);
             }
         }
     };
