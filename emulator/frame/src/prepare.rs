@@ -1,6 +1,7 @@
 //! What is there before a frame is drawn: the maps and constants of a scene's objects, for one profile and mode.
 
 use std::fmt;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use roughxel_core::fx::{Control, Fx};
@@ -29,7 +30,7 @@ pub struct Prepared<'a> {
     pub(super) mode: Mode,
     pub(super) precision: Precision,
     pub(super) reading: Reading,
-    pub(super) environment: Option<EnvironmentMap>,
+    pub(super) environment: Option<Arc<EnvironmentMap>>,
     pub(super) environment_scale: MapScale<i32>,
     pub(super) objects: Vec<PreparedObject>,
 }
@@ -107,16 +108,27 @@ impl<'a> Prepared<'a> {
         profile: &Precision,
         peaks: &ScenePeaks,
     ) -> Result<Self, RasterError> {
-        let precision = mode.precision(profile);
-        let projection = Projection::new(&scene.camera)?;
+        Self::with_maps(scene, mode, profile, (peaks, Self::environment_map(scene, mode.filters())))
+    }
+
+    /// The environment that a scene shows, with filters or without; it depends on no profile.
+    pub fn environment_map(scene: &Scene, filters: bool) -> Option<Arc<EnvironmentMap>> {
         let any_reflection = scene.objects.iter().any(|o| o.material.reflectance.iter().any(|&r| r > 0.0));
         let needs_environment = any_reflection || matches!(scene.background, Background::Environment);
-        let environment = scene
-            .environment
-            .as_ref()
-            .filter(|_| needs_environment)
-            .map(|source| EnvironmentMap::new(&source.faces, mode.filters()));
-        let edge = environment.as_ref().map_or(1, EnvironmentMap::edge);
+        let source = scene.environment.as_ref().filter(|_| needs_environment)?;
+        Some(Arc::new(EnvironmentMap::new(&source.faces, filters)))
+    }
+
+    /// The same as [`Self::with_peaks`] with what [`Self::environment_map`] has of the mode's filters: for who draws a scene in many profiles.
+    pub fn with_maps(
+        scene: &'a Scene,
+        mode: Mode,
+        profile: &Precision,
+        (peaks, environment): (&ScenePeaks, Option<Arc<EnvironmentMap>>),
+    ) -> Result<Self, RasterError> {
+        let precision = mode.precision(profile);
+        let projection = Projection::new(&scene.camera)?;
+        let edge = environment.as_ref().map_or(1, |map| map.edge());
         let objects = scene
             .objects
             .par_iter()
@@ -158,7 +170,7 @@ impl<'a> Prepared<'a> {
 
     /// Whether what is reflected is brighter than 64 × white somewhere: its texels have an exponent each.
     pub fn has_bright_environment(&self) -> bool {
-        self.environment.as_ref().is_some_and(EnvironmentMap::is_bright)
+        self.environment.as_ref().is_some_and(|map| map.is_bright())
     }
 
     /// Every effect of each object with the reason for it, in the order of the scene.
@@ -190,7 +202,7 @@ impl<'a> Prepared<'a> {
             (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
             (Effect::Bump, offsets),
             (Effect::Roughness, roughness.filter(|&bytes| bytes > 0 && is_rough)),
-            (Effect::Environment, environment.map(EnvironmentMap::bytes)),
+            (Effect::Environment, environment.map(|map| map.bytes())),
             (Effect::Peaks, peaks),
             (Effect::Horizon, horizons),
         ]
@@ -207,7 +219,7 @@ impl<'a> Prepared<'a> {
             let lighting = object.lighting.as_ref().map_or([0; 2], Lighting::bytes);
             colour + bump.into_iter().chain(lighting).sum::<u64>()
         };
-        self.environment.as_ref().map_or(0, EnvironmentMap::bytes) + self.objects.iter().map(of_object).sum::<u64>()
+        self.environment.as_ref().map_or(0, |map| map.bytes()) + self.objects.iter().map(of_object).sum::<u64>()
     }
 
     /// Bytes that the frame takes until it is a file, at most at a time: [`Frame::BYTES_A_PIXEL`] of each pixel.

@@ -90,7 +90,7 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     let subjects = args.scene.iter().map(|scene| {
         let scene = open_scene(scene, Some(args.size))?;
         let peaks = args.cache.peaks(&scene, true)?;
-        Ok(Subject { scene, peaks })
+        Ok(Subject::new(scene, peaks))
     });
     let subjects = subjects.collect::<Result<Vec<_>, Failure>>()?;
     let bar = progress(FrameMeter::work(&subjects), "float64");
