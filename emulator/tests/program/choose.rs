@@ -5,8 +5,8 @@ use std::process::{Command, Output, Stdio};
 
 use roughxel_emulator::study::profile_file::read_profile;
 
-fn choose(arguments: &[&str], file: &Path) -> Output {
-    let common = ["choose", "--scene", "lake", "--size", "24x18", "--json", "-o", file.to_str().unwrap()];
+fn choose(scene: &str, arguments: &[&str], file: &Path) -> Output {
+    let common = ["choose", "--scene", scene, "--size", "24x18", "--json", "-o", file.to_str().unwrap()];
     let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
     command.args(common).args(arguments).stdin(Stdio::null()).output().unwrap()
 }
@@ -20,7 +20,7 @@ fn figures(output: &Output) -> serde_json::Value {
 fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("Small lake.toml");
-    let by_accuracy = figures(&choose(&["--psnr", "40"], &file));
+    let by_accuracy = figures(&choose("lake", &["--psnr", "40"], &file));
     let profile = read_profile(&file).unwrap();
     let (chosen, next) = (&by_accuracy["chosen"], &by_accuracy["next_cheaper"]);
     assert_eq!(profile.name, "small_lake");
@@ -32,7 +32,7 @@ fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
     assert!(by_accuracy["measured"].as_u64() < by_accuracy["candidates"].as_u64());
 
     // The most accurate of what costs no more is at least as accurate.
-    let by_budget = figures(&choose(&["--budget", &cost(chosen).to_string()], &file));
+    let by_budget = figures(&choose("lake", &["--budget", &cost(chosen).to_string()], &file));
     assert!(psnr(&by_budget["chosen"]) >= psnr(chosen) && cost(&by_budget["chosen"]) <= cost(chosen));
 
     let picture = directory.path().join("lake.png");
@@ -41,9 +41,28 @@ fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
     assert!(render.output().unwrap().status.success() && picture.exists());
 }
 
+/// Every profile is drawn in it before one is out of reach.
+const FLAT_MIRROR: &str = r#"
+[camera]
+eye = [0, 1, 3]
+target = [0, 0, 0]
+
+[environment]
+generate = "sky"
+face_edge = 16
+
+[[object]]
+shape = "plane"
+
+[object.material]
+reflectance = [1, 1, 1]
+"#;
+
 #[test]
 fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
-    let directory = tempfile::tempdir().unwrap();
+    let (scenes, directory) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let scene = scenes.path().join("mirror.toml");
+    std::fs::write(&scene, FLAT_MIRROR).unwrap();
     for (name, arguments, code, expected) in [
         ("a.toml", &["--budget", "1"][..], 3, "the cheapest costs"),
         ("a.toml", &["--psnr", "300"], 3, "the most accurate has"),
@@ -54,7 +73,7 @@ fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
         ("paper.toml", &["--psnr", "40"], 2, "`paper` is the name of a profile"),
         ("no/where.toml", &["--psnr", "40"], 1, "where.toml"),
     ] {
-        let output = choose(arguments, &directory.path().join(name));
+        let output = choose(scene.to_str().unwrap(), arguments, &directory.path().join(name));
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!((output.status.code(), message.contains(expected)), (Some(code), true), "{arguments:?}: {message}");
         assert!(output.stdout.is_empty() && std::fs::read_dir(directory.path()).unwrap().next().is_none());

@@ -16,7 +16,7 @@ fn roughxel(directory: &Path, line: &str) -> (Option<i32>, String, String) {
 fn judge_and_marks_end_with_the_documented_codes() {
     let directory = tempfile::tempdir().unwrap();
     let at = directory.path();
-    assert_eq!(roughxel(at, "vectors export random cube_edges --count 12 --profile narrow -o sets").0, Some(0));
+    assert_eq!(roughxel(at, "vectors export random footprint_rank --count 12 --profile narrow -o sets").0, Some(0));
     let words = fs::read_to_string(at.join("sets/random_narrow.hex")).unwrap();
     let mut words: Vec<String> = words.lines().skip(1).map(|line| line.replace('_', "").to_uppercase()).collect();
     fs::write(at.join("right.hex"), words.join("\n") + "\n").unwrap();
@@ -50,16 +50,16 @@ fn judge_and_marks_end_with_the_documented_codes() {
     let (code, text, _) = roughxel(at, "vectors judge wrong.hex --set sets/random_narrow --json --tier bound");
     assert!(code == Some(3) && text.contains("\"passing\": 11") && text.contains("\"places\": 1"), "{text}");
 
-    // Both sides of an edge are as right as each other, to a device that rounds otherwise.
-    let (code, text, message) = roughxel(at, "vectors marks sets/cube_edges_narrow -o marks.hex");
+    // Both counts beside a threshold are as right as each other, to a device that rounds otherwise.
+    let (code, text, message) = roughxel(at, "vectors marks sets/footprint_rank_narrow -o marks.hex");
     assert_eq!(code, Some(0), "{message}");
-    assert!(text.starts_with("cube_edges (narrow): ") && text.contains("#0: face"), "{text}");
+    assert!(text.starts_with("footprint_rank (narrow): ") && text.contains("#0: probes"), "{text}");
     let marks = fs::read_to_string(at.join("marks.hex")).unwrap();
     let lines: Vec<&str> = marks.lines().collect();
-    assert_eq!(lines[0], "// cube_edges narrow: 1 where decisions may be others, roundings 1 last places off");
-    assert_eq!(lines[1], "1");
+    assert_eq!(lines[0], "// footprint_rank narrow: 1 where decisions may be others, roundings 1 last places off");
+    assert_eq!(lines[1..3], ["1", "0"]);
     assert!(lines[1..].iter().all(|line| ["0", "1"].contains(line)));
-    let (_, text, _) = roughxel(at, "vectors marks sets/cube_edges_narrow --json");
+    let (_, text, _) = roughxel(at, "vectors marks sets/footprint_rank_narrow --json");
     assert!(text.contains("\"fields\""), "{text}");
 
     fs::write(at.join("short.hex"), &words[0]).unwrap();
@@ -68,7 +68,7 @@ fn judge_and_marks_end_with_the_documented_codes() {
         ("vectors judge none.hex --set sets/random_narrow", 1, "none.hex"),
         ("vectors judge right.hex --set sets", 2, "name one of its sets"),
         ("vectors judge right.hex --set sets/random_narrow --places 0", 2, "--places"),
-        ("vectors judge right.hex --set sets/cube_edges_narrow", 1, "right.hex: fewer words than the set"),
+        ("vectors judge right.hex --set sets/footprint_rank_narrow", 1, "right.hex: fewer words than the set"),
         ("vectors marks sets/random_narrow -o none/marks.hex", 1, "none"),
     ] {
         let (found, _, message) = roughxel(at, line);

@@ -10,8 +10,8 @@ use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::vectors::{
-    Cause, Direction, Form, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, Words, export, export_with,
-    hard_sets, in_page, manifests_in, random_set, tables, verify,
+    Cause, Direction, Field, Form, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, Words, export,
+    export_with, hard_sets, in_page, manifests_in, random_set, tables, verify,
 };
 use serde_json::Value;
 
@@ -134,17 +134,30 @@ fn every_set_verifies_under_every_profile() {
 
 #[test]
 fn a_flipped_bit_in_any_field_is_reported_with_set_index_stage_and_field() {
-    for set in Datapath::ALL.map(|datapath| Set::of(datapath, 3)) {
+    // As many at a time as are described.
+    const TOGETHER: usize = 10;
+    for set in Datapath::ALL.map(|datapath| Set::of(datapath, TOGETHER as u64 + 2)) {
         let words = set.words();
-        for field in &set.manifest.fields {
-            // Every bit of the field's digits, those above its width included.
-            for bit in 0..field.width.next_multiple_of(4) {
-                let mut flipped = words.clone();
-                flipped[1].flip((field.lsb + bit) as usize);
-                set.write_words(&flipped);
-                let mismatch = set.only_mismatch();
-                assert_eq!((mismatch.set.as_str(), mismatch.index, mismatch.line), ("random", 1, 3));
-                assert_eq!((&mismatch.stage, &mismatch.field, mismatch.bit), (&field.stage, &field.name, bit));
+        // Every bit of the field's digits, those above its width included.
+        let bits = |field: &Field| 0..field.width.next_multiple_of(4);
+        let fields = &set.manifest.fields;
+        let places: Vec<(&Field, u32)> =
+            fields.iter().flat_map(|field| bits(field).map(move |bit| (field, bit))).collect();
+        for places in places.chunks(TOGETHER) {
+            let mut flipped = words.clone();
+            for (word, (field, bit)) in flipped[1..].iter_mut().zip(places) {
+                word.flip((field.lsb + bit) as usize);
+            }
+            set.write_words(&flipped);
+            let result = set.verify().unwrap();
+            let count = places.len();
+            assert_eq!(
+                (result.mismatching, result.mismatches.len(), result.hash_matches),
+                (count as u64, count, false)
+            );
+            for (index, (mismatch, (field, bit))) in (1..).zip(result.mismatches.iter().zip(places)) {
+                assert_eq!((mismatch.set.as_str(), mismatch.index, mismatch.line), ("random", index, index + 2));
+                assert_eq!((&mismatch.stage, &mismatch.field, mismatch.bit), (&field.stage, &field.name, *bit));
                 assert_eq!(mismatch.cause, Cause::FlippedBit);
             }
         }
@@ -393,7 +406,7 @@ fn fields_tile_the_word_and_have_unique_names() {
             assert_eq!(layout.fields().iter().filter(|other| other.name == field.name).count(), 1);
         }
         assert_eq!(end, 0);
-        let direction = |field: &roughxel_emulator::vectors::Field| match field.direction {
+        let direction = |field: &Field| match field.direction {
             Direction::In => 0,
             Direction::Tap => 1,
             Direction::Out => 2,
