@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 /// A part of the work on a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// What is visible, attributes of the fragments and of rays that hit nothing, means of samples.
+    /// Set-up of triangles (as long as the frame waits for it), what is visible, attributes of the fragments and of rays that hit nothing, means of
+    /// samples.
     FrontEnd,
     /// The datapath from ports to footprints and surfaces, of maps and of reflections.
     Footprints,

@@ -11,7 +11,7 @@ use super::Colour;
 use super::batch::{Batch, Fragments, Place, SHADED, Sums};
 use super::colour::{Channel, colour_word};
 use super::frame::Frame;
-use super::phases::PhaseTimes;
+use super::phases::{PhaseClock, PhaseTimes};
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
     Pass, Positions, RasterError, SIDE, SUBPIXELS, Sample, Sampling, TileRect, TileSamples, TriangleList, tile_rows,
@@ -45,7 +45,9 @@ impl Prepared<'_> {
     /// The same with what it took.
     pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Counted), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
+        let clock = PhaseClock::start();
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_reading(self.reading);
+        let set_up = Counted { texels: 0, times: clock.stop() };
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
         // Each tile goes to its own rows of the one frame as soon as it is shaded: there is no second copy, and nobody waits.
         let passes = self.sampling().passes();
@@ -60,7 +62,7 @@ impl Prepared<'_> {
                 counted
             })
             .reduce(Counted::default, Counted::with);
-        Ok((Frame { width, height, pixels }, counted))
+        Ok((Frame { width, height, pixels }, counted.with(set_up)))
     }
 
     /// Number of progress steps of [`Self::render`].
