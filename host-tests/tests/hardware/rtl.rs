@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
+use std::time::SystemTime;
 
 use rayon::prelude::*;
 use roughxel_core::design::Design;
@@ -165,10 +166,14 @@ impl Written {
         };
         let build = || {
             let objects = self.path().join("obj");
-            reuse_runtime(&objects);
+            let reused = reuse_runtime(&objects);
             // A few thousand cycles: what is saved in compiling is more than what is lost in running.
-            let built = verilate(self.path(), bench.module(), "OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
-            keep_runtime(&objects);
+            let make = format!("OPT_FAST=-O0 VM_PARALLEL_BUILDS=0{}", reused.as_ref().map_or("", |_| KEEP_RUNTIME));
+            let built = verilate(self.path(), bench.module(), &make);
+            match reused {
+                None => keep_runtime(&objects),
+                Some(times) => assert_eq!(times, modified(&objects), "make has built Verilator's library again"),
+            }
             let program = runtime().join(format!("model-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
             // Not copied: a file open for writing anywhere cannot be run.
             fs::rename(built, &program).expect("a model can be kept");
@@ -181,8 +186,12 @@ impl Written {
 /// The program of a model, by whoever needs it first.
 type Model = OnceLock<PathBuf>;
 
-/// Objects of Verilator's own library, which are the same for every model and take longer than a small one.
+/// Objects of Verilator's own library, which are the same for every model and take longer than most of them.
 const RUNTIME: [&str; 2] = ["verilated.o", "verilated_threads.o"];
+
+/// Has make leave them as they are: Verilator's makefile builds them again where the one that it includes is newer, and that is written for each
+/// model.
+const KEEP_RUNTIME: &str = " -o verilated.o -o verilated_threads.o";
 
 /// Set once this run has put them into [`runtime`].
 static RUNTIME_IS_KEPT: OnceLock<()> = OnceLock::new();
@@ -191,13 +200,20 @@ fn runtime() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR"))
 }
 
-fn reuse_runtime(objects: &Path) {
+/// When each of the objects was written.
+fn modified(objects: &Path) -> [SystemTime; 2] {
+    let of = |name: &str| fs::metadata(objects.join(name)).and_then(|object| object.modified());
+    RUNTIME.map(|name| of(name).expect("an object is there"))
+}
+
+/// Puts the objects that are kept beside those of a model, and says when.
+fn reuse_runtime(objects: &Path) -> Option<[SystemTime; 2]> {
     fs::create_dir_all(objects).expect("a directory");
-    if RUNTIME_IS_KEPT.get().is_some() {
-        for name in RUNTIME {
-            fs::copy(runtime().join(name), objects.join(name)).expect("an object was kept");
-        }
+    RUNTIME_IS_KEPT.get()?;
+    for name in RUNTIME {
+        fs::copy(runtime().join(name), objects.join(name)).expect("an object was kept");
     }
+    Some(modified(objects))
 }
 
 fn keep_runtime(objects: &Path) {
