@@ -168,7 +168,11 @@ impl Written {
             let objects = self.path().join("obj");
             let reused = reuse_runtime(&objects);
             // A few thousand cycles: what is saved in compiling is more than what is lost in running.
-            let make = format!("OPT_FAST=-O0 VM_PARALLEL_BUILDS=0{}", reused.as_ref().map_or("", |_| KEEP_RUNTIME));
+            let mut make = String::from("OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
+            if reused.is_some() {
+                // They depend on the model's makefile, which is newer than whatever was kept: make builds them again unless it is told not to.
+                make.extend(RUNTIME.map(|name| format!(" -o {name}")));
+            }
             let built = verilate(self.path(), bench.module(), &make);
             match reused {
                 None => keep_runtime(&objects),
@@ -188,10 +192,6 @@ type Model = OnceLock<PathBuf>;
 
 /// Objects of Verilator's own library, which are the same for every model and take longer than most of them.
 const RUNTIME: [&str; 2] = ["verilated.o", "verilated_threads.o"];
-
-/// Has make leave them as they are: Verilator's makefile builds them again where the one that it includes is newer, and that is written for each
-/// model.
-const KEEP_RUNTIME: &str = " -o verilated.o -o verilated_threads.o";
 
 /// Set once this run has put them into [`runtime`].
 static RUNTIME_IS_KEPT: OnceLock<()> = OnceLock::new();
