@@ -139,15 +139,13 @@ fn main() -> ExitCode {
                 continue;
             }
             let Some((bare, profile)) = without_keys(&scene, effect) else { continue };
-            // Only horizons change what is fitted.
-            let no_horizons = (effect == Effect::Horizon).then(|| fit(&bare));
-            let peaks = no_horizons.as_ref().unwrap_or(&peaks);
             let costs = (0..OFF_ROUNDS).map(|round| {
                 let away = || {
                     let plans = reports.iter().map(|report| report.plan.without(effect)).enumerate();
                     plans.fold(prepare(), |away, (index, plan)| away.with_plan(index, plan))
                 };
-                let none = || Prepared::with_peaks(&bare, mode, &profile, peaks).expect("built-in scenes are drawn");
+                // With horizons or without, the peaks are those of the scene, which are other ones without the key.
+                let none = || Prepared::with_peaks(&bare, mode, &profile, &peaks).expect("built-in scenes are drawn");
                 // Neither is always the first in memory.
                 let (away, none) = if round % 2 == 0 {
                     let away = away();

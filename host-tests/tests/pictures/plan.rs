@@ -18,6 +18,7 @@ use roughxel_emulator::cases::highlight::random_light;
 use roughxel_emulator::cases::peak_and_horizon::{random_horizon_case, random_peak_case};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::frame::{Frame, Prepared};
+use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
 use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
 use roughxel_emulator::scene::{RoughnessField, Scene};
 use roughxel_host_tests::checked::{Checked, reread, traced};
@@ -526,6 +527,13 @@ fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precisi
     (scene, p)
 }
 
+/// Peaks of a scene without the keys of an effect. A scene with horizons has other peaks than one without, each for facets that see alike: those
+/// stay when the blocks of horizons go.
+fn peaks_without(scene: &Scene, bare: &Scene, effect: Effect, mode: Mode) -> ScenePeaks {
+    let of = if effect == Effect::Horizon { scene } else { bare };
+    ScenePeaks::new(of, mode.filters(), None, &|_| ()).unwrap()
+}
+
 #[test]
 fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
     let shiny = "colour = [0.3, 0.2, 0.1], height_map = { generate = \"waves\", size = 64, rms_slope = 0.2 }, \
@@ -546,7 +554,8 @@ fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
                     _ => plan.without(effect),
                 });
                 let (bare, p) = without_keys(&scene, effect, &p);
-                let bare = Prepared::new(&bare, mode, &p).unwrap();
+                let peaks = peaks_without(&scene, &bare, effect, mode);
+                let bare = Prepared::with_peaks(&bare, mode, &p, &peaks).unwrap();
                 assert!(draw(&away) == draw(&bare), "{}, {mode}, peaks: {has_peaks}", effect.name());
             }
         }
@@ -580,8 +589,9 @@ fn maps_of_an_effect_planned_away_take_no_memory() {
         if effect == Effect::Bump {
             left.retain(|name, _| *name != Effect::Peaks.name() && *name != Effect::Horizon.name());
         }
-        let (scene, p) = without_keys(&scene, effect, &p);
-        let prepared = Prepared::new(&scene, Mode::Footprint, &p).unwrap();
+        let (bare, p) = without_keys(&scene, effect, &p);
+        let peaks = peaks_without(&scene, &bare, effect, Mode::Footprint);
+        let prepared = Prepared::with_peaks(&bare, Mode::Footprint, &p, &peaks).unwrap();
         assert_eq!(bytes(&prepared), left, "no key of {}", effect.name());
     }
 }

@@ -61,23 +61,16 @@ fn kept(height_map: &str, shadowing: &str, elevations: &[f64]) -> Vec<Vec<f64>> 
     elevations.par_iter().map(ratios).collect()
 }
 
-/// Bars of the band at the horizon, where the whole map is less than a pixel and an eye is lower than 5°, and of all others.
-struct Bars {
-    far: RangeInclusive<f64>,
-    near: RangeInclusive<f64>,
-}
+/// What every band is within, to slopes of 1.
+const ROUGH: RangeInclusive<f64> = 0.9..=1.1;
+/// To slopes of 3.5.
+const STEEP: RangeInclusive<f64> = 0.75..=1.3;
 
-/// Slopes up to 1. What is missing far away: bright facets are those in sight, which no law of a peak's horizons says.
-const ROUGH: Bars = Bars { far: 0.75..=1.25, near: 0.87..=1.1 };
-/// Slopes up to 3.5.
-const STEEP: Bars = Bars { far: 0.6..=1.3, near: 0.6..=1.3 };
-
-fn within(name: &str, height_map: &str, elevations: &[f64], bars: &Bars) {
+fn within(name: &str, height_map: &str, elevations: &[f64], bar: &RangeInclusive<f64>) {
     for (elevation, ratios) in elevations.iter().zip(kept(height_map, "true", elevations)) {
         println!("{name}, light at {elevation}°, from far to near: {ratios:.2?}");
-        let (far, near) = ratios.split_first().expect("the plane is seen");
-        let holds = bars.far.contains(far) && near.iter().all(|ratio| bars.near.contains(ratio));
-        assert!(near.len() >= 5 && holds, "{name}, {elevation}°: {ratios:.3?}");
+        let holds = ratios.iter().all(|ratio| bar.contains(ratio));
+        assert!(ratios.len() >= 6 && holds, "{name}, {elevation}°: {ratios:.3?}");
     }
 }
 
@@ -107,17 +100,18 @@ fn photographs_as_heights_keep_their_brightness_at_every_distance() {
     for name in ["gravel.png", "grass.png"] {
         let Some(piece) = photograph(name, 64) else { return };
         for rms_slope in whole_or(vec![0.1, 0.3, 1.0, 3.5], vec![1.0]) {
-            let bars = if rms_slope > 1.0 { &STEEP } else { &ROUGH };
+            let bar = if rms_slope > 1.0 { &STEEP } else { &ROUGH };
             let map = format!("path = {:?}, rms_slope = {rms_slope}", piece.path().display().to_string());
-            within(&format!("{name}, {rms_slope}"), &map, &ELEVATIONS, bars);
+            within(&format!("{name}, {rms_slope}"), &map, &ELEVATIONS, bar);
         }
     }
 }
 
-/// F92's product of shares, which is kept for comparison, loses more than half of the light far away.
+/// F92's product of shares, which is kept for comparison, loses two fifths of the light far away, though each peak is of facets alike.
 #[test]
-fn the_product_of_shares_blackens_rough_distances() {
+fn the_product_of_shares_darkens_rough_distances() {
     for ratios in kept(&generated(1.0), "\"product\"", &[20.0]) {
-        assert!(ratios[0] < 0.6 && ratios[0] < ratios[ratios.len() - 1] - 0.3, "{ratios:.2?}");
+        println!("{ratios:.2?}");
+        assert!(ratios[0] < 0.7 && ratios[0] < ratios[ratios.len() - 1] - 0.3, "{ratios:.2?}");
     }
 }

@@ -52,6 +52,12 @@ impl Block {
     }
 }
 
+/// One sum of eight.
+#[inline(always)]
+pub(super) fn joined(sums: [f64; LANES]) -> f64 {
+    (sums[0] + sums[4]) + (sums[1] + sums[5]) + (sums[2] + sums[6]) + (sums[3] + sums[7])
+}
+
 /// Coordinates of eight directions.
 pub(super) type Directions = [Block; 3];
 
@@ -161,7 +167,7 @@ fn small_integer<S: Simd>(integer: u64x8<S>) -> f64x8<S> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use fearless_simd::dispatch;
     use roughxel_scene::random::SplitMix64;
 

@@ -7,11 +7,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
-use super::fit;
+use super::clusters::{Member, clusters, lobe};
+use super::fit::{self, FittedPeak};
 use super::law::{Tally, knot};
 use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
+use super::shadows::{self, DARK, Light};
 use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, MAX_SURFACE_WEIGHT, PeakError, PeakSource, unit};
-use super::spread::{Facet, density, power, sharpened, spread_exponent};
+use super::spread::{Facet, density, sharpened, spread_exponent};
 use crate::horizon::{HorizonSlopes, horizon_slopes};
 use crate::mip::{Cover, covers};
 
@@ -25,6 +27,9 @@ pub(super) struct Part {
 
 /// Most texels of a part: some half a second of fits.
 const PART: usize = 256;
+
+/// Texels of level 0 whose light is summed by one thread.
+const TEXELS_AT_ONCE: usize = 4096;
 
 /// The texels of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,8 +57,16 @@ impl Parts for NoParts {
     fn keep(&mut self, _: Part, _: &Texels) {}
 }
 
-/// Fits of a level by the facets they are of.
-type Fits = HashMap<Key, Arc<fit::Fit>>;
+/// Texels of a level by the facets they are of.
+type Known = HashMap<Key, Arc<Fitted>>;
+
+/// Peaks of a texel with more facets than peaks.
+#[derive(Default)]
+struct Fitted {
+    /// How the fit of its density went; with shadows there is none.
+    fit: Option<fit::Fit>,
+    peaks: Vec<Peak>,
+}
 
 /// Hash of facets.
 type Key = [u8; 32];
@@ -79,13 +92,13 @@ impl PeakPyramid {
         progress: &(dyn Fn(Steps) + Sync),
         parts: &mut dyn Parts,
     ) -> Result<Self, PeakError> {
-        let base = Base::new(source, options)?;
+        let base = Base::new(source, options)?.with_light();
         let mut levels = vec![base.level()];
         let mut fits = FitCounts::default();
         for (to_width, to_height) in source.upper_levels() {
             let covers = (covers(source.width, to_width), covers(source.height, to_height));
             let count = covers.0.len() * covers.1.len();
-            let mut known = Fits::new();
+            let mut known = Known::new();
             let mut peaks = Vec::with_capacity(count);
             if source.takes_time((to_width, to_height)) {
                 for first in (0..count).step_by(PART) {
@@ -122,12 +135,11 @@ impl PeakPyramid {
 ///
 /// Errors: as [`PeakPyramid::build`].
 pub fn multiple_surface(source: &PeakSource, options: &BuildOptions) -> Result<Vec<Peak>, PeakError> {
-    let base = Base::new(source, options)?;
+    let base = Base::new(source, options)?.with_light();
     let cover = |size| covers(size, 1).into_iter().next();
     let texel = cover(source.width).zip(cover(source.height)).map(|(column, row)| {
         let below = base.facets(&column, &row);
-        let fit = below.takes_fit().then(|| base.fit(&below));
-        base.texel(&below, fit.as_ref())
+        if below.takes_fit() { base.fitted(&below).peaks } else { base.peaks(&below.facets, &below.texels) }
     });
     Ok(texel.unwrap_or_default())
 }
@@ -144,6 +156,8 @@ struct Base {
     /// The knots of a tally that clear them.
     knots: Vec<[u8; 4]>,
     exponent: f64,
+    /// What errors of shadowed light count.
+    weights: Light,
 }
 
 impl Base {
@@ -182,7 +196,39 @@ impl Base {
             knots: slopes.iter().map(|sides| sides.map(knot)).collect(),
             slopes,
             exponent: options.exponent,
+            weights: DARK,
         })
+    }
+
+    /// With what is needed for levels above: the light of all facets.
+    fn with_light(mut self) -> Self {
+        let texels = |first: usize| {
+            let all = first..self.normals.len().min(first + TEXELS_AT_ONCE);
+            self.light(all.map(|index| Texel { index, amplitude: self.amplitudes[index] }))
+        };
+        if !self.slopes.is_empty() {
+            let firsts = (0..self.normals.len()).into_par_iter().step_by(TEXELS_AT_ONCE);
+            // In order: the same bits for any number of threads.
+            let lights: Vec<Light> = firsts.map(texels).collect();
+            let area = self.normals.len() as f64;
+            let add = |mut sum: Light, light: &Light| {
+                for (sum, light) in
+                    sum.iter_mut().flat_map(|block| &mut block.0).zip(light.iter().flat_map(|block| block.0))
+                {
+                    *sum += light / area;
+                }
+                sum
+            };
+            self.weights = shadows::weights(&lights.iter().fold(DARK, add));
+        }
+        self
+    }
+
+    /// Light of texels of level 0 in the shadows of each other, spread as densities are.
+    fn light(&self, texels: impl Iterator<Item = Texel>) -> Light {
+        let gain = self.spread_gain();
+        let facet = |Texel { index, amplitude }| (self.normals[index], self.slopes[index], gain * amplitude);
+        shadows::light(texels.map(facet), spread_exponent(self.exponent))
     }
 
     fn level(&self) -> PeakLevel {
@@ -205,8 +251,12 @@ impl Base {
             })
             .filter(|texel| texel.amplitude > 0.0)
             .collect();
-        // Stable: equal normals are summed in the order of rows.
-        texels.sort_by_key(|texel| self.normals[texel.index].to_array().map(f64::to_bits));
+        // Stable: what is equal is summed in the order of rows.
+        let bits = |texel: &Texel| {
+            let slopes = self.slopes.get(texel.index).map(|slopes| slopes.map(f64::to_bits));
+            (self.normals[texel.index].to_array().map(f64::to_bits), slopes)
+        };
+        texels.sort_by_key(bits);
         let same = |a: &Texel, b: &Texel| self.normals[a.index] == self.normals[b.index];
         let facet = |texels: &[Texel]| Facet {
             normal: self.normals[texels[0].index],
@@ -223,13 +273,13 @@ impl Base {
         &self,
         covers: &(Vec<Cover>, Vec<Cover>),
         part: Part,
-        known: &mut Fits,
+        known: &mut Known,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Texels {
         let (columns, rows) = covers;
         let gather = |index: usize| {
             let below = self.facets(&columns[index % columns.len()], &rows[index / columns.len()]);
-            let key = below.takes_fit().then(|| below.key());
+            let key = below.takes_fit().then(|| below.key(&self.slopes));
             (below, key)
         };
         let gathered: Vec<(Below, Option<Key>)> =
@@ -241,42 +291,68 @@ impl Base {
                 new.push((key, below));
             }
         }
-        let fit = |(key, below): &(Key, &Below)| {
-            let fit = Arc::new(self.fit(below));
+        let fitted = |(key, below): &(Key, &Below)| {
+            let fitted = Arc::new(self.fitted(below));
             progress(1);
-            (*key, fit)
+            (*key, fitted)
         };
-        let fitted: Vec<(Key, Arc<fit::Fit>)> = new.par_iter().map(fit).collect();
+        let fitted: Vec<(Key, Arc<Fitted>)> = new.par_iter().map(fitted).collect();
         known.extend(fitted);
         progress((part.texels - new.len()) as u64);
-        let of = |key: &Option<Key>| key.as_ref().and_then(|key| known.get(key)).map(Arc::as_ref);
-        let peaks = gathered.par_iter().map(|(below, key)| self.texel(below, of(key))).collect();
-        let fits = gathered.iter().filter_map(|(_, key)| of(key)).fold(FitCounts::default(), FitCounts::add);
-        Texels { peaks, fits }
+        let of = |key: &Option<Key>| key.as_ref().and_then(|key| known.get(key));
+        let peaks = |(below, key): &(Below, Option<Key>)| match of(key) {
+            Some(fitted) => fitted.peaks.clone(),
+            None => self.peaks(&below.facets, &below.texels),
+        };
+        let fits = gathered.iter().filter_map(|(_, key)| of(key)?.fit.as_ref());
+        let fits = fits.fold(FitCounts::default(), FitCounts::add);
+        Texels { peaks: gathered.par_iter().map(peaks).collect(), fits }
     }
 
-    /// The fit of facets.
-    fn fit(&self, below: &Below) -> fit::Fit {
-        fit::fit(&density(&below.facets, self.exponent), spread_exponent(self.exponent))
-    }
-
-    /// Peaks of one texel above level 0, by the fit of its facets if it took one.
-    fn texel(&self, Below { facets, texels }: &Below, fit: Option<&fit::Fit>) -> Vec<Peak> {
-        let Some(fit) = fit else { return self.peaks(facets, texels) };
-        let shares = if self.slopes.is_empty() { Vec::new() } else { shares(&fit.peaks, facets) };
-        fit.peaks
+    /// Peaks of what lies below a texel: as few as fit the density of its normals, with shadows one for each cluster of facets.
+    fn fitted(&self, below: &Below) -> Fitted {
+        let spread = spread_exponent(self.exponent);
+        if self.slopes.is_empty() {
+            let fit = fit::fit(&density(&below.facets, self.exponent), spread);
+            let peaks = fit.peaks.iter().map(|peak| self.peak(peak, None)).collect();
+            return Fitted { fit: Some(fit), peaks };
+        }
+        let member = |texel: &Texel| Member::new(self.normals[texel.index], self.slopes[texel.index], texel.amplitude);
+        let of = clusters(&below.texels.iter().map(member).collect::<Vec<_>>());
+        let mut gathered = vec![Vec::new(); MAX_PEAKS];
+        for (texel, cluster) in below.texels.iter().zip(of) {
+            gathered[usize::from(cluster)].push(*texel);
+        }
+        gathered.retain(|texels| !texels.is_empty());
+        let gain = self.spread_gain();
+        let own: Vec<(FittedPeak, [Horizon; 4])> = gathered
             .iter()
-            .enumerate()
-            .map(|(index, peak)| {
-                let exponent = sharpened(peak.exponent, self.exponent).clamp(*EXPONENTS.start(), *EXPONENTS.end());
-                Peak {
-                    amplitude: peak.amplitude * (exponent + 1.0) / (peak.exponent + 1.0),
-                    normal: peak.direction,
-                    exponent,
-                    horizon: self.horizon(facets, texels, |facet| shares[facet][index]),
-                }
+            .map(|texels| {
+                let (amplitude, normals) = texels.iter().fold((0.0, DVec3::ZERO), |(amplitude, normals), texel| {
+                    (amplitude + texel.amplitude, normals + texel.amplitude * self.normals[texel.index])
+                });
+                (lobe(gain * amplitude, gain * normals, spread), self.horizon(texels))
             })
-            .collect()
+            .collect();
+        let laws = shadows::laws(&self.light(below.texels.iter().copied()), &self.weights, &own);
+        let peaks = own.iter().zip(laws).map(|((peak, _), law)| self.peak(peak, Some(law))).collect();
+        Fitted { fit: None, peaks }
+    }
+
+    /// What a facet of another width has for its energy 2π/(n + 1).
+    fn spread_gain(&self) -> f64 {
+        (spread_exponent(self.exponent) + 1.0) / (self.exponent + 1.0)
+    }
+
+    /// A fitted peak of facets as narrow as they are.
+    fn peak(&self, peak: &FittedPeak, horizon: Option<[Horizon; 4]>) -> Peak {
+        let exponent = sharpened(peak.exponent, self.exponent).clamp(*EXPONENTS.start(), *EXPONENTS.end());
+        Peak {
+            amplitude: peak.amplitude * (exponent + 1.0) / (peak.exponent + 1.0),
+            normal: peak.direction,
+            exponent,
+            horizon,
+        }
     }
 
     /// Facets as peaks of their own.
@@ -289,48 +365,23 @@ impl Base {
                 amplitude: facet.amplitude,
                 normal: facet.normal,
                 exponent: self.exponent,
-                horizon: self.horizon(std::slice::from_ref(facet), own, |_| 1.0),
+                horizon: (!self.slopes.is_empty()).then(|| self.horizon(own)),
             }
         };
         facets.iter().map(peak).collect()
     }
 
-    /// The horizons of facets, by their amplitude and a peak's share in each, by its index; `None` without heights.
-    fn horizon(&self, facets: &[Facet], texels: &[Texel], share: impl Fn(usize) -> f64) -> Option<[Horizon; 4]> {
-        if self.slopes.is_empty() {
-            return None;
-        }
+    /// The horizons of texels of level 0, by their amplitude.
+    fn horizon(&self, texels: &[Texel]) -> [Horizon; 4] {
         let mut sides = [Tally::EMPTY; 4];
-        let mut rest = texels;
-        for (index, facet) in facets.iter().enumerate() {
-            let (own, others) = rest.split_at(facet.texels);
-            rest = others;
-            let share = share(index);
-            for texel in own.iter().filter(|_| share > 0.0) {
-                let (slopes, knots) = (self.slopes[texel.index], self.knots[texel.index]);
-                for ((tally, slope), knot) in sides.iter_mut().zip(slopes).zip(knots) {
-                    tally.add(share * texel.amplitude, slope, knot);
-                }
+        for texel in texels {
+            let (slopes, knots) = (self.slopes[texel.index], self.knots[texel.index]);
+            for ((tally, slope), knot) in sides.iter_mut().zip(slopes).zip(knots) {
+                tally.add(texel.amplitude, slope, knot);
             }
         }
-        Some(sides.map(|tally| tally.law()))
+        sides.map(|tally| tally.law())
     }
-}
-
-/// The share that each peak has in each facet: of the density that all peaks together have at its normal.
-///
-/// A facet that turns away from an eye is behind a horizon for it. Peaks that kept those of all facets around them, not only of those they stand for,
-/// would hide what is in sight: far away, where a surface is rough, 5 to 15 % of the light.
-fn shares(peaks: &[fit::FittedPeak], facets: &[Facet]) -> Vec<[f64; MAX_PEAKS]> {
-    let share = |facet: &Facet| {
-        let mut shares = [0.0; MAX_PEAKS];
-        for (share, peak) in shares.iter_mut().zip(peaks) {
-            *share = peak.amplitude * power(peak.direction.dot(facet.normal), peak.exponent);
-        }
-        let sum: f64 = shares.iter().sum();
-        if sum > 0.0 { shares.map(|share| share / sum) } else { shares }
-    };
-    facets.iter().map(share).collect()
 }
 
 /// What lies below a texel.
@@ -346,11 +397,17 @@ impl Below {
     }
 
     /// Hash of all that a fit depends on but the options.
-    fn key(&self) -> Key {
+    fn key(&self, slopes: &[HorizonSlopes]) -> Key {
         let mut hash = Sha256::new();
+        let mut add = |numbers: &[f64]| numbers.iter().for_each(|number| hash.update(number.to_le_bytes()));
         for facet in &self.facets {
-            for number in facet.normal.to_array().into_iter().chain([facet.amplitude]) {
-                hash.update(number.to_le_bytes());
+            add(&facet.normal.to_array());
+            add(&[facet.amplitude]);
+        }
+        if !slopes.is_empty() {
+            for texel in &self.texels {
+                add(&[texel.amplitude]);
+                add(&slopes[texel.index]);
             }
         }
         hash.finalize().into()
@@ -501,14 +558,17 @@ pub(super) mod tests {
 
     #[test]
     fn texels_do_not_depend_on_the_number_of_threads() {
-        let source = hills(6, 5);
-        let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-            pool.install(|| build(&source, &OPTIONS))
-        };
-        let alone = with(1);
-        assert!(alone.fits.fitted > 0);
-        assert_eq!(with(3), alone);
+        // More than one thread sums the light of.
+        let large = hills(128, 40);
+        for source in [PeakSource { heights: None, ..hills(6, 5) }, hills(6, 5), large] {
+            let with = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+                pool.install(|| build(&source, &OPTIONS))
+            };
+            let alone = with(1);
+            assert_eq!(alone.fits.fitted > 0, source.heights.is_none());
+            assert_eq!(with(3), alone);
+        }
     }
 
     #[test]
@@ -522,7 +582,7 @@ pub(super) mod tests {
         let alone = multiple_surface(&tile, &OPTIONS).expect("the source is good");
         let base = Base::new(&tiled(4, 2), &OPTIONS).expect("the source is good");
         let covers = (covers(16, 4), covers(8, 2));
-        let mut known = Fits::new();
+        let mut known = Known::new();
         let steps = std::sync::atomic::AtomicU64::new(0);
         let texels = base.texels(&covers, Part { level: 2, first: 0, texels: 8 }, &mut known, &|done| {
             steps.fetch_add(done, std::sync::atomic::Ordering::Relaxed);
@@ -533,9 +593,28 @@ pub(super) mod tests {
         let mut source = tiled(4, 2);
         source.normals[5].x += 1e-15;
         let base = Base::new(&source, &OPTIONS).expect("the source is good");
-        let mut known = Fits::new();
+        let mut known = Known::new();
         base.texels(&covers, Part { level: 2, first: 0, texels: 8 }, &mut known, &|_| ());
         assert_eq!(known.len(), 2);
+    }
+
+    /// What looks the same and lies in other shadows is another neighbourhood.
+    #[test]
+    fn equal_normals_with_other_horizons_share_nothing() {
+        let flat = PeakSource { heights: Some(vec![0.0; 128]), ..hills(16, 8) };
+        let mut source = flat.clone();
+        source.normals =
+            (0..128).map(|index| flat.normals[index / 64 * 64 + index % 4 + index / 16 % 4 * 16]).collect();
+        let known = |source: &PeakSource| {
+            let base = Base::new(source, &OPTIONS).expect("the source is good").with_light();
+            let mut known = Known::new();
+            let part = Part { level: 2, first: 0, texels: 8 };
+            base.texels(&(covers(16, 4), covers(8, 2)), part, &mut known, &|_| ());
+            known.len()
+        };
+        let same = known(&source);
+        source.heights.iter_mut().flatten().step_by(37).for_each(|height| *height = 0.5);
+        assert!(same <= 2 && known(&source) > same);
     }
 
     #[test]

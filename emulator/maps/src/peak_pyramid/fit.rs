@@ -14,7 +14,7 @@ use glam::DVec3;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-use super::blocks::{self, Block, LANES, LEVEL, cosines, log_powers, powers};
+use super::blocks::{self, Block, LANES, LEVEL, cosines, joined, log_powers, powers};
 use super::spread::{BLOCKS, HEMISPHERE, SAMPLES, neighbours, power};
 
 /// Most peaks of a fit.
@@ -438,12 +438,6 @@ fn products<'a, S: Simd, const M: usize, const N: usize>(
         }
     });
     products
-}
-
-/// One sum of eight.
-#[inline(always)]
-fn joined(sums: [f64; LANES]) -> f64 {
-    (sums[0] + sums[4]) + (sums[1] + sums[5]) + (sums[2] + sums[6]) + (sums[3] + sums[7])
 }
 
 /// The product of two short lists.

@@ -2,7 +2,8 @@
 //!
 //! Mean and deviation are the uniform law's (F92 §5). They are not enough: most facets see a low horizon and some a high one, and far away, where
 //! eyes are low, few facets are all that is seen. So shares are tallied between [`KNOTS`] and a falling law, 1 − (1 − t)² over a width, is laid
-//! through them by least squares of the share relative to itself: exact where a share is small.
+//! through them by least squares of the share relative to itself: exact where a share is small. From there a peak's light is fitted
+//! ([`shadows`](super::shadows)).
 
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f64x8};

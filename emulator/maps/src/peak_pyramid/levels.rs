@@ -80,7 +80,7 @@ pub enum Steps {
     Found(u64),
 }
 
-/// How the fits went.
+/// How the fits of densities went; with heights there are none, for peaks are clusters of facets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FitCounts {
     /// Texels with more than seven distinct normals.

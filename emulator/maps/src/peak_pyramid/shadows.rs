@@ -1,0 +1,628 @@
+//! Shadows: the laws of horizons with which a texel's peaks are as bright as its facets, where light and eye see them.
+//!
+//! Horizons of a peak's facets are not enough to know its light: facets that are bright are those in sight, and light and eye see them together. So the
+//! laws begin as those of the horizons ([`law`](super::law)) and go to where Σ a cosⁿα · share is the light of the facets, in the least squares of 240
+//! pairs of light and eye, low ones above all. Share and light are those of the datapath (`core/src/stage/horizon.rs`, correlated) and of level 0.
+
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{dispatch, f64x8, mask64x8};
+use glam::DVec3;
+
+use super::blocks::{Block, Directions, LANES, LEVEL, cosines, joined, powers};
+use super::fit::FittedPeak;
+use super::levels::Horizon;
+use crate::horizon::HorizonSlopes;
+
+/// Elevations of eyes, degrees.
+const EYES: [f64; 5] = [1.5, 3.0, 6.0, 12.0, 35.0];
+/// Elevations of lights, degrees.
+const LIGHTS: [f64; 4] = [12.0, 25.0, 45.0, 75.0];
+/// Pairs of an eye's and a light's elevation, around the horizon.
+const AROUND: usize = 12;
+/// Pairs of light and eye.
+const PAIRS: usize = EYES.len() * LIGHTS.len() * AROUND;
+const BLOCKS: usize = PAIRS / LANES;
+/// Steepest slope of a direction, as in the datapath.
+const STEEPEST: f64 = 8.0;
+/// Passes over the peaks of a texel; twelve gain next to nothing.
+const PASSES: u32 = 3;
+/// Root of the share that the distance from the laws of the horizons has in what is made least.
+const TETHER: f64 = 0.03;
+/// Share of the mean light that an error is relative to beside the light of its own pair.
+const FLOOR: f64 = 0.1;
+/// Narrowest width that a law begins with, and narrowest and widest that it goes to, as logarithms.
+const NARROW: f64 = 0.02;
+const WIDTHS: std::ops::RangeInclusive<f64> = -5.0..=3.0;
+/// Slopes that a law may begin at.
+const LOWS: std::ops::RangeInclusive<f64> = -4.0..=7.9;
+
+const _: () = assert!(BLOCKS * LANES == PAIRS);
+
+/// Eight pairs of light and eye.
+struct Pairs {
+    /// Between light and eye.
+    half: Directions,
+    /// Slope of the lower one of both to each side, infinite where none goes there: a facet is in the light and in sight whose horizons are below.
+    clear: [Block; 4],
+    /// Slopes of the light over x and y, then of the eye.
+    slopes: [Block; 4],
+    /// 1 where that points to the positive side, −1 where not.
+    sides: [Block; 4],
+}
+
+/// Light and eye of every pair.
+fn directions() -> Vec<[DVec3; 2]> {
+    // Turns that never repeat: by the golden ratio, and its square.
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let direction = |elevation: f64, turn: f64| {
+        let (sin, cos) = libm::sincos(elevation.to_radians());
+        let (y, x) = libm::sincos(TAU * turn);
+        DVec3::new(cos * x, cos * y, sin)
+    };
+    let elevations = EYES.into_iter().flat_map(|eye| LIGHTS.map(|light| [light, eye]));
+    elevations
+        .flat_map(|elevations| (0..AROUND).map(move |around| (elevations, around)))
+        .enumerate()
+        .map(|(index, ([light, eye], around))| {
+            let turn = (around as f64 + (index as f64 * GOLDEN).fract()) / AROUND as f64;
+            let between = 3.1 * GOLDEN * GOLDEN * (index + 1) as f64;
+            [direction(light, (turn + between).fract()), direction(eye, turn)]
+        })
+        .collect()
+}
+
+/// The pairs, made once.
+static ALL: LazyLock<Vec<Pairs>> = LazyLock::new(|| {
+    let block = |pairs: &[[DVec3; 2]]| {
+        let lanes = |value: &dyn Fn([DVec3; 2]) -> f64| Block(std::array::from_fn(|lane| value(pairs[lane])));
+        let slope = |direction: DVec3, axis: usize| (direction.z / direction[axis].abs()).min(STEEPEST);
+        let clear = |side: usize, pair: [DVec3; 2]| {
+            let there = pair.into_iter().filter(|direction| (direction[side / 2] < 0.0) == side.is_multiple_of(2));
+            there.map(|direction| slope(direction, side / 2)).fold(f64::INFINITY, f64::min)
+        };
+        Pairs {
+            half: [0, 1, 2].map(|axis| lanes(&|[light, eye]| (light + eye).normalize()[axis])),
+            clear: [0, 1, 2, 3].map(|side| lanes(&|pair| clear(side, pair))),
+            slopes: [0, 1, 2, 3].map(|ramp| lanes(&|pair| slope(pair[ramp / 2], ramp % 2))),
+            sides: [0, 1, 2, 3].map(|ramp| lanes(&|pair| 1.0_f64.copysign(pair[ramp / 2][ramp % 2]))),
+        }
+    };
+    directions().chunks_exact(LANES).map(block).collect()
+});
+
+/// One number for each pair.
+pub(super) type Light = [Block; BLOCKS];
+
+/// Light of no facets.
+pub(super) const DARK: Light = [Block::ZERO; BLOCKS];
+
+/// Adds the light of a facet a cosⁿα to that of others.
+#[inline(always)]
+fn add<S: Simd>(simd: S, sum: &mut Light, normal: DVec3, slopes: &HorizonSlopes, amplitude: f64, exponent: f64) {
+    let exponent = f64x8::splat(simd, exponent);
+    for (sum, pairs) in sum.iter_mut().zip(ALL.iter()) {
+        let [left, right, down, up] = &pairs.clear;
+        let along_x = left.load(simd).simd_ge(slopes[0]) & right.load(simd).simd_ge(slopes[1]);
+        let along_y = down.load(simd).simd_ge(slopes[2]) & up.load(simd).simd_ge(slopes[3]);
+        let seen: mask64x8<S> = along_x & along_y;
+        if seen.all_false() {
+            continue;
+        }
+        if let Some(powers) = powers(cosines(simd, normal, &pairs.half), exponent) {
+            let light = seen.select(powers * amplitude, f64x8::splat(simd, 0.0));
+            *sum = Block::store(sum.load(simd) + light);
+        }
+    }
+}
+
+/// Light of facets with their horizons and amplitudes, Σ a cosⁿα over those that light and eye see.
+pub(super) fn light(facets: impl Iterator<Item = (DVec3, HorizonSlopes, f64)>, exponent: f64) -> Light {
+    let mut sum = DARK;
+    // A closure would be compiled for one instruction set.
+    let mut facets = facets;
+    dispatch!(*LEVEL, simd => add_all(simd, &mut sum, &mut facets, exponent));
+    sum
+}
+
+#[inline(always)]
+fn add_all<S: Simd>(
+    simd: S,
+    sum: &mut Light,
+    facets: &mut impl Iterator<Item = (DVec3, HorizonSlopes, f64)>,
+    exponent: f64,
+) {
+    for (normal, slopes, amplitude) in facets {
+        add(simd, sum, normal, &slopes, amplitude, exponent);
+    }
+}
+
+/// What errors count, pair by pair: one over the light that a whole map has there, with a share of its mean.
+pub(super) fn weights(whole: &Light) -> Light {
+    let lanes = || whole.iter().flat_map(|block| block.0);
+    let floor = FLOOR * lanes().sum::<f64>() / PAIRS as f64;
+    let weight = |light: f64| if light + floor > 0.0 { 1.0 / (light + floor) } else { 0.0 };
+    whole.map(|block| Block(block.0.map(weight)))
+}
+
+/// Laws of the four sides of a peak, as they are fitted: low ends, logarithms of widths, which of them are steps.
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    low: [f64; 4],
+    log_width: [f64; 4],
+    width: [f64; 4],
+}
+
+impl Law {
+    fn new(sides: &[Horizon; 4]) -> Self {
+        // A step stays one: all horizons are the same.
+        let width = sides.map(|side| if side.width > 0.0 { side.width.max(NARROW) } else { 0.0 });
+        Self { low: sides.map(|side| side.low), log_width: width.map(|width| libm::log(width.max(NARROW))), width }
+    }
+
+    fn moved(&self, by: &[f64; 8]) -> Self {
+        let mut law = *self;
+        for side in 0..4 {
+            let half = |step: f64| step.clamp(-0.5, 0.5);
+            law.low[side] = (self.low[side] + half(by[side])).clamp(*LOWS.start(), *LOWS.end());
+            if self.width[side] > 0.0 {
+                law.log_width[side] = (self.log_width[side] + half(by[4 + side])).clamp(*WIDTHS.start(), *WIDTHS.end());
+                law.width[side] = libm::exp(law.log_width[side]);
+            } else {
+                law.low[side] = self.low[side];
+            }
+        }
+        law
+    }
+
+    /// What is away from another, variable by variable.
+    fn from(&self, other: &Self) -> [f64; 8] {
+        std::array::from_fn(|variable| {
+            let side = variable % 4;
+            if variable < 4 { self.low[side] - other.low[side] } else { self.log_width[side] - other.log_width[side] }
+        })
+    }
+}
+
+/// Four ramps of light and eye: how far each is up its law.
+///
+/// Calls in place of closures, here and below: a closure is compiled without the vectors of the machine and is no part of what calls it.
+#[inline(always)]
+fn ramps<S: Simd>(simd: S, pairs: &Pairs, law: &Law) -> [Ramp<S>; 4] {
+    [ramp(simd, pairs, law, 0), ramp(simd, pairs, law, 1), ramp(simd, pairs, law, 2), ramp(simd, pairs, law, 3)]
+}
+
+#[inline(always)]
+fn ramp<S: Simd>(simd: S, pairs: &Pairs, law: &Law, index: usize) -> Ramp<S> {
+    let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
+    let positive = pairs.sides[index].load(simd).simd_gt(zero);
+    let low = of_side(simd, positive, &law.low, index);
+    let width = of_side(simd, positive, &law.width, index);
+    let above = pairs.slopes[index].load(simd) - low;
+    let t = above / width;
+    let sloped = width.simd_gt(zero);
+    let climbing = sloped & t.simd_gt(zero) & t.simd_lt(one);
+    // What is no law is a step.
+    let over = sloped.select(t, above + one).simd_ge(one);
+    let t = climbing.select(t, over.select(one, zero));
+    let rest = one - t;
+    Ramp { positive, t, width, share: one - rest * rest, slope: climbing.select(rest + rest, zero) }
+}
+
+/// What the side has that a ramp goes to.
+#[inline(always)]
+fn of_side<S: Simd>(simd: S, positive: mask64x8<S>, sides: &[f64; 4], ramp: usize) -> f64x8<S> {
+    let axis = 2 * (ramp % 2);
+    positive.select(f64x8::splat(simd, sides[axis + 1]), f64x8::splat(simd, sides[axis]))
+}
+
+struct Ramp<S: Simd> {
+    positive: mask64x8<S>,
+    t: f64x8<S>,
+    width: f64x8<S>,
+    /// 1 − (1 − t)².
+    share: f64x8<S>,
+    /// Its derivative by t; 0 where t does not move.
+    slope: f64x8<S>,
+}
+
+/// The two smallest shares, and which ramps they are of.
+#[inline(always)]
+fn smallest<S: Simd>(simd: S, ramps: &[Ramp<S>; 4]) -> ([f64x8<S>; 2], [f64x8<S>; 2]) {
+    let (mut least, mut next) = (ramps[0].share, f64x8::splat(simd, 2.0));
+    let (mut least_of, mut next_of) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 4.0));
+    for (index, ramp) in ramps.iter().enumerate().skip(1) {
+        let of = f64x8::splat(simd, index as f64);
+        let (below, between) = (ramp.share.simd_lt(least), ramp.share.simd_lt(next));
+        next = below.select(least, between.select(ramp.share, next));
+        next_of = below.select(least_of, between.select(of, next_of));
+        least = below.select(ramp.share, least);
+        least_of = below.select(of, least_of);
+    }
+    ([least, next], [least_of, next_of])
+}
+
+/// Shares of a peak at all pairs.
+#[inline(always)]
+fn shares<S: Simd>(simd: S, law: &Law) -> Light {
+    let mut shares = DARK;
+    for (share, pairs) in shares.iter_mut().zip(ALL.iter()) {
+        let ([least, next], _) = smallest(simd, &ramps(simd, pairs, law));
+        *share = Block::store(least * (next + 3.0) * 0.25);
+    }
+    shares
+}
+
+/// Derivatives of a share by low ends and logarithms of widths of the four sides.
+#[inline(always)]
+fn slopes<S: Simd>(simd: S, pairs: &Pairs, law: &Law) -> [f64x8<S>; 8] {
+    let ramps = ramps(simd, pairs, law);
+    let ([least, next], [least_of, next_of]) = smallest(simd, &ramps);
+    let zero = f64x8::splat(simd, 0.0);
+    let mut slopes = [zero; 8];
+    for (index, ramp) in ramps.iter().enumerate() {
+        let of = f64x8::splat(simd, index as f64);
+        let by_share = least_of.simd_eq(of).select((next + 3.0) * 0.25, next_of.simd_eq(of).select(least * 0.25, zero));
+        let by_t = by_share * ramp.slope;
+        let by_low = ramp.width.simd_gt(zero).select(-by_t / ramp.width, zero);
+        let by_width = -by_t * ramp.t;
+        let axis = 2 * (index % 2);
+        slopes[axis] += ramp.positive.select(zero, by_low);
+        slopes[axis + 1] += ramp.positive.select(by_low, zero);
+        slopes[4 + axis] += ramp.positive.select(zero, by_width);
+        slopes[5 + axis] += ramp.positive.select(by_width, zero);
+    }
+    slopes
+}
+
+/// Light of a peak that everything sees, weighted.
+#[inline(always)]
+fn open<S: Simd>(simd: S, peak: &FittedPeak, weights: &Light) -> Light {
+    let mut light = DARK;
+    let exponent = f64x8::splat(simd, peak.exponent);
+    for ((light, pairs), weight) in light.iter_mut().zip(ALL.iter()).zip(weights) {
+        if let Some(powers) = powers(cosines(simd, peak.direction, &pairs.half), exponent) {
+            *light = Block::store(powers * peak.amplitude * weight.load(simd));
+        }
+    }
+    light
+}
+
+/// A peak on its way.
+struct Moving {
+    start: Law,
+    law: Law,
+    /// Its light without horizons, weighted.
+    open: Light,
+    share: Light,
+    /// How much a distance from the start counts.
+    tether: f64,
+    /// Levenberg's and Marquardt's damping.
+    damping: f64,
+}
+
+/// The laws of peaks that are to have the light `wanted`, from those of their horizons.
+///
+/// Peak after peak takes a step of Gauss and Newton on its own eight numbers with what all together leave: lobes meet in few pairs.
+pub(super) fn laws(wanted: &Light, weights: &Light, peaks: &[(FittedPeak, [Horizon; 4])]) -> Vec<[Horizon; 4]> {
+    dispatch!(*LEVEL, simd => fitted(simd, wanted, weights, peaks))
+}
+
+#[inline(always)]
+fn fitted<S: Simd>(
+    simd: S,
+    wanted: &Light,
+    weights: &Light,
+    peaks: &[(FittedPeak, [Horizon; 4])],
+) -> Vec<[Horizon; 4]> {
+    let mut moving = Vec::with_capacity(peaks.len());
+    for (peak, horizon) in peaks {
+        let (start, open) = (Law::new(horizon), open(simd, peak, weights));
+        let tether = TETHER * TETHER * dot(simd, &open, &open);
+        moving.push(Moving { start, law: start, open, share: shares(simd, &start), tether, damping: 1e-2 });
+    }
+    let mut rest = DARK;
+    for (block, rest) in rest.iter_mut().enumerate() {
+        let mut sum = -(wanted[block].load(simd) * weights[block].load(simd));
+        for peak in &moving {
+            sum += peak.open[block].load(simd) * peak.share[block].load(simd);
+        }
+        *rest = Block::store(sum);
+    }
+    for _ in 0..PASSES {
+        for peak in &mut moving {
+            if peak.tether > 0.0 {
+                step(simd, peak, &mut rest);
+            }
+        }
+    }
+    moving
+        .iter()
+        .zip(peaks)
+        .map(|(peak, (_, horizon))| {
+            std::array::from_fn(|side| Horizon {
+                low: peak.law.low[side],
+                width: peak.law.width[side],
+                ..horizon[side]
+            })
+        })
+        .collect()
+}
+
+/// One step of a peak, if it leaves less.
+#[inline(always)]
+fn step<S: Simd>(simd: S, peak: &mut Moving, rest: &mut Light) {
+    let zero = f64x8::splat(simd, 0.0);
+    let (mut products, mut towards) = ([[zero; 8]; 8], [zero; 8]);
+    for (block, pairs) in ALL.iter().enumerate() {
+        let (open, left) = (peak.open[block].load(simd), rest[block].load(simd));
+        let mut slopes = slopes(simd, pairs, &peak.law);
+        for row in 0..8 {
+            slopes[row] *= open;
+            towards[row] += slopes[row] * left;
+            for column in 0..=row {
+                products[row][column] += slopes[row] * slopes[column];
+            }
+        }
+    }
+    let away = peak.law.from(&peak.start);
+    let mut matrix = [[0.0; 8]; 8];
+    let mut side = [0.0; 8];
+    for row in 0..8 {
+        side[row] = -(joined(towards[row].into()) + peak.tether * away[row]);
+        for column in 0..=row {
+            matrix[row][column] = joined(products[row][column].into());
+        }
+        matrix[row][row] += peak.tether + peak.damping * matrix[row][row];
+    }
+    let law = peak.law.moved(&solved(matrix, side));
+    let share = shares(simd, &law);
+    let mut moved = *rest;
+    for (block, moved) in moved.iter_mut().enumerate() {
+        let more = share[block].load(simd) - peak.share[block].load(simd);
+        *moved = Block::store(moved.load(simd) + more * peak.open[block].load(simd));
+    }
+    let square = |values: [f64; 8]| values.iter().map(|value| value * value).sum::<f64>();
+    let before = dot(simd, rest, rest) + peak.tether * square(away);
+    let after = dot(simd, &moved, &moved) + peak.tether * square(law.from(&peak.start));
+    if after < before {
+        (peak.law, peak.share, *rest) = (law, share, moved);
+        peak.damping = (0.2 * peak.damping).max(1e-6);
+    } else {
+        peak.damping *= 8.0;
+    }
+}
+
+/// Solves a symmetric positive definite system, of which the lower half is given, by Cholesky's factors.
+fn solved(mut matrix: [[f64; 8]; 8], mut side: [f64; 8]) -> [f64; 8] {
+    for column in 0..8 {
+        for row in column..8 {
+            let above: f64 = (0..column).map(|index| matrix[row][index] * matrix[column][index]).sum();
+            let rest = matrix[row][column] - above;
+            matrix[row][column] = if row == column { rest.sqrt() } else { rest / matrix[column][column] };
+        }
+    }
+    for row in 0..8 {
+        let before: f64 = (0..row).map(|index| matrix[row][index] * side[index]).sum();
+        side[row] = (side[row] - before) / matrix[row][row];
+    }
+    for row in (0..8).rev() {
+        let after: f64 = (row + 1..8).map(|index| matrix[index][row] * side[index]).sum();
+        side[row] = (side[row] - after) / matrix[row][row];
+    }
+    side
+}
+
+#[inline(always)]
+fn dot<S: Simd>(simd: S, left: &Light, right: &Light) -> f64 {
+    let mut sum = f64x8::splat(simd, 0.0);
+    for (left, right) in left.iter().zip(right) {
+        sum += left.load(simd) * right.load(simd);
+    }
+    joined(sum.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::blocks::tests::levels;
+    use super::*;
+    use roughxel_scene::random::SplitMix64;
+
+    /// Slope of a direction over an axis, and the side that it goes to.
+    fn climb(direction: DVec3, axis: usize) -> (f64, usize) {
+        ((direction.z / direction[axis].abs()).min(STEEPEST), 2 * axis + usize::from(direction[axis] >= 0.0))
+    }
+
+    fn flat(light: &Light) -> Vec<f64> {
+        light.iter().flat_map(|block| block.0).collect()
+    }
+
+    fn facets(count: usize, steepness: f64) -> Vec<(DVec3, HorizonSlopes, f64)> {
+        let mut random = SplitMix64::new(22);
+        let mut one = || {
+            let mut uniform = |low: f64, high: f64| random.uniform(low, high);
+            let normal = DVec3::new(uniform(-steepness, steepness), uniform(-steepness, steepness), 1.0);
+            (normal.normalize(), std::array::from_fn(|_| steepness * uniform(0.0, 1.2).powi(2)), uniform(0.5, 1.5))
+        };
+        (0..count).map(|_| one()).collect()
+    }
+
+    fn horizon(low: f64, width: f64) -> Horizon {
+        Horizon { mean: low + width / 3.0, deviation: width / 18.0_f64.sqrt(), low, width }
+    }
+
+    fn peaks() -> Vec<(FittedPeak, [Horizon; 4])> {
+        let peak = |direction: [f64; 3], exponent: f64, sides: [[f64; 2]; 4]| {
+            let direction = DVec3::from(direction).normalize();
+            (FittedPeak { amplitude: 0.8, direction, exponent }, sides.map(|[low, width]| horizon(low, width)))
+        };
+        vec![
+            peak([0.3, 0.0, 1.0], 9.0, [[0.0, 0.5], [0.1, 0.9], [0.05, 0.3], [0.0, 2.0]]),
+            peak([-0.4, 0.2, 1.0], 20.0, [[0.2, 0.5], [0.0, 0.4], [0.3, 0.0], [-0.1, 0.6]]),
+            peak([0.0, -0.5, 1.0], 5.0, [[0.0, 0.2], [0.0, 0.2], [0.0, 0.7], [0.4, 1.1]]),
+        ]
+    }
+
+    /// The light of peaks with their laws, as the datapath has it.
+    fn lit(peaks: &[(FittedPeak, [Horizon; 4])]) -> Vec<f64> {
+        let light = |[light, eye]: [DVec3; 2]| {
+            let half = (light + eye).normalize();
+            let of = |(peak, sides): &(FittedPeak, [Horizon; 4])| {
+                let mut shares = [light, eye].map(|direction| {
+                    [0, 1].map(|axis| {
+                        let (slope, side) = climb(direction, axis);
+                        let side = sides[side];
+                        let step = if slope < side.low { 0.0 } else { 1.0 };
+                        let t = if side.width > 0.0 { ((slope - side.low) / side.width).clamp(0.0, 1.0) } else { step };
+                        1.0 - (1.0 - t) * (1.0 - t)
+                    })
+                });
+                let shares = shares.as_flattened_mut();
+                shares.sort_by(f64::total_cmp);
+                peak.amplitude
+                    * peak.direction.dot(half).max(0.0).powf(peak.exponent)
+                    * shares[0]
+                    * (3.0 + shares[1])
+                    * 0.25
+            };
+            peaks.iter().map(of).sum()
+        };
+        directions().into_iter().map(light).collect()
+    }
+
+    fn light_of(values: &[f64]) -> Light {
+        std::array::from_fn(|block| Block(std::array::from_fn(|lane| values[block * LANES + lane])))
+    }
+
+    const EQUAL: Light = [Block([1.0; LANES]); BLOCKS];
+
+    fn error(peaks: &[(FittedPeak, [Horizon; 4])], wanted: &[f64]) -> f64 {
+        lit(peaks).iter().zip(wanted).map(|(got, wanted)| (got - wanted).powi(2)).sum()
+    }
+
+    fn with(peaks: &[(FittedPeak, [Horizon; 4])], laws: Vec<[Horizon; 4]>) -> Vec<(FittedPeak, [Horizon; 4])> {
+        peaks.iter().zip(laws).map(|((peak, _), law)| (*peak, law)).collect()
+    }
+
+    #[test]
+    fn pairs_go_all_around_and_are_low() {
+        let pairs = directions();
+        assert_eq!(pairs.len(), PAIRS);
+        for side in 0..4 {
+            let there = |direction: DVec3| (direction[side / 2] < 0.0) == side.is_multiple_of(2);
+            let count = |which: usize| pairs.iter().filter(|pair| there(pair[which])).count();
+            assert!([0, 1].map(count).iter().all(|count| (100..=140).contains(count)));
+            // Light and eye from the same side, and from both.
+            let same = pairs.iter().filter(|pair| there(pair[0]) == there(pair[1])).count();
+            assert!((80..=160).contains(&same), "{same}");
+        }
+    }
+
+    #[test]
+    fn facets_are_bright_where_light_and_eye_clear_their_horizons() {
+        let facets = facets(50, 0.8);
+        let got = flat(&light(facets.iter().copied(), 12.0));
+        let mut seen = 0;
+        for ([to_light, to_eye], got) in directions().into_iter().zip(got) {
+            let half = (to_light + to_eye).normalize();
+            let visible = |slopes: &HorizonSlopes| {
+                [to_light, to_eye].iter().all(|direction| {
+                    (0..2).all(|axis| {
+                        let (slope, side) = climb(*direction, axis);
+                        slope >= slopes[side]
+                    })
+                })
+            };
+            let all = facets.iter().filter(|(_, slopes, _)| visible(slopes));
+            seen += all.clone().count();
+            let wanted: f64 = all.map(|(normal, _, a)| a * normal.dot(half).max(0.0).powf(12.0)).sum();
+            assert!((got - wanted).abs() < 1e-11, "{got} {wanted}");
+        }
+        assert!((50 * PAIRS / 10..50 * PAIRS / 2).contains(&seen), "{seen}");
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_shares() {
+        for (_, sides) in peaks() {
+            let law = Law::new(&sides);
+            let all: Vec<[f64; 8]> = ALL
+                .iter()
+                .flat_map(|pairs| {
+                    let slopes = dispatch!(*LEVEL, simd => slopes(simd, pairs, &law).map(Block::store));
+                    (0..LANES).map(move |lane| slopes.map(|block| block.0[lane]))
+                })
+                .collect();
+            for variable in 0..8 {
+                let share = |step: f64| {
+                    let by = std::array::from_fn(|index| if index == variable { step } else { 0.0 });
+                    let law = law.moved(&by);
+                    flat(&dispatch!(*LEVEL, simd => shares(simd, &law)))
+                };
+                let step = 1e-6;
+                let numeric = share(step).into_iter().zip(share(-step)).map(|(up, down)| (up - down) / (2.0 * step));
+                // Where one ramp takes over from another the derivative steps.
+                let off = numeric.zip(&all).filter(|(numeric, slopes)| (numeric - slopes[variable]).abs() > 1e-4);
+                assert!(off.count() <= 2, "{variable}");
+            }
+        }
+    }
+
+    #[test]
+    fn laws_that_are_right_stay_and_steps_stay_steps() {
+        let peaks = peaks();
+        let laws = laws(&light_of(&lit(&peaks)), &EQUAL, &peaks);
+        for ((_, wanted), got) in peaks.iter().zip(&laws) {
+            for (wanted, got) in wanted.iter().zip(got) {
+                assert!((got.low - wanted.low).abs() < 1e-6 && (got.width - wanted.width).abs() < 1e-6);
+                assert_eq!(
+                    (got.mean, got.deviation, got.width == 0.0),
+                    (wanted.mean, wanted.deviation, wanted.width == 0.0)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn laws_come_nearer_to_the_light_that_is_wanted() {
+        let wanted = lit(&peaks());
+        let mut start = peaks();
+        for side in start.iter_mut().flat_map(|(_, sides)| sides).filter(|side| side.width > 0.0) {
+            *side = horizon(side.low + 0.1, 1.5 * side.width);
+        }
+        let fitted = with(&start, laws(&light_of(&wanted), &EQUAL, &start));
+        let (before, after) = (error(&start, &wanted), error(&fitted, &wanted));
+        assert!(after < 0.05 * before, "{before} {after}");
+    }
+
+    /// No light, no weight, no amplitude: nothing to go by, and nothing that is no number.
+    #[test]
+    fn what_nothing_is_known_of_stays() {
+        let peaks = peaks();
+        let same = |laws: Vec<[Horizon; 4]>| {
+            let lows = |sides: &[Horizon; 4]| sides.map(|side| side.low);
+            assert!(laws.iter().zip(&peaks).all(|(law, (_, start))| lows(law) == lows(start)));
+        };
+        same(laws(&DARK, &weights(&DARK), &peaks));
+        let dark: Vec<_> = peaks.iter().map(|(peak, sides)| (FittedPeak { amplitude: 0.0, ..*peak }, *sides)).collect();
+        same(laws(&EQUAL, &EQUAL, &dark));
+        let far = laws(&EQUAL.map(|_| Block([1e9; LANES])), &EQUAL, &peaks);
+        assert!(far.iter().flatten().all(|side| LOWS.contains(&side.low) && side.width.is_finite()));
+    }
+
+    #[test]
+    fn laws_are_the_same_bits_on_every_instruction_set() {
+        let facets = facets(40, 0.6);
+        let (peaks, all) = (peaks(), levels());
+        let wanted = light(facets.iter().copied(), 12.0);
+        let weights = weights(&wanted);
+        let own = laws(&wanted, &weights, &peaks);
+        for level in all {
+            let mut sum = DARK;
+            dispatch!(level, simd => add_all(simd, &mut sum, &mut facets.iter().copied(), 12.0));
+            assert_eq!(flat(&sum), flat(&wanted), "{level:?}");
+            assert_eq!(dispatch!(level, simd => fitted(simd, &wanted, &weights, &peaks)), own, "{level:?}");
+        }
+    }
+}
