@@ -15,7 +15,7 @@ use crate::horizon::HorizonSlopes;
 /// Brightness over the truth in the farthest of seven bands, slopes to 1 and from 2 to 3.5: 0.95 to 1.07 and 0.87 to 1.09; with 0.6
 /// 0.93 to 1.10 and 0.86 to 1.13, with 0.9 0.92 to 1.08 and 0.79 to 1.23 (`host-tests/tests/pictures/shadows.rs`).
 const HORIZON_WEIGHT: f64 = 0.4;
-/// Passes over the facets; most clusters stand after ten.
+/// Most passes over the facets; the last is the first in which none moves.
 const PASSES: u32 = 20;
 
 /// A facet among others.
