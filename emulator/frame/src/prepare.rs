@@ -149,7 +149,7 @@ impl<'a> Prepared<'a> {
                         .map(|r| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32)),
                     main_direction: block_vector(material.main_direction, &precision),
                     colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
-                    bump_map: bump.filter(|_| plan.bump_map()).map(BumpMap::new),
+                    bump_map: bump.and_then(|bump| BumpMap::new(bump).with_plan(&plan)),
                 }
             })
             .collect();
@@ -184,7 +184,7 @@ impl<'a> Prepared<'a> {
         if let Some(object) = self.objects.get_mut(object) {
             object.plan = plan;
             object.colour_map.take_if(|_| !plan.colour_map);
-            object.bump_map.take_if(|_| !plan.bump_map());
+            object.bump_map = object.bump_map.take().and_then(|map| map.with_plan(&plan));
             object.lighting = object.lighting.take().and_then(|lighting| lighting.with_plan(&plan));
         }
         self
@@ -196,12 +196,11 @@ impl<'a> Prepared<'a> {
         let environment = self.environment.as_ref().filter(|_| object.plan.reflection.is_some());
         let [peaks, horizons] =
             object.lighting.as_ref().map_or([0; 2], Lighting::bytes).map(|bytes| (bytes > 0).then_some(bytes));
-        let is_rough = object.plan.roughness() != RoughnessKind::None;
         let [offsets, roughness] = [0, 1].map(|part| object.bump_map.as_ref().map(|map| map.bytes()[part]));
         [
             (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
             (Effect::Bump, offsets),
-            (Effect::Roughness, roughness.filter(|&bytes| bytes > 0 && is_rough)),
+            (Effect::Roughness, roughness.filter(|&bytes| bytes > 0)),
             (Effect::Environment, environment.map(|map| map.bytes())),
             (Effect::Peaks, peaks),
             (Effect::Horizon, horizons),

@@ -13,6 +13,7 @@ use roughxel_scene::picture::Picture;
 
 use super::MAX_MAP_EXPONENT;
 use super::colour::Channel;
+use super::plan::ObjectPlan;
 
 /// Derivatives of texture coordinates over a pixel.
 pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
@@ -141,6 +142,13 @@ impl BumpMap {
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
         Self { texels, scale, bytes }
+    }
+
+    /// What a plan reads of it.
+    pub(super) fn with_plan(self, plan: &ObjectPlan) -> Option<Self> {
+        let smooth =
+            |map: Self| Self { texels: map.texels.without_roughness(&map.scale), bytes: [map.bytes[0], 0], ..map };
+        plan.bump_map().then(|| if plan.roughness() == RoughnessKind::None { smooth(self) } else { self })
     }
 
     pub(super) fn map(&self) -> &RepeatedMap {
