@@ -43,29 +43,23 @@ impl Member {
 /// Starts from the members that are farthest from the mean and from each other, by their weight: the same clusters for the same members in the same
 /// order.
 pub(super) fn clusters(members: &[Member]) -> Vec<u8> {
-    let mut means = vec![mean(members.iter())];
-    // Squared distances to the nearest mean so far.
-    let mut distances: Vec<f64> = members.iter().map(|member| member.distance(&means[0])).collect();
-    for cluster in 0..MAX_PEAKS {
-        let farthest = members.iter().zip(&distances).fold((0.0, None), |most, (member, distance)| {
-            let share = member.weight * distance;
-            if share > most.0 { (share, Some(member.place)) } else { most }
-        });
-        let Some(place) = farthest.1 else { break };
-        if cluster == 0 {
-            // The mean of all was where to begin, and is no cluster.
-            means.clear();
-            distances.fill(f64::INFINITY);
-        }
-        means.push(place);
-        for (distance, member) in distances.iter_mut().zip(members) {
-            *distance = distance.min(member.distance(&place));
-        }
-    }
+    let mut all = Sum::default();
+    members.iter().for_each(|member| all.add(member));
+    let distances = |to: [f64; 6]| members.iter().map(move |member| member.distance(&to));
+    let first = all.mean().and_then(|mean| farthest(members, distances(mean)));
     let mut of = vec![0; members.len()];
+    let Some(first) = first else { return of };
+    let mut means = vec![first];
+    // Squared, to the nearest mean so far.
+    let mut nearest: Vec<f64> = distances(first).collect();
+    while means.len() < MAX_PEAKS {
+        let Some(next) = farthest(members, nearest.iter().copied()) else { break };
+        means.push(next);
+        nearest.iter_mut().zip(distances(next)).for_each(|(nearest, distance)| *nearest = nearest.min(distance));
+    }
     for _ in 0..PASSES {
         let mut moved = false;
-        let mut sums = [([0.0; 6], 0.0); MAX_PEAKS];
+        let mut sums = [Sum::default(); MAX_PEAKS];
         for (member, own) in members.iter().zip(&mut of) {
             let nearest = means.iter().enumerate().fold((f64::INFINITY, 0), |best, (cluster, mean)| {
                 let distance = member.distance(mean);
@@ -73,33 +67,46 @@ pub(super) fn clusters(members: &[Member]) -> Vec<u8> {
             });
             moved |= usize::from(*own) != nearest.1;
             *own = nearest.1 as u8;
-            let (sum, weight) = &mut sums[nearest.1];
-            for (sum, coordinate) in sum.iter_mut().zip(member.place) {
-                *sum += member.weight * coordinate;
-            }
-            *weight += member.weight;
+            sums[nearest.1].add(member);
         }
         if !moved {
             break;
         }
-        for (mean, (sum, weight)) in means.iter_mut().zip(sums) {
-            if weight > 0.0 {
-                *mean = sum.map(|sum| sum / weight);
-            }
+        for (mean, sum) in means.iter_mut().zip(sums) {
+            *mean = sum.mean().unwrap_or(*mean);
         }
     }
     of
 }
 
-fn mean<'a>(members: impl Iterator<Item = &'a Member>) -> [f64; 6] {
-    let (mut sum, mut weight) = ([0.0; 6], 0.0);
-    for member in members {
-        for (sum, coordinate) in sum.iter_mut().zip(member.place) {
+/// The place of the member that is farthest by its weight; none where all distances are 0.
+fn farthest(members: &[Member], distances: impl Iterator<Item = f64>) -> Option<[f64; 6]> {
+    let farthest = members.iter().zip(distances).fold((0.0, None), |most, (member, distance)| {
+        let share = member.weight * distance;
+        if share > most.0 { (share, Some(member.place)) } else { most }
+    });
+    farthest.1
+}
+
+/// Of the places of members by their weight, and of their weights.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    places: [f64; 6],
+    weight: f64,
+}
+
+impl Sum {
+    fn add(&mut self, member: &Member) {
+        for (sum, coordinate) in self.places.iter_mut().zip(member.place) {
             *sum += member.weight * coordinate;
         }
-        weight += member.weight;
+        self.weight += member.weight;
     }
-    sum.map(|sum| sum / weight)
+
+    /// None of no member.
+    fn mean(&self) -> Option<[f64; 6]> {
+        (self.weight > 0.0).then(|| self.places.map(|sum| sum / self.weight))
+    }
 }
 
 /// The peak of facets Σ a cosⁿα by the sum of their amplitudes, and of their normals times them: their energy and their mean cosine.
@@ -155,11 +162,9 @@ mod tests {
         let mut of = || member([random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)], random.uniform(0.0, 1.0), 1.0);
         let members: Vec<Member> = (0..2000).map(|_| of()).collect();
         let own = clusters(&members);
-        let means: Vec<[f64; 6]> = (0..MAX_PEAKS)
-            .map(|cluster| {
-                mean(members.iter().zip(&own).filter(|(_, of)| usize::from(**of) == cluster).map(|(m, _)| m))
-            })
-            .collect();
+        let mut sums = [Sum::default(); MAX_PEAKS];
+        members.iter().zip(&own).for_each(|(member, of)| sums[usize::from(*of)].add(member));
+        let means = sums.map(|sum| sum.mean().expect("each has members"));
         let nearest = |member: &Member| {
             (0..MAX_PEAKS).min_by(|a, b| member.distance(&means[*a]).total_cmp(&member.distance(&means[*b])))
         };
