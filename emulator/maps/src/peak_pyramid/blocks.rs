@@ -67,8 +67,10 @@ pub(super) fn cosines<S: Simd>(simd: S, direction: DVec3, [x, y, z]: &Directions
     x.load(simd) * direction.x + y.load(simd) * direction.y + z.load(simd) * direction.z
 }
 
-/// ln of the share of its maximum below which a facet is taken as 0 at a sample: 1e-13.
-pub(super) const NEGLIGIBLE: f64 = -30.0;
+/// ln of the share of its maximum below which a facet is taken as 0 at a sample: 8e-7, as much as all of its energy beyond.
+///
+/// With 1e-13 fits to facets of exponent 40 take 1.25 times as long, and residuals differ by 1e-6 of the density.
+pub(super) const NEGLIGIBLE: f64 = -14.0;
 
 /// cosⁿα, 0 where it is negligible; nothing where all eight are. Exponents are at least 1.
 #[inline(always)]

@@ -313,12 +313,12 @@ impl Base {
     fn fitted(&self, below: &Below) -> Fitted {
         let spread = spread_exponent(self.exponent);
         if self.slopes.is_empty() {
-            let fit = fit::fit(&density(&below.facets, self.exponent), spread);
+            let fit = fit::fit(&density(&below.facets, self.exponent), spread, |most| self.lobes(&below.facets, most));
             let peaks = fit.peaks.iter().map(|peak| self.peak(peak, None)).collect();
             return Fitted { fit: Some(fit), peaks };
         }
         let member = |texel: &Texel| Member::new(self.normals[texel.index], self.slopes[texel.index], texel.amplitude);
-        let of = clusters(&below.texels.iter().map(member).collect::<Vec<_>>());
+        let of = clusters(&below.texels.iter().map(member).collect::<Vec<_>>(), MAX_PEAKS);
         let mut gathered = vec![Vec::new(); MAX_PEAKS];
         for (texel, cluster) in below.texels.iter().zip(of) {
             gathered[usize::from(cluster)].push(*texel);
@@ -337,6 +337,20 @@ impl Base {
         let laws = shadows::laws(&self.light(below.texels.iter().copied()), &self.weights, &own);
         let peaks = own.iter().zip(laws).map(|((peak, _), law)| self.peak(peak, Some(law))).collect();
         Fitted { fit: None, peaks }
+    }
+
+    /// Lobes of facets in clusters of about one normal, at most so many: what a fit may start from.
+    fn lobes(&self, facets: &[Facet], most: usize) -> Vec<FittedPeak> {
+        let member = |facet: &Facet| Member::new(facet.normal, HorizonSlopes::default(), facet.amplitude);
+        let mut sums = [(0.0, DVec3::ZERO); MAX_PEAKS];
+        for (facet, of) in facets.iter().zip(clusters(&facets.iter().map(member).collect::<Vec<_>>(), most)) {
+            let (amplitude, normals) = &mut sums[usize::from(of)];
+            *amplitude += facet.amplitude;
+            *normals += facet.amplitude * facet.normal;
+        }
+        let (gain, spread) = (self.spread_gain(), spread_exponent(self.exponent));
+        let some = sums.into_iter().filter(|(amplitude, _)| *amplitude > 0.0);
+        some.map(|(amplitude, normals)| lobe(gain * amplitude, gain * normals, spread)).collect()
     }
 
     /// What a facet of another width has for its energy 2π/(n + 1).

@@ -20,7 +20,7 @@ use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, PeakError, 
 use crate::levels::level_sizes;
 
 /// First bytes of a file; the number changes with the format and with every change of what is built.
-const MAGIC: &[u8] = b"roughxel peak pyramid 4\n";
+const MAGIC: &[u8] = b"roughxel peak pyramid 5\n";
 /// As [`MAGIC`], of a part of a pyramid; the key of the pyramid is in it, too, and with it the number above.
 const PART_MAGIC: &[u8] = b"roughxel part of peaks 1\n";
 /// Bytes of a SHA-256.

@@ -1,9 +1,9 @@
-//! Clusters: facets whose normals and horizons are alike, one for each peak of a surface with shadows.
+//! Clusters: facets whose normals and horizons are alike, one for each peak.
 //!
 //! Far away, where an eye is low, what is seen of a rough surface are the facets in sight, and they are not like the others: they lean towards the eye
 //! and lie high. A peak that stands for all facets of about one normal has no way to say so. One that stands for facets with the same horizons,
 //! too, is in sight or not as a whole. So facets are gathered around at most seven means over normals and horizons (Lloyd's iteration), and each cluster
-//! is a peak: its mean normal, as wide as its normals spread.
+//! is a peak: its mean normal, as wide as its normals spread. Without horizons they are where a fit of many peaks starts from (`fit`).
 
 use glam::DVec3;
 
@@ -38,11 +38,11 @@ impl Member {
     }
 }
 
-/// The cluster of every member, in their order; there may be clusters without any.
+/// Clusters, at most as many as asked for, [`MAX_PEAKS`] or fewer: of every member its own, in their order; there may be clusters without any.
 ///
 /// Starts from the members that are farthest from the mean and from each other, by their weight: the same clusters for the same members in the same
 /// order.
-pub(super) fn clusters(members: &[Member]) -> Vec<u8> {
+pub(super) fn clusters(members: &[Member], most: usize) -> Vec<u8> {
     let mut all = Sum::default();
     members.iter().for_each(|member| all.add(member));
     let distances = |to: [f64; 6]| members.iter().map(move |member| member.distance(&to));
@@ -52,7 +52,7 @@ pub(super) fn clusters(members: &[Member]) -> Vec<u8> {
     let mut means = vec![first];
     // Squared, to the nearest mean so far.
     let mut nearest: Vec<f64> = distances(first).collect();
-    while means.len() < MAX_PEAKS {
+    while means.len() < most {
         let Some(next) = farthest(members, nearest.iter().copied()) else { break };
         means.push(next);
         nearest.iter_mut().zip(distances(next)).for_each(|(nearest, distance)| *nearest = nearest.min(distance));
@@ -143,17 +143,17 @@ mod tests {
                 member([near(x), near(y)], near(horizons[index % 7] + 0.02), [1.0, 3.0][index % 2])
             })
             .collect();
-        let of = clusters(&members);
+        let of = clusters(&members, MAX_PEAKS);
         assert!(of.iter().enumerate().all(|(index, cluster)| *cluster == of[index % 7]));
         assert_eq!(of.iter().collect::<HashSet<_>>().len(), 7);
     }
 
     #[test]
     fn equal_facets_are_one_cluster_and_few_are_one_each() {
-        assert_eq!(clusters(&[member([0.1, 0.3], 0.4, 2.0); 20]), vec![0; 20]);
+        assert_eq!(clusters(&[member([0.1, 0.3], 0.4, 2.0); 20], MAX_PEAKS), vec![0; 20]);
         let few = [member([0.1, 0.3], 0.4, 2.0), member([0.2, 0.3], 0.4, 0.1), member([0.1, 0.3], 0.5, 9.0)];
-        assert_eq!(clusters(&few).into_iter().collect::<HashSet<_>>().len(), 3);
-        assert!(clusters(&[]).is_empty());
+        assert_eq!(clusters(&few, MAX_PEAKS).into_iter().collect::<HashSet<_>>().len(), 3);
+        assert!(clusters(&[], MAX_PEAKS).is_empty());
     }
 
     #[test]
@@ -161,7 +161,7 @@ mod tests {
         let mut random = SplitMix64::new(5);
         let mut of = || member([random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)], random.uniform(0.0, 1.0), 1.0);
         let members: Vec<Member> = (0..2000).map(|_| of()).collect();
-        let own = clusters(&members);
+        let own = clusters(&members, MAX_PEAKS);
         let mut sums = [Sum::default(); MAX_PEAKS];
         members.iter().zip(&own).for_each(|(member, of)| sums[usize::from(*of)].add(member));
         let means = sums.map(|sum| sum.mean().expect("each has members"));

@@ -110,9 +110,9 @@ impl FitCounts {
     pub(super) fn add(mut self, fit: &fit::Fit) -> Self {
         self.fitted += 1;
         self.seven += usize::from(fit.peaks.len() == MAX_PEAKS);
-        self.missed += usize::from(!fit.is_good());
-        self.worst_rms = self.worst_rms.max(fit.rms);
-        self.worst_maximum = self.worst_maximum.max(fit.maximum);
+        self.missed += usize::from(!fit.rest.is_good());
+        self.worst_rms = self.worst_rms.max(fit.rest.rms);
+        self.worst_maximum = self.worst_maximum.max(fit.rest.maximum);
         self
     }
 }
