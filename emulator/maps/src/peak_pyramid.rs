@@ -2,7 +2,7 @@
 //!
 //! Level 0 has one peak a texel. A texel of any other level stands for all texels of level 0 below it, each by the area it
 //! covers: at most seven distinct normals are kept as they are, more are spread on a hemisphere grid (`spread`) and fitted
-//! (`fit`). With heights they are gathered by normals and horizons instead (`clusters`), a peak for each, and laws of horizons (`law`) go to
+//! (`fit`), from clusters of normals where that takes many peaks. With heights they are gathered by normals and horizons instead (`clusters`), a peak for each, and laws of horizons (`law`) go to
 //! where the peaks are as bright as what they stand for (`shadows`). Amplitudes are means over the area, so Σ a cosⁿα is a mean radiance and its integral 2πa/(n + 1) is the
 //! same on every level. Directions are those of the local frame: x along the rows of the map, y with their index, z outwards.
 //! Every texel is computed by itself in one order, with software logarithms: the same bits for any number of threads.

@@ -146,6 +146,10 @@ mod tests {
         let of = clusters(&members, MAX_PEAKS);
         assert!(of.iter().enumerate().all(|(index, cluster)| *cluster == of[index % 7]));
         assert_eq!(of.iter().collect::<HashSet<_>>().len(), 7);
+        // As many as asked for, where there are more.
+        for most in 1..=MAX_PEAKS {
+            assert_eq!(clusters(&members, most).into_iter().collect::<HashSet<_>>().len(), most);
+        }
     }
 
     #[test]

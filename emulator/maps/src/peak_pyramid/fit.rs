@@ -155,6 +155,7 @@ fn settle(density: &[f64], peaks: &mut [FittedPeak]) -> (Vec<f64>, Rest) {
 fn square(values: &[f64]) -> f64 {
     HEMISPHERE.integral(values.iter().map(|value| value * value))
 }
+
 /// Σ a cosⁿα at every sample.
 fn evaluate(peaks: &[FittedPeak]) -> Vec<f64> {
     let mut values: Vec<f64> =
