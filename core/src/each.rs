@@ -3,15 +3,26 @@
 //! What runs in lanes has to be one function: it is compiled for an instruction set, which a closure that is not
 //! inlined does not inherit. `core::array::map` and iterators leave that to the optimiser: lanes took twice the time.
 
-/// `[f(a₀), f(a₁), …]`.
+use core::mem::ManuallyDrop;
+
+/// `[f(a₀), f(a₁), …]`, the first four written out: a loop of a few turns is work for five passes of the optimiser. The closure is not
+/// dropped, which it would be where a call unwinds: that splits the function at every operation.
 #[inline(always)]
-pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], mut f: impl FnMut(A) -> B) -> [B; N] {
+pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) -> B) -> [B; N] {
     const { assert!(N > 0, "an array of wires has wires") }
+    let mut f = ManuallyDrop::new(f);
     let mut results = [f(array[0]); N];
-    // Asked at its end whether it goes on: inlined some ten thousand times before anything is optimised, a loop that asks at its beginning
-    // is turned round first, which was a fifth of the time that lanes take to be built.
     if const { N > 1 } {
-        let mut i = 1;
+        results[1] = f(array[1]);
+    }
+    if const { N > 2 } {
+        results[2] = f(array[2]);
+    }
+    if const { N > 3 } {
+        results[3] = f(array[3]);
+    }
+    if const { N > 4 } {
+        let mut i = 4;
         loop {
             results[i] = f(array[i]);
             i += 1;
@@ -25,25 +36,25 @@ pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], mut f: impl FnMut(A
 
 /// `[0, 1, …]`.
 #[inline(always)]
-pub fn places<const N: usize>() -> [usize; N] {
-    let mut places = [0; N];
-    if const { N > 1 } {
-        let mut i = 1;
-        loop {
-            places[i] = i;
-            i += 1;
-            if i == N {
-                break;
-            }
-        }
+pub const fn places<const N: usize>() -> [usize; N] {
+    const { numbers() }
+}
+
+/// The first natural numbers.
+const fn numbers<const N: usize>() -> [usize; N] {
+    let mut numbers = [0; N];
+    let mut i = 1;
+    while i < N {
+        numbers[i] = i;
+        i += 1;
     }
-    places
+    numbers
 }
 
 /// `[f(0), f(1), …]` with an `f` for each of the first six places: one that is large would stay a loop otherwise, and what it picks by its place would go
 /// through memory. Filtered bumps took a quarter more time in lanes.
 #[inline(always)]
-pub fn unrolled<B: Copy, const N: usize>(mut f: impl FnMut(usize) -> B) -> [B; N] {
+pub fn unrolled<B: Copy, const N: usize>(f: impl Fn(usize) -> B + Copy) -> [B; N] {
     const { assert!(N > 0, "an array of wires has wires") }
     let mut results = [f(0); N];
     if let Some(result) = results.get_mut(1) {

@@ -23,7 +23,7 @@ pub trait Fetch: Staged {
     /// What `read` finds at the address of each fragment.
     fn gather<const IN: usize, const OUT: usize>(
         address: [Self::Count; IN],
-        read: impl Fn([i32; IN]) -> [i32; OUT],
+        read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Self::Count; OUT];
 
     /// What a memory of words of 64 bits holds at a place and behind it: lower half, upper half, and those of the next word. It has two words
@@ -65,7 +65,7 @@ impl<W: IntegerWord> Fetch for W {
     #[inline(always)]
     fn gather<const IN: usize, const OUT: usize>(
         address: [W::Count; IN],
-        read: impl Fn([i32; IN]) -> [i32; OUT],
+        read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [W::Count; OUT] {
         each!(texel in read(each!(word in address => word.integer())) => W::Count::of_integer(texel))
     }

@@ -2,6 +2,8 @@
 //!
 //! As in [`sampler`](crate::sampler), arithmetic is that of the composer ([`texel`]); here are the loops around it and the fetches.
 
+use core::mem::ManuallyDrop;
+
 use crate::datapath::texel::Quad;
 use crate::datapath::{texel, texture_probe};
 use crate::each::each;
@@ -66,7 +68,9 @@ pub struct Read<W: Word> {
 
 /// Hands what each probe of a fragment reads to `take`, in their order.
 #[inline(always)]
-pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, mut take: impl FnMut(Read<W>)) {
+pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, take: impl FnMut(Read<W>)) {
+    // As in `each`.
+    let mut take = ManuallyDrop::new(take);
     let Some((RepeatedFootprint { probes, .. }, scale)) = view.footprint else {
         let (fine, level_weight) = (point::<W>(view, p), Fx::zero());
         return take(Read { turn: 0, counts: W::known(true), weight: Fx::int(1), fine, coarse: None, level_weight });
@@ -104,9 +108,9 @@ pub struct Mean<W: Word, const CHANNELS: usize> {
 #[inline(always)]
 pub fn mean<W: Fetch, const CHANNELS: usize>(
     view: &View<'_, W>,
-    quad: impl Fn(&Tap<W>, [i32; 2]) -> Quad<W, CHANNELS>,
-    filter: impl Fn(&Quad<W, CHANNELS>, Option<&Quad<W, CHANNELS>>, Control<W, LEVEL_WEIGHT>) -> [Int<W>; CHANNELS],
-    probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS],
+    quad: impl Fn(&Tap<W>, [i32; 2]) -> Quad<W, CHANNELS> + Copy,
+    filter: impl Fn(&Quad<W, CHANNELS>, Option<&Quad<W, CHANNELS>>, Control<W, LEVEL_WEIGHT>) -> [Int<W>; CHANNELS] + Copy,
+    probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS] + Copy,
     p: &Precision,
 ) -> Mean<W, CHANNELS> {
     if view.footprint.is_none() {

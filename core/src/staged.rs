@@ -7,7 +7,7 @@ use crate::word::Word;
 pub trait Staged: Word {
     /// Runs one stage of the datapath, which a reading may compile, name or record on its own.
     #[inline(always)]
-    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
+    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B + Copy) -> B {
         body()
     }
 }

@@ -18,6 +18,7 @@ pub use roughxel_frame::{plan, raster};
 pub use roughxel_lanes as lanes;
 pub use roughxel_maps as maps;
 pub use roughxel_net as net;
+pub use roughxel_record as record;
 pub use roughxel_scene as scene;
 pub use roughxel_scene::{input, output, picture, random, spelling};
 pub use roughxel_study as study;

@@ -1,6 +1,6 @@
 //! What each effect costs where it is on, and what it costs to be off.
 //!
-//! `cargo bench -p roughxel-host-tests --bench effects` draws built-in scenes of 160 by 120 pixels. *Share* is
+//! `cargo bench -p roughxel-benches --bench effects` draws built-in scenes of 160 by 120 pixels. *Share* is
 //! 1 − t(without)/t(with) of whole frames, as `roughxel plan --measure` says it. *Off* is the time of a scene that has the
 //! keys of an effect, planned away, over that of the scene without the keys: the frames are the same bits, and it should
 //! cost below 1 %. Both sides are drawn in turn on one thread, and a round compares each frame with its neighbour; it has

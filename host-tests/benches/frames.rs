@@ -1,6 +1,6 @@
 //! Where the time of a frame goes.
 //!
-//! `cargo bench -p roughxel-host-tests --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
+//! `cargo bench -p roughxel-benches --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
 //! pixel and of which phases they are: the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; all others
 //! are what a frame needs beside it. `2 threads` is how many times faster two threads draw the whole frame. It takes about a minute;
 //! `-- NAME…` draws the scenes, or in the modes, of these names alone.

@@ -1,6 +1,6 @@
 //! What is done before the first pixel of a frame.
 //!
-//! `cargo bench -p roughxel-host-tests --bench preparation` opens built-in scenes and prepares them in `standard`, one thread, and prints milliseconds:
+//! `cargo bench -p roughxel-benches --bench preparation` opens built-in scenes and prepares them in `standard`, one thread, and prints milliseconds:
 //! `opened` reads the scene and makes the maps that it generates, `prepared` makes levels, roughness and peaks of them, `frame` is a filtered frame of 640 by 480
 //! pixels. The last row resamples a panorama of 4096 by 2048 pixels to faces of 1024. The fastest of some times, so without the kernels of coarse levels, which
 //! are kept (0.1 s the first time). It takes half a minute; `-- NAME…` takes the scenes of these names alone.

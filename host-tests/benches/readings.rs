@@ -1,6 +1,6 @@
 //! Speed of the readings of the whole reflection datapath, fetches excluded, on one thread and from memory.
 //!
-//! `cargo bench -p roughxel-host-tests --bench readings` runs criterion over every contender and then prints the bars:
+//! `cargo bench -p roughxel-benches --bench readings` runs criterion over every contender and then prints the bars:
 //! every round takes each contender once over the same fragments, a ratio is the median of the rounds' ratios, so
 //! that a machine that changes its speed changes both sides; let nothing else run beside it. Exit code 1 if a bar is
 //! missed. With a filter or an option criterion alone runs, for a part has no ratios.
@@ -33,11 +33,11 @@ use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::frame::Prepared;
 use roughxel_emulator::lanes::{InstructionSet, Ports, Reading};
 use roughxel_emulator::net::bench::Bench;
-use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::verilog::{Options, Verilog};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::record;
 use roughxel_emulator::scene::Scene;
 use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_float::batch::{FootprintBlock, FragmentBlock, reflect_batch};
@@ -189,11 +189,11 @@ impl Model {
             stage: None,
             prefix: String::new(),
         };
-        let verilog = Verilog::new(Self::DESIGN, &options).expect("the datapath is generated");
+        let verilog = record::verilog(Self::DESIGN, &options).expect("the datapath is generated");
         let directory = tempfile::tempdir().expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         let mut model = Self { directory, verilog, program: PathBuf::new() };
-        let net = Net::of(Self::DESIGN, &Effects::ALL, &PROFILE);
+        let net = record::net(Self::DESIGN, &Effects::ALL, &PROFILE);
         for set in sets {
             let mut random = SplitMix64::for_element(set.name, 0);
             let mut ports = |fragment| {

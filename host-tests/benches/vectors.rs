@@ -1,6 +1,6 @@
 //! How fast vectors are made.
 //!
-//! `cargo bench -p roughxel-host-tests --bench vectors` exports the random set of each datapath in `standard` on one thread, as bytes and as text, with
+//! `cargo bench -p roughxel-benches --bench vectors` exports the random set of each datapath in `standard` on one thread, as bytes and as text, with
 //! the outcomes of stages and without, and prints millions of vectors a second: the fastest of some exports. `inputs` makes the inputs of
 //! the set and nothing else, `hash` is the share that SHA-256 of what is written takes by itself. It takes a minute.
 

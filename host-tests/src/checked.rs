@@ -291,7 +291,7 @@ macro_rules! word {
         }
 
         impl Staged for CheckedWire<$word> {
-            fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
+            fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B + Copy) -> B {
                 let outcome = body();
                 TRACE.with_borrow_mut(|trace| {
                     if let Some(trace) = trace {

@@ -139,7 +139,7 @@ impl<X: WideWire, M: Meter> WideWire for Metered<X, M> {
 
 impl<W: Word, M: Meter> Staged for Metered<W, M> {
     #[inline(always)]
-    fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B) -> B {
+    fn stage<B: Bundle<Self>>(name: &'static str, body: impl Fn() -> B + Copy) -> B {
         let before = M::now();
         let bundle = core::hint::black_box(body());
         M::took(name, before, M::now());

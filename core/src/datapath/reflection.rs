@@ -151,8 +151,10 @@ fn pixel_side<W: Staged>(
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> [Block<W, 3>; 2] {
-    let dv = stage!("enter.dview", enter::enter(&dview[i], p));
-    let dn = if plan.curvature { stage!("enter.dnormal", enter::enter(&dnormal[i], p)) } else { Block::zero() };
+    // Picked here, where it is known which: a stage is a function of its own.
+    let (dview, dnormal) = (&dview[i], &dnormal[i]);
+    let dv = stage!("enter.dview", enter::enter(dview, p));
+    let dn = if plan.curvature { stage!("enter.dnormal", enter::enter(dnormal, p)) } else { Block::zero() };
     [dv, dn]
 }
 

@@ -14,7 +14,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 
 use roughxel_lanes::{Columns, LANES, Reading};
-use roughxel_net::record::filled;
+use roughxel_net::integers::filled;
 use roughxel_scene::random::SplitMix64;
 
 /// The components of a vector of each element.
@@ -286,7 +286,7 @@ pub(crate) trait Kind<const WORDS: usize> {
 
 #[cfg(test)]
 mod tests {
-    use roughxel_net::record::integers;
+    use roughxel_net::integers::integers;
 
     use super::*;
     use crate::fragment::Fragments;

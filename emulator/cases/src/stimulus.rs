@@ -22,7 +22,7 @@ use roughxel_core::width::on_words;
 
 use roughxel_lanes::PackedPeak;
 use roughxel_net::graph::Net;
-use roughxel_net::record::integers_at;
+use roughxel_net::integers::integers_at;
 use roughxel_scene::exp2::exp2;
 use roughxel_scene::random::SplitMix64;
 

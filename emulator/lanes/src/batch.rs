@@ -53,7 +53,7 @@ impl<T: Target> Side<1> for Lanes<T> {
 pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const PARTS: usize>(
     inputs: I,
     results: &mut Columns<O::In<i32>>,
-    body: impl Fn(&I::In<W>) -> O,
+    body: impl Fn(&I::In<W>) -> O + Copy,
 ) {
     results.resize(inputs.len());
     // The composer and both walks are compiled for the instruction set, as the stages are.
@@ -75,7 +75,11 @@ pub(super) fn map<W: Side<PARTS>, I: Inputs, O: Bundle<W, In<i32>: Form>, const 
 
 /// The same in the scalar reading. A function of its own for each body: a caller that holds several is compiled in more time than its parts.
 #[inline(never)]
-pub(super) fn one_by_one<I: Inputs, B: Form>(inputs: I, results: &mut Columns<B>, body: impl Fn(&I::In<i32>) -> B) {
+pub(super) fn one_by_one<I: Inputs, B: Form>(
+    inputs: I,
+    results: &mut Columns<B>,
+    body: impl Fn(&I::In<i32>) -> B + Copy,
+) {
     results.clear();
     for index in 0..inputs.len() {
         results.push(&body(&inputs.at(index)));
@@ -91,7 +95,7 @@ pub(super) fn spread<W: Side<PARTS>, B: Form, const PARTS: usize>(bundle: &B) ->
 /// Inputs of a part of the datapath: fragments in columns, or several bundles of each.
 pub(super) trait Inputs: Copy {
     /// Those of a group, in another reading.
-    type In<W: Word>;
+    type In<W: Word>: Copy;
     /// Fragments.
     fn len(self) -> usize;
     /// Those of the scalar reading.

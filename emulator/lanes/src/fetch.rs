@@ -71,7 +71,7 @@ impl<T: Target> Fetch for Lanes<T> {
     #[inline(always)]
     fn gather<const IN: usize, const OUT: usize>(
         address: [Self; IN],
-        read: impl Fn([i32; IN]) -> [i32; OUT],
+        read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Self; OUT] {
         gather(address, &read)
     }
@@ -117,7 +117,7 @@ impl<T: Target> Fetch for NarrowLanes<T> {
     #[inline(always)]
     fn gather<const IN: usize, const OUT: usize>(
         address: [Halves<Lanes<T>>; IN],
-        read: impl Fn([i32; IN]) -> [i32; OUT],
+        read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Halves<Lanes<T>>; OUT] {
         let [even, odd] = each!(half in [0, 1] => gather(each!(words in address => words.0[half]), &read));
         each!(word in places() => Halves([even[word], odd[word]]))

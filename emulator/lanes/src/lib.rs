@@ -13,7 +13,7 @@
 //! | `fearless_simd`, 16 lanes, even and odd apart: this   |          | 2.9  | 5.5     |
 //!
 //! The table ranks them: datapath and build have changed since. The figures of what is kept are those of
-//! `cargo bench -p roughxel-host-tests --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
+//! `cargo bench -p roughxel-benches --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
 //! reading is the fastest, and [`Reading::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
 #![cfg_attr(
     not(target_arch = "x86_64"),
@@ -70,14 +70,14 @@ macro_rules! carrier {
 
         impl<T: Target> $name<T> {
             /// The wire with these values, lane 0 first.
-            #[inline(always)]
+            #[inline]
             pub fn of(lanes: [$lane; LANES]) -> Self {
                 let proof = T::detect();
                 Self(proof.$of(lanes), proof)
             }
 
             /// The values, lane 0 first.
-            #[inline(always)]
+            #[inline]
             pub fn lanes(self) -> [$lane; LANES] {
                 self.1.$lanes(self.0)
             }
@@ -100,7 +100,7 @@ carrier!(
 
 impl<T: Target> Not for FlagLanes<T> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn not(self) -> Self {
         Self(self.1.not(self.0), self.1)
     }
@@ -108,7 +108,7 @@ impl<T: Target> Not for FlagLanes<T> {
 
 impl<T: Target> BitAnd for FlagLanes<T> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn bitand(self, other: Self) -> Self {
         Self(self.1.both(self.0, other.0), self.1)
     }
@@ -116,7 +116,7 @@ impl<T: Target> BitAnd for FlagLanes<T> {
 
 impl<T: Target> BitOr for FlagLanes<T> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn bitor(self, other: Self) -> Self {
         Self(self.1.either(self.0, other.0), self.1)
     }
@@ -131,56 +131,56 @@ macro_rules! wire {
             type Flag = FlagLanes<T>;
             type Count = Lanes<T>;
             const BITS: u32 = <$int>::BITS;
-            #[inline(always)]
+            #[inline]
             fn lit(value: i64) -> Self {
                 let proof = T::proof();
                 Self(proof.$splat(value as $int), proof)
             }
-            #[inline(always)]
+            #[inline]
             fn add(self, other: Self) -> Self {
                 Self(self.1.$add(self.0, other.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn sub(self, other: Self) -> Self {
                 Self(self.1.$sub(self.0, other.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn shl(self, k: u32) -> Self {
                 Self(self.1.$shl(self.0, k), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn sar(self, k: u32) -> Self {
                 Self(self.1.$sar(self.0, k), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn shl_by(self, k: Lanes<T>) -> Self {
                 Self(self.1.$shl_by(self.0, k.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn sar_by(self, k: Lanes<T>) -> Self {
                 Self(self.1.$sar_by(self.0, k.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn and(self, other: Self) -> Self {
                 Self(self.1.$and(self.0, other.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn or(self, other: Self) -> Self {
                 Self(self.1.$or(self.0, other.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn xor(self, other: Self) -> Self {
                 Self(self.1.$xor(self.0, other.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn lt(self, other: Self) -> FlagLanes<T> {
                 FlagLanes(self.1.$lt(self.0, other.0), self.1)
             }
-            #[inline(always)]
+            #[inline]
             fn select(flag: FlagLanes<T>, a: Self, b: Self) -> Self {
                 Self(a.1.$select(flag.0, a.0, b.0), a.1)
             }
-            #[inline(always)]
+            #[inline]
             fn leading_zeros(self) -> Lanes<T> {
                 Lanes(self.1.$leading_zeros(self.0), self.1)
             }
@@ -220,15 +220,15 @@ wire!(
 
 impl<T: Target> Word for Lanes<T> {
     type Wide = WideLanes<T>;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> WideLanes<T> {
         WideLanes(self.1.mul(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn widen(self) -> WideLanes<T> {
         WideLanes(self.1.widen(self.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn narrow(wide: WideLanes<T>) -> Self {
         Self(wide.1.narrow(wide.0), wide.1)
     }
@@ -256,11 +256,11 @@ impl<T: Target> Word for Lanes<T> {
         // A stage never asks outside the table; 0 keeps the function total, as in the scalar reading.
         Self(index.1.lookup(index.0, table), index.1)
     }
-    #[inline(always)]
+    #[inline]
     fn to_count(self) -> Self {
         self
     }
-    #[inline(always)]
+    #[inline]
     fn of_count(count: Self) -> Self {
         count
     }
@@ -280,7 +280,7 @@ impl<T: Target> WideWire for WideLanes<T> {
 
 impl<T: Target> Staged for Lanes<T> {
     #[inline(always)]
-    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
+    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B + Copy) -> B {
         stage::<T, B>(body)
     }
 }
@@ -289,7 +289,7 @@ impl<T: Target> Staged for Lanes<T> {
 /// reference: copied, its captures would be read in other sizes than they were just written in, which stalls.
 #[inline(never)]
 #[expect(clippy::redundant_closure, reason = "only a closure can say that it is always inlined")]
-fn stage<T: Target, B>(body: impl Fn() -> B) -> B {
+fn stage<T: Target, B>(body: impl Fn() -> B + Copy) -> B {
     T::run(
         #[inline(always)]
         || body(),

@@ -37,25 +37,25 @@ pub struct NarrowFlags<T: Target> {
 
 impl<T: Target> NarrowLanes<T> {
     /// The wire with these values, lane 0 first.
-    #[inline(always)]
+    #[inline]
     pub fn of(lanes: [i16; NARROW_LANES]) -> Self {
         Self::narrow(Halves::<Lanes<T>>::of(lanes.map(i32::from)))
     }
 
     /// The values, lane 0 first.
-    #[inline(always)]
+    #[inline]
     pub fn lanes(self) -> [i16; NARROW_LANES] {
         self.widen().lanes().map(|lane| lane as i16)
     }
 
     /// The upper halves of words of 32 bits.
-    #[inline(always)]
+    #[inline]
     fn of_high(Halves([even, odd]): Halves<Lanes<T>>) -> Self {
         Self(even.1.short_high(even.0, odd.0), even.1)
     }
 
     /// The words of 32 bits with these upper halves, zeros behind.
-    #[inline(always)]
+    #[inline]
     fn high(self) -> Halves<Lanes<T>> {
         Halves([Lanes(self.1.even_high(self.0), self.1), Lanes(self.1.odd_high(self.0), self.1)])
     }
@@ -65,13 +65,13 @@ macro_rules! halves {
     ($lanes:ident, $int:ty) => {
         impl<T: Target> Halves<$lanes<T>> {
             /// The wire with these values, lane 0 first.
-            #[inline(always)]
+            #[inline]
             pub fn of(lanes: [$int; NARROW_LANES]) -> Self {
                 Self(each!(half in [0, 1] => $lanes::of(each!(i in places() => lanes[2 * i + half]))))
             }
 
             /// The values, lane 0 first.
-            #[inline(always)]
+            #[inline]
             pub fn lanes(self) -> [$int; NARROW_LANES] {
                 let halves = [self.0[0].lanes(), self.0[1].lanes()];
                 each!(i in places() => halves[i % 2][i / 2])
@@ -102,19 +102,19 @@ impl<T: Target> NarrowFlags<T> {
         any(even | odd)
     }
 
-    #[inline(always)]
+    #[inline]
     fn of_halves(halves: [FlagLanes<T>; 2]) -> Self {
         let [even, odd] = halves;
         Self { words: even.1.short_flags(even.0, odd.0), halves }
     }
 
-    #[inline(always)]
+    #[inline]
     fn of_words(words: T::ShortFlags, proof: T) -> Self {
         let halves = [FlagLanes(proof.even_flags(words), proof), FlagLanes(proof.odd_flags(words), proof)];
         Self { words, halves }
     }
 
-    #[inline(always)]
+    #[inline]
     fn proof(self) -> T {
         self.halves[0].1
     }
@@ -122,7 +122,7 @@ impl<T: Target> NarrowFlags<T> {
 
 impl<T: Target> Not for NarrowFlags<T> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn not(self) -> Self {
         Self { words: self.proof().not_short(self.words), halves: [!self.halves[0], !self.halves[1]] }
     }
@@ -130,7 +130,7 @@ impl<T: Target> Not for NarrowFlags<T> {
 
 impl<T: Target> BitAnd for NarrowFlags<T> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn bitand(self, other: Self) -> Self {
         Self {
             words: self.proof().both_short(self.words, other.words),
@@ -141,7 +141,7 @@ impl<T: Target> BitAnd for NarrowFlags<T> {
 
 impl<T: Target> BitOr for NarrowFlags<T> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn bitor(self, other: Self) -> Self {
         Self {
             words: self.proof().either_short(self.words, other.words),
@@ -154,55 +154,55 @@ impl<T: Target, X: Wire<Flag = FlagLanes<T>, Count = Lanes<T>>> Wire for Halves<
     type Flag = NarrowFlags<T>;
     type Count = Halves<Lanes<T>>;
     const BITS: u32 = X::BITS;
-    #[inline(always)]
+    #[inline]
     fn lit(value: i64) -> Self {
         Self([X::lit(value); 2])
     }
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self([self.0[0].add(other.0[0]), self.0[1].add(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self([self.0[0].sub(other.0[0]), self.0[1].sub(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn shl(self, k: u32) -> Self {
         Self([self.0[0].shl(k), self.0[1].shl(k)])
     }
-    #[inline(always)]
+    #[inline]
     fn sar(self, k: u32) -> Self {
         Self([self.0[0].sar(k), self.0[1].sar(k)])
     }
-    #[inline(always)]
+    #[inline]
     fn shl_by(self, k: Self::Count) -> Self {
         Self([self.0[0].shl_by(k.0[0]), self.0[1].shl_by(k.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn sar_by(self, k: Self::Count) -> Self {
         Self([self.0[0].sar_by(k.0[0]), self.0[1].sar_by(k.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn and(self, other: Self) -> Self {
         Self([self.0[0].and(other.0[0]), self.0[1].and(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn or(self, other: Self) -> Self {
         Self([self.0[0].or(other.0[0]), self.0[1].or(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn xor(self, other: Self) -> Self {
         Self([self.0[0].xor(other.0[0]), self.0[1].xor(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn lt(self, other: Self) -> NarrowFlags<T> {
         NarrowFlags::of_halves([self.0[0].lt(other.0[0]), self.0[1].lt(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn select(flag: NarrowFlags<T>, a: Self, b: Self) -> Self {
         Self([X::select(flag.halves[0], a.0[0], b.0[0]), X::select(flag.halves[1], a.0[1], b.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn leading_zeros(self) -> Self::Count {
         Halves([self.0[0].leading_zeros(), self.0[1].leading_zeros()])
     }
@@ -210,15 +210,15 @@ impl<T: Target, X: Wire<Flag = FlagLanes<T>, Count = Lanes<T>>> Wire for Halves<
 
 impl<T: Target> Word for Halves<Lanes<T>> {
     type Wide = Halves<WideLanes<T>>;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self::Wide {
         Halves([self.0[0].mul(other.0[0]), self.0[1].mul(other.0[1])])
     }
-    #[inline(always)]
+    #[inline]
     fn widen(self) -> Self::Wide {
         Halves([self.0[0].widen(), self.0[1].widen()])
     }
-    #[inline(always)]
+    #[inline]
     fn narrow(wide: Self::Wide) -> Self {
         Self([Lanes::narrow(wide.0[0]), Lanes::narrow(wide.0[1])])
     }
@@ -230,11 +230,11 @@ impl<T: Target> Word for Halves<Lanes<T>> {
     fn lookup(index: Self, table: &'static [i32]) -> Self {
         Self([Lanes::lookup(index.0[0], table), Lanes::lookup(index.0[1], table)])
     }
-    #[inline(always)]
+    #[inline]
     fn to_count(self) -> Self {
         self
     }
-    #[inline(always)]
+    #[inline]
     fn of_count(count: Self) -> Self {
         count
     }
@@ -242,11 +242,11 @@ impl<T: Target> Word for Halves<Lanes<T>> {
 
 impl<T: Target> WideWire for Halves<WideLanes<T>> {
     type Word = Halves<Lanes<T>>;
-    #[inline(always)]
+    #[inline]
     fn wide_to_count(self) -> Halves<Lanes<T>> {
         Word::narrow(self)
     }
-    #[inline(always)]
+    #[inline]
     fn wide_of_count(count: Halves<Lanes<T>>) -> Self {
         count.widen()
     }
@@ -256,52 +256,52 @@ impl<T: Target> Wire for NarrowLanes<T> {
     type Flag = NarrowFlags<T>;
     type Count = Halves<Lanes<T>>;
     const BITS: u32 = i16::BITS;
-    #[inline(always)]
+    #[inline]
     fn lit(value: i64) -> Self {
         let proof = T::proof();
         Self(proof.splat_short(value as i16), proof)
     }
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self(self.1.add_short(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self(self.1.sub_short(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn shl(self, k: u32) -> Self {
         Self(self.1.shl_short(self.0, k), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn sar(self, k: u32) -> Self {
         Self(self.1.sar_short(self.0, k), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn shl_by(self, Halves([even, odd]): Self::Count) -> Self {
         Self(self.1.shl_short_by(self.0, even.0, odd.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn sar_by(self, Halves([even, odd]): Self::Count) -> Self {
         Self(self.1.sar_short_by(self.0, even.0, odd.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn and(self, other: Self) -> Self {
         Self(self.1.and_short(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn or(self, other: Self) -> Self {
         Self(self.1.or_short(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn xor(self, other: Self) -> Self {
         Self(self.1.xor_short(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn lt(self, other: Self) -> NarrowFlags<T> {
         NarrowFlags::of_words(self.1.lt_short(self.0, other.0), self.1)
     }
-    #[inline(always)]
+    #[inline]
     fn select(flag: NarrowFlags<T>, a: Self, b: Self) -> Self {
         Self(a.1.select_short(flag.words, a.0, b.0), a.1)
     }
@@ -309,7 +309,7 @@ impl<T: Target> Wire for NarrowLanes<T> {
     fn unless<B>(flag: NarrowFlags<T>, instead: B, body: impl FnOnce() -> B) -> B {
         if (!flag).is_any() { body() } else { instead }
     }
-    #[inline(always)]
+    #[inline]
     fn leading_zeros(self) -> Self::Count {
         // In the upper half of a word of 32 bits, with a one behind it.
         self.high().or(Wire::lit(1 << 15)).leading_zeros()
@@ -320,16 +320,16 @@ impl<T: Target> Word for NarrowLanes<T> {
     // So all counts of places but those of tables are known when a stage is compiled, and roundings need no mask.
     const WHOLE: bool = true;
     type Wide = Halves<Lanes<T>>;
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self::Wide {
         let (even, odd) = (self.1.mul_even(self.0, other.0), self.1.mul_odd(self.0, other.0));
         Halves([Lanes(even, self.1), Lanes(odd, self.1)])
     }
-    #[inline(always)]
+    #[inline]
     fn widen(self) -> Self::Wide {
         Halves([Lanes(self.1.even(self.0), self.1), Lanes(self.1.odd(self.0), self.1)])
     }
-    #[inline(always)]
+    #[inline]
     fn narrow(Halves([even, odd]): Self::Wide) -> Self {
         Self(even.1.short(even.0, odd.0), even.1)
     }
@@ -348,11 +348,11 @@ impl<T: Target> Word for NarrowLanes<T> {
     fn lookup(Halves([even, odd]): Self::Count, table: &'static [i32]) -> Self {
         Self(even.1.lookup_short(even.0, odd.0, table), even.1)
     }
-    #[inline(always)]
+    #[inline]
     fn to_count(self) -> Self::Count {
         self.widen()
     }
-    #[inline(always)]
+    #[inline]
     fn of_count(count: Self::Count) -> Self {
         Self::narrow(count)
     }
@@ -360,11 +360,11 @@ impl<T: Target> Word for NarrowLanes<T> {
 
 impl<T: Target> WideWire for Halves<Lanes<T>> {
     type Word = NarrowLanes<T>;
-    #[inline(always)]
+    #[inline]
     fn wide_to_count(self) -> Self {
         self
     }
-    #[inline(always)]
+    #[inline]
     fn wide_of_count(count: Self) -> Self {
         count
     }
@@ -372,7 +372,7 @@ impl<T: Target> WideWire for Halves<Lanes<T>> {
 
 impl<T: Target> Staged for NarrowLanes<T> {
     #[inline(always)]
-    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B) -> B {
+    fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B + Copy) -> B {
         stage::<T, B>(body)
     }
 }

@@ -166,6 +166,12 @@ macro_rules! vectors {
 
         const _: () = assert!(size_of::<[$Word; $vectors]>() == size_of::<[i32; $crate::LANES]>(), "vectors hold every lane");
 
+        type Words = [$Word; $vectors];
+        type Wides = [$Wide; $vectors];
+        type Flags = [$Flag; $vectors];
+        type Shorts = [$Short; $vectors];
+        type ShortFlags = [$ShortFlag; $vectors];
+
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         pub struct $target($proof);
@@ -176,6 +182,18 @@ macro_rules! vectors {
             static PROOF: core::cell::Cell<Option<$proof>> = const { core::cell::Cell::new(None) };
         }
 
+        /// The proof of this thread. By `try_with`, for that is the one access that the standard library marks to be inlined.
+        #[inline]
+        fn found() -> Option<$proof> {
+            PROOF.try_with(core::cell::Cell::get).ok().flatten()
+        }
+
+        /// Keeps the proof for this thread. Where it cannot be kept, it is not found.
+        #[inline]
+        fn keep(proof: $proof) {
+            let _ = PROOF.try_with(#[inline(always)] |kept| kept.set(Some(proof)));
+        }
+
         /// Looks for the instruction set, once in a thread.
         #[cold]
         #[inline(never)]
@@ -183,40 +201,42 @@ macro_rules! vectors {
             let Some(proof) = fearless_simd::Level::new().$detected() else {
                 unreachable!("the machine has the instruction set")
             };
-            PROOF.set(Some(proof));
+            keep(proof);
             proof
         }
 
         impl $crate::Target for $target {
             #[inline(always)]
             fn run<R>(body: impl FnOnce() -> R) -> R {
+                // Never dropped, which it would be where a call unwinds: as in `each`.
+                let body = core::mem::ManuallyDrop::new(body);
                 let Self(proof) = $crate::vectors::Vectors::detect();
                 fearless_simd::Simd::vectorize(
                     proof,
                     #[inline(always)]
                     || {
-                        PROOF.set(Some(proof));
-                        body()
+                        keep(proof);
+                        core::mem::ManuallyDrop::into_inner(body)()
                     },
                 )
             }
         }
 
         impl $crate::vectors::Vectors for $target {
-            type Words = [$Word; $vectors];
-            type Wides = [$Wide; $vectors];
-            type Flags = [$Flag; $vectors];
-            type Shorts = [$Short; $vectors];
-            type ShortFlags = [$ShortFlag; $vectors];
+            type Words = Words;
+            type Wides = Wides;
+            type Flags = Flags;
+            type Shorts = Shorts;
+            type ShortFlags = ShortFlags;
 
-            #[inline(always)]
+            #[inline]
             fn detect() -> Self {
-                Self(PROOF.get().unwrap_or_else(detect))
+                Self(found().unwrap_or_else(detect))
             }
-            #[inline(always)]
+            #[inline]
             fn proof() -> Self {
                 // Not `detect`: around a call that may return every vector would have to go to memory.
-                let Some(proof) = PROOF.get() else { $crate::vectors::outside() };
+                let Some(proof) = found() else { $crate::vectors::outside() };
                 Self(proof)
             }
             $(
@@ -231,8 +251,7 @@ macro_rules! vectors {
                 fn $from(self, a: vectors!(@vectors $ty1)) -> vectors!(@lanes $ty1) {
                     let vectors: [$lanes1; $vectors] = vectors!(@each $vectors, $from, self.0, (a: $ty1));
                     // As a whole: element by element it is a loop through memory.
-                    let Some(&lanes) = vectors.as_flattened().first_chunk() else { $crate::vectors::outside() };
-                    lanes
+                    vectors!(@joined $vectors, vectors)
                 }
             )*
             #[inline(always)]
@@ -252,10 +271,17 @@ macro_rules! vectors {
                     [$all(self.0, value); $vectors]
                 }
             )*
+            // One call for all vectors: the optimiser has it in its last form before it is put anywhere.
             $(
-                #[inline(always)]
+                #[inline]
                 fn $name(self $(, $a: vectors!(@vectors $ty))*) -> vectors!(@vectors $out) {
-                    vectors!(@each $vectors, $name, self.0 $(, ($a: $ty))*)
+                    fearless_simd::kernel! {
+                        #[inline(always)]
+                        fn all(t: $target $(, $a: vectors!(@all $ty))*) -> vectors!(@all $out) {
+                            vectors!(@each $vectors, $name, t $(, ($a: $ty))*)
+                        }
+                    }
+                    all(self.0 $(, $a)*)
                 }
             )*
         }
@@ -268,9 +294,17 @@ macro_rules! vectors {
     (@vectors Flag) => { Self::Flags };
     (@vectors Short) => { Self::Shorts };
     (@vectors ShortFlag) => { Self::ShortFlags };
+    (@all Word) => { Words };
+    (@all Wide) => { Wides };
+    (@all Flag) => { Flags };
+    (@all Short) => { Shorts };
+    (@all ShortFlag) => { ShortFlags };
+    (@all $other:ident) => { $other };
     (@vectors u32) => { u32 };
     (@vectors Table) => { Table };
     (@vectors Entries) => { Entries };
+    (@joined 1, $vectors:ident) => { $vectors[0] };
+    (@joined 2, $vectors:ident) => { $crate::vectors::joined($vectors) };
     // Written out: as a loop every operation is ten blocks, of which a stage has ten thousands before the optimiser sees it whole.
     (@each 1, $name:ident, $proof:expr $(, ($a:ident: $ty:ident))*) => {
         [$name($proof $(, vectors!(@vector $ty, $a, 0))*)]
@@ -293,4 +327,14 @@ pub(crate) use vectors;
 #[inline(never)]
 pub(crate) fn outside() -> ! {
     unreachable!("the first wire of a thread is made inside `Target::run`, or of values")
+}
+
+/// The lanes of two vectors, one after the other.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+pub(crate) fn joined<T: Copy>([first, second]: [[T; LANES / 2]; 2]) -> [T; LANES] {
+    let mut lanes = [first[0]; LANES];
+    lanes[..LANES / 2].copy_from_slice(&first);
+    lanes[LANES / 2..].copy_from_slice(&second);
+    lanes
 }

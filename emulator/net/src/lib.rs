@@ -1,6 +1,6 @@
 //! The recorded reading: the datapath of `roughxel-core` as a graph, and the walks over it.
 //!
-//! [`record`] runs the generic stages once and keeps every operation as a node ([`graph`]); what follows are walks:
+//! [`builder`] keeps every operation of the recorded reading as a node ([`graph`]); what follows are walks:
 //! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
 //! its word, [`observe`] holds that against what wires carry, [`census`] counts what each stage costs and [`delay`] how
 //! long it takes, [`verilog`] writes it down as hardware. What each of them makes of an operation, the operation says itself,
@@ -8,6 +8,7 @@
 
 pub mod bench;
 pub mod bins;
+pub mod builder;
 pub mod census;
 pub mod delay;
 pub mod equal;
@@ -15,13 +16,13 @@ pub mod evaluate;
 pub mod exhaust;
 pub mod fault;
 pub mod graph;
+pub mod integers;
 pub mod interval;
 mod known;
 pub mod neighbour;
 pub mod observe;
 mod op;
 mod range;
-pub mod record;
 pub mod rounding;
 pub mod unit;
 pub mod verilog;

@@ -94,11 +94,11 @@ pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
 }
 
 impl Verilog {
-    /// Records, proves and writes down a design.
+    /// Proves and writes down a design that was recorded with these options.
     ///
     /// Errors: everything [`VerilogError`] lists.
-    pub fn new(design: Design, options: &Options) -> Result<Self, VerilogError> {
-        let prepared = Prepared::new(design, &options.effects, &options.precision)?;
+    pub fn new(design: Design, net: Net, options: &Options) -> Result<Self, VerilogError> {
+        let prepared = Prepared::new(net)?;
         let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.of(datapath));
         let (effects, frame) = (names(&own), frame(&own));
         let origin =
@@ -184,8 +184,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(design: Design, effects: &Effects, p: &Precision) -> Result<Self, VerilogError> {
-        let net = Net::of(design, effects, p);
+    fn new(net: Net) -> Result<Self, VerilogError> {
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {
             return Err(VerilogError::Unproven(ranges.violations));

@@ -10,6 +10,7 @@ use roughxel_emulator::net::census::{Census, Cost, Units};
 use roughxel_emulator::net::delay::{arrival, arrival_in_block, critical_path, levels};
 use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::interval::Ranges;
+use roughxel_emulator::record;
 use serde_json::{Value, json};
 
 use super::console::new_table;
@@ -63,7 +64,7 @@ pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
     let profiles = args.profile.open()?;
     let mut measured = Vec::new();
     for profile in &profiles {
-        let net = Net::of(args.design, &args.effects, &profile.precision);
+        let net = record::net(args.design, &args.effects, &profile.precision);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {
             return Err(unproven(&ranges.violations));

@@ -16,6 +16,7 @@ use roughxel_emulator::net::interval::{Range, Ranges, Violation};
 use roughxel_emulator::net::observe::Observed;
 use roughxel_emulator::plan::Mode;
 use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::record;
 use serde_json::{Value, json};
 
 use super::console::{complain, new_table, progress};
@@ -114,7 +115,7 @@ pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
         let total = args.design.0.len() * (frame.len() + sets.len());
         let bar = progress(total as u64, &profile.name);
         for &design in &args.design.0 {
-            let net = Net::of(design, &args.effects, p);
+            let net = record::net(design, &args.effects, p);
             let ranges = Ranges::new(&net);
             let observe = |fragments: &[ReflectionIn], name| {
                 let seen = observe(design, &net, fragments, &args.effects, p, name);

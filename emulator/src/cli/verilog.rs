@@ -8,6 +8,7 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_emulator::net::verilog::{Options, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
+use roughxel_emulator::record;
 use roughxel_emulator::study::plan::fetches;
 use roughxel_emulator::study::profile_file::NamedPrecision;
 use serde_json::json;
@@ -129,7 +130,7 @@ fn write(
         stage: args.stage.clone(),
         prefix: args.prefix.clone(),
     };
-    let verilog = match Verilog::new(design, &options) {
+    let verilog = match record::verilog(design, &options) {
         Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
         Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),
         other => other?,

@@ -19,6 +19,7 @@ use super::order::{misplaced, with_cause};
 use crate::input::open_file;
 use crate::net::verilog::{Interface, Options, PortDescription, Stage, Verilog, VerilogError};
 use crate::output::{OutputFile, WriteError, write_files};
+use crate::record;
 
 /// The texts, with the name of each file.
 const TEMPLATES: [(&str, &str); 11] = [
@@ -224,7 +225,7 @@ impl Bench {
             prefix: String::new(),
         };
         let error = |source| BenchError::Verilog { manifest: self.manifest_path.clone(), source };
-        Verilog::new(Design::of(*datapath), &options).map_err(error)
+        record::verilog(Design::of(*datapath), &options).map_err(error)
     }
 
     /// What stands in the place of each `@NAME@`.

@@ -13,7 +13,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
 
 use crate::lanes::{Columns, Reading};
-use crate::net::record::{filled, integers, integers_at};
+use crate::net::integers::{filled, integers, integers_at};
 
 /// The wires of all ports of a datapath's design.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use roughxel_core::precision::Precision;
 use thiserror::Error;
 
 use super::layout::{Column, Direction, Kept, columns};
-use crate::net::graph::Net;
+use crate::record;
 
 /// The line before the tables in a page.
 const BEGIN: &str = "<!-- Begin of what `roughxel vectors format --write vectors/FORMAT.md` writes. -->\n";
@@ -65,7 +65,7 @@ pub(super) fn declared(datapath: Datapath) -> impl Iterator<Item = Declared> {
     // The frame system and the kind of footprint are the choices that swap columns; every other effect only adds some.
     let columns_of = |effects: Effects| {
         // Formats come out as symbols, the same under every profile.
-        columns(&Net::of(Design::of(datapath), &effects, &Precision::STANDARD), datapath, &Precision::STANDARD)
+        columns(&record::net(Design::of(datapath), &effects, &Precision::STANDARD), datapath, &Precision::STANDARD)
     };
     let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
     let [main, natural, normalised] = frames.map(|frame| columns_of(Effects { frame, ..Effects::ALL }));

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::datapath::Batch;
 use crate::net::graph::{Net, NodeId};
 use crate::net::verilog::{Stage, StagePort, VerilogError};
+use crate::record;
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = 32;
@@ -114,7 +115,7 @@ pub struct Layout {
 impl Layout {
     /// The fields of a datapath under its effects and `p`, with those between stages or without.
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
-        let net = Net::of(Design::of(datapath), effects, p);
+        let net = record::net(Design::of(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
         let columns: Vec<Column> = columns(&net, datapath, p).into_iter().filter(is_shown).collect();
         let limits = columns.iter().map(|column| column.limits).collect();

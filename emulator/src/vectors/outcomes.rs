@@ -8,6 +8,7 @@ use super::datapath::Inputs;
 use super::layout::{Direction, Field, Layout, mask};
 use super::manifest::Manifest;
 use crate::net::graph::{Net, NodeId};
+use crate::record;
 
 /// The design of a set with its outcomes, in the order of the pipeline.
 pub(super) struct Outcomes<'a> {
@@ -39,7 +40,7 @@ impl<'a> Outcomes<'a> {
             }
             None => {
                 let knobs = &manifest.profile.knobs;
-                let net = Net::of(Design::of(manifest.datapath), &manifest.effects, knobs);
+                let net = record::net(Design::of(manifest.datapath), &manifest.effects, knobs);
                 let list = layout.outcomes(&net, knobs).map(outcome).collect();
                 (Cow::Owned(net), list)
             }

@@ -13,6 +13,7 @@ use roughxel_core::precision::Precision;
 use super::layout::Layout;
 use crate::net::graph::Net;
 use crate::net::verilog::{Options, Stage, Stages, VerilogError};
+use crate::record;
 
 /// The module of a stage, whose ports are the fields of a set.
 #[derive(Clone, Debug)]
@@ -41,7 +42,7 @@ impl StageSet {
             stage: name.map(str::to_owned),
             prefix: String::new(),
         };
-        let Stages { net, stages } = Stages::new(Design::of(datapath), &options)?;
+        let Stages { net, stages } = record::stages(Design::of(datapath), &options)?;
         let net = Arc::new(net);
         let set = |stage: Stage| Ok(Self { net: Arc::clone(&net), layout: Layout::of_stage(&stage)?, stage });
         stages.into_iter().map(set).collect()

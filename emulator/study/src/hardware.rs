@@ -11,8 +11,8 @@ use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_net::census::{Census, Cost};
 use roughxel_net::delay::levels;
-use roughxel_net::graph::Net;
 use roughxel_net::interval::Ranges;
+use roughxel_record as record;
 use serde::{Deserialize, Serialize};
 
 /// Nanoseconds of a gate level on an ECP5 of speed grade 6, placed and routed: the median over the placed stages of RESULTS.md that
@@ -57,7 +57,7 @@ pub struct HardwareFigures {
 impl HardwareFigures {
     /// Of a precision; `None` where a wire is not proven to stay in its word, which no precision inside its limits has.
     pub fn of(p: &Precision) -> Option<Self> {
-        let net = Net::of(Design::Reflection, &Effects::ALL, p);
+        let net = record::net(Design::Reflection, &Effects::ALL, p);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {
             return None;

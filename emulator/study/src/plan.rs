@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
+use roughxel_record as record;
 
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::{Decision, Effect, Mode, ObjectPlan};
@@ -123,7 +124,7 @@ impl Hardware {
 
 /// A design, recorded and counted.
 pub(crate) fn census(design: Design, effects: &Effects, p: &Precision) -> (Net, Census) {
-    let net = Net::of(design, effects, p);
+    let net = record::net(design, effects, p);
     let census = Census::new(&net, &Ranges::new(&net));
     (net, census)
 }

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
-use roughxel_emulator::net::verilog::{Options, Verilog};
+use roughxel_emulator::net::verilog::Options;
 use roughxel_emulator::output::write_files;
+use roughxel_emulator::record;
 use serde_json::Value;
 
 const USAGE: &str = "synthesis [--seeds N] [--profiles NAME,NAME] [--place N] [-o FILE]
@@ -281,7 +282,7 @@ fn modules(
         stage: None,
         prefix: String::new(),
     };
-    let verilog = Verilog::new(known, &options).map_err(|e| format!("{design}, {profile}: {e}"))?;
+    let verilog = record::verilog(known, &options).map_err(|e| format!("{design}, {profile}: {e}"))?;
     let kind = match top {
         None => "full".to_owned(),
         Some(None) => "mirror".to_owned(),

@@ -9,7 +9,7 @@ use roughxel_emulator::cases::highlight::{highlight_sets, random_light};
 use roughxel_emulator::cases::lit_peak::{lit_peak_sets, random_lit_peak};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::lanes::{Columns, Reading};
-use roughxel_emulator::net::record::integers;
+use roughxel_emulator::net::integers::integers;
 use roughxel_host_tests::space::{effects, in_turn, whole_or};
 
 use super::lanes::{lanes, profiles};

@@ -15,7 +15,7 @@ use roughxel_core::word::{WideWire, Word};
 use roughxel_emulator::cases::highlight::{highlight_sets, random_light};
 use roughxel_emulator::cases::lit_peak::{lit_peak_sets, random_lit_peak};
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::net::record::integers as net_integers;
+use roughxel_emulator::net::integers::integers as net_integers;
 use roughxel_host_tests::space::{effects, profiles, whole_or};
 
 #[test]

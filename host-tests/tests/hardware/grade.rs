@@ -10,9 +10,10 @@ use roughxel_core::ports::Port;
 use roughxel_core::precision::Precision;
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_emulator::net::graph::{Net, Op};
+use roughxel_emulator::net::graph::Op;
+use roughxel_emulator::net::integers::integers_at;
 use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::net::record::integers_at;
+use roughxel_emulator::record;
 use roughxel_emulator::vectors::{
     Alarm, Distilled, Grade, Manifest, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, Words, distil,
     entries_set, export_with, grade, hard_sets, manifests_in, random_set, verify,
@@ -41,7 +42,7 @@ fn info<'a>(name: &'a str, datapath: Datapath, precision: Precision, profile: &'
 #[test]
 fn what_a_fault_leads_to_is_what_the_whole_design_computes() {
     for p in [Precision::STANDARD, Precision::NARROW] {
-        let net = Net::of(Design::Fragment, &Effects::ALL, &p);
+        let net = record::net(Design::Fragment, &Effects::ALL, &p);
         let ranges = Ranges::new(&net);
         let shown: Vec<_> = net.outputs.iter().map(|output| (output.node, u64::MAX)).collect();
         let faults = Faults::new(&net, &ranges, shown);

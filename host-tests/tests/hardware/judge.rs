@@ -13,10 +13,11 @@ use roughxel_emulator::cases::highlight::random_light;
 use roughxel_emulator::cases::lit_peak::random_lit_peak;
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::net::graph::{Net, NodeId, Op};
+use roughxel_emulator::net::integers::integers_at;
 use roughxel_emulator::net::neighbour::Primitive;
-use roughxel_emulator::net::record::integers_at;
 use roughxel_emulator::net::rounding::{Roundings, scattered};
-use roughxel_emulator::net::verilog::{Options, StagePort, Stages};
+use roughxel_emulator::net::verilog::{Options, StagePort};
+use roughxel_emulator::record;
 use roughxel_emulator::vectors::{
     self, Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError,
     Words, export, judge, marks, random_set,
@@ -74,7 +75,7 @@ impl Bench {
                 (export(&info, &inputs, directory.path()), ports)
             }
         };
-        let net = Net::of(Design::of(datapath), &effects, &precision);
+        let net = record::net(Design::of(datapath), &effects, &precision);
         let primitives = net.primitives(precision.fraction_bits);
         Self { directory, manifest: manifest.expect("a set"), net, primitives, ports }
     }
@@ -383,7 +384,7 @@ fn a_stage_alone_is_judged() {
 
     let stage = Some("frame".to_owned());
     let options = Options { profile: String::new(), precision, effects, depth: None, stage, prefix: String::new() };
-    let stage = Stages::new(Design::of(datapath), &options).expect("frame").stages.remove(0);
+    let stage = record::stages(Design::of(datapath), &options).expect("frame").stages.remove(0);
     let net = &stage.unit;
     let primitives = net.primitives(precision.fraction_bits);
     assert_eq!(primitives.len(), 2);

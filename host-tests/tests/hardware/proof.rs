@@ -17,6 +17,7 @@ use roughxel_emulator::net::delay::{arrival_in_block, critical_path, levels};
 use roughxel_emulator::net::graph::{Net, Op};
 use roughxel_emulator::net::interval::{Range, Ranges};
 use roughxel_emulator::net::observe::Observed;
+use roughxel_emulator::record;
 use roughxel_host_tests::space::{effects, profiles};
 
 /// The effects under which a design is a different one.
@@ -25,7 +26,7 @@ fn effects_of(design: Design) -> Vec<Effects> {
 }
 
 fn holds(design: Design, effects: &Effects, p: &Precision) {
-    let net = Net::of(design, effects, p);
+    let net = record::net(design, effects, p);
     let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
     assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name(), violations.join("\n"));
 }
@@ -153,7 +154,7 @@ fn ports_allow_what_the_design_before_them_can_send() {
     for (profile, p) in profiles() {
         for (above, from, below, to) in CONNECTIONS {
             for effects in effects_of(above) {
-                let (above, below) = (Net::of(above, &effects, &p), Net::of(below, &Effects::ALL, &p));
+                let (above, below) = (record::net(above, &effects, &p), record::net(below, &Effects::ALL, &p));
                 let outputs = above.outputs.iter().zip(sent(&above));
                 let mut connected = 0;
                 for (output, range) in outputs.filter(|(output, _)| output.name.starts_with(from)) {
@@ -180,7 +181,7 @@ fn every_operation_names_its_source_line_and_is_in_a_block() {
     for (_, p) in profiles() {
         for &design in Design::ALL {
             for effects in effects_of(design) {
-                let net = Net::of(design, &effects, &p);
+                let net = record::net(design, &effects, &p);
                 for (id, node) in net.iter() {
                     if !matches!(node.op, Op::Lit(_) | Op::Port(_)) {
                         let origin = net.origin(id);
@@ -210,7 +211,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
     for (_, p) in profiles() {
         for &design in Design::ALL {
             for effects in effects_of(design) {
-                named.extend(lemmas(&Net::of(design, &effects, &p)));
+                named.extend(lemmas(&record::net(design, &effects, &p)));
             }
         }
     }
@@ -238,7 +239,7 @@ fn operands_of_multipliers_have_the_bits_that_a_profile_keeps() {
             Design::Horizon,
         ] {
             for effects in effects_of(design) {
-                let net = Net::of(design, &effects, &p);
+                let net = record::net(design, &effects, &p);
                 let census = Census::new(&net, &Ranges::new(&net));
                 let operand = p.fraction_bits + 2;
                 // A rise of the logarithm's table has 18 bits on words of 32, a stored slope and a share of light 18 whatever the profile.
@@ -260,7 +261,7 @@ fn operands_of_multipliers_have_the_bits_that_a_profile_keeps() {
 fn a_census_adds_up_and_its_critical_paths_take_the_levels_it_says() {
     for (_, p) in profiles() {
         for &design in Design::ALL {
-            let net = Net::of(design, &Effects::ALL, &p);
+            let net = record::net(design, &Effects::ALL, &p);
             let ranges = Ranges::new(&net);
             let census = Census::new(&net, &ranges);
             let sum = |figure: fn(&Cost) -> u64| {

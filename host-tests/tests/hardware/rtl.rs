@@ -24,6 +24,7 @@ use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_emulator::output::write_files;
 use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::record;
 use roughxel_emulator::vectors::{Direction, Field, Manifest, manifests_in};
 use roughxel_host_tests::designs::scalar;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
@@ -108,7 +109,7 @@ struct Written {
 
 impl Written {
     fn new(design: Design, options: &Options) -> Self {
-        let verilog = Verilog::new(design, options)
+        let verilog = record::verilog(design, options)
             .unwrap_or_else(|error| panic!("{} {}: {error}", design.name(), options.profile));
         let directory = tempfile::tempdir_in(runtime()).expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
@@ -241,7 +242,7 @@ struct Case {
 impl Case {
     fn new(design: Design, count: usize, options: &Options) -> Self {
         let (effects, p) = (&options.effects, &options.precision);
-        let net = Net::of(design, effects, p);
+        let net = record::net(design, effects, p);
         let inputs = inputs(design, &net, count, effects, p);
         let outputs = inputs.iter().map(|ports| expected(design, ports, effects, p)).collect();
         Self { written: Written::new(design, options), inputs, outputs }
@@ -374,7 +375,7 @@ fn the_committed_vectors_run_in_both_simulators() {
         let (manifest, words) = words_of(&path);
         let options = options(&manifest.profile.name, manifest.effects, None);
         let design = Design::of(manifest.datapath);
-        let net = Net::of(design, &options.effects, &options.precision);
+        let net = record::net(design, &options.effects, &options.precision);
         read += words.len();
         let same = |known: &&mut (Design, Options, Case)| {
             let (of, with, _) = known;
@@ -441,7 +442,7 @@ fn a_stepper_walks_the_probes_of_every_footprint() {
     for (design, depth) in steps {
         let options = options("standard", FULL, depth);
         let written = Written::new(design, &options);
-        let net = Net::of(design, &FULL, &p);
+        let net = record::net(design, &FULL, &p);
         let stepper = written.verilog.stepper.as_ref().expect("a step has a stepper");
         let place = |port: &str| net.ports.iter().position(|p| p.name == port).expect("a port of a step");
         let [index, lod, count] = [place("index"), place("probes.lod"), place("probes.count")];
@@ -522,7 +523,7 @@ fn yosys_takes_every_top() {
 fn compact_and_paper_multiply_18_by_18_bits() {
     for (profile, p) in [("paper", Precision::PAPER), ("compact", Precision::COMPACT)] {
         let variants = Datapath::ALL.into_iter().flat_map(|datapath| {
-            let record = move |effects| Net::of(Design::of(datapath), &effects, &p);
+            let record = move |effects| record::net(Design::of(datapath), &effects, &p);
             variants_of(datapath).into_iter().map(move |(name, effects)| (name, record(effects)))
         });
         for (variant, net) in variants {
@@ -541,7 +542,8 @@ fn compact_and_paper_multiply_18_by_18_bits() {
 #[test]
 fn the_text_is_the_same_every_time_and_names_no_machine() {
     let options = options("standard", FULL, Some(30));
-    let (first, second) = (Verilog::new(Design::Reflection, &options), Verilog::new(Design::Reflection, &options));
+    let (first, second) =
+        (record::verilog(Design::Reflection, &options), record::verilog(Design::Reflection, &options));
     let (first, second) = (first.expect("it can be written"), second.expect("it can be written"));
     assert_eq!(first.files, second.files);
     for (name, text) in &first.files {
@@ -552,7 +554,7 @@ fn the_text_is_the_same_every_time_and_names_no_machine() {
 
 #[test]
 fn runs_of_a_block_share_a_module() {
-    let verilog = Verilog::new(Design::Reflection, &options("compact", FULL, None)).expect("it can be written");
+    let verilog = record::verilog(Design::Reflection, &options("compact", FULL, None)).expect("it can be written");
     let top = &verilog.files["roughxel_reflection.v"];
     for (module, runs) in [("columns_pixel", 2), ("columns_roughness", 2), ("enter_dview", 2), ("axes", 1)] {
         assert!(verilog.files.contains_key(&format!("{module}.v")));
@@ -563,21 +565,21 @@ fn runs_of_a_block_share_a_module() {
 #[test]
 fn a_stage_comes_alone_and_an_impossible_wish_is_refused() {
     let one = Options { stage: Some("columns".into()), ..options("compact", FULL, None) };
-    let verilog = Verilog::new(Design::Reflection, &one).expect("it can be written");
+    let verilog = record::verilog(Design::Reflection, &one).expect("it can be written");
     assert!(verilog.top.is_none());
     let names: Vec<&str> = verilog.files.keys().map(String::as_str).collect();
     assert!(names.contains(&"columns_pixel.v") && names.contains(&"columns.json"), "{names:?}");
     assert!(!names.contains(&"axes.v"), "{names:?}");
 
     let unknown = Options { stage: Some("colums".into()), ..one.clone() };
-    let error = Verilog::new(Design::Reflection, &unknown).expect_err("there is no such stage");
+    let error = record::verilog(Design::Reflection, &unknown).expect_err("there is no such stage");
     assert!(error.to_string().contains("columns_pixel"), "{error}");
-    let error = Verilog::new(Design::Reflection, &options("compact", FULL, Some(3))).expect_err("3 levels");
+    let error = record::verilog(Design::Reflection, &options("compact", FULL, Some(3))).expect_err("3 levels");
     assert!(matches!(error, VerilogError::TooDeep { depth: 3, .. }), "{error}");
 
     // No profile has seventeen probes, and the tables end at sixteen.
     let beyond =
         Options { precision: Precision { max_probes: 17, ..Precision::COMPACT }, ..options("compact", FULL, None) };
-    let error = Verilog::new(Design::Reflection, &beyond).expect_err("the proof fails");
+    let error = record::verilog(Design::Reflection, &beyond).expect_err("the proof fails");
     assert!(error.to_string().contains("core/src/stage/probes.rs"), "{error}");
 }

@@ -11,6 +11,7 @@ use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, Horizon
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_emulator::net::graph::{NodeId, Op};
 use roughxel_emulator::net::verilog::{Options, Stages};
+use roughxel_emulator::record;
 use roughxel_emulator::vectors::{
     Bench, Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, SetExport, SetInfo, StageSet, Vector,
     VectorError, Words, export_with, random_set, verify,
@@ -179,7 +180,7 @@ fn a_stage_has_the_values_that_the_whole_datapath_has_of_the_same_wires() {
                     stage: None,
                     prefix: String::new(),
                 };
-                let Stages { net, stages: modules } = Stages::new(Design::of(datapath), &options).expect("stages");
+                let Stages { net, stages: modules } = record::stages(Design::of(datapath), &options).expect("stages");
                 // The path of the port or the output that a wire is.
                 let port = |id: NodeId| match net.node(id).op {
                     Op::Port(port) => Some(&net.ports[port as usize].name),

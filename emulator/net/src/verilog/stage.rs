@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use roughxel_core::bundle::Step;
-use roughxel_core::design::Design;
 
 use super::context::Context;
 use super::error::VerilogError;
@@ -64,11 +63,11 @@ pub struct StageRun {
 }
 
 impl Stages {
-    /// Records and proves a design and lists the modules of its stages, or those that [`Options::stage`] names.
+    /// Proves a design that was recorded with these options and lists the modules of its stages, or those that [`Options::stage`] names.
     ///
     /// Errors: everything [`VerilogError`] lists.
-    pub fn new(design: Design, options: &Options) -> Result<Self, VerilogError> {
-        let prepared = Prepared::new(design, &options.effects, &options.precision)?;
+    pub fn new(net: Net, options: &Options) -> Result<Self, VerilogError> {
+        let prepared = Prepared::new(net)?;
         let wanted = prepared.chosen(options.stage.as_deref())?;
         // The text of a module, which is not kept, has no line about its origin.
         let context = prepared.context(None, "", "");

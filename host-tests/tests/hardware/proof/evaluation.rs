@@ -9,10 +9,11 @@ use roughxel_core::precision::Precision;
 use roughxel_emulator::cases::stimulus::port_values;
 use roughxel_emulator::cases::{hard_case_sets, random_fragment};
 use roughxel_emulator::net::graph::{Net, Tap};
+use roughxel_emulator::net::integers::integers;
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::observe::Observed;
-use roughxel_emulator::net::record::integers;
 use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::record;
 use roughxel_host_tests::checked::{Integers, Trace, traced};
 use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::{any_vectors, any_word, whole_or};
@@ -46,7 +47,7 @@ fn compare(design: Design, net: &Net, wires: &[i64], ports: &[i64], effects: &Ef
 
 /// Evaluates a design for every fragment and holds it against the other readings and the proof.
 fn check(design: Design, effects: &Effects, p: &Precision, fragments: &[ReflectionIn]) {
-    let (name, net) = (design.name(), Net::of(design, effects, p));
+    let (name, net) = (design.name(), record::net(design, effects, p));
     let ranges = Ranges::new(&net);
     assert!(ranges.violations.is_empty());
     let halves: Vec<_> = fragments.chunks(fragments.len().div_ceil(2).max(1)).collect();
@@ -131,7 +132,7 @@ fn integers_of_a_bundle_are_the_ports_of_its_net() {
     let p = Precision::STANDARD;
     let fragment = random_fragment("ports", 0, &p);
     let wires = fragment.wires();
-    let net = Net::of(Design::Fragment, &Effects::ALL, &p);
+    let net = record::net(Design::Fragment, &Effects::ALL, &p);
     let names: Vec<_> = net.ports.iter().map(|port| port.name.clone()).collect();
     let expected = Integers::of(&wires);
     assert_eq!(names, expected.names().collect::<Vec<_>>());

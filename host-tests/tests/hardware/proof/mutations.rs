@@ -14,6 +14,7 @@ use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_emulator::net::census::Census;
 use roughxel_emulator::net::graph::{Kind, Net, NodeId, Op};
 use roughxel_emulator::net::interval::Ranges;
+use roughxel_emulator::record;
 
 use super::profiles;
 
@@ -164,7 +165,7 @@ fn subjects() -> Vec<(&'static str, Design, Net)> {
         for design in BROKEN {
             let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
             for frame in frames.into_iter().take(if design == Design::Reflection { 3 } else { 1 }) {
-                nets.push((profile, design, Net::of(design, &Effects { frame, ..Effects::ALL }, &p)));
+                nets.push((profile, design, record::net(design, &Effects { frame, ..Effects::ALL }, &p)));
             }
         }
     }

@@ -6,10 +6,10 @@ use roughxel_core::plan::Effects;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule};
 use roughxel_emulator::cases::random_fragment;
 use roughxel_emulator::cases::stimulus::port_values;
-use roughxel_emulator::net::graph::Net;
 use roughxel_emulator::net::interval::Ranges;
 use roughxel_emulator::net::observe::Observed;
 use roughxel_emulator::random::SplitMix64;
+use roughxel_emulator::record;
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::whole_or;
@@ -30,7 +30,7 @@ fn no_wire_of_any_design_can_leave_words_of_16_bits() {
     for p in narrow_precisions() {
         for &design in Design::ALL {
             for effects in effects_of(design) {
-                let net = Net::of(design, &effects, &p);
+                let net = record::net(design, &effects, &p);
                 let violations: Vec<_> = Ranges::new(&net).violations.iter().map(ToString::to_string).collect();
                 assert!(violations.is_empty(), "{} {effects:?} {p:?}:\n{}", design.name(), violations.join("\n"));
             }
@@ -43,7 +43,7 @@ fn readings_of_16_bits_agree() {
     let count = whole_or(4000, 200);
     narrow_precisions().into_par_iter().for_each(|p| {
         for &design in Design::ALL {
-            let net = Net::of(design, &Effects::ALL, &p);
+            let net = record::net(design, &Effects::ALL, &p);
             let ranges = Ranges::new(&net);
             let mut seen = Observed::new(&net);
             for index in 0..count {
