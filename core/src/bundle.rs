@@ -156,6 +156,42 @@ impl<W: Word, B: Bundle<W>> Bundle<W> for Option<B> {
     }
 }
 
+/// A bundle whose wires hold the numbers of their words in a walk: what names a row of a batch. A wide wire has the number of its lower word;
+/// a flag holds none.
+pub fn numbered<B: Bundle<i32, In<i32> = B>>() -> B {
+    B::limit::<i32>(End::Low).rewire(&mut Numbers(0))
+}
+
+/// Counts the words of a walk.
+struct Numbers(i32);
+
+impl Numbers {
+    fn next(&mut self, words: i32) -> i32 {
+        self.0 += words;
+        self.0 - words
+    }
+}
+
+impl Rewire<i32, i32> for Numbers {
+    #[inline(always)]
+    fn word(&mut self, _: i32, _: u32) -> i32 {
+        self.next(1)
+    }
+    #[inline(always)]
+    fn control(&mut self, _: i32, _: u32) -> i32 {
+        self.next(1)
+    }
+    #[inline(always)]
+    fn wide(&mut self, _: i64, _: u32) -> i64 {
+        self.next(2).into()
+    }
+    #[inline(always)]
+    fn flag(&mut self, flag: bool) -> bool {
+        self.next(1);
+        flag
+    }
+}
+
 /// One number that controls, as the outcome of a stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Value<W: Word, const INT: u32>(pub Control<W, INT>);

@@ -339,6 +339,21 @@ fn a_frame_calls_no_arithmetic_of_its_own() {
     }
 }
 
+/// `row(7)` was the probe count of a footprint, and five files knew it by heart: declarations name the rows (`row_of`, `rows_of`, `Appended`).
+#[test]
+fn rows_of_batches_have_names_and_no_numbers() {
+    let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
+    for package in ["lanes", "frame", "cases", "study"] {
+        for (name, _, tokens) in files_below(&emulator.join(package).join("src")) {
+            for call in tokens.windows(3) {
+                let is_number = call[2].text.starts_with(|first: char| first.is_ascii_digit());
+                let is_row = call[0].text == "row" && call[1].text == "(" && is_number;
+                assert!(!is_row, "{package}/src/{name}:{}: a row by its number", call[0].line);
+            }
+        }
+    }
+}
+
 /// Where a function may be the platform's own, whose last bit is another with each: file, reason.
 const PLATFORM_FUNCTIONS: [(&str, &str); 2] = [
     ("scene/src/picture/compare.rs", "figures of likeness, of which a few digits are printed"),

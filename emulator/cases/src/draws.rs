@@ -279,7 +279,7 @@ pub(crate) trait Kind<const WORDS: usize> {
                     row[(index - first) as usize] = odd[lane];
                 }
             }
-            columns.append((behind - first) as usize, &words);
+            columns.append((behind - first) as usize, |to| to.words(&words));
         }
     }
 }

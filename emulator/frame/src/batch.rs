@@ -8,7 +8,7 @@ use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, REFLECTANCE, SurfaceInput};
 use roughxel_core::precision::RoughnessKind;
 use roughxel_core::signals::{CubePoint, Sweep, TexturePosition};
-use roughxel_lanes::{Bare, Bumped, ByCount, Columns, Derivatives, Footprint, LANES, Look, RepeatedMap, Shown};
+use roughxel_lanes::{Bare, Bumped, ByCount, Columns, Derivatives, Footprint, Look, RepeatedMap, Shown};
 
 use super::colour::Channel;
 use super::lighting::{Directions, Lit};
@@ -16,9 +16,7 @@ use super::phases::{Phase, PhaseClock};
 use super::prepare::{Prepared, PreparedObject};
 use super::texture::{Footprints, TextureDerivatives};
 use crate::plan::Mode;
-use crate::raster::{AttributeRows, FragmentAttributes, SIDE, same_rows};
-
-const _: () = assert!(SIDE == LANES, "attributes are made in vectors of lanes");
+use crate::raster::{AttributeRows, FragmentAttributes, same_rows};
 
 /// Fragments that wait to be shaded, at most: their columns stay in a second-level cache.
 pub(super) const SHADED: usize = 128;
@@ -126,26 +124,37 @@ impl Fragments {
     pub(super) fn rows(&self) -> AttributeRows {
         let mut rows = AttributeRows::default();
         if let Some(main) = self.parts.main_direction {
-            rows.bare[8..12].copy_from_slice(&same_rows(&main));
+            rows.frame_vectors[0] = same_rows(&main);
         }
         rows
     }
 
-    /// Lets fragments wait that stand side by side; `derivatives` are those of [`Triangle::derivative_words`](crate::raster::Triangle::derivative_words).
-    pub(super) fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &[i32; 16]) {
+    /// Lets fragments wait that stand side by side and have their derivatives in common.
+    pub(super) fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &Derivatives<i32>) {
         let Parts { surface, derivatives: has_derivatives, uv, duv, main_direction: _ } = self.parts;
         let count = places.len();
         if surface {
-            self.bare.append(count, &rows.bare);
+            self.bare.append(count, |to| {
+                to.block(|bare| bare.normal, &rows.normal);
+                to.block(|bare| bare.view, &rows.view);
+                to.block(|bare| bare.frame_vectors[0], &rows.frame_vectors[0]);
+                to.block(|bare| bare.frame_vectors[1], &rows.frame_vectors[1]);
+            });
         }
         if has_derivatives {
             self.derivatives.append_same(count, derivatives);
         }
         if uv {
-            self.centres.append(count, &rows.uv);
+            self.centres.append(count, |to| {
+                to.low(|centre| centre.uv[0], &rows.uv[0]);
+                to.low(|centre| centre.uv[1], &rows.uv[1]);
+            });
         }
         if duv {
-            self.duv.append(count, &rows.duv);
+            self.duv.append(count, |to| {
+                to.block(|duv| duv[0], &rows.duv[0]);
+                to.block(|duv| duv[1], &rows.duv[1]);
+            });
         }
         self.places.extend_from_slice(places);
     }

@@ -25,7 +25,7 @@ use roughxel_scene::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
 pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};
-pub use blocks::{AttributeRows, Positions, Row, SIDE, same_rows};
+pub use blocks::{AttributeRows, Positions, same_rows};
 pub use camera::Projection;
 pub use coverage::{Pass, Sample, Sampling, TileSamples};
 pub use setup::TriangleList;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
+use roughxel_lanes::LANES;
 use roughxel_scene::Background;
 
 use super::Colour;
@@ -14,8 +15,7 @@ use super::frame::Frame;
 use super::phases::{PhaseClock, PhaseTimes};
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
-    Pass, Positions, RasterError, SIDE, SUBPIXELS, Sample, Sampling, TileRect, TileSamples, TriangleList, tile_rows,
-    tiles,
+    Pass, Positions, RasterError, SUBPIXELS, Sample, Sampling, TileRect, TileSamples, TriangleList, tile_rows, tiles,
 };
 
 /// What drawing took.
@@ -133,12 +133,12 @@ impl Prepared<'_> {
             let triangle = triangle.and_then(|index| triangles.triangle(index, object.needs()));
             let Some(triangle) = triangle else { continue };
             let points = object.lighting.as_ref().map(|lighting| lighting.points(&triangle)).unwrap_or_default();
-            let derivatives = triangle.derivative_words();
-            for (side, count) in tile.sides(span) {
+            let derivatives = triangle.derivatives();
+            for (group, count) in tile.groups(span) {
                 let (places, positions) = &self.reading.run(
                     #[inline(always)]
                     || {
-                        let (places, positions) = places(tile, side);
+                        let (places, positions) = places(tile, group);
                         triangle.fragments(&positions, &mut rows);
                         (places, positions)
                     },
@@ -151,7 +151,7 @@ impl Prepared<'_> {
                         lighting.directions(&triangle, &points, position, &mut fragments.directions);
                     }
                 }
-                if fragments.len() + SIDE > SHADED {
+                if fragments.len() + LANES > SHADED {
                     self.shade(object, &mut fragments, batch, sums);
                 }
             }
@@ -164,17 +164,17 @@ impl Prepared<'_> {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
             let (mut rays, derivatives) = (Fragments::rays(self.mode), self.projection.mirror_derivatives());
             let mut rows = rays.rows();
-            for (side, count) in tile.sides(span) {
+            for (group, count) in tile.groups(span) {
                 let places = self.reading.run(
                     #[inline(always)]
                     || {
-                        let (places, positions) = places(tile, side);
+                        let (places, positions) = places(tile, group);
                         self.projection.mirror_rays(&positions, &mut rows);
                         places
                     },
                 );
                 rays.append(&places[..count], &rows, &derivatives);
-                if rays.len() + SIDE > SHADED {
+                if rays.len() + LANES > SHADED {
                     self.shade_rays(&mut rays, batch, sums);
                 }
             }
@@ -201,10 +201,10 @@ impl Prepared<'_> {
 
 /// Where samples side by side count and lie.
 #[inline(always)]
-fn places(tile: &TileSamples, side: &[Sample; SIDE]) -> ([Place; SIDE], Positions) {
-    let mut places = [Place::default(); SIDE];
-    let mut positions = [[0; SIDE]; 2];
-    for (lane, &sample) in side.iter().enumerate() {
+fn places(tile: &TileSamples, group: &[Sample; LANES]) -> ([Place; LANES], Positions) {
+    let mut places = [Place::default(); LANES];
+    let mut positions = [[0; LANES]; 2];
+    for (lane, &sample) in group.iter().enumerate() {
         places[lane] = Place { pixel: tile.pixel(sample), times: tile.times(sample) };
         [positions[0][lane], positions[1][lane]] = tile.position(sample);
     }

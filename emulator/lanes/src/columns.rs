@@ -2,9 +2,11 @@
 
 use core::slice::{ChunksExact, ChunksExactMut};
 
-use roughxel_core::bundle::{End, Rewire};
+use roughxel_core::bundle::{Bundle, End, Rewire, numbered};
 use roughxel_core::design::Form;
 use roughxel_core::each::{each, places};
+use roughxel_core::fx::{Fx, WideControl};
+use roughxel_core::ports::PortBlock;
 
 use super::LANES;
 use super::order::Order;
@@ -12,11 +14,32 @@ use super::order::Order;
 /// Fragments of the larger group of lanes: rows have room for whole ones.
 pub(super) const GROUP: usize = 2 * LANES;
 
+/// A word of each of [`LANES`] fragments.
+pub type Row = [i32; LANES];
+
+/// The words of a block of each of [`LANES`] fragments.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct BlockRows<const N: usize> {
+    /// Mantissas.
+    pub mantissa: [Row; N],
+    /// Exponents.
+    pub exponent: Row,
+}
+
+impl<const N: usize> Default for BlockRows<N> {
+    fn default() -> Self {
+        Self { mantissa: [[0; LANES]; N], exponent: [0; LANES] }
+    }
+}
+
 /// A bundle of each of many fragments; a row holds one word of all.
 #[derive(Clone, Debug)]
 pub struct Columns<B> {
     /// Which of its parts there are: a plan leaves some out.
     form: Option<B>,
+    /// The numbers of its rows.
+    numbers: Option<B>,
     memory: Vec<i32>,
     /// Where the rows begin in it: with a cache line, so that no vector of a group lies in two.
     start: usize,
@@ -27,7 +50,7 @@ pub struct Columns<B> {
 
 impl<B> Default for Columns<B> {
     fn default() -> Self {
-        Self { form: None, memory: Vec::new(), start: 0, stride: 0, len: 0 }
+        Self { form: None, numbers: None, memory: Vec::new(), start: 0, stride: 0, len: 0 }
     }
 }
 
@@ -62,7 +85,7 @@ impl<B: Form> Columns<B> {
         self.form = Some(*bundle);
         self.grow(self.len + 1);
         let (stride, place) = (self.stride, self.len);
-        bundle.rewire::<i32, _>(&mut Store { words: self.words_mut(), stride, place });
+        bundle.rewire::<i32, _>(&mut Store::<1> { words: self.words_mut(), stride, place });
         self.len += 1;
     }
 
@@ -103,33 +126,42 @@ impl<B: Form> Columns<B> {
         &self.words()[word * self.stride..][..self.len]
     }
 
-    /// Adds `count` fragments word by word, at most a vector of them: a row of each word, in the order of a walk.
+    /// The row of one of the wires: `row_of(|seen| seen.taps)`.
+    pub fn row_of<const INT: u32>(&self, wire: impl Fn(&B) -> Fx<i32, INT>) -> &[i32] {
+        self.row(wire(&numbered::<B>()).raw() as usize)
+    }
+
+    /// The rows of a part of the bundle, in the order of its walk: `rows_of(|bare| bare.normal)`.
+    pub fn rows_of<P: Bundle<i32>>(&self, part: impl Fn(&B) -> P) -> impl Iterator<Item = &[i32]> {
+        let mut first = First(None);
+        part(&numbered::<B>()).rewire::<i32, _>(&mut first);
+        (first.0.unwrap_or(0) as usize..).take(P::WORDS).map(|word| self.row(word))
+    }
+
+    /// Adds `count` fragments, at most a vector of them: `write` puts the rows of each part that anybody reads.
     ///
     /// # Panics
-    /// If there are more, or not a row of each word.
-    pub fn append(&mut self, count: usize, rows: &[[i32; LANES]]) {
-        assert!(count <= LANES && rows.len() == B::WORDS, "a vector of each word");
+    /// If there are more.
+    pub fn append(&mut self, count: usize, write: impl FnOnce(&mut Appended<'_, B>)) {
+        assert!(count <= LANES, "a vector of them");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
-        let len = self.len;
-        for (words, row) in self.rows_mut().zip(rows) {
-            words[len..][..LANES].copy_from_slice(row);
-        }
+        let numbers = *self.numbers.get_or_insert_with(numbered);
+        let (stride, place) = (self.stride, self.len);
+        write(&mut Appended { numbers, words: self.words_mut(), stride, place });
         self.len += count;
     }
 
-    /// Adds `count` fragments that are all the same, at most a vector of them: each word in the order of a walk.
+    /// Adds `count` fragments that are all the same, at most a vector of them.
     ///
     /// # Panics
-    /// If there are more, or not all words.
-    pub fn append_same(&mut self, count: usize, words: &[i32]) {
-        assert!(count <= LANES && words.len() == B::WORDS, "all words");
+    /// If there are more.
+    pub fn append_same(&mut self, count: usize, bundle: &B) {
+        assert!(count <= LANES, "a vector of them");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
-        let len = self.len;
-        for (row, &word) in self.rows_mut().zip(words) {
-            row[len..][..LANES].fill(word);
-        }
+        let (stride, place) = (self.stride, self.len);
+        bundle.rewire::<i32, _>(&mut Store::<LANES> { words: self.words_mut(), stride, place });
         self.len += count;
     }
 
@@ -212,7 +244,10 @@ impl<B: Form> Columns<B> {
         let stride = (needed.max(2 * self.stride).div_ceil(LANES) | 1) * LANES;
         let memory = vec![0; stride * B::WORDS + LANES];
         let start = memory.as_ptr().align_offset(size_of::<[i32; LANES]>()).min(LANES);
-        let old = core::mem::replace(self, Self { form: self.form, memory, start, stride, len: self.len });
+        let old = core::mem::replace(
+            self,
+            Self { form: self.form, numbers: self.numbers, memory, start, stride, len: self.len },
+        );
         if old.stride > 0 {
             for (row, from) in self.rows_mut().zip(old.rows()) {
                 row[..old.len].copy_from_slice(&from[..old.len]);
@@ -261,18 +296,82 @@ impl WalkMut<'_> {
     }
 }
 
-/// Puts the words of a walk into a place of each row; a wide wire is two of them, a flag is 0 or 1.
-struct Store<'a> {
+/// Where [`Columns::append`] puts the rows of a vector of fragments.
+pub struct Appended<'a, B> {
+    numbers: B,
+    words: &'a mut [i32],
+    stride: usize,
+    /// Of the first fragment.
+    place: usize,
+}
+
+impl<B: Form> Appended<'_, B> {
+    /// The rows of all words, in the order of a walk.
+    ///
+    /// # Panics
+    /// If there are others.
+    pub fn words(&mut self, rows: &[Row]) {
+        assert_eq!(rows.len(), B::WORDS, "a row of each word");
+        for (number, row) in (0..).zip(rows) {
+            self.put(number, row);
+        }
+    }
+
+    /// The rows of a block.
+    #[inline(always)]
+    pub fn block<const N: usize>(&mut self, block: impl Fn(&B) -> PortBlock<i32, N>, rows: &BlockRows<N>) {
+        let PortBlock { mantissa, exponent } = block(&self.numbers);
+        for (wire, row) in mantissa.iter().zip(&rows.mantissa) {
+            self.put(wire.raw(), row);
+        }
+        self.put(exponent.raw(), &rows.exponent);
+    }
+
+    /// The lower words of a wide number in [0, 2^32), and zeros above them.
+    #[inline(always)]
+    pub fn low<const INT: u32>(&mut self, wide: impl Fn(&B) -> WideControl<i32, INT>, row: &Row) {
+        let number = wide(&self.numbers).raw() as i32;
+        self.put(number, row);
+        self.put(number + 1, &[0; LANES]);
+    }
+
+    #[inline(always)]
+    fn put(&mut self, number: i32, row: &Row) {
+        self.words[number as usize * self.stride + self.place..][..LANES].copy_from_slice(row);
+    }
+}
+
+/// Finds the number of the first word of a part of [`numbered`].
+struct First(Option<i32>);
+
+impl Rewire<i32, i32> for First {
+    fn word(&mut self, number: i32, _: u32) -> i32 {
+        *self.0.get_or_insert(number)
+    }
+    fn control(&mut self, number: i32, _: u32) -> i32 {
+        *self.0.get_or_insert(number)
+    }
+    fn wide(&mut self, number: i64, _: u32) -> i64 {
+        self.0.get_or_insert(number as i32);
+        number
+    }
+    fn flag(&mut self, flag: bool) -> bool {
+        flag
+    }
+}
+
+/// Puts the words of a walk into so many places of each row; a wide wire is two of them, a flag is 0 or 1.
+struct Store<'a, const PLACES: usize> {
     words: &'a mut [i32],
     stride: usize,
     /// Of the next word.
     place: usize,
 }
 
-impl Rewire<i32, i32> for Store<'_> {
+impl<const PLACES: usize> Rewire<i32, i32> for Store<'_, PLACES> {
     #[inline(always)]
     fn word(&mut self, wire: i32, _: u32) -> i32 {
-        self.words[self.place] = wire;
+        self.words[self.place..][..PLACES].fill(wire);
         self.place += self.stride;
         wire
     }

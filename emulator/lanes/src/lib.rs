@@ -49,7 +49,7 @@ use roughxel_core::word::{WideWire, Wire, Word};
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
-pub use columns::Columns;
+pub use columns::{Appended, BlockRows, Columns, Row};
 pub use lights::Slopes;
 pub use linear::Digits;
 pub use narrow::{Halves, KEPT, NARROW_LANES, NarrowFlags, NarrowLanes};

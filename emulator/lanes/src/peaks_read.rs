@@ -56,7 +56,7 @@ impl PeaksRead {
         }
         let patches = Patches::of(&mut self.patches);
         reading.peak_patches(places, &map.map, &self.numbers, &patches, p, &mut self.read);
-        let [turns, levels] = [0, 1].map(|word| self.read.row(word));
+        let (turns, levels) = (self.read.row_of(|read| read.turns), self.read.row_of(|read| read.levels));
         let taps = turns.iter().zip(levels).map(|(&turns, &levels)| (turns * levels) as u64).sum();
         // Compiled for the instruction set: runs of indices are vectors.
         reading.run(
@@ -70,7 +70,7 @@ impl PeaksRead {
     #[inline(always)]
     fn pair(&mut self, map: &PeakTexels) {
         let Self { read, patches, pairs, ends, sums, .. } = self;
-        let [turns, levels] = [0, 1].map(|word| read.row(word));
+        let (turns, levels) = (read.row_of(|read| read.turns), read.row_of(|read| read.levels));
         let (begins, patches) = (&map.begins[..], Patches::of(patches));
         let (mut peaks, mut texels) = (0, 0);
         for (fragment, (&turns, &levels)) in turns.iter().zip(levels).enumerate() {
@@ -120,7 +120,7 @@ impl PeaksRead {
     ) {
         let Self { numbers, patches, pairs, ends, lights, sums, .. } = self;
         reading.peaks(pairs, views, map, p, lights);
-        let (lights, mut begin) = (lights.row(0), 0);
+        let (lights, mut begin) = (lights.row_of(|light| light.0), 0);
         for (sum, &end) in sums.iter_mut().zip(&*ends) {
             let lights = &lights[begin..end as usize];
             let none = PeakSum::<i32> { light: Fx::zero(), saturated: false };

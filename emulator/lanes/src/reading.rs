@@ -42,27 +42,25 @@ bundle! {
 impl Columns<Bumped<i32>> {
     /// Whether no fragment is rough.
     pub fn is_smooth(&self) -> bool {
-        // Behind the two words of the offset.
-        (2..5).all(|word| self.row(word).iter().all(|&d| d == 0))
+        self.rows_of(|bumped| bumped.bump.roughness).all(|row| row.iter().all(|&d| d == 0))
     }
 
     /// Bilinear samples of all.
     pub fn taps(&self) -> u64 {
-        // Behind the five words of the bump.
-        sum(self.row(5))
+        sum(self.row_of(|bumped| bumped.taps))
     }
 }
 
 impl Columns<Shown<i32>> {
     /// The colour of each.
     pub fn colours(&self) -> impl Iterator<Item = [Control<i32, LIGHT>; 3]> + '_ {
-        let [red, green, blue] = [0, 1, 2].map(|channel| self.row(channel));
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.row_of(|shown| shown.channels[channel]));
         red.iter().zip(green).zip(blue).map(|((&red, &green), &blue)| [red, green, blue].map(Fx::from_raw))
     }
 
     /// Bilinear samples of all.
     pub fn taps(&self) -> u64 {
-        sum(self.row(3))
+        sum(self.row_of(|shown| shown.taps))
     }
 }
 
@@ -74,8 +72,7 @@ impl Columns<Bare<i32>> {
     /// Whether there are fragments, all of one normal and frame.
     #[inline(always)]
     fn is_in_one_frame(&self) -> bool {
-        // Blocks of three words and an exponent: the normal, the view, the vectors of the frame.
-        let mut rows = (0..4).chain(8..16).map(|word| self.row(word));
+        let mut rows = self.rows_of(|bare| bare.normal).chain(self.rows_of(|bare| bare.frame_vectors));
         !self.is_empty() && rows.all(|row| row.iter().fold(0, |differs, &word| differs | (word ^ row[0])) == 0)
     }
 }
@@ -93,24 +90,22 @@ pub struct ByCount {
 impl Columns<Footprint<i32>> {
     /// How many probes each has.
     pub fn counts(&self) -> &[i32] {
-        // Behind the seven words of the point.
-        self.row(7)
+        self.row_of(|footprint| footprint.probes.count)
     }
 }
 
 impl Columns<Sweep<i32>> {
     /// How many probes each has.
     pub fn counts(&self) -> &[i32] {
-        // Behind three vectors.
-        self.row(9)
+        self.row_of(|sweep| sweep.count)
     }
 }
 
 impl Columns<Derivatives<i32>> {
     /// Whether no fragment's surface is curved.
     pub fn is_flat(&self) -> bool {
-        // Blocks of three words and an exponent: ∂v/∂x, ∂v/∂y, ∂n/∂x, ∂n/∂y.
-        [8, 9, 10, 12, 13, 14].into_iter().all(|word| self.row(word).iter().all(|&m| m == 0))
+        let [x, y] = [0, 1].map(|side| self.rows_of(move |derivatives| derivatives.dnormal[side].mantissa));
+        x.chain(y).all(|row| row.iter().all(|&m| m == 0))
     }
 }
 

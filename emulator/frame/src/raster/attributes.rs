@@ -13,11 +13,10 @@
 use fixed::types::U0F32;
 use glam::DVec3;
 use roughxel_core::ports::{BlockPair, BlockVector};
+use roughxel_lanes::{BlockRows, Derivatives, LANES};
 
 use super::SUBPIXELS;
-use super::blocks::{
-    AttributeRows, Positions, Row, SIDE, block, block_rows, derivative_words, port, same_rows, scaled, turns,
-};
+use super::blocks::{AttributeRows, Positions, block, block_rows, derivatives, port, same_rows, scaled, turns};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
@@ -119,12 +118,12 @@ impl VectorOverTriangle {
         }
     }
 
-    /// The same of [`SIDE`] samples, whose values `of` finds from the corners.
+    /// The same of [`LANES`] samples, whose values `of` finds from the corners.
     #[inline(always)]
-    fn rows(&self, rows: &mut [Row], of: impl Fn(&CornerVectors, usize) -> [f64; 3]) {
+    fn rows(&self, of: impl Fn(&CornerVectors, usize) -> [f64; 3]) -> BlockRows<3> {
         match self {
-            Self::Same(vector) => rows.copy_from_slice(&same_rows(vector)),
-            Self::Sum(vectors) => block_rows(rows, vectors.exponent, |lane| of(vectors, lane)),
+            Self::Same(vector) => same_rows(vector),
+            Self::Sum(vectors) => block_rows(vectors.exponent, |lane| of(vectors, lane)),
         }
     }
 
@@ -230,12 +229,12 @@ impl<'a> Triangle<'a> {
         fragment
     }
 
-    /// The same of [`SIDE`] samples.
+    /// The same of [`LANES`] samples.
     #[inline(always)]
     pub fn fragments(&self, positions: &Positions, rows: &mut AttributeRows) {
-        let mut weights = [[0.0; SIDE]; 3];
-        let mut reciprocal = [0.0; SIDE];
-        for lane in 0..SIDE {
+        let mut weights = [[0.0; LANES]; 3];
+        let mut reciprocal = [0.0; LANES];
+        for lane in 0..LANES {
             let (here, over) = self.weights_at(positions[0][lane], positions[1][lane]);
             for (row, weight) in weights.iter_mut().zip(here) {
                 row[lane] = weight;
@@ -243,40 +242,38 @@ impl<'a> Triangle<'a> {
             reciprocal[lane] = over;
         }
         let at = |lane: usize| [weights[0][lane], weights[1][lane], weights[2][lane]];
-        let AttributeRows { bare, uv, duv } = rows;
-        self.normals.rows(
-            &mut bare[..4],
+        let AttributeRows { normal, view, frame_vectors, uv, duv } = rows;
+        *normal = self.normals.rows(
             #[inline(always)]
             |normals, lane| normals.at(at(lane)),
         );
-        self.projection.ray_views(positions, &mut bare[4..8]);
+        *view = self.projection.ray_views(positions);
         if let Some(tangents) = &self.tangents {
-            for (tangent, rows) in tangents.iter().zip(bare[8..].chunks_exact_mut(4)) {
-                tangent.rows(
-                    rows,
+            for (tangent, rows) in tangents.iter().zip(frame_vectors) {
+                *rows = tangent.rows(
                     #[inline(always)]
                     |tangents, lane| scale(tangents.at(at(lane)), reciprocal[lane]),
                 );
             }
         }
         if self.needs.uv {
-            let mut places = [[0.0; SIDE]; 2];
-            for lane in 0..SIDE {
+            let mut places = [[0.0; LANES]; 2];
+            for lane in 0..LANES {
                 let [u, v] = self.uv_at(at(lane), reciprocal[lane]);
                 (places[0][lane], places[1][lane]) = (u, v);
-                (uv[0][lane], uv[2][lane]) = (turns(u) as i32, turns(v) as i32);
+                (uv[0][lane], uv[1][lane]) = (turns(u) as i32, turns(v) as i32);
             }
             if self.needs.duv {
                 let here = |lane: usize| [places[0][lane], places[1][lane]];
-                block_rows(&mut duv[..3], 0, |lane| self.duv_at(0, here(lane), reciprocal[lane]));
-                block_rows(&mut duv[3..], 0, |lane| self.duv_at(1, here(lane), reciprocal[lane]));
+                duv[0] = block_rows(0, |lane| self.duv_at(0, here(lane), reciprocal[lane]));
+                duv[1] = block_rows(0, |lane| self.duv_at(1, here(lane), reciprocal[lane]));
             }
         }
     }
 
-    /// ∂v and ∂n of all its fragments: of each the mantissas, then the exponent.
-    pub fn derivative_words(&self) -> [i32; 16] {
-        derivative_words(self.projection.dview(), self.dnormal)
+    /// ∂v and ∂n of all its fragments.
+    pub fn derivatives(&self) -> Derivatives<i32> {
+        derivatives(self.projection.dview(), self.dnormal)
     }
 
     /// Setup of the directions to a point in the world, once a triangle.

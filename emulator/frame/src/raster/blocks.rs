@@ -4,34 +4,26 @@
 //! exact; the one rounding is the one to the narrower word, to nearest, ties to even.
 
 use fixed::types::I2F30;
-use roughxel_core::ports::{BlockPort, BlockVector};
+use roughxel_core::ports::{BlockPort, BlockVector, Port};
+use roughxel_lanes::{BlockRows, Derivatives, LANES, Row};
 
-/// Fragments side by side.
-pub const SIDE: usize = 16;
-
-/// A word of each of [`SIDE`] fragments.
-pub type Row = [i32; SIDE];
-
-/// Positions of [`SIDE`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
+/// Positions of [`LANES`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
 pub type Positions = [Row; 2];
 
-/// The attributes of [`SIDE`] fragments side by side, word by word: of a vector its mantissas, then its exponent; of a texture coordinate the lower
-/// and the upper half of a wide word. A row is a cache line.
-#[derive(Clone, Copy, Debug)]
+/// The attributes of [`LANES`] fragments side by side, with the names of [`FragmentAttributes`](super::FragmentAttributes). A row is a cache line.
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub struct AttributeRows {
-    /// `normal`, `view`, `frame_vectors`.
-    pub bare: [Row; 16],
-    /// `uv`.
-    pub uv: [Row; 4],
-    /// `duv`.
-    pub duv: [Row; 6],
-}
-
-impl Default for AttributeRows {
-    fn default() -> Self {
-        Self { bare: [[0; SIDE]; 16], uv: [[0; SIDE]; 4], duv: [[0; SIDE]; 6] }
-    }
+    /// Unnormalised normals.
+    pub normal: BlockRows<3>,
+    /// From the surface to the eye.
+    pub view: BlockRows<3>,
+    /// p_u and p_v, or the main direction and nothing.
+    pub frame_vectors: [BlockRows<3>; 2],
+    /// Texture coordinates with 32 fraction bits.
+    pub uv: [Row; 2],
+    /// Their derivatives.
+    pub duv: [BlockRows<2>; 2],
 }
 
 /// Fraction bits of a mantissa.
@@ -79,37 +71,29 @@ pub(super) fn turns(value: f64) -> u32 {
     (share * power_of_two(32) + ROUNDER).to_bits() as u32
 }
 
-/// Blocks of [`SIDE`] fragments: a row of each mantissa, then one of the exponents.
+/// Blocks of [`LANES`] fragments.
 #[inline(always)]
-pub(super) fn block_rows<const N: usize>(rows: &mut [Row], exponent: i32, values: impl Fn(usize) -> [f64; N]) {
-    let mut words = [[0; SIDE]; N];
-    let mut exponents = [0; SIDE];
-    for lane in 0..SIDE {
+pub(super) fn block_rows<const N: usize>(exponent: i32, values: impl Fn(usize) -> [f64; N]) -> BlockRows<N> {
+    let mut rows = BlockRows::default();
+    for lane in 0..LANES {
         let (mantissas, exponent) = block(values(lane), exponent);
-        for (row, mantissa) in words.iter_mut().zip(mantissas) {
+        for (row, mantissa) in rows.mantissa.iter_mut().zip(mantissas) {
             row[lane] = mantissa;
         }
-        exponents[lane] = exponent;
+        rows.exponent[lane] = exponent;
     }
-    let (last, first) = rows.split_last_mut().unwrap_or_else(|| unreachable!("a block has rows"));
-    first.copy_from_slice(&words);
-    *last = exponents;
+    rows
 }
 
-/// The same block in every lane: rows of its mantissas, then of its exponent.
-pub fn same_rows(block: &BlockVector) -> [Row; 4] {
-    let [x, y, z] = block.mantissa.map(|mantissa| [mantissa.to_bits(); SIDE]);
-    [x, y, z, [i32::from(block.exponent); SIDE]]
+/// The same block in every lane.
+pub fn same_rows(block: &BlockVector) -> BlockRows<3> {
+    let BlockVector { mantissa, exponent } = block;
+    BlockRows { mantissa: mantissa.map(|mantissa| [mantissa.to_bits(); LANES]), exponent: [(*exponent).into(); LANES] }
 }
 
-/// ∂v, then ∂n: of each the mantissas, then the exponent.
-pub(super) fn derivative_words(dview: [BlockVector; 2], dnormal: [BlockVector; 2]) -> [i32; 16] {
-    let blocks = [dview, dnormal];
-    let blocks = blocks.as_flattened();
-    core::array::from_fn(|word| match word % 4 {
-        3 => i32::from(blocks[word / 4].exponent),
-        component => blocks[word / 4].mantissa[component].to_bits(),
-    })
+/// ∂v and ∂n as wires.
+pub(super) fn derivatives(dview: [BlockVector; 2], dnormal: [BlockVector; 2]) -> Derivatives<i32> {
+    Derivatives { dview: dview.wires(), dnormal: dnormal.wires() }
 }
 
 /// As ports.

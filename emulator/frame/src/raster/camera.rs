@@ -6,8 +6,9 @@
 
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::BlockVector;
+use roughxel_lanes::{BlockRows, Derivatives};
 
-use super::blocks::{AttributeRows, Positions, Row, block, block_rows, derivative_words, port};
+use super::blocks::{AttributeRows, Positions, block, block_rows, derivatives, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
 use roughxel_scene::{Camera, MAX_FRAME_PIXELS};
 
@@ -104,20 +105,17 @@ impl Projection {
     /// The rays of samples side by side as normals and views of mirrors that face them from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|².
     #[inline(always)]
     pub fn mirror_rays(&self, positions: &Positions, rows: &mut AttributeRows) {
-        let (normal, rest) = rows.bare.split_at_mut(4);
-        self.ray_views(positions, normal);
-        for row in &mut normal[..3] {
-            for mantissa in row {
-                *mantissa = -*mantissa;
-            }
+        rows.normal = self.ray_views(positions);
+        for mantissa in rows.normal.mantissa.as_flattened_mut() {
+            *mantissa = -*mantissa;
         }
-        rest[..4].copy_from_slice(normal);
+        rows.view = rows.normal;
     }
 
     /// The same of samples side by side.
     #[inline(always)]
-    pub(super) fn ray_views(&self, positions: &Positions, rows: &mut [Row]) {
-        block_rows(rows, 0, |lane| self.view_at(positions[0][lane], positions[1][lane]));
+    pub(super) fn ray_views(&self, positions: &Positions) -> BlockRows<3> {
+        block_rows(0, |lane| self.view_at(positions[0][lane], positions[1][lane]))
     }
 
     #[inline(always)]
@@ -134,9 +132,9 @@ impl Projection {
         self.dview
     }
 
-    /// ∂v and no ∂n, as words of [`Derivatives`](roughxel_lanes::Derivatives): a footprint as wide as the pixel.
-    pub fn mirror_derivatives(&self) -> [i32; 16] {
-        derivative_words(self.dview, [BlockVector::default(); 2])
+    /// ∂v and no ∂n: a footprint as wide as the pixel.
+    pub fn mirror_derivatives(&self) -> Derivatives<i32> {
+        derivatives(self.dview, [BlockVector::default(); 2])
     }
 
     /// Homogeneous screen coordinates (x·w, y·w, w) of a world position: x and y in pixels, w the distance along

@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use super::blocks::SIDE;
+use roughxel_lanes::LANES;
+
 use super::edges::{Places, TileBuffer};
 use super::setup::{Drawn, TriangleList};
 use super::{PIXEL_CENTRE_SUBPX, SUBPIXELS, TILE_EDGE_PX, TileRect};
@@ -127,11 +128,11 @@ impl TileSamples {
         &self.samples[span]
     }
 
-    /// A span, [`SIDE`] samples at a time and how many of them it has; behind those any others.
+    /// A span, [`LANES`] samples at a time and how many of them it has; behind those any others.
     #[inline(always)]
-    pub fn sides(&self, span: Range<usize>) -> impl Iterator<Item = (&[Sample; SIDE], usize)> {
+    pub fn groups(&self, span: Range<usize>) -> impl Iterator<Item = (&[Sample; LANES], usize)> {
         let end = span.end;
-        span.step_by(SIDE).map(move |first| (&self.samples[first..].as_chunks().0[0], SIDE.min(end - first)))
+        span.step_by(LANES).map(move |first| (&self.samples[first..].as_chunks().0[0], LANES.min(end - first)))
     }
 
     /// How many samples each pixel has, row by row, those counted over that count more than once: the sum over all passes is what the sum of a pixel's
@@ -187,7 +188,7 @@ impl TileSamples {
         for end in ends.iter_mut() {
             begin += std::mem::replace(end, begin);
         }
-        samples.resize(found.len() + SIDE, Sample::default());
+        samples.resize(found.len() + LANES, Sample::default());
         for same in found.chunk_by(|a, b| a.0 == b.0) {
             let next = &mut ends[(same[0].0 as usize).min(none)];
             let places = &mut samples[*next..][..same.len()];

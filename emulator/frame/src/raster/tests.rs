@@ -2,8 +2,8 @@
 
 use fixed::types::{I2F30, U0F32};
 use glam::{DVec2, DVec3};
-use roughxel_core::ports::{BlockPair, BlockPort, BlockVector};
-use roughxel_lanes::{InstructionSet, Reading};
+use roughxel_core::ports::{BlockPair, BlockPort, BlockVector, Port};
+use roughxel_lanes::{BlockRows, Derivatives, InstructionSet, LANES, Reading};
 
 use super::edges::{Places, TileBuffer};
 use super::setup::Drawn;
@@ -680,24 +680,22 @@ fn frames_of_one_pixel_and_of_4096_pixels_work() {
     }
 }
 
-/// A word of a side of fragments as [`FragmentAttributes`] has it.
-fn of_rows(rows: &AttributeRows, derivatives: &[i32; 16], lane: usize) -> FragmentAttributes {
-    fn block<const N: usize>(rows: &[Row], lane: usize) -> BlockPort<N> {
-        let mantissa = core::array::from_fn(|i| I2F30::from_bits(rows[i][lane]));
-        BlockPort { mantissa, exponent: rows[N][lane] as i16 }
+/// A lane of rows as [`FragmentAttributes`] has it.
+fn of_rows(rows: &AttributeRows, derivatives: &Derivatives<i32>, lane: usize) -> FragmentAttributes {
+    fn block<const N: usize>(rows: &BlockRows<N>, lane: usize) -> BlockPort<N> {
+        BlockPort {
+            mantissa: rows.mantissa.map(|row| I2F30::from_bits(row[lane])),
+            exponent: rows.exponent[lane] as i16,
+        }
     }
-    let four = |rows: &[Row; 16]| [0, 4, 8, 12].map(|first| block::<3>(&rows[first..], lane));
-    let derivatives = derivatives.map(|word| [word; SIDE]);
-    let ([normal, view, u, v], [vx, vy, nx, ny]) = (four(&rows.bare), four(&derivatives));
-    assert_eq!([rows.uv[1][lane], rows.uv[3][lane]], [0; 2], "upper halves of what is below 2^32");
     FragmentAttributes {
-        normal,
-        view,
-        frame_vectors: [u, v],
-        dview: [vx, vy],
-        dnormal: [nx, ny],
-        uv: [0, 2].map(|row| U0F32::from_bits(rows.uv[row][lane].cast_unsigned())),
-        duv: [0, 3].map(|first| block::<2>(&rows.duv[first..], lane)),
+        normal: block(&rows.normal, lane),
+        view: block(&rows.view, lane),
+        frame_vectors: rows.frame_vectors.map(|rows| block(&rows, lane)),
+        dview: Port::of(&derivatives.dview),
+        dnormal: Port::of(&derivatives.dnormal),
+        uv: rows.uv.map(|row| U0F32::from_bits(row[lane].cast_unsigned())),
+        duv: rows.duv.map(|rows| block(&rows, lane)),
     }
 }
 
@@ -723,8 +721,9 @@ fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
             let Some(triangle) = list.triangle(0, needs) else { continue };
             visible_triangles += 1;
             // In the frame, and beside it.
-            let positions = [97, 65].map(|edge| [0; SIDE].map(|_| random.real(-300.0, f64::from(edge) * 256.0) as i32));
-            let derivatives = triangle.derivative_words();
+            let positions =
+                [97, 65].map(|edge| [0; LANES].map(|_| random.real(-300.0, f64::from(edge) * 256.0) as i32));
+            let derivatives = triangle.derivatives();
             let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar]);
             for reading in readings {
                 let mut rows = AttributeRows::default();
