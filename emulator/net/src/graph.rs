@@ -302,7 +302,7 @@ pub struct Net {
     pub taps: Vec<Tap>,
     /// Outputs in the order of their bundle.
     pub outputs: Vec<Tap>,
-    /// The lowest and the highest integer that each output is declared to hold; of a design, see [`Net::of`].
+    /// The lowest and the highest integer that each output is declared to hold; of a design, by its recording (`emulator/record`).
     pub limits: Vec<(i64, i64)>,
 }
 
