@@ -23,8 +23,8 @@ use roughxel_emulator::frame::Prepared;
 #[cfg(target_arch = "x86_64")]
 use roughxel_emulator::lanes::{Avx2, Avx512};
 use roughxel_emulator::lanes::{
-    BumpTexels, Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES, Lanes,
-    Look, MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, RoughBump, Shown, Target,
+    BlockRows, BumpTexels, Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES,
+    Lanes, Look, MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, RoughBump, Shown, Target,
     WideLanes,
 };
 use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
@@ -334,6 +334,47 @@ fn rows_of_columns_begin_with_a_cache_line_however_they_grow() {
         columns.row_of(|words| words[1].0).iter().copied().eq((0..1000).map(|number: i32| -number)),
         "what there was is kept"
     );
+}
+
+/// The memory holds another batch, whose words are −1: a part that lands in another row, or an upper word that keeps what there was, shows.
+#[test]
+fn rows_that_are_appended_by_name_are_the_bundles_of_their_lanes() {
+    let row = |first: i32| -> [i32; LANES] { core::array::from_fn(|lane| first + 1000 * lane as i32) };
+    let block = |first: i32| BlockRows {
+        mantissa: [0, 1, 2].map(|component| row(first + component)),
+        exponent: row(first + 3),
+    };
+    let port = |rows: &BlockRows<3>, lane: usize| PortBlock::<i32, 3> {
+        mantissa: rows.mantissa.map(|row| Fx::from_raw(row[lane])),
+        exponent: Fx::from_raw(rows.exponent[lane]),
+    };
+    let (dview, dnormal) = ([block(10), block(20)], [block(30), block(40)]);
+    let minus_one = port(&BlockRows { mantissa: [[-1; LANES]; 3], exponent: [-1; LANES] }, 0);
+    let mut derivatives = Columns::<Derivatives<i32>>::default();
+    derivatives.append_same(LANES, &Derivatives { dview: [minus_one; 2], dnormal: [minus_one; 2] });
+    derivatives.clear();
+    derivatives.append(LANES, |to| {
+        for side in [0, 1] {
+            to.block(|derivatives| derivatives.dnormal[side], &dnormal[side]);
+            to.block(|derivatives| derivatives.dview[side], &dview[side]);
+        }
+    });
+    let mut centres = Columns::<TexturePosition<i32>>::default();
+    centres.append_same(LANES, &TexturePosition { uv: [Fx::from_raw(-1); 2] });
+    centres.clear();
+    centres.append(LANES, |to| {
+        to.low(|centre| centre.uv[1], &row(-7));
+        to.low(|centre| centre.uv[0], &row(5));
+    });
+    for lane in 0..LANES {
+        let [dview, dnormal] = [dview, dnormal].map(|rows| rows.map(|rows| port(&rows, lane)));
+        same_wires(&Derivatives { dview, dnormal }, &derivatives.get(lane))
+            .unwrap_or_else(|wire| panic!("{lane}: {wire}"));
+        let uv = [row(5), row(-7)].map(|row| Fx::from_raw(row[lane].cast_unsigned().into()));
+        same_wires(&TexturePosition { uv }, &centres.get(lane)).unwrap_or_else(|wire| panic!("{lane}: {wire}"));
+    }
+    let named = derivatives.rows_of(|derivatives| derivatives.dnormal[1]);
+    assert!(named.eq((12..16).map(|word| derivatives.row(word))), "the last block of four");
 }
 
 #[test]
