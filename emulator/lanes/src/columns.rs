@@ -141,7 +141,7 @@ impl<B: Form> Columns<B> {
     /// Adds `count` fragments, at most a vector of them: `write` puts the rows of each part that anybody reads.
     ///
     /// # Panics
-    /// If there are more.
+    /// More than [`LANES`] fragments.
     pub fn append(&mut self, count: usize, write: impl FnOnce(&mut Appended<'_, B>)) {
         assert!(count <= LANES, "a vector of them");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
@@ -155,7 +155,7 @@ impl<B: Form> Columns<B> {
     /// Adds `count` fragments that are all the same, at most a vector of them.
     ///
     /// # Panics
-    /// If there are more.
+    /// More than [`LANES`] fragments.
     pub fn append_same(&mut self, count: usize, bundle: &B) {
         assert!(count <= LANES, "a vector of them");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
@@ -296,12 +296,12 @@ impl WalkMut<'_> {
     }
 }
 
-/// Where [`Columns::append`] puts the rows of a vector of fragments.
+/// Writer of the rows that [`Columns::append`] adds. A part that is not written keeps what the memory held.
 pub struct Appended<'a, B> {
     numbers: B,
     words: &'a mut [i32],
     stride: usize,
-    /// Of the first fragment.
+    /// Place of the first fragment.
     place: usize,
 }
 
@@ -309,7 +309,7 @@ impl<B: Form> Appended<'_, B> {
     /// The rows of all words, in the order of a walk.
     ///
     /// # Panics
-    /// If there are others.
+    /// Another number of rows than the bundle has words.
     pub fn words(&mut self, rows: &[Row]) {
         assert_eq!(rows.len(), B::WORDS, "a row of each word");
         for (number, row) in (0..).zip(rows) {

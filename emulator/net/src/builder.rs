@@ -12,7 +12,7 @@ use roughxel_core::bundle::Step;
 use super::evaluate::apply_exactly;
 use super::graph::{Kind, Net, Node, NodeId, Op, Port, Run, Tap};
 
-/// What makes operations one node.
+/// Key under which equal operations are one node: operation, kind, stage.
 type Key = (Op, Kind, Option<u32>);
 
 /// A graph under construction.
@@ -170,7 +170,7 @@ fn path_name(path: &[Step]) -> String {
 pub struct NamedWire {
     /// The steps to it.
     pub path: Vec<Step>,
-    /// Its node.
+    /// Node of the wire.
     pub node: NodeId,
     /// Whether it carries a mantissa.
     pub mantissa: bool,

@@ -34,12 +34,12 @@ pub fn integers<B: Bundle<i32>>(bundle: &B) -> Vec<i64> {
     integers_on::<i32, B>(bundle)
 }
 
-/// The same on words of the profile's width, as nets of that profile have them.
+/// Integers on the wires, on words of the profile's width: those on the ports of that profile's nets.
 pub fn integers_at<B: Form>(bundle: &B, p: &Precision) -> Vec<i64> {
     if p.word_bits() == 16 { integers_on::<i16, _>(&narrowed(bundle)) } else { integers(bundle) }
 }
 
-/// The same on words of another width.
+/// Integers on the wires, on words of any width.
 pub fn integers_on<S: Word<Count = i32, Flag = bool> + Into<i64>, B: Bundle<S>>(bundle: &B) -> Vec<i64> {
     let mut values = Values::default();
     bundle.rewire::<S, _>(&mut values);

@@ -23,7 +23,7 @@ use roughxel_net::verilog::{Options, Stages, Verilog, VerilogError};
 #[derive(Clone, Copy, Debug)]
 pub struct NetWire<const BITS: u32>(NodeId);
 
-/// What controls in the recorded reading, and the word of every profile.
+/// Wire of a control number in the recorded reading, and the word of every profile of 32 bits.
 pub type NetWord = NetWire<32>;
 
 /// A flag of the recorded reading.

@@ -1,1 +1,1 @@
-//! What frames, readings, preparation, vectors and effects take: one bench a file, `cargo bench -p roughxel-benches --bench NAME`.
+//! Benches of frames, readings, preparation, vectors and effects, one a file: `cargo bench -p roughxel-benches --bench NAME`.

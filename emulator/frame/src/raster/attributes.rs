@@ -118,7 +118,7 @@ impl VectorOverTriangle {
         }
     }
 
-    /// The same of [`LANES`] samples, whose values `of` finds from the corners.
+    /// Rows of [`LANES`] samples, whose values `of` finds from the corners.
     #[inline(always)]
     fn rows(&self, of: impl Fn(&CornerVectors, usize) -> [f64; 3]) -> BlockRows<3> {
         match self {
@@ -229,7 +229,7 @@ impl<'a> Triangle<'a> {
         fragment
     }
 
-    /// The same of [`LANES`] samples.
+    /// Attributes of [`LANES`] samples.
     #[inline(always)]
     pub fn fragments(&self, positions: &Positions, rows: &mut AttributeRows) {
         let mut weights = [[0.0; LANES]; 3];

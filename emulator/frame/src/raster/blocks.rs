@@ -16,7 +16,7 @@ pub type Positions = [Row; 2];
 pub struct AttributeRows {
     /// Unnormalised normals.
     pub normal: BlockRows<3>,
-    /// From the surface to the eye.
+    /// Vectors from the surface to the eye.
     pub view: BlockRows<3>,
     /// p_u and p_v, or the main direction and nothing.
     pub frame_vectors: [BlockRows<3>; 2],
@@ -85,7 +85,7 @@ pub(super) fn block_rows<const N: usize>(exponent: i32, values: impl Fn(usize) -
     rows
 }
 
-/// The same block in every lane.
+/// Rows with one block in every lane.
 pub fn same_rows(block: &BlockVector) -> BlockRows<3> {
     let BlockVector { mantissa, exponent } = block;
     BlockRows { mantissa: mantissa.map(|mantissa| [mantissa.to_bits(); LANES]), exponent: [(*exponent).into(); LANES] }
