@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::picture::Picture;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::scene::{Scene, builtin_names, faces_from_equirectangular};
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
+use roughxel_scene::picture::Picture;
+use roughxel_scene::{Scene, builtin_names, faces_from_equirectangular};
 
 /// Times of which the fastest counts.
 const TIMES: usize = 3;

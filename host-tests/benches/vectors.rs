@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
-use roughxel_emulator::vectors::{Form, InputSource, Ports, RANDOM_SETS, RandomSet, SetInfo, Words, export_with};
+use roughxel_vectors::{Form, InputSource, Ports, RANDOM_SETS, RandomSet, SetInfo, Words, export_with};
 use sha2::{Digest, Sha256};
 
 /// Vectors of an export.

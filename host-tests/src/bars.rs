@@ -15,11 +15,11 @@ pub use ground::{GroundFigures, ground_plane};
 pub use real_scenes::{BEHIND_16_SAMPLES, RealScene, real_scenes};
 
 use roughxel_core::precision::{Precision, Profile};
-use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::raster::RasterError;
-use roughxel_emulator::scene::Scene;
-pub use roughxel_emulator::study::accuracy::{LIT_PEAK_BARS, ShadingBars, shading_bars};
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
+use roughxel_frame::raster::RasterError;
+use roughxel_scene::Scene;
+pub use roughxel_study::accuracy::{LIT_PEAK_BARS, ShadingBars, shading_bars};
 
 use roughxel_real_frame::{self as real_frame, RealPicture};
 

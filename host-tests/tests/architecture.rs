@@ -159,8 +159,8 @@ fn the_reader_finds_what_files_use() {
     // By a name of its own file, one that the root passes on, one behind a facade, and a path in the middle of code.
     assert!(uses("emulator/frame/src/tile.rs", "emulator/frame/src/batch.rs"));
     assert!(uses("emulator/frame/src/texture.rs", "emulator/frame/src/colour.rs"));
-    assert!(uses("emulator/src/demo.rs", "emulator/frame/src/prepare.rs"));
-    assert!(uses("emulator/src/cli.rs", "emulator/src/cli/demo.rs"));
+    assert!(uses("emulator/cli/src/demo/draw.rs", "emulator/frame/src/prepare.rs"));
+    assert!(uses("emulator/cli/src/lib.rs", "emulator/cli/src/demo.rs"));
     // A macro is where its text is.
     assert!(uses("core/src/datapath/texel.rs", "core/src/staged.rs"));
     assert!(!uses("core/src/datapath/texel.rs", "core/src/lib.rs"));

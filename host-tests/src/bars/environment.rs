@@ -8,9 +8,8 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
 use roughxel_core::soft_core::{self, environment_scale};
-use roughxel_emulator::frame::EnvironmentMap;
-use roughxel_emulator::lanes;
-use roughxel_emulator::picture::Picture;
+use roughxel_frame::EnvironmentMap;
+use roughxel_scene::picture::Picture;
 
 use crate::reference::cube::direction_of;
 
@@ -123,7 +122,7 @@ impl Sampler<'_> {
         let sample = match kind {
             FootprintKind::Sphere => self.map.sample_sphere(&stages.sweep, rough, self.p),
             FootprintKind::None | FootprintKind::Face => {
-                self.map.sample(&lanes::Footprint { point: stages.point, probes }, rough, self.p)
+                self.map.sample(&roughxel_lanes::Footprint { point: stages.point, probes }, rough, self.p)
             }
         };
         sample.map(|channel| channel.raw().into())

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 use roughxel_core::precision::Profile;
-use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::scene::{Scene, builtin_names};
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
+use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_scene::{Scene, builtin_names};
 
 /// The committed list, relative to the package.
 pub const GOLDEN_FRAMES: &str = "golden/frames.txt";

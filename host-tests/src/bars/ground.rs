@@ -6,9 +6,9 @@ use roughxel_core::ports::{BlockPair, Port, TextureIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::TexturePosition;
 use roughxel_core::soft_core::texture_scale;
-use roughxel_emulator::frame::ColourMap;
-use roughxel_emulator::lanes::{Columns, Reading};
-use roughxel_emulator::picture::Picture;
+use roughxel_frame::ColourMap;
+use roughxel_lanes::{Columns, Reading};
+use roughxel_scene::picture::Picture;
 
 use crate::reference::ground_plane::{GroundPixel, GroundReference, GroundTexture, HEIGHT, TEXTURE_EDGE, WIDTH};
 use crate::reference::linear::normalise_exponent;

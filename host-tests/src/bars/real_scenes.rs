@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use roughxel_emulator::scene::Scene;
+use roughxel_scene::Scene;
 
 use crate::photographs::{Photograph, normal_map, photograph};
 

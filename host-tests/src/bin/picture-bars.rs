@@ -11,12 +11,12 @@ use std::time::{Duration, Instant};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use indicatif::{ProgressBar, ProgressStyle};
 use roughxel_core::precision::{Precision, Profile};
-use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::scene::Scene;
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
 use roughxel_host_tests::bars;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
 use roughxel_real_frame as real_frame;
+use roughxel_scene::Scene;
 
 const USAGE: &str = "picture-bars [--size WxH] [--samples EDGE] | --bless
   --size WxH      size of the scenes' frames, default 640x480

@@ -19,9 +19,9 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
-use roughxel_emulator::net::verilog::Options;
-use roughxel_emulator::output::write_files;
-use roughxel_emulator::record;
+use roughxel_net::verilog::Options;
+use roughxel_record as record;
+use roughxel_scene::output::write_files;
 use serde_json::Value;
 
 const USAGE: &str = "synthesis [--seeds N] [--profiles NAME,NAME] [--place N] [-o FILE]

@@ -2,8 +2,8 @@
 //! without a sweep) and all hard cases, for each named profile. The worst fragment of a figure that breaks its bar is printed whole.
 
 use roughxel_core::precision::Profile;
-use roughxel_emulator::study::accuracy::{Accuracy, FIGURES, Figure, measure};
 use roughxel_host_tests::space::whole_or;
+use roughxel_study::accuracy::{Accuracy, FIGURES, Figure, measure};
 
 fn holds_every_bar(profile: &str) {
     let p = Profile::by_name(profile).map(Profile::precision).expect("a listed profile exists");

@@ -1,16 +1,16 @@
 //! Whole datapaths in lanes give the bits of the scalar reading on every port and tap: what an export of vectors stands on.
 
+use roughxel_cases::highlight::{highlight_sets, random_light};
+use roughxel_cases::lit_peak::{lit_peak_sets, random_lit_peak};
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::bundle::Bundle;
 use roughxel_core::design::Form;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::{HighlightInput, PeakInput, Port, ReflectionInput};
 use roughxel_core::soft_core;
-use roughxel_emulator::cases::highlight::{highlight_sets, random_light};
-use roughxel_emulator::cases::lit_peak::{lit_peak_sets, random_lit_peak};
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::lanes::{Columns, Reading};
-use roughxel_emulator::net::integers::integers;
 use roughxel_host_tests::space::{effects, in_turn, whole_or};
+use roughxel_lanes::{Columns, Reading};
+use roughxel_net::integers::integers;
 
 use super::lanes::{lanes, profiles};
 

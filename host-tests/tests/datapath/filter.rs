@@ -20,12 +20,12 @@ use roughxel_core::stage::moments::{
     Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel, ramp, with_ramp,
 };
 use roughxel_core::width::on_words;
-use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
 use roughxel_host_tests::reference::linear::normalise_exponent;
 use roughxel_host_tests::reference::roughness::{self, compose, isotropic};
 use roughxel_host_tests::space::{profiles, whole_or};
+use roughxel_scene::random::SplitMix64;
 
 fn config() -> ProptestConfig {
     ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(8), ..Default::default() }

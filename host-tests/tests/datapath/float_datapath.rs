@@ -1,18 +1,18 @@
 //! The `f32` comparator of the benchmarks is the same mathematics, and its batches are the same numbers.
 
 use fixed::types::I2F30;
+use roughxel_cases::random_fragment;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 use roughxel_core::status::StatusBit;
-use roughxel_emulator::cases::random_fragment;
-use roughxel_emulator::study::accuracy::{CANCELLATION, reference_inputs, reference_options};
 use roughxel_float::batch::{FootprintBlock, FragmentBlock, WIDTH, reflect_batch};
 use roughxel_float::formulas::Careful;
 use roughxel_float::math::{Libm, Micromath, Std};
 use roughxel_float::{Environment, Fragment};
 use roughxel_host_tests::reference;
+use roughxel_study::accuracy::{CANCELLATION, reference_inputs, reference_options};
 
 const PROFILE: Precision = Precision::STANDARD;
 

@@ -2,15 +2,15 @@
 //! approach to it holds the bars (the bars over all sets are in `accuracy.rs`).
 
 use fixed::types::{I2F30, I4F28};
+use roughxel_cases::{CaseSet, hard_case_sets};
 use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::{Precision, ProbeRule, Profile};
 use roughxel_core::setup::{real_number, real_offset, real_pair, real_vector};
 use roughxel_core::status::StatusBit;
-use roughxel_emulator::cases::{CaseSet, hard_case_sets};
-use roughxel_emulator::study::accuracy::{Figure, reference_inputs, reference_options};
 use roughxel_host_tests::reference::linear::{add_scaled, axis_angle, norm, scaled};
 use roughxel_host_tests::reference::{self, Outputs, cube, frame};
+use roughxel_study::accuracy::{Figure, reference_inputs, reference_options};
 
 /// One profile with one of its sets.
 struct Study {

@@ -2,6 +2,8 @@
 
 use fixed::types::{I4F28, I8F24, I16F16};
 use rayon::prelude::*;
+use roughxel_cases::CaseSet;
+use roughxel_cases::highlight::{FULL, highlight_sets, random_light};
 use roughxel_core::datapath;
 use roughxel_core::plan::{FrameSystem, SurfacePlan};
 use roughxel_core::ports::{BlockVector, HighlightIn, HighlightInput, HighlightOut, Port, Shininess, SurfaceIn};
@@ -9,9 +11,6 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, real_offset, real_vector, shininess};
 use roughxel_core::status::StatusBit;
 use roughxel_core::width::narrowed;
-use roughxel_emulator::cases::CaseSet;
-use roughxel_emulator::cases::highlight::{FULL, highlight_sets, random_light};
-use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::{ONE_PIXEL_BARS, highlight_bar};
 use roughxel_host_tests::checked::{Integers, Scalar, counted, first_difference, reread};
 use roughxel_host_tests::one_pixel::{EXPONENT, OnePixel};
@@ -22,6 +21,7 @@ use roughxel_host_tests::reference::linear::{Vector2, Vector3, cross, dot, norm}
 use roughxel_host_tests::reference::perturb::perturb;
 use roughxel_host_tests::reference::roughness::{decompose, isotropic_tangents, tangents};
 use roughxel_host_tests::space::{any_vectors, any_word, profiles};
+use roughxel_scene::random::SplitMix64;
 
 fn raised(out: &HighlightOut, bit: StatusBit) -> bool {
     out.status & bit.mask() != 0

@@ -1,6 +1,7 @@
 //! Horizon: slopes and visibility, of shares that are correlated and of independent ones, against the reference, stored formats, hard cases, and every reading.
 
 use rayon::prelude::*;
+use roughxel_cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case, uniform};
 use roughxel_core::block::Block;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
@@ -14,12 +15,11 @@ use roughxel_core::signals::AxisSlope;
 use roughxel_core::stage::enter::enter;
 use roughxel_core::stage::horizon::{self, product};
 use roughxel_core::width::on_words;
-use roughxel_emulator::cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case, uniform};
-use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 use roughxel_host_tests::space::profiles;
+use roughxel_scene::random::SplitMix64;
 
 /// Cases of a random set.
 const CASES: u64 = 200_000;

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::bundle::{Bundle, End, Rewire, Value};
 use roughxel_core::datapath::texel::{Bump, BumpScale};
 use roughxel_core::datapath::{self, TextureFootprint};
@@ -18,22 +19,21 @@ use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::stage::moments;
 use roughxel_core::width::on_words;
 use roughxel_core::word::{Wire, Word};
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::frame::Prepared;
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
+use roughxel_host_tests::bars;
+use roughxel_host_tests::checked::{Integers, first_difference};
+use roughxel_host_tests::space::{plans, sweep, whole_or};
 #[cfg(target_arch = "x86_64")]
-use roughxel_emulator::lanes::{Avx2, Avx512};
-use roughxel_emulator::lanes::{
+use roughxel_lanes::{Avx2, Avx512};
+use roughxel_lanes::{
     BlockRows, BumpTexels, Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES,
     Lanes, Look, MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, RoughBump, Shown, Target,
     WideLanes,
 };
-use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::scene::Scene;
-use roughxel_host_tests::bars;
-use roughxel_host_tests::checked::{Integers, first_difference};
-use roughxel_host_tests::space::{plans, sweep, whole_or};
+use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_scene::Scene;
+use roughxel_scene::random::SplitMix64;
 
 /// The named profiles, and words of 16 bits with as few kept as a profile may.
 pub(super) fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {

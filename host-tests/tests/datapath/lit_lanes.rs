@@ -2,6 +2,7 @@
 //! them.
 
 use rayon::prelude::*;
+use roughxel_cases::random_fragment;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath::{self, Surface, texel};
 use roughxel_core::fetch::Fetch;
@@ -13,11 +14,10 @@ use roughxel_core::repeated::{self, Tap, View};
 use roughxel_core::setup::shininess;
 use roughxel_core::signals::{LocalDirection, PeakSum, RepeatedFootprint, TexturePosition};
 use roughxel_core::width::on_words;
-use roughxel_emulator::cases::random_fragment;
-use roughxel_emulator::lanes::{
+use roughxel_lanes::{
     Columns, MOST_PEAKS, PackedPeak, PeakTexels, PeaksRead, Places, Ports, Reading, RepeatedMap, Shown, Slopes,
 };
-use roughxel_emulator::random::SplitMix64;
+use roughxel_scene::random::SplitMix64;
 
 use super::lanes::{AnyBits, lanes, profiles, random_views, same_columns, stored_peak};
 

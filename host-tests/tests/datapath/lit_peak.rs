@@ -3,6 +3,7 @@
 
 use fixed::types::I16F16;
 use rayon::prelude::*;
+use roughxel_cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
 use roughxel_core::fx::{Control, Fx};
@@ -13,7 +14,6 @@ use roughxel_core::setup::{real_peak, real_vector};
 use roughxel_core::staged::Staged;
 use roughxel_core::status::StatusBit;
 use roughxel_core::width::on_words;
-use roughxel_emulator::cases::lit_peak::{FULL, lit_peak_sets, random_lit_peak};
 use roughxel_host_tests::bars::LIT_PEAK_BARS;
 use roughxel_host_tests::reference::horizon::{Side, correlated, product, ramp};
 use roughxel_host_tests::reference::linear::{dot, norm};

@@ -4,6 +4,8 @@
 use fixed::types::I1F15;
 use glam::{DVec3, dvec3};
 use rayon::prelude::*;
+use roughxel_cases::CaseSet;
+use roughxel_cases::peak_and_horizon::{LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case};
 use roughxel_core::block::Block;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
@@ -17,15 +19,13 @@ use roughxel_core::signals::{LocalDirection, PeakSum};
 use roughxel_core::stage::filter::{self, Patch};
 use roughxel_core::stage::peaks;
 use roughxel_core::width::on_words;
-use roughxel_emulator::cases::CaseSet;
-use roughxel_emulator::cases::peak_and_horizon::{LocalCase, PeakCase, WHOLE, peak_hard_sets, random_peak_case};
-use roughxel_emulator::lanes::PackedPeak;
-use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 use roughxel_host_tests::space::{profiles, wide_profiles};
+use roughxel_lanes::PackedPeak;
+use roughxel_scene::random::SplitMix64;
 
 /// Fraction bits of a versine.
 const FRACTION: u32 = i64::BITS - VERSINE;

@@ -5,6 +5,7 @@
 
 use fixed::types::{I2F30, I4F28};
 use rayon::prelude::*;
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::block::{Block, MANTISSA, normalise};
 use roughxel_core::datapath::reflection::leave;
 use roughxel_core::datapath::{Reflection, environment_probe, reflection};
@@ -18,12 +19,11 @@ use roughxel_core::soft_core::environment_scale;
 use roughxel_core::stage::cube_face::cube_face;
 use roughxel_core::stage::reflect::reflect;
 use roughxel_core::status::StatusBit;
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::study::accuracy::{Figure, reference_inputs, reference_options};
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::linear::{add_scaled, cross, norm, scaled};
 use roughxel_host_tests::space::profiles;
+use roughxel_scene::random::SplitMix64;
+use roughxel_study::accuracy::{Figure, reference_inputs, reference_options};
 
 /// 2^30.
 /// Fraction bits of a mantissa.

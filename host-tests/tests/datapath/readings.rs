@@ -8,6 +8,7 @@ use fixed::types::{I2F30, I4F28, U0F32};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::block::Block;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
@@ -24,10 +25,9 @@ use roughxel_core::stage::filter::{LEVEL_WEIGHT, Patch};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::stage::{blend, filter, moments, probes};
 use roughxel_core::width::{IntegerWord, narrowed, of_ports};
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::random::SplitMix64;
 use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, Scalar, counted, first_difference, reread};
 use roughxel_host_tests::space::{plans, profiles, whole_or};
+use roughxel_scene::random::SplitMix64;
 
 /// Runs both readings on words of the profile's width, probes included, and compares every integer of every stage.
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {

@@ -2,7 +2,7 @@
 
 use roughxel_core::fx::Fx;
 use roughxel_core::stage::seam;
-use roughxel_emulator::scene::cube::FACE_AXES;
+use roughxel_scene::cube::FACE_AXES;
 
 /// A texel of a cube map level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,9 @@
 //! The reading for small processors, on a large one: the same bits as the scalar reading, whatever comes in.
 
 use proptest::prelude::*;
+use roughxel_cases::highlight::{highlight_sets, random_light};
+use roughxel_cases::lit_peak::{lit_peak_sets, random_lit_peak};
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath::{self, Reflection};
 use roughxel_core::fx::Fx;
@@ -12,11 +15,8 @@ use roughxel_core::small::{Full, Half, WideFull, WideHalf, leading_zeros_by_tabl
 use roughxel_core::soft_core;
 use roughxel_core::width::{IntegerCount, IntegerWord, of_ports, to_ports};
 use roughxel_core::word::{WideWire, Word};
-use roughxel_emulator::cases::highlight::{highlight_sets, random_light};
-use roughxel_emulator::cases::lit_peak::{lit_peak_sets, random_lit_peak};
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::net::integers::integers as net_integers;
 use roughxel_host_tests::space::{effects, profiles, whole_or};
+use roughxel_net::integers::integers as net_integers;
 
 #[test]
 fn leading_zeros_by_table_are_those_of_the_processor() {

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn};
 use roughxel_core::precision::{Precision, ProbeRule};
@@ -13,12 +14,11 @@ use roughxel_core::rom::{
     NORMAL_PLACES, NORMAL_PLACES_OF_ONE_LESS, NORMAL_WIDENINGS, NORMAL_WIDENINGS_OF_ONE_LESS, SPREAD_LIMIT,
 };
 use roughxel_core::soft_core::{environment_scale, reflection};
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::study::accuracy::{reference_inputs, reference_options};
 use roughxel_host_tests::space::{profiles, whole_or};
 use roughxel_reference::cube::direction_of;
 use roughxel_reference::linear::norm;
 use roughxel_reference::sphere::{lobe, points};
+use roughxel_study::accuracy::{reference_inputs, reference_options};
 
 const PLAN: ReflectionPlan = ReflectionPlan { footprint: FootprintKind::Sphere, ..ReflectionPlan::FULL };
 

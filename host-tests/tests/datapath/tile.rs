@@ -6,7 +6,7 @@ use roughxel_core::ports::Port;
 use roughxel_core::sampler::{self, Cube};
 use roughxel_core::soft_core::environment_scale;
 use roughxel_core::width::on_words;
-use roughxel_emulator::lanes::{Ports, Reading};
+use roughxel_lanes::{Ports, Reading};
 
 #[path = "../../../core/firmware/src/tile.rs"]
 #[expect(unreachable_pub, dead_code, reason = "it is the firmware's")]

@@ -6,8 +6,8 @@ use std::process::Command;
 
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::vectors::{Bench, BenchError, Device, SetInfo, Words, export_with, random_set};
 use roughxel_host_tests::simulators::have;
+use roughxel_vectors::{Bench, BenchError, Device, SetInfo, Words, export_with, random_set};
 use tempfile::TempDir;
 
 /// A bench of 64 vectors of a mirror under `narrow`, which every tool builds in seconds.

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::process::Command;
 
 use rayon::prelude::*;
-use roughxel_emulator::vectors::{Bench, Device};
 use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
+use roughxel_vectors::{Bench, Device};
 
 /// What becomes of an operator.
 #[derive(Clone, Copy, Debug)]

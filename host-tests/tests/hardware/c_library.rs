@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
-use roughxel_emulator::vectors::{Bench, Device, Direction, Field, Manifest, c_library_files, manifests_in};
 use roughxel_host_tests::simulators::have;
+use roughxel_vectors::{Bench, Device, Direction, Field, Manifest, c_library_files, manifests_in};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

@@ -7,11 +7,11 @@ use std::process::{Command, Output};
 
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::vectors::{
-    Form, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, Words, export_with, hard_sets, manifests_in, random_set,
-};
 use roughxel_host_tests::simulators::{have, hdl, run};
 use roughxel_host_tests::space::{effects, in_turn, profiles, sweep, whole_or};
+use roughxel_vectors::{
+    Form, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, Words, export_with, hard_sets, manifests_in, random_set,
+};
 
 /// A file of `vectors`.
 fn vectors(file: &str) -> PathBuf {

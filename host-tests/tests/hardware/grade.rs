@@ -4,21 +4,21 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use roughxel_cases::random_fragment;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::Port;
 use roughxel_core::precision::Precision;
-use roughxel_emulator::cases::random_fragment;
-use roughxel_emulator::net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_emulator::net::graph::Op;
-use roughxel_emulator::net::integers::integers_at;
-use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::record;
-use roughxel_emulator::vectors::{
+use roughxel_host_tests::space::whole_or;
+use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_net::graph::Op;
+use roughxel_net::integers::integers_at;
+use roughxel_net::interval::Ranges;
+use roughxel_record as record;
+use roughxel_vectors::{
     Alarm, Distilled, Grade, Manifest, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, Words, distil,
     entries_set, export_with, grade, hard_sets, manifests_in, random_set, verify,
 };
-use roughxel_host_tests::space::whole_or;
 
 /// Faults of a kind in all stages.
 fn operations(grade: &Grade) -> Score {
@@ -104,7 +104,7 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
     let datapaths = whole_or(Datapath::ALL.to_vec(), vec![Datapath::Peak]);
     for &datapath in &datapaths {
         for (list, shows_entries) in [("", false), ("entries_", true)] {
-            let list = format!("../emulator/src/vectors/chosen/{list}{}.txt", datapath.name());
+            let list = format!("../emulator/vectors/src/chosen/{list}{}.txt", datapath.name());
             let list = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(list)).expect("the list");
             let is_it =
                 |set: &VectorSet| if shows_entries { set.name == entries_set(datapath) } else { set.best_first };

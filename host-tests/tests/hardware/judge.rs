@@ -5,25 +5,25 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
+use roughxel_cases::highlight::random_light;
+use roughxel_cases::lit_peak::random_lit_peak;
+use roughxel_cases::random_fragment;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::ports::{HighlightIn, PeakIn, Port, ReflectionIn};
 use roughxel_core::precision::Profile;
-use roughxel_emulator::cases::highlight::random_light;
-use roughxel_emulator::cases::lit_peak::random_lit_peak;
-use roughxel_emulator::cases::random_fragment;
-use roughxel_emulator::net::graph::{Net, NodeId, Op};
-use roughxel_emulator::net::integers::integers_at;
-use roughxel_emulator::net::neighbour::Primitive;
-use roughxel_emulator::net::rounding::{Roundings, scattered};
-use roughxel_emulator::net::verilog::{Options, StagePort};
-use roughxel_emulator::record;
-use roughxel_emulator::vectors::{
-    self, Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError,
-    Words, export, judge, marks, random_set,
-};
 use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
+use roughxel_net::graph::{Net, NodeId, Op};
+use roughxel_net::integers::integers_at;
+use roughxel_net::neighbour::Primitive;
+use roughxel_net::rounding::{Roundings, scattered};
+use roughxel_net::verilog::{Options, StagePort};
+use roughxel_record as record;
+use roughxel_vectors::{
+    Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError, Words,
+    export, judge, marks, random_set,
+};
 use tempfile::TempDir;
 
 const NAME: &str = "random";
@@ -337,9 +337,9 @@ fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
     let tools = [("icarus", "iverilog"), ("verilator", "verilator")];
     let tools = tools.into_iter().take(whole_or(2, 1)).filter(|(_, program)| have(program));
     let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Narrow, true, 30);
-    let written = vectors::Bench::new(&bench.manifest_path()).expect("a set");
+    let written = roughxel_vectors::Bench::new(&bench.manifest_path()).expect("a set");
     let folder = bench.directory.path().join("bench");
-    assert!(written.write(&folder, vectors::Device::Generated, false).expect("a bench").is_empty());
+    assert!(written.write(&folder, roughxel_vectors::Device::Generated, false).expect("a bench").is_empty());
     let module = folder.join("rtl/frame.v");
     let text = fs::read_to_string(&module).expect("the module");
     for (tool, _) in tools {

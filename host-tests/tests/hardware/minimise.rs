@@ -6,11 +6,11 @@ use std::process::Command;
 
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::vectors::{
+use roughxel_host_tests::simulators::have;
+use roughxel_vectors::{
     Bench, Device, MinimiseError, MinimiseOptions, SetExport, SetInfo, StageSet, Vector, Words, export_with, minimise,
     random_set, verify,
 };
-use roughxel_host_tests::simulators::have;
 
 use super::benches::{have_cocotb, installed_cocotb};
 

@@ -12,13 +12,13 @@ use std::path::Path;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
-use roughxel_emulator::net::census::{Census, Cost};
-use roughxel_emulator::net::delay::{arrival_in_block, critical_path, levels};
-use roughxel_emulator::net::graph::{Net, Op};
-use roughxel_emulator::net::interval::{Range, Ranges};
-use roughxel_emulator::net::observe::Observed;
-use roughxel_emulator::record;
 use roughxel_host_tests::space::{effects, profiles};
+use roughxel_net::census::{Census, Cost};
+use roughxel_net::delay::{arrival_in_block, critical_path, levels};
+use roughxel_net::graph::{Net, Op};
+use roughxel_net::interval::{Range, Ranges};
+use roughxel_net::observe::Observed;
+use roughxel_record as record;
 
 /// The effects under which a design is a different one.
 fn effects_of(design: Design) -> Vec<Effects> {

@@ -9,15 +9,15 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_emulator::net::graph::{NodeId, Op};
-use roughxel_emulator::net::verilog::{Options, Stages};
-use roughxel_emulator::record;
-use roughxel_emulator::vectors::{
+use roughxel_host_tests::simulators::{have, hdl};
+use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
+use roughxel_net::graph::{NodeId, Op};
+use roughxel_net::verilog::{Options, Stages};
+use roughxel_record as record;
+use roughxel_vectors::{
     Bench, Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, SetExport, SetInfo, StageSet, Vector,
     VectorError, Words, export_with, random_set, verify,
 };
-use roughxel_host_tests::simulators::{have, hdl};
-use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
 
 use super::benches::{have_cocotb, installed_cocotb};
 use super::folder::check_value;

@@ -9,15 +9,15 @@ use png::{BitDepth, ColorType, Decoder};
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionOut;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
-use roughxel_emulator::frame::{Frame, Prepared};
-use roughxel_emulator::lanes::{InstructionSet, Reading};
-use roughxel_emulator::picture::{linear_to_srgb8, write_png_srgb};
-use roughxel_emulator::plan::{Effect, Mode};
-use roughxel_emulator::scene::Scene;
+use roughxel_frame::plan::{Effect, Mode};
+use roughxel_frame::{Frame, Prepared};
 use roughxel_host_tests::bars;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
 use roughxel_host_tests::space::whole_or;
+use roughxel_lanes::{InstructionSet, Reading};
 use roughxel_real_frame::RealPicture;
+use roughxel_scene::Scene;
+use roughxel_scene::picture::{linear_to_srgb8, write_png_srgb};
 
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 
@@ -212,7 +212,7 @@ fn silhouettes_have_as_many_shades_as_samples() {
         shades.dedup();
         shades.len()
     };
-    let scene = Scene { background: roughxel_emulator::scene::Background::Colour([0.0; 3]), ..scene };
+    let scene = Scene { background: roughxel_scene::Background::Colour([0.0; 3]), ..scene };
     let truth = draw(&scene, Mode::Supersampled { edge: 16 }, &p);
     let [none, filtered] = [Mode::Unfiltered, Mode::Footprint].map(|mode| draw(&scene, mode, &p));
     assert_eq!((dark(&none), dark(&filtered)), (2, 9));

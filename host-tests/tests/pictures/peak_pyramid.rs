@@ -5,11 +5,11 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
-use roughxel_emulator::maps::horizon::horizon_slopes;
-use roughxel_emulator::maps::peak_pyramid::{
+use roughxel_host_tests::reference::random::SplitMix64;
+use roughxel_maps::horizon::horizon_slopes;
+use roughxel_maps::peak_pyramid::{
     BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface,
 };
-use roughxel_host_tests::reference::random::SplitMix64;
 
 fn options(exponent: f64, weight: FacetWeight) -> BuildOptions {
     BuildOptions { exponent, amplitude: 1.0, weight, negate: false }

@@ -7,6 +7,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
+use roughxel_cases::highlight::random_light;
+use roughxel_cases::peak_and_horizon::{random_horizon_case, random_peak_case};
+use roughxel_cases::random_fragment;
 use roughxel_core::datapath::{self, TextureFootprint};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
@@ -14,15 +17,12 @@ use roughxel_core::ports::{Port, PortBlock, ReflectionInput};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_core::signals::TexturePosition;
 use roughxel_core::soft_core::{environment_scale, texture_scale};
-use roughxel_emulator::cases::highlight::random_light;
-use roughxel_emulator::cases::peak_and_horizon::{random_horizon_case, random_peak_case};
-use roughxel_emulator::cases::random_fragment;
-use roughxel_emulator::frame::{Frame, Prepared};
-use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
-use roughxel_emulator::plan::{Effect, Mode, ObjectPlan};
-use roughxel_emulator::scene::{RoughnessField, Scene};
+use roughxel_frame::plan::{Effect, Mode, ObjectPlan};
+use roughxel_frame::{Frame, Prepared};
 use roughxel_host_tests::checked::{Checked, reread, traced};
 use roughxel_host_tests::space::profiles;
+use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_scene::{RoughnessField, Scene};
 
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 

@@ -3,11 +3,11 @@
 //! Run with `--nocapture` to see what was reached; `picture-bars` prints how much faster it is.
 
 use roughxel_core::precision::Precision;
-use roughxel_emulator::frame::Prepared;
-use roughxel_emulator::plan::{Effect, Mode};
-use roughxel_emulator::scene::{Scene, builtin_names};
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::{Effect, Mode};
 use roughxel_host_tests::bars::{BEHIND_16_SAMPLES, real_scenes, scene_figures};
 use roughxel_host_tests::space::whole_or;
+use roughxel_scene::{Scene, builtin_names};
 
 #[test]
 fn filtered_pictures_of_real_scenes_are_near_to_what_16_samples_reach() {

@@ -8,10 +8,10 @@ use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
 use roughxel_core::precision::Precision;
-use roughxel_emulator::frame::{Frame, Prepared};
-use roughxel_emulator::maps::peak_pyramid::ScenePeaks;
-use roughxel_emulator::plan::Mode;
-use roughxel_emulator::scene::Scene;
+use roughxel_frame::plan::Mode;
+use roughxel_frame::{Frame, Prepared};
+use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_scene::Scene;
 
 use roughxel_host_tests::photographs::photograph;
 use roughxel_host_tests::space::whole_or;

@@ -2,21 +2,21 @@
 
 use fixed::types::I4F28;
 use rayon::prelude::*;
+use roughxel_cases::stimulus::port_values;
+use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
-use roughxel_emulator::cases::stimulus::port_values;
-use roughxel_emulator::cases::{hard_case_sets, random_fragment};
-use roughxel_emulator::net::graph::{Net, Tap};
-use roughxel_emulator::net::integers::integers;
-use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::net::observe::Observed;
-use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::record;
 use roughxel_host_tests::checked::{Integers, Trace, traced};
 use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::{any_vectors, any_word, whole_or};
+use roughxel_net::graph::{Net, Tap};
+use roughxel_net::integers::integers;
+use roughxel_net::interval::Ranges;
+use roughxel_net::observe::Observed;
+use roughxel_record as record;
+use roughxel_scene::random::SplitMix64;
 
 use super::{effects, profiles};
 

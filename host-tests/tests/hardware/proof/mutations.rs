@@ -11,10 +11,10 @@ use std::path::Path;
 
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
-use roughxel_emulator::net::census::Census;
-use roughxel_emulator::net::graph::{Kind, Net, NodeId, Op};
-use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::record;
+use roughxel_net::census::Census;
+use roughxel_net::graph::{Kind, Net, NodeId, Op};
+use roughxel_net::interval::Ranges;
+use roughxel_record as record;
 
 use super::profiles;
 

@@ -1,18 +1,18 @@
 //! Words of other widths: every design on words of 16 bits is proven, and all readings of that width agree.
 
 use rayon::prelude::*;
+use roughxel_cases::random_fragment;
+use roughxel_cases::stimulus::port_values;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule};
-use roughxel_emulator::cases::random_fragment;
-use roughxel_emulator::cases::stimulus::port_values;
-use roughxel_emulator::net::interval::Ranges;
-use roughxel_emulator::net::observe::Observed;
-use roughxel_emulator::random::SplitMix64;
-use roughxel_emulator::record;
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::whole_or;
+use roughxel_net::interval::Ranges;
+use roughxel_net::observe::Observed;
+use roughxel_record as record;
+use roughxel_scene::random::SplitMix64;
 
 use super::effects_of;
 

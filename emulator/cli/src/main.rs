@@ -1,0 +1,7 @@
+//! The program `roughxel`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    roughxel_cli::run()
+}

@@ -1,0 +1,148 @@
+//! `roughxel render`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use miette::miette;
+use roughxel_core::plan::{Datapath, ReflectionPlan};
+use roughxel_core::ports::ReflectionIn;
+use roughxel_frame::Prepared;
+use roughxel_frame::plan::Mode;
+use roughxel_lanes::Reading;
+use roughxel_scene::Scene;
+use roughxel_scene::picture::write_png_codes;
+use roughxel_study::profile_file::NamedPrecision;
+use roughxel_vectors::{Manifest, SetInfo, Words, export};
+use serde_json::json;
+
+use super::cache::CacheArgs;
+use super::console::progress;
+use super::{
+    Failure, ProfileArg, check_directory, check_file, file_stem, open_scene, parse_png, parse_profile, parse_size,
+    use_threads,
+};
+
+/// Most fragments of a frame that become vectors.
+const CAPTURED_FRAGMENTS: usize = 4096;
+
+#[derive(Args)]
+pub(super) struct RenderArgs {
+    /// Scene file (TOML), or the name of a built-in scene.
+    pub(super) scene: String,
+    /// Picture to write, a PNG; the scene's name with .png if nothing is given.
+    #[arg(short, long, value_parser = parse_png, value_name = "PNG")]
+    pub(super) output: Option<PathBuf>,
+    /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
+    #[arg(long, default_value = "footprint", value_name = "MODE")]
+    pub(super) mode: Mode,
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
+    pub(super) profile: ProfileArg,
+    /// Size in pixels instead of the scene's.
+    #[arg(long, value_parser = parse_size, value_name = "WxH")]
+    pub(super) size: Option<[u32; 2]>,
+    /// Threads, at most one for each core; the picture is the same for any number.
+    #[arg(long, value_name = "N", value_parser = super::parse_threads)]
+    pub(super) threads: Option<usize>,
+    /// How the datapath is computed: scalar, or in lanes of avx2 or avx512; the fastest of the machine if nothing
+    /// is given. The picture is the same for each.
+    #[arg(long, value_name = "NAME")]
+    pub(super) reading: Option<Reading>,
+    /// Export a set of vectors made of the frame's fragments into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub(super) capture: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) cache: CacheArgs,
+    /// Figures as JSON.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    use_threads(args.threads)?;
+    let output = args.output.clone().unwrap_or_else(|| format!("{}.png", file_stem(&args.scene)).into());
+    check_file(&output)?;
+    args.capture.as_deref().map_or(Ok(()), check_directory)?;
+    let profile = args.profile.open()?;
+    let scene = open_scene(&args.scene, args.size)?;
+
+    let start = Instant::now();
+    let reading = args.reading.unwrap_or_else(Reading::best);
+    let peaks = args.cache.peaks(&scene, args.mode.filters())?;
+    let prepared = Prepared::with_peaks(&scene, args.mode, &profile.precision, &peaks)?.with_reading(reading);
+    let preparation = start.elapsed().as_secs_f64();
+    let bar = progress(prepared.work(), &scene.name);
+    let start = Instant::now();
+    let frame = prepared.render(&|| bar.inc(1))?;
+    let drawing = start.elapsed().as_secs_f64();
+    bar.finish_and_clear();
+    let (width, height) = (frame.width, frame.height);
+    let digest = args.json.then(|| frame.digest());
+    let codes = frame.srgb_codes();
+    // Encoding takes as much memory again as the codes do, in place of the frame.
+    drop(frame);
+    write_png_codes(&output, [width, height], &codes)?;
+    drop(codes);
+    let vectors = match &args.capture {
+        Some(directory) => capture(&scene, &prepared, args.mode, &profile, directory)?,
+        None => Vec::new(),
+    };
+
+    let mut out = io::stdout().lock();
+    if args.json {
+        let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
+        let figures = json!({
+            "scene": scene.name, "mode": args.mode.to_string(), "profile": profile.name,
+            "reading": reading.to_string(), "width": width, "height": height, "picture": output.display().to_string(),
+            "digest": digest, "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
+            "peaks": { "built": peaks.built, "read": peaks.read, "resumed": peaks.resumed },
+        });
+        writeln!(out, "{figures:#}")?;
+    } else {
+        writeln!(out, "{}: {width}x{height}, {}, {drawing:.2} s", output.display(), args.mode)?;
+        for set in vectors {
+            writeln!(out, "{}: {} vectors", set.files[0].name, set.count)?;
+        }
+    }
+    Ok(())
+}
+
+/// Exports fragments spread over the frame, a set for each plan among its objects.
+fn capture(
+    scene: &Scene,
+    prepared: &Prepared<'_>,
+    mode: Mode,
+    profile: &NamedPrecision,
+    directory: &Path,
+) -> Result<Vec<Manifest>, Failure> {
+    let captured = prepared.capture(CAPTURED_FRAGMENTS)?;
+    if captured.is_empty() {
+        return Err(Failure::Error(miette!(
+            "scene {}: nothing in the frame reflects, so there is nothing to capture",
+            scene.name
+        )));
+    }
+    let mut sets: Vec<(ReflectionPlan, Vec<ReflectionIn>)> = Vec::new();
+    for (fragment, plan) in captured {
+        match sets.iter_mut().find(|(known, _)| *known == plan) {
+            Some((_, fragments)) => fragments.push(fragment),
+            None => sets.push((plan, vec![fragment])),
+        }
+    }
+    // Where the mode changes knobs, the set is of another profile.
+    let precision = mode.precision(&profile.precision);
+    let profile = if precision == profile.precision { &profile.name } else { "custom" };
+    let description = format!("fragments of a frame: {}, {mode}", scene.name);
+    let mut written = Vec::new();
+    for (index, (plan, fragments)) in sets.iter().enumerate() {
+        let name = format!("frame_{}_{index}", file_stem(&scene.name));
+        let (name, description, effects) = (&name, &description, (*plan).into());
+        let datapath = Datapath::Reflection;
+        let info =
+            SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
+        written.push(export(&info, fragments, directory)?);
+    }
+    Ok(written)
+}

@@ -1,0 +1,23 @@
+//! `roughxel report`.
+
+mod accuracy;
+
+use clap::Subcommand;
+
+use super::{CONVENTIONS, Failure};
+use accuracy::AccuracyArgs;
+
+pub(super) use accuracy::{as_json, as_table};
+
+#[derive(Subcommand)]
+pub(super) enum ReportCommand {
+    /// Worst error of each stage against the float64 reference, with the fragment that made it.
+    #[command(after_help = CONVENTIONS)]
+    Accuracy(AccuracyArgs),
+}
+
+pub(super) fn run(command: &ReportCommand) -> Result<(), Failure> {
+    match command {
+        ReportCommand::Accuracy(args) => accuracy::run(args),
+    }
+}

@@ -1,0 +1,113 @@
+//! `roughxel study`.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use roughxel_study::sweep::{self, Parts, Settings, Study};
+use roughxel_study::{StudyError, report};
+
+use super::console::{complain, progress};
+use super::{Failure, check_directory};
+
+pub(super) const LONG_HELP: &str = "\
+Show what accuracy costs in time: every knob of a profile alone, the named profiles, word widths and modes, against float64, \
+float32 and several samples a pixel.
+
+Accuracy   worst, mean and 99.9 % error of every stage; PSNR and SSIM of frames against the same filter in float64, the filter of
+           `standard` in float64, and 1024 samples a pixel; errors near every degeneracy
+Time       host: nanoseconds a fragment and a pixel, scalar and lanes, as ratios to `standard` measured in turns with it
+           hardware: multipliers, lookup tables, gate levels of the reflection datapath, from the proof of its ranges
+           soft core: instructions a fragment as `cargo firmware price --knobs` counted them
+           memory: texels a pixel, bytes of maps
+
+Writes study.json, index.html (one page, nothing beside it, no script) and the two plots of the README as SVG. An interrupted study
+goes on where it was; what another program's load spoilt is marked.
+
+Exit codes: 0 done, 1 failure, 2 usage.
+Data goes to stdout, progress and errors to stderr.";
+
+#[derive(Args)]
+pub(super) struct StudyArgs {
+    /// Frames of 160x120, less than three minutes on two cores (the default).
+    #[arg(long, conflicts_with = "full")]
+    quick: bool,
+    /// Frames of 320x240 and a million fragments of each named profile; says beforehand how long it takes.
+    #[arg(long)]
+    full: bool,
+    /// Directory to write to; it is made if it is not there.
+    #[arg(short, long, default_value = "study", value_name = "DIR")]
+    output: PathBuf,
+    /// Measure nothing: page, tables and plots of a study.json that is there.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "full"])]
+    from: Option<PathBuf>,
+    /// study.json on stdout, too.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
+    let settings = if args.full { Settings::full() } else { Settings::quick() };
+    let directory = args.output.as_path();
+    check_directory(directory)?;
+    fs::create_dir_all(directory).map_err(|source| StudyError::File {
+        action: "make",
+        path: directory.to_path_buf(),
+        source,
+    })?;
+    if let Some(file) = &args.from {
+        let study = Study::read(file)?;
+        let written = report::write(&study, directory)?;
+        return tell(&study, &written, args.json);
+    }
+    let points = sweep::settings();
+    let parts = Parts::open(directory, &settings)?;
+    match parts.count() {
+        0 if args.full => complain(&sweep::forecast(&settings)?),
+        0 => {}
+        kept => complain(&format!("{kept} measurements are there from before; going on")),
+    }
+    let bar = progress(sweep::work(&settings, &points), "");
+    let study = sweep::run(&settings, &points, &parts, &|what: &str, done: u64| {
+        if done == 0 {
+            bar.set_message(what.to_string());
+        }
+        bar.inc(done);
+    })?;
+    bar.set_message("page");
+    let written = report::write(&study, directory)?;
+    parts.remove()?;
+    bar.finish_and_clear();
+
+    tell(&study, &written, args.json)
+}
+
+/// What was found, and where it is.
+fn tell(study: &Study, written: &[PathBuf], json: bool) -> Result<(), Failure> {
+    let loaded = study.loaded();
+    if loaded > 0 {
+        complain(&format!(
+            "warning: {loaded} times were found while other programs ran, and are marked; repeat the study on a quiet machine"
+        ));
+    }
+    let mut out = io::stdout().lock();
+    if json {
+        writeln!(out, "{}", report::json(study))?;
+        return Ok(());
+    }
+    writeln!(out, "{}", summary(study))?;
+    for path in written {
+        writeln!(out, "{}", path.display())?;
+    }
+    Ok(())
+}
+
+/// The named profiles: error, picture, and what they take on each clock.
+fn summary(study: &Study) -> comfy_table::Table {
+    let (headings, rows) = report::profiles(study);
+    let mut table = super::console::new_table([""]);
+    table.set_header(headings);
+    table.add_rows(rows);
+    table
+}

@@ -1,0 +1,96 @@
+//! `roughxel vectors bench`.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use roughxel_scene::output::write_files;
+use roughxel_vectors::{BENCH_README, Bench, Device, manifests_of};
+use serde_json::json;
+
+use crate::console::complain;
+use crate::{Failure, check_directory};
+
+pub(super) const LONG_HELP: &str = "\
+Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
+
+For each set DIR/SET gets packages and benches in SystemVerilog (Icarus, Verilator) and VHDL (GHDL),
+a test for cocotb, a driver in C++ for Verilator, the words, and run.sh, which runs any of them:
+
+  roughxel vectors export random --count 64 --profile compact -o sets
+  roughxel vectors bench sets/random_compact.json -o benches
+  sh benches/random_compact/run.sh icarus
+
+A bench prints every field that differs, with set, index, stage, what was expected and what came, in hex
+and as a number, earliest stage first. SET_device.sv (SET_device.vhd) is the device: it connects the
+generated Verilog in rtl (in VHDL it is blank), and a device of one's own takes its place. Of a set of one
+stage (`vectors export --stage`) the device is that stage's module.";
+
+#[derive(Args)]
+pub(crate) struct BenchArgs {
+    /// Sets: directories of them, or single ones (NAME.json or NAME.hex).
+    #[arg(required = true, value_name = "SET")]
+    sets: Vec<PathBuf>,
+    /// Directory; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// What SET_device.sv is: the generated Verilog of the set's datapath or stage, effects and profile, or a skeleton with a
+    /// line a field.
+    #[arg(long, value_enum, default_value = "generated")]
+    device: DeviceArg,
+    /// Writes SET_device.sv and SET_device.vhd again where they are there; without it they stay as they are.
+    #[arg(long)]
+    replace_device: bool,
+    /// Summary as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum DeviceArg {
+    Generated,
+    Blank,
+}
+
+pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
+    check_directory(&args.output)?;
+    // Every set is checked before the first bench is written.
+    let mut benches: Vec<Bench> = Vec::new();
+    for path in &args.sets {
+        for manifest in manifests_of(path)? {
+            let bench = Bench::new(&manifest)?;
+            if benches.iter().any(|known| known.stem() == bench.stem()) {
+                let problem = format!("two sets are `{}`; give them different directories with -o", bench.stem());
+                return Err(Failure::Usage(problem));
+            }
+            benches.push(bench);
+        }
+    }
+    let device = match args.device {
+        DeviceArg::Generated => Device::Generated,
+        DeviceArg::Blank => Device::Blank,
+    };
+    write_files(&args.output, [("README.md", BENCH_README)])?;
+    for bench in &benches {
+        let directory = args.output.join(bench.stem());
+        for kept in bench.write(&directory, device, args.replace_device)? {
+            let path = directory.join(kept);
+            complain(&format!(
+                "note: {} is there and stays as it is (--replace-device writes it again)",
+                path.display()
+            ));
+        }
+    }
+    let mut out = io::stdout().lock();
+    if args.json {
+        let list = benches.iter().map(|bench| json!({ "bench": bench.stem(), "count": bench.count() }));
+        let directory = args.output.display().to_string();
+        writeln!(out, "{:#}", json!({ "directory": directory, "benches": list.collect::<Vec<_>>() }))?;
+    } else {
+        for bench in &benches {
+            let script = args.output.join(bench.stem()).join("run.sh");
+            writeln!(out, "{}: {} vectors; sh {} TOOL", bench.stem(), bench.count(), script.display())?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! `roughxel vectors distil`.
+
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use roughxel_vectors::{
+    Distilled, Form, MAX_VECTORS, Manifest, Mistake, Picked, SetInfo, Wanted, Words, distil, export_with, manifests_of,
+};
+use serde_json::json;
+
+use crate::console::progress;
+use crate::{Failure, check_directory, check_file, write_text};
+
+pub(super) const LONG_HELP: &str = "\
+Write a set of few vectors that show the same mistakes as many: what `vectors report` counts.
+
+All sets are of one datapath, effects, profile and columns. Vectors that are needed for an operation that is another one, for an entry of
+a table or for a bin come first, then those that show most stuck bits, up to --most of them: always the one that shows most of what is
+still missing, so the first hundred are the best hundred. With --beside what other sets show is not looked for again, and --mistakes leaves
+the others out: a last place of some entries shows once in a million vectors, and a million are soon asked for that alone.
+
+  roughxel vectors export random --count 200000 --bin -o many
+  roughxel vectors distil many/random_standard.json vectors/smoke/cube_edges_standard.json -o few --name few --most 500
+  roughxel vectors report few
+  roughxel vectors distil many --beside few --mistakes entries -o more --name more";
+
+#[derive(Args)]
+pub(crate) struct DistilArgs {
+    /// Directories of sets, or single ones (NAME.json, NAME.hex or NAME.bin).
+    #[arg(required = true, value_name = "DIR|MANIFEST")]
+    paths: Vec<PathBuf>,
+    /// Directory; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Name of the new set.
+    #[arg(long, default_value = "distilled", value_name = "NAME")]
+    name: String,
+    /// Vectors of the new set at most.
+    #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_VECTORS))]
+    most: u64,
+    /// Directories of sets, or single ones, that the new one stands beside: what they show is not looked for again.
+    #[arg(long, value_name = "DIR|MANIFEST", num_args = 1..)]
+    beside: Vec<PathBuf>,
+    /// Which mistakes to look for; all without it.
+    #[arg(long, value_name = "KIND", value_delimiter = ',')]
+    mistakes: Vec<MistakeArg>,
+    /// Words as records of bytes, NAME.bin, instead of as text.
+    #[arg(long)]
+    bin: bool,
+    /// Set and index of each vector as text, too, a line each.
+    #[arg(long, value_name = "FILE")]
+    picks: Option<PathBuf>,
+    /// Set and index of each vector as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum MistakeArg {
+    /// Operations that are others; and bins: decisions on both sides, limits, entries that are read.
+    Operations,
+    /// Entries of tables that are off by a last place.
+    Entries,
+    /// Bits that are stuck.
+    Stuck,
+}
+
+impl From<MistakeArg> for Mistake {
+    fn from(kind: MistakeArg) -> Self {
+        match kind {
+            MistakeArg::Operations => Self::Operation,
+            MistakeArg::Entries => Self::Entry,
+            MistakeArg::Stuck => Self::Stuck,
+        }
+    }
+}
+
+pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
+    check_directory(&args.output)?;
+    if let Some(path) = &args.picks {
+        check_file(path)?;
+    }
+    let manifests_of_all = |paths: &[PathBuf]| {
+        let manifests = paths.iter().map(|path| manifests_of(path)).collect::<Result<Vec<_>, _>>()?;
+        Ok::<_, Failure>(manifests.concat())
+    };
+    let (manifests, beside) = (manifests_of_all(&args.paths)?, manifests_of_all(&args.beside)?);
+    let Some((first, others)) = manifests.split_first() else { return Ok(()) };
+    let counts = manifests.iter().chain(&beside).map(|path| Manifest::read(path).map(|manifest| manifest.count));
+    let bar = progress(counts.sum::<Result<u64, _>>()?, "faults");
+    let mistakes: Vec<Mistake> = args.mistakes.iter().map(|&kind| kind.into()).collect();
+    let mistakes = if mistakes.is_empty() { &Mistake::ALL[..] } else { &mistakes };
+    let wanted = Wanted { most: args.most as usize, beside: &beside, mistakes };
+    let distilled = distil(first, others, wanted, &|done| bar.set_position(done));
+    bar.finish_and_clear();
+    let Distilled { of, picked, inputs } = distilled?;
+    if picked.is_empty() {
+        let text =
+            if args.json { r#"{ "picked": [] }"# } else { "no vector shows what the others do not: nothing written" };
+        writeln!(io::stdout().lock(), "{text}")?;
+        return Ok(());
+    }
+    let sets: BTreeSet<&str> = picked.iter().map(|picked| picked.set.as_str()).collect();
+    let sets: Vec<&str> = sets.into_iter().collect();
+    let description = format!("vectors of {} that show what the others do not", sets.join(", "));
+    let info = SetInfo {
+        name: &args.name,
+        description: &description,
+        seed: None,
+        datapath: of.datapath,
+        effects: of.effects,
+        precision: of.profile.knobs,
+        profile: &of.profile.name,
+        words: Words { taps: of.taps, form: if args.bin { Form::Bin } else { Form::Hex } },
+    };
+    let manifest =
+        export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], &args.output, &|_| {})?;
+    if let Some(path) = &args.picks {
+        let lines = picked.iter().map(|Picked { set, index }| format!("{set} {index}\n"));
+        write_text(path, &lines.collect::<String>())?;
+    }
+    let mut out = io::stdout().lock();
+    if args.json {
+        let file = &manifest.files[0].name;
+        writeln!(out, "{:#}", json!({ "file": file, "count": manifest.count, "picked": picked }))?;
+    } else {
+        writeln!(out, "{} vectors in {}", manifest.count, args.output.join(&manifest.files[0].name).display())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,25 @@
+//! `roughxel vectors rom`.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use roughxel_scene::output::write_files;
+use roughxel_vectors::rom_files;
+
+use crate::{Failure, check_directory};
+
+#[derive(Args)]
+pub(crate) struct RomArgs {
+    /// Directory; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub(super) fn run(args: &RomArgs) -> Result<(), Failure> {
+    check_directory(&args.output)?;
+    let files = rom_files();
+    let count = files.len();
+    write_files(&args.output, files)?;
+    Ok(writeln!(io::stdout().lock(), "{count} tables in {}", args.output.display())?)
+}

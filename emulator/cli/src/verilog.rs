@@ -1,0 +1,146 @@
+//! `roughxel verilog`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use roughxel_core::design::Design;
+use roughxel_core::plan::{Effects, FrameSystem};
+use roughxel_net::verilog::{Options, Verilog, VerilogError};
+use roughxel_record as record;
+use roughxel_scene::output::write_files;
+use roughxel_study::plan::fetches;
+use roughxel_study::profile_file::NamedPrecision;
+use serde_json::json;
+
+use super::console::{complain, progress};
+use super::effects::PlannedObject;
+use super::ranges::{design_help, parse_design, unproven};
+use super::{Failure, ProfileArg, check_directory, effects, parse_profile};
+
+#[derive(Args)]
+pub(super) struct VerilogArgs {
+    /// Directory; made if it is not there.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[arg(long, default_value = "fragment", value_parser = parse_design, value_name = "NAME", help = design_help())]
+    design: Design,
+    /// Profile: a name, or a file (TOML).
+    #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
+    profile: ProfileArg,
+    #[arg(long, default_value = "all", value_parser = effects::parse, help = effects::HELP, value_name = "LIST")]
+    effects: Effects,
+    /// How the tangent frame is found.
+    #[arg(long, default_value = "main", value_parser = effects::parse_frame, value_name = "main|natural|natural-normalised")]
+    frame: FrameSystem,
+    /// The datapaths and fetches that the objects of a scene call for, each design in DIR/OBJECT/DESIGN: scene file
+    /// (TOML), or the name of a built-in scene.
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["design", "effects", "frame", "stage"])]
+    scene: Option<String>,
+    /// Only the modules of this stage (`columns`) or run of it (`columns_pixel`), and what they use.
+    #[arg(long, value_name = "NAME")]
+    stage: Option<String>,
+    /// Most levels of logic between two registers; none has registers between stages only. A level is a gate of two
+    /// inputs; a 32-bit adder has 7.
+    #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    depth: Option<u32>,
+    /// Put before the names of modules, so that two designs can be in one project.
+    #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
+    prefix: String,
+    /// Summary as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Text a Verilog name can start with.
+fn parse_prefix(text: &str) -> Result<String, String> {
+    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let first = text.chars().next().is_none_or(letter);
+    let valid = first && text.chars().all(|c| letter(c) || c.is_ascii_digit());
+    if valid { Ok(text.to_owned()) } else { Err("a prefix is letters, digits and `_`, no digit first".into()) }
+}
+
+pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
+    let profile = &args.profile.open()?;
+    check_directory(&args.output)?;
+    let mut written = Vec::new();
+    match &args.scene {
+        None => {
+            let effects = Effects { frame: args.frame, ..args.effects };
+            written.push(write(args, profile, args.design, effects, &args.output)?);
+        }
+        Some(scene) => {
+            let objects = effects::planned_objects(scene, &profile.precision)?;
+            let of_object = |object: &PlannedObject| {
+                let datapaths = object.plan.datapaths().map(|(datapath, effects)| (Design::of(datapath), effects));
+                let fetches = fetches(&object.plan, object.is_bright).into_iter().map(|design| (design, Effects::NONE));
+                datapaths.chain(fetches).collect::<Vec<_>>()
+            };
+            let designs: Vec<_> = objects.iter().map(of_object).collect();
+            let bar = progress(designs.iter().map(Vec::len).sum::<usize>() as u64, scene);
+            for (object, designs) in objects.iter().zip(designs) {
+                for (design, effects) in designs {
+                    let directory = args.output.join(&object.directory).join(design.name());
+                    written.push(write(args, profile, design, effects, &directory)?);
+                    bar.inc(1);
+                }
+            }
+            bar.finish_and_clear();
+            if written.is_empty() {
+                complain("no object of the scene needs a datapath or a map");
+            }
+        }
+    }
+    let mut out = io::stdout().lock();
+    if args.json {
+        let summaries: Vec<_> = written.iter().map(|(directory, verilog)| summary(directory, verilog)).collect();
+        match (&args.scene, summaries.as_slice()) {
+            (None, [one]) => writeln!(out, "{one:#}")?,
+            _ => writeln!(out, "{:#}", json!(summaries))?,
+        }
+        return Ok(());
+    }
+    for (directory, verilog) in &written {
+        let (directory, files) = (directory.display(), verilog.files.len());
+        match &verilog.top {
+            Some(top) => writeln!(
+                out,
+                "{directory}: {files} files, top {}, latency {} cycles, {} register bits",
+                top.module, top.latency, verilog.register_bits
+            )?,
+            None => writeln!(out, "{directory}: {files} files")?,
+        }
+    }
+    Ok(())
+}
+
+/// Writes a design into a directory.
+fn write(
+    args: &VerilogArgs,
+    profile: &NamedPrecision,
+    design: Design,
+    effects: Effects,
+    directory: &Path,
+) -> Result<(PathBuf, Verilog), Failure> {
+    let options = Options {
+        profile: profile.name.clone(),
+        precision: profile.precision,
+        effects,
+        depth: args.depth,
+        stage: args.stage.clone(),
+        prefix: args.prefix.clone(),
+    };
+    let verilog = match record::verilog(design, &options) {
+        Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
+        Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),
+        other => other?,
+    };
+    write_files(directory, verilog.in_order())?;
+    Ok((directory.to_path_buf(), verilog))
+}
+
+fn summary(directory: &Path, verilog: &Verilog) -> serde_json::Value {
+    let names: Vec<_> = verilog.files.keys().collect();
+    let (top, stepper) = (&verilog.top, &verilog.stepper);
+    json!({ "directory": directory.display().to_string(), "files": names, "top": top, "stepper": stepper })
+}

@@ -1,0 +1,223 @@
+//! The datapaths that vectors are of, as functions from the wires of ports to integers of outputs: of one vector in the scalar reading,
+//! which `verify` and `explain` recompute with, of many side by side, which an export is made with.
+
+use std::ops::Range;
+
+use roughxel_core::bundle::{Bundle, End};
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::ports::{
+    HighlightIn, HighlightInput, HighlightOutput, PeakIn, PeakInput, PeakOutput, Port, ReflectionIn, ReflectionInput,
+    ReflectionOutput,
+};
+use roughxel_core::precision::Precision;
+use roughxel_core::soft_core;
+
+use roughxel_lanes::{Columns, Reading};
+use roughxel_net::integers::{filled, integers, integers_at};
+
+/// The wires of all ports of a datapath's design.
+#[derive(Clone, Copy, Debug)]
+pub enum Inputs {
+    /// Of a fragment that reflects.
+    Reflection(ReflectionInput<i32>),
+    /// Of a light on a surface.
+    Highlight(HighlightInput<i32>),
+    /// Of a light on a peak.
+    Peak(PeakInput<i32>),
+}
+
+impl Inputs {
+    /// Those with these integers on their wires.
+    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(wires(integers)),
+            Datapath::Highlight => Self::Highlight(wires(integers)),
+            Datapath::Peak => Self::Peak(wires(integers)),
+        }
+    }
+
+    /// The integers on the ports of the recorded design, on words of the profile's width.
+    pub(super) fn recorded(&self, p: &Precision) -> Vec<i64> {
+        match self {
+            Self::Reflection(wires) => integers_at(wires, p),
+            Self::Highlight(wires) => integers_at(wires, p),
+            Self::Peak(wires) => integers_at(wires, p),
+        }
+    }
+
+    /// The integers on them.
+    pub(super) fn integers(&self) -> Vec<i64> {
+        match self {
+            Self::Reflection(wires) => integers(wires),
+            Self::Highlight(wires) => integers(wires),
+            Self::Peak(wires) => integers(wires),
+        }
+    }
+}
+
+impl From<&ReflectionIn> for Inputs {
+    fn from(fragment: &ReflectionIn) -> Self {
+        Self::Reflection(fragment.wires())
+    }
+}
+
+impl From<&HighlightIn> for Inputs {
+    fn from(light: &HighlightIn) -> Self {
+        Self::Highlight(light.wires())
+    }
+}
+
+impl From<&PeakIn> for Inputs {
+    fn from(peak: &PeakIn) -> Self {
+        Self::Peak(peak.wires())
+    }
+}
+
+/// What a datapath makes of its ports: the integers of all outputs of its design.
+pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
+    match datapath {
+        Datapath::Reflection => {
+            integers(&soft_core::fragment(&wires::<ReflectionInput<i32>>(inputs), &effects.reflection(), p))
+        }
+        Datapath::Highlight => {
+            integers(&soft_core::highlight(&wires::<HighlightInput<i32>>(inputs), &effects.highlight(), p))
+        }
+        Datapath::Peak => integers(&soft_core::lit_peak(&wires::<PeakInput<i32>>(inputs), &effects.peak(), p)),
+    }
+}
+
+/// The bundle with these integers on its wires.
+pub(super) fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
+    filled(&B::limit::<i32>(End::Low), inputs)
+}
+
+/// The ports of vectors of one datapath, a row a wire.
+#[derive(Debug)]
+pub enum Ports {
+    /// Of fragments that reflect.
+    Reflection(Columns<ReflectionInput<i32>>),
+    /// Of lights on surfaces.
+    Highlight(Columns<HighlightInput<i32>>),
+    /// Of lights on peaks.
+    Peak(Columns<PeakInput<i32>>),
+}
+
+impl Ports {
+    /// Of no vector yet.
+    pub fn new(datapath: Datapath) -> Self {
+        match datapath {
+            Datapath::Reflection => Self::Reflection(Columns::default()),
+            Datapath::Highlight => Self::Highlight(Columns::default()),
+            Datapath::Peak => Self::Peak(Columns::default()),
+        }
+    }
+
+    fn clear(&mut self) {
+        match self {
+            Self::Reflection(columns) => columns.clear(),
+            Self::Highlight(columns) => columns.clear(),
+            Self::Peak(columns) => columns.clear(),
+        }
+    }
+
+    /// Adds those of a vector.
+    ///
+    /// # Panics
+    /// If it is of another datapath.
+    fn push(&mut self, inputs: &Inputs) {
+        match (self, inputs) {
+            (Self::Reflection(columns), Inputs::Reflection(wires)) => columns.push(wires),
+            (Self::Highlight(columns), Inputs::Highlight(wires)) => columns.push(wires),
+            (Self::Peak(columns), Inputs::Peak(wires)) => columns.push(wires),
+            _ => panic!("{inputs:?} in a set of another datapath"),
+        }
+    }
+
+    /// One of every vector.
+    fn row(&self, place: usize) -> &[i32] {
+        match self {
+            Self::Reflection(columns) => columns.row(place),
+            Self::Highlight(columns) => columns.row(place),
+            Self::Peak(columns) => columns.row(place),
+        }
+    }
+}
+
+/// Where the inputs of vectors come from, by their indices. A function of an index gives them one by one.
+pub trait InputSource: Sync {
+    /// Those of a vector.
+    fn input(&self, index: u64) -> Inputs;
+
+    /// Puts those of some vectors into `ports`, in place of what was there.
+    ///
+    /// # Panics
+    /// If they are of another datapath.
+    fn fill(&self, indices: Range<u64>, ports: &mut Ports) {
+        ports.clear();
+        indices.for_each(|index| ports.push(&self.input(index)));
+    }
+}
+
+impl<F: Fn(u64) -> Inputs + Sync> InputSource for F {
+    fn input(&self, index: u64) -> Inputs {
+        self(index)
+    }
+}
+
+/// What a datapath makes of vectors, a row a wire.
+enum Outputs {
+    Reflection(Columns<ReflectionOutput<i32>>),
+    Highlight(Columns<HighlightOutput<i32>>),
+    Peak(Columns<PeakOutput<i32>>),
+}
+
+/// Vectors of one datapath. No wire of the three is wide, so the word of a row is the place of its port or output.
+pub(super) struct Batch {
+    ports: Ports,
+    outputs: Outputs,
+}
+
+impl Batch {
+    /// Of no vector yet.
+    pub(super) fn new(datapath: Datapath) -> Self {
+        let outputs = match datapath {
+            Datapath::Reflection => Outputs::Reflection(Columns::default()),
+            Datapath::Highlight => Outputs::Highlight(Columns::default()),
+            Datapath::Peak => Outputs::Peak(Columns::default()),
+        };
+        Self { ports: Ports::new(datapath), outputs }
+    }
+
+    /// Some vectors of `input` through their datapath, by the fastest reading of this machine, in place of those that were there.
+    ///
+    /// # Panics
+    /// If they are of another datapath.
+    pub(super) fn fill(&mut self, input: &dyn InputSource, indices: Range<u64>, effects: &Effects, p: &Precision) {
+        let reading = Reading::best();
+        input.fill(indices, &mut self.ports);
+        match (&self.ports, &mut self.outputs) {
+            (Ports::Reflection(fragments), Outputs::Reflection(outputs)) => {
+                reading.fragments(fragments, &effects.reflection(), p, outputs);
+            }
+            (Ports::Highlight(lights), Outputs::Highlight(outputs)) => {
+                reading.lit_surfaces(lights, &effects.highlight(), p, outputs);
+            }
+            (Ports::Peak(lights), Outputs::Peak(outputs)) => reading.lit_peaks(lights, &effects.peak(), p, outputs),
+            _ => unreachable!("both are of one datapath"),
+        }
+    }
+
+    /// A port of every vector.
+    pub(super) fn port(&self, place: usize) -> &[i32] {
+        self.ports.row(place)
+    }
+
+    /// An output of every vector.
+    pub(super) fn output(&self, place: usize) -> &[i32] {
+        match &self.outputs {
+            Outputs::Reflection(outputs) => outputs.row(place),
+            Outputs::Highlight(outputs) => outputs.row(place),
+            Outputs::Peak(outputs) => outputs.row(place),
+        }
+    }
+}

@@ -1,0 +1,453 @@
+//! Grade: how good sets are. Every fault of the recorded design ([`roughxel_net::fault`]) is tried on every vector until a field shows it,
+//! every bin ([`roughxel_net::bins`]) is counted, and what fields and wires attain is held against what is proven.
+//!
+//! Sets of the same datapath, effects, profile and columns are graded together: a folder is as good as all that is in it.
+
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::VectorError;
+use super::files::write_manifest;
+use super::layout::Layout;
+use super::lines::Lines;
+use super::manifest::Manifest;
+use super::outcomes::Outcomes;
+use super::score::{GradeEntry, Score};
+use roughxel_net::bins::{Bin, Bins};
+use roughxel_net::equal::Prover;
+use roughxel_net::exhaust::{Exhaustion, Task};
+use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_net::interval::Ranges;
+use roughxel_net::observe::Observed;
+
+/// Vectors that faults go through at once: their wires stay in a processor's cache.
+const BATCH: usize = 32;
+/// Faults of a task.
+const TASK: usize = 256;
+
+/// The faults of a stage.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct StageScore {
+    /// The stage, in all its uses; `ports` of those that go in.
+    pub stage: String,
+    /// Bits of wires that are stuck.
+    pub stuck: Score,
+    /// Operations that are others.
+    pub slips: Score,
+}
+
+/// A table.
+#[derive(Clone, Debug, Serialize)]
+pub struct TableScore {
+    /// Its name.
+    pub table: String,
+    /// Entries that are read.
+    pub read: Score,
+    /// Entries that are off by a last place, up and down.
+    pub entries: Score,
+}
+
+/// A fault that no field shows.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unseen {
+    /// Where it is and what it is.
+    pub fault: String,
+    /// Whether it made a difference to its own wire, which no field showed.
+    pub masked: bool,
+}
+
+/// The integers of a field.
+#[derive(Clone, Debug, Serialize)]
+pub struct Attained {
+    /// The field.
+    pub field: String,
+    /// Its stage.
+    pub stage: String,
+    /// What its wire may hold, by the proof of ranges.
+    pub proven: [i64; 2],
+    /// What it held.
+    pub seen: [i64; 2],
+}
+
+/// Something that is not as it should be in sets.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Alarm {
+    /// A field that is the same in every vector.
+    Constant {
+        /// The field.
+        field: String,
+    },
+    /// Vectors with inputs that another one before them has.
+    Repeated {
+        /// How many.
+        vectors: u64,
+    },
+}
+
+impl Alarm {
+    /// The field that is always the same.
+    pub fn constant(&self) -> Option<&str> {
+        match self {
+            Self::Constant { field } => Some(field),
+            Self::Repeated { .. } => None,
+        }
+    }
+}
+
+/// How good the sets of a datapath, its effects and a profile are.
+#[derive(Clone, Debug, Serialize)]
+pub struct Grade {
+    /// The datapath.
+    pub datapath: &'static str,
+    /// The module of the stage that the sets are of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
+    /// The profile.
+    pub profile: String,
+    /// Whether fields between the ports count.
+    pub taps: bool,
+    /// Names of the sets.
+    pub sets: Vec<String>,
+    /// Their vectors.
+    pub vectors: u64,
+    /// The faults stage by stage, in the order of the pipeline.
+    pub stages: Vec<StageScore>,
+    /// The tables.
+    pub tables: Vec<TableScore>,
+    /// Flags on either side and comparisons at their limits.
+    pub decisions: Score,
+    /// The faults that are not seen.
+    pub unseen: Vec<Unseen>,
+    /// Entries of tables that may be off by a last place, as is proven: they are not counted.
+    pub equal_entries: Vec<String>,
+    /// The bins that are not met.
+    pub unmet: Vec<String>,
+    /// What fields hold.
+    pub fields: Vec<Attained>,
+    /// What is not as it should be.
+    pub alarms: Vec<Alarm>,
+}
+
+impl Grade {
+    /// All faults.
+    pub fn faults(&self) -> Score {
+        let GradeEntry { stuck, operations, entries, .. } = self.entry();
+        stuck.and(operations).and(entries)
+    }
+
+    /// What a manifest says of it.
+    pub fn entry(&self) -> GradeEntry {
+        let sum = |scores: &mut dyn Iterator<Item = Score>| scores.fold(Score::default(), Score::and);
+        GradeEntry {
+            stuck: sum(&mut self.stages.iter().map(|stage| stage.stuck)),
+            operations: sum(&mut self.stages.iter().map(|stage| stage.slips)),
+            entries: sum(&mut self.tables.iter().map(|table| table.entries)),
+            decisions: self.decisions,
+        }
+    }
+}
+
+/// Grades each set alone and writes what it shows into its manifest, which is replaced whole or not at all; `progress` is told how many vectors
+/// are done.
+///
+/// Errors: see [`VectorError`].
+pub fn write_grades(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
+    let (mut done, mut grades) = (0, Vec::new());
+    for sets in by_design(manifests)? {
+        // What is proven of a design is that for each of its sets.
+        let alone: Vec<_> = sets.chunks(1).collect();
+        grade_parts(&alone, &mut |vectors| progress(done + vectors), &mut |part, grade| {
+            let (path, manifest) = &sets[part];
+            write_manifest(path, &Manifest { grade: Some(grade.entry()), ..manifest.clone() })?;
+            grades.push((manifests.iter().position(|of| of == path), grade));
+            Ok(())
+        })?;
+        done += sets.iter().map(|(_, manifest)| manifest.count).sum::<u64>();
+    }
+    grades.sort_by_key(|&(place, _)| place);
+    Ok(grades.into_iter().map(|(_, grade)| grade).collect())
+}
+
+/// Grades the sets of manifests, those of one design together; `progress` is told how many vectors are done.
+///
+/// Errors: see [`VectorError`].
+pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
+    let (mut done, mut grades) = (0, Vec::new());
+    for sets in by_design(manifests)? {
+        grade_parts(&[&sets], &mut |vectors| progress(done + vectors), &mut |_, grade| {
+            grades.push(grade);
+            Ok(())
+        })?;
+        done += sets.iter().map(|(_, manifest)| manifest.count).sum::<u64>();
+    }
+    Ok(grades)
+}
+
+/// Sets with their manifests.
+type Sets = Vec<(PathBuf, Manifest)>;
+
+/// The sets of manifests, those of one design together.
+fn by_design(manifests: &[PathBuf]) -> Result<Vec<Sets>, VectorError> {
+    let mut groups: Vec<Sets> = Vec::new();
+    for path in manifests {
+        let manifest = Manifest::read(path)?;
+        match groups.iter_mut().find(|sets| is_of_one_design(&sets[0].1, &manifest)) {
+            Some(sets) => sets.push((path.clone(), manifest)),
+            None => groups.push(vec![(path.clone(), manifest)]),
+        }
+    }
+    Ok(groups)
+}
+
+/// Whether sets are of the same hardware and show the same of it.
+pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
+    let of = |manifest: &Manifest| (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps);
+    of(a) == of(b) && a.stage == b.stage
+}
+
+/// Grades parts of the sets of one design, each alone; `progress` is told how many vectors are done, and `graded` the number of a part and its
+/// grade.
+fn grade_parts(
+    parts: &[&[(PathBuf, Manifest)]],
+    progress: &mut dyn FnMut(u64),
+    graded: &mut dyn FnMut(usize, Grade) -> Result<(), VectorError>,
+) -> Result<(), VectorError> {
+    let (path, of) = &parts[0][0];
+    let layout = of.layout(path)?;
+    let outcomes = Outcomes::of(of, &layout);
+    let ranges = Ranges::new(&outcomes.net);
+    let faults = Faults::new(&outcomes.net, &ranges, outcomes.shown());
+    let bins = Bins::new(&outcomes.net, &ranges, &faults.tables);
+    let (mut proofs, mut done) = (Proofs::default(), 0);
+    for (number, sets) in parts.iter().enumerate() {
+        let mut tally = Tally::new(&outcomes, &faults, &bins);
+        for (path, manifest) in *sets {
+            read_words(path, manifest, &layout, &mut |_, batch| {
+                tally.add(&manifest.set, &batch.iter().map(|bits| outcomes.ports(bits)).collect::<Vec<_>>());
+                done += batch.len() as u64;
+                progress(done);
+            })?;
+        }
+        graded(number, tally.grade(of, &ranges, &mut proofs))?;
+    }
+    Ok(())
+}
+
+/// Reads the fields' bits of a set, some vectors at a time, with the index of the first of them.
+pub(super) fn read_words(
+    path: &Path,
+    manifest: &Manifest,
+    layout: &Layout,
+    batch: &mut dyn FnMut(u64, &[Vec<u32>]),
+) -> Result<(), VectorError> {
+    let mut lines = Lines::open(path, manifest)?;
+    let (mut first, mut words) = (manifest.indices().start, Vec::with_capacity(BATCH));
+    loop {
+        let line = lines.next()?;
+        if let Some(line) = &line {
+            words.push(line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?);
+        }
+        if words.len() == BATCH || line.is_none() {
+            batch(first, &words);
+            first += words.len() as u64;
+            words.clear();
+        }
+        if line.is_none() {
+            return lines.hash_matches().map(drop);
+        }
+    }
+}
+
+/// Faults that are looked for until a field shows them.
+pub(super) struct Hunt<'a> {
+    of: &'a Faults<'a>,
+    /// Those that are not seen, with what became of them at most.
+    pub(super) unseen: Vec<(Fault, Effect)>,
+}
+
+impl<'a> Hunt<'a> {
+    /// For some of the faults of a design.
+    pub(super) fn new(of: &'a Faults<'a>, faults: impl Iterator<Item = Fault>) -> Self {
+        Self { of, unseen: faults.map(|fault| (fault, Effect::None)).collect() }
+    }
+
+    /// Some vectors more, the wires of the right design for each: how many faults each of them is the first to show.
+    pub(super) fn show(&mut self, wires: &[Vec<i64>]) -> Vec<usize> {
+        let of = self.of;
+        let first_to_show = |simulator: &mut Simulator, (fault, most): &mut (Fault, Effect)| {
+            wires.iter().position(|right| {
+                *most = simulator.effect(*fault, right).max(*most);
+                *most == Effect::Seen
+            })
+        };
+        let tasks = self.unseen.par_chunks_mut(TASK).map_init(
+            || Simulator::new(of),
+            |simulator, task| task.iter_mut().filter_map(|fault| first_to_show(simulator, fault)).collect::<Vec<_>>(),
+        );
+        let mut shown = vec![0; wires.len()];
+        for place in tasks.flatten_iter().collect::<Vec<_>>() {
+            shown[place] += 1;
+        }
+        self.unseen.retain(|&(_, effect)| effect != Effect::Seen);
+        shown
+    }
+}
+
+/// What is proven of the faults of a design, whatever vectors there are.
+#[derive(Default)]
+pub(super) struct Proofs {
+    tried: HashSet<Fault>,
+    equal: HashSet<Fault>,
+}
+
+impl Proofs {
+    /// The faults that are proven to make no difference to any field, all such of `unseen` among them.
+    pub(super) fn equal(&mut self, of: &Faults, unseen: &[(Fault, Effect)]) -> &HashSet<Fault> {
+        let new: Vec<Fault> =
+            unseen.iter().map(|&(fault, _)| fault).filter(|&fault| self.tried.insert(fault)).collect();
+        let operations = new.par_chunks(TASK).map_init(
+            || Prover::new(of),
+            |prover, task| task.iter().copied().filter(|&fault| prover.is_equal(fault)).collect::<Vec<_>>(),
+        );
+        self.equal.extend(operations.flatten_iter().collect::<Vec<_>>());
+        let shown = |exhaustion: &Exhaustion, tasks: &[Task]| {
+            let shown = tasks.par_iter().map_init(|| exhaustion.wires(), |wires, task| exhaustion.shown(task, wires));
+            shown.flatten_iter().collect()
+        };
+        self.equal.extend(Exhaustion::new(of, new.into_iter()).equal(&shown));
+        &self.equal
+    }
+}
+
+/// What vectors have shown so far.
+struct Tally<'a> {
+    outcomes: &'a Outcomes<'a>,
+    faults: &'a Faults<'a>,
+    bins: &'a Bins<'a>,
+    hunt: Hunt<'a>,
+    /// How often each bin is met.
+    met: Vec<u64>,
+    observed: Observed,
+    sets: Vec<String>,
+    vectors: u64,
+    inputs: HashSet<u64>,
+    repeated: u64,
+}
+
+impl<'a> Tally<'a> {
+    fn new(outcomes: &'a Outcomes<'a>, faults: &'a Faults<'a>, bins: &'a Bins<'a>) -> Self {
+        Self {
+            outcomes,
+            faults,
+            bins,
+            hunt: Hunt::new(faults, faults.faults.iter().copied()),
+            met: vec![0; bins.bins.len()],
+            observed: Observed::new(&outcomes.net),
+            sets: Vec::new(),
+            vectors: 0,
+            inputs: HashSet::new(),
+            repeated: 0,
+        }
+    }
+
+    /// Some vectors more of a set, the integers of the ports of each.
+    fn add(&mut self, set: &str, vectors: &[Vec<i64>]) {
+        if !self.sets.iter().any(|name| name == set) {
+            self.sets.push(set.to_owned());
+        }
+        let mut wires = Vec::with_capacity(vectors.len());
+        for ports in vectors {
+            let mut hasher = DefaultHasher::new();
+            ports.hash(&mut hasher);
+            self.repeated += u64::from(!self.inputs.insert(hasher.finish()));
+            let of_vector = self.observed.evaluate(&self.outcomes.net, ports);
+            self.bins.met(of_vector, |bin| self.met[bin] += 1);
+            wires.push(of_vector.to_vec());
+        }
+        self.hunt.show(&wires);
+        self.vectors += vectors.len() as u64;
+    }
+
+    fn grade(mut self, of: &Manifest, ranges: &Ranges, proofs: &mut Proofs) -> Grade {
+        let net = &self.outcomes.net;
+        // What vectors show is not equal, so the others alone are tried.
+        let equal = proofs.equal(self.faults, &self.hunt.unseen);
+        self.hunt.unseen.retain(|(fault, _)| !equal.contains(fault));
+        let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
+        let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
+        for run in &net.runs {
+            if stages.iter().all(|known| known.stage != run.base()) {
+                stages.push(StageScore { stage: run.base().into(), ..StageScore::default() });
+            }
+        }
+        let mut tables: Vec<_> = (self.faults.tables.iter())
+            .map(|table| TableScore { table: table.name.clone(), read: Score::default(), entries: Score::default() })
+            .collect();
+        for &fault in self.faults.faults.iter().filter(|fault| !equal.contains(fault)) {
+            let is_seen = !unseen.contains(&fault);
+            let stage = self.faults.run(fault).map_or("ports", |run| net.runs[run as usize].base());
+            let stage = stages.iter_mut().find(|known| known.stage == stage);
+            match (fault, stage) {
+                (Fault::Stuck { .. }, Some(stage)) => stage.stuck.count(is_seen),
+                (Fault::Slip { .. }, Some(stage)) => stage.slips.count(is_seen),
+                (Fault::Entry { table, .. }, _) => tables[table as usize].entries.count(is_seen),
+                (_, None) => {}
+            }
+        }
+        let (mut decisions, mut unmet) = (Score::default(), Vec::new());
+        for (&bin, &met) in self.bins.bins.iter().zip(&self.met) {
+            match bin {
+                Bin::Entry { table, .. } => tables[table as usize].read.count(met > 0),
+                _ => decisions.count(met > 0),
+            }
+            if met == 0 {
+                unmet.push(self.bins.text(bin));
+            }
+        }
+        stages.retain(|stage| stage.stuck.all + stage.slips.all > 0);
+
+        let mut fields = Vec::new();
+        let mut alarms = Vec::new();
+        for &outcome in &self.outcomes.list {
+            let field = self.outcomes.field(outcome);
+            let Some(seen) = self.observed.of(outcome.node) else { continue };
+            if seen.constant().is_some() {
+                alarms.push(Alarm::Constant { field: field.name.clone() });
+            }
+            let proven = ranges.of(outcome.node);
+            let (proven, seen) = ([proven.low, proven.high], [seen.low, seen.high]);
+            fields.push(Attained { field: field.name.clone(), stage: field.stage.clone(), proven, seen });
+        }
+        if self.repeated > 0 {
+            alarms.push(Alarm::Repeated { vectors: self.repeated });
+        }
+        let is_equal_entry = |fault: &&Fault| matches!(fault, Fault::Entry { .. }) && equal.contains(fault);
+        let equal_entries = self.faults.faults.iter().filter(is_equal_entry).map(|&fault| self.faults.text(fault));
+        let unseen = self
+            .hunt
+            .unseen
+            .iter()
+            .map(|&(fault, effect)| Unseen { fault: self.faults.text(fault), masked: effect == Effect::Masked });
+        Grade {
+            datapath: of.datapath.name(),
+            stage: of.stage.as_ref().map(|stage| stage.module.clone()),
+            profile: of.profile.name.clone(),
+            taps: of.taps,
+            sets: self.sets,
+            vectors: self.vectors,
+            stages,
+            tables,
+            decisions,
+            unseen: unseen.collect(),
+            equal_entries: equal_entries.collect(),
+            unmet,
+            fields,
+            alarms,
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The words of a set's file, lines of text or records of bytes, with their numbers, and whether the file is the one its manifest was written for.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::files::hex_digest;
+use super::layout::Layout;
+use super::manifest::{Form, Manifest};
+use super::word::{read_device_word, read_record, read_word};
+use super::{MAX_VECTORS, VectorError};
+use roughxel_scene::input::open_file;
+
+/// Longest line: beyond every word and comment.
+const MAX_LINE: u64 = 4096;
+
+/// The words of a set, one after the other; comments are passed over.
+pub(super) struct Lines {
+    path: PathBuf,
+    file: BufReader<File>,
+    form: Form,
+    record_bytes: usize,
+    hash: Sha256,
+    /// SHA-256 by the manifest.
+    sha256: String,
+    /// Words by the manifest, and the most that are read.
+    count: u64,
+    most: u64,
+    /// Index of the first vector.
+    first: u64,
+    /// Lines or records, bytes and words so far.
+    lines: u64,
+    bytes: u64,
+    words: u64,
+}
+
+/// A line or a record that is a word, if it is right.
+pub(super) struct Line {
+    /// Index of the vector in the whole set, from 0.
+    pub(super) index: u64,
+    /// Line or record of the file, from 1.
+    pub(super) number: u64,
+    /// Its bytes, without an end of line.
+    text: Vec<u8>,
+    /// Where in the file they begin.
+    offset: u64,
+    /// Whether the file ends with it, without an end of line or of a record.
+    is_last: bool,
+    form: Form,
+}
+
+impl Line {
+    /// The same of a device's word, whose digits may be of either case and without underscores.
+    pub(super) fn device_bits(&self, layout: &Layout) -> Result<Vec<u32>, String> {
+        let bits = match self.form {
+            Form::Hex => read_device_word(&self.text, layout),
+            Form::Bin => read_record(&self.text, layout),
+        };
+        bits.map_err(|problem| self.cause(problem))
+    }
+
+    /// The fields' bits, padding and check value included, or what is wrong with it.
+    pub(super) fn bits(&self, layout: &Layout) -> Result<Vec<u32>, String> {
+        let bits = match self.form {
+            Form::Hex => read_word(&self.text, layout),
+            Form::Bin => read_record(&self.text, layout),
+        };
+        bits.map_err(|problem| self.cause(problem))
+    }
+
+    /// Its bytes as a set has them, with the end of line where there is one.
+    pub(super) fn written(mut self) -> Vec<u8> {
+        if self.form == Form::Hex {
+            self.text.push(b'\n');
+        }
+        self.text
+    }
+
+    /// What happened to a line that is no word, where that can be told.
+    fn cause(&self, problem: String) -> String {
+        let end = self.offset + self.text.len() as u64;
+        if let Some(binary) = (self.form == Form::Hex).then(|| binary_in(&self.text, self.offset)).flatten() {
+            binary
+        } else if self.form == Form::Hex && self.text.last() == Some(&b'\r') {
+            "ends in CR LF, but the lines of a set end in LF: a transfer as text changed the file. Copy it as binary, or take \
+             away every CR (tr -d '\\r')"
+                .into()
+        } else if self.is_last {
+            format!(
+                "{problem}; the file ends at byte {end}, in the middle of a word: it is cut short. Export the set again"
+            )
+        } else {
+            problem
+        }
+    }
+}
+
+/// Whether the words of a set are those that its manifest was written for.
+///
+/// Errors: unreadable, a line that is no word, more or fewer words than the manifest says.
+pub(super) fn is_whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<bool, VectorError> {
+    let mut lines = Lines::open(manifest_path, manifest)?;
+    while let Some(line) = lines.next()? {
+        line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?;
+    }
+    lines.hash_matches()
+}
+
+/// The first byte that no text of words has.
+fn binary_in(text: &[u8], offset: u64) -> Option<String> {
+    let text = text.strip_suffix(b"\r").unwrap_or(text);
+    let place = text.iter().position(|byte| !(b' '..=b'~').contains(byte) && *byte != b'\t')?;
+    let at = offset + place as u64;
+    Some(format!(
+        "byte {at} of the file is {:02x}, which no text of words has: the file is binary or damaged (words as bytes \
+         are a file NAME.bin). Export the set again",
+        text[place]
+    ))
+}
+
+/// Whether a record looks like text: of the numbers in a word many bytes are no letters.
+fn is_text(record: &[u8]) -> bool {
+    record.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace())
+}
+
+impl Lines {
+    /// Opens the words of a manifest, which lie beside it.
+    pub(super) fn open(manifest_path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
+        Self::at(manifest_path.with_file_name(&manifest.files[0].name), manifest.form(), manifest)
+    }
+
+    /// Opens words of a device with the fields of a manifest: records of bytes in a file NAME.bin, else text.
+    pub(super) fn open_device(path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
+        let is_bin = path.extension().is_some_and(|extension| extension == Form::Bin.extension());
+        Self::at(path.into(), if is_bin { Form::Bin } else { Form::Hex }, manifest)
+    }
+
+    fn at(path: PathBuf, form: Form, manifest: &Manifest) -> Result<Self, VectorError> {
+        let file = open_file(&path).map_err(|source| VectorError::Io { action: "read", path: path.clone(), source })?;
+        Ok(Self {
+            file: BufReader::with_capacity(1 << 16, file),
+            form,
+            record_bytes: manifest.word_bits.div_ceil(8) as usize,
+            path,
+            hash: Sha256::new(),
+            sha256: manifest.files[0].sha256.clone(),
+            count: manifest.count,
+            most: manifest.count,
+            first: manifest.indices().start,
+            lines: 0,
+            bytes: 0,
+            words: 0,
+        })
+    }
+
+    /// The same with those that are too many, up to twice the most that a set has.
+    pub(super) fn open_longer(manifest_path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
+        Ok(Self { most: 2 * MAX_VECTORS, ..Self::open(manifest_path, manifest)? })
+    }
+
+    /// The next word; `None` at the end of the file.
+    ///
+    /// Errors: unreadable, a line that is too long, more words than the manifest says.
+    pub(super) fn next(&mut self) -> Result<Option<Line>, VectorError> {
+        loop {
+            let mut text = Vec::with_capacity(512);
+            let read = match self.form {
+                Form::Hex => self.file.by_ref().take(MAX_LINE).read_until(b'\n', &mut text),
+                Form::Bin => self.file.by_ref().take(self.record_bytes as u64).read_to_end(&mut text),
+            };
+            let read = read.map_err(|source| VectorError::Io { action: "read", path: self.path.clone(), source })?;
+            if read == 0 {
+                return Ok(None);
+            }
+            let (form, offset) = (self.form, self.bytes);
+            self.lines += 1;
+            self.bytes += read as u64;
+            self.hash.update(&text);
+            let mut is_last = false;
+            if form == Form::Hex && text.last() == Some(&b'\n') {
+                text.pop();
+            } else if form == Form::Hex && read as u64 == MAX_LINE {
+                let too_long = || format!("longer than {MAX_LINE} characters");
+                return Err(self.problem(self.lines, binary_in(&text, offset).unwrap_or_else(too_long)));
+            } else {
+                is_last = form == Form::Hex || read < self.record_bytes;
+            }
+            if form == Form::Bin && offset == 0 && is_text(&text) {
+                let problem = "the file is text, but this one has to be records of bytes (words as text are a file \
+                               NAME.hex). Export the set again";
+                return Err(self.problem(1, problem.into()));
+            }
+            if form == Form::Hex && text.starts_with(b"//") {
+                continue;
+            }
+            let index = self.first + self.words;
+            self.words += 1;
+            if self.words > self.most {
+                return Err(self.wrong_count());
+            }
+            return Ok(Some(Line { index, number: self.lines, text, offset, is_last, form }));
+        }
+    }
+
+    /// Whether the file is the one the manifest was written for, byte for byte; asked at its end.
+    ///
+    /// Errors: fewer words than the manifest says.
+    pub(super) fn hash_matches(self) -> Result<bool, VectorError> {
+        if self.words != self.count {
+            return Err(self.wrong_count());
+        }
+        Ok(hex_digest(self.hash) == self.sha256)
+    }
+
+    /// What is wrong with a line.
+    pub(super) fn problem(&self, line: u64, problem: String) -> VectorError {
+        VectorError::Line { path: self.path.clone(), line, problem }
+    }
+
+    /// The file has not the words that the manifest says.
+    pub(super) fn wrong_count(&self) -> VectorError {
+        VectorError::Count { path: self.path.clone(), found: self.words, expected: self.count, cause: String::new() }
+    }
+}

@@ -1,0 +1,561 @@
+//! Minimise: the simplest inputs that a device still gets wrong in the stage in which it gets a vector wrong.
+//!
+//! Inputs are made simpler in many ways at once, each a candidate; the bench of the device compares a batch of them in one run. Those
+//! that still go wrong are put together as far as that goes, until no candidate that is simpler does.
+
+use std::collections::HashSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use thiserror::Error;
+
+use super::VectorError;
+use super::bench::{Bench, BenchError, Device};
+use super::datapath::Inputs;
+use super::explain::Vector;
+use super::export::{SetExport, SetInfo, Words};
+use super::layout::{Direction, Field, Layout, mask};
+use super::manifest::{Form, Manifest};
+
+/// Candidates of a run. A bench is compiled for a number of vectors, so that every run has as many.
+const BATCH: usize = 64;
+/// Folders in each other that are copied with a bench.
+const DEPTH: u32 = 16;
+
+/// Why a vector cannot be minimised.
+#[derive(Debug, Error)]
+pub enum MinimiseError {
+    /// The set or that of the bench cannot be read, or the result not written.
+    #[error(transparent)]
+    Set(#[from] VectorError),
+    /// The word of the set is not what its inputs give, which says nothing about a device.
+    #[error("{0}: the word is damaged: export the set again")]
+    Damaged(String),
+    /// The bench is of other words.
+    #[error(
+        "{}: the bench is of {bench} and its words have other fields than those of {set}: make one of this set with \
+         `roughxel vectors bench`",
+        .directory.display()
+    )]
+    OtherSet {
+        /// Of the bench.
+        directory: PathBuf,
+        /// The set of the bench.
+        bench: String,
+        /// The set of the vector.
+        set: String,
+    },
+    /// The bench cannot be copied.
+    #[error("cannot copy {}", .path.display())]
+    Copy {
+        /// What.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The bench cannot be written for candidates.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
+    /// The shell cannot be started.
+    #[error("cannot run sh for {}", .path.display())]
+    Shell {
+        /// The script.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The bench could not make the comparison.
+    #[error("{}: the bench fails with {tool}:\n{output}", .directory.display())]
+    Run {
+        /// Of the bench.
+        directory: PathBuf,
+        /// The tool.
+        tool: String,
+        /// The last of what it said.
+        output: String,
+    },
+}
+
+/// How a bench is run.
+#[derive(Clone, Debug)]
+pub struct MinimiseOptions {
+    /// What `run.sh` calls the tool.
+    pub tool: String,
+    /// Compares what leaves the datapath alone, for a device that does not show its stages.
+    pub outputs_only: bool,
+    /// Most runs of the bench.
+    pub runs: u32,
+}
+
+/// The simplest vector that was found.
+#[derive(Clone, Debug)]
+pub struct Minimised {
+    /// Its set.
+    set: String,
+    description: String,
+    manifest: Manifest,
+    inputs: Inputs,
+    /// Every input field that is another one than before: name, hex digits before and now.
+    pub simplified: Vec<[String; 3]>,
+    /// The stage that goes wrong first, before and now.
+    pub stage: String,
+    /// What the device has of each field that is wrong, as `FIELD=HEX`; fields with bits that are neither 0 nor 1 are left out.
+    pub got: Vec<String>,
+    /// Runs of the bench.
+    pub runs: u32,
+    /// Whether nothing simpler goes wrong; else the bound of runs was reached.
+    pub is_minimal: bool,
+}
+
+impl Minimised {
+    /// Writes it as a set of one vector, `SET_min_PROFILE`, into `directory`; returns the path of its manifest.
+    ///
+    /// Errors: see [`VectorError`].
+    pub fn write(&self, directory: &Path) -> Result<PathBuf, VectorError> {
+        let info = SetInfo { name: &self.set, description: &self.description, seed: None, ..info(&self.manifest) };
+        let manifest = SetExport::new(&info, 1).write(&|_: u64| self.inputs, directory, &|_| {})?;
+        Ok(directory.join(manifest.stem() + ".json"))
+    }
+}
+
+/// What is known of a set with the words of another one.
+fn info(manifest: &Manifest) -> SetInfo<'_> {
+    SetInfo {
+        name: &manifest.set,
+        description: "candidates",
+        seed: None,
+        datapath: manifest.datapath,
+        effects: manifest.effects,
+        precision: manifest.profile.knobs,
+        profile: &manifest.profile.name,
+        words: Words { taps: manifest.taps, form: Form::Hex },
+    }
+}
+
+/// Minimises vector `index` of the set of `manifest_path` for the device in `directory`, which [`Bench::write`] made for a set with
+/// the same fields. The bench runs in a copy below `directory/build`, which is gone afterwards. `progress` is told how many runs there were.
+///
+/// `None` where the device gets the vector right. Errors: see [`MinimiseError`].
+pub fn minimise(
+    manifest_path: &Path,
+    index: u64,
+    directory: &Path,
+    options: &MinimiseOptions,
+    progress: &dyn Fn(u32),
+) -> Result<Option<Minimised>, MinimiseError> {
+    let vector = Vector::read(manifest_path, index)?;
+    if let Some(mismatch) = vector.mismatch() {
+        return Err(MinimiseError::Damaged(mismatch.to_string()));
+    }
+    let manifest = vector.manifest();
+    if manifest.stage.is_some() {
+        let problem =
+            "a set of one stage; minimise a vector of its datapath, whose bench takes the stage's module in `rtl`";
+        return Err(VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }.into());
+    }
+    let of_bench = Manifest::read(&directory.join("set.json"))?;
+    if (of_bench.datapath, of_bench.effects, of_bench.taps) != (manifest.datapath, manifest.effects, manifest.taps)
+        || of_bench.profile != manifest.profile
+        || of_bench.stage.is_some()
+    {
+        let (directory, bench, set) = (directory.into(), of_bench.stem(), manifest.stem());
+        return Err(MinimiseError::OtherSet { directory, bench, set });
+    }
+    let shape = Shape::new(vector.layout());
+    let original = shape.integers(vector.bits());
+    let mut runner = Runner::new(of_bench, vector.layout(), directory, options, progress)?;
+
+    let Some(first) = runner.run(std::slice::from_ref(&original))?.swap_remove(0) else { return Ok(None) };
+    let stage = first.stage.clone();
+    let (mut simplest, mut wrong) = (original.clone(), first);
+    let mut is_minimal = false;
+    while runner.may_run() {
+        let changes = shape.changes(&simplest);
+        let mut good = Vec::new();
+        for batch in changes.chunks(BATCH) {
+            if !runner.may_run() {
+                break;
+            }
+            let candidates: Vec<_> = batch.iter().map(|change| changed(&simplest, change)).collect();
+            let outcomes = runner.run(&candidates)?.into_iter().zip(batch.iter().zip(candidates));
+            good.extend(outcomes.filter_map(|(wrong, (change, candidate))| {
+                let wrong = wrong.filter(|wrong| wrong.stage == stage)?;
+                Some((shape.complexity(&candidate), change.clone(), candidate, wrong))
+            }));
+        }
+        good.sort_by_key(|(complexity, ..)| *complexity);
+        let Some((_, change, candidate, of_candidate)) = good.first().cloned() else {
+            is_minimal = runner.may_run();
+            break;
+        };
+        (simplest, wrong) = (candidate, of_candidate);
+        // All that went wrong alone, together: as many of them as still do; the next one is left out.
+        let (mut together, mut rest) = (change, &good[1..]);
+        while !rest.is_empty() && runner.may_run() {
+            let before = simplest.clone();
+            let mut unions: Vec<Change> = Vec::new();
+            for (_, change, ..) in rest.iter().take(BATCH) {
+                let known = unions.last().unwrap_or(&together);
+                let is_new = |(field, _): &&(usize, i64)| known.iter().all(|(other, _)| other != field);
+                let union = known.iter().chain(change.iter().filter(is_new)).copied().collect();
+                unions.push(union);
+            }
+            let candidates: Vec<_> = unions.iter().map(|union| changed(&before, union)).collect();
+            let outcomes = runner.run(&candidates)?;
+            let is_wrong = |wrong: &Option<Wrong>| wrong.as_ref().is_some_and(|wrong| wrong.stage == stage);
+            let last = outcomes.iter().rposition(is_wrong);
+            if let Some(last) = last {
+                together.clone_from(&unions[last]);
+                simplest.clone_from(&candidates[last]);
+                wrong = outcomes.into_iter().nth(last).flatten().unwrap_or(wrong);
+            }
+            rest = &rest[rest.len().min(last.map_or(0, |last| last + 1) + 1)..];
+        }
+    }
+
+    let inputs = shape.fields.iter().zip(original.iter().zip(&simplest));
+    let simplified = inputs.filter(|(_, (was, is))| was != is).map(|(field, (was, is))| {
+        let digits = |integer: i64| format!("{:0digits$x}", bits_of(field, integer), digits = field.digits() as usize);
+        [field.name.clone(), digits(*was), digits(*is)]
+    });
+    Ok(Some(Minimised {
+        set: format!("{}_min", manifest.set),
+        description: format!(
+            "vector #{index} of {} as simple as it still goes wrong in stage {stage} of a device",
+            manifest.stem()
+        ),
+        simplified: simplified.collect(),
+        inputs: shape.inputs(manifest, &simplest),
+        manifest: manifest.clone(),
+        stage,
+        got: wrong.got,
+        runs: runner.runs,
+        is_minimal,
+    }))
+}
+
+/// Input fields with what they become.
+type Change = Vec<(usize, i64)>;
+
+fn changed(integers: &[i64], change: &[(usize, i64)]) -> Vec<i64> {
+    let mut integers = integers.to_vec();
+    change.iter().for_each(|&(field, integer)| integers[field] = integer);
+    integers
+}
+
+/// The bits of an integer that the field can hold.
+fn bits_of(field: &Field, integer: i64) -> u32 {
+    integer as u32 & mask(field.width)
+}
+
+/// The input fields of a word, and which of them belong together.
+struct Shape<'a> {
+    layout: &'a Layout,
+    fields: &'a [Field],
+    /// Blocks, arrays of numbers, single numbers.
+    groups: Vec<Vec<usize>>,
+}
+
+impl<'a> Shape<'a> {
+    fn new(layout: &'a Layout) -> Self {
+        let count = layout.fields().iter().take_while(|field| field.direction == Direction::In).count();
+        let fields = &layout.fields()[..count];
+        let owner = |place: usize| {
+            let port = fields[place].port.as_str();
+            let port = port.rsplit_once('[').map_or(port, |(array, _)| array);
+            port.strip_suffix(".mantissa").or(port.strip_suffix(".exponent")).unwrap_or(port)
+        };
+        let places: Vec<usize> = (0..count).collect();
+        let groups = places.chunk_by(|&a, &b| owner(a) == owner(b)).map(<[usize]>::to_vec).collect();
+        Self { layout, fields, groups }
+    }
+
+    fn integers(&self, bits: &[u32]) -> Vec<i64> {
+        self.fields.iter().zip(bits).map(|(field, &bits)| field.integer(bits & mask(field.width))).collect()
+    }
+
+    /// The ports of a vector with these fields.
+    fn inputs(&self, manifest: &Manifest, integers: &[i64]) -> Inputs {
+        let bits: Vec<u32> =
+            self.fields.iter().zip(integers).map(|(field, &integer)| bits_of(field, integer)).collect();
+        Inputs::of(manifest.datapath, &self.layout.decode(&bits))
+    }
+
+    fn is_exponent(&self, place: usize) -> bool {
+        self.fields[place].port.ends_with(".exponent")
+    }
+
+    /// Less is simpler: fields that are not zero, bits in them, size of exponents.
+    fn complexity(&self, integers: &[i64]) -> (usize, u32, u64) {
+        let not_zero = integers.iter().filter(|integer| **integer != 0).count();
+        let bits = integers.iter().map(|integer| integer.unsigned_abs().count_ones()).sum();
+        let exponents = (0..integers.len()).filter(|&place| self.is_exponent(place));
+        (not_zero, bits, exponents.map(|place| integers[place].unsigned_abs()).sum())
+    }
+
+    /// All changes that make it simpler, each with another result; the boldest first. What they make is in the ranges of the ports.
+    fn changes(&self, integers: &[i64]) -> Vec<Change> {
+        let mut changes: Vec<Change> = Vec::new();
+        let zero = |places: &[usize]| places.iter().map(|&place| (place, 0)).collect();
+        // Of the groups a half, a quarter and so on; the last ones are single.
+        let mut size = self.groups.len();
+        while size > 1 {
+            size = size.div_ceil(2);
+            changes.extend(self.groups.chunks(size).map(|groups| zero(&groups.concat())));
+        }
+        let all: Vec<usize> = (0..self.fields.len()).collect();
+        let (exponents, numbers): (Vec<usize>, Vec<usize>) = all.iter().partition(|&&place| self.is_exponent(place));
+        changes.push(zero(&exponents));
+        // Every number with so many of its upper bits.
+        for kept in [1, 2, 4, 8] {
+            changes.push(numbers.iter().map(|&place| (place, upper_bits(integers[place], kept))).collect());
+        }
+        for group in &self.groups {
+            self.plain_vectors(group, &mut changes);
+        }
+        for &place in &all {
+            changes.push(vec![(place, 0)]);
+        }
+        for &place in &exponents {
+            let others = exponents.iter().map(|&other| integers[other]);
+            let nearer = [1, integers[place] / 2, integers[place] - integers[place].signum()];
+            changes.extend(others.chain(nearer).map(|exponent| vec![(place, exponent)]));
+        }
+        for &place in &numbers {
+            let integer = integers[place];
+            let ones = integer.unsigned_abs().count_ones();
+            changes.extend([1, ones / 2, ones.saturating_sub(1)].map(|kept| vec![(place, upper_bits(integer, kept))]));
+        }
+
+        let simpler_than = self.complexity(integers);
+        let mut known = HashSet::new();
+        changes.retain(|change| {
+            let candidate = changed(integers, change);
+            let is_allowed = change.iter().all(|&(place, integer)| self.layout.allows(place, integer));
+            is_allowed && self.complexity(&candidate) < simpler_than && known.insert(candidate)
+        });
+        changes
+    }
+
+    /// Unit vectors along each axis, either way, in the place of a vector: with its exponent, and with the one that makes them 1.
+    fn plain_vectors(&self, group: &[usize], changes: &mut Vec<Change>) {
+        let (exponent, numbers): (Vec<usize>, Vec<usize>) = group.iter().partition(|&&place| self.is_exponent(place));
+        if numbers.len() < 2 {
+            return;
+        }
+        for &axis in &numbers {
+            for sign in [1, -1] {
+                // Of a mantissa ½.
+                let half = sign << self.fields[axis].fraction_bits.saturating_sub(1);
+                let alone = |place: usize| (place, if place == axis { half } else { 0 });
+                let vector: Change = numbers.iter().map(|&place| alone(place)).collect();
+                for &place in &exponent {
+                    changes.push(vector.iter().copied().chain([(place, 1)]).collect());
+                }
+                changes.push(vector);
+            }
+            // What it has along this axis.
+            changes.push(numbers.iter().filter(|&&place| place != axis).map(|&place| (place, 0)).collect());
+        }
+    }
+}
+
+/// The integer with its `kept` uppermost ones, by size.
+fn upper_bits(integer: i64, kept: u32) -> i64 {
+    let (mut rest, mut size) = (integer.unsigned_abs(), 0);
+    for _ in 0..kept {
+        let Some(bit) = rest.checked_ilog2() else { break };
+        size |= 1 << bit;
+        rest ^= 1 << bit;
+    }
+    size as i64 * integer.signum()
+}
+
+/// What a bench says of a vector that goes wrong.
+#[derive(Clone, Debug)]
+struct Wrong {
+    /// The earliest stage.
+    stage: String,
+    /// `FIELD=HEX` of each wrong field with known bits.
+    got: Vec<String>,
+}
+
+/// A copy of a bench.
+struct Runner<'a> {
+    of_bench: Manifest,
+    shape: Shape<'a>,
+    directory: &'a Path,
+    copy: PathBuf,
+    options: &'a MinimiseOptions,
+    progress: &'a dyn Fn(u32),
+    runs: u32,
+}
+
+impl Drop for Runner<'_> {
+    fn drop(&mut self) {
+        // It is below `build`, where nothing is kept.
+        let _ = fs::remove_dir_all(&self.copy);
+    }
+}
+
+impl<'a> Runner<'a> {
+    fn new(
+        of_bench: Manifest,
+        layout: &'a Layout,
+        directory: &'a Path,
+        options: &'a MinimiseOptions,
+        progress: &'a dyn Fn(u32),
+    ) -> Result<Self, MinimiseError> {
+        let copy = directory.join(format!("build/minimise-{}", std::process::id()));
+        let runner = Self { of_bench, shape: Shape::new(layout), directory, copy, options, progress, runs: 0 };
+        copy_folder(directory, &runner.copy, DEPTH)?;
+        Ok(runner)
+    }
+
+    fn may_run(&self) -> bool {
+        self.runs < self.options.runs
+    }
+
+    /// What the device makes of at most [`BATCH`] candidates; `None` of those that it gets right.
+    fn run(&mut self, candidates: &[Vec<i64>]) -> Result<Vec<Option<Wrong>>, MinimiseError> {
+        let info = info(&self.of_bench);
+        // A bench has a fixed number of vectors.
+        let input = |index: u64| {
+            let integers = candidates.get(index as usize).unwrap_or(&candidates[0]);
+            self.shape.inputs(&self.of_bench, integers)
+        };
+        let sets = self.copy.join("candidates");
+        let manifest = SetExport::new(&info, BATCH as u64).write(&input, &sets, &|_| {})?;
+        let bench = Bench::new(&sets.join(manifest.stem() + ".json"))?;
+        let is_first = self.runs == 0;
+        if is_first {
+            bench.write(&self.copy, Device::Blank, false)?;
+        } else {
+            bench.write_words(&self.copy)?;
+        }
+        let text = self.said(is_first)?;
+        self.runs += 1;
+        (self.progress)(self.runs);
+
+        let mut outcomes: Vec<Option<Wrong>> = vec![None; candidates.len()];
+        let name = bench.stem();
+        for line in text.lines() {
+            let Some((index, stage, field, got)) = difference(line, &name) else { continue };
+            let Some(outcome) = outcomes.get_mut(index) else { continue };
+            let wrong = outcome.get_or_insert_with(|| Wrong { stage: stage.into(), got: Vec::new() });
+            if got.bytes().all(|c| c.is_ascii_hexdigit()) {
+                wrong.got.push(format!("{field}={got}"));
+            }
+        }
+        Ok(outcomes)
+    }
+
+    /// What the bench prints.
+    fn said(&self, compile: bool) -> Result<String, MinimiseError> {
+        let script = self.copy.join("run.sh");
+        let mut command = Command::new("sh");
+        command.arg("run.sh").arg(&self.options.tool).args(["--stop", &(BATCH + 1).to_string()]);
+        if self.options.outputs_only {
+            command.arg("--outputs-only");
+        }
+        if !compile {
+            command.arg("--built");
+        }
+        let output = command.current_dir(&self.copy).stdin(Stdio::null()).output();
+        let output = output.map_err(|source| MinimiseError::Shell { path: script, source })?;
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        if matches!(output.status.code(), Some(0 | 3)) {
+            return Ok(text);
+        }
+        let lines: Vec<&str> = text.lines().collect();
+        Err(MinimiseError::Run {
+            directory: self.directory.into(),
+            tool: self.options.tool.clone(),
+            output: lines[lines.len().saturating_sub(20)..].join("\n"),
+        })
+    }
+}
+
+/// Index, stage, field and hex digits of the device of a line `SET #3: stage reflect, field reflected_x: expected 1f = 31, got 2f = 47`.
+fn difference<'a>(line: &'a str, set: &str) -> Option<(usize, &'a str, &'a str, &'a str)> {
+    let (index, rest) = line.trim_start().strip_prefix(set)?.strip_prefix(" #")?.split_once(": stage ")?;
+    let (stage, rest) = rest.split_once(", field ")?;
+    let (field, rest) = rest.split_once(": expected ")?;
+    let (_, got) = rest.split_once(", got ")?;
+    Some((index.parse().ok()?, stage, field, got.split_whitespace().next()?))
+}
+
+/// Copies a bench with what lies in its folders, what was built aside.
+fn copy_folder(from: &Path, to: &Path, depth: u32) -> Result<(), MinimiseError> {
+    let error = |path: &Path| {
+        let path = path.to_path_buf();
+        move |source| MinimiseError::Copy { path, source }
+    };
+    fs::create_dir_all(to).map_err(error(to))?;
+    for entry in fs::read_dir(from).map_err(error(from))? {
+        let entry = entry.map_err(error(from))?;
+        let (path, place) = (entry.path(), to.join(entry.file_name()));
+        let metadata = fs::metadata(&path).map_err(error(&path))?;
+        if metadata.is_file() {
+            fs::copy(&path, &place).map_err(error(&path))?;
+        } else if metadata.is_dir() && entry.file_name() != "build" && depth > 0 {
+            copy_folder(&path, &place, depth - 1)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use roughxel_core::plan::{Datapath, Effects};
+    use roughxel_core::precision::Precision;
+
+    use super::*;
+    use crate::random_set;
+
+    #[test]
+    fn upper_bits_are_those_of_the_size() {
+        assert_eq!([0, 1, 2, 9].map(|kept| upper_bits(0b1011, kept)), [0, 0b1000, 0b1010, 0b1011]);
+        assert_eq!((upper_bits(-0b1011, 2), upper_bits(0, 3)), (-0b1010, 0));
+    }
+
+    #[test]
+    fn lines_of_benches_are_read() {
+        let line = "set_narrow #3: stage reflect, field reflected_x: expected 1f = 31, got 2f = 47";
+        assert_eq!(difference(line, "set_narrow"), Some((3, "reflect", "reflected_x", "2f")));
+        assert_eq!(difference(line, "other"), None);
+        assert_eq!(difference("FAIL set_narrow: 3 of 64 vectors differ", "set_narrow"), None);
+    }
+
+    #[test]
+    fn every_change_is_simpler_and_can_be_exported() {
+        for datapath in Datapath::ALL {
+            let p = Precision::STANDARD;
+            let layout = Layout::new(datapath, &Effects::ALL.of(datapath), &p, true);
+            let shape = Shape::new(&layout);
+            for index in 0..20 {
+                let ports = random_set(datapath, "test", index, &p).integers();
+                let integers = shape.integers(&layout.input_bits(&ports).unwrap());
+                let changes = shape.changes(&integers);
+                assert!(changes.len() > BATCH);
+                for change in changes {
+                    let candidate = changed(&integers, &change);
+                    assert!(shape.complexity(&candidate) < shape.complexity(&integers));
+                    assert!((0..candidate.len()).all(|place| layout.allows(place, candidate[place])));
+                    let bits: Vec<u32> =
+                        shape.fields.iter().zip(&candidate).map(|(field, &integer)| bits_of(field, integer)).collect();
+                    assert_eq!(shape.integers(&bits), candidate);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_simpler_than_zero() {
+        let layout = Layout::new(Datapath::Peak, &Effects::ALL.of(Datapath::Peak), &Precision::NARROW, true);
+        let shape = Shape::new(&layout);
+        assert!(shape.changes(&vec![0; shape.fields.len()]).is_empty());
+    }
+}

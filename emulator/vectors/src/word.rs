@@ -1,0 +1,454 @@
+//! A vector word as text or as bytes: the fields' bits, most significant first, the check value last.
+//!
+//! As text it is hex digits with underscores between fields, as bytes the same digits two a byte, big endian, a zero digit first where
+//! they are odd.
+//!
+//! The check value is a CRC-32 (polynomial 04c11db7, not reflected, start ffffffff, no final inversion) over the
+//! bits above it, most significant first. The polynomial is primitive, so in words below 2^32 bits every single
+//! flipped bit leaves another remainder and can be located.
+
+use super::layout::{CHECK_BITS, Field, Layout, mask};
+use super::manifest::Form;
+use roughxel_lanes::{Digits, Reading};
+
+const POLYNOMIAL: u32 = 0x04c1_1db7;
+
+/// Bytes that the check value takes in at once.
+const SLICES: usize = 8;
+
+/// The remainder of a byte that so many bytes follow.
+const BY_BYTE: [[u32; 256]; SLICES] = {
+    let mut tables = [[0; 256]; SLICES];
+    let mut byte = 0;
+    while byte < 256 {
+        let mut remainder = (byte as u32) << 24;
+        let mut followers = 0;
+        while followers < SLICES {
+            let mut bit = 0;
+            while bit < 8 {
+                remainder = next_remainder(remainder);
+                bit += 1;
+            }
+            tables[followers][byte] = remainder;
+            followers += 1;
+        }
+        byte += 1;
+    }
+    tables
+};
+
+/// x · remainder modulo the polynomial.
+const fn next_remainder(remainder: u32) -> u32 {
+    remainder << 1 ^ if remainder >> 31 == 1 { POLYNOMIAL } else { 0 }
+}
+
+/// The remainder after so many bytes more, the last ones of `bytes`.
+#[inline(always)]
+fn after(bytes: u64, count: usize) -> u32 {
+    (0..count).fold(0, |sum, followers| sum ^ BY_BYTE[followers][(bytes >> (8 * followers) & 255) as usize])
+}
+
+/// The digits of a word's fields eight by eight, the last field at the end of the last eight; zeros before the first.
+///
+/// `digits` are those of all fields. Of a whole word the check value is the last element.
+pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec<u32>) {
+    packed.clear();
+    let (mut waiting, mut count) = (0_u64, digits.wrapping_neg() % 8 * 4);
+    for (field, &bits) in fields.iter().zip(bits) {
+        let width = 4 * field.digits();
+        // Below 32 bits wait, a field has at most 32.
+        waiting = waiting << width | u64::from(bits);
+        count += width;
+        if count >= 32 {
+            count -= 32;
+            packed.push((waiting >> count) as u32);
+        }
+    }
+}
+
+/// What four bytes behind it make of the remainder, by its digits.
+const BY_DIGIT: Digits = {
+    let mut digits: Digits = [[0; 16]; 8];
+    let mut place = 0;
+    while place < 8 {
+        let mut digit = 0;
+        while digit < 16 {
+            digits[place][digit] = BY_BYTE[place / 2][digit << (4 * (place % 2))].cast_signed();
+            digit += 1;
+        }
+        place += 1;
+    }
+    digits
+};
+
+/// The remainder that the zeros before the first of so many digits, as [`pack`] has them, bring to all ones.
+const fn begun(digits: u32) -> u32 {
+    let mut remainder = u32::MAX;
+    let mut zeros = digits.wrapping_neg() % 8 * 4;
+    while zeros > 0 {
+        // Backwards: the polynomial is odd, so the last bit says whether it was taken off.
+        remainder = if remainder & 1 == 1 { (remainder ^ POLYNOMIAL) >> 1 | 1 << 31 } else { remainder >> 1 };
+        zeros -= 1;
+    }
+    remainder
+}
+
+/// The check value of a word's digits above it, as [`pack`] puts them.
+pub(crate) fn check_of(packed: &[u32], digits: u32) -> u32 {
+    let (pairs, last) = packed.as_chunks::<2>();
+    let remainder = pairs
+        .iter()
+        .fold(begun(digits), |remainder, &[high, low]| after(u64::from(remainder ^ high) << 32 | u64::from(low), 8));
+    last.iter().fold(remainder, |remainder, &word| after(u64::from(remainder ^ word), 4))
+}
+
+/// The check value of a word from its fields' bits; of one among them nothing is read.
+pub(crate) fn check_value(layout: &Layout, bits: &[u32]) -> u32 {
+    let (data, digits) = (layout.fields().len() - 1, layout.data_digits());
+    let mut packed = Vec::new();
+    pack(&layout.fields()[..data], &bits[..data], digits, &mut packed);
+    check_of(&packed, digits)
+}
+
+/// Which bit of a word of `word_bits` was flipped, if one was: the word's own place whose remainder is `syndrome`,
+/// the exclusive or of the check value found and the one computed.
+pub(crate) fn locate_flip(syndrome: u32, word_bits: u32) -> Option<u32> {
+    if syndrome.count_ones() == 1 {
+        return Some(syndrome.trailing_zeros());
+    }
+    // A data bit just above the check value has the remainder x^32, the next one x^33, …
+    let mut remainder = POLYNOMIAL;
+    for place in CHECK_BITS..word_bits {
+        if remainder == syndrome {
+            return Some(place);
+        }
+        remainder = next_remainder(remainder);
+    }
+    None
+}
+
+/// Characters of a line with its end, or bytes of a record.
+pub(crate) fn length(layout: &Layout, form: Form) -> usize {
+    match form {
+        Form::Hex => layout.line_length() + 1,
+        Form::Bin => layout.word_bits().div_ceil(8) as usize,
+    }
+}
+
+/// Words that are put together at once: their fields stay in a processor's nearest cache.
+pub(crate) const CHUNK: usize = 64;
+
+/// A number of each of some words.
+type Row = [u32; CHUNK];
+
+/// Rows whose words are brought beside each other at once.
+const PIECE: usize = 4;
+
+/// Puts words together field by field, many at a time, as text or as bytes.
+pub(crate) struct Encoder {
+    form: Form,
+    /// Of each field but the check value its width, whether it is signed, digits before its last one from the end of the data, its digits,
+    /// and its place in a line.
+    places: Vec<Place>,
+    /// Digits of a word above its check value.
+    digits: u32,
+    /// Characters of a line with its end; bytes of a record.
+    length: usize,
+    /// The fields' bits.
+    bits: Vec<Row>,
+    /// The words as [`pack`] has them, the first eight digits first, then the check value: whole pieces of four rows, zeros before the first.
+    rows: Vec<Row>,
+    /// Of each word those of some rows, as bytes.
+    pieces: Vec<[[[u8; 4]; PIECE]; CHUNK]>,
+    /// Words that wait.
+    waiting: usize,
+    /// Its instruction set.
+    reading: Reading,
+}
+
+/// Where a field is.
+#[derive(Clone, Copy)]
+struct Place {
+    width: u32,
+    signed: bool,
+    /// Bits below it, those of the check value left out.
+    below: u32,
+    digits: usize,
+    /// Its first character in a line.
+    column: usize,
+}
+
+impl Place {
+    /// The field's bits of words with these integers; `others` gets the bits in which an integer is not what the field keeps of it.
+    #[inline(always)]
+    fn bits_of(&self, integers: &[i32; CHUNK], drop: u32, bits: &mut Row, others: &mut [i32; CHUNK]) {
+        let (mask, spare) = (mask(self.width), 32 - self.width);
+        // An unsigned field of 32 bits has no integer below 0.
+        let (sign, never) = if self.signed { (spare, 0) } else { (0, i32::MIN) };
+        for word in 0..CHUNK {
+            let (integer, kept) = (integers[word], (integers[word] >> drop).cast_unsigned() & mask);
+            bits[word] = kept;
+            others[word] |= (kept << sign).cast_signed() >> sign << drop ^ integer | integer & never;
+        }
+    }
+
+    /// Whether the field keeps all of an integer.
+    fn keeps(&self, integer: i32, drop: u32) -> bool {
+        let above = u64::from((integer >> drop).cast_unsigned() & mask(self.width)) << (64 - self.width);
+        let kept = if self.signed {
+            above.cast_signed() >> (64 - self.width)
+        } else {
+            (above >> (64 - self.width)).cast_signed()
+        };
+        kept << drop == i64::from(integer)
+    }
+}
+
+impl Encoder {
+    pub(crate) fn new(layout: &Layout, form: Form) -> Self {
+        let mut column = 0;
+        let place = |field: &Field| {
+            let digits = field.digits() as usize;
+            column += digits + 1;
+            let (width, signed) = (field.width, field.signed);
+            Place { width, signed, below: field.lsb.wrapping_sub(CHECK_BITS), digits, column: column - digits - 1 }
+        };
+        let mut places: Vec<Place> = layout.fields().iter().map(place).collect();
+        places.pop();
+        let digits = layout.data_digits();
+        let length = length(layout, form);
+        let bits = vec![[0; CHUNK]; places.len()];
+        let rows = vec![[0; CHUNK]; (digits.div_ceil(8) as usize + 1).next_multiple_of(PIECE)];
+        let pieces = vec![[[[0; 4]; PIECE]; CHUNK]; rows.len() / PIECE];
+        Self { form, places, digits, length, bits, rows, pieces, waiting: 0, reading: Reading::best() }
+    }
+
+    /// Sets all fields of words that wait, from `count` integers of each from the `first` one on, whose lowest bits the profile drops; or the
+    /// first field of which a word's integer has others than the field keeps, and that word.
+    pub(crate) fn set(&mut self, rows: &[(&[i32], u32)], first: usize, count: usize) -> Option<(usize, usize)> {
+        self.waiting = count;
+        let others = self.reading.run(
+            #[inline(always)]
+            || {
+                let mut others = [0; CHUNK];
+                for ((place, bits), &(row, drop)) in self.places.iter().zip(&mut self.bits).zip(rows) {
+                    let row = &row[first..][..count];
+                    match row.first_chunk() {
+                        Some(row) => place.bits_of(row, drop, bits, &mut others),
+                        None => {
+                            // 0 is in every field.
+                            let mut filled = [0; CHUNK];
+                            filled[..count].copy_from_slice(row);
+                            place.bits_of(&filled, drop, bits, &mut others);
+                        }
+                    }
+                }
+                others
+            },
+        );
+        if others == [0; CHUNK] {
+            return None;
+        }
+        let mut fields = self.places.iter().zip(rows).enumerate();
+        fields.find_map(|(field, (place, &(row, drop)))| {
+            let word = row[first..][..count].iter().position(|&integer| !place.keeps(integer, drop))?;
+            Some((field, word))
+        })
+    }
+
+    /// A word more, from its fields' bits without the check value. Range: fewer than [`CHUNK`] wait.
+    pub(crate) fn push(&mut self, bits: &[u32]) {
+        for (row, &bits) in self.bits.iter_mut().zip(bits) {
+            row[self.waiting] = bits;
+        }
+        self.waiting += 1;
+    }
+
+    /// Writes the words that wait over the beginning of `text`, which has room for them, and returns what is behind them.
+    pub(crate) fn write<'a>(&mut self, text: &'a mut [u8]) -> &'a mut [u8] {
+        let count = std::mem::take(&mut self.waiting);
+        let reading = self.reading;
+        reading.run(
+            #[inline(always)]
+            || self.pack(),
+        );
+        let last = self.rows.len() - 1;
+        let mut check = [begun(self.digits); CHUNK];
+        reading.fold(&BY_DIGIT, &self.rows[last - self.digits.div_ceil(8) as usize..last], &mut check);
+        let (text, rest) = text.split_at_mut(count * self.length);
+        match self.form {
+            Form::Hex => {
+                for (word, text) in text.chunks_exact_mut(self.length).enumerate() {
+                    // Eight characters whatever the digits: an underscore is behind them, and the next field over what is left.
+                    for (place, row) in self.places.iter().zip(&self.bits) {
+                        let digits = u64::from_be_bytes(hex_digits(row[word])) << (64 - 8 * place.digits);
+                        text[place.column..][..8].copy_from_slice(&digits.to_be_bytes());
+                        text[place.column + place.digits] = b'_';
+                    }
+                    text[self.length - 9..][..8].copy_from_slice(&hex_digits(check[word]));
+                    text[self.length - 1] = b'\n';
+                }
+            }
+            Form::Bin => {
+                self.rows[last] = check;
+                reading.run(
+                    #[inline(always)]
+                    || self.write_records(text),
+                );
+            }
+        }
+        rest
+    }
+
+    /// The fields' digits eight by eight.
+    #[inline(always)]
+    fn pack(&mut self) {
+        self.rows.fill([0; CHUNK]);
+        let last = self.rows.len() - 2;
+        for (place, row) in self.places.iter().zip(&self.bits) {
+            let (eight, shift) = (last - place.below as usize / 32, place.below % 32);
+            for (packed, bits) in self.rows[eight].iter_mut().zip(row) {
+                *packed |= bits << shift;
+            }
+            if shift as usize + 4 * place.digits > 32 {
+                for (packed, bits) in self.rows[eight - 1].iter_mut().zip(row) {
+                    *packed |= bits >> (32 - shift);
+                }
+            }
+        }
+    }
+
+    /// Writes the rows record by record over `text`.
+    #[inline(always)]
+    fn write_records(&mut self, text: &mut [u8]) {
+        for (rows, pieces) in self.rows.as_chunks::<PIECE>().0.iter().zip(&mut self.pieces) {
+            for (word, piece) in pieces.iter_mut().enumerate() {
+                *piece = [rows[0][word], rows[1][word], rows[2][word], rows[3][word]].map(u32::to_be_bytes);
+            }
+        }
+        let padded = 4 * self.rows.len();
+        // From the last record to the first: the zeros that a record begins with lie over the end of the one before.
+        for word in (0..text.len() / self.length).rev() {
+            let text = &mut text[..(word + 1) * self.length];
+            match text.len().checked_sub(padded) {
+                Some(first) => {
+                    for (to, pieces) in text[first..].as_chunks_mut::<{ 4 * PIECE }>().0.iter_mut().zip(&self.pieces) {
+                        to.copy_from_slice(pieces[word].as_flattened());
+                    }
+                }
+                None => {
+                    let bytes = self.pieces.iter().flat_map(|pieces| pieces[word].as_flattened());
+                    let bytes = bytes.skip(padded - text.len());
+                    text.iter_mut().zip(bytes).for_each(|(to, &byte)| *to = byte);
+                }
+            }
+        }
+    }
+}
+
+/// Eight lower-case hex digits.
+fn hex_digits(bits: u32) -> [u8; 8] {
+    // A digit a byte, in three steps; then what lies between the codes of 9 and a, where it is one of the letters.
+    let halves = u64::from(bits >> 16) << 32 | u64::from(bits & 0xffff);
+    let bytes = (halves << 8 | halves) & 0x00ff_00ff_00ff_00ff;
+    let digits = (bytes << 4 | bytes) & 0x0f0f_0f0f_0f0f_0f0f;
+    let is_letter = (digits + 0x0606_0606_0606_0606) >> 4 & 0x0101_0101_0101_0101;
+    (digits + 0x3030_3030_3030_3030 + is_letter * u64::from(b'a' - b'9' - 1)).to_be_bytes()
+}
+
+/// The fields' bits of a record, padding included, or what is wrong with it.
+pub(crate) fn read_record(record: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
+    let digit = |place: u32| u32::from(record[record.len() - 1 - place as usize / 2] >> (4 * (place % 2)) & 15);
+    let digits = layout.word_bits() / 4;
+    if record.len() != digits.div_ceil(2) as usize {
+        return Err(format!("{} bytes, but a word of this set has {}", record.len(), digits.div_ceil(2)));
+    }
+    if digits % 2 == 1 && digit(digits) != 0 {
+        return Err(format!("the first digit is {:x}, but words of {digits} digits begin with a zero", digit(digits)));
+    }
+    let bits =
+        |field: &Field| (0..field.digits()).rev().fold(0, |bits, place| bits << 4 | digit(field.lsb / 4 + place));
+    Ok(layout.fields().iter().map(bits).collect())
+}
+
+/// What is said of the first field that has not its digits, if the line has fields at all.
+fn odd_field(line: &[u8], layout: &Layout) -> String {
+    let mut parts = line.split(|&c| c == b'_').zip(layout.fields());
+    match parts.find(|(part, field)| part.len() != field.digits() as usize) {
+        Some((part, field)) if line.contains(&b'_') => {
+            format!("; field {} has {} of {} digits", field.name, part.len(), field.digits())
+        }
+        _ => String::new(),
+    }
+}
+
+/// The fields' bits of a line, padding included, or what is wrong with it.
+pub(crate) fn read_word(line: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
+    if line.len() != layout.line_length() {
+        let digits = line.iter().filter(|c| c.is_ascii_hexdigit()).count();
+        let expected = layout.word_bits() / 4;
+        return Err(format!(
+            "{} characters with {digits} hex digits, but a word of this set has {} with {expected}{}",
+            line.len(),
+            layout.line_length(),
+            odd_field(line, layout),
+        ));
+    }
+    let mut at = 0;
+    let mut bits = Vec::with_capacity(layout.fields().len());
+    for (index, field) in layout.fields().iter().enumerate() {
+        if index > 0 {
+            if line[at] != b'_' {
+                let found = char::from(line[at]);
+                return Err(format!(
+                    "column {}: {found:?} where an underscore comes before field {}",
+                    at + 1,
+                    field.name
+                ));
+            }
+            at += 1;
+        }
+        let mut value = 0;
+        for _ in 0..field.digits() {
+            let digit = match line[at] {
+                c @ b'0'..=b'9' => c - b'0',
+                c @ b'a'..=b'f' => c - b'a' + 10,
+                c => {
+                    let (column, found) = (at + 1, char::from(c));
+                    return Err(format!(
+                        "column {column}: {found:?} in field {} is no lower-case hex digit",
+                        field.name
+                    ));
+                }
+            };
+            value = value << 4 | u32::from(digit);
+            at += 1;
+        }
+        bits.push(value);
+    }
+    Ok(bits)
+}
+
+/// The fields' bits of a device's word, digits of either case with underscores between fields or none at all.
+pub(crate) fn read_device_word(text: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
+    let lower = text.to_ascii_lowercase();
+    if lower.contains(&b'_') {
+        return read_word(&lower, layout);
+    }
+    let digits = layout.word_bits() / 4;
+    let text = String::from_utf8_lossy(&lower);
+    if let Some(place) = text.chars().position(|c| !c.is_ascii_hexdigit()) {
+        return Err(format!("character {} of the word is no hex digit", place + 1));
+    }
+    if text.len() != digits as usize {
+        return Err(format!("{} hex digits, but a word of this set has {digits}", text.len()));
+    }
+    let mut rest = &text[..];
+    let mut bits = Vec::with_capacity(layout.fields().len());
+    for field in layout.fields() {
+        let (digits, after) = rest.split_at(field.digits() as usize);
+        bits.push(u32::from_str_radix(digits, 16).map_err(|error| error.to_string())?);
+        rest = after;
+    }
+    Ok(bits)
+}
