@@ -1,5 +1,5 @@
 //! What an accuracy costs on small processors: instructions, bytes and stack, as `cargo firmware price --knobs` has counted them
-//! (`core/firmware/knobs.json`; its plan is the reflection with all effects).
+//! (`emulator/firmware/knobs.json`; its plan is the reflection with all effects).
 //!
 //! Settings that were not priced have no price: nothing is interpolated. Priced are the named profiles, every knob alone at each of
 //! [`Knob::values`] with all else as in [`Precision::STANDARD`], and [`Precision::grid`].
@@ -71,7 +71,7 @@ struct Table {
 }
 
 static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    serde_json::from_str(include_str!("../../../core/firmware/knobs.json")).expect("the board writes what is read here")
+    serde_json::from_str(include_str!("../../firmware/knobs.json")).expect("the board writes what is read here")
 });
 
 /// What a fragment costs at a setting on one of [`TARGETS`]; knobs on which the plan does not depend ([`has_effect`]) may have any value.
@@ -110,9 +110,9 @@ mod tests {
 
     use super::*;
 
-    /// The cells of a row of `core/firmware/PRICE.md` by their profiles, in the part of a target.
+    /// The cells of a row of `emulator/firmware/PRICE.md` by their profiles, in the part of a target.
     fn cells<'a>(target: &str, row: &str) -> Vec<(Profile, &'a str)> {
-        let table = include_str!("../../../core/firmware/PRICE.md");
+        let table = include_str!("../../firmware/PRICE.md");
         let (_, part) = table.split_once(&format!("\n## {target}\n")).expect("the target has a part");
         let line = |start: &str| {
             let line =

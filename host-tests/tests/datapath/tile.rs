@@ -8,8 +8,8 @@ use roughxel_core::soft_core::environment_scale;
 use roughxel_core::width::on_words;
 use roughxel_lanes::{Ports, Reading};
 
-#[path = "../../../core/firmware/src/tile.rs"]
-#[expect(unreachable_pub, dead_code, reason = "it is the firmware's")]
+#[path = "../../../core/oracle/tests/oracle/tile/drawn.rs"]
+#[expect(unreachable_pub, dead_code, reason = "it is everybody's who draws the tile")]
 mod drawn;
 
 use drawn::{EDGE, HASHES, Hash, SKY_EDGE, Sky};

@@ -3,8 +3,7 @@
 use roughxel_core::firmware::{Narrow, Standard};
 use roughxel_core::precision::Profile;
 
-#[path = "../../../firmware/src/tile.rs"]
-#[expect(unreachable_pub, reason = "it is the firmware's")]
+#[expect(unreachable_pub, reason = "firmware draws it, too")]
 pub(crate) mod drawn;
 
 use drawn::{HASHES, Hash, shade};

@@ -255,9 +255,9 @@ fn origin(compiler: &str) -> std::io::Result<u64> {
     let firmware = target::firmware();
     let mut hasher = DefaultHasher::new();
     compiler.hash(&mut hasher);
-    let parts =
-        ["src", "build", "Cargo.toml", "Cargo.lock", "board/src/target.rs", "../src", "../../emulator/float/src"];
-    for part in parts {
+    let own = ["src", "build", "Cargo.toml", "Cargo.lock", "board/src/target.rs"];
+    let others = ["../../core/src", "../../core/oracle/tests/oracle/tile", "../float/src"];
+    for part in own.into_iter().chain(others) {
         hash_files(&firmware.join(part), &mut hasher)?;
     }
     Ok(hasher.finish())

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use roughxel_core::ports::{BlockPort, ReflectionIn, TextureIn};
 
-#[path = "../src/tile.rs"]
+#[path = "../../../core/oracle/tests/oracle/tile/drawn.rs"]
 #[expect(dead_code, reason = "the programs draw it, too")]
 mod tile;
 
@@ -15,7 +15,7 @@ const SAMPLES: usize = 64;
 
 /// Writes `samples.rs`, the lists of both kinds of fragments.
 pub fn write(out: &Path) {
-    println!("cargo:rerun-if-changed=src/tile.rs");
+    println!("cargo:rerun-if-changed=../../core/oracle/tests/oracle/tile/drawn.rs");
     let mut all = Vec::new();
     tile::fragments(|_, fragment| all.push(*fragment));
     let chosen = || (0..SAMPLES).map(|index| &all[index * all.len() / SAMPLES]);

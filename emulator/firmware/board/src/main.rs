@@ -25,11 +25,11 @@ cargo firmware frames
 cargo firmware vectors
     The sets of vectors/smoke, written by the program on s390x, compared byte for byte. Two minutes, nearly all of it building.
 cargo firmware price [--quick] [-o FILE]
-    Instructions, bytes and stack of every plan, as one table: core/firmware/PRICE.md. The same numbers every time with one compiler.
+    Instructions, bytes and stack of every plan, as one table: emulator/firmware/PRICE.md. The same numbers every time with one compiler.
     --quick: two profiles on one target, to standard output.
 cargo firmware price --knobs [-o FILE]
     Instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width, on the
-    three QEMU machines: core/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run goes on where it was.
+    three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run goes on where it was.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
 Rust's targets come from rustup, or, where it has none to give, from the sources of the distribution's compiler (Debian: rustc-web

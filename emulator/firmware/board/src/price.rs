@@ -60,7 +60,7 @@ struct Cost {
 }
 
 /// The table that is kept, from the project's root.
-const KEPT: &str = "core/firmware/PRICE.md";
+const KEPT: &str = "emulator/firmware/PRICE.md";
 
 fn kept() -> PathBuf {
     target::root().join(KEPT)

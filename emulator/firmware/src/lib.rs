@@ -11,6 +11,8 @@ pub mod machine;
 pub mod metered;
 pub mod samples;
 pub mod sets;
+/// The tile that every machine draws, kept by the oracle of the core.
+#[path = "../../../core/oracle/tests/oracle/tile/drawn.rs"]
 pub mod tile;
 
 #[cfg(all(target_os = "none", target_arch = "arm"))]
