@@ -245,7 +245,7 @@ fn package(structures: &[Structure]) -> String {
 "
         );
     }
-    text += include_str!("c_library/random.sv");
+    text += include_str!("../../../vectors/templates/systemverilog/random.sv");
     text += "\nendpackage\n";
     text
 }

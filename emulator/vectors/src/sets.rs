@@ -28,17 +28,17 @@ pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b
 /// The vectors of all other sets and of 200 000 random ones that show most mistakes, those that show most first, for each datapath: name
 /// of the set, and a line a vector. Made by `roughxel vectors distil` under `standard` (vectors/README.md has the commands).
 const CHOSEN: [(&str, Datapath, &str); 3] = [
-    ("chosen", Datapath::Reflection, include_str!("chosen/reflection.txt")),
-    ("chosen_highlight", Datapath::Highlight, include_str!("chosen/highlight.txt")),
-    ("chosen_peak", Datapath::Peak, include_str!("chosen/peak.txt")),
+    ("chosen", Datapath::Reflection, include_str!("../../../vectors/chosen/reflection.txt")),
+    ("chosen_highlight", Datapath::Highlight, include_str!("../../../vectors/chosen/highlight.txt")),
+    ("chosen_peak", Datapath::Peak, include_str!("../../../vectors/chosen/peak.txt")),
 ];
 
 /// Vectors of the other sets and of millions of random ones that show every entry of every table off by a last place, as far as it can be shown.
 /// Made in the same way.
 const ENTRIES: [(&str, Datapath, &str); 3] = [
-    ("entries", Datapath::Reflection, include_str!("chosen/entries_reflection.txt")),
-    ("entries_highlight", Datapath::Highlight, include_str!("chosen/entries_highlight.txt")),
-    ("entries_peak", Datapath::Peak, include_str!("chosen/entries_peak.txt")),
+    ("entries", Datapath::Reflection, include_str!("../../../vectors/chosen/entries_reflection.txt")),
+    ("entries_highlight", Datapath::Highlight, include_str!("../../../vectors/chosen/entries_highlight.txt")),
+    ("entries_peak", Datapath::Peak, include_str!("../../../vectors/chosen/entries_peak.txt")),
 ];
 
 /// Name of the set that shows every entry of every table of a datapath off by a last place.

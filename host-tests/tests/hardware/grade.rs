@@ -104,7 +104,7 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
     let datapaths = whole_or(Datapath::ALL.to_vec(), vec![Datapath::Peak]);
     for &datapath in &datapaths {
         for (list, shows_entries) in [("", false), ("entries_", true)] {
-            let list = format!("../emulator/vectors/src/chosen/{list}{}.txt", datapath.name());
+            let list = format!("../vectors/chosen/{list}{}.txt", datapath.name());
             let list = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(list)).expect("the list");
             let is_it =
                 |set: &VectorSet| if shows_entries { set.name == entries_set(datapath) } else { set.best_first };
