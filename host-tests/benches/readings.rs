@@ -44,9 +44,9 @@ use roughxel_net::bench::Bench;
 use roughxel_net::verilog::{Options, Verilog};
 use roughxel_record as record;
 use roughxel_scene::Scene;
-use roughxel_scene::output::write_files;
-use roughxel_scene::random::SplitMix64;
 use roughxel_study::accuracy::{reference_inputs, reference_options};
+use roughxel_utilities::output::write_files;
+use roughxel_utilities::random::SplitMix64;
 use tempfile::TempDir;
 
 /// Fragments of a set: inputs and outputs of one contender stay within a second-level cache.

@@ -11,7 +11,7 @@ use roughxel_core::plan::{
 };
 use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
 /// Every footprint.

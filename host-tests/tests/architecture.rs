@@ -167,7 +167,7 @@ fn the_reader_finds_what_files_use() {
     // What a macro names, names that are passed on, and tests, do not count.
     assert!(!uses("core/src/bundle.rs", "core/src/ports.rs"));
     assert!(!uses("emulator/maps/src/peak_pyramid.rs", "emulator/maps/src/peak_pyramid/build.rs"));
-    assert!(!uses("emulator/scene/src/picture/compare.rs", "emulator/scene/src/random.rs"));
+    assert!(!uses("emulator/scene/src/picture/compare.rs", "emulator/utilities/src/random.rs"));
 }
 
 #[test]

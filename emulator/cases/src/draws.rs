@@ -15,7 +15,7 @@ use roughxel_core::setup::{block_vector, offset};
 
 use roughxel_lanes::{Columns, LANES, Reading};
 use roughxel_net::integers::filled;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 /// The components of a vector of each element.
 pub(crate) type Vectors<const N: usize> = [[f64; N]; 3];

@@ -6,8 +6,8 @@ use roughxel_core::ports::{BlockVector, HighlightIn, PeakIn, ReflectionIn, Store
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::shininess;
 
-use roughxel_scene::exp2::exp2;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::random::SplitMix64;
 
 /// What makes the ports of one case.
 struct Limits<'a> {

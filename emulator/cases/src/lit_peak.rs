@@ -17,8 +17,8 @@ use super::highlight::eye_and_light;
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
 use super::set::CaseSet;
 use roughxel_lanes::Columns;
-use roughxel_scene::exp2::exp2;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::random::SplitMix64;
 
 /// Every effect.
 pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: HorizonKind::Correlated };

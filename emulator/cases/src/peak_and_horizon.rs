@@ -13,8 +13,8 @@ use roughxel_core::stage::enter::enter;
 use super::draws::direction;
 use super::fragment::bit;
 use super::set::CaseSet;
-use roughxel_scene::exp2::exp2;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::random::SplitMix64;
 
 /// A direction and the frame of the surface in which it is wanted.
 #[derive(Clone, Copy, Debug)]

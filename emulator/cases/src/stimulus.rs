@@ -23,8 +23,8 @@ use roughxel_core::width::on_words;
 use roughxel_lanes::PackedPeak;
 use roughxel_net::graph::Net;
 use roughxel_net::integers::integers_at;
-use roughxel_scene::exp2::exp2;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::random::SplitMix64;
 
 /// Integers for the ports of a design, in the order of [`Net::ports`]: those a fragment leads to (a list for every probe and
 /// level it touches), or, behind the memories, random ones that favour the ends of the declared ranges.

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf, is_separator};
 
 use roughxel_core::precision::Profile;
 use roughxel_scene::Scene;
-use roughxel_scene::output::{self, OutputFile, Removed, WriteError};
-use roughxel_scene::spelling::closest;
 use roughxel_study::profile_file::{NamedPrecision, read_profile};
+use roughxel_utilities::output::{self, OutputFile, Removed, WriteError};
+use roughxel_utilities::spelling::closest;
 
 use super::console::{complain, map_progress};
 use super::failure::{Failure, profile_failure, scene_failure};

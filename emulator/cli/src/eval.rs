@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use miette::{IntoDiagnostic, WrapErr};
 use roughxel_core::plan::Effects;
-use roughxel_scene::input::open_file;
-use roughxel_scene::output::OutputFile;
+use roughxel_utilities::input::open_file;
+use roughxel_utilities::output::OutputFile;
 
 use super::{Failure, ProfileArg, effects, parse_profile};
 use rows::{EvalOptions, evaluate};

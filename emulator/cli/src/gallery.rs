@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use roughxel_frame::plan::Mode;
-use roughxel_scene::spelling::did_you_mean;
 use roughxel_study::profile_file::NamedPrecision;
+use roughxel_utilities::spelling::did_you_mean;
 use serde_json::json;
 
 use super::cache::CacheArgs;

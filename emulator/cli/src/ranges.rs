@@ -16,7 +16,7 @@ use roughxel_net::graph::{Kind, Net, Tap};
 use roughxel_net::interval::{Range, Ranges, Violation};
 use roughxel_net::observe::Observed;
 use roughxel_record as record;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 use serde_json::{Value, json};
 
 use super::console::{complain, new_table, progress};

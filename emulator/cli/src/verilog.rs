@@ -8,9 +8,9 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
 use roughxel_net::verilog::{Options, Verilog, VerilogError};
 use roughxel_record as record;
-use roughxel_scene::output::write_files;
 use roughxel_study::plan::fetches;
 use roughxel_study::profile_file::NamedPrecision;
+use roughxel_utilities::output::write_files;
 use serde_json::json;
 
 use super::console::{complain, progress};

@@ -21,7 +21,7 @@ mod setup;
 #[cfg(test)]
 mod tests;
 
-use roughxel_scene::MAX_FRAME_PIXELS;
+use roughxel_utilities::limits::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
 pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};

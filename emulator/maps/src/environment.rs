@@ -113,8 +113,8 @@ impl CubePyramid {
 mod tests {
     use super::*;
     use crate::bright::LAST_CODE;
-    use roughxel_scene::BRIGHTEST_ENVIRONMENT;
-    use roughxel_scene::random::SplitMix64;
+    use roughxel_utilities::limits::BRIGHTEST_ENVIRONMENT;
+    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn a_cube_pyramid_keeps_the_rows_of_its_pictures_and_one_exponent() {

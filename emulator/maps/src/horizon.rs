@@ -65,7 +65,7 @@ fn rising_slopes(line: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use roughxel_scene::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     /// The definition, over two repeats.
     fn steepest(width: usize, heights: &[f64], index: usize, axis: usize, ahead: bool) -> f64 {

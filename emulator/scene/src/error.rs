@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 use crate::mesh::MeshError;
 use crate::picture::PictureError;
+use roughxel_utilities::limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 
 /// A place in a file that people write, a scene or a profile, with what is wrong there.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -20,11 +20,11 @@ use self::grid::Grid;
 pub use self::grid::MapProgress;
 pub(super) use self::grid::Unseen;
 use crate::error::SceneError;
-use crate::limits::MAX_FACE_EDGE;
 use crate::picture::Picture;
 use crate::roughness::MAX_DEVIATION;
 use crate::source::Arguments;
-use crate::spelling::did_you_mean;
+use roughxel_utilities::limits::MAX_FACE_EDGE;
+use roughxel_utilities::spelling::did_you_mean;
 
 /// Edges of generated maps, texels.
 const SIZES: std::ops::RangeInclusive<u32> = 4..=4096;

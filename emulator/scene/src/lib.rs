@@ -13,22 +13,16 @@ mod bump;
 pub mod cube;
 mod description;
 mod error;
-pub mod exp2;
 mod generate;
-pub mod input;
 mod lighting;
-mod limits;
 mod load;
 mod mesh;
-pub mod output;
 mod panorama;
 pub mod picture;
-pub mod random;
 mod roughness;
 mod scene;
 mod shapes;
 mod source;
-pub mod spelling;
 pub mod widest;
 
 pub use builtin::{builtin_names, builtin_text};
@@ -39,7 +33,6 @@ pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
     PEAK_HEIGHTS, PeakSource, Peaks, Shadowing,
 };
-pub use limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 pub use mesh::MeshError;
 pub use panorama::faces_from_equirectangular;
 pub use roughness::RoughnessField;

@@ -18,13 +18,13 @@ use crate::builtin::{builtin_names, builtin_text};
 use crate::description::{BackgroundDescription, CameraDescription};
 use crate::error::SceneError;
 use crate::generate::{MapProgress, Unseen};
-use crate::input::open_file;
-use crate::limits::{
-    LENGTHS, MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
-};
 use crate::scene::{Background, Camera, Scene};
 use crate::source::{Exactly, Source};
-use crate::spelling::did_you_mean;
+use roughxel_utilities::input::open_file;
+use roughxel_utilities::limits::{
+    LENGTHS, MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
+};
+use roughxel_utilities::spelling::did_you_mean;
 
 /// Most objects of a scene.
 const MAX_OBJECTS: usize = 1000;
@@ -73,8 +73,8 @@ impl Scene {
 
     /// The same scene at another frame size in pixels; the vertical angle of view stays.
     ///
-    /// Errors: an edge outside 1 to [`MAX_FRAME_EDGE_PX`](crate::MAX_FRAME_EDGE_PX), or more than
-    /// [`MAX_FRAME_PIXELS`](crate::MAX_FRAME_PIXELS).
+    /// Errors: an edge outside 1 to [`MAX_FRAME_EDGE_PX`](roughxel_utilities::limits::MAX_FRAME_EDGE_PX), or more than
+    /// [`MAX_FRAME_PIXELS`](roughxel_utilities::limits::MAX_FRAME_PIXELS).
     pub fn with_size(mut self, width: u32, height: u32) -> Result<Self, SceneError> {
         if !frame_size_is_allowed(width, height) {
             return Err(SceneError::FrameSize { width, height });

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
-use crate::input::{open_file, without_mark};
 use crate::scene::{Mesh, Vertex};
+use roughxel_utilities::input::{open_file, without_mark};
 
 /// Most triangles of a file.
 pub(super) const MAX_TRIANGLES: usize = 4_000_000;

@@ -25,7 +25,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use crate::input::open_file;
+use roughxel_utilities::input::open_file;
 
 /// Longest edge of a picture that is read, in pixels.
 pub const MAX_EDGE: u32 = 16384;

@@ -15,8 +15,8 @@ use serde::de::{Deserialize, Deserializer, Expected, SeqAccess, Visitor};
 use toml::Spanned;
 
 use crate::error::{Fault, SceneError};
-use crate::input::without_mark;
-use crate::spelling::did_you_mean;
+use roughxel_utilities::input::without_mark;
+use roughxel_utilities::spelling::did_you_mean;
 
 /// Most elements of an array in a generator's table.
 const MAX_LIST: usize = 64;

@@ -17,7 +17,7 @@ pub fn widest<R>(body: impl FnOnce() -> R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     /// Every operation that loops here are made of.
     #[inline(always)]

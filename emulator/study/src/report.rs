@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use roughxel_page::html::{Page, Text};
-use roughxel_scene::output::OutputFile;
+use roughxel_utilities::output::OutputFile;
 
 use crate::StudyError;
 use crate::stability;

@@ -19,7 +19,7 @@ pub use method::METHODS;
 pub use pictures::{NaivePicture, pictures};
 
 use rayon::prelude::*;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 use serde::{Deserialize, Serialize};
 
 use crate::superscript::superscript;

@@ -25,8 +25,8 @@ use super::order::{misplaced, with_cause};
 use fields::{Fields, identifier};
 use roughxel_net::verilog::{Interface, Options, Stage, Verilog, VerilogError};
 use roughxel_record as record;
-use roughxel_scene::input::open_file;
-use roughxel_scene::output::{OutputFile, WriteError, write_files};
+use roughxel_utilities::input::open_file;
+use roughxel_utilities::output::{OutputFile, WriteError, write_files};
 
 /// What runs the bench in any of the tools, with the name of its file.
 const RUN: (&str, &str) = ("run.sh", include_str!("../../../vectors/templates/run.sh"));

@@ -25,7 +25,7 @@ use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
 use super::verify::{Checker, Mismatch};
 use super::word::{check_value, read_device_word};
-use roughxel_scene::spelling::did_you_mean;
+use roughxel_utilities::spelling::did_you_mean;
 
 /// One vector of a set.
 #[derive(Clone, Debug)]

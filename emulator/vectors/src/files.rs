@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 
 use super::VectorError;
 use super::manifest::{FileEntry, Form, Manifest};
-use roughxel_scene::input::open_file;
-use roughxel_scene::output::OutputFile;
+use roughxel_utilities::input::open_file;
+use roughxel_utilities::output::OutputFile;
 
 /// The words of a set while they are written; dropped without [`SetFiles::commit`] they leave no trace.
 pub(super) struct SetFiles {

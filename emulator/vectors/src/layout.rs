@@ -22,7 +22,7 @@ use roughxel_net::verilog::{Stage, StagePort, VerilogError};
 use roughxel_record as record;
 
 /// Bits of the check value at the end of a word.
-pub(crate) const CHECK_BITS: u32 = 32;
+pub(crate) const CHECK_BITS: u32 = roughxel_utilities::crc::BITS;
 
 /// Which way a field goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -11,7 +11,7 @@ use super::layout::Layout;
 use super::manifest::{Form, Manifest};
 use super::word::{read_device_word, read_record, read_word};
 use super::{MAX_VECTORS, VectorError};
-use roughxel_scene::input::open_file;
+use roughxel_utilities::input::open_file;
 
 /// Longest line: beyond every word and comment.
 const MAX_LINE: u64 = 4096;

@@ -14,7 +14,7 @@ use super::layout::{Field, Layout};
 use super::part::Part;
 use super::score::GradeEntry;
 use super::{MAX_VECTORS, VectorError, stage};
-use roughxel_scene::input::open_file;
+use roughxel_utilities::input::open_file;
 
 /// Value of `schema`.
 pub const SCHEMA: &str = "roughxel-vectors";

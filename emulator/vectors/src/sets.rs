@@ -22,7 +22,7 @@ pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
     ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
 ];
 
-/// How [`roughxel_scene::random::SplitMix64::for_element`] finds the numbers of one vector, and which way inputs are made of them.
+/// How [`roughxel_utilities::random::SplitMix64::for_element`] finds the numbers of one vector, and which way inputs are made of them.
 pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15), inputs 2";
 
 /// The vectors of all other sets and of 200 000 random ones that show most mistakes, those that show most first, for each datapath: name

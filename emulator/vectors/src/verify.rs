@@ -14,7 +14,8 @@ use super::lines::{Line, Lines};
 use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
 use super::part::Part;
-use super::word::{check_value, locate_flip};
+use super::word::check_value;
+use roughxel_utilities::crc::flipped_bit;
 
 /// Most mismatches that are described; all are counted.
 const DESCRIBED: usize = 10;
@@ -235,7 +236,7 @@ impl Checker<'_> {
         let data = fields.len() - 1;
         let differing: Vec<_> = (0..data).filter(|&i| found[i] != expected[i] || unfit == Some(i)).collect();
         let syndrome = check_value(self.layout, &found) ^ found[data];
-        let flipped = if syndrome == 0 { None } else { locate_flip(syndrome, self.layout.word_bits()) };
+        let flipped = if syndrome == 0 { None } else { flipped_bit(syndrome, self.layout.word_bits()) };
         if let Some((at, bit)) = flipped.and_then(|place| self.layout.field_at(place)) {
             return Ok(Some(mismatch(&fields[at], 1 << bit, found[at], Cause::FlippedBit, differing.len())));
         }

@@ -3,50 +3,12 @@
 //! As text it is hex digits with underscores between fields, as bytes the same digits two a byte, big endian, a zero digit first where
 //! they are odd.
 //!
-//! The check value is a CRC-32 (polynomial 04c11db7, not reflected, start ffffffff, no final inversion) over the
-//! bits above it, most significant first. The polynomial is primitive, so in words below 2^32 bits every single
-//! flipped bit leaves another remainder and can be located.
+//! The check value is a CRC-32 ([`crc`]) that starts with ffffffff, over the bits above it, most significant first.
 
 use super::layout::{CHECK_BITS, Field, Layout, mask};
 use super::manifest::Form;
-use roughxel_lanes::{Digits, Reading};
-
-const POLYNOMIAL: u32 = 0x04c1_1db7;
-
-/// Bytes that the check value takes in at once.
-const SLICES: usize = 8;
-
-/// The remainder of a byte that so many bytes follow.
-const BY_BYTE: [[u32; 256]; SLICES] = {
-    let mut tables = [[0; 256]; SLICES];
-    let mut byte = 0;
-    while byte < 256 {
-        let mut remainder = (byte as u32) << 24;
-        let mut followers = 0;
-        while followers < SLICES {
-            let mut bit = 0;
-            while bit < 8 {
-                remainder = next_remainder(remainder);
-                bit += 1;
-            }
-            tables[followers][byte] = remainder;
-            followers += 1;
-        }
-        byte += 1;
-    }
-    tables
-};
-
-/// x · remainder modulo the polynomial.
-const fn next_remainder(remainder: u32) -> u32 {
-    remainder << 1 ^ if remainder >> 31 == 1 { POLYNOMIAL } else { 0 }
-}
-
-/// The remainder after so many bytes more, the last ones of `bytes`.
-#[inline(always)]
-fn after(bytes: u64, count: usize) -> u32 {
-    (0..count).fold(0, |sum, followers| sum ^ BY_BYTE[followers][(bytes >> (8 * followers) & 255) as usize])
-}
+use roughxel_lanes::Reading;
+use roughxel_utilities::crc;
 
 /// The digits of a word's fields eight by eight, the last field at the end of the last eight; zeros before the first.
 ///
@@ -66,40 +28,14 @@ pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec
     }
 }
 
-/// What four bytes behind it make of the remainder, by its digits.
-const BY_DIGIT: Digits = {
-    let mut digits: Digits = [[0; 16]; 8];
-    let mut place = 0;
-    while place < 8 {
-        let mut digit = 0;
-        while digit < 16 {
-            digits[place][digit] = BY_BYTE[place / 2][digit << (4 * (place % 2))].cast_signed();
-            digit += 1;
-        }
-        place += 1;
-    }
-    digits
-};
-
 /// The remainder that the zeros before the first of so many digits, as [`pack`] has them, bring to all ones.
 const fn begun(digits: u32) -> u32 {
-    let mut remainder = u32::MAX;
-    let mut zeros = digits.wrapping_neg() % 8 * 4;
-    while zeros > 0 {
-        // Backwards: the polynomial is odd, so the last bit says whether it was taken off.
-        remainder = if remainder & 1 == 1 { (remainder ^ POLYNOMIAL) >> 1 | 1 << 31 } else { remainder >> 1 };
-        zeros -= 1;
-    }
-    remainder
+    crc::before_zeros(u32::MAX, digits.wrapping_neg() % 8 * 4)
 }
 
 /// The check value of a word's digits above it, as [`pack`] puts them.
 pub(crate) fn check_of(packed: &[u32], digits: u32) -> u32 {
-    let (pairs, last) = packed.as_chunks::<2>();
-    let remainder = pairs
-        .iter()
-        .fold(begun(digits), |remainder, &[high, low]| after(u64::from(remainder ^ high) << 32 | u64::from(low), 8));
-    last.iter().fold(remainder, |remainder, &word| after(u64::from(remainder ^ word), 4))
+    crc::remainder(begun(digits), packed)
 }
 
 /// The check value of a word from its fields' bits; of one among them nothing is read.
@@ -108,23 +44,6 @@ pub(crate) fn check_value(layout: &Layout, bits: &[u32]) -> u32 {
     let mut packed = Vec::new();
     pack(&layout.fields()[..data], &bits[..data], digits, &mut packed);
     check_of(&packed, digits)
-}
-
-/// Which bit of a word of `word_bits` was flipped, if one was: the word's own place whose remainder is `syndrome`,
-/// the exclusive or of the check value found and the one computed.
-pub(crate) fn locate_flip(syndrome: u32, word_bits: u32) -> Option<u32> {
-    if syndrome.count_ones() == 1 {
-        return Some(syndrome.trailing_zeros());
-    }
-    // A data bit just above the check value has the remainder x^32, the next one x^33, …
-    let mut remainder = POLYNOMIAL;
-    for place in CHECK_BITS..word_bits {
-        if remainder == syndrome {
-            return Some(place);
-        }
-        remainder = next_remainder(remainder);
-    }
-    None
 }
 
 /// Characters of a line with its end, or bytes of a record.
@@ -136,7 +55,7 @@ pub(crate) fn length(layout: &Layout, form: Form) -> usize {
 }
 
 /// Words that are put together at once: their fields stay in a processor's nearest cache.
-pub(crate) const CHUNK: usize = 64;
+pub(crate) const CHUNK: usize = crc::COLUMNS;
 
 /// A number of each of some words.
 type Row = [u32; CHUNK];
@@ -274,7 +193,7 @@ impl Encoder {
         );
         let last = self.rows.len() - 1;
         let mut check = [begun(self.digits); CHUNK];
-        reading.fold(&BY_DIGIT, &self.rows[last - self.digits.div_ceil(8) as usize..last], &mut check);
+        crc::remainders(&self.rows[last - self.digits.div_ceil(8) as usize..last], &mut check);
         let (text, rest) = text.split_at_mut(count * self.length);
         match self.form {
             Form::Hex => {

@@ -21,7 +21,7 @@ use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
 use roughxel_net::verilog::Options;
 use roughxel_record as record;
-use roughxel_scene::output::write_files;
+use roughxel_utilities::output::write_files;
 use serde_json::Value;
 
 const USAGE: &str = "synthesis [--seeds N] [--profiles NAME,NAME] [--place N] [-o FILE]

@@ -12,7 +12,7 @@ use roughxel_core::elementary::{
 };
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision, Profile};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 /// 2^30.
 /// Fraction bits of a mantissa.

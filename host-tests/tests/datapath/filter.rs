@@ -25,7 +25,7 @@ use roughxel_host_tests::reference::filter::{Map, trilinear as reference_triline
 use roughxel_host_tests::reference::linear::normalise_exponent;
 use roughxel_host_tests::reference::roughness::{self, compose, isotropic};
 use roughxel_host_tests::space::{profiles, whole_or};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 fn config() -> ProptestConfig {
     ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed: RngSeed::Fixed(8), ..Default::default() }

@@ -21,7 +21,7 @@ use roughxel_host_tests::reference::linear::{Vector2, Vector3, cross, dot, norm}
 use roughxel_host_tests::reference::perturb::perturb;
 use roughxel_host_tests::reference::roughness::{decompose, isotropic_tangents, tangents};
 use roughxel_host_tests::space::{any_vectors, any_word, profiles};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 fn raised(out: &HighlightOut, bit: StatusBit) -> bool {
     out.status & bit.mask() != 0

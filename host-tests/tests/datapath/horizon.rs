@@ -19,7 +19,7 @@ use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 use roughxel_host_tests::space::profiles;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 /// Cases of a random set.
 const CASES: u64 = 200_000;

@@ -33,7 +33,7 @@ use roughxel_lanes::{
 };
 use roughxel_maps::peak_pyramid::ScenePeaks;
 use roughxel_scene::Scene;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 /// The named profiles, and words of 16 bits with as few kept as a profile may.
 pub(super) fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {

@@ -17,7 +17,7 @@ use roughxel_core::width::on_words;
 use roughxel_lanes::{
     Columns, MOST_PEAKS, PackedPeak, PeakTexels, PeaksRead, Places, Ports, Reading, RepeatedMap, Shown, Slopes,
 };
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 use super::lanes::{AnyBits, lanes, profiles, random_views, same_columns, stored_peak};
 

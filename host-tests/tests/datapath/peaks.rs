@@ -25,7 +25,7 @@ use roughxel_host_tests::reference::peaks as reference;
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 use roughxel_host_tests::space::{profiles, wide_profiles};
 use roughxel_lanes::PackedPeak;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 /// Fraction bits of a versine.
 const FRACTION: u32 = i64::BITS - VERSINE;

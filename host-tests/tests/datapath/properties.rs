@@ -22,8 +22,8 @@ use roughxel_core::status::StatusBit;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::linear::{add_scaled, cross, norm, scaled};
 use roughxel_host_tests::space::profiles;
-use roughxel_scene::random::SplitMix64;
 use roughxel_study::accuracy::{Figure, reference_inputs, reference_options};
+use roughxel_utilities::random::SplitMix64;
 
 /// 2^30.
 /// Fraction bits of a mantissa.

@@ -27,7 +27,7 @@ use roughxel_core::stage::{blend, filter, moments, probes};
 use roughxel_core::width::{IntegerWord, narrowed, of_ports};
 use roughxel_host_tests::checked::{Checked, Integers, OperationCounts, Scalar, counted, first_difference, reread};
 use roughxel_host_tests::space::{plans, profiles, whole_or};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 /// Runs both readings on words of the profile's width, probes included, and compares every integer of every stage.
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {

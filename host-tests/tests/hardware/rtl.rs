@@ -26,8 +26,8 @@ use roughxel_net::graph::{Net, Op};
 use roughxel_net::interval::Ranges;
 use roughxel_net::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_record as record;
-use roughxel_scene::output::write_files;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::output::write_files;
+use roughxel_utilities::random::SplitMix64;
 use roughxel_vectors::{Direction, Field, Manifest, manifests_in};
 use tempfile::TempDir;
 

@@ -19,8 +19,8 @@ use super::prepared::{prepare, render};
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
 use roughxel_maps::peak_pyramid::ScenePeaks;
-use roughxel_scene::output::OutputFile;
 use roughxel_scene::{Scene, builtin_text};
+use roughxel_utilities::output::OutputFile;
 
 /// Directory of the files, below that of the gallery.
 const DIRECTORY: &str = ".reference";

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use roughxel_scene::output::write_files;
+use roughxel_utilities::output::write_files;
 use roughxel_vectors::{BENCH_README, Bench, Device, manifests_of};
 use serde_json::json;
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use roughxel_scene::output::write_files;
+use roughxel_utilities::output::write_files;
 use roughxel_vectors::c_library_files;
 
 use crate::{Failure, check_directory};

@@ -7,8 +7,8 @@ use clap::Args;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::Profile;
 use roughxel_net::verilog::VerilogError;
-use roughxel_scene::spelling::did_you_mean;
 use roughxel_study::profile_file::NamedPrecision;
+use roughxel_utilities::spelling::did_you_mean;
 use roughxel_vectors::{
     Form, InputSource, MAX_VECTORS, Manifest, RANDOM_SETS, RandomSet, SetExport, SetInfo, Shard, StageSet, VectorSet,
     Words, entries_set, hard_sets,

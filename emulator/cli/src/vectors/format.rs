@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use miette::{Context, IntoDiagnostic};
-use roughxel_scene::input::open_file;
+use roughxel_utilities::input::open_file;
 use roughxel_vectors::{in_page, tables};
 
 use crate::{Failure, write_text};

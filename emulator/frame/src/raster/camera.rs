@@ -10,7 +10,8 @@ use roughxel_lanes::{BlockRows, Derivatives};
 
 use super::blocks::{AttributeRows, Positions, block, block_rows, derivatives, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
-use roughxel_scene::{Camera, MAX_FRAME_PIXELS};
+use roughxel_scene::Camera;
+use roughxel_utilities::limits::MAX_FRAME_PIXELS;
 
 /// Camera of one frame, ready for the rasteriser.
 #[derive(Clone, Debug)]

@@ -8,8 +8,8 @@ use roughxel_lanes::{BlockRows, Derivatives, InstructionSet, LANES, Reading};
 use super::edges::{Places, TileBuffer};
 use super::setup::Drawn;
 use super::*;
-use roughxel_scene::random::SplitMix64;
 use roughxel_scene::{Camera, Deviation, FrameSystem, Material, Mesh, Object, Vertex};
+use roughxel_utilities::random::SplitMix64;
 
 /// Seeded random numbers and vectors.
 struct Random(SplitMix64);

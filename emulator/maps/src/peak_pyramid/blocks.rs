@@ -171,7 +171,7 @@ fn small_integer<S: Simd>(integer: u64x8<S>) -> f64x8<S> {
 #[cfg(test)]
 pub(super) mod tests {
     use fearless_simd::dispatch;
-    use roughxel_scene::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     use super::*;
 

@@ -3,7 +3,7 @@
 //! A file is a magic line with the version of format and method, the SHA-256 of everything that a pyramid depends on, the
 //! pyramid (little-endian), and the SHA-256 of all that. It is read only if all of this fits and no number is out
 //! of its range; anything else (torn, truncated, foreign, of another version) counts as missing and is replaced. Files
-//! appear whole ([`roughxel_scene::output`]), so two programs may share a directory.
+//! appear whole ([`roughxel_utilities::output`]), so two programs may share a directory.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use roughxel_scene::output::OutputFile;
+use roughxel_utilities::output::OutputFile;
 use sha2::{Digest, Sha256};
 
 use super::build::{Part, Parts, Texels};

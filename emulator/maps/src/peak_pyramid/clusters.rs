@@ -124,7 +124,7 @@ mod tests {
     use std::collections::HashSet;
 
     use super::*;
-    use roughxel_scene::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     fn member(tilt: [f64; 2], horizon: f64, weight: f64) -> Member {
         Member::new(DVec3::new(tilt[0], tilt[1], 1.0).normalize(), [horizon; 4], weight)

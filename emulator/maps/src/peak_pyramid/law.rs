@@ -135,7 +135,7 @@ const STEPS: u32 = 14;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use roughxel_scene::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     /// The share of facets below a slope.
     fn falling(slope: f64, low: f64, width: f64) -> f64 {

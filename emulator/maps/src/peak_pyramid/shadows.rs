@@ -429,7 +429,7 @@ mod tests {
     use super::super::blocks::NEGLIGIBLE;
     use super::super::blocks::tests::levels;
     use super::*;
-    use roughxel_scene::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     /// Slope of a direction over an axis, and the side that it goes to.
     fn climb(direction: DVec3, axis: usize) -> (f64, usize) {

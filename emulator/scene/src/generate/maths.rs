@@ -1,7 +1,7 @@
 //! Arithmetic of the generators: only +, −, ×, ÷, √ and rounding, which IEEE 754 fixes to the last bit, so a generated
 //! map is the same on every machine. (The sine and cosine of a platform's library are not.)
 
-use crate::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 use std::f64::consts::TAU;
 
 /// Sine of `turns` full turns; absolute error below 1e-13 for |turns| < 1000, exact at whole quarter turns.

@@ -1,8 +1,8 @@
 //! Light of pictures: exposure, and what of it their storage does not hold.
 
-use crate::exp2::exp2;
-use crate::limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT};
 use crate::picture::Picture;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT};
 
 /// Multiplies all pixels by 2^`stops`, within the finite numbers.
 pub(super) fn expose(faces: &mut [Picture; 6], stops: f64) {

@@ -15,12 +15,12 @@ use crate::generate::{
     MapProgress, UNIFORM_ROUGHNESS, colour_map, environment, height_map, normal_map, uniform_roughness,
 };
 use crate::lighting::PEAK_HEIGHTS;
-use crate::limits::{EXPOSURES, MAX_FACE_EDGE};
 use crate::panorama::faces_from_equirectangular;
 use crate::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
 use crate::scene::EnvironmentSource;
 use crate::source::{ArgumentTable, Arguments, Source};
+use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 
 /// Reads the maps of one scene; those that are named more than once are made once.
 pub(super) struct Maps<'a> {

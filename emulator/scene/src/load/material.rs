@@ -8,9 +8,9 @@ use crate::bump::FrameSystem;
 use crate::description::{DeviationName, FootprintName, FrameName, MaterialDescription};
 use crate::error::SceneError;
 use crate::lighting::{MAX_PEAK_TEXELS, PeakSource, Peaks};
-use crate::limits::MAX_COORDINATE;
 use crate::scene::{Deviation, FootprintPlace, Material};
 use crate::shapes::{Placement, Shape};
+use roughxel_utilities::limits::MAX_COORDINATE;
 
 /// What a scene has besides its objects.
 #[derive(Clone, Copy, Debug)]

@@ -11,11 +11,11 @@ use super::material::{Surroundings, material};
 use crate::description::{ObjectDescription, ShapeName};
 use crate::error::SceneError;
 use crate::generate::{mesh_names, mesh_text};
-use crate::limits::{LENGTHS, MAX_COORDINATE};
 use crate::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
 use crate::scene::{Mesh, Object, Vertex};
 use crate::shapes::{MAX_SEGMENTS, Placement, Shape};
 use crate::source::{Exactly, Source};
+use roughxel_utilities::limits::{LENGTHS, MAX_COORDINATE};
 
 /// One object, its maps read.
 pub(super) fn object(

@@ -90,7 +90,7 @@ pub fn difference(picture: &Picture, truth: &Picture) -> Option<Picture> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::SplitMix64;
+    use roughxel_utilities::random::SplitMix64;
 
     /// A picture of grey sRGB codes.
     fn codes(width: u32, height: u32, code: impl Fn(u32, u32) -> u8) -> Picture {

@@ -6,7 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::{Encoding, Picture, PictureError, check_size, linear_to_srgb8, open, srgb_to_linear};
-use crate::output::OutputFile;
+use roughxel_utilities::output::OutputFile;
 
 /// Reads a PNG; grey becomes three equal channels, alpha is ignored.
 ///

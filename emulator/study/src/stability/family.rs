@@ -6,7 +6,7 @@ use roughxel_cases::{RealFragment, direction};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_reference::Outputs;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 use super::reflection::Reflection;
 use crate::accuracy::{CANCELLATION, Figure, lit_peak_bar, tie_margin};

@@ -9,7 +9,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, real_peak, real_vector, stored_peak};
 use roughxel_float::peak::LitPeak;
 use roughxel_reference::{frame, highlight, peaks};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 use super::method::{Method, Sample};
 

@@ -8,7 +8,7 @@ use roughxel_float::{Environment, Footprint, Fragment};
 use roughxel_reference::cube::{Selection, project};
 use roughxel_reference::linear::axis_angle;
 use roughxel_reference::{Inputs, Outputs, reflection};
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 use super::float::place;
 use super::method::{Method, Sample};

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use roughxel_core::knob::Knob;
-use roughxel_scene::input::open_file;
+use roughxel_utilities::input::open_file;
 use serde::{Deserialize, Serialize};
 
 use super::{Setting, Settings};

@@ -12,7 +12,7 @@ use roughxel_host_tests::space::whole_or;
 use roughxel_net::interval::Ranges;
 use roughxel_net::observe::Observed;
 use roughxel_record as record;
-use roughxel_scene::random::SplitMix64;
+use roughxel_utilities::random::SplitMix64;
 
 use super::effects_of;
 

@@ -11,6 +11,7 @@ pub struct SplitMix64(u64);
 
 impl SplitMix64 {
     /// A generator; equal seeds give equal sequences.
+    #[inline(always)]
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }

@@ -13,16 +13,16 @@ pub const BRIGHTEST_ENVIRONMENT: f64 = 1_048_320.0;
 pub const BRIGHTEST_COLOUR: f64 = 64.0;
 
 /// Largest coordinate of a scene, world units.
-pub(crate) const MAX_COORDINATE: f64 = 1e6;
+pub const MAX_COORDINATE: f64 = 1e6;
 /// Range of lengths, world units.
-pub(crate) const LENGTHS: std::ops::RangeInclusive<f64> = 1e-4..=1e6;
+pub const LENGTHS: std::ops::RangeInclusive<f64> = 1e-4..=1e6;
 /// Range of the exposure of an environment, stops.
-pub(crate) const EXPOSURES: std::ops::RangeInclusive<f64> = -10.0..=10.0;
+pub const EXPOSURES: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 /// Largest edge of an environment's face: six such faces stay below 2²⁶ pixels.
-pub(crate) const MAX_FACE_EDGE: u32 = 2048;
+pub const MAX_FACE_EDGE: u32 = 2048;
 
 /// Whether a frame of that size may be drawn.
-pub(crate) fn frame_size_is_allowed(width: u32, height: u32) -> bool {
+pub fn frame_size_is_allowed(width: u32, height: u32) -> bool {
     let edge = 1..=MAX_FRAME_EDGE_PX;
     edge.contains(&width) && edge.contains(&height) && u64::from(width) * u64::from(height) <= MAX_FRAME_PIXELS
 }
