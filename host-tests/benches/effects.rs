@@ -15,7 +15,7 @@ use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::plan::{Decision, Effect, Mode};
 use roughxel_frame::{Frame, Prepared};
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 use roughxel_study::plan::{EffectReport, Hardware, ObjectReport, measure, time_ratio};
 

@@ -369,7 +369,7 @@ fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
     ];
     let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
     let mut used = [false; PLATFORM_FUNCTIONS.len()];
-    for package in ["cases", "scene", "maps", "frame", "lanes", "utilities"] {
+    for package in ["cases", "scene", "maps", "peaks", "frame", "lanes", "utilities"] {
         for (name, _, tokens) in files_below(&emulator.join(package).join("src")) {
             let name = format!("{package}/src/{name}");
             if name.ends_with("/tests.rs") {

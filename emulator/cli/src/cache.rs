@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use roughxel_core::setup::AMPLITUDE_LIMIT;
-use roughxel_maps::peak_pyramid::{ScenePeaks, Steps};
+use roughxel_peaks::{ScenePeaks, Steps};
 use roughxel_scene::Scene;
 
 use super::Failure;

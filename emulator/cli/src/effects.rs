@@ -4,7 +4,7 @@ use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::{Mode, ObjectPlan};
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 
 use super::{Failure, open_scene};
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use roughxel_core::precision::Profile;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 
 /// A line of the list.

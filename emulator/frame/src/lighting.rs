@@ -16,7 +16,7 @@ use crate::raster::{PointFromTriangle, Triangle};
 use roughxel_lanes::{
     Columns, MOST_PEAKS, PackedPeak, PeakTexels, PeaksRead, Places, Reading, RepeatedMap, Shown, Slopes,
 };
-use roughxel_maps::peak_pyramid::{self as pyramid, MAX_PEAKS, PeakPyramid};
+use roughxel_peaks::{self as pyramid, MAX_PEAKS, PeakPyramid};
 use roughxel_scene::{Highlight, HighlightForm, Light, LightPlace, PeakSource, Peaks};
 
 use super::colour::{Channel, colour_word};

@@ -12,7 +12,7 @@ use roughxel_core::signals::MapScale;
 use roughxel_core::soft_core::environment_scale;
 use roughxel_lanes::{Reading, RepeatedMap};
 use roughxel_maps::bump::BumpPyramid;
-use roughxel_maps::peak_pyramid::{PeakPyramid, ScenePeaks};
+use roughxel_peaks::{PeakPyramid, ScenePeaks};
 use roughxel_scene::{Background, Light, Material, Scene};
 
 use super::colour::{Channel, colour_word};

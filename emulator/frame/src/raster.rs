@@ -78,7 +78,7 @@ pub enum RasterError {
     },
     /// The bump map of an object has no peaks.
     #[error(transparent)]
-    Peaks(#[from] roughxel_maps::peak_pyramid::ObjectPeakError),
+    Peaks(#[from] roughxel_peaks::ObjectPeakError),
     /// A triangle names a vertex its mesh does not have.
     #[error("object {object:?}: triangle {triangle} names vertex {vertex}, but the mesh has {vertices}")]
     VertexIndex {

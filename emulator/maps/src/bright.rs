@@ -7,8 +7,8 @@
 use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
 
-use crate::levels::power_of_two;
 use crate::mip::round_ratio;
+use roughxel_utilities::exp2::power_of_two;
 
 /// The largest code, 4095 · 2^19; those above it, which no map has, read as it.
 pub const LAST_CODE: u16 = 21 * 2048 - 1;

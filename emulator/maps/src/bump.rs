@@ -9,14 +9,15 @@
 #[cfg(test)]
 mod tests;
 
-use crate::levels::power_of_two;
-use crate::mip::{covers, for_each_level, round_ratio};
+use crate::mip::{for_each_level, round_ratio};
 use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, concentration, moments};
 use rayon::prelude::*;
 use roughxel_core::datapath::texel::{BumpCodes, BumpScale};
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_scene::levels::covers;
 use roughxel_scene::{BumpField, Deviation, FrameSystem, Material, RoughnessField};
+use roughxel_utilities::exp2::power_of_two;
 
 /// Fraction bits of the ports that offsets and roughness enter by (I4F28).
 pub const PORT_FRACTION_BITS: i32 = 28;

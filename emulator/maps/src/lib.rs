@@ -10,11 +10,6 @@
 pub mod bright;
 pub mod bump;
 pub mod environment;
-pub mod horizon;
-mod levels;
 pub mod mip;
-pub mod peak_pyramid;
 pub mod roughness;
 mod sphere;
-
-pub use levels::level_sizes;

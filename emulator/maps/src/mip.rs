@@ -6,9 +6,10 @@
 //! 1/8 code a level), and for odd sizes it would blur across the borders of the covered area. Where sizes divide, the
 //! exact sums of an earlier level are reused; that is the same integer, and makes power-of-two maps cost 4/3 of level 0.
 
-use crate::levels::{level_sizes, power_of_two};
 use rayon::prelude::*;
+use roughxel_scene::levels::{covers, level_sizes};
 use roughxel_scene::picture::Picture;
+use roughxel_utilities::exp2::power_of_two;
 
 /// One level of a colour map, texels in rows.
 ///
@@ -203,57 +204,6 @@ fn shrink<const N: usize>(
     AreaSums { width: to_width, height: to_height, area: columns[0].total() * rows[0].total(), sums }
 }
 
-/// The texels that one texel of a smaller level covers along one axis, with integer weights.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Cover {
-    pub(crate) first: usize,
-    pub(crate) last: usize,
-    first_weight: i64,
-    /// Weight of every texel between the first and the last.
-    inner_weight: i64,
-    last_weight: i64,
-}
-
-impl Cover {
-    pub(crate) fn weight(&self, index: usize) -> i64 {
-        if index == self.first {
-            self.first_weight
-        } else if index == self.last {
-            self.last_weight
-        } else {
-            self.inner_weight
-        }
-    }
-
-    pub(crate) fn total(&self) -> i64 {
-        (self.first..=self.last).map(|index| self.weight(index)).sum()
-    }
-}
-
-/// Covers of all `to` texels over `from` ≥ `to` texels: with g = gcd, a texel is to/g units long, its cover from/g.
-pub(crate) fn covers(from: u32, to: u32) -> Vec<Cover> {
-    let g = gcd(from, to);
-    let (unit, length) = (i64::from(to / g), i64::from(from / g));
-    (0..i64::from(to))
-        .map(|index| {
-            let (start, end) = (index * length, (index + 1) * length);
-            let (first, last) = (start / unit, (end - 1) / unit);
-            Cover {
-                first: first as usize,
-                last: last as usize,
-                first_weight: end.min((first + 1) * unit) - start,
-                inner_weight: unit,
-                last_weight: end - start.max(last * unit),
-            }
-        })
-        .collect()
-}
-
-/// Greatest common divisor, Euclid's algorithm.
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -331,14 +281,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn covers_of_odd_sizes_share_the_texel_on_their_border() {
-        let cover =
-            |first, last, first_weight, last_weight| Cover { first, last, first_weight, inner_weight: 2, last_weight };
-        assert_eq!(covers(5, 2), [cover(0, 2, 2, 1), cover(2, 4, 1, 2)]);
-        assert_eq!(covers(1024, 512)[511].total(), 2);
     }
 
     #[test]

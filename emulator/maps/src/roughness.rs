@@ -7,11 +7,12 @@
 //! the root of a covariance. c = 0 means d₂ = 0, d₁ = √a. Isotropic maps store I₁, the root of the larger eigenvalue,
 //! rounded up: never smoother than the surface.
 
-use crate::levels::power_of_two;
-use crate::mip::{Cover, for_each_level};
+use crate::mip::for_each_level;
 pub use roughxel_core::precision::RoughnessKind;
 use roughxel_scene::RoughnessField;
+use roughxel_scene::levels::Cover;
 use roughxel_scene::widest::{WIDTH, widest};
+use roughxel_utilities::exp2::power_of_two;
 
 /// Kind and word length of stored roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,7 @@ pub mod cube;
 mod description;
 mod error;
 mod generate;
+pub mod levels;
 mod lighting;
 mod load;
 mod mesh;

@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use roughxel_frame::raster::RasterError;
-use roughxel_maps::peak_pyramid::ObjectPeakError;
+use roughxel_peaks::ObjectPeakError;
 use roughxel_scene::SceneError;
 use roughxel_scene::picture::PictureError;
 use thiserror::Error;

@@ -14,10 +14,10 @@ use roughxel_record as record;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::{Decision, Effect, Mode, ObjectPlan};
 use roughxel_frame::raster::RasterError;
-use roughxel_maps::peak_pyramid::ScenePeaks;
 use roughxel_net::census::{Census, Cost};
 use roughxel_net::graph::Net;
 use roughxel_net::interval::Ranges;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 
 /// The designs a texture fetch of one channel goes through.

@@ -6,7 +6,7 @@ use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::RasterError;
 use roughxel_frame::{EnvironmentMap, Prepared};
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 
 use crate::StudyError;

@@ -27,6 +27,13 @@ pub fn exp2(x: f64) -> f64 {
     f64::from_bits(exponent) * series
 }
 
+/// 2^exponent in float64, exact for exponents −1022…1023 (outside, the nearest of the two ends).
+#[inline(always)]
+pub fn power_of_two(exponent: i32) -> f64 {
+    let biased = (exponent.clamp(-1022, 1023) + 1023).unsigned_abs();
+    f64::from_bits(u64::from(biased) << 52)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -43,5 +50,13 @@ mod tests {
         for whole in -1000..1000 {
             assert_eq!(exp2(whole.into()), 2_f64.powi(whole));
         }
+    }
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        assert_eq!(power_of_two(0), 1.0);
+        assert_eq!(power_of_two(-28), 1.0 / f64::from(1 << 28));
+        assert_eq!(power_of_two(1023), f64::MAX / (2.0 - f64::EPSILON));
+        assert_eq!(power_of_two(-1022), f64::MIN_POSITIVE);
     }
 }

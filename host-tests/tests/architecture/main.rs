@@ -258,7 +258,7 @@ fn the_reader_finds_what_files_use() {
     assert!(!uses("core/src/datapath/texel.rs", "core/src/lib.rs"));
     // What a macro names, names that are passed on, and tests, do not count.
     assert!(!uses("core/src/bundle.rs", "core/src/ports.rs"));
-    assert!(!uses("emulator/maps/src/peak_pyramid.rs", "emulator/maps/src/peak_pyramid/build.rs"));
+    assert!(!uses("emulator/peaks/src/lib.rs", "emulator/peaks/src/build.rs"));
     assert!(!uses("emulator/scene/src/picture/compare.rs", "emulator/utilities/src/random.rs"));
 }
 

@@ -31,7 +31,7 @@ use roughxel_lanes::{
     Lanes, Look, MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, RoughBump, Shown, Target,
     WideLanes,
 };
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 use roughxel_utilities::random::SplitMix64;
 

@@ -6,10 +6,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 use roughxel_host_tests::reference::random::SplitMix64;
-use roughxel_maps::horizon::horizon_slopes;
-use roughxel_maps::peak_pyramid::{
-    BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface,
-};
+use roughxel_peaks::horizon::horizon_slopes;
+use roughxel_peaks::{BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface};
 
 fn options(exponent: f64, weight: FacetWeight) -> BuildOptions {
     BuildOptions { exponent, amplitude: 1.0, weight, negate: false }

@@ -21,7 +21,7 @@ use roughxel_frame::plan::{Effect, Mode, ObjectPlan};
 use roughxel_frame::{Frame, Prepared};
 use roughxel_host_tests::checked::{Checked, reread, traced};
 use roughxel_host_tests::space::profiles;
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{RoughnessField, Scene};
 
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 
 use roughxel_host_tests::photographs::photograph;

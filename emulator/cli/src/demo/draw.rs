@@ -11,7 +11,7 @@ use thiserror::Error;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::RasterError;
 use roughxel_frame::{Frame, Prepared};
-use roughxel_maps::peak_pyramid::{ObjectPeakError, ScenePeaks};
+use roughxel_peaks::{ObjectPeakError, ScenePeaks};
 use roughxel_scene::picture::{PictureError, beside, write_png_srgb};
 use roughxel_scene::{Scene, SceneError};
 

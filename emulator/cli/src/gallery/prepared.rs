@@ -6,7 +6,7 @@ use super::drawn::Settings;
 use crate::demo::DrawError;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 
 /// The peaks of a scene's maps, for all modes.

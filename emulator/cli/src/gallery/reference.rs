@@ -18,7 +18,7 @@ use super::drawn::{GalleryError, Settings};
 use super::prepared::{prepare, render};
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_maps::peak_pyramid::ScenePeaks;
+use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{Scene, builtin_text};
 use roughxel_utilities::output::OutputFile;
 

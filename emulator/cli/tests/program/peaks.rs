@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use roughxel_maps::peak_pyramid::{Horizon, PeakLevel, PeakPyramid};
+use roughxel_peaks::{Horizon, PeakLevel, PeakPyramid};
 use roughxel_scene::Scene;
 
 const CAMERA: &str = "camera = { eye = [0, 1, 2], target = [0, 0, 0] }\n";

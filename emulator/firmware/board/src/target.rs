@@ -50,11 +50,12 @@ fn rustup_has(triple: &'static str) -> bool {
 /// How programs of the emulator are optimised: libraries hardly, for they read scenes and little more; what every texel and pixel goes
 /// through as in a release. That of the frames takes two minutes of one core to build for a processor, and its frames 48 s on s390x; with everything at
 /// the first level they take about twice as long.
-const HOSTED_PROFILE: [&str; 6] = [
+const HOSTED_PROFILE: [&str; 7] = [
     "profile.release.opt-level=1",
     "profile.release.package.roughxel-core.opt-level=3",
     "profile.release.package.roughxel-frame.opt-level=3",
     "profile.release.package.roughxel-maps.opt-level=3",
+    "profile.release.package.roughxel-peaks.opt-level=3",
     "profile.release.package.roughxel-scene.opt-level=3",
     "profile.release.package.roughxel-utilities.opt-level=3",
 ];

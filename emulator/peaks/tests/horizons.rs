@@ -1,6 +1,6 @@
 //! Heights that a scene keeps, and the horizons of the peaks fitted to them.
 
-use roughxel_maps::peak_pyramid::{BuildOptions, FacetWeight, PeakPyramid, PeakSource};
+use roughxel_peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource};
 use roughxel_scene::picture::Picture;
 use roughxel_scene::{BumpField, FrameSystem, HeightScale};
 

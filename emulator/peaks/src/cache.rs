@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 use super::build::{Part, Parts, Texels};
 use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
 use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, PeakError, PeakSource, texels};
-use crate::levels::level_sizes;
+use roughxel_scene::levels::level_sizes;
 
 /// First bytes of a file; the number changes with the format and with every change of what is built.
 const MAGIC: &[u8] = b"roughxel peak pyramid 5\n";

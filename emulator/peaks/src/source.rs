@@ -9,7 +9,7 @@ use roughxel_scene::{
 use thiserror::Error;
 
 use super::fit;
-use crate::levels::level_sizes;
+use roughxel_scene::levels::level_sizes;
 
 /// Most peaks of a texel.
 pub const MAX_PEAKS: usize = fit::MAX_PEAKS;

@@ -15,7 +15,7 @@ use super::shadows::{self, DARK, Light};
 use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, MAX_SURFACE_WEIGHT, PeakError, PeakSource, unit};
 use super::spread::{Facet, density, sharpened, spread_exponent};
 use crate::horizon::{HorizonSlopes, horizon_slopes};
-use crate::mip::{Cover, covers};
+use roughxel_scene::levels::{Cover, covers};
 
 /// Consecutive texels of a level, in rows; what is kept of a build that is interrupted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

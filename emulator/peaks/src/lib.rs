@@ -1,3 +1,5 @@
+//! # roughxel-peaks
+//!
 //! Peak pyramid: distributions of normals as a few peaks Σ a cosⁿα (F92 §2, §5), with the horizons that each peak sees.
 //!
 //! Level 0 has one peak a texel. A texel of any other level stands for all texels of level 0 below it, each by the area it
@@ -12,6 +14,7 @@ mod build;
 mod cache;
 mod clusters;
 mod fit;
+pub mod horizon;
 mod law;
 mod levels;
 mod scene_peaks;
