@@ -7,12 +7,12 @@ use roughxel_core::ports::{
     BlockVector, HighlightIn, PeakIn, ReflectionIn, Shininess, StoredHorizon, StoredPeak, SurfaceIn,
 };
 use roughxel_core::precision::Precision;
+use roughxel_utilities::random::SplitMix64;
 
 use super::fragment::{bit, random_fragment};
 use super::highlight::{self, lit, random_light};
 use super::lit_peak::random_lit_peak;
 use super::set::CaseSet;
-use roughxel_utilities::random::SplitMix64;
 
 /// ½ as a mantissa.
 const HALF: i32 = 1 << 29;

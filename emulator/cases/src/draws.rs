@@ -12,7 +12,6 @@ use roughxel_core::design::Form;
 use roughxel_core::each::{each, places};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
-
 use roughxel_lanes::{Columns, LANES, Reading};
 use roughxel_net::integers::filled;
 use roughxel_utilities::random::SplitMix64;

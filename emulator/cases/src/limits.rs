@@ -5,7 +5,6 @@ use fixed::types::{I1F15, I2F30, I4F12, I4F28, I16F16};
 use roughxel_core::ports::{BlockVector, HighlightIn, PeakIn, ReflectionIn, StoredHorizon, StoredPeak, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::shininess;
-
 use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 

@@ -10,15 +10,15 @@ use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, StoredPeak, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_peak, stored_unit_peak};
+use roughxel_lanes::Columns;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::random::SplitMix64;
 
 use super::draws::{Elements, Kind, Rows, at, direction, in_octave, octave, set, unit, unit_or};
 use super::fragment::{FRAGMENT, Fragments, SURFACE, bit};
 use super::highlight::eye_and_light;
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
 use super::set::CaseSet;
-use roughxel_lanes::Columns;
-use roughxel_utilities::exp2::exp2;
-use roughxel_utilities::random::SplitMix64;
 
 /// Every effect.
 pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: HorizonKind::Correlated };

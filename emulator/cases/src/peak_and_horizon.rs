@@ -9,12 +9,12 @@ use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_horizon, stored_peak, uniform_law};
 use roughxel_core::signals::TangentFrame;
 use roughxel_core::stage::enter::enter;
+use roughxel_utilities::exp2::exp2;
+use roughxel_utilities::random::SplitMix64;
 
 use super::draws::direction;
 use super::fragment::bit;
 use super::set::CaseSet;
-use roughxel_utilities::exp2::exp2;
-use roughxel_utilities::random::SplitMix64;
 
 /// A direction and the frame of the surface in which it is wanted.
 #[derive(Clone, Copy, Debug)]

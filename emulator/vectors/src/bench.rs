@@ -14,6 +14,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
+use roughxel_net::verilog::{Interface, Options, Stage, Verilog, VerilogError};
+use roughxel_record as record;
+use roughxel_utilities::input::open_file;
+use roughxel_utilities::output::{OutputFile, WriteError, write_files};
 use thiserror::Error;
 
 use super::VectorError;
@@ -23,10 +27,6 @@ use super::lines::is_whole;
 use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
 use fields::{Fields, identifier};
-use roughxel_net::verilog::{Interface, Options, Stage, Verilog, VerilogError};
-use roughxel_record as record;
-use roughxel_utilities::input::open_file;
-use roughxel_utilities::output::{OutputFile, WriteError, write_files};
 
 /// What runs the bench in any of the tools, with the name of its file.
 const RUN: (&str, &str) = ("run.sh", include_str!("../../../vectors/templates/run.sh"));

@@ -6,8 +6,9 @@
 
 use std::collections::BTreeSet;
 
-use super::outcomes::Outcomes;
 use roughxel_net::rounding::{Change, Moves, Roundings};
+
+use super::outcomes::Outcomes;
 
 /// A design whose roundings may be off.
 pub(super) struct Bounds<'a> {

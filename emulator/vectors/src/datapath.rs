@@ -11,7 +11,6 @@ use roughxel_core::ports::{
 };
 use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
-
 use roughxel_lanes::{Columns, Reading};
 use roughxel_net::integers::{filled, integers, integers_at};
 

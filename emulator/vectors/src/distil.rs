@@ -9,6 +9,9 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use roughxel_net::bins::Bins;
+use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_net::interval::Ranges;
 use serde::Serialize;
 
 use super::VectorError;
@@ -16,9 +19,6 @@ use super::datapath::Inputs;
 use super::grade::{Hunt, Proofs, is_of_one_design, read_words};
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
-use roughxel_net::bins::Bins;
-use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_net::interval::Ranges;
 
 /// Kinds of mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,6 +11,7 @@ use std::path::Path;
 use roughxel_core::plan::Datapath;
 use roughxel_core::ports::{HighlightIn, HighlightInput, PeakIn, PeakInput, Port, ReflectionIn, ReflectionInput};
 use roughxel_core::status::StatusBit;
+use roughxel_utilities::spelling::did_you_mean;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -25,7 +26,6 @@ use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
 use super::verify::{Checker, Mismatch};
 use super::word::{check_value, read_device_word};
-use roughxel_utilities::spelling::did_you_mean;
 
 /// One vector of a set.
 #[derive(Clone, Debug)]

@@ -4,12 +4,12 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use roughxel_utilities::input::open_file;
+use roughxel_utilities::output::OutputFile;
 use sha2::{Digest, Sha256};
 
 use super::VectorError;
 use super::manifest::{FileEntry, Form, Manifest};
-use roughxel_utilities::input::open_file;
-use roughxel_utilities::output::OutputFile;
 
 /// The words of a set while they are written; dropped without [`SetFiles::commit`] they leave no trace.
 pub(super) struct SetFiles {

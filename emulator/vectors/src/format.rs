@@ -3,10 +3,10 @@
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem};
 use roughxel_core::precision::Precision;
+use roughxel_record as record;
 use thiserror::Error;
 
 use super::layout::{Column, Direction, Kept, columns};
-use roughxel_record as record;
 
 /// The line before the tables in a page.
 const BEGIN: &str = "<!-- Begin of what `roughxel vectors format --write vectors/FORMAT.md` writes. -->\n";

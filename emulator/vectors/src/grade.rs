@@ -8,6 +8,12 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use roughxel_net::bins::{Bin, Bins};
+use roughxel_net::equal::Prover;
+use roughxel_net::exhaust::{Exhaustion, Task};
+use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_net::interval::Ranges;
+use roughxel_net::observe::Observed;
 use serde::Serialize;
 
 use super::VectorError;
@@ -17,12 +23,6 @@ use super::lines::Lines;
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
 use super::score::{GradeEntry, Score};
-use roughxel_net::bins::{Bin, Bins};
-use roughxel_net::equal::Prover;
-use roughxel_net::exhaust::{Exhaustion, Task};
-use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_net::interval::Ranges;
-use roughxel_net::observe::Observed;
 
 /// Vectors that faults go through at once: their wires stay in a processor's cache.
 const BATCH: usize = 32;

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
+use roughxel_net::neighbour::{MOST_CHOICES, Neighbours, Verdict};
 use serde::Serialize;
 
 use super::VectorError;
@@ -13,7 +14,6 @@ use super::layout::{Field, mask};
 use super::lines::{Line, Lines};
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
-use roughxel_net::neighbour::{MOST_CHOICES, Neighbours, Verdict};
 
 /// Most vectors that are described; all are counted.
 const DESCRIBED: usize = 10;

@@ -14,12 +14,12 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use roughxel_core::status::StatusBit;
-use serde::{Deserialize, Serialize};
-
-use super::datapath::Batch;
 use roughxel_net::graph::{Net, NodeId};
 use roughxel_net::verilog::{Stage, StagePort, VerilogError};
 use roughxel_record as record;
+use serde::{Deserialize, Serialize};
+
+use super::datapath::Batch;
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = roughxel_utilities::crc::BITS;

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use roughxel_utilities::input::open_file;
 use sha2::{Digest, Sha256};
 
 use super::files::hex_digest;
@@ -11,7 +12,6 @@ use super::layout::Layout;
 use super::manifest::{Form, Manifest};
 use super::word::{read_device_word, read_record, read_word};
 use super::{MAX_VECTORS, VectorError};
-use roughxel_utilities::input::open_file;
 
 /// Longest line: beyond every word and comment.
 const MAX_LINE: u64 = 4096;

@@ -8,13 +8,13 @@ use std::path::Path;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_study::profile_file::{NameError, NamedPrecision};
+use roughxel_utilities::input::open_file;
 use serde::{Deserialize, Serialize};
 
 use super::layout::{Field, Layout};
 use super::part::Part;
 use super::score::GradeEntry;
 use super::{MAX_VECTORS, VectorError, stage};
-use roughxel_utilities::input::open_file;
 
 /// Value of `schema`.
 pub const SCHEMA: &str = "roughxel-vectors";

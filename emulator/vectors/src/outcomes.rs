@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 
 use roughxel_core::design::Design;
+use roughxel_net::graph::{Net, NodeId};
+use roughxel_record as record;
 
 use super::datapath::Inputs;
 use super::layout::{Direction, Field, Layout, mask};
 use super::manifest::Manifest;
-use roughxel_net::graph::{Net, NodeId};
-use roughxel_record as record;
 
 /// The design of a set with its outcomes, in the order of the pipeline.
 pub(super) struct Outcomes<'a> {

@@ -2,11 +2,6 @@
 
 use std::ops::Range;
 
-use roughxel_core::plan::{Datapath, Effects, ReflectionPlan};
-use roughxel_core::precision::Precision;
-
-use super::datapath::{InputSource, Inputs, Ports};
-use super::manifest::Manifest;
 use roughxel_cases::corners::{
     CORNERS, fragment_corners, fragment_far, highlight_corners, highlight_far, peak_corners, peak_far,
 };
@@ -14,6 +9,11 @@ use roughxel_cases::highlight::{self, highlight_sets, random_light, random_light
 use roughxel_cases::limits::{fragment_limits, highlight_limits, peak_limits};
 use roughxel_cases::lit_peak::{self, lit_peak_sets, random_lit_peak, random_lit_peaks};
 use roughxel_cases::{CaseSet, FOOTPRINT_LEVEL, FOOTPRINT_SWAP, hard_case_sets, random_fragment, random_fragments};
+use roughxel_core::plan::{Datapath, Effects, ReflectionPlan};
+use roughxel_core::precision::Precision;
+
+use super::datapath::{InputSource, Inputs, Ports};
+use super::manifest::Manifest;
 
 /// The random set of each datapath: its name, and what it holds.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [

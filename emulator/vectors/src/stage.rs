@@ -9,11 +9,11 @@ use std::sync::Arc;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-
-use super::layout::Layout;
 use roughxel_net::graph::Net;
 use roughxel_net::verilog::{Options, Stage, Stages, VerilogError};
 use roughxel_record as record;
+
+use super::layout::Layout;
 
 /// The module of a stage, whose ports are the fields of a set.
 #[derive(Clone, Debug)]

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use roughxel_utilities::crc::flipped_bit;
 use serde::Serialize;
 
 use super::VectorError;
@@ -15,7 +16,6 @@ use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
 use super::part::Part;
 use super::word::check_value;
-use roughxel_utilities::crc::flipped_bit;
 
 /// Most mismatches that are described; all are counted.
 const DESCRIBED: usize = 10;

@@ -5,10 +5,11 @@
 //!
 //! The check value is a CRC-32 ([`crc`]) that starts with ffffffff, over the bits above it, most significant first.
 
-use super::layout::{CHECK_BITS, Field, Layout, mask};
-use super::manifest::Form;
 use roughxel_lanes::Reading;
 use roughxel_utilities::crc;
+
+use super::layout::{CHECK_BITS, Field, Layout, mask};
+use super::manifest::Form;
 
 /// The digits of a word's fields eight by eight, the last field at the end of the last eight; zeros before the first.
 ///

@@ -10,11 +10,10 @@ use rayon::prelude::*;
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
-use roughxel_peaks::ScenePeaks;
-use roughxel_scene::Scene;
-
 use roughxel_host_tests::photographs::photograph;
 use roughxel_host_tests::space::whole_or;
+use roughxel_peaks::ScenePeaks;
+use roughxel_scene::Scene;
 
 /// A plane to the horizon, its map 30 times along an edge, under one light. The light stands 45° to the side of straight ahead.
 fn plain(height_map: &str, elevation_degrees: f64, shadowing: &str) -> Scene {

@@ -6,14 +6,13 @@ use std::time::{Duration, Instant};
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
-use thiserror::Error;
-
 use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::RasterError;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_peaks::{ObjectPeakError, ScenePeaks};
 use roughxel_scene::picture::{PictureError, beside, write_png_srgb};
 use roughxel_scene::{Scene, SceneError};
+use thiserror::Error;
 
 /// The scenes of the demonstration: S97 Fig. 10–13 and 1–2, and the globe of its frame system 3.
 pub(crate) const DEMO_SCENES: [&str; 4] = ["lake", "zebra", "puzzle", "globe"];

@@ -4,17 +4,18 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use roughxel_frame::plan::{Decision, ObjectPlan};
+use roughxel_frame::raster::tiles;
+use roughxel_frame::{Frame, Prepared};
+use roughxel_scene::Scene;
+use roughxel_scene::picture::{Picture, beside, difference, ssim, write_png_srgb};
+
 use super::change::Change;
 use super::drawn::{DrawnColumn, DrawnReference, DrawnScene, GalleryError, Settings};
 use super::entry::Entry;
 use super::prepared::{self, prepare, render};
 use super::{reference, table};
 use crate::demo::DrawError;
-use roughxel_frame::plan::{Decision, ObjectPlan};
-use roughxel_frame::raster::tiles;
-use roughxel_frame::{Frame, Prepared};
-use roughxel_scene::Scene;
-use roughxel_scene::picture::{Picture, beside, difference, ssim, write_png_srgb};
 
 /// A column is drawn again until this much time has gone into it, or [`MOST_DRAWINGS`] times.
 const ENOUGH_TIME: Duration = Duration::from_millis(400);

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use roughxel_core::precision::Precision;
+use roughxel_frame::plan::Mode;
+use roughxel_scene::picture::PictureError;
 use thiserror::Error;
 
 use super::entry::{Column, Entry};
 use super::table;
 use crate::demo::DrawError;
-use roughxel_frame::plan::Mode;
-use roughxel_scene::picture::PictureError;
 
 /// How a gallery is drawn.
 #[derive(Clone, Debug)]

@@ -1,7 +1,8 @@
 //! What the gallery shows: scenes with columns, each a way to draw.
 
-use super::change::Change;
 use roughxel_frame::plan::Mode;
+
+use super::change::Change;
 
 /// A scene of the gallery.
 #[derive(Clone, Copy, Debug)]

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use roughxel_page::html::{Page, Text};
+use roughxel_scene::picture::{DIFFERENCE_GAIN, PictureError};
+use roughxel_utilities::output::OutputFile;
 
 use super::drawn::{DrawnScene, GalleryError, Settings};
 use super::table::{FILTERED, NO_TEXTURE, SAMPLES_16, UNFILTERED};
-use roughxel_scene::picture::{DIFFERENCE_GAIN, PictureError};
-use roughxel_utilities::output::OutputFile;
 
 /// What stands in place of a figure where [`Settings::judges`] says no.
 const NOT_JUDGED: &str = "not judged: the reference has no more samples a pixel";

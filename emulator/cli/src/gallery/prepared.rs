@@ -1,13 +1,13 @@
 //! Scenes of the gallery with their maps.
 
 use roughxel_core::precision::Precision;
-
-use super::drawn::Settings;
-use crate::demo::DrawError;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
+
+use super::drawn::Settings;
+use crate::demo::DrawError;
 
 /// The peaks of a scene's maps, for all modes.
 pub(super) fn peaks(scene: &Scene, settings: &Settings) -> Result<ScenePeaks, DrawError> {

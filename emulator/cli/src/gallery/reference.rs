@@ -12,15 +12,15 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use roughxel_core::precision::Precision;
-use sha2::{Digest, Sha256};
-
-use super::drawn::{GalleryError, Settings};
-use super::prepared::{prepare, render};
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{Scene, builtin_text};
 use roughxel_utilities::output::OutputFile;
+use sha2::{Digest, Sha256};
+
+use super::drawn::{GalleryError, Settings};
+use super::prepared::{prepare, render};
 
 /// Directory of the files, below that of the gallery.
 const DIRECTORY: &str = ".reference";

@@ -1,11 +1,12 @@
 //! The scenes of the gallery and their columns: the papers' pictures, one entry each.
 
+use roughxel_frame::plan::{Effect, Mode};
+
 use super::change::{
     Change, footprints_on_a_face, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing,
     no_texture, plain_highlight, printed_highlight, product_of_shares, single_normal,
 };
 use super::entry::{Column, Entry};
-use roughxel_frame::plan::{Effect, Mode};
 
 /// One sample a pixel: what times are compared with.
 pub const UNFILTERED: Column = plain("unfiltered", Mode::Unfiltered);

@@ -2,11 +2,12 @@
 
 use std::io::{self, Write};
 
+use roughxel_core::ports::ReflectionOut;
+use roughxel_study::accuracy::{Accuracy, FIGURES, measure};
+
 use crate::eval::{INPUT_COLUMNS, Value, visit};
 use clap::Args;
 use comfy_table::Table;
-use roughxel_core::ports::ReflectionOut;
-use roughxel_study::accuracy::{Accuracy, FIGURES, measure};
 use serde_json::json;
 
 use crate::console::{new_table, progress};
