@@ -1,3 +1,5 @@
+//! # roughxel-vectors
+//!
 //! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
 //! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
