@@ -107,7 +107,7 @@ pub trait Rewire<W: Word, V: Word> {
 /// A structure of wires.
 pub trait Bundle<W: Word>: Copy {
     /// The same structure in another reading.
-    type In<V: Word>: Bundle<V>;
+    type In<V: Word>: Bundle<V, In<i32> = Self::In<i32>>;
     /// Words of 32 bits that its wires take: a wide wire is two.
     const WORDS: usize;
     /// Walks all wires in the order of the fields.

@@ -13,10 +13,11 @@ use std::time::{Duration, Instant};
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_frame::plan::{Decision, Effect, Mode};
+use roughxel_frame::plan::{Decision, Mode};
 use roughxel_frame::{Frame, Prepared};
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
+use roughxel_shader::Effect;
 use roughxel_study::plan::{EffectReport, Hardware, ObjectReport, measure, time_ratio};
 
 const SCENES: [&str; 4] = ["lake", "denim-plane", "highlight", "horizon-plane"];

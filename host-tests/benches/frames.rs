@@ -9,9 +9,10 @@ use std::time::{Duration, Instant};
 
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use roughxel_core::precision::Precision;
+use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::{Phase, PhaseTimes, Prepared};
 use roughxel_scene::Scene;
+use roughxel_shader::{Phase, PhaseTimes};
 
 /// A bumpy plane to the horizon that mirrors the sky: 512² texels, faces of 512².
 const PLANE: &str = r#"

@@ -39,11 +39,12 @@ use roughxel_frame::plan::Mode;
 use roughxel_host_tests::designs::scalar;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
-use roughxel_lanes::{InstructionSet, Ports, Reading};
 use roughxel_net::bench::Bench;
 use roughxel_net::verilog::{Options, Verilog};
 use roughxel_record as record;
 use roughxel_scene::Scene;
+use roughxel_shader::{Ports, Shader};
+use roughxel_simd::{Backend, InstructionSet};
 use roughxel_study::accuracy::{reference_inputs, reference_options};
 use roughxel_utilities::output::write_files;
 use roughxel_utilities::random::SplitMix64;
@@ -255,7 +256,7 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
             for fragments in ports.chunks(BATCH) {
                 inputs.clear();
                 inputs.extend(fragments.iter().map(Port::wires));
-                black_box(inputs.footprints(Reading::Lanes(set), (&scale, &ReflectionPlan::FULL), &profile));
+                black_box(inputs.footprints(Shader::new(Backend::Simd(set), &profile), &scale, &ReflectionPlan::FULL));
             }
         })
     };

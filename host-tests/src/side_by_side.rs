@@ -8,8 +8,8 @@ use roughxel_core::staged::Staged;
 use roughxel_core::width::narrowed;
 use roughxel_core::word::{Wire, Word};
 #[cfg(target_arch = "x86_64")]
-use roughxel_lanes::{Avx2, Avx512};
-use roughxel_lanes::{Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
+use roughxel_simd::{Avx2, Avx512};
+use roughxel_simd::{Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
 
 use crate::checked::{Integers, Visible, first_difference};
 use crate::designs::{checked, scalar};

@@ -235,31 +235,32 @@ fn core_is_no_std_and_safe() {
     }
 }
 
-/// Files of a frame through which a value goes from texel to pixel.
-const SHADING: [&str; 7] = ["batch.rs", "environment.rs", "lighting.rs", "texture.rs", "tile.rs", SAMPLER, REPEATED];
+/// Files through which a value goes from texel to pixel, beside all of the shader.
+const SHADING: [&str; 6] = [
+    "core/src/sampler.rs",
+    "core/src/repeated.rs",
+    "emulator/frame/src/environment.rs",
+    "emulator/frame/src/lighting.rs",
+    "emulator/frame/src/texture.rs",
+    "emulator/frame/src/tile.rs",
+];
 
-/// What frames and firmware fetch from an environment by, seen from there.
-const SAMPLER: &str = "../../../core/src/sampler.rs";
-/// What they fetch from repeated maps by.
-const REPEATED: &str = "../../../core/src/repeated.rs";
-
-/// Where a frame may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
-const FRAME_ARITHMETIC: [(&str, &str, &str); 11] = [
-    ("environment.rs", "bytes", "bytes of what is stored"),
-    (SAMPLER, "level_edge", "memory: the edge of a level"),
-    (SAMPLER, "edge_of", "memory: the same of every fragment"),
-    (SAMPLER, "patches", "memory: the channels of four texels"),
-    (REPEATED, "tap", "memory: the place of a row in a level"),
-    ("lighting.rs", "bytes", "bytes of what is stored"),
-    ("lighting.rs", "prepared", "set-up from floats: the colour of a light"),
-    ("texture.rs", "new", "bytes of what is stored"),
-    ("tile.rs", "render_counted", "memory: room for the pixels"),
+/// Where these may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
+const FRAME_ARITHMETIC: [(&str, &str, &str); 10] = [
+    ("core/src/sampler.rs", "level_edge", "memory: the edge of a level"),
+    ("core/src/sampler.rs", "edge_of", "memory: the same of every fragment"),
+    ("core/src/sampler.rs", "patches", "memory: the channels of four texels"),
+    ("core/src/repeated.rs", "tap", "memory: the place of a row in a level"),
+    ("emulator/frame/src/environment.rs", "bytes", "bytes of what is stored"),
+    ("emulator/frame/src/lighting.rs", "bytes", "bytes of what is stored"),
+    ("emulator/frame/src/texture.rs", "new", "bytes of what is stored"),
+    ("emulator/frame/src/tile.rs", "render_counted", "memory: room for the pixels"),
     (
-        "tile.rs",
+        "emulator/frame/src/tile.rs",
         "shade_tile",
         "the mean of samples: what the datapath is compared with, and the edges of the front end",
     ),
-    ("tile.rs", "background", "set-up from floats: a ramp of colours"),
+    ("emulator/frame/src/tile.rs", "background", "set-up from floats: a ramp of colours"),
 ];
 
 /// Why a token of a frame is arithmetic, if it is: an operator between operands, or a call that shifts, multiplies, rounds
@@ -315,16 +316,21 @@ fn arithmetic_and_functions_of_stages_are_found() {
 
 #[test]
 fn a_frame_calls_no_arithmetic_of_its_own() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator/frame/src");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let shader = files_below(&root.join("emulator/shader/src"));
+    let shader = shader.into_iter().map(|(name, _, tokens)| (format!("emulator/shader/src/{name}"), tokens));
+    let beside = SHADING.map(|name| {
+        let text = fs::read_to_string(root.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        (name.to_owned(), tokens(&text))
+    });
     let mut used = [false; FRAME_ARITHMETIC.len()];
-    for name in SHADING {
-        let tokens = tokens(&fs::read_to_string(folder.join(name)).expect("the frame has that file"));
+    for (name, tokens) in shader.chain(beside) {
         if let Some(token) = stage_functions(&tokens).first() {
             panic!("{name}:{}: {} of a stage: the composer calls stages", token.line, token.text);
         }
         for index in (0..tokens.len()).filter(|&index| arithmetic(&tokens, index)) {
             let (_, item) = enclosing_item(&tokens, index);
-            let allowed = FRAME_ARITHMETIC.iter().position(|(file, allowed, _)| (*file, *allowed) == (name, item));
+            let allowed = FRAME_ARITHMETIC.iter().position(|(file, allowed, _)| (*file, *allowed) == (&*name, item));
             let Some(allowed) = allowed else {
                 panic!(
                     "{name}:{}: {} in {item}: the datapath has the arithmetic",
@@ -343,7 +349,7 @@ fn a_frame_calls_no_arithmetic_of_its_own() {
 #[test]
 fn rows_of_batches_have_names_and_no_numbers() {
     let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
-    for package in ["lanes", "frame", "cases", "study"] {
+    for package in ["shader", "frame", "cases", "study"] {
         for (name, _, tokens) in files_below(&emulator.join(package).join("src")) {
             for call in tokens.windows(3) {
                 let is_number = call[2].text.starts_with(|first: char| first.is_ascii_digit());
@@ -369,7 +375,7 @@ fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
     ];
     let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
     let mut used = [false; PLATFORM_FUNCTIONS.len()];
-    for package in ["cases", "scene", "maps", "peaks", "frame", "lanes", "utilities"] {
+    for package in ["cases", "scene", "maps", "peaks", "frame", "shader", "simd", "utilities"] {
         for (name, _, tokens) in files_below(&emulator.join(package).join("src")) {
             let name = format!("{package}/src/{name}");
             if name.ends_with("/tests.rs") {

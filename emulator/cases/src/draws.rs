@@ -12,8 +12,9 @@ use roughxel_core::design::Form;
 use roughxel_core::each::{each, places};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
-use roughxel_lanes::{Columns, LANES, Reading};
 use roughxel_net::integers::filled;
+use roughxel_shader::Batch;
+use roughxel_simd::{Backend, LANES};
 use roughxel_utilities::random::SplitMix64;
 
 /// The components of a vector of each element.
@@ -243,14 +244,14 @@ pub(crate) trait Kind<const WORDS: usize> {
         filled(&Self::Ports::limit::<i32>(End::Low), &words.map(|[word]| word.into()))
     }
 
-    /// Those elements of the set `set`, in place of what `columns` held.
-    fn many(set: &str, indices: Range<u64>, p: &Precision, columns: &mut Columns<Self::Ports>) {
-        let (hash, reading) = (SplitMix64::hash_of(set), Reading::best());
+    /// Those elements of the set `set`, in place of what `batch` held.
+    fn many(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<Self::Ports>) {
+        let (hash, backend) = (SplitMix64::hash_of(set), Backend::best());
         let group = |first: u64| Elements { hash, indices: each!(lane in places() => first + lane as u64) };
         // Few are odd: they are brought together, so that no lane of theirs waits for plausible ones.
         let mut odd = Vec::new();
         for first in indices.clone().step_by(LANES) {
-            let are_odd = reading.run(
+            let are_odd = backend.run(
                 #[inline(always)]
                 || Self::are_odd::<LANES>(group(first)),
             );
@@ -259,16 +260,16 @@ pub(crate) trait Kind<const WORDS: usize> {
         let mut odd_words = vec![[[0; LANES]; WORDS]; odd.len().div_ceil(LANES)];
         for (odd, words) in odd.chunks(LANES).zip(&mut odd_words) {
             let elements = Elements { hash, indices: each!(lane in places() => odd[lane.min(odd.len() - 1)]) };
-            reading.run(
+            backend.run(
                 #[inline(always)]
                 || Self::odd::<LANES>(elements, p, words),
             );
         }
         let mut odd = odd.iter().enumerate().map(|(number, &index)| (index, number / LANES, number % LANES)).peekable();
-        columns.clear();
+        batch.clear();
         let mut words = [[0; LANES]; WORDS];
         for first in indices.clone().step_by(LANES) {
-            reading.run(
+            backend.run(
                 #[inline(always)]
                 || Self::plausible::<LANES>(group(first), p, &mut words),
             );
@@ -278,7 +279,7 @@ pub(crate) trait Kind<const WORDS: usize> {
                     row[(index - first) as usize] = odd[lane];
                 }
             }
-            columns.append((behind - first) as usize, |to| to.words(&words));
+            batch.append((behind - first) as usize, |to| to.words(&words));
         }
     }
 }
@@ -293,13 +294,13 @@ mod tests {
     use crate::lit_peak::Peaks;
 
     fn hold<K: Kind<WORDS>, const WORDS: usize>(p: &Precision) {
-        let mut columns = Columns::default();
-        // Whole groups of lanes, parts of them, none; the columns keep nothing of those before.
+        let mut batch = Batch::default();
+        // Whole groups of lanes, parts of them, none; the batch keep nothing of those before.
         for indices in [0..3000, 5..6, 70..70, 100..117, (1 << 40) + 3..(1 << 40) + 500] {
-            K::many("draws", indices.clone(), p, &mut columns);
-            assert_eq!(columns.len() as u64, indices.end - indices.start);
+            K::many("draws", indices.clone(), p, &mut batch);
+            assert_eq!(batch.len() as u64, indices.end - indices.start);
             for (place, index) in indices.enumerate() {
-                let [many, one] = [columns.get(place), K::one("draws", index, p)].map(|ports| integers(&ports));
+                let [many, one] = [batch.get(place), K::one("draws", index, p)].map(|ports| integers(&ports));
                 assert_eq!(many, one, "element {index}");
             }
         }

@@ -10,7 +10,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 
 use super::draws::{Draws, Elements, Kind, Rows};
-use roughxel_lanes::Columns;
+use roughxel_shader::Batch;
 
 /// One fragment in real numbers, the form the generators think in; the fields are those of [`ReflectionIn`].
 #[derive(Clone, Copy, Debug)]
@@ -70,9 +70,9 @@ pub fn random_fragment(set: &str, index: u64, p: &Precision) -> ReflectionIn {
     ReflectionIn::of(&Fragments::one(set, index, p))
 }
 
-/// The ports of those fragments of the random set `set`, as [`random_fragment`] makes them, in place of what `columns` held.
-pub fn random_fragments(set: &str, indices: Range<u64>, p: &Precision, columns: &mut Columns<ReflectionInput<i32>>) {
-    Fragments::many(set, indices, p, columns);
+/// The ports of those fragments of the random set `set`, as [`random_fragment`] makes them, in place of what `batch` held.
+pub fn random_fragments(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<ReflectionInput<i32>>) {
+    Fragments::many(set, indices, p, batch);
 }
 
 /// Words of a surface.

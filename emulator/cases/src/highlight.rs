@@ -14,7 +14,7 @@ use roughxel_core::setup::{block_vector, offset, shininess};
 use super::draws::{Draws, Elements, Kind, Rows, at, in_octave, octave, set, unit, unit_or};
 use super::fragment::{Fragments, SURFACE, bit};
 use super::set::CaseSet;
-use roughxel_lanes::Columns;
+use roughxel_shader::Batch;
 
 /// Every stage of a surface.
 pub const FULL: SurfacePlan =
@@ -71,9 +71,9 @@ pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
     HighlightIn::of(&Lights::one(set, index, p))
 }
 
-/// The ports of those lights of the random set `set`, as [`random_light`] makes them, in place of what `columns` held.
-pub fn random_lights(set: &str, indices: Range<u64>, p: &Precision, columns: &mut Columns<HighlightInput<i32>>) {
-    Lights::many(set, indices, p, columns);
+/// The ports of those lights of the random set `set`, as [`random_light`] makes them, in place of what `batch` held.
+pub fn random_lights(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<HighlightInput<i32>>) {
+    Lights::many(set, indices, p, batch);
 }
 
 /// Words of a light on a surface.

@@ -10,7 +10,7 @@ use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, PeakIn, PeakInput, Port, StoredHorizon, StoredPeak, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, stored_peak, stored_unit_peak};
-use roughxel_lanes::Columns;
+use roughxel_shader::Batch;
 use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 
@@ -35,9 +35,9 @@ pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
     PeakIn::of(&Peaks::one(set, index, p))
 }
 
-/// The ports of those peaks of the random set `set`, as [`random_lit_peak`] makes them, in place of what `columns` held.
-pub fn random_lit_peaks(set: &str, indices: Range<u64>, p: &Precision, columns: &mut Columns<PeakInput<i32>>) {
-    Peaks::many(set, indices, p, columns);
+/// The ports of those peaks of the random set `set`, as [`random_lit_peak`] makes them, in place of what `batch` held.
+pub fn random_lit_peaks(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<PeakInput<i32>>) {
+    Peaks::many(set, indices, p, batch);
 }
 
 /// One of those codes, as many of each octave, from the lower half of a word.

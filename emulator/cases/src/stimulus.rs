@@ -19,9 +19,9 @@ use roughxel_core::signals::{PeakSum, TexturePosition};
 use roughxel_core::soft_core::{environment_scale, reflection, texture_scale};
 use roughxel_core::stage::enter::enter;
 use roughxel_core::width::on_words;
-use roughxel_lanes::PackedPeak;
 use roughxel_net::graph::Net;
 use roughxel_net::integers::integers_at;
+use roughxel_shader::PackedPeak;
 use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 

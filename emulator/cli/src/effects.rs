@@ -3,8 +3,9 @@
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::Prepared;
-use roughxel_frame::plan::{Mode, ObjectPlan};
+use roughxel_frame::plan::Mode;
 use roughxel_peaks::ScenePeaks;
+use roughxel_shader::ObjectPlan;
 
 use super::{Failure, open_scene};
 

@@ -4,8 +4,9 @@ use std::io::{self, Write};
 
 use clap::Args;
 use comfy_table::{ContentArrangement, Table};
-use roughxel_frame::plan::{Effect, Mode, ObjectPlan};
+use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
+use roughxel_shader::{Effect, ObjectPlan};
 use roughxel_study::plan::{EffectReport, Hardware, ObjectReport, explain, measure};
 use roughxel_study::profile_file::NamedPrecision;
 use serde_json::{Value, json};

@@ -10,9 +10,9 @@ use roughxel_core::plan::{Datapath, ReflectionPlan};
 use roughxel_core::ports::ReflectionIn;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_lanes::Reading;
 use roughxel_scene::Scene;
 use roughxel_scene::picture::write_png_codes;
+use roughxel_simd::Backend;
 use roughxel_study::profile_file::NamedPrecision;
 use roughxel_vectors::{Manifest, SetInfo, Words, export};
 use serde_json::json;
@@ -49,7 +49,7 @@ pub(super) struct RenderArgs {
     /// How the datapath is computed: scalar, or in lanes of avx2 or avx512; the fastest of the machine if nothing
     /// is given. The picture is the same for each.
     #[arg(long, value_name = "NAME")]
-    pub(super) reading: Option<Reading>,
+    pub(super) reading: Option<Backend>,
     /// Export a set of vectors made of the frame's fragments into this directory.
     #[arg(long, value_name = "DIR")]
     pub(super) capture: Option<PathBuf>,
@@ -69,9 +69,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let scene = open_scene(&args.scene, args.size)?;
 
     let start = Instant::now();
-    let reading = args.reading.unwrap_or_else(Reading::best);
+    let backend = args.reading.unwrap_or_else(Backend::best);
     let peaks = args.cache.peaks(&scene, args.mode.filters())?;
-    let prepared = Prepared::with_peaks(&scene, args.mode, &profile.precision, &peaks)?.with_reading(reading);
+    let prepared = Prepared::with_peaks(&scene, args.mode, &profile.precision, &peaks)?.with_backend(backend);
     let preparation = start.elapsed().as_secs_f64();
     let bar = progress(prepared.work(), &scene.name);
     let start = Instant::now();
@@ -95,7 +95,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let sets: Vec<_> = vectors.iter().map(|set| json!({ "set": set.set, "count": set.count })).collect();
         let figures = json!({
             "scene": scene.name, "mode": args.mode.to_string(), "profile": profile.name,
-            "reading": reading.to_string(), "width": width, "height": height, "picture": output.display().to_string(),
+            "reading": backend.to_string(), "width": width, "height": height, "picture": output.display().to_string(),
             "digest": digest, "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
             "peaks": { "built": peaks.built, "read": peaks.read, "resumed": peaks.resumed },
         });

@@ -6,16 +6,17 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{BlockVector, Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::block_vector;
+use roughxel_shader::{FragmentAttributes, Fragments};
+use roughxel_simd::LANES;
 
-use super::batch::Place;
 use super::prepare::Prepared;
-use crate::raster::{FragmentAttributes, RasterError, Sampling, TileSamples, TriangleList, tiles};
+use crate::raster::{RasterError, Sampling, TileSamples, TriangleList, tiles};
 
 impl Prepared<'_> {
     /// Inputs of the reflection datapath for at most `most` reflecting fragments, evenly spread over the frame, with
     /// their plan: what `render --capture` and the demo export as vectors. Ports are quantised to the profile.
     pub fn capture(&self, most: usize) -> Result<Vec<(ReflectionIn, ReflectionPlan)>, RasterError> {
-        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_reading(self.reading);
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_backend(self.backend);
         let passes = Sampling::Grid { edge: 1 }.passes();
         let mut samples = TileSamples::default();
         let mut fragments = Vec::new();
@@ -24,7 +25,7 @@ impl Prepared<'_> {
                 triangles.samples(tile, pass, &mut samples);
                 for (triangle, shown) in samples.by_triangle() {
                     let Some(index) = triangle else { continue };
-                    if self.objects[triangles.object_index(index)].plan.reflection.is_some() {
+                    if self.objects[triangles.object_index(index)].material.plan.reflection.is_some() {
                         fragments.extend(shown.iter().map(|&sample| (samples.position(sample), index)));
                     }
                 }
@@ -37,11 +38,13 @@ impl Prepared<'_> {
             let &([x, y], index) = fragments.get(i * fragments.len() / count.max(1))?;
             let object = triangles.object_index(index);
             let prepared = &self.objects[object];
-            let triangle = triangles.triangle(index, prepared.needs())?;
-            let plan = prepared.plan.reflection?;
-            let attributes = triangle.fragment(x, y);
-            let place = Place { pixel: 0, times: 1 };
-            let surface = SurfaceIn::of(&self.surface_input(prepared, place, &attributes));
+            let material = &prepared.material;
+            let triangle = triangles.triangle(index, material.needs())?;
+            let plan = material.plan.reflection?;
+            let (attributes, mut rows) = (triangle.fragment(x, y), Fragments::new(material).rows());
+            triangle.fragments(&[[x; LANES], [y; LANES]], &mut rows);
+            let surface = self.shader().surface_input(material, &rows, &triangle.derivatives());
+            let surface = SurfaceIn::of(&surface);
             let edge_texels = self.environment.as_ref().map_or(1, |map| map.edge() as u16);
             let FragmentAttributes { dview, dnormal, .. } = attributes;
             let input = ReflectionIn { surface, dview, dnormal, edge_texels };

@@ -1,13 +1,9 @@
 //! Colours of a frame as integers.
 
-use roughxel_core::fx::Control;
-use roughxel_core::ports::LIGHT;
+use roughxel_shader::Channel;
 
 /// Linear colour with 24 fraction bits per channel, I8F24.
 pub type Colour = [i32; 3];
-
-/// A channel of a colour on its wire.
-pub type Channel = Control<i32, LIGHT>;
 
 /// The largest exponent of a colour map: colours stay below 64, the range of the blend. What is brighter is cut to it.
 pub const MAX_MAP_EXPONENT: i32 = 6;

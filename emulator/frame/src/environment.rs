@@ -3,11 +3,10 @@
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::Sweep;
-use roughxel_lanes::{ByCount, Columns, CubeTexels, Footprint, Look, Reading, Shown};
 use roughxel_maps::environment::CubePyramid;
 use roughxel_scene::picture::Picture;
-
-use super::colour::Channel;
+use roughxel_shader::{Batch, ByCount, Channel, CubeTexels, EnvironmentColours, Footprint, Look, Shader, Shown};
+use roughxel_simd::Backend;
 
 /// The environment of a scene.
 #[derive(Clone, Debug)]
@@ -49,23 +48,21 @@ impl EnvironmentMap {
     /// The mean colour of a footprint on its face, I8F24, below 64: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
     pub fn sample(&self, footprint: &Footprint<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
-        self.look(Look::Face(&Columns::from_iter([*footprint])), is_rough, p)
+        self.look(Look::Face(&Batch::from_iter([*footprint])), is_rough, p)
     }
 
     /// The same of a footprint on the sphere.
     pub fn sample_sphere(&self, sweep: &Sweep<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
-        self.look(Look::Sphere(&Columns::from_iter([*sweep])), is_rough, p)
+        self.look(Look::Sphere(&Batch::from_iter([*sweep])), is_rough, p)
     }
 
     fn look(&self, look: Look<'_>, is_rough: bool, p: &Precision) -> [Channel; 3] {
-        let own = Columns::from_iter([Shown { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
-        let mut shown = Columns::default();
-        Reading::Scalar.environment(
-            look,
-            &own,
-            (&self.texels, is_rough, &[Fx::int(1); 3]),
-            p,
-            (&mut ByCount::default(), &mut shown),
+        let own = &Batch::from_iter([Shown { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
+        let mut shown = Batch::default();
+        EnvironmentColours { look, own, map: &self.texels, is_rough, reflectance: &[Fx::int(1); 3] }.run(
+            Shader::new(Backend::Scalar, p),
+            &mut ByCount::default(),
+            &mut shown,
         );
         shown.get(0).channels
     }

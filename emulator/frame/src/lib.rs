@@ -9,13 +9,11 @@
 //! [`raster`] finds the visible fragments, [`plan`] says which stages each object needs, `prepare` has the maps and
 //! constants of the objects, `tile` asks for what is visible, `batch` takes what waits through the stages.
 
-mod batch;
 mod capture;
 mod colour;
 mod environment;
 mod frame;
 mod lighting;
-mod phases;
 pub mod plan;
 mod prepare;
 mod printed;
@@ -23,10 +21,9 @@ pub mod raster;
 mod texture;
 mod tile;
 
-pub use colour::{Channel, Colour, MAX_MAP_EXPONENT};
+pub use colour::{Colour, MAX_MAP_EXPONENT};
 pub use environment::EnvironmentMap;
 pub use frame::Frame;
-pub use phases::{Phase, PhaseTimes};
 pub use prepare::Prepared;
-pub use texture::{ColourMap, Footprints, TextureDerivatives};
+pub use texture::colour_map;
 pub use tile::Counted;

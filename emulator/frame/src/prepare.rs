@@ -3,25 +3,26 @@
 use std::fmt;
 use std::sync::Arc;
 
+use glam::DVec3;
 use rayon::prelude::*;
-use roughxel_core::fx::{Control, Fx};
-use roughxel_core::ports::{BlockVector, REFLECTANCE};
-use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::fx::Fx;
+use roughxel_core::precision::Precision;
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
 use roughxel_core::soft_core::environment_scale;
-use roughxel_lanes::{Reading, RepeatedMap};
 use roughxel_maps::bump::BumpPyramid;
-use roughxel_peaks::{PeakPyramid, ScenePeaks};
-use roughxel_scene::{Background, Light, Material, Scene};
+use roughxel_peaks::ScenePeaks;
+use roughxel_scene::{Background, Light, LightPlace, Scene};
+use roughxel_shader::{BumpMap, Effect, Environment, Material, ObjectPlan, Shader};
+use roughxel_simd::Backend;
 
-use super::colour::{Channel, colour_word};
+use super::colour::colour_word;
 use super::environment::EnvironmentMap;
 use super::frame::Frame;
-use super::lighting::{Lighting, peak_texels};
-use super::texture::{BumpMap, ColourMap};
-use crate::plan::{Decision, Effect, Mode, ObjectPlan};
-use crate::raster::{Needs, Projection, RasterError};
+use super::lighting::{self, lighting};
+use super::texture::{StoredBumps, colour_map};
+use crate::plan::{Decision, Mode, decisions, object_plan};
+use crate::raster::{Projection, RasterError};
 
 /// A scene with its maps built for one profile and mode; borrows the scene's geometry.
 pub struct Prepared<'a> {
@@ -29,63 +30,53 @@ pub struct Prepared<'a> {
     pub(super) projection: Projection,
     pub(super) mode: Mode,
     pub(super) precision: Precision,
-    pub(super) reading: Reading,
+    pub(super) backend: Backend,
     pub(super) environment: Option<Arc<EnvironmentMap>>,
     pub(super) environment_scale: MapScale<i32>,
+    /// What rays show that hit nothing.
+    pub(super) mirror: Material,
     pub(super) objects: Vec<PreparedObject>,
 }
 
-/// Maps and constants of one object.
+/// An object with its maps.
 pub(super) struct PreparedObject {
-    pub(super) plan: ObjectPlan,
+    /// What its fragments are shaded with.
+    pub(super) material: Material,
     pub(super) decisions: Vec<Decision>,
-    pub(super) colour: [Channel; 3],
-    pub(super) reflectance: [Control<i32, REFLECTANCE>; 3],
-    pub(super) main_direction: BlockVector,
-    pub(super) colour_map: Option<ColourMap>,
-    pub(super) bump_map: Option<BumpMap>,
-    pub(super) lighting: Option<Lighting>,
+    /// Lights on it that stand in the scene.
+    pub(super) light_points: Vec<DVec3>,
+    /// Bytes of offsets and of roughness of its bump map as the format stores them.
+    bump_bytes: [u64; 2],
 }
 
 impl PreparedObject {
-    /// The maps that a fragment reads.
-    pub(super) fn maps(&self) -> impl Iterator<Item = &RepeatedMap> {
-        let colour = self.colour_map.as_ref().map(ColourMap::map);
-        let bump = self.bump_map.as_ref().map(BumpMap::map);
-        [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
-    }
-
-    /// Its bump map, where that is read with its roughness.
-    pub(super) fn rough_map(&self) -> Option<&RepeatedMap> {
-        let is_rough = self.plan.roughness() != RoughnessKind::None;
-        self.bump_map.as_ref().filter(|_| is_rough).map(BumpMap::map)
-    }
-
-    /// The attributes that its fragments read.
-    pub(super) fn needs(&self) -> Needs {
-        let uv = self.maps().next().is_some();
-        Needs { tangents: self.plan.needs_tangents(), uv, duv: uv && self.plan.texture_footprint }
+    /// With another plan.
+    fn with_plan(self, plan: ObjectPlan) -> Self {
+        let Material { colour_map, bump_map, lighting, .. } = self.material;
+        let bumps = bump_map.map(|map| StoredBumps { map, bytes: self.bump_bytes });
+        let (bump_map, bump_bytes) = split(bumps.and_then(|bumps| bumps.with_plan(&plan)));
+        let material = Material {
+            plan,
+            colour_map: colour_map.filter(|_| plan.colour_map),
+            bump_map,
+            lighting: lighting.and_then(|lighting| lighting::with_plan(lighting, &plan)),
+            ..self.material
+        };
+        Self { material, bump_bytes, ..self }
     }
 }
 
-/// What shines in an object, with its peaks if they come from a map.
-fn lighting(
-    material: &Material,
-    plan: &ObjectPlan,
-    lights: &[Light],
-    pyramid: Option<&PeakPyramid>,
-    mode: Mode,
-    p: &Precision,
-) -> Option<Lighting> {
-    let horizon = plan.horizon;
-    match (&material.highlight, plan.highlight, &material.peaks, plan.peaks) {
-        (Some(highlight), Some(plan), ..) => Some(Lighting::highlight(highlight, lights, plan, p)),
-        (.., Some(peaks), Some(plan)) => {
-            let map = pyramid.map(|pyramid| peak_texels(pyramid, mode.filters(), horizon));
-            Some(Lighting::peaks(peaks, map, lights, plan, p))
-        }
-        _ => None,
+/// The place of a light that stands in the scene.
+fn standing(light: &Light) -> Option<DVec3> {
+    match light.place {
+        LightPlace::Point(point) => Some(point),
+        LightPlace::Direction(_) => None,
     }
+}
+
+/// A bump map, and the bytes of its storage.
+fn split(bumps: Option<StoredBumps>) -> (Option<BumpMap>, [u64; 2]) {
+    bumps.map_or((None, [0; 2]), |StoredBumps { map, bytes }| (Some(map), bytes))
 }
 
 impl fmt::Debug for Prepared<'_> {
@@ -129,43 +120,52 @@ impl<'a> Prepared<'a> {
         let precision = mode.precision(profile);
         let projection = Projection::new(&scene.camera)?;
         let edge = environment.as_ref().map_or(1, |map| map.edge());
+        let light_points: Vec<DVec3> = scene.lights.iter().filter_map(standing).collect();
         let objects = scene
             .objects
             .par_iter()
             .enumerate()
             .map(|(index, object)| {
-                let material = &object.material;
-                let shows_bumps = environment.is_some() || material.highlight.is_some();
-                let bump =
-                    shows_bumps.then(|| BumpPyramid::of_material(material, mode.filters(), &precision)).flatten();
-                let plan = ObjectPlan::new(object, bump.as_ref(), environment.is_some(), mode, &precision);
-                PreparedObject {
+                let own = &object.material;
+                let shows_bumps = environment.is_some() || own.highlight.is_some();
+                let bump = shows_bumps.then(|| BumpPyramid::of_material(own, mode.filters(), &precision)).flatten();
+                let plan = object_plan(object, bump.as_ref(), environment.is_some(), mode, &precision);
+                let bumps = bump.and_then(|bump| StoredBumps::new(bump).with_plan(&plan));
+                let (bump_map, bump_bytes) = split(bumps);
+                let share = |r: f32| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32);
+                let material = Material {
                     plan,
-                    lighting: lighting(material, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
-                    decisions: plan.decisions(object, mode, &precision),
-                    colour: colour_word(material.colour),
-                    reflectance: material
-                        .reflectance
-                        .map(|r| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32)),
-                    main_direction: block_vector(material.main_direction, &precision),
-                    colour_map: material.colour_map.as_ref().map(|map| ColourMap::new(map, mode.filters())),
-                    bump_map: bump.and_then(|bump| BumpMap::new(bump).with_plan(&plan)),
-                }
+                    colour: colour_word(own.colour),
+                    reflectance: own.reflectance.map(share),
+                    main_direction: block_vector(own.main_direction, &precision),
+                    colour_map: own.colour_map.as_ref().map(|map| colour_map(map, mode.filters())),
+                    bump_map,
+                    lighting: lighting(own, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
+                };
+                let decisions = decisions(&plan, object, mode, &precision);
+                PreparedObject { material, decisions, light_points: light_points.clone(), bump_bytes }
             })
             .collect();
         let environment_scale = environment_scale(edge as u16, &precision);
-        let reading = Reading::best();
-        Ok(Self { scene, projection, mode, precision, reading, environment, environment_scale, objects })
+        let backend = Backend::best();
+        let mirror = Material::mirror(mode.filters());
+        Ok(Self { scene, projection, mode, precision, backend, environment, environment_scale, mirror, objects })
     }
 
-    /// The same with another reading of the reflection datapath than [`Reading::best`]; no bit of a frame depends on it.
-    pub fn with_reading(self, reading: Reading) -> Self {
-        Self { reading, ..self }
+    /// The same with another backend than [`Backend::best`]; no bit of a frame depends on it.
+    pub fn with_backend(self, backend: Backend) -> Self {
+        Self { backend, ..self }
+    }
+
+    /// What its fragments are shaded with, beside their materials.
+    pub(super) fn shader(&self) -> Shader<'_> {
+        let of = |map| Environment { texels: EnvironmentMap::texels(map), scale: &self.environment_scale };
+        Shader { backend: self.backend, precision: &self.precision, environment: self.environment.as_deref().map(of) }
     }
 
     /// The plan of each object, in the order of the scene.
     pub fn plans(&self) -> impl Iterator<Item = &ObjectPlan> {
-        self.objects.iter().map(|object| &object.plan)
+        self.objects.iter().map(|object| &object.material.plan)
     }
 
     /// Whether what is reflected is brighter than 64 × white somewhere: its texels have an exponent each.
@@ -181,24 +181,20 @@ impl<'a> Prepared<'a> {
     /// The same with another plan for one object, to see what an effect changes and what it costs. Effects without a map
     /// get neutral inputs.
     pub fn with_plan(mut self, object: usize, plan: ObjectPlan) -> Self {
-        if let Some(object) = self.objects.get_mut(object) {
-            object.plan = plan;
-            object.colour_map.take_if(|_| !plan.colour_map);
-            object.bump_map = object.bump_map.take().and_then(|map| map.with_plan(&plan));
-            object.lighting = object.lighting.take().and_then(|lighting| lighting.with_plan(&plan));
-        }
+        let changed = |(index, own): (usize, PreparedObject)| if index == object { own.with_plan(plan) } else { own };
+        self.objects = self.objects.into_iter().enumerate().map(changed).collect();
         self
     }
 
     /// The maps of an object and the environment it reflects, by effect, in bytes of their storage.
     pub fn map_bytes(&self, object: usize) -> Vec<(Effect, u64)> {
         let Some(object) = self.objects.get(object) else { return Vec::new() };
-        let environment = self.environment.as_ref().filter(|_| object.plan.reflection.is_some());
-        let [peaks, horizons] =
-            object.lighting.as_ref().map_or([0; 2], Lighting::bytes).map(|bytes| (bytes > 0).then_some(bytes));
-        let [offsets, roughness] = [0, 1].map(|part| object.bump_map.as_ref().map(|map| map.bytes()[part]));
+        let environment = self.environment.as_ref().filter(|_| object.material.plan.reflection.is_some());
+        let lighting = object.material.lighting.as_ref();
+        let [peaks, horizons] = lighting.map_or([0; 2], lighting::bytes).map(|bytes| (bytes > 0).then_some(bytes));
+        let [offsets, roughness] = object.bump_bytes.map(|bytes| object.material.bump_map.as_ref().map(|_| bytes));
         [
-            (Effect::ColourTexture, object.colour_map.as_ref().map(ColourMap::bytes)),
+            (Effect::ColourTexture, object.material.colour_map.as_ref().map(|map| map.texels.bytes())),
             (Effect::Bump, offsets),
             (Effect::Roughness, roughness.filter(|&bytes| bytes > 0)),
             (Effect::Environment, environment.map(|map| map.bytes())),
@@ -213,10 +209,10 @@ impl<'a> Prepared<'a> {
     /// Bytes of all maps, those that objects share once for each, and the environment once.
     pub fn all_map_bytes(&self) -> u64 {
         let of_object = |object: &PreparedObject| {
-            let colour = object.colour_map.as_ref().map_or(0, ColourMap::bytes);
-            let bump = object.bump_map.as_ref().map_or([0; 2], BumpMap::bytes);
-            let lighting = object.lighting.as_ref().map_or([0; 2], Lighting::bytes);
-            colour + bump.into_iter().chain(lighting).sum::<u64>()
+            let Material { colour_map, lighting, .. } = &object.material;
+            let colour = colour_map.as_ref().map_or(0, |map| map.texels.bytes());
+            let lighting = lighting.as_ref().map_or([0; 2], lighting::bytes);
+            colour + object.bump_bytes.into_iter().chain(lighting).sum::<u64>()
         };
         self.environment.as_ref().map_or(0, |map| map.bytes()) + self.objects.iter().map(of_object).sum::<u64>()
     }

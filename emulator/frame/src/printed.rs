@@ -7,8 +7,7 @@ use roughxel_core::ports::{BlockVector, Port, SurfaceIn, SurfaceInput};
 use roughxel_core::setup::{real_offset, real_vector};
 use roughxel_reference::highlight::{half, printed_cos2};
 use roughxel_reference::linear::{Vector3, dot, norm, scaled};
-
-use super::colour::Channel;
+use roughxel_shader::Channel;
 
 /// The share of a light, with the exponent m; 0 below the surface and where the formula is 0/0: at n = h, and
 /// everywhere on a smooth surface.

@@ -24,8 +24,8 @@ mod tests;
 use roughxel_utilities::limits::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
-pub use attributes::{FragmentAttributes, Needs, PointFromTriangle, Triangle};
-pub use blocks::{AttributeRows, Positions, same_rows};
+pub use attributes::{PointFromTriangle, Triangle};
+pub use blocks::Positions;
 pub use camera::Projection;
 pub use coverage::{Pass, Sample, Sampling, TileSamples};
 pub use setup::TriangleList;

@@ -1,124 +1,37 @@
-//! Repeated maps: the footprints of fragments in them, colours, and bumps with their second moments.
+//! The maps of objects as the shader reads them.
 
-use roughxel_core::datapath::texel::{self, BumpScale};
+use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
-use roughxel_core::ports::PortBlock;
-use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
-use roughxel_core::stage::texture::TextureScale;
-use roughxel_lanes::{BumpTexels, Bumped, Columns, MapTexels, Places, Reading, RepeatedMap, RoughBump, Shown};
+use roughxel_core::precision::RoughnessKind;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::mip::{ColourPyramid, smallest_exponent};
 use roughxel_scene::picture::Picture;
+use roughxel_shader::{BumpMap, BumpTexels, ColourMap, MapTexels, ObjectPlan, RepeatedMap, RoughBump};
 
 use super::MAX_MAP_EXPONENT;
-use super::colour::Channel;
-use super::plan::ObjectPlan;
 
-/// Derivatives of texture coordinates over a pixel.
-pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
-
-/// The footprints of a batch of fragments in maps of one size.
-#[derive(Clone, Debug)]
-struct SizedFootprints {
-    size: [i32; 2],
-    scale: (TextureScale<i32>, MapScale<i32>),
-    /// Bumps with roughness are among the maps.
-    rough: bool,
-    footprints: Columns<RepeatedFootprint<i32>>,
+/// The pyramid of a colour map, or only its base where nothing is filtered.
+pub fn colour_map(picture: &Picture, filters: bool) -> ColourMap {
+    let exponent = smallest_exponent([picture]).min(MAX_MAP_EXPONENT);
+    let mut pyramid = ColourPyramid::with_exponent(picture, exponent);
+    if !filters {
+        pyramid.levels.truncate(1);
+    }
+    let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
+    let texels = pyramid.levels.into_iter().flat_map(|level| level.texels);
+    ColourMap { texels: MapTexels::new(map, texels), exponent }
 }
 
-/// The footprints of a batch of fragments in the maps that they read; none where nothing is filtered.
-#[derive(Clone, Debug, Default)]
-pub struct Footprints(Vec<SizedFootprints>);
-
-impl Footprints {
-    /// Of no fragments yet, for these maps; of a size that `rough` bumps have they know the reach of their probes.
-    pub(super) fn new<'a>(maps: impl Iterator<Item = &'a RepeatedMap>, rough: Option<&RepeatedMap>) -> Self {
-        let mut sizes: Vec<SizedFootprints> = Vec::new();
-        for map in maps {
-            let rough = rough.is_some_and(|rough| rough.size() == map.size());
-            if sizes.iter().all(|sized| sized.size != map.size()) {
-                let (size, scale) = (map.size(), map.scale);
-                sizes.push(SizedFootprints { size, scale, rough, footprints: Columns::default() });
-            }
-        }
-        Self(sizes)
-    }
-
-    /// The footprints of these fragments in place of all others.
-    pub fn set(&mut self, derivatives: &Columns<TextureDerivatives>, reading: Reading, p: &Precision) {
-        for SizedFootprints { scale, rough, footprints, .. } in &mut self.0 {
-            reading.texture_footprints(derivatives, (scale, *rough), p, footprints);
-        }
-    }
-
-    /// Where fragments at these places look in a map.
-    pub(super) fn places<'a>(&'a self, centres: &'a Columns<TexturePosition<i32>>, map: &RepeatedMap) -> Places<'a> {
-        let footprints = self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.footprints);
-        Places { centres, footprints }
-    }
-}
-
-/// A colour map.
-#[derive(Clone, Debug)]
-pub struct ColourMap {
-    texels: MapTexels<[u16; 3]>,
-    /// log₂ of the unit of the channels.
-    exponent: i32,
-}
-
-impl ColourMap {
-    /// Builds the pyramid, or only its base where nothing is filtered.
-    pub fn new(picture: &Picture, filters: bool) -> Self {
-        let exponent = smallest_exponent([picture]).min(MAX_MAP_EXPONENT);
-        let mut pyramid = ColourPyramid::with_exponent(picture, exponent);
-        if !filters {
-            pyramid.levels.truncate(1);
-        }
-        let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
-        let texels = pyramid.levels.into_iter().flat_map(|level| level.texels);
-        Self { texels: MapTexels::new(map, texels), exponent }
-    }
-
-    /// The footprints that its samples need.
-    pub fn footprints(&self) -> Footprints {
-        Footprints::new([&self.texels.map].into_iter(), None)
-    }
-
-    pub(super) fn map(&self) -> &RepeatedMap {
-        &self.texels.map
-    }
-
-    /// Bytes of the stored texels.
-    pub(super) fn bytes(&self) -> u64 {
-        self.texels.bytes()
-    }
-
-    /// The mean colour of every footprint times `own`.
-    pub fn sample(
-        &self,
-        (centres, footprints): (&Columns<TexturePosition<i32>>, &Footprints),
-        own: &[Channel; 3],
-        (reading, p): (Reading, &Precision),
-        colours: &mut Columns<Shown<i32>>,
-    ) {
-        let places = footprints.places(centres, &self.texels.map);
-        reading.colours(places, (&self.texels, self.exponent, own), p, colours);
-    }
-}
-
-/// A bump map with roughness.
-pub(super) struct BumpMap {
+/// A bump map with roughness, and what its storage takes.
+pub(super) struct StoredBumps {
     /// What the hardware works out for each fetched texel depends on that texel only, so it is kept; of the offset where there is roughness, too, one
     /// shift is left, or a texel would be half as large again.
-    texels: BumpTexels,
-    scale: BumpScale<i32>,
-    /// Of offsets and roughness as the format stores them.
-    bytes: [u64; 2],
+    pub(super) map: BumpMap,
+    /// Bytes of offsets and of roughness as the format stores them.
+    pub(super) bytes: [u64; 2],
 }
 
-impl BumpMap {
+impl StoredBumps {
     /// Decodes a pyramid into moments.
     pub(super) fn new(pyramid: BumpPyramid) -> Self {
         let scale = pyramid.format.scale();
@@ -141,34 +54,15 @@ impl BumpMap {
             let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
-        Self { texels, scale, bytes }
+        Self { map: BumpMap { texels, scale }, bytes }
     }
 
     /// What a plan reads of it.
     pub(super) fn with_plan(self, plan: &ObjectPlan) -> Option<Self> {
-        let smooth =
-            |map: Self| Self { texels: map.texels.without_roughness(&map.scale), bytes: [map.bytes[0], 0], ..map };
+        let smooth = |Self { map: BumpMap { texels, scale }, bytes: [offsets, _] }: Self| Self {
+            map: BumpMap { texels: texels.without_roughness(&scale), scale },
+            bytes: [offsets, 0],
+        };
         plan.bump_map().then(|| if plan.roughness() == RoughnessKind::None { smooth(self) } else { self })
-    }
-
-    pub(super) fn map(&self) -> &RepeatedMap {
-        self.texels.map()
-    }
-
-    /// Bytes of the stored offsets and of the stored roughness.
-    pub(super) fn bytes(&self) -> [u64; 2] {
-        self.bytes
-    }
-
-    /// Mean offset and roughness of every footprint, as the surface takes them.
-    pub(super) fn sample(
-        &self,
-        (centres, footprints): (&Columns<TexturePosition<i32>>, &Footprints),
-        kind: RoughnessKind,
-        (reading, p): (Reading, &Precision),
-        bumps: &mut Columns<Bumped<i32>>,
-    ) {
-        let places = footprints.places(centres, self.texels.map());
-        reading.bumps(places, (&self.texels, &self.scale, kind), p, bumps);
     }
 }

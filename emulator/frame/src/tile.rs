@@ -5,14 +5,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
-use roughxel_lanes::LANES;
 use roughxel_scene::Background;
+use roughxel_shader::{Channel, Fragments, PhaseClock, PhaseTimes, Place, Sums, Work};
+use roughxel_simd::LANES;
 
 use super::Colour;
-use super::batch::{Batch, Fragments, Place, SHADED, Sums};
-use super::colour::{Channel, colour_word};
+use super::colour::colour_word;
 use super::frame::Frame;
-use super::phases::{PhaseClock, PhaseTimes};
 use super::prepare::{Prepared, PreparedObject};
 use crate::raster::{
     Pass, Positions, RasterError, SUBPIXELS, Sample, Sampling, TileRect, TileSamples, TriangleList, tile_rows, tiles,
@@ -46,7 +45,7 @@ impl Prepared<'_> {
     pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Counted), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
         let clock = PhaseClock::start();
-        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_reading(self.reading);
+        let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_backend(self.backend);
         let set_up = Counted { texels: 0, times: clock.stop() };
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
         // Each tile goes to its own rows of the one frame as soon as it is shaded: there is no second copy, and nobody waits.
@@ -72,7 +71,7 @@ impl Prepared<'_> {
 
     /// Which samples of a pixel are shaded: its centre, a grid, or one of every object that is visible in it.
     fn sampling(&self) -> Sampling {
-        if self.objects.iter().any(|object| object.plan.edges) {
+        if self.objects.iter().any(|object| object.material.plan.edges) {
             Sampling::Objects
         } else {
             Sampling::Grid { edge: self.mode.samples_edge() }
@@ -87,14 +86,16 @@ impl Prepared<'_> {
         passes: &[Pass],
         samples: &mut TileSamples,
     ) -> (Vec<Colour>, Counted) {
-        let mut sums = Sums::new(tile.width as usize * tile.height as usize);
-        let mut batch = Batch::default();
+        let pixels = tile.width as usize * tile.height as usize;
+        let (mut sums, mut work) = (Sums::new(pixels), Work::default());
+        // Samples of each pixel.
+        let mut counts = vec![0; pixels];
         for pass in passes {
             triangles.samples(tile, pass, samples);
             let mut spans = samples.spans().peekable();
             while let Some((triangle, span)) = spans.peek() {
                 let Some(triangle) = *triangle else {
-                    self.shade_background(samples, span.clone(), &mut batch, &mut sums);
+                    self.shade_background(samples, span.clone(), &mut work, &mut sums);
                     break;
                 };
                 let object = triangles.object_index(triangle);
@@ -103,16 +104,16 @@ impl Prepared<'_> {
                         triangle.is_some_and(|triangle| triangles.object_index(triangle) == object)
                     })
                 });
-                self.shade_object(&self.objects[object], triangles, (samples, of_object), &mut batch, &mut sums);
+                self.shade_object(&self.objects[object], triangles, (samples, of_object), &mut work, &mut sums);
             }
-            sums.count(samples.counts());
+            counts.iter_mut().zip(samples.counts()).for_each(|(sum, count)| *sum += count);
         }
         // Samples are what the datapath is compared with, and edges are the front end's: their mean, to nearest, is no stage.
         let mean = |sum: PixelSum<i32>, count: u32| match i64::from(count) {
             1 => sum,
             count => PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) },
         };
-        let colours = sums.pixels.into_iter().zip(sums.counts);
+        let colours = sums.pixels.into_iter().zip(counts);
         let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
         let colours = colours.collect();
         (colours, Counted { texels: 4 * sums.taps, times: sums.clock.stop() })
@@ -124,18 +125,21 @@ impl Prepared<'_> {
         object: &PreparedObject,
         triangles: &TriangleList<'_>,
         (tile, spans): (&TileSamples, impl Iterator<Item = (Option<u32>, Range<usize>)>),
-        batch: &mut Batch,
+        work: &mut Work,
         sums: &mut Sums,
     ) {
-        let mut fragments = Fragments::of(object);
+        let PreparedObject { material, light_points, .. } = object;
+        let (shader, needs) = (self.shader(), material.needs());
+        let mut fragments = Fragments::new(material);
         let mut rows = fragments.rows();
         for (triangle, span) in spans {
-            let triangle = triangle.and_then(|index| triangles.triangle(index, object.needs()));
+            let triangle = triangle.and_then(|index| triangles.triangle(index, needs));
             let Some(triangle) = triangle else { continue };
-            let points = object.lighting.as_ref().map(|lighting| lighting.points(&triangle)).unwrap_or_default();
+            let shown = light_points.iter().filter(|_| material.lighting.is_some());
+            let points: Vec<_> = shown.map(|&point| triangle.point(point)).collect();
             let derivatives = triangle.derivatives();
             for (group, count) in tile.groups(span) {
-                let (places, positions) = &self.reading.run(
+                let (places, positions) = &self.backend.run(
                     #[inline(always)]
                     || {
                         let (places, positions) = places(tile, group);
@@ -145,27 +149,27 @@ impl Prepared<'_> {
                 );
                 let places = &places[..count];
                 fragments.append(places, &rows, &derivatives);
-                if let Some(lighting) = &object.lighting {
+                if !points.is_empty() {
                     for lane in 0..places.len() {
-                        let position = positions.map(|row| row[lane]);
-                        lighting.directions(&triangle, &points, position, &mut fragments.directions);
+                        let [x, y] = positions.map(|row| row[lane]);
+                        fragments.append_directions(points.iter().map(|point| triangle.direction_to(point, x, y)));
                     }
                 }
-                if fragments.len() + LANES > SHADED {
-                    self.shade(object, &mut fragments, batch, sums);
+                if fragments.len() + LANES > Fragments::MANY {
+                    shader.shade(material, &mut fragments, work, sums);
                 }
             }
         }
-        self.shade(object, &mut fragments, batch, sums);
+        shader.shade(material, &mut fragments, work, sums);
     }
 
     /// The samples that show nothing.
-    fn shade_background(&self, tile: &TileSamples, span: Range<usize>, batch: &mut Batch, sums: &mut Sums) {
+    fn shade_background(&self, tile: &TileSamples, span: Range<usize>, work: &mut Work, sums: &mut Sums) {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
-            let (mut rays, derivatives) = (Fragments::rays(self.mode), self.projection.mirror_derivatives());
+            let (mut rays, derivatives) = (Fragments::new(&self.mirror), self.projection.mirror_derivatives());
             let mut rows = rays.rows();
             for (group, count) in tile.groups(span) {
-                let places = self.reading.run(
+                let places = self.backend.run(
                     #[inline(always)]
                     || {
                         let (places, positions) = places(tile, group);
@@ -174,11 +178,11 @@ impl Prepared<'_> {
                     },
                 );
                 rays.append(&places[..count], &rows, &derivatives);
-                if rays.len() + LANES > SHADED {
-                    self.shade_rays(&mut rays, batch, sums);
+                if rays.len() + LANES > Fragments::MANY {
+                    self.shader().shade(&self.mirror, &mut rays, work, sums);
                 }
             }
-            return self.shade_rays(&mut rays, batch, sums);
+            return self.shader().shade(&self.mirror, &mut rays, work, sums);
         }
         let colours: Vec<_> = tile.lines().map(|y| self.background(y)).collect();
         for &sample in tile.span(span) {

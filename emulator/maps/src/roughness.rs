@@ -11,7 +11,7 @@ use crate::mip::for_each_level;
 pub use roughxel_core::precision::RoughnessKind;
 use roughxel_scene::RoughnessField;
 use roughxel_scene::levels::Cover;
-use roughxel_scene::widest::{WIDTH, widest};
+use roughxel_simd::{Backend, LANES};
 use roughxel_utilities::exp2::power_of_two;
 
 /// Kind and word length of stored roughness.
@@ -162,16 +162,16 @@ pub(crate) fn concentration<'a>(
     let expected = if flat { std::f64::consts::FRAC_2_PI.sqrt() } else { std::f64::consts::FRAC_PI_2.sqrt() };
     let metric = if flat { Metric::Line { trace } } else { Metric::Plane { covariance, determinant } };
     let mut sum = 0.0;
-    widest(
+    Backend::best().run(
         #[inline(always)]
         || {
             for y in rows.first..=rows.last {
-                let (groups, rest) = row(y)[columns.first..=columns.last].as_chunks::<WIDTH>();
+                let (groups, rest) = row(y)[columns.first..=columns.last].as_chunks::<LANES>();
                 for offsets in groups {
                     metric.lengths(offsets, mean).iter().for_each(|length| sum += length);
                 }
                 if !rest.is_empty() {
-                    let mut last = [[0; 2]; WIDTH];
+                    let mut last = [[0; 2]; LANES];
                     last[..rest.len()].copy_from_slice(rest);
                     metric.lengths(&last, mean)[..rest.len()].iter().for_each(|length| sum += length);
                 }
@@ -195,9 +195,9 @@ enum Metric {
 impl Metric {
     /// |z| of bumps side by side.
     #[inline(always)]
-    fn lengths(self, offsets: &[[i16; 2]; WIDTH], mean: [f64; 2]) -> [f64; WIDTH] {
-        let mut lengths = [0.0; WIDTH];
-        for lane in 0..WIDTH {
+    fn lengths(self, offsets: &[[i16; 2]; LANES], mean: [f64; 2]) -> [f64; LANES] {
+        let mut lengths = [0.0; LANES];
+        for lane in 0..LANES {
             let [u, v] = [f64::from(offsets[lane][0]) - mean[0], f64::from(offsets[lane][1]) - mean[1]];
             let square = match self {
                 Self::Line { trace } => (u * u + v * v) / trace,

@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 use roughxel_core::sampler::COARSEST_EDGE;
 use roughxel_scene::cube;
-use roughxel_scene::widest::{WIDTH, widest};
+use roughxel_simd::{Backend, LANES};
 
 /// Texels along an edge of a face of the levels that are filtered here, at most.
 pub(crate) const COARSE: u32 = COARSEST_EDGE;
@@ -110,8 +110,8 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
     let square_reach = 12.0 * texel * texel * (VARIANCE - share * share / 6.0);
     // Its square of the chord is below this, with room for roundings: nearly all sources are told to be outside by that alone.
     let near = 4.0 * square_reach / (4.0 + square_reach) * (1.0 + 1e-9);
-    let groups: Vec<[[f64; WIDTH]; 3]> = sources
-        .chunks(WIDTH)
+    let groups: Vec<[[f64; LANES]; 3]> = sources
+        .chunks(LANES)
         .map(|group| {
             [0, 1, 2].map(|axis| std::array::from_fn(|lane| group.get(lane).map_or(0.0, |piece| piece.direction[axis])))
         })
@@ -120,7 +120,7 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
         .par_iter()
         .map(|target| {
             let mut row = Vec::new();
-            widest(
+            Backend::best().run(
                 #[inline(always)]
                 || {
                     for (group, directions) in groups.iter().enumerate() {
@@ -129,7 +129,7 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
                             continue;
                         }
                         for (lane, square_of_chord) in squares.into_iter().enumerate() {
-                            let index = WIDTH * group + lane;
+                            let index = LANES * group + lane;
                             let Some(source) = sources.get(index) else { break };
                             // 4·cos² of half the angle, and 4·tan² of it.
                             let cosine = 4.0 - square_of_chord;
@@ -182,9 +182,9 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
 
 /// Squares of the chords from one point of the unit sphere to others.
 #[inline(always)]
-fn squares_of_chords(from: [f64; 3], [xs, ys, zs]: &[[f64; WIDTH]; 3]) -> [f64; WIDTH] {
-    let mut squares = [0.0; WIDTH];
-    for lane in 0..WIDTH {
+fn squares_of_chords(from: [f64; 3], [xs, ys, zs]: &[[f64; LANES]; 3]) -> [f64; LANES] {
+    let mut squares = [0.0; LANES];
+    for lane in 0..LANES {
         let (x, y, z) = (from[0] - xs[lane], from[1] - ys[lane], from[2] - zs[lane]);
         squares[lane] = x * x + y * y + z * z;
     }

@@ -3,10 +3,12 @@
 use roughxel_core::plan::{FootprintKind, FrameSystem};
 use roughxel_core::ports::{BlockPair, BlockVector};
 use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind};
-use roughxel_frame::plan::{Mode, ObjectPlan};
-use roughxel_frame::raster::{FragmentAttributes, Projection, SUBPIXELS};
+use roughxel_frame::plan::{Mode, object_plan};
+use roughxel_frame::raster::{Projection, SUBPIXELS};
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_scene::{Background, Object, Scene};
+use roughxel_shader::FragmentAttributes;
+use roughxel_shader::ObjectPlan;
 
 use super::footprint::{Footprint, Footprints};
 use super::maps::{self, BUMP_CHANNELS};
@@ -82,7 +84,7 @@ impl<'a> Shader<'a> {
         let objects = scene.objects.iter().map(|object| {
             let material = &object.material;
             let pyramid = environment.as_ref().and_then(|_| BumpPyramid::of_material(material, filters, &p));
-            let plan = ObjectPlan::new(object, pyramid.as_ref(), environment.is_some(), mode, &p);
+            let plan = object_plan(object, pyramid.as_ref(), environment.is_some(), mode, &p);
             ShadedObject {
                 object,
                 plan,

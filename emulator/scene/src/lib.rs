@@ -24,7 +24,6 @@ mod roughness;
 mod scene;
 mod shapes;
 mod source;
-pub mod widest;
 
 pub use builtin::{builtin_names, builtin_text};
 pub use bump::{BumpField, FrameSystem, HeightField, HeightScale, OFFSET_LIMIT};

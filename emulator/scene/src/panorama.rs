@@ -7,10 +7,10 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
 
 use rayon::prelude::*;
+use roughxel_simd::{Backend, LANES};
 
 use crate::cube::direction;
 use crate::picture::Picture;
-use crate::widest::{WIDTH, widest};
 
 /// Most samples a face texel takes along an axis.
 const MOST_SAMPLES: f64 = 64.0;
@@ -28,10 +28,10 @@ pub fn faces_from_equirectangular(panorama: &Picture, face_edge: u32) -> [Pictur
     std::array::from_fn(|face| {
         let mut picture = Picture::filled(edge, edge, [0.0; 3]);
         picture.pixels.par_chunks_mut(edge as usize).enumerate().for_each(|(row, means)| {
-            for (group, means) in means.chunks_mut(WIDTH).enumerate() {
-                widest(
+            for (group, means) in means.chunks_mut(LANES).enumerate() {
+                Backend::best().run(
                     #[inline(always)]
-                    || resample(panorama, face, [WIDTH * group, row], edge, means),
+                    || resample(panorama, face, [LANES * group, row], edge, means),
                 );
             }
         });
@@ -39,12 +39,12 @@ pub fn faces_from_equirectangular(panorama: &Picture, face_edge: u32) -> [Pictur
     })
 }
 
-/// Means of the panorama over texels of a row of a face, at most [`WIDTH`], from this column and row on.
+/// Means of the panorama over texels of a row of a face, at most [`LANES`], from this column and row on.
 #[inline(always)]
 fn resample(panorama: &Picture, face: usize, [first, row]: [usize; 2], edge: u32, means: &mut [[f32; 3]]) {
     let texel = 2.0 / f64::from(edge);
     let coordinate = |index: usize, offset: f64| (index as f64 + offset) * texel - 1.0;
-    let (mut sums, mut steps) = ([[0.0; 3]; WIDTH], [0.0; WIDTH]);
+    let (mut sums, mut steps) = ([[0.0; 3]; LANES], [0.0; LANES]);
     let mut waiting = Samples::default();
     for (number, step) in steps.iter_mut().enumerate().take(means.len()) {
         let column = first + number;
@@ -55,7 +55,7 @@ fn resample(panorama: &Picture, face: usize, [first, row]: [usize; 2], edge: u32
             let t = coordinate(row, (j as f64 + 0.5) * *step);
             for i in 0..count {
                 waiting.push(number, [coordinate(column, (i as f64 + 0.5) * *step), t]);
-                if waiting.count == WIDTH {
+                if waiting.count == LANES {
                     waiting.add_to(&mut sums, panorama, face);
                 }
             }
@@ -85,13 +85,13 @@ fn samples_along(panorama: &Picture, [x, y, z]: [f64; 3], texel: f64) -> usize {
 struct Samples {
     count: usize,
     /// The texel that each is of.
-    of: [usize; WIDTH],
+    of: [usize; LANES],
     /// s and t of each.
-    places: [[f64; WIDTH]; 2],
+    places: [[f64; LANES]; 2],
 }
 
 impl Samples {
-    /// One more. Range: fewer than [`WIDTH`] wait.
+    /// One more. Range: fewer than [`LANES`] wait.
     #[inline(always)]
     fn push(&mut self, of: usize, [s, t]: [f64; 2]) {
         self.of[self.count] = of;
@@ -102,10 +102,10 @@ impl Samples {
 
     /// Takes those that wait, the first first, and adds each to the sum of its texel.
     #[inline(always)]
-    fn add_to(&mut self, sums: &mut [[f64; 3]; WIDTH], panorama: &Picture, face: usize) {
+    fn add_to(&mut self, sums: &mut [[f64; 3]; LANES], panorama: &Picture, face: usize) {
         let [s, t] = &self.places;
-        let [mut left, mut top, mut right_weight, mut bottom_weight] = [[0.0; WIDTH]; 4];
-        for lane in 0..WIDTH {
+        let [mut left, mut top, mut right_weight, mut bottom_weight] = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
             let tap = tap(panorama, position(direction(face, s[lane], t[lane])));
             [left[lane], top[lane], right_weight[lane], bottom_weight[lane]] = tap;
         }

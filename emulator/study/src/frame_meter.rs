@@ -11,9 +11,10 @@ use roughxel_core::knob::Knob;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::Prepared;
-use roughxel_frame::plan::{Mode, ObjectPlan};
+use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::RasterError;
 use roughxel_real_frame::RealPicture;
+use roughxel_shader::ObjectPlan;
 
 use crate::Subject;
 use crate::choose::{Clock, Meter};

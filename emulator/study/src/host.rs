@@ -18,9 +18,10 @@ use roughxel_float::math::Std;
 use roughxel_float::{Environment, Footprint, Fragment};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_lanes::{Ports, Reading};
 use roughxel_reference as reference;
 use roughxel_scene::Scene;
+use roughxel_shader::{Ports, Shader};
+use roughxel_simd::Backend;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -179,8 +180,8 @@ impl Bench {
     }
 
     /// The whole reflection of every fragment, fetches excluded.
-    pub fn integers(&self, reading: Reading, p: &Precision) -> Pass<'_> {
-        // Data here as in the emulator: a profile known to the compiler makes the scalar reading 1.25 times as fast.
+    pub fn integers(&self, backend: Backend, p: &Precision) -> Pass<'_> {
+        // Data here as in the emulator: a profile known to the compiler makes the scalar backend 1.25 times as fast.
         let p = black_box(*p);
         let scale = environment_scale(self.edge_texels, &p);
         Box::new(move || {
@@ -188,7 +189,7 @@ impl Bench {
             for inputs in self.wires.chunks(BATCH) {
                 ports.clear();
                 ports.extend(inputs.iter().copied());
-                black_box(ports.footprints(reading, (&scale, &ReflectionPlan::FULL), &p));
+                black_box(ports.footprints(Shader::new(backend, &p), &scale, &ReflectionPlan::FULL));
             }
         })
     }
@@ -265,7 +266,7 @@ impl Machine {
             processor: name.map_or_else(|| "unknown".into(), |(_, name)| name.trim().into()),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-            lanes: Reading::best().to_string(),
+            lanes: Backend::best().to_string(),
             rustc: env!("ROUGHXEL_RUSTC").into(),
             program: format!("roughxel {}", env!("CARGO_PKG_VERSION")),
         }

@@ -12,13 +12,14 @@ use roughxel_core::precision::Precision;
 use roughxel_record as record;
 
 use roughxel_frame::Prepared;
-use roughxel_frame::plan::{Decision, Effect, Mode, ObjectPlan};
+use roughxel_frame::plan::{Decision, Mode};
 use roughxel_frame::raster::RasterError;
 use roughxel_net::census::{Census, Cost};
 use roughxel_net::graph::Net;
 use roughxel_net::interval::Ranges;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
+use roughxel_shader::{Effect, ObjectPlan};
 
 /// The designs a texture fetch of one channel goes through.
 const TEXTURE_FETCH: [Design; 5] =

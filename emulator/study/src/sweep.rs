@@ -16,7 +16,7 @@ use roughxel_core::precision::{Precision, Profile};
 use roughxel_float::formulas::{Careful, Plain};
 use roughxel_float::math::{Micromath, Std};
 use roughxel_frame::plan::Mode;
-use roughxel_lanes::Reading;
+use roughxel_simd::Backend;
 use serde::{Deserialize, Serialize};
 
 use crate::accuracy::{self, Accuracy, FIGURES};
@@ -366,17 +366,17 @@ impl Sweep<'_> {
         let open = |name: &String| Subject::open(name, self.settings.size);
         let scenes = self.settings.scenes.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let pixels = width as usize * height as usize;
-        let (lanes, rounds) = (Reading::best(), self.settings.rounds);
+        let (lanes, rounds) = (Backend::best(), self.settings.rounds);
         let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
 
         let frames = |count: usize,
                       mode,
                       p: &Precision,
-                      reading: Reading|
+                      backend: Backend|
          -> Result<BTreeMap<String, Timing>, StudyError> {
             let time = |(name, scene): (&String, &Subject)| {
-                let drawn = scene.prepare(mode, p)?.with_reading(reading);
-                let base = scene.prepare(Mode::Footprint, &BASE)?.with_reading(reading);
+                let drawn = scene.prepare(mode, p)?.with_backend(backend);
+                let base = scene.prepare(Mode::Footprint, &BASE)?.with_backend(backend);
                 let timing = one_thread.install(|| {
                     host::time(&mut host::frame(&drawn), &mut host::frame(&base), pixels, self.settings.frame_rounds)
                 });
@@ -390,14 +390,14 @@ impl Sweep<'_> {
         for (setting, exact) in settings.iter().zip(exact) {
             let p = &setting.precision;
             let host = self.unit(&format!("time of {}", setting.name), cost::HOST, || {
-                let time = |reading| fragments(&mut bench.integers(reading, p), &mut bench.integers(reading, &BASE));
+                let time = |backend| fragments(&mut bench.integers(backend, p), &mut bench.integers(backend, &BASE));
                 Ok(HostFigures {
-                    scalar: time(Reading::Scalar),
+                    scalar: time(Backend::Scalar),
                     lanes: time(lanes),
                     frames: frames(self.settings.timed_scenes, Mode::Footprint, p, lanes)?,
-                    // A knob changes the scalar reading of a frame as it changes that of its fragments.
+                    // A knob changes the scalar backend of a frame as it changes that of its fragments.
                     scalar_frames: if setting.knob.is_none() {
-                        frames(self.settings.timed_scenes, Mode::Footprint, p, Reading::Scalar)?
+                        frames(self.settings.timed_scenes, Mode::Footprint, p, Backend::Scalar)?
                     } else {
                         BTreeMap::new()
                     },

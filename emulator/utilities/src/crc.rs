@@ -5,15 +5,11 @@
 //! Of many words at once a step is by digits of four bits: the table of a digit is one permutation of a vector. By bytes it would be half the steps,
 //! each a gather, which reads one lane after the other.
 
-#[cfg(target_arch = "x86_64")]
-use core::arch::x86_64::{
-    __m256i, __m512i, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_permutevar8x32_epi32,
-    _mm256_set1_epi32, _mm256_slli_epi32, _mm256_srlv_epi32, _mm256_xor_si256, _mm512_permutexvar_epi32,
-    _mm512_set1_epi32, _mm512_srlv_epi32, _mm512_xor_si512,
-};
-
-#[cfg(target_arch = "x86_64")]
-use fearless_simd::{Level, SimdInto, u32x8, u32x16};
+use roughxel_core::each::each;
+use roughxel_core::fetch::Fetch;
+use roughxel_core::fx::Fx;
+use roughxel_core::word::Wire;
+use roughxel_simd::{Backend, BatchWord, Kernel, LANES};
 
 /// Bits of a check value.
 pub const BITS: u32 = 32;
@@ -48,14 +44,13 @@ const BY_BYTE: [[u32; 256]; SLICES] = {
 };
 
 /// What four bytes behind it make of a remainder, by its digits of four bits, the lowest first.
-#[cfg(target_arch = "x86_64")]
-const BY_DIGIT: [[u32; 16]; 8] = {
+const BY_DIGIT: [[i32; 16]; 8] = {
     let mut digits = [[0; 16]; 8];
     let mut place = 0;
     while place < 8 {
         let mut digit = 0;
         while digit < 16 {
-            digits[place][digit] = BY_BYTE[place / 2][digit << (4 * (place % 2))];
+            digits[place][digit] = BY_BYTE[place / 2][digit << (4 * (place % 2))].cast_signed();
             digit += 1;
         }
         place += 1;
@@ -95,94 +90,60 @@ pub fn remainder(begun: u32, words: &[u32]) -> u32 {
 
 /// What the words of each column make of its remainder, the first row first.
 pub fn remainders(rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let level = Level::new();
-        if let Some(avx512) = level.as_avx512() {
-            return by_avx512(avx512, rows, sums);
-        }
-        if let Some(avx2) = level.as_avx2() {
-            return by_avx2(avx2, rows, sums);
-        }
-    }
-    by_bytes(rows, sums);
+    remainders_by(Backend::best(), rows, sums);
 }
 
-/// One word after the other.
-fn by_bytes(rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
-    for row in rows {
-        for (sum, &word) in sums.iter_mut().zip(row) {
-            *sum = after(u64::from(*sum ^ word), 4);
-        }
-    }
+/// The same on a backend.
+fn remainders_by(backend: Backend, rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
+    const { assert!(COLUMNS.is_multiple_of(2 * LANES), "no column is left over") }
+    backend.dispatch_words(Columns { rows, sums });
 }
 
-#[cfg(target_arch = "x86_64")]
-fearless_simd::kernel! {
-    /// Two vectors side by side, for a step waits for the one before.
-    fn by_avx512(t: Avx512, rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
-        let loaded = |words: &[u32; 16]| -> __m512i {
-            let words: u32x16<_> = (*words).simd_into(t);
-            words.into()
-        };
-        let tables = BY_DIGIT.map(|table| loaded(&table));
-        let step = |word: __m512i| {
-            let mut sum = _mm512_permutexvar_epi32(word, tables[0]);
-            for (digit, &table) in (0..).zip(&tables).skip(1) {
-                let place = _mm512_srlv_epi32(word, _mm512_set1_epi32(4 * digit));
-                sum = _mm512_xor_si512(sum, _mm512_permutexvar_epi32(place, table));
-            }
-            sum
-        };
-        for (pair, sums) in sums.as_chunks_mut::<16>().0.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-            let [mut first, mut second] = [loaded(&sums[0]), loaded(&sums[1])];
-            for row in rows {
-                let row = row.as_chunks().0;
-                first = step(_mm512_xor_si512(first, loaded(&row[2 * pair])));
-                second = step(_mm512_xor_si512(second, loaded(&row[2 * pair + 1])));
-            }
-            let [first, second]: [u32x16<_>; 2] = [first.simd_into(t), second.simd_into(t)];
-            *sums = [*first, *second];
-        }
-    }
+/// Columns side by side, two vectors at once, for a step waits for the one before.
+struct Columns<'a> {
+    rows: &'a [[u32; COLUMNS]],
+    sums: &'a mut [u32; COLUMNS],
 }
 
-#[cfg(target_arch = "x86_64")]
-fearless_simd::kernel! {
-    /// The same; half a table is a vector.
-    fn by_avx2(t: Avx2, rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
-        let loaded = |words: &[u32; 8]| -> __m256i {
-            let words: u32x8<_> = (*words).simd_into(t);
-            words.into()
-        };
-        let tables = BY_DIGIT.map(|table| [loaded(&table.as_chunks().0[0]), loaded(&table.as_chunks().0[1])]);
-        let entries = |places: __m256i, [low, high]: [__m256i; 2]| {
-            let [low, high] = [low, high].map(|half| _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(half, places)));
-            let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places));
-            _mm256_castps_si256(_mm256_blendv_ps(low, high, upper))
-        };
-        let step = |word: __m256i| {
-            let mut sum = entries(word, tables[0]);
-            for (digit, &table) in (0..).zip(&tables).skip(1) {
-                let place = _mm256_srlv_epi32(word, _mm256_set1_epi32(4 * digit));
-                sum = _mm256_xor_si256(sum, entries(place, table));
-            }
-            sum
-        };
-        for (four, sums) in sums.as_chunks_mut::<8>().0.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-            let mut vectors = [loaded(&sums[0]), loaded(&sums[1]), loaded(&sums[2]), loaded(&sums[3])];
-            for row in rows {
-                let row = row.as_chunks().0;
-                for (i, vector) in vectors.iter_mut().enumerate() {
-                    *vector = step(_mm256_xor_si256(*vector, loaded(&row[4 * four + i])));
+impl Kernel for Columns<'_> {
+    type Outcome = ();
+    fn run<W: BatchWord>(self) {
+        let Self { rows, sums } = self;
+        W::run(
+            #[inline(always)]
+            || {
+                let mut folded = [0; COLUMNS];
+                for first in (0..COLUMNS / W::FRAGMENTS).step_by(2) {
+                    let vectors = [first, first + 1];
+                    let mut pair = each!(vector in vectors => loaded::<W>(sums, vector));
+                    for row in rows {
+                        pair = each!(i in [0, 1] => after_word::<W>(pair[i].xor(loaded::<W>(row, vectors[i]))));
+                    }
+                    for (sum, vector) in pair.into_iter().zip(vectors) {
+                        W::store(W::counts(sum), W::vectors_mut(&mut folded), vector);
+                    }
                 }
-            }
-            for (sum, vector) in sums.iter_mut().zip(vectors) {
-                let words: u32x8<_> = vector.simd_into(t);
-                *sum = *words;
-            }
-        }
+                *sums = folded.map(i32::cast_unsigned);
+            },
+        );
     }
+}
+
+/// Words of a row that begin with a vector.
+#[inline(always)]
+fn loaded<W: BatchWord>(row: &[u32; COLUMNS], vector: usize) -> W::Count {
+    let words = row.map(u32::cast_signed);
+    W::of_counts(W::load(W::proof(), W::vectors(&words), vector))
+}
+
+/// The remainder after four bytes more, which are in it.
+#[inline(always)]
+fn after_word<W: Fetch>(word: W::Count) -> W::Count {
+    let digits = each!(digit in [0, 1, 2, 3, 4, 5, 6, 7] => {
+        W::entry(Fx::from_raw(word.sar(4 * digit)), &BY_DIGIT[digit as usize]).raw()
+    });
+    let pairs = each!(i in [0, 2, 4, 6] => digits[i].xor(digits[i + 1]));
+    pairs[0].xor(pairs[1]).xor(pairs[2].xor(pairs[3]))
 }
 
 /// Which bit of a word of so many bits, check value included, was flipped, if one was: the place whose remainder is `syndrome`, the exclusive
@@ -204,11 +165,10 @@ pub fn flipped_bit(syndrome: u32, bits: u32) -> Option<u32> {
 
 #[cfg(test)]
 mod tests {
+    use roughxel_simd::InstructionSet;
+
     use super::*;
     use crate::random::SplitMix64;
-
-    /// A way from rows and remainders to remainders.
-    type Way<'a> = dyn Fn(&[[u32; COLUMNS]], &mut [u32; COLUMNS]) + 'a;
 
     /// Bit by bit, as the polynomial says.
     fn slowly(begun: u32, words: &[u32]) -> u32 {
@@ -216,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_is_the_one_bit_by_bit() {
+    fn every_backend_is_the_one_bit_by_bit() {
         let mut random = SplitMix64::new(1);
         let mut word = || random.next_u64() as u32;
         let rows: Vec<[u32; COLUMNS]> = (0..9).map(|_| std::array::from_fn(|_| word())).collect();
@@ -224,22 +184,11 @@ mod tests {
         let column = |column: usize| rows.iter().map(|row| row[column]).collect::<Vec<_>>();
         let expected: [u32; COLUMNS] = std::array::from_fn(|i| slowly(begun[i], &column(i)));
         assert_eq!(std::array::from_fn(|i| remainder(begun[i], &column(i))), expected);
-        let by = |way: &Way<'_>| {
+        let simd = InstructionSet::available().map(Backend::Simd);
+        for backend in [Backend::Scalar].into_iter().chain(simd) {
             let mut sums = begun;
-            way(&rows, &mut sums);
-            sums
-        };
-        assert_eq!(by(&remainders), expected);
-        assert_eq!(by(&by_bytes), expected);
-        #[cfg(target_arch = "x86_64")]
-        {
-            let level = Level::new();
-            if let Some(avx2) = level.as_avx2() {
-                assert_eq!(by(&|rows, sums| by_avx2(avx2, rows, sums)), expected);
-            }
-            if let Some(avx512) = level.as_avx512() {
-                assert_eq!(by(&|rows, sums| by_avx512(avx512, rows, sums)), expected);
-            }
+            remainders_by(backend, &rows, &mut sums);
+            assert_eq!(sums, expected, "{backend}");
         }
     }
 

@@ -11,8 +11,9 @@ use roughxel_core::ports::{
 };
 use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
-use roughxel_lanes::{Columns, Reading};
 use roughxel_net::integers::{filled, integers, integers_at};
+use roughxel_shader::{Batch, LitPeaks, LitSurfaces, Reflections, Shader};
+use roughxel_simd::Backend;
 
 /// The wires of all ports of a datapath's design.
 #[derive(Clone, Copy, Debug)]
@@ -94,20 +95,20 @@ pub(super) fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
 #[derive(Debug)]
 pub enum Ports {
     /// Of fragments that reflect.
-    Reflection(Columns<ReflectionInput<i32>>),
+    Reflection(Batch<ReflectionInput<i32>>),
     /// Of lights on surfaces.
-    Highlight(Columns<HighlightInput<i32>>),
+    Highlight(Batch<HighlightInput<i32>>),
     /// Of lights on peaks.
-    Peak(Columns<PeakInput<i32>>),
+    Peak(Batch<PeakInput<i32>>),
 }
 
 impl Ports {
     /// Of no vector yet.
     pub fn new(datapath: Datapath) -> Self {
         match datapath {
-            Datapath::Reflection => Self::Reflection(Columns::default()),
-            Datapath::Highlight => Self::Highlight(Columns::default()),
-            Datapath::Peak => Self::Peak(Columns::default()),
+            Datapath::Reflection => Self::Reflection(Batch::default()),
+            Datapath::Highlight => Self::Highlight(Batch::default()),
+            Datapath::Peak => Self::Peak(Batch::default()),
         }
     }
 
@@ -165,43 +166,45 @@ impl<F: Fn(u64) -> Inputs + Sync> InputSource for F {
 
 /// What a datapath makes of vectors, a row a wire.
 enum Outputs {
-    Reflection(Columns<ReflectionOutput<i32>>),
-    Highlight(Columns<HighlightOutput<i32>>),
-    Peak(Columns<PeakOutput<i32>>),
+    Reflection(Batch<ReflectionOutput<i32>>),
+    Highlight(Batch<HighlightOutput<i32>>),
+    Peak(Batch<PeakOutput<i32>>),
 }
 
 /// Vectors of one datapath. No wire of the three is wide, so the word of a row is the place of its port or output.
-pub(super) struct Batch {
+pub(super) struct Computed {
     ports: Ports,
     outputs: Outputs,
 }
 
-impl Batch {
+impl Computed {
     /// Of no vector yet.
     pub(super) fn new(datapath: Datapath) -> Self {
         let outputs = match datapath {
-            Datapath::Reflection => Outputs::Reflection(Columns::default()),
-            Datapath::Highlight => Outputs::Highlight(Columns::default()),
-            Datapath::Peak => Outputs::Peak(Columns::default()),
+            Datapath::Reflection => Outputs::Reflection(Batch::default()),
+            Datapath::Highlight => Outputs::Highlight(Batch::default()),
+            Datapath::Peak => Outputs::Peak(Batch::default()),
         };
         Self { ports: Ports::new(datapath), outputs }
     }
 
-    /// Some vectors of `input` through their datapath, by the fastest reading of this machine, in place of those that were there.
+    /// Some vectors of `input` through their datapath, by the fastest backend of this machine, in place of those that were there.
     ///
     /// # Panics
     /// If they are of another datapath.
     pub(super) fn fill(&mut self, input: &dyn InputSource, indices: Range<u64>, effects: &Effects, p: &Precision) {
-        let reading = Reading::best();
+        let shader = Shader::new(Backend::best(), p);
         input.fill(indices, &mut self.ports);
         match (&self.ports, &mut self.outputs) {
-            (Ports::Reflection(fragments), Outputs::Reflection(outputs)) => {
-                reading.fragments(fragments, &effects.reflection(), p, outputs);
+            (Ports::Reflection(inputs), Outputs::Reflection(outputs)) => {
+                Reflections { inputs, plan: &effects.reflection() }.run(shader, outputs);
             }
-            (Ports::Highlight(lights), Outputs::Highlight(outputs)) => {
-                reading.lit_surfaces(lights, &effects.highlight(), p, outputs);
+            (Ports::Highlight(inputs), Outputs::Highlight(outputs)) => {
+                LitSurfaces { inputs, plan: &effects.highlight() }.run(shader, outputs);
             }
-            (Ports::Peak(lights), Outputs::Peak(outputs)) => reading.lit_peaks(lights, &effects.peak(), p, outputs),
+            (Ports::Peak(inputs), Outputs::Peak(outputs)) => {
+                LitPeaks { inputs, plan: &effects.peak() }.run(shader, outputs);
+            }
             _ => unreachable!("both are of one datapath"),
         }
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
-use super::datapath::{Batch, InputSource, Inputs};
+use super::datapath::{Computed, InputSource, Inputs};
 use super::files::{SetFiles, size_and_hash};
 use super::layout::{Field, Layout};
 use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
@@ -183,7 +183,7 @@ impl<'a> SetExport<'a> {
         let rooms = Mutex::new(Vec::new());
         let make = |(first, text): (u64, &mut [u8])| {
             let vectors = first..first + (text.len() / length) as u64;
-            let new = || (Batch::new(self.info.datapath), Encoder::new(&self.layout, self.info.words.form));
+            let new = || (Computed::new(self.info.datapath), Encoder::new(&self.layout, self.info.words.form));
             let free = rooms.lock().unwrap_or_else(PoisonError::into_inner).pop();
             let mut room = free.unwrap_or_else(new);
             let (batch, words) = &mut room;
@@ -259,7 +259,7 @@ impl<'a> SetExport<'a> {
         &self,
         vectors: Range<u64>,
         input: &dyn InputSource,
-        (batch, words): (&mut Batch, &mut Encoder),
+        (batch, words): (&mut Computed, &mut Encoder),
         mut text: &mut [u8],
     ) -> Result<(), VectorError> {
         let (info, count) = (self.info, (vectors.end - vectors.start) as usize);

@@ -19,7 +19,7 @@ use roughxel_net::verilog::{Stage, StagePort, VerilogError};
 use roughxel_record as record;
 use serde::{Deserialize, Serialize};
 
-use super::datapath::Batch;
+use super::datapath::Computed;
 
 /// Bits of the check value at the end of a word.
 pub(crate) const CHECK_BITS: u32 = roughxel_utilities::crc::BITS;
@@ -247,7 +247,7 @@ impl Layout {
     }
 
     /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
-    pub(super) fn rows<'a>(&self, batch: &'a Batch) -> Vec<(&'a [i32], u32)> {
+    pub(super) fn rows<'a>(&self, batch: &'a Computed) -> Vec<(&'a [i32], u32)> {
         let row = |&(source, drop): &(Source, u32)| match source {
             Source::Port(place) => (batch.port(place), drop),
             Source::Output(place) => (batch.output(place), drop),

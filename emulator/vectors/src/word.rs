@@ -5,7 +5,7 @@
 //!
 //! The check value is a CRC-32 ([`crc`]) that starts with ffffffff, over the bits above it, most significant first.
 
-use roughxel_lanes::Reading;
+use roughxel_simd::Backend;
 use roughxel_utilities::crc;
 
 use super::layout::{CHECK_BITS, Field, Layout, mask};
@@ -83,7 +83,7 @@ pub(crate) struct Encoder {
     /// Words that wait.
     waiting: usize,
     /// Its instruction set.
-    reading: Reading,
+    backend: Backend,
 }
 
 /// Where a field is.
@@ -140,14 +140,14 @@ impl Encoder {
         let bits = vec![[0; CHUNK]; places.len()];
         let rows = vec![[0; CHUNK]; (digits.div_ceil(8) as usize + 1).next_multiple_of(PIECE)];
         let pieces = vec![[[[0; 4]; PIECE]; CHUNK]; rows.len() / PIECE];
-        Self { form, places, digits, length, bits, rows, pieces, waiting: 0, reading: Reading::best() }
+        Self { form, places, digits, length, bits, rows, pieces, waiting: 0, backend: Backend::best() }
     }
 
     /// Sets all fields of words that wait, from `count` integers of each from the `first` one on, whose lowest bits the profile drops; or the
     /// first field of which a word's integer has others than the field keeps, and that word.
     pub(crate) fn set(&mut self, rows: &[(&[i32], u32)], first: usize, count: usize) -> Option<(usize, usize)> {
         self.waiting = count;
-        let others = self.reading.run(
+        let others = self.backend.run(
             #[inline(always)]
             || {
                 let mut others = [0; CHUNK];
@@ -187,8 +187,8 @@ impl Encoder {
     /// Writes the words that wait over the beginning of `text`, which has room for them, and returns what is behind them.
     pub(crate) fn write<'a>(&mut self, text: &'a mut [u8]) -> &'a mut [u8] {
         let count = std::mem::take(&mut self.waiting);
-        let reading = self.reading;
-        reading.run(
+        let backend = self.backend;
+        backend.run(
             #[inline(always)]
             || self.pack(),
         );
@@ -211,7 +211,7 @@ impl Encoder {
             }
             Form::Bin => {
                 self.rows[last] = check;
-                reading.run(
+                backend.run(
                     #[inline(always)]
                     || self.write_records(text),
                 );

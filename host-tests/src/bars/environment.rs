@@ -10,6 +10,7 @@ use roughxel_core::signals::Probes;
 use roughxel_core::soft_core::{self, environment_scale};
 use roughxel_frame::EnvironmentMap;
 use roughxel_scene::picture::Picture;
+use roughxel_shader as shader;
 
 use crate::reference::cube::direction_of;
 
@@ -122,7 +123,7 @@ impl Sampler<'_> {
         let sample = match kind {
             FootprintKind::Sphere => self.map.sample_sphere(&stages.sweep, rough, self.p),
             FootprintKind::None | FootprintKind::Face => {
-                self.map.sample(&roughxel_lanes::Footprint { point: stages.point, probes }, rough, self.p)
+                self.map.sample(&shader::Footprint { point: stages.point, probes }, rough, self.p)
             }
         };
         sample.map(|channel| channel.raw().into())

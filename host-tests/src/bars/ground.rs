@@ -6,9 +6,10 @@ use roughxel_core::ports::{BlockPair, Port, TextureIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::TexturePosition;
 use roughxel_core::soft_core::texture_scale;
-use roughxel_frame::ColourMap;
-use roughxel_lanes::{Columns, Reading};
+use roughxel_frame::colour_map;
 use roughxel_scene::picture::Picture;
+use roughxel_shader::{Batch, Colours, MapFootprints, Places, Shader};
+use roughxel_simd::Backend;
 
 use crate::reference::ground_plane::{GroundPixel, GroundReference, GroundTexture, HEIGHT, TEXTURE_EDGE, WIDTH};
 use crate::reference::linear::normalise_exponent;
@@ -25,15 +26,18 @@ pub struct GroundFigures {
 /// Draws the ground plane as the frame samples a colour map: the footprint's block, then the filter on the integer
 /// pyramid.
 pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile: &Precision) -> GroundFigures {
-    let map = ColourMap::new(&picture(texture), true);
+    let map = colour_map(&picture(texture), true);
+    let (shader, own) = (Shader::new(Backend::Scalar, profile), &[Fx::int(1); 3]);
     let scale = texture_scale([TEXTURE_EDGE as u16; 2]);
-    let (mut probes, mut footprints, mut colours) = (0, map.footprints(), Columns::default());
+    let (mut probes, mut colours) = (0, Batch::default());
+    let mut footprints = MapFootprints::new([&map.texels.map].into_iter(), None);
     let psnr = reference.psnr(|pixel| {
         let ports = ports(pixel);
         probes += ports.footprint(&scale, profile).probes.count.raw();
-        footprints.set(&Columns::from_iter([ports.duv.wires()]), Reading::Scalar, profile);
-        let centres = Columns::from_iter([TexturePosition { uv: ports.uv.wires() }]);
-        map.sample((&centres, &footprints), &[Fx::int(1); 3], (Reading::Scalar, profile), &mut colours);
+        footprints.make(shader, &Batch::from_iter([ports.duv.wires()]));
+        let centres = &Batch::from_iter([TexturePosition { uv: ports.uv.wires() }]);
+        let places = Places { centres, footprints: footprints.of(&map.texels.map) };
+        Colours { places, map: &map, own }.run(shader, &mut colours);
         f64::from(colours.get(0).channels[0].raw()) / f64::from(1 << 24)
     });
     GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }

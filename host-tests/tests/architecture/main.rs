@@ -249,7 +249,7 @@ fn the_reader_finds_what_files_use() {
         file.uses.contains_key(used)
     };
     // By a name of its own file, one that the root passes on, one behind a facade, and a path in the middle of code.
-    assert!(uses("emulator/frame/src/tile.rs", "emulator/frame/src/batch.rs"));
+    assert!(uses("emulator/frame/src/tile.rs", "emulator/frame/src/prepare.rs"));
     assert!(uses("emulator/frame/src/texture.rs", "emulator/frame/src/colour.rs"));
     assert!(uses("emulator/cli/src/demo/draw.rs", "emulator/frame/src/prepare.rs"));
     assert!(uses("emulator/cli/src/lib.rs", "emulator/cli/src/demo.rs"));

@@ -1,4 +1,4 @@
-//! Whole datapaths in lanes give the bits of the scalar reading on every port and tap: what an export of vectors stands on.
+//! Whole datapaths in lanes give the bits of the scalar backend on every port and tap: what an export of vectors stands on.
 
 use roughxel_cases::highlight::{highlight_sets, random_light};
 use roughxel_cases::lit_peak::{lit_peak_sets, random_lit_peak};
@@ -7,25 +7,27 @@ use roughxel_core::bundle::Bundle;
 use roughxel_core::design::Form;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::{HighlightInput, PeakInput, Port, ReflectionInput};
+use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
 use roughxel_host_tests::space::{effects, in_turn, whole_or};
-use roughxel_lanes::{Columns, Reading};
 use roughxel_net::integers::integers;
+use roughxel_shader::{Batch, LitPeaks, LitSurfaces, Reflections, Shader};
 
 use super::lanes::{lanes, profiles};
 
-/// Compares what lanes make of every input with the scalar reading, wire by wire.
+/// Compares what lanes make of every input with the scalar backend, wire by wire.
 fn same<I: Form + Bundle<i32, In<i32> = I>, O: Form>(
-    inputs: &Columns<I>,
-    of_lanes: impl Fn(Reading, &mut Columns<O>),
+    inputs: &Batch<I>,
+    of_lanes: impl Fn(Shader<'_>, &mut Batch<O>),
+    p: &Precision,
     of_one: impl Fn(&I) -> O,
     what: &str,
 ) {
-    let mut outputs = Columns::default();
-    for reading in lanes() {
-        of_lanes(reading, &mut outputs);
+    let mut outputs = Batch::default();
+    for backend in lanes() {
+        of_lanes(Shader::new(backend, p), &mut outputs);
         for (index, (input, output)) in inputs.iter().zip(outputs.iter()).enumerate() {
-            assert_eq!(integers(&output), integers(&of_one(&input)), "{what} #{index}, {reading:?}");
+            assert_eq!(integers(&output), integers(&of_one(&input)), "{what} #{index}, {backend:?}");
         }
     }
 }
@@ -43,36 +45,39 @@ fn whole_datapaths_in_lanes_give_the_scalar_bits_on_every_tap() {
     for (profile, p) in profiles() {
         let fragments = (0..count).map(|i| random_fragment("design lanes", i, &p).wires());
         let hard = hard_case_sets(&p).into_iter().flat_map(|set| set.cases).map(|case| case.wires());
-        let fragments: Columns<ReflectionInput<i32>> = fragments.chain(hard).collect();
+        let fragments: Batch<ReflectionInput<i32>> = fragments.chain(hard).collect();
         for effects in tried(Datapath::Reflection, profile) {
             let plan = effects.reflection();
             same(
                 &fragments,
-                |reading, outputs| reading.fragments(&fragments, &plan, &p, outputs),
+                |shader, outputs| Reflections { inputs: &fragments, plan: &plan }.run(shader, outputs),
+                &p,
                 |input| soft_core::fragment(input, &plan, &p),
                 profile,
             );
         }
         let lights = (0..count).map(|i| random_light("design lanes", i, &p).wires());
         let hard = highlight_sets(&p).into_iter().flat_map(|set| set.cases).map(|case| case.wires());
-        let lights: Columns<HighlightInput<i32>> = lights.chain(hard).collect();
+        let lights: Batch<HighlightInput<i32>> = lights.chain(hard).collect();
         for effects in tried(Datapath::Highlight, profile) {
             let plan = effects.highlight();
             same(
                 &lights,
-                |reading, outputs| reading.lit_surfaces(&lights, &plan, &p, outputs),
+                |shader, outputs| LitSurfaces { inputs: &lights, plan: &plan }.run(shader, outputs),
+                &p,
                 |input| soft_core::highlight(input, &plan, &p),
                 profile,
             );
         }
         let peaks = (0..count).map(|i| random_lit_peak("design lanes", i, &p).wires());
         let hard = lit_peak_sets(&p).into_iter().flat_map(|set| set.cases).map(|case| case.wires());
-        let peaks: Columns<PeakInput<i32>> = peaks.chain(hard).collect();
+        let peaks: Batch<PeakInput<i32>> = peaks.chain(hard).collect();
         for effects in tried(Datapath::Peak, profile) {
             let plan = effects.peak();
             same(
                 &peaks,
-                |reading, outputs| reading.lit_peaks(&peaks, &plan, &p, outputs),
+                |shader, outputs| LitPeaks { inputs: &peaks, plan: &plan }.run(shader, outputs),
+                &p,
                 |input| soft_core::lit_peak(input, &plan, &p),
                 profile,
             );

@@ -7,11 +7,12 @@ use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 use roughxel_core::status::StatusBit;
-use roughxel_float::batch::{FootprintBlock, FragmentBlock, WIDTH, reflect_batch};
+use roughxel_float::batch::{FootprintBlock, FragmentBlock, reflect_batch};
 use roughxel_float::formulas::Careful;
 use roughxel_float::math::{Libm, Micromath, Std};
 use roughxel_float::{Environment, Fragment};
 use roughxel_host_tests::reference;
+use roughxel_simd::LANES;
 use roughxel_study::accuracy::{CANCELLATION, reference_inputs, reference_options};
 
 const PROFILE: Precision = Precision::STANDARD;
@@ -71,13 +72,13 @@ fn plain_version_agrees_with_the_float64_reference() {
 fn batches_are_the_plain_version() {
     let environment = Environment::new(512);
     // The last block is not full.
-    let fragments: Vec<_> = fragments(10 * WIDTH - 3).map(|ports| Fragment::from(&ports)).collect();
+    let fragments: Vec<_> = fragments(10 * LANES - 3).map(|ports| Fragment::from(&ports)).collect();
     let blocks = FragmentBlock::blocks(&fragments);
     let mut footprints = vec![FootprintBlock::default(); blocks.len()];
     reflect_batch(&environment, &blocks, &mut footprints);
     for (index, fragment) in fragments.iter().enumerate() {
         assert_eq!(
-            footprints[index / WIDTH].get(index % WIDTH),
+            footprints[index / LANES].get(index % LANES),
             environment.reflect::<Std, Careful>(fragment),
             "{fragment:?}"
         );

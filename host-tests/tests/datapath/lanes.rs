@@ -1,4 +1,4 @@
-//! Lanes give the bits of the scalar reading: every operation, every stage of every fragment, every frame, with every
+//! Lanes give the bits of the scalar backend: every operation, every stage of every fragment, every frame, with every
 //! instruction set of this machine. A failure names the first wire that differs.
 
 use std::path::Path;
@@ -24,15 +24,16 @@ use roughxel_frame::plan::Mode;
 use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::{plans, sweep, whole_or};
-#[cfg(target_arch = "x86_64")]
-use roughxel_lanes::{Avx2, Avx512};
-use roughxel_lanes::{
-    BlockRows, BumpTexels, Bumped, ByCount, Columns, CubeTexels, Derivatives, Footprint, Halves, InstructionSet, LANES,
-    Lanes, Look, MapTexels, NARROW_LANES, NarrowLanes, Places, Ports, Reading, RepeatedMap, RoughBump, Shown, Target,
-    WideLanes,
-};
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
+use roughxel_shader::{
+    Batch, BlockRows, BumpMap, BumpTexels, Bumped, Bumps, ByCount, ColourMap, Colours, CubeTexels, Derivatives,
+    EnvironmentColours, Footprint, Footprints, Look, MapTexels, Places, Points, Ports, Reflected, RepeatedMap,
+    RoughBump, Shader, Shown, Surfaces, Sweeps, TextureFootprints,
+};
+#[cfg(target_arch = "x86_64")]
+use roughxel_simd::{Avx2, Avx512};
+use roughxel_simd::{Backend, Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
 use roughxel_utilities::random::SplitMix64;
 
 /// The named profiles, and words of 16 bits with as few kept as a profile may.
@@ -46,7 +47,7 @@ type NarrowWides<T> = Halves<Lanes<T>>;
 /// A wide wire of such counts.
 type NarrowWideCounts<T> = Halves<WideLanes<T>>;
 
-/// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar reading.
+/// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar backend.
 fn instruction_sets() -> Vec<InstructionSet> {
     for set in InstructionSet::ALL.into_iter().filter(|set| !set.is_available()) {
         eprintln!("SKIPPED: this machine has no {set}");
@@ -82,7 +83,7 @@ fn corner(random: &mut SplitMix64) -> i64 {
     }
 }
 
-/// Every operation that words and wide wires share, on all lanes, beside the scalar reading.
+/// Every operation that words and wide wires share, on all lanes, beside the scalar backend.
 macro_rules! shared_operations {
     ($name:ident, $count:literal of $lanes:ident, $int:ty, $counts:ident) => {
         fn $name<T: Target>(random: &mut SplitMix64) {
@@ -275,24 +276,23 @@ fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
     Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
 }
 
-/// What fetching needs of every fragment, in lanes with every instruction set and beside the scalar reading: every stage feeds it.
+/// What fetching needs of every fragment, in lanes with every instruction set and beside the scalar backend: every stage feeds it.
 ///
 /// The surface is made on its own, too, and the reflection of what was made.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
     let scalar: Vec<_> = inputs.iter().map(|input| soft_core::reflection(input, scale, plan, p)).collect();
     let ports = Ports::from_iter(inputs.iter().copied());
     for set in InstructionSet::available() {
-        let reading = Reading::Lanes(set);
-        let (mut surfaces, mut footprints, mut sweeps) = (Columns::default(), Columns::default(), Columns::default());
-        let mut points = Columns::default();
-        reading.surfaces(&ports.bare, &ports.bumps, &plan.surface(), p, &mut surfaces);
-        reading.points(&surfaces, p, &mut points);
+        let shader = Shader::new(Backend::Simd(set), p);
+        let (mut surfaces, mut footprints, mut sweeps) = (Batch::default(), Batch::default(), Batch::default());
+        let mut points = Batch::default();
+        Surfaces::new(shader, &ports.bare, &ports.bumps, &plan.surface()).run(shader, &mut surfaces);
+        Points(&surfaces).run(shader, &mut points);
+        let reflected = Reflected { surfaces: &surfaces, derivatives: &ports.derivatives, scale, plan };
         // What fetching needs comes without what the other kind of footprint has.
         match plan.footprint {
-            FootprintKind::Sphere => {
-                reading.sweeps(&surfaces, &ports.derivatives, (scale, plan), p, &mut sweeps);
-            }
-            _ => reading.footprints(&surfaces, &ports.derivatives, (scale, plan), p, &mut footprints),
+            FootprintKind::Sphere => Sweeps(reflected).run(shader, &mut sweeps),
+            _ => Footprints(reflected).run(shader, &mut footprints),
         }
         assert_eq!([surfaces.len(), points.len(), footprints.len() + sweeps.len()], [inputs.len(); 3], "{set}");
         for (index, expected) in scalar.iter().enumerate() {
@@ -309,13 +309,13 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
     }
 }
 
-/// All readings of this machine but the scalar one.
-pub(super) fn lanes() -> impl Iterator<Item = Reading> {
-    InstructionSet::available().map(Reading::Lanes)
+/// All backends of this machine but the scalar one.
+pub(super) fn lanes() -> impl Iterator<Item = Backend> {
+    InstructionSet::available().map(Backend::Simd)
 }
 
-/// Every wire of every fragment is that of the scalar reading.
-pub(super) fn same_columns<B: Form>(expected: &Columns<B>, got: &Columns<B>, context: &dyn Fn() -> String) {
+/// Every wire of every fragment is that of the scalar backend.
+pub(super) fn same_columns<B: Form>(expected: &Batch<B>, got: &Batch<B>, context: &dyn Fn() -> String) {
     assert_eq!(expected.len(), got.len(), "{}", context());
     for (expected, got) in expected.iter().zip(got.iter()) {
         same_wires(&expected, &got).unwrap_or_else(|difference| panic!("{}: {difference}", context()));
@@ -324,7 +324,7 @@ pub(super) fn same_columns<B: Form>(expected: &Columns<B>, got: &Columns<B>, con
 
 #[test]
 fn rows_of_columns_begin_with_a_cache_line_however_they_grow() {
-    let mut columns = Columns::<[Value<i32, 32>; 3]>::default();
+    let mut columns = Batch::<[Value<i32, 32>; 3]>::default();
     for number in 0..1000 {
         columns.push(&[number, -number, 7].map(|word| Value(Fx::from_raw(word))));
         let is_aligned = |row: &[i32]| row.as_ptr().align_offset(64) == 0;
@@ -350,7 +350,7 @@ fn rows_that_are_appended_by_name_are_the_bundles_of_their_lanes() {
     };
     let (dview, dnormal) = ([block(10), block(20)], [block(30), block(40)]);
     let minus_one = port(&BlockRows { mantissa: [[-1; LANES]; 3], exponent: [-1; LANES] }, 0);
-    let mut derivatives = Columns::<Derivatives<i32>>::default();
+    let mut derivatives = Batch::<Derivatives<i32>>::default();
     derivatives.append_same(LANES, &Derivatives { dview: [minus_one; 2], dnormal: [minus_one; 2] });
     derivatives.clear();
     derivatives.append(LANES, |to| {
@@ -359,7 +359,7 @@ fn rows_that_are_appended_by_name_are_the_bundles_of_their_lanes() {
             to.block(|derivatives| derivatives.dview[side], &dview[side]);
         }
     });
-    let mut centres = Columns::<TexturePosition<i32>>::default();
+    let mut centres = Batch::<TexturePosition<i32>>::default();
     centres.append_same(LANES, &TexturePosition { uv: [Fx::from_raw(-1); 2] });
     centres.clear();
     centres.append(LANES, |to| {
@@ -395,31 +395,34 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             let fragments = (0..1 + index % 70).map(|i| random_fragment(name, 1000 * index + i, &p).wires());
             let ports = Ports::from_iter(fragments);
             let plan = &ReflectionPlan::FULL;
-            let (mut surfaces, mut footprints, mut sweeps) = <(Columns<_>, Columns<_>, Columns<_>)>::default();
-            Reading::Scalar.surfaces(&ports.bare, &ports.bumps, &plan.surface(), &p, &mut surfaces);
-            Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut footprints);
-            Reading::Scalar.sweeps(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut sweeps);
-            let own = Columns::from_iter(surfaces.iter().map(|_| Shown {
+            let (mut surfaces, mut footprints, mut sweeps) = <(Batch<_>, Batch<_>, Batch<_>)>::default();
+            let scalar = Shader::new(Backend::Scalar, &p);
+            Surfaces::new(scalar, &ports.bare, &ports.bumps, &plan.surface()).run(scalar, &mut surfaces);
+            let reflected = Reflected { surfaces: &surfaces, derivatives: &ports.derivatives, scale: &scale, plan };
+            Footprints(reflected).run(scalar, &mut footprints);
+            Sweeps(reflected).run(scalar, &mut sweeps);
+            let own = Batch::from_iter(surfaces.iter().map(|_| Shown {
                 channels: [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32)),
                 taps: Fx::from_raw(0),
             }));
             let reflectance = [(); 3].map(|()| Fx::from_raw(random.below(0x1_0001) as i32));
-            let look = (&map, random.below(2) == 1, &reflectance);
+            let is_rough = random.below(2) == 1;
+            let looking = |look| EnvironmentColours { look, own: &own, map: &map, is_rough, reflectance: &reflectance };
             // Without a footprint the one probe is the point.
             let plan = &ReflectionPlan { footprint: FootprintKind::None, ..*plan };
-            let (mut points, mut one_probe) = (Columns::default(), Columns::default());
-            let (mut shown, mut by_count) = ([Columns::default(), Columns::default()], ByCount::default());
-            Reading::Scalar.points(&surfaces, &p, &mut points);
-            Reading::Scalar.footprints(&surfaces, &ports.derivatives, (&scale, plan), &p, &mut one_probe);
-            Reading::Scalar.environment(Look::Point(&points), &own, look, &p, (&mut by_count, &mut shown[0]));
-            Reading::Scalar.environment(Look::Face(&one_probe), &own, look, &p, (&mut by_count, &mut shown[1]));
+            let (mut points, mut one_probe) = (Batch::default(), Batch::default());
+            let (mut shown, mut by_count) = ([Batch::default(), Batch::default()], ByCount::default());
+            Points(&surfaces).run(scalar, &mut points);
+            Footprints(Reflected { plan, ..reflected }).run(scalar, &mut one_probe);
+            looking(Look::Point(&points)).run(scalar, &mut by_count, &mut shown[0]);
+            looking(Look::Face(&one_probe)).run(scalar, &mut by_count, &mut shown[1]);
             same_columns(&shown[0], &shown[1], &|| format!("{name}, a point, edge {edge}"));
             for at in [Look::Point(&points), Look::Face(&footprints), Look::Sphere(&sweeps)] {
-                let (mut expected, mut got) = (Columns::default(), Columns::default());
-                Reading::Scalar.environment(at, &own, look, &p, (&mut by_count, &mut expected));
-                for reading in lanes() {
-                    reading.environment(at, &own, look, &p, (&mut by_count, &mut got));
-                    same_columns(&expected, &got, &|| format!("{name}, {reading}, edge {edge}, bright {is_bright}"));
+                let (mut expected, mut got) = (Batch::default(), Batch::default());
+                looking(at).run(scalar, &mut by_count, &mut expected);
+                for backend in lanes() {
+                    looking(at).run(Shader::new(backend, &p), &mut by_count, &mut got);
+                    same_columns(&expected, &got, &|| format!("{name}, {backend}, edge {edge}, bright {is_bright}"));
                 }
             }
         });
@@ -431,7 +434,7 @@ pub(super) fn random_views(
     name: &str,
     index: u64,
     p: &Precision,
-) -> (RepeatedMap, Columns<TexturePosition<i32>>, Columns<RepeatedFootprint<i32>>) {
+) -> (RepeatedMap, Batch<TexturePosition<i32>>, Batch<RepeatedFootprint<i32>>) {
     let mut bits = AnyBits(SplitMix64::for_element(name, !index));
     let size = [(); 2].map(|()| {
         let log2 = bits.0.below(7);
@@ -441,16 +444,17 @@ pub(super) fn random_views(
     let map = RepeatedMap::new((0..=last).map(|level| size.map(|edge| (edge >> level).max(1)).into()));
     let count = 1 + index % 70;
     let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
-    let derivatives = Columns::from_iter((0..count).map(|_| {
+    let derivatives = Batch::from_iter((0..count).map(|_| {
         [(); 2].map(|()| {
             let any: PortBlock<i32, 2> = blank.rewire(&mut bits);
             PortBlock { exponent: Fx::from_raw(bits.0.below(12) as i32 - 10), ..any }
         })
     }));
-    let mut probes = Columns::default();
-    Reading::Scalar.texture_footprints(&derivatives, (&map.scale, true), p, &mut probes);
+    let mut probes = Batch::default();
+    let pass = TextureFootprints { derivatives: &derivatives, scale: &map.scale, is_rough: true };
+    pass.run(Shader::new(Backend::Scalar, p), &mut probes);
     let uv = |_| TexturePosition { uv: [(); 2].map(|()| Fx::from_raw(bits.0.below(1 << 32) as i64)) };
-    (map, Columns::from_iter((0..count).map(uv)), probes)
+    (map, Batch::from_iter((0..count).map(uv)), probes)
 }
 
 #[test]
@@ -480,25 +484,28 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
                 roughness_down: Fx::from_raw(random.below(28) as i32),
                 exponent: Fx::from_raw(random.below(17) as i32 - 13),
             };
-            let colours = &MapTexels::new(map.clone(), colours);
-            let smooth = BumpTexels::Smooth(MapTexels::new(map.clone(), smooth));
-            let rough = BumpTexels::Rough(MapTexels::new(map, rough));
+            let colours = &ColourMap { texels: MapTexels::new(map.clone(), colours), exponent };
+            let smooth = BumpMap { texels: BumpTexels::Smooth(MapTexels::new(map.clone(), smooth)), scale };
+            let rough = BumpMap { texels: BumpTexels::Rough(MapTexels::new(map, rough)), scale };
+            let scalar = Shader::new(Backend::Scalar, &p);
             for footprints in [None, Some(&probes)] {
                 let places = Places { centres: &centres, footprints };
                 let context = |what: &str| format!("{name}, {what}, {size:?}, filtered {}", footprints.is_some());
-                let (mut expected, mut got) = (Columns::default(), Columns::default());
-                Reading::Scalar.colours(places, (colours, exponent, &own), &p, &mut expected);
-                for reading in lanes() {
-                    reading.colours(places, (colours, exponent, &own), &p, &mut got);
-                    same_columns(&expected, &got, &|| context(&format!("colours, {reading}")));
+                let (mut expected, mut got) = (Batch::default(), Batch::default());
+                let pass = Colours { places, map: colours, own: &own };
+                pass.run(scalar, &mut expected);
+                for backend in lanes() {
+                    pass.run(Shader::new(backend, &p), &mut got);
+                    same_columns(&expected, &got, &|| context(&format!("colours, {backend}")));
                 }
                 let kinds = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
-                for (kind, bumps) in kinds.into_iter().flat_map(|kind| [(kind, &smooth), (kind, &rough)]) {
-                    let (mut expected, mut got) = (Columns::default(), Columns::default());
-                    Reading::Scalar.bumps(places, (bumps, &scale, kind), &p, &mut expected);
-                    for reading in lanes() {
-                        reading.bumps(places, (bumps, &scale, kind), &p, &mut got);
-                        same_columns(&expected, &got, &|| context(&format!("bumps {kind:?}, {reading}")));
+                for (kind, map) in kinds.into_iter().flat_map(|kind| [(kind, &smooth), (kind, &rough)]) {
+                    let (mut expected, mut got) = (Batch::default(), Batch::default());
+                    let pass = Bumps { places, map, kind };
+                    pass.run(scalar, &mut expected);
+                    for backend in lanes() {
+                        pass.run(Shader::new(backend, &p), &mut got);
+                        same_columns(&expected, &got, &|| context(&format!("bumps {kind:?}, {backend}")));
                     }
                 }
             }
@@ -524,8 +531,9 @@ fn offsets_are_the_same_with_roughness_beside_them() {
             let scale = BumpScale { offset_down, roughness_down: Fx::zero(), exponent: Fx::zero() };
             let places = Places { centres: &centres, footprints: None };
             let [expected, got] = [&smooth, &rough].map(|texels| {
-                let mut bumps = Columns::default();
-                Reading::Scalar.bumps(places, (texels, &scale, RoughnessKind::None), &p, &mut bumps);
+                let (mut bumps, map) = (Batch::default(), BumpMap { texels: texels.clone(), scale });
+                let pass = Bumps { places, map: &map, kind: RoughnessKind::None };
+                pass.run(Shader::new(Backend::Scalar, &p), &mut bumps);
                 bumps
             });
             same_columns(&expected, &got, &|| format!("{name}, down {down}"));
@@ -538,20 +546,20 @@ fn columns_know_their_words() {
     let blank = PortBlock { mantissa: [Fx::from_raw(0); 3], exponent: Fx::from_raw(3) };
     let one = PortBlock { mantissa: [0, 0, 1].map(Fx::from_raw), ..blank };
     for (dview, dnormal, is_flat) in [([one; 2], [blank; 2], true), ([blank; 2], [blank, one], false)] {
-        assert_eq!(Columns::from_iter([Derivatives { dview, dnormal }]).is_flat(), is_flat);
+        assert_eq!(Batch::from_iter([Derivatives { dview, dnormal }]).is_flat(), is_flat);
     }
     for count in [1, 16] {
         let probes = Probes { count: Fx::from_raw(count), ..Probes::<i32>::limit(End::High) };
         let footprint = Footprint { probes, ..Footprint::<i32>::limit(End::High) };
-        assert_eq!(Columns::from_iter([footprint]).counts(), [count]);
+        assert_eq!(Batch::from_iter([footprint]).counts(), [count]);
         let sweep = Sweep { count: Fx::from_raw(count), ..Sweep::<i32>::limit(End::High) };
-        assert_eq!(Columns::from_iter([sweep]).counts(), [count]);
+        assert_eq!(Batch::from_iter([sweep]).counts(), [count]);
     }
     for (offset, roughness, is_smooth) in
         [([1, 1], [0; 3], true), ([0, 0], [0, 0, 1], false), ([0, 0], [1, 0, 0], false)]
     {
         let bump = Bump { offset: offset.map(Fx::from_raw), roughness: roughness.map(Fx::from_raw) };
-        assert_eq!(Columns::from_iter([Bumped { bump, taps: Fx::from_raw(9) }]).is_smooth(), is_smooth);
+        assert_eq!(Batch::from_iter([Bumped { bump, taps: Fx::from_raw(9) }]).is_smooth(), is_smooth);
     }
 }
 
@@ -628,8 +636,9 @@ fn fragments_of_one_frame_have_the_surface_that_each_has_alone() {
             }
             let (scale, plan) = (scale_of(&inputs, &p), &plans[batch as usize % plans.len()]);
             compare(&inputs, &scale, plan, &p);
-            let (ports, mut surfaces) = (Ports::from_iter(inputs.iter().copied()), Columns::default());
-            Reading::Scalar.surfaces(&ports.bare, &ports.bumps, &plan.surface(), &p, &mut surfaces);
+            let (ports, mut surfaces) = (Ports::from_iter(inputs.iter().copied()), Batch::default());
+            let scalar = Shader::new(Backend::Scalar, &p);
+            Surfaces::new(scalar, &ports.bare, &ports.bumps, &plan.surface()).run(scalar, &mut surfaces);
             for (input, surface) in inputs.iter().zip(surfaces.iter()) {
                 same_wires(&soft_core::surface(&input.surface, &plan.surface(), &p), &surface).unwrap();
             }
@@ -671,7 +680,7 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     let inputs = wires(&fragments);
     let scale = scale_of(&inputs, &p);
     let ports = Ports::from_iter(inputs.iter().copied());
-    let footprints = ports.footprints(Reading::best(), (&scale, &ReflectionPlan::FULL), &p);
+    let footprints = ports.footprints(Shader::new(Backend::best(), &p), &scale, &ReflectionPlan::FULL);
     let distinct = |of: fn(&Footprint<i32>) -> i32| {
         let mut values: Vec<_> = footprints.iter().map(|footprint| of(&footprint)).collect();
         values.sort_unstable();
@@ -711,7 +720,7 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                 let exponent = if index % 2 == 0 { any.exponent.raw() >> 16 } else { bits.0.below(24) as i32 - 16 };
                 PortBlock { exponent: Fx::from_raw(exponent), ..any }
             };
-            let derivatives = Columns::from_iter((0..index % 50).map(|_| [derivative(), derivative()]));
+            let derivatives = Batch::from_iter((0..index % 50).map(|_| [derivative(), derivative()]));
             let (texture, map, rough) = (&scale.0, &scale.1, index % 3 > 0);
             let scalar = derivatives.iter().map(|duv| {
                 let duv = &duv;
@@ -726,12 +735,13 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                 })
             });
             let scalar: Vec<RepeatedFootprint<i32>> = scalar.collect();
-            for reading in instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]) {
-                let mut probes = Columns::default();
-                reading.texture_footprints(&derivatives, (&scale, rough), &p, &mut probes);
+            for backend in instruction_sets().into_iter().map(Backend::Simd).chain([Backend::Scalar]) {
+                let mut probes = Batch::default();
+                let pass = TextureFootprints { derivatives: &derivatives, scale: &scale, is_rough: rough };
+                pass.run(Shader::new(backend, &p), &mut probes);
                 assert_eq!(probes.len(), scalar.len());
                 for ((expected, got), duv) in scalar.iter().zip(probes.iter()).zip(derivatives.iter()) {
-                    let context = |difference| format!("{name}, {reading}, {size:?}, {duv:?}: {difference}");
+                    let context = |difference| format!("{name}, {backend}, {size:?}, {duv:?}: {difference}");
                     same_wires(expected, &got).map_err(context).unwrap();
                 }
             }
@@ -750,7 +760,7 @@ pub(super) fn stored_peak(bits: &mut AnyBits) -> Peak<i32> {
 
 #[test]
 fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
-    let readings: Vec<_> = instruction_sets().into_iter().map(Reading::Lanes).chain([Reading::Scalar]).collect();
+    let backends: Vec<_> = instruction_sets().into_iter().map(Backend::Simd).chain([Backend::Scalar]).collect();
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
     let golden = std::fs::read_to_string(golden).unwrap();
     for name in bars::SCENES.into_iter().chain(LIT_SCENES) {
@@ -759,14 +769,14 @@ fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
         for mode in [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }] {
             let prefix = format!("{name} standard {mode} ");
             let expected = golden.lines().find_map(|line| line.strip_prefix(&prefix)).expect("a golden frame");
-            for &reading in &readings {
+            for &backend in &backends {
                 let prepared = Prepared::with_peaks(&scene, mode, &Precision::STANDARD, &peaks).unwrap();
-                let prepared = prepared.with_reading(reading);
+                let prepared = prepared.with_backend(backend);
                 let counts: &[usize] = if sweep() || mode == Mode::Footprint { &[1, 2, 7] } else { &[2] };
                 for &threads in counts {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                     let digest = pool.install(|| prepared.render(&|| ())).unwrap().digest();
-                    assert_eq!(digest, expected, "{name}, {mode}, {reading}, {threads} threads");
+                    assert_eq!(digest, expected, "{name}, {mode}, {backend}, {threads} threads");
                 }
             }
         }
@@ -775,10 +785,10 @@ fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
 
 #[test]
 fn a_reading_is_named_as_it_is_printed() {
-    let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar, Reading::best()]);
-    for reading in readings {
-        assert_eq!(reading.to_string().parse(), Ok(reading));
+    let backends = InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar, Backend::best()]);
+    for backend in backends {
+        assert_eq!(backend.to_string().parse(), Ok(backend));
     }
-    let error = "lanes".parse::<Reading>().unwrap_err();
+    let error = "lanes".parse::<Backend>().unwrap_err();
     assert!(error.contains("scalar"), "{error}");
 }

@@ -14,16 +14,18 @@ use roughxel_core::repeated::{self, Tap, View};
 use roughxel_core::setup::shininess;
 use roughxel_core::signals::{LocalDirection, PeakSum, RepeatedFootprint, TexturePosition};
 use roughxel_core::width::on_words;
-use roughxel_lanes::{
-    Columns, MOST_PEAKS, PackedPeak, PeakTexels, PeaksRead, Places, Ports, Reading, RepeatedMap, Shown, Slopes,
+use roughxel_shader::{
+    Batch, GivenPeaks, Halves, Highlights, HorizonSlopes, LightOnPeaks, Lit, MOST_PEAKS, PackedPeak, PeakTexels,
+    PeaksRead, Places, Ports, RepeatedMap, Shader, Shown, Slopes, Surfaces,
 };
+use roughxel_simd::Backend;
 use roughxel_utilities::random::SplitMix64;
 
 use super::lanes::{AnyBits, lanes, profiles, random_views, same_columns, stored_peak};
 
-/// All readings of this machine.
-fn readings() -> impl Iterator<Item = Reading> {
-    lanes().chain([Reading::Scalar])
+/// All backends of this machine.
+fn backends() -> impl Iterator<Item = Backend> {
+    lanes().chain([Backend::Scalar])
 }
 
 /// As many random surfaces, with the direction from each to a light.
@@ -32,12 +34,13 @@ fn lit_surfaces(
     count: usize,
     plan: &SurfacePlan,
     p: &Precision,
-) -> (Columns<Surface<i32>>, Columns<PortBlock<i32, 3>>) {
+) -> (Batch<Surface<i32>>, Batch<PortBlock<i32, 3>>) {
     let fragments =
         |from: u64| (0..count as u64).map(move |i| random_fragment(name, from + 1000 * index + i, p).wires());
     let ports = Ports::from_iter(fragments(0));
-    let mut surfaces = Columns::default();
-    Reading::Scalar.surfaces(&ports.bare, &ports.bumps, plan, p, &mut surfaces);
+    let mut surfaces = Batch::default();
+    let scalar = Shader::new(Backend::Scalar, p);
+    Surfaces::new(scalar, &ports.bare, &ports.bumps, plan).run(scalar, &mut surfaces);
     (surfaces, fragments(500).map(|other| other.surface.view).collect())
 }
 
@@ -96,7 +99,7 @@ fn highlights_and_given_peaks_in_lanes_are_those_of_one_fragment() {
             let shininess = &shininess(1.0 + bits.0.below(8192) as f64).wires();
             let given: Vec<PackedPeak> = (0..index % 9).map(|_| PackedPeak::from(&stored_peak(&mut bits))).collect();
 
-            let highlights = Columns::from_iter(lit().map(|(surface, light)| {
+            let highlights = Batch::from_iter(lit().map(|(surface, light)| {
                 let (surface, light) = (&surface, &light);
                 let f = on_words!(&p, |surface, light, shininess| {
                     let gloss = datapath::gloss(surface, shininess, &plan, &p);
@@ -104,25 +107,26 @@ fn highlights_and_given_peaks_in_lanes_are_those_of_one_fragment() {
                 });
                 shown(f.f, &colour)
             }));
-            let halves = Columns::from_iter(lit().map(|(surface, light)| half(&surface, &light, &p)));
-            let peaks = Columns::from_iter(halves.iter().map(|half| {
+            let halves = Batch::from_iter(lit().map(|(surface, light)| half(&surface, &light, &p)));
+            let peaks = Batch::from_iter(halves.iter().map(|half| {
                 let light = given.iter().map(|peak| packed_light(peak, &half, Fx::int(1), &p));
                 shown(sum(light), &colour)
             }));
-            let slopes = Columns::from_iter(lit().map(|(surface, light)| slopes(&surface, &light, &p)));
-            for reading in readings() {
-                let context = |what: &'static str| move || format!("{name} {index}, {reading}, {what}");
-                let mut got = Columns::default();
-                reading.highlights((&surfaces, &lights), (shininess, &plan), &colour, &p, &mut got);
+            let slopes = Batch::from_iter(lit().map(|(surface, light)| slopes(&surface, &light, &p)));
+            for backend in backends() {
+                let (shader, lit) = (Shader::new(backend, &p), Lit { surfaces: &surfaces, directions: &lights });
+                let context = |what: &'static str| move || format!("{name} {index}, {backend}, {what}");
+                let mut got = Batch::default();
+                Highlights { lit, shininess, plan: &plan, colour: &colour }.run(shader, &mut got);
                 same_columns(&highlights, &got, &context("highlights"));
-                let mut got = Columns::default();
-                reading.halves((&surfaces, &lights), &p, &mut got);
+                let mut got = Batch::default();
+                Halves(lit).run(shader, &mut got);
                 same_columns(&halves, &got, &context("halves"));
-                let mut got = Columns::default();
-                reading.slopes((&surfaces, &lights), &p, &mut got);
+                let mut got = Batch::default();
+                HorizonSlopes(lit).run(shader, &mut got);
                 same_columns(&slopes, &got, &context("slopes"));
-                let mut got = Columns::default();
-                reading.given_peaks(&halves, &given, &colour, &p, &mut got);
+                let mut got = Batch::default();
+                GivenPeaks { halves: &halves, peaks: &given, colour: &colour }.run(shader, &mut got);
                 same_columns(&peaks, &got, &context("given peaks"));
             }
         });
@@ -215,7 +219,7 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
             for footprints in [None, Some(&probes)] {
                 let places = Places { centres: &centres, footprints };
                 let mut taps = 0;
-                let expected = Columns::from_iter((0..centres.len()).map(|fragment| {
+                let expected = Batch::from_iter((0..centres.len()).map(|fragment| {
                     let (surface, light) = (surfaces.get(fragment), lights.get(fragment));
                     let (half, slopes) = (half(&surface, &light, &p), slopes(&surface, &light, &p));
                     let light = |texel| texel_light(texel, of, &half, &slopes, &p);
@@ -224,17 +228,19 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
                     taps += mean.taps.raw() as u64;
                     shown(mean.channels[0], &colour)
                 }));
-                let (mut halves, mut slopes) = (Columns::default(), Columns::default());
-                for reading in readings() {
-                    let (mut read, mut got) = (PeaksRead::default(), Columns::default());
-                    reading.halves((&surfaces, &lights), &p, &mut halves);
-                    reading.slopes((&surfaces, &lights), &p, &mut slopes);
-                    let views = (&halves, map.has_horizons().then_some(&slopes));
+                let (mut halves, mut slopes) = (Batch::default(), Batch::default());
+                for backend in backends() {
+                    let (mut read, mut got) = (PeaksRead::default(), Batch::default());
+                    let (shader, lit) = (Shader::new(backend, &p), Lit { surfaces: &surfaces, directions: &lights });
+                    Halves(lit).run(shader, &mut halves);
+                    HorizonSlopes(lit).run(shader, &mut slopes);
+                    let slopes = map.has_horizons().then_some(&slopes);
+                    let light = LightOnPeaks { map, places, halves: &halves, slopes, colour: &colour };
                     // Twice: what a batch leaves in the memory of the next one changes nothing.
                     for turn in 0..2 {
-                        let context = || format!("{name} {index}, {reading}, {footprints:?}, turn {turn}");
-                        assert_eq!(read.read(map, places, reading, &p), taps, "{}", context());
-                        read.shine((map, places), views, &colour, (reading, &p), &mut got);
+                        let context = || format!("{name} {index}, {backend}, {footprints:?}, turn {turn}");
+                        assert_eq!(read.read(map, places, shader), taps, "{}", context());
+                        read.shine(&light, shader, &mut got);
                         same_columns(&expected, &got, &context);
                     }
                 }

@@ -24,7 +24,7 @@ use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;
 use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
 use roughxel_host_tests::space::{profiles, wide_profiles};
-use roughxel_lanes::PackedPeak;
+use roughxel_shader::PackedPeak;
 use roughxel_utilities::random::SplitMix64;
 
 /// Fraction bits of a versine.

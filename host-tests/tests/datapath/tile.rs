@@ -1,4 +1,4 @@
-//! The tile of a picture that firmware draws, with the readings of the emulator.
+//! The tile of a picture that firmware draws, with the backends of the emulator.
 
 use roughxel_core::bundle::Value;
 use roughxel_core::plan::Effects;
@@ -6,7 +6,8 @@ use roughxel_core::ports::Port;
 use roughxel_core::sampler::{self, Cube};
 use roughxel_core::soft_core::environment_scale;
 use roughxel_core::width::on_words;
-use roughxel_lanes::{Ports, Reading};
+use roughxel_shader::{Ports, Shader};
+use roughxel_simd::Backend;
 
 #[path = "../../../core/oracle/tests/oracle/tile/drawn.rs"]
 #[expect(unreachable_pub, dead_code, reason = "it is everybody's who draws the tile")]
@@ -30,14 +31,14 @@ fn the_tile_of_the_firmware_is_that_of_the_emulator() {
         let p = &profile.precision();
         let (plan, map) = (Effects::ALL.reflection(), environment_scale(SKY_EDGE, p));
         let ports = Ports::from_iter(inputs.iter().copied());
-        for reading in [Reading::Scalar, Reading::best()] {
+        for backend in [Backend::Scalar, Backend::best()] {
             let mut hash = Hash::default();
-            for (place, footprint) in places.iter().zip(ports.footprints(reading, (&map, &plan), p).iter()) {
+            for (place, footprint) in places.iter().zip(ports.footprints(Shader::new(backend, p), &map, &plan).iter()) {
                 let (point, probes) = (&footprint.point, &footprint.probes);
                 let colour = on_words!(p, |point, probes| sampler::environment(point, probes, true, cube, p));
                 place.iter().copied().chain(colour.map(|Value(channel)| channel.raw())).for_each(|part| hash.add(part));
             }
-            assert_eq!(hash, Hash(expected), "{} in {reading:?}: {:#010x}", profile.name(), hash.0);
+            assert_eq!(hash, Hash(expected), "{} in {backend:?}: {:#010x}", profile.name(), hash.0);
         }
     }
 }

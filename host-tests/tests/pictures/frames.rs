@@ -9,15 +9,16 @@ use png::{BitDepth, ColorType, Decoder};
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionOut;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
-use roughxel_frame::plan::{Effect, Mode};
+use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_host_tests::bars;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
 use roughxel_host_tests::space::whole_or;
-use roughxel_lanes::{InstructionSet, Reading};
 use roughxel_real_frame::RealPicture;
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{linear_to_srgb8, write_png_srgb};
+use roughxel_shader::Effect;
+use roughxel_simd::{Backend, InstructionSet};
 
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 
@@ -62,9 +63,9 @@ fn two_lobes_are_their_float64_picture_in_every_reading() {
         for mode in [Mode::Isotropic, Mode::Footprint] {
             let prepared = Prepared::new(&scene, mode, &precision).unwrap();
             assert!(prepared.plans().all(|plan| plan.has(Effect::TwoLobes)));
-            let scalar = prepared.with_reading(Reading::Scalar).render(&|| ()).unwrap();
+            let scalar = prepared.with_backend(Backend::Scalar).render(&|| ()).unwrap();
             for set in InstructionSet::available() {
-                let lanes = Prepared::new(&scene, mode, &precision).unwrap().with_reading(Reading::Lanes(set));
+                let lanes = Prepared::new(&scene, mode, &precision).unwrap().with_backend(Backend::Simd(set));
                 assert_eq!(lanes.render(&|| ()).unwrap().digest(), scalar.digest(), "{profile}, {mode}, {set}");
             }
             if profile == "standard" {

@@ -9,7 +9,7 @@ use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
-use roughxel_frame::raster::{Needs, Projection, SUBPIXELS, Sampling, TileRect, TileSamples, TriangleList, tiles};
+use roughxel_frame::raster::{Projection, SUBPIXELS, Sampling, TileRect, TileSamples, TriangleList, tiles};
 use roughxel_host_tests::space::whole_or;
 use roughxel_real_frame::RealPicture;
 use roughxel_reference::cube::{direction_of, select};
@@ -19,6 +19,7 @@ use roughxel_reference::random::SplitMix64;
 use roughxel_reference::{frame, reflect, sphere};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
+use roughxel_shader::Needs;
 
 /// Texels along an edge of a face.
 const EDGE: usize = 64;

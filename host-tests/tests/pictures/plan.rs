@@ -17,12 +17,13 @@ use roughxel_core::ports::{Port, PortBlock, ReflectionInput};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_core::signals::TexturePosition;
 use roughxel_core::soft_core::{environment_scale, texture_scale};
-use roughxel_frame::plan::{Effect, Mode, ObjectPlan};
+use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_host_tests::checked::{Checked, reread, traced};
 use roughxel_host_tests::space::profiles;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{RoughnessField, Scene};
+use roughxel_shader::{Effect, ObjectPlan};
 
 const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 

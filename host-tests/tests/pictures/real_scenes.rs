@@ -4,10 +4,11 @@
 
 use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
-use roughxel_frame::plan::{Effect, Mode};
+use roughxel_frame::plan::Mode;
 use roughxel_host_tests::bars::{BEHIND_16_SAMPLES, real_scenes, scene_figures};
 use roughxel_host_tests::space::whole_or;
 use roughxel_scene::{Scene, builtin_names};
+use roughxel_shader::Effect;
 
 #[test]
 fn filtered_pictures_of_real_scenes_are_near_to_what_16_samples_reach() {

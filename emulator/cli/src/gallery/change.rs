@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_frame::plan::Effect;
 use roughxel_scene::{
     FootprintPlace, FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Shadowing,
     Vertex,
 };
+use roughxel_shader::Effect;
 
 /// A change before drawing.
 #[derive(Clone, Copy, Debug)]

@@ -4,11 +4,12 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use roughxel_frame::plan::{Decision, ObjectPlan};
+use roughxel_frame::plan::Decision;
 use roughxel_frame::raster::tiles;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{Picture, beside, difference, ssim, write_png_srgb};
+use roughxel_shader::ObjectPlan;
 
 use super::change::Change;
 use super::drawn::{DrawnColumn, DrawnReference, DrawnScene, GalleryError, Settings};

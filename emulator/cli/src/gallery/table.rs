@@ -1,6 +1,7 @@
 //! The scenes of the gallery and their columns: the papers' pictures, one entry each.
 
-use roughxel_frame::plan::{Effect, Mode};
+use roughxel_frame::plan::Mode;
+use roughxel_shader::Effect;
 
 use super::change::{
     Change, footprints_on_a_face, isotropic_roughness, natural_frame, natural_normalised_frame, no_shadowing,

@@ -12,50 +12,15 @@
 
 use fixed::types::U0F32;
 use glam::DVec3;
-use roughxel_core::ports::{BlockPair, BlockVector};
-use roughxel_lanes::{BlockRows, Derivatives, LANES};
+use roughxel_core::ports::BlockVector;
+use roughxel_shader::{AttributeRows, BlockRows, Derivatives, FragmentAttributes, Needs, same_rows};
+use roughxel_simd::LANES;
 
 use super::SUBPIXELS;
-use super::blocks::{AttributeRows, Positions, block, block_rows, derivatives, port, same_rows, scaled, turns};
+use super::blocks::{Positions, block, block_rows, derivatives, port, scaled, turns};
 use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
-
-/// What the datapath needs to know about one fragment; vectors in world space.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FragmentAttributes {
-    /// Unnormalised normal: Σ βᵢ nᵢ / w of unit vertex normals, times one power of two per triangle; of equal ones that one, its
-    /// largest component 1 − 2⁻¹².
-    pub normal: BlockVector,
-    /// Vector v from the surface to the eye, in pixels of the picture plane; see [`Projection::ray_view`].
-    pub view: BlockVector,
-    /// p_u and p_v in world units per repeat, perspective-correct.
-    pub frame_vectors: [BlockVector; 2],
-    /// ∂v/∂x and ∂v/∂y per pixel (y down), in the units of `view`.
-    pub dview: [BlockVector; 2],
-    /// ∂n/∂x and ∂n/∂y per pixel (y down), in the units of `normal`; constant over the triangle.
-    pub dnormal: [BlockVector; 2],
-    /// Texture coordinates in repeats, modulo 1, perspective-correct.
-    pub uv: [U0F32; 2],
-    /// ∂(u, v)/∂x and ∂(u, v)/∂y in repeats per pixel (y down).
-    pub duv: [BlockPair; 2],
-}
-
-/// Attributes that not every object reads; those that are not read are zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Needs {
-    /// p_u and p_v: S97 systems 1 and 2.
-    pub tangents: bool,
-    /// u and v: maps.
-    pub uv: bool,
-    /// Their derivatives: maps with footprints. Not without u and v.
-    pub duv: bool,
-}
-
-impl Needs {
-    /// All.
-    pub const ALL: Self = Self { tangents: true, uv: true, duv: true };
-}
 
 /// The largest number below 1 of the narrowest words, which keep 12 fraction bits.
 const LARGEST: f64 = 1.0 - 1.0 / 4096.0;

@@ -5,26 +5,11 @@
 
 use fixed::types::I2F30;
 use roughxel_core::ports::{BlockPort, BlockVector, Port};
-use roughxel_lanes::{BlockRows, Derivatives, LANES, Row};
+use roughxel_shader::{BlockRows, Derivatives, Row};
+use roughxel_simd::LANES;
 
 /// Positions of [`LANES`] samples in sub-pixels of 1/256 px from the frame's corner: columns, then rows.
 pub type Positions = [Row; 2];
-
-/// The attributes of [`LANES`] fragments side by side, with the names of [`FragmentAttributes`](super::FragmentAttributes). A row is a cache line.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
-pub struct AttributeRows {
-    /// Unnormalised normals.
-    pub normal: BlockRows<3>,
-    /// Vectors from the surface to the eye.
-    pub view: BlockRows<3>,
-    /// p_u and p_v, or the main direction and nothing.
-    pub frame_vectors: [BlockRows<3>; 2],
-    /// Texture coordinates with 32 fraction bits.
-    pub uv: [Row; 2],
-    /// Their derivatives.
-    pub duv: [BlockRows<2>; 2],
-}
 
 /// Fraction bits of a mantissa.
 const MANTISSA_BITS: i32 = 30;
@@ -83,12 +68,6 @@ pub(super) fn block_rows<const N: usize>(exponent: i32, values: impl Fn(usize) -
         rows.exponent[lane] = exponent;
     }
     rows
-}
-
-/// Rows with one block in every lane.
-pub fn same_rows(block: &BlockVector) -> BlockRows<3> {
-    let BlockVector { mantissa, exponent } = block;
-    BlockRows { mantissa: mantissa.map(|mantissa| [mantissa.to_bits(); LANES]), exponent: [(*exponent).into(); LANES] }
 }
 
 /// ∂v and ∂n as wires.

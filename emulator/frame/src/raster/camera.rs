@@ -6,9 +6,9 @@
 
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::BlockVector;
-use roughxel_lanes::{BlockRows, Derivatives};
+use roughxel_shader::{AttributeRows, BlockRows, Derivatives};
 
-use super::blocks::{AttributeRows, Positions, block, block_rows, derivatives, port};
+use super::blocks::{Positions, block, block_rows, derivatives, port};
 use super::{MAX_EDGE_PX, RasterError, SUBPIXELS};
 use roughxel_scene::Camera;
 use roughxel_utilities::limits::MAX_FRAME_PIXELS;

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use roughxel_lanes::LANES;
+use roughxel_simd::LANES;
 
 use super::edges::{Places, TileBuffer};
 use super::setup::{Drawn, TriangleList};

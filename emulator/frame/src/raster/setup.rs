@@ -4,14 +4,15 @@
 //! piece over more than [`MAX_BINNED_TILES`] tiles is kept in one list for all tiles, which bounds the memory.
 //! The order of drawing cannot change the picture, so neither can the order of the lists.
 
-use super::attributes::{Needs, Triangle};
+use super::attributes::Triangle;
 use super::camera::Projection;
 use super::clip::ScreenPolygon;
 use super::edges::{DepthPlane, Places, ScreenTriangle, TileBuffer};
 use super::{MAX_TRIANGLES, RasterError, TILE_EDGE_PX, TileRect};
 use rayon::prelude::*;
-use roughxel_lanes::Reading;
 use roughxel_scene::{Object, Vertex};
+use roughxel_shader::Needs;
+use roughxel_simd::Backend;
 
 /// Most tiles whose lists one piece is entered in.
 const MAX_BINNED_TILES: usize = 16;
@@ -36,7 +37,7 @@ pub struct TriangleList<'a> {
     /// Number of the first triangle of each object, then the number of all triangles.
     first_triangle: Vec<u32>,
     /// How samples are found.
-    reading: Reading,
+    backend: Backend,
     pieces: Vec<ScreenTriangle>,
     tile_columns: usize,
     /// `bins[bin_start[t]..bin_start[t + 1]]` are the pieces of tile t.
@@ -86,7 +87,7 @@ impl<'a> TriangleList<'a> {
             projection,
             objects,
             first_triangle,
-            reading: Reading::Scalar,
+            backend: Backend::Scalar,
             pieces,
             tile_columns,
             bin_start: vec![0; tile_columns * tile_rows + 1],
@@ -98,8 +99,8 @@ impl<'a> TriangleList<'a> {
     }
 
     /// The same, drawn with vectors of an instruction set: what is visible stays the same.
-    pub fn with_reading(self, reading: Reading) -> Self {
-        Self { reading, ..self }
+    pub fn with_backend(self, backend: Backend) -> Self {
+        Self { backend, ..self }
     }
 
     /// Number of triangles of all objects, visible or not.
@@ -156,7 +157,7 @@ impl<'a> TriangleList<'a> {
     /// of the frame.
     pub(super) fn draw(&self, drawn: &Drawn, places: &Places, tile: TileRect, buffer: &mut TileBuffer) {
         buffer.clear(tile, places);
-        self.reading.run(
+        self.backend.run(
             #[inline(always)]
             || {
                 for &(piece, number) in &drawn.pieces {

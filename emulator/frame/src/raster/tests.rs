@@ -3,7 +3,8 @@
 use fixed::types::{I2F30, U0F32};
 use glam::{DVec2, DVec3};
 use roughxel_core::ports::{BlockPair, BlockPort, BlockVector, Port};
-use roughxel_lanes::{BlockRows, Derivatives, InstructionSet, LANES, Reading};
+use roughxel_shader::{AttributeRows, BlockRows, Derivatives, FragmentAttributes, Needs};
+use roughxel_simd::{Backend, InstructionSet, LANES};
 
 use super::edges::{Places, TileBuffer};
 use super::setup::Drawn;
@@ -724,16 +725,16 @@ fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
             let positions =
                 [97, 65].map(|edge| [0; LANES].map(|_| random.real(-300.0, f64::from(edge) * 256.0) as i32));
             let derivatives = triangle.derivatives();
-            let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar]);
-            for reading in readings {
+            let backends = InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar]);
+            for backend in backends {
                 let mut rows = AttributeRows::default();
-                reading.run(
+                backend.run(
                     #[inline(always)]
                     || triangle.fragments(&positions, &mut rows),
                 );
                 for (lane, (x, y)) in positions[0].into_iter().zip(positions[1]).enumerate() {
                     let expected = triangle.fragment(x, y);
-                    assert_eq!(of_rows(&rows, &derivatives, lane), expected, "{reading}, {needs:?}");
+                    assert_eq!(of_rows(&rows, &derivatives, lane), expected, "{backend}, {needs:?}");
                 }
             }
         }
@@ -910,9 +911,9 @@ fn samples_are_those_found_one_by_one_with_every_instruction_set() {
             };
             alone.push([1, 2, 3, 4, 5].map(at));
         }
-        let readings = InstructionSet::available().map(Reading::Lanes).chain([Reading::Scalar]);
-        for (reading, (index, edge)) in readings.flat_map(|reading| (0..5).map(move |i| (reading, (i, i as u32 + 1)))) {
-            let list = list.clone().with_reading(reading);
+        let backends = InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar]);
+        for (backend, (index, edge)) in backends.flat_map(|backend| (0..5).map(move |i| (backend, (i, i as u32 + 1)))) {
+            let list = list.clone().with_backend(backend);
             let (found, counts) = samples(&list, tile, Sampling::Grid { edge });
             assert_eq!(counts, vec![edge * edge; counts.len()]);
             assert_eq!(found.len(), counts.len() * (edge * edge) as usize);
@@ -926,7 +927,7 @@ fn samples_are_those_found_one_by_one_with_every_instruction_set() {
                         nearest = Some((triangle, depth));
                     }
                 }
-                assert_eq!(sample.triangle, nearest.map(|shown| shown.0), "{reading}, {edge}: {x}, {y}");
+                assert_eq!(sample.triangle, nearest.map(|shown| shown.0), "{backend}, {edge}: {x}, {y}");
             }
         }
     }

@@ -1,8 +1,7 @@
 //! Values in rows and columns, made in parallel, and how far their making is.
 
 use rayon::prelude::*;
-
-use crate::widest::widest;
+use roughxel_simd::Backend;
 
 /// Is told how far the making of a scene's maps is; from any thread.
 pub trait MapProgress: Sync {
@@ -50,7 +49,7 @@ impl Grid<'_> {
         self.begin(height.into());
         let mut values = vec![T::default(); width as usize * height as usize];
         (0..height).into_par_iter().zip(values.par_chunks_mut(width as usize)).for_each(|(row, values)| {
-            widest(
+            Backend::best().run(
                 #[inline(always)]
                 || {
                     for (column, place) in (0..width).zip(values) {

@@ -50,7 +50,7 @@ impl PhaseTimes {
     }
 
     /// Adds those of another piece of the frame.
-    pub(super) fn add(&mut self, other: &Self) {
+    pub fn add(&mut self, other: &Self) {
         for (own, other) in self.0.iter_mut().zip(&other.0) {
             *own += *other;
         }
@@ -58,7 +58,7 @@ impl PhaseTimes {
 }
 
 /// Says which phase a thread is in. It is read a few times a batch: 20 ns each for some 128 fragments.
-pub(super) struct PhaseClock {
+pub struct PhaseClock {
     times: PhaseTimes,
     phase: Phase,
     since: Instant,
@@ -66,12 +66,12 @@ pub(super) struct PhaseClock {
 
 impl PhaseClock {
     /// In the front end.
-    pub(super) fn start() -> Self {
+    pub fn start() -> Self {
         Self { times: PhaseTimes::default(), phase: Phase::FrontEnd, since: Instant::now() }
     }
 
     /// Enters a phase; the one that it leaves.
-    pub(super) fn enter(&mut self, phase: Phase) -> Phase {
+    pub fn enter(&mut self, phase: Phase) -> Phase {
         let now = Instant::now();
         self.times.0[self.phase as usize] += now - self.since;
         self.since = now;
@@ -79,7 +79,7 @@ impl PhaseClock {
     }
 
     /// What each took until now.
-    pub(super) fn stop(mut self) -> PhaseTimes {
+    pub fn stop(mut self) -> PhaseTimes {
         self.enter(Phase::FrontEnd);
         self.times
     }

@@ -4,7 +4,7 @@ use roughxel_core::rom::MAX_PROBES;
 
 /// The fragment at each place of another order.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Order(pub(super) Vec<u32>);
+pub(crate) struct Order(pub(super) Vec<u32>);
 
 /// Fragments to which moving one to a place among its like and back, 20 words, is worth a turn of their group: measured.
 const MOVES_OF_A_TURN: usize = 32;
@@ -13,7 +13,7 @@ impl Order {
     /// Orders fragments by these counts, the most probes first, so that no other order takes fewer turns: but the i-th, no group's longest is shorter than
     /// what stands at `lanes`·i. (The fewest first takes more where a group that is not full then has the longest.) False, with no order, where it does
     /// not spare groups of `lanes` more than it costs.
-    pub(super) fn by(&mut self, counts: &[i32], lanes: usize) -> bool {
+    pub(crate) fn by(&mut self, counts: &[i32], lanes: usize) -> bool {
         let most = |group: &[i32]| group.iter().copied().max().unwrap_or(0).unsigned_abs() as usize;
         let turns: usize = counts.chunks(lanes).map(most).sum();
         // Where the fragments of each count begin; no profile has more than so many probes.

@@ -7,15 +7,15 @@ use roughxel_core::fx::{Fx, Int};
 use roughxel_core::plan::HorizonKind;
 use roughxel_core::ports::{Horizon, Peak};
 
-use super::columns::GROUP;
-use super::texels::{RepeatedMap, wide};
+use crate::batch::GROUP;
+use crate::texels::{RepeatedMap, wide};
 
 /// Words of a [`PackedPeak`].
-pub(super) const WORDS: usize = 3;
+pub(crate) const WORDS: usize = 3;
 
 /// A peak as a memory holds it: its five numbers of 16 bits in three words.
 #[derive(Clone, Copy, Debug)]
-pub struct PackedPeak(pub(super) [i32; WORDS]);
+pub struct PackedPeak(pub(crate) [i32; WORDS]);
 
 impl From<&Peak<i32>> for PackedPeak {
     /// Range: what [`StoredPeak`](roughxel_core::ports::StoredPeak) holds.
@@ -41,9 +41,9 @@ pub struct PeakTexels {
     /// Where the peaks of each texel begin, of all levels, the finest first; and where the last end. No texel has more than [`MOST_PEAKS`].
     pub begins: Vec<u32>,
     /// Of all texels: the words of each, and a 0.
-    pub(super) peaks: Vec<[u64; 2]>,
+    pub(crate) peaks: Vec<[u64; 2]>,
     /// As many as peaks, or none: the beginnings of each, then what its widths are the reciprocals of.
-    pub(super) horizons: Vec<[u64; 4]>,
+    pub(crate) horizons: Vec<[u64; 4]>,
     /// How horizons are joined.
     pub kind: HorizonKind,
 }
@@ -94,14 +94,14 @@ pub const MOST_PEAKS: usize = 8;
 const PATCHES: usize = 32;
 
 /// The slot of a patch of a fragment.
-pub(super) fn slot(turn: i32, level: i32) -> i32 {
+pub(crate) fn slot(turn: i32, level: i32) -> i32 {
     2 * turn + level
 }
 
 /// The patches of a batch of fragments: of each slot four rows, with a word of every fragment, which are the texels of its patch or the places of what stands
 /// for them.
 #[derive(Clone, Copy)]
-pub(super) struct Patches<'a> {
+pub(crate) struct Patches<'a> {
     cells: &'a [Cell<i32>],
     /// As many as there is room for.
     fragments: usize,
@@ -109,40 +109,40 @@ pub(super) struct Patches<'a> {
 
 impl<'a> Patches<'a> {
     /// Words for so many fragments.
-    pub(super) const fn words(fragments: usize) -> usize {
+    pub(crate) const fn words(fragments: usize) -> usize {
         4 * PATCHES * fragments
     }
 
-    pub(super) fn of(words: &'a mut [i32]) -> Self {
+    pub(crate) fn of(words: &'a mut [i32]) -> Self {
         let fragments = words.len() / Self::words(1);
         Self { cells: Cell::from_mut(words).as_slice_of_cells(), fragments }
     }
 
     /// The rows of a [`slot`].
     #[inline(always)]
-    pub(super) fn rows(&self, slot: i32) -> [&'a [Cell<i32>]; 4] {
+    pub(crate) fn rows(&self, slot: i32) -> [&'a [Cell<i32>]; 4] {
         each!(texel in [0, 1, 2, 3] => &self.cells[(4 * slot as usize + texel) * self.fragments..][..self.fragments])
     }
 }
 
 /// Fragments with peaks that they read, by fragment.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PeakPairs {
+pub(crate) struct PeakPairs {
     /// The fragment of each, the last one again up to a whole group of lanes.
-    pub(super) fragments: Vec<i32>,
+    pub(crate) fragments: Vec<i32>,
     /// The peak of each in its map, and any up to a whole group of lanes.
-    pub(super) peaks: Vec<i32>,
+    pub(crate) peaks: Vec<i32>,
     len: usize,
 }
 
 impl PeakPairs {
     /// How many there are.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.len
     }
 
     /// Room for so many and a whole group of lanes.
-    pub(super) fn reserve(&mut self, pairs: usize) {
+    pub(crate) fn reserve(&mut self, pairs: usize) {
         let room = (pairs + MOST_PEAKS).next_multiple_of(GROUP) + GROUP;
         if self.peaks.len() < room {
             self.peaks.resize(room, 0);
@@ -151,7 +151,7 @@ impl PeakPairs {
     }
 
     /// That there are so many.
-    pub(super) fn end(&mut self, len: usize) {
+    pub(crate) fn end(&mut self, len: usize) {
         self.len = len;
         let last = len.checked_sub(1).map_or(0, |last| self.fragments[last]);
         self.fragments[len..len.next_multiple_of(GROUP)].fill(last);

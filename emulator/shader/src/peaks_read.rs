@@ -8,13 +8,14 @@ use roughxel_core::datapath;
 use roughxel_core::each::each;
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::ports::LIGHT;
-use roughxel_core::precision::Precision;
 use roughxel_core::signals::{LocalDirection, PeakSum};
 
-use super::columns::{Columns, GROUP};
-use super::lights::{PatchesRead, Slopes};
-use super::peaks::{MOST_PEAKS, Patches, PeakPairs, PeakTexels, slot};
-use super::reading::{Places, Reading, Shown};
+use crate::batch::{Batch, GROUP};
+use crate::maps::Places;
+use crate::pass::Shader;
+use crate::peak_passes::{PatchesRead, PeakLights, PeakMeans, PeakPatches};
+use crate::peaks::{MOST_PEAKS, Patches, PeakPairs, PeakTexels, slot};
+use crate::signals::{Shown, Slopes};
 
 /// Room for the peaks of a texel.
 #[inline(always)]
@@ -28,26 +29,41 @@ const NO_TEXEL: u32 = u32::MAX;
 /// No batch reads this many texels.
 const NO_PLACE: u32 = u32::MAX;
 
+/// A light as fragments see it whose peaks were read of a map.
+#[derive(Clone, Copy)]
+pub struct LightOnPeaks<'a> {
+    /// The map.
+    pub map: &'a PeakTexels,
+    /// Where fragments looked in it.
+    pub places: Places<'a>,
+    /// Half vectors of the light.
+    pub halves: &'a Batch<LocalDirection<i32>>,
+    /// Slopes of the light and the eye, if the map has horizons.
+    pub slopes: Option<&'a Batch<Slopes<i32>>>,
+    /// The colour of the light times that of the peaks.
+    pub colour: &'a [Control<i32, LIGHT>; 3],
+}
+
 /// The peaks that a batch of fragments reads of a map; its memory is kept for the next one.
 #[derive(Debug, Default)]
 pub struct PeaksRead {
     /// 0, 1, 2, … of the fragments, and of as many more as a group of lanes.
-    numbers: Columns<Value<i32, 32>>,
+    numbers: Batch<Value<i32, 32>>,
     /// How many patches each fragment reads.
-    read: Columns<PatchesRead<i32>>,
+    read: Batch<PatchesRead<i32>>,
     /// Their texels; then the places of those in `sums`.
     patches: Vec<i32>,
     pairs: PeakPairs,
     /// Where the pairs of each texel end, in the order of `sums`, and room for more.
     ends: Vec<u32>,
-    lights: Columns<Value<i32, LIGHT>>,
+    lights: Batch<Value<i32, LIGHT>>,
     /// The light of each texel.
     sums: Vec<i32>,
 }
 
 impl PeaksRead {
     /// Reads the peaks of a batch of fragments, once what a probe shares with the one before. Returns the bilinear samples.
-    pub fn read(&mut self, map: &PeakTexels, places: Places<'_>, reading: Reading, p: &Precision) -> u64 {
+    pub fn read(&mut self, map: &PeakTexels, places: Places<'_>, shader: Shader<'_>) -> u64 {
         let fragments = places.centres.len();
         let room = fragments + GROUP;
         if self.numbers.len() < room {
@@ -55,11 +71,12 @@ impl PeaksRead {
             self.patches.resize(Patches::words(room), 0);
         }
         let patches = Patches::of(&mut self.patches);
-        reading.peak_patches(places, &map.map, &self.numbers, &patches, p, &mut self.read);
+        let pass = PeakPatches { places, map: &map.map, numbers: &self.numbers, patches: &patches };
+        shader.run(&pass, &mut self.read);
         let (turns, levels) = (self.read.row_of(|read| read.turns), self.read.row_of(|read| read.levels));
         let taps = turns.iter().zip(levels).map(|(&turns, &levels)| (turns * levels) as u64).sum();
         // Compiled for the instruction set: runs of indices are vectors.
-        reading.run(
+        shader.backend.run(
             #[inline(always)]
             || self.pair(map),
         );
@@ -108,18 +125,11 @@ impl PeaksRead {
         sums.resize(texels as usize, 0);
     }
 
-    /// What the fragments whose peaks were read show of a light of this colour; `views` are their half vectors, and their slopes if the map
-    /// has horizons.
-    pub fn shine(
-        &mut self,
-        (map, places): (&PeakTexels, Places<'_>),
-        views: (&Columns<LocalDirection<i32>>, Option<&Columns<Slopes<i32>>>),
-        colour: &[Control<i32, LIGHT>; 3],
-        (reading, p): (Reading, &Precision),
-        shown: &mut Columns<Shown<i32>>,
-    ) {
+    /// What the fragments whose peaks were read return of a light.
+    pub fn shine(&mut self, light: &LightOnPeaks<'_>, shader: Shader<'_>, shown: &mut Batch<Shown<i32>>) {
+        let &LightOnPeaks { map, places, halves, slopes, colour } = light;
         let Self { numbers, patches, pairs, ends, lights, sums, .. } = self;
-        reading.peaks(pairs, views, map, p, lights);
+        shader.run(&PeakLights { pairs, halves, slopes, map }, lights);
         let (lights, mut begin) = (lights.row_of(|light| light.0), 0);
         for (sum, &end) in sums.iter_mut().zip(&*ends) {
             let lights = &lights[begin..end as usize];
@@ -128,6 +138,7 @@ impl PeaksRead {
             begin = end as usize;
         }
         let patches = Patches::of(patches);
-        reading.peak_means((places, numbers), (&map.map, &patches, sums), colour, p, shown);
+        let map = &map.map;
+        shader.run(&PeakMeans { places, map, numbers, patches: &patches, sums, colour }, shown);
     }
 }

@@ -14,7 +14,7 @@
 //!
 //! The table ranks them: datapath and build have changed since. The figures of what is kept are those of
 //! `cargo bench -p roughxel-benches --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
-//! reading is the fastest, and [`Reading::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
+//! reading is the fastest, and [`Backend::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
 #![cfg_attr(
     not(target_arch = "x86_64"),
     expect(dead_code, reason = "elsewhere there are no instruction sets, and the scalar reading stands in for lanes")
@@ -24,18 +24,11 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-mod batch;
-mod columns;
-mod designs;
+mod backend;
 mod fetch;
-mod lights;
+mod group;
 mod narrow;
-mod order;
-mod peaks;
-mod peaks_read;
-mod reading;
 mod target;
-mod texels;
 mod vectors;
 
 use std::ops::{BitAnd, BitOr, Not};
@@ -48,14 +41,11 @@ use roughxel_core::word::{WideWire, Wire, Word};
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use avx512::Avx512;
-pub use columns::{Appended, BlockRows, Columns, Row};
-pub use lights::Slopes;
+pub use backend::{Backend, Kernel};
+pub use group::{BatchWord, LanePlaces};
 pub use narrow::{Halves, KEPT, NARROW_LANES, NarrowFlags, NarrowLanes};
-pub use peaks::{MOST_PEAKS, PackedPeak, PeakTexels};
-pub use peaks_read::PeaksRead;
-pub use reading::{Bare, Bumped, ByCount, Derivatives, Footprint, Look, Places, Ports, Reading, Shown};
 pub use target::{InstructionSet, Target};
-pub use texels::{BumpTexels, CubeTexels, MapTexels, RepeatedMap, RoughBump, Texel};
+pub use vectors::Vectors;
 
 /// Fragments side by side on words of 32 bits, whatever the instruction set.
 pub const LANES: usize = 16;

@@ -11,7 +11,6 @@ use roughxel_core::each::{each, places};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
-use super::batch::Side;
 use super::{FlagLanes, LANES, Lanes, Target, WideLanes, any, stage};
 
 /// Kept fraction bits of the profiles that run in narrow lanes: all that a word of 16 bits has.
@@ -50,13 +49,13 @@ impl<T: Target> NarrowLanes<T> {
 
     /// The upper halves of words of 32 bits.
     #[inline]
-    fn of_high(Halves([even, odd]): Halves<Lanes<T>>) -> Self {
+    pub(super) fn of_high(Halves([even, odd]): Halves<Lanes<T>>) -> Self {
         Self(even.1.short_high(even.0, odd.0), even.1)
     }
 
     /// The words of 32 bits with these upper halves, zeros behind.
     #[inline]
-    fn high(self) -> Halves<Lanes<T>> {
+    pub(super) fn high(self) -> Halves<Lanes<T>> {
         Halves([Lanes(self.1.even_high(self.0), self.1), Lanes(self.1.odd_high(self.0), self.1)])
     }
 }
@@ -374,28 +373,5 @@ impl<T: Target> Staged for NarrowLanes<T> {
     #[inline(always)]
     fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B + Copy) -> B {
         stage::<T, B>(body)
-    }
-}
-
-impl<T: Target> Side<2> for NarrowLanes<T> {
-    type Set = T;
-    #[inline(always)]
-    fn of_mantissas(words: [Lanes<T>; 2]) -> Self {
-        // As `width::narrowed`: what would round up beyond the largest word stays that.
-        let largest = Halves::lit(i64::from(i32::MAX) - (1 << 15));
-        let words = Halves(words);
-        Self::of_high(Halves::select(words.lt(largest), words, largest).add(Wire::lit(1 << 15)))
-    }
-    #[inline(always)]
-    fn mantissas(self) -> [Lanes<T>; 2] {
-        self.high().0
-    }
-    #[inline(always)]
-    fn of_counts(words: [Lanes<T>; 2]) -> Halves<Lanes<T>> {
-        Halves(words)
-    }
-    #[inline(always)]
-    fn counts(count: Halves<Lanes<T>>) -> [Lanes<T>; 2] {
-        count.0
     }
 }

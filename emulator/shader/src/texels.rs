@@ -19,7 +19,7 @@ use roughxel_core::word::{Wire, Word};
 const FACES: u32 = 6;
 
 /// Two words of 32 bits in one of 64.
-pub(super) fn wide([low, high]: [i32; 2]) -> u64 {
+pub(crate) fn wide([low, high]: [i32; 2]) -> u64 {
     u64::from(low.cast_unsigned()) | u64::from(high.cast_unsigned()) << 32
 }
 
@@ -130,7 +130,7 @@ impl CubeTexels {
     }
 
     /// As the sampler takes it.
-    pub(super) fn cube(&self) -> Cube<'_, Self> {
+    pub(crate) fn cube(&self) -> Cube<'_, Self> {
         Cube { memory: self, edge: self.edge, last_level: self.levels - 1, exponent: self.exponent }
     }
 }
@@ -292,7 +292,7 @@ impl MapTexels<[u16; 3]> {
 
     /// The colours of a tap.
     #[inline(always)]
-    pub(super) fn quad<W: Fetch>(&self, tap: &Tap<W>) -> Quad<W, 3> {
+    pub(crate) fn quad<W: Fetch>(&self, tap: &Tap<W>) -> Quad<W, 3> {
         let [left, _, lower, _] = tap.texels;
         let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::pair(place, &self.words));
         Quad { texels: each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves)), weight: tap.weight }
@@ -324,6 +324,19 @@ impl BumpTexels {
         }
     }
 
+    /// The first channels of the bumps of a tap, in units of the map.
+    #[inline(always)]
+    pub(crate) fn quad<W: Fetch, const CHANNELS: usize>(
+        &self,
+        tap: &Tap<W>,
+        scale: &BumpScale<W>,
+    ) -> Quad<W, CHANNELS> {
+        match self {
+            Self::Smooth(texels) => texels.quad_of_offsets(tap),
+            Self::Rough(texels) => texels.quad_of_moments(tap, scale),
+        }
+    }
+
     /// Its levels as they lie in memory.
     pub fn map(&self) -> &RepeatedMap {
         match self {
@@ -333,15 +346,9 @@ impl BumpTexels {
     }
 }
 
-/// A memory of bumps.
-pub(super) trait BumpMemory {
-    /// The first channels of the bumps of a tap, in units of the map.
-    fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>, scale: &BumpScale<W>) -> Quad<W, CHANNELS>;
-}
-
-impl BumpMemory for MapTexels<[i32; 2]> {
+impl MapTexels<[i32; 2]> {
     #[inline(always)]
-    fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>, _: &BumpScale<W>) -> Quad<W, CHANNELS> {
+    fn quad_of_offsets<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>) -> Quad<W, CHANNELS> {
         let [left, _, lower, _] = tap.texels;
         let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::pair(place, &self.words));
         let zero = Fx::zero();
@@ -353,9 +360,13 @@ impl BumpMemory for MapTexels<[i32; 2]> {
     }
 }
 
-impl BumpMemory for MapTexels<RoughBump> {
+impl MapTexels<RoughBump> {
     #[inline(always)]
-    fn quad<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>, scale: &BumpScale<W>) -> Quad<W, CHANNELS> {
+    fn quad_of_moments<W: Fetch, const CHANNELS: usize>(
+        &self,
+        tap: &Tap<W>,
+        scale: &BumpScale<W>,
+    ) -> Quad<W, CHANNELS> {
         let [left, _, lower, _] = tap.texels;
         let [left, lower] = each!(texel in [left, lower] => texel.shl(1));
         // `decode_offset` of a code that is in the upper half of its word already.

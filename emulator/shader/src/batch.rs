@@ -1,41 +1,25 @@
-//! Bundles of many fragments, wire by wire: what lanes load and store without putting words together one by one.
+//! Batches: bundles of many fragments, a row for each word, which a backend loads and stores a vector at a time.
 
 use core::slice::{ChunksExact, ChunksExactMut};
 
 use roughxel_core::bundle::{Bundle, End, Rewire, numbered};
 use roughxel_core::design::Form;
-use roughxel_core::each::{each, places};
-use roughxel_core::fx::{Fx, WideControl};
-use roughxel_core::ports::PortBlock;
+use roughxel_core::fx::Fx;
+use roughxel_simd::LANES;
 
-use super::LANES;
-use super::order::Order;
+use crate::order::Order;
+use append::Store;
+
+mod append;
+
+pub use append::{Appended, BlockRows, Row};
 
 /// Fragments of the larger group of lanes: rows have room for whole ones.
-pub(super) const GROUP: usize = 2 * LANES;
-
-/// A word of each of [`LANES`] fragments.
-pub type Row = [i32; LANES];
-
-/// The words of a block of each of [`LANES`] fragments.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub struct BlockRows<const N: usize> {
-    /// Mantissas.
-    pub mantissa: [Row; N],
-    /// Exponents.
-    pub exponent: Row,
-}
-
-impl<const N: usize> Default for BlockRows<N> {
-    fn default() -> Self {
-        Self { mantissa: [[0; LANES]; N], exponent: [0; LANES] }
-    }
-}
+pub(crate) const GROUP: usize = 2 * LANES;
 
 /// A bundle of each of many fragments; a row holds one word of all.
 #[derive(Clone, Debug)]
-pub struct Columns<B> {
+pub struct Batch<B> {
     /// Which of its parts there are: a plan leaves some out.
     form: Option<B>,
     /// The numbers of its rows.
@@ -48,13 +32,13 @@ pub struct Columns<B> {
     len: usize,
 }
 
-impl<B> Default for Columns<B> {
+impl<B> Default for Batch<B> {
     fn default() -> Self {
         Self { form: None, numbers: None, memory: Vec::new(), start: 0, stride: 0, len: 0 }
     }
 }
 
-impl<B: Form> FromIterator<B> for Columns<B> {
+impl<B: Form> FromIterator<B> for Batch<B> {
     fn from_iter<I: IntoIterator<Item = B>>(bundles: I) -> Self {
         let mut columns = Self::default();
         let bundles = bundles.into_iter();
@@ -64,7 +48,7 @@ impl<B: Form> FromIterator<B> for Columns<B> {
     }
 }
 
-impl<B: Form> Columns<B> {
+impl<B: Form> Batch<B> {
     /// Fragments.
     pub fn len(&self) -> usize {
         self.len
@@ -166,7 +150,7 @@ impl<B: Form> Columns<B> {
     }
 
     /// The fragments in another order, in place of what `ordered` held.
-    pub(super) fn reorder(&self, Order(order): &Order, ordered: &mut Self) {
+    pub(crate) fn reorder(&self, Order(order): &Order, ordered: &mut Self) {
         ordered.form = self.form;
         ordered.resize(order.len());
         for (words, from) in ordered.rows_mut().zip(self.rows()) {
@@ -177,7 +161,7 @@ impl<B: Form> Columns<B> {
     }
 
     /// Fragments in another order back in their own, in place of what `own` held.
-    pub(super) fn restore(&self, Order(order): &Order, own: &mut Self) {
+    pub(crate) fn restore(&self, Order(order): &Order, own: &mut Self) {
         own.form = self.form;
         own.resize(order.len());
         for (words, from) in own.rows_mut().zip(self.rows()) {
@@ -188,16 +172,16 @@ impl<B: Form> Columns<B> {
     }
 
     /// Any bundle of them: what parts there are.
-    pub(super) fn form(&self) -> &B {
+    pub(crate) fn form(&self) -> &B {
         self.form.as_ref().unwrap_or_else(|| unreachable!("fragments have a form"))
     }
 
-    pub(super) fn set_form(&mut self, form: B) {
+    pub(crate) fn set_form(&mut self, form: B) {
         self.form = Some(form);
     }
 
     /// One word of all after the other, with the room behind them.
-    pub(super) fn rows(&self) -> ChunksExact<'_, i32> {
+    pub(crate) fn rows(&self) -> ChunksExact<'_, i32> {
         self.words().chunks_exact(self.stride)
     }
 
@@ -206,29 +190,24 @@ impl<B: Form> Columns<B> {
         self.words_mut().chunks_exact_mut(stride)
     }
 
-    fn words(&self) -> &[i32] {
+    #[inline(always)]
+    pub(crate) fn words(&self) -> &[i32] {
         &self.memory[self.start..][..self.stride * B::WORDS]
     }
 
-    fn words_mut(&mut self) -> &mut [i32] {
+    #[inline(always)]
+    pub(crate) fn words_mut(&mut self) -> &mut [i32] {
         &mut self.memory[self.start..][..self.stride * B::WORDS]
     }
 
-    /// Vectors of all words, from that of the group which begins with fragment `first`.
+    /// Words from one row to the next.
     #[inline(always)]
-    pub(super) fn walk(&self, first: usize) -> Walk<'_> {
-        Walk { vectors: self.words().as_chunks().0, stride: self.stride / LANES, place: first / LANES }
-    }
-
-    /// The same, to be written.
-    #[inline(always)]
-    pub(super) fn walk_mut(&mut self, first: usize) -> WalkMut<'_> {
-        let stride = self.stride / LANES;
-        WalkMut { vectors: self.words_mut().as_chunks_mut().0, stride, place: first / LANES }
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
     }
 
     /// So many fragments, in place of what there was; whoever asks writes all of them.
-    pub(super) fn resize(&mut self, len: usize) {
+    pub(crate) fn resize(&mut self, len: usize) {
         self.len = 0;
         self.grow(len);
         self.len = len;
@@ -256,91 +235,6 @@ impl<B: Form> Columns<B> {
     }
 }
 
-/// Vectors of a group of fragments, word by word.
-#[derive(Clone, Copy)]
-pub(super) struct Walk<'a> {
-    vectors: &'a [[i32; LANES]],
-    /// Vectors of a row.
-    stride: usize,
-    /// Where the first vector of the next word lies.
-    place: usize,
-}
-
-impl Walk<'_> {
-    /// The first `PARTS` vectors of the next word.
-    #[inline(always)]
-    pub(super) fn next<const PARTS: usize>(&mut self) -> [[i32; LANES]; PARTS] {
-        let word = each!(part in places() => self.vectors[self.place + part]);
-        self.place += self.stride;
-        word
-    }
-}
-
-/// The same, to be written.
-pub(super) struct WalkMut<'a> {
-    vectors: &'a mut [[i32; LANES]],
-    /// Vectors of a row.
-    stride: usize,
-    /// Where the first vector of the next word lies.
-    place: usize,
-}
-
-impl WalkMut<'_> {
-    /// Puts the first `PARTS` vectors of the next word.
-    #[inline(always)]
-    pub(super) fn put<const PARTS: usize>(&mut self, word: [[i32; LANES]; PARTS]) {
-        for (part, lanes) in word.into_iter().enumerate() {
-            self.vectors[self.place + part] = lanes;
-        }
-        self.place += self.stride;
-    }
-}
-
-/// Writer of the rows that [`Columns::append`] adds. A part that is not written keeps what the memory held.
-pub struct Appended<'a, B> {
-    numbers: B,
-    words: &'a mut [i32],
-    stride: usize,
-    /// Place of the first fragment.
-    place: usize,
-}
-
-impl<B: Form> Appended<'_, B> {
-    /// The rows of all words, in the order of a walk.
-    ///
-    /// # Panics
-    /// Another number of rows than the bundle has words.
-    pub fn words(&mut self, rows: &[Row]) {
-        assert_eq!(rows.len(), B::WORDS, "a row of each word");
-        for (number, row) in (0..).zip(rows) {
-            self.put(number, row);
-        }
-    }
-
-    /// The rows of a block.
-    #[inline(always)]
-    pub fn block<const N: usize>(&mut self, block: impl Fn(&B) -> PortBlock<i32, N>, rows: &BlockRows<N>) {
-        let PortBlock { mantissa, exponent } = block(&self.numbers);
-        for (wire, row) in mantissa.iter().zip(&rows.mantissa) {
-            self.put(wire.raw(), row);
-        }
-        self.put(exponent.raw(), &rows.exponent);
-    }
-
-    /// The lower words of a wide number in [0, 2^32), and zeros above them.
-    #[inline(always)]
-    pub fn low<const INT: u32>(&mut self, wide: impl Fn(&B) -> WideControl<i32, INT>, row: &Row) {
-        let number = wide(&self.numbers).raw() as i32;
-        self.put(number, row);
-        self.put(number + 1, &[0; LANES]);
-    }
-
-    #[inline(always)]
-    fn put(&mut self, number: i32, row: &Row) {
-        self.words[number as usize * self.stride + self.place..][..LANES].copy_from_slice(row);
-    }
-}
-
 /// Finds the number of the first word of a part of [`numbered`].
 struct First(Option<i32>);
 
@@ -357,38 +251,6 @@ impl Rewire<i32, i32> for First {
     }
     fn flag(&mut self, flag: bool) -> bool {
         flag
-    }
-}
-
-/// Puts the words of a walk into so many places of each row; a wide wire is two of them, a flag is 0 or 1.
-struct Store<'a, const PLACES: usize> {
-    words: &'a mut [i32],
-    stride: usize,
-    /// Of the next word.
-    place: usize,
-}
-
-impl<const PLACES: usize> Rewire<i32, i32> for Store<'_, PLACES> {
-    #[inline(always)]
-    fn word(&mut self, wire: i32, _: u32) -> i32 {
-        self.words[self.place..][..PLACES].fill(wire);
-        self.place += self.stride;
-        wire
-    }
-    #[inline(always)]
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.word(wire, fraction_bits)
-    }
-    #[inline(always)]
-    fn wide(&mut self, wire: i64, _: u32) -> i64 {
-        self.word(wire as i32, 0);
-        self.word((wire >> 32) as i32, 0);
-        wire
-    }
-    #[inline(always)]
-    fn flag(&mut self, wire: bool) -> bool {
-        self.word(i32::from(wire), 0);
-        wire
     }
 }
 

@@ -1,0 +1,43 @@
+//! # roughxel-shader
+//!
+//! The way of a fragment, from attributes to colour, for batches of fragments on every backend.
+
+mod attributes;
+mod batch;
+mod datapaths;
+mod environment;
+mod fragments;
+mod lights;
+mod maps;
+mod material;
+mod order;
+mod pass;
+mod peak_passes;
+mod peaks;
+mod peaks_read;
+mod phases;
+mod plan;
+mod shade;
+mod signals;
+mod sums;
+mod surface;
+mod texels;
+
+pub use attributes::{AttributeRows, FragmentAttributes, Needs, same_rows};
+pub use batch::{Appended, Batch, BlockRows, Row};
+pub use datapaths::{LitPeaks, LitSurfaces, Reflections};
+pub use environment::{ByCount, EnvironmentColours, Lobes, Look};
+pub use fragments::{Fragments, MapFootprints, Place};
+pub use lights::{GivenPeaks, Halves, Highlights, HorizonSlopes, Lit};
+pub use maps::{BumpMap, Bumps, ColourMap, Colours, Places, TextureDerivatives, TextureFootprints};
+pub use material::{Channel, Formula, Light, Lighting, Material, Shine};
+pub use pass::{Environment, Shader};
+pub use peaks::{MOST_PEAKS, PackedPeak, PeakTexels};
+pub use peaks_read::{LightOnPeaks, PeaksRead};
+pub use phases::{Phase, PhaseClock, PhaseTimes};
+pub use plan::{Effect, ObjectPlan};
+pub use shade::Work;
+pub use signals::{Bare, Bumped, Derivatives, Footprint, Ports, Shown, Slopes};
+pub use sums::Sums;
+pub use surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
+pub use texels::{BumpTexels, CubeTexels, MapTexels, RepeatedMap, RoughBump, Texel};

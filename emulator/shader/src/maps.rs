@@ -1,0 +1,226 @@
+//! Repeated maps: the footprints of fragments in them, colours, and bumps with their second moments.
+
+use roughxel_core::bundle::Value;
+use roughxel_core::datapath::texel::{self, BumpMoments, BumpSample, BumpScale};
+use roughxel_core::datapath::{self, TextureFootprint, pixel};
+use roughxel_core::each::each;
+use roughxel_core::fx::{Control, Fx, Int};
+use roughxel_core::ports::{LIGHT, PortBlock};
+use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::repeated::{self, Mean, Tap, View};
+use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
+use roughxel_core::stage::texture::TextureScale;
+use roughxel_core::word::Word;
+use roughxel_simd::BatchWord;
+
+use crate::batch::Batch;
+use crate::pass::{Group, Pass, runs};
+use crate::signals::{Bumped, Shown};
+use crate::texels::{BumpTexels, MapTexels, RepeatedMap};
+
+runs!(TextureFootprints Colours Bumps);
+
+/// A colour map.
+#[derive(Clone, Debug)]
+pub struct ColourMap {
+    /// Its texels.
+    pub texels: MapTexels<[u16; 3]>,
+    /// log₂ of the unit of the channels.
+    pub exponent: i32,
+}
+
+/// A bump map with its roughness.
+#[derive(Clone, Debug)]
+pub struct BumpMap {
+    /// Its texels.
+    pub texels: BumpTexels,
+    /// Units of offsets and roughness.
+    pub scale: BumpScale<i32>,
+}
+
+/// Derivatives of texture coordinates over a pixel.
+pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
+
+/// Footprints in maps of one scale: texture, ellipse, axes, probes.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureFootprints<'a> {
+    /// How texture coordinates change over a pixel.
+    pub derivatives: &'a Batch<TextureDerivatives>,
+    /// Their scale.
+    pub scale: &'a (TextureScale<i32>, MapScale<i32>),
+    /// Bumps with roughness are among the maps: they need the reach of probes.
+    pub is_rough: bool,
+}
+
+impl Pass for TextureFootprints<'_> {
+    type Output = RepeatedFootprint<i32>;
+    fn len(&self) -> usize {
+        self.derivatives.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> RepeatedFootprint<W> {
+        let (duv, texture, scale) = (group.of(self.derivatives), group.all(&self.scale.0), group.all(&self.scale.1));
+        let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(&duv, &texture, &scale, p);
+        let reach = if self.is_rough {
+            datapath::probe_reach([&axes.major, &axes.minor], &probes, &texture, p)
+        } else {
+            Fx::zero()
+        };
+        RepeatedFootprint { probes, reach }
+    }
+}
+
+/// What fragments look up in a repeated map.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    /// Texture coordinates.
+    pub centres: &'a Batch<TexturePosition<i32>>,
+    /// Footprints around them; none where nothing is filtered.
+    pub footprints: Option<&'a Batch<RepeatedFootprint<i32>>>,
+}
+
+/// What `body` makes of the views of a group.
+#[inline(always)]
+pub(crate) fn viewed<W: BatchWord, R>(
+    group: &Group<W>,
+    places: Places<'_>,
+    map: &RepeatedMap,
+    is_rough: bool,
+    body: impl FnOnce(&View<'_, W>) -> R,
+) -> R {
+    let centre = &group.of(places.centres);
+    let footprint = match places.footprints {
+        Some(footprints) => Some((group.of(footprints), group.all(&map.scale.0))),
+        None => None,
+    };
+    let footprint = match &footprint {
+        Some((footprint, texture)) => Some((footprint, texture)),
+        None => None,
+    };
+    body(&View { centre, footprint, levels: &map.levels, rough: is_rough })
+}
+
+/// Colours of a map times one of the object: filter, pixel (colour, modulated).
+#[derive(Clone, Copy, Debug)]
+pub struct Colours<'a> {
+    /// Where fragments look.
+    pub places: Places<'a>,
+    /// The map.
+    pub map: &'a ColourMap,
+    /// The colour of the object.
+    pub own: &'a [Control<i32, LIGHT>; 3],
+}
+
+impl Pass for Colours<'_> {
+    type Output = Shown<i32>;
+    fn len(&self) -> usize {
+        self.places.centres.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
+        let ColourMap { texels, exponent } = self.map;
+        let mean = viewed(
+            group,
+            self.places,
+            &texels.map,
+            false,
+            #[inline(always)]
+            |view| {
+                repeated::mean(
+                    view,
+                    #[inline(always)]
+                    |tap: &Tap<W>, _| texels.quad(tap),
+                    texel::colour_samples::<W, _>,
+                    same::<W, 3>,
+                    p,
+                )
+            },
+        );
+        let unit = Fx::int((*exponent).into());
+        let channels = each!(i in [0, 1, 2] => {
+            let own = group.all(&Value(self.own[i])).0;
+            pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own)
+        });
+        Shown { channels, taps: mean.taps }
+    }
+}
+
+#[inline(always)]
+fn same<W: Word, const CHANNELS: usize>(sample: [Int<W>; CHANNELS]) -> [Int<W>; CHANNELS] {
+    sample
+}
+
+/// Mean offsets and roughness of a map, as surfaces take them: filter, moments, pixel (bump).
+#[derive(Clone, Copy, Debug)]
+pub struct Bumps<'a> {
+    /// Where fragments look.
+    pub places: Places<'a>,
+    /// The map.
+    pub map: &'a BumpMap,
+    /// The roughness that is asked for.
+    pub kind: RoughnessKind,
+}
+
+impl Pass for Bumps<'_> {
+    type Output = Bumped<i32>;
+    fn len(&self) -> usize {
+        self.places.centres.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Bumped<W> {
+        let BumpMap { texels, scale } = self.map;
+        let (is_rough, scale) = (self.kind != RoughnessKind::None, &group.all(scale));
+        let Mean { channels, taps } = viewed(
+            group,
+            self.places,
+            texels.map(),
+            is_rough,
+            #[inline(always)]
+            |view| if is_rough { rough_moments(view, texels, scale, p) } else { offsets(view, texels, scale, p) },
+        );
+        Bumped { bump: texel::bump(&BumpMoments::<W>::of_words(channels), scale, self.kind, p), taps }
+    }
+}
+
+/// Offsets alone.
+#[inline(always)]
+fn offsets<W: BatchWord>(view: &View<'_, W>, texels: &BumpTexels, scale: &BumpScale<W>, p: &Precision) -> Mean<W, 5> {
+    let Mean { channels: [b1, b2], taps } = repeated::mean(
+        view,
+        #[inline(always)]
+        |tap: &Tap<W>, _| texels.quad(tap, scale),
+        texel::word_samples::<W, _>,
+        same::<W, 2>,
+        p,
+    );
+    Mean { channels: [b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps }
+}
+
+/// Offsets with their second moments.
+#[inline(always)]
+fn rough_moments<W: BatchWord>(
+    view: &View<'_, W>,
+    texels: &BumpTexels,
+    scale: &BumpScale<W>,
+    p: &Precision,
+) -> Mean<W, 5> {
+    let reach = match view.footprint {
+        Some((footprint, _)) => Some(footprint.reach),
+        None => None,
+    };
+    repeated::mean(
+        view,
+        #[inline(always)]
+        |tap: &Tap<W>, _| texels.quad(tap, scale),
+        #[inline(always)]
+        |fine, coarse, level_weight| {
+            let sample = texel::word_samples::<W, _>(fine, coarse, level_weight);
+            let Some(reach) = reach else { return sample };
+            let offsets = each!(quad in [fine, coarse.unwrap_or(fine)] => texel::bump_offsets::<W, _>(quad));
+            texel::bump_ramp(&BumpSample::<W>::of_words(sample), &offsets, level_weight, reach).words()
+        },
+        #[inline(always)]
+        |sample| texel::bump_probe(&BumpSample::<W>::of_words(sample)).words(),
+        p,
+    )
+}

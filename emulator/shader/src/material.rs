@@ -1,0 +1,144 @@
+//! What the fragments of an object are shaded with, beside their attributes.
+
+use std::fmt;
+
+use roughxel_core::datapath::Surface;
+use roughxel_core::fx::{Control, Fx};
+use roughxel_core::plan::{FootprintKind, FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
+use roughxel_core::ports::{BlockVector, LIGHT, REFLECTANCE, ShininessPort, SurfaceInput};
+use roughxel_core::precision::RoughnessKind;
+
+use crate::attributes::Needs;
+use crate::maps::{BumpMap, ColourMap};
+use crate::peaks::{PackedPeak, PeakTexels};
+use crate::plan::ObjectPlan;
+use crate::texels::RepeatedMap;
+
+/// A channel of a colour on its wire, I8F24.
+pub type Channel = Control<i32, LIGHT>;
+
+/// Maps and constants of an object, and the stages that its fragments go through.
+#[derive(Debug)]
+pub struct Material {
+    /// Its stages.
+    pub plan: ObjectPlan,
+    /// Its own colour.
+    pub colour: [Channel; 3],
+    /// The share of the environment in each channel.
+    pub reflectance: [Control<i32, REFLECTANCE>; 3],
+    /// The direction that frames of system 3 are built on.
+    pub main_direction: BlockVector,
+    /// Colours that vary over it.
+    pub colour_map: Option<ColourMap>,
+    /// Bumps and roughness.
+    pub bump_map: Option<BumpMap>,
+    /// What shines in it.
+    pub lighting: Option<Lighting>,
+}
+
+impl Material {
+    /// A smooth mirror without colour: what rays that hit nothing show.
+    pub fn mirror(filters: bool) -> Self {
+        let reflection = ReflectionPlan {
+            bump: false,
+            frame: FrameSystem::MainDirection,
+            roughness: RoughnessKind::None,
+            curvature: false,
+            footprint: if filters { FootprintKind::Face } else { FootprintKind::None },
+        };
+        let plan = ObjectPlan {
+            colour_map: false,
+            texture_footprint: filters,
+            edges: filters,
+            reflection: Some(reflection),
+            two_lobes: false,
+            highlight: None,
+            peaks: None,
+            horizon: HorizonKind::None,
+        };
+        Self {
+            plan,
+            colour: [Fx::zero(); 3],
+            reflectance: [Fx::int(1); 3],
+            main_direction: BlockVector::default(),
+            colour_map: None,
+            bump_map: None,
+            lighting: None,
+        }
+    }
+
+    /// The maps that a fragment reads.
+    pub fn maps(&self) -> impl Iterator<Item = &RepeatedMap> {
+        let colour = self.colour_map.as_ref().map(|map| &map.texels.map);
+        let bump = self.bump_map.as_ref().map(|map| map.texels.map());
+        [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
+    }
+
+    /// The bump map, if that is read with its roughness.
+    pub(crate) fn rough_map(&self) -> Option<&RepeatedMap> {
+        let is_rough = self.plan.roughness() != RoughnessKind::None;
+        self.bump_map.as_ref().filter(|_| is_rough).map(|map| map.texels.map())
+    }
+
+    /// The attributes that its fragments read.
+    pub fn needs(&self) -> Needs {
+        let uv = self.maps().next().is_some();
+        Needs { tangents: self.plan.needs_tangents(), uv, duv: uv && self.plan.texture_footprint }
+    }
+}
+
+/// Lights, and what returns them.
+#[derive(Debug)]
+pub struct Lighting {
+    /// Effects of the surface.
+    pub plan: SurfacePlan,
+    /// Each light.
+    pub lights: Vec<Light>,
+    /// What returns it.
+    pub shine: Shine,
+}
+
+impl Lighting {
+    /// The map of the peaks, if they come from one.
+    fn map(&self) -> Option<&RepeatedMap> {
+        match &self.shine {
+            Shine::Map(map) => Some(&map.map),
+            _ => None,
+        }
+    }
+}
+
+/// A light as an object shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    /// Towards it, if it is infinitely far away; otherwise each fragment has a direction of its own.
+    pub direction: Option<BlockVector>,
+    /// Its colour times that of the highlight or the peaks.
+    pub colour: [Channel; 3],
+}
+
+/// What returns light.
+pub enum Shine {
+    /// One lobe around the normal.
+    Highlight(ShininessPort<i32>),
+    /// A formula that no datapath has, of a surface, its ports and the direction to the light: for comparison.
+    Formula(Formula),
+    /// The same peaks everywhere.
+    Given(Vec<PackedPeak>),
+    /// Peaks of a map.
+    Map(PeakTexels),
+}
+
+/// The share of a light that a surface returns.
+pub type Formula = Box<dyn Fn(&Surface<i32>, &SurfaceInput<i32>, &BlockVector) -> Channel + Send + Sync>;
+
+impl fmt::Debug for Shine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Highlight(_) => "Highlight",
+            Self::Formula(_) => "Formula",
+            Self::Given(_) => "Given",
+            Self::Map(_) => "Map",
+        })
+    }
+}

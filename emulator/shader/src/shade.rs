@@ -1,0 +1,272 @@
+//! The way of a fragment: every pass by its name, in the order of the block diagram.
+
+use roughxel_core::datapath::texel::Bump;
+use roughxel_core::datapath::{Surface, pixel};
+use roughxel_core::fx::Fx;
+use roughxel_core::plan::{FootprintKind, ReflectionPlan, SurfacePlan};
+use roughxel_core::ports::{BlockVector, Port, PortBlock, SurfaceInput};
+use roughxel_core::precision::RoughnessKind;
+use roughxel_core::signals::{CubePoint, LocalDirection, Sweep};
+
+use crate::attributes::AttributeRows;
+use crate::batch::Batch;
+use crate::environment::{ByCount, EnvironmentColours, Lobes, Look};
+use crate::fragments::{Fragments, Place};
+use crate::lights::{GivenPeaks, Halves, Highlights, HorizonSlopes, Lit};
+use crate::maps::{Bumps, Colours};
+use crate::material::{Channel, Formula, Light, Material, Shine};
+use crate::pass::{Environment, Shader};
+use crate::peaks_read::{LightOnPeaks, PeaksRead};
+use crate::phases::Phase;
+use crate::signals::{Bare, Bumped, Derivatives, Footprint, Shown, Slopes, ports};
+use crate::sums::Sums;
+use crate::surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
+
+/// What a batch of fragments becomes on its way; its memory is kept for the next one.
+#[derive(Debug, Default)]
+pub struct Work {
+    colours: Batch<Shown<i32>>,
+    bumps: Batch<Bumped<i32>>,
+    surfaces: Batch<Surface<i32>>,
+    lit: LitWork,
+    seen: SeenWork,
+}
+
+/// What it becomes at a light.
+#[derive(Debug, Default)]
+struct LitWork {
+    directions: Batch<PortBlock<i32, 3>>,
+    halves: Batch<LocalDirection<i32>>,
+    slopes: Batch<Slopes<i32>>,
+    peaks: PeaksRead,
+    shown: Batch<Shown<i32>>,
+}
+
+/// What it becomes in front of the environment.
+#[derive(Debug, Default)]
+struct SeenWork {
+    points: Batch<CubePoint<i32>>,
+    footprints: Batch<Footprint<i32>>,
+    sweeps: Batch<Sweep<i32>>,
+    by_count: ByCount,
+    shown: Batch<Shown<i32>>,
+    cores: Batch<Surface<i32>>,
+    of_cores: Batch<Shown<i32>>,
+    of_both: Batch<Shown<i32>>,
+}
+
+/// The plan of a batch: stages are left out that every one of its fragments would feed with zeros, which changes no bit.
+struct BatchPlan {
+    surface: SurfacePlan,
+    reflection: Option<ReflectionPlan>,
+    /// The object is rough, whatever a batch leaves out.
+    is_rough: bool,
+    /// A smooth batch shows the same by both.
+    two_lobes: bool,
+}
+
+impl BatchPlan {
+    fn new(material: &Material, fragments: &Fragments, bumps: &Batch<Bumped<i32>>) -> Self {
+        let plan = &material.plan;
+        let reflection = plan.reflection.map(|plan| {
+            let is_smooth = plan.roughness == RoughnessKind::None || bumps.is_smooth();
+            ReflectionPlan {
+                roughness: if is_smooth { RoughnessKind::None } else { plan.roughness },
+                curvature: plan.curvature && !fragments.derivatives.is_flat(),
+                ..plan
+            }
+        });
+        let surface = match (&material.lighting, &reflection) {
+            (None, Some(reflection)) => reflection.surface(),
+            _ => plan.surface(),
+        };
+        let is_rough = |plan: ReflectionPlan| plan.roughness != RoughnessKind::None;
+        Self {
+            surface,
+            reflection,
+            is_rough: plan.reflection.is_some_and(is_rough),
+            two_lobes: plan.two_lobes && reflection.is_some_and(is_rough),
+        }
+    }
+}
+
+impl Shader<'_> {
+    /// Shades the waiting fragments of an object and adds their light to the pixels where they count.
+    pub fn shade(self, material: &Material, fragments: &mut Fragments, work: &mut Work, sums: &mut Sums) {
+        if fragments.is_empty() {
+            return;
+        }
+        let caller = sums.clock.enter(Phase::Footprints);
+
+        // maps: texture, ellipse, axes, probes
+        fragments.footprints.make(self, &fragments.duv);
+        sums.clock.enter(Phase::Maps);
+
+        // maps: filter, [memory], filter, pixel (colour, modulated)
+        self.colours(material, fragments, &mut work.colours);
+        sums.taps += work.colours.taps();
+
+        if fragments.has_surface {
+            // maps: filter, [memory], moments, filter, pixel (bump)
+            self.bumps(material, fragments, &mut work.bumps);
+            sums.taps += work.bumps.taps();
+            sums.clock.enter(Phase::Footprints);
+
+            // surface: enter, frame, perturb, roughness
+            let plan = BatchPlan::new(material, fragments, &work.bumps);
+            Surfaces::new(self, &fragments.bare, &work.bumps, &plan.surface).run(self, &mut work.surfaces);
+
+            // lights: half, highlight; or local, horizon, peaks; pixel (modulated), pixel (sum)
+            self.light(material, fragments, work, sums);
+
+            // reflection: reflect to probes; seam, [memory], filter, blend; pixel (sum)
+            self.reflect(material, &plan, fragments, work, sums);
+        }
+        if material.plan.reflection.is_none() {
+            sums.add_all(&fragments.places, &work.colours);
+        }
+        fragments.clear();
+        sums.clock.enter(caller);
+    }
+
+    /// The colour of the object at every fragment.
+    fn colours(self, material: &Material, fragments: &Fragments, colours: &mut Batch<Shown<i32>>) {
+        let own = &material.colour;
+        match &material.colour_map {
+            None => colours.fill(fragments.len(), &Shown { channels: *own, taps: Fx::zero() }),
+            Some(map) => Colours { places: fragments.places_in(&map.texels.map), map, own }.run(self, colours),
+        }
+    }
+
+    /// Bumps and roughness of the object at every fragment.
+    fn bumps(self, material: &Material, fragments: &Fragments, bumps: &mut Batch<Bumped<i32>>) {
+        let flat = Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] };
+        match &material.bump_map {
+            None => bumps.fill(fragments.len(), &Bumped { bump: flat, taps: Fx::zero() }),
+            Some(map) => {
+                let (places, kind) = (fragments.places_in(map.texels.map()), material.plan.roughness());
+                Bumps { places, map, kind }.run(self, bumps);
+            }
+        }
+    }
+
+    /// What each light makes of surfaces.
+    fn light(self, material: &Material, fragments: &Fragments, work: &mut Work, sums: &mut Sums) {
+        let Some(lighting) = &material.lighting else { return };
+        sums.clock.enter(Phase::Lights);
+        let Work { bumps, surfaces, lit, .. } = work;
+        let LitWork { directions: same, halves, slopes, peaks, shown } = lit;
+        if let Shine::Map(map) = &lighting.shine {
+            sums.taps += peaks.read(map, fragments.places_in(&map.map), self);
+        }
+        let mut own = fragments.directions.iter();
+        for Light { direction, colour } in &lighting.lights {
+            let directions = match direction {
+                Some(direction) => {
+                    same.fill(surfaces.len(), &direction.wires());
+                    &*same
+                }
+                None => own.next().unwrap_or_else(|| unreachable!("fragments have a direction to each light")),
+            };
+            let lit = Lit { surfaces, directions };
+            match &lighting.shine {
+                Shine::Highlight(shininess) => {
+                    Highlights { lit, shininess, plan: &lighting.plan, colour }.run(self, shown);
+                }
+                Shine::Formula(formula) => {
+                    *shown = by_formula(formula, lit, &fragments.bare, bumps, colour).collect();
+                }
+                Shine::Given(given) => {
+                    Halves(lit).run(self, halves);
+                    GivenPeaks { halves, peaks: given, colour }.run(self, shown);
+                }
+                Shine::Map(map) => {
+                    Halves(lit).run(self, halves);
+                    let places = fragments.places_in(&map.map);
+                    let slopes = map.has_horizons().then(|| {
+                        HorizonSlopes(lit).run(self, slopes);
+                        &*slopes
+                    });
+                    peaks.shine(&LightOnPeaks { map, places, halves, slopes, colour }, self, shown);
+                }
+            }
+            sums.add_all(&fragments.places, shown);
+        }
+    }
+
+    /// What the environment makes of surfaces, with their colours.
+    fn reflect(self, material: &Material, plan: &BatchPlan, fragments: &Fragments, work: &mut Work, sums: &mut Sums) {
+        let Some(reflection) = &plan.reflection else { return };
+        let Work { colours, surfaces, seen, .. } = work;
+        let Some(environment) = self.environment else {
+            for (&place, own) in fragments.places.iter().zip(colours.colours()) {
+                let channel = |i: usize| pixel::blend::<i32>(own[i], Fx::zero(), material.reflectance[i]);
+                sums.add(place, core::array::from_fn(channel));
+            }
+            return;
+        };
+        let SeenWork { points, footprints, sweeps, by_count, shown, cores, of_cores, of_both } = seen;
+        let mut look = |surfaces: &Batch<Surface<i32>>, shown: &mut Batch<Shown<i32>>, sums: &mut Sums| {
+            sums.clock.enter(Phase::Footprints);
+            let Environment { texels, scale } = environment;
+            let reflected = Reflected { surfaces, derivatives: &fragments.derivatives, scale, plan: reflection };
+            let look = match reflection.footprint {
+                FootprintKind::None => {
+                    Points(surfaces).run(self, points);
+                    Look::Point(points)
+                }
+                FootprintKind::Face => {
+                    Footprints(reflected).run(self, footprints);
+                    Look::Face(footprints)
+                }
+                FootprintKind::Sphere => {
+                    Sweeps(reflected).run(self, sweeps);
+                    Look::Sphere(sweeps)
+                }
+            };
+            sums.clock.enter(Phase::Environment);
+            let (is_rough, reflectance) = (plan.is_rough, &material.reflectance);
+            let pass = EnvironmentColours { look, own: colours, map: texels, is_rough, reflectance };
+            pass.run(self, by_count, shown);
+            sums.taps += shown.taps();
+        };
+        look(surfaces, shown, sums);
+        if !plan.two_lobes {
+            return sums.add_all(&fragments.places, shown);
+        }
+        Cores(surfaces).run(self, cores);
+        look(cores, of_cores, sums);
+        Lobes([shown, of_cores]).run(self, of_both);
+        sums.add_all(&fragments.places, of_both);
+    }
+
+    /// The ports of the surface of a fragment, the first of these rows, with its bump map sampled.
+    pub fn surface_input(
+        self,
+        material: &Material,
+        rows: &AttributeRows,
+        derivatives: &Derivatives<i32>,
+    ) -> SurfaceInput<i32> {
+        let (mut fragments, mut bumps) = (Fragments::new(material), Batch::default());
+        fragments.append(&[Place::default()], rows, derivatives);
+        fragments.footprints.make(self, &fragments.duv);
+        self.bumps(material, &fragments, &mut bumps);
+        ports(&fragments.bare.get(0), &bumps.get(0).bump)
+    }
+}
+
+/// What each surface returns of a light by a formula.
+fn by_formula(
+    formula: &Formula,
+    Lit { surfaces, directions }: Lit<'_>,
+    bare: &Batch<Bare<i32>>,
+    bumps: &Batch<Bumped<i32>>,
+    colour: &[Channel; 3],
+) -> impl Iterator<Item = Shown<i32>> {
+    let inputs = bare.iter().zip(bumps.iter()).map(|(bare, bumped)| ports(&bare, &bumped.bump));
+    let lit = surfaces.iter().zip(directions.iter());
+    lit.zip(inputs).map(|((surface, light), input)| {
+        let share = formula(&surface, &input, &BlockVector::of(&light));
+        Shown { channels: colour.map(|channel| pixel::modulated::<i32>(share, channel)), taps: Fx::zero() }
+    })
+}

@@ -1,0 +1,190 @@
+//! Bundles that pass from one pass to the next, and what their rows say of a whole batch.
+
+use roughxel_core::bundle::bundle;
+use roughxel_core::datapath::Reflection;
+use roughxel_core::datapath::texel::Bump;
+use roughxel_core::fx::{Control, Fx};
+use roughxel_core::ports::{LIGHT, PortBlock, ReflectionInput, SurfaceInput};
+use roughxel_core::signals::{AxisSlope, CubePoint, Probes, Sweep};
+use roughxel_core::word::Word;
+
+use crate::batch::Batch;
+
+bundle! {
+    /// What the surface of a fragment is made of, beside its bumps.
+    pub struct Bare<W> {
+        /// Unnormalised normal.
+        normal: PortBlock<W, 3>,
+        /// From the surface to the eye.
+        view: PortBlock<W, 3>,
+        /// p_u and p_v, or the main direction and nothing.
+        frame_vectors: [PortBlock<W, 3>; 2],
+    }
+}
+
+bundle! {
+    /// How a fragment's surface and its view change over a pixel.
+    pub struct Derivatives<W> {
+        /// ∂v/∂x and ∂v/∂y.
+        dview: [PortBlock<W, 3>; 2],
+        /// ∂n/∂x and ∂n/∂y.
+        dnormal: [PortBlock<W, 3>; 2],
+    }
+}
+
+bundle! {
+    /// Bumps and roughness of a fragment, and what was read for them.
+    pub struct Bumped<W> {
+        /// As the ports of the surface take them.
+        bump: Bump<W>,
+        /// Bilinear samples.
+        #[range(0..=32)]
+        taps: Int<W>,
+    }
+}
+
+bundle! {
+    /// A colour, and what was read for it.
+    pub struct Shown<W> {
+        /// Linear light.
+        #[range(0..64)]
+        channels: [Control<W, LIGHT>; 3],
+        /// Bilinear samples, those of two lobes at most.
+        #[range(0..=64)]
+        taps: Int<W>,
+    }
+}
+
+bundle! {
+    /// What fetching needs of a reflection: where it looks, and over which footprint.
+    pub struct Footprint<W> {
+        /// Face, s, t.
+        point: CubePoint<W>,
+        /// N, step, level of detail.
+        probes: Probes<W>,
+    }
+}
+
+bundle! {
+    /// What the horizons of peaks have to do with: the slopes of a light and of the eye.
+    pub struct Slopes<W> {
+        /// Of the light, over both axes of the surface.
+        light: [AxisSlope<W>; 2],
+        /// Of the eye.
+        eye: [AxisSlope<W>; 2],
+    }
+}
+
+impl<W: Word> Footprint<W> {
+    /// That part of a reflection.
+    #[inline(always)]
+    pub fn of(stages: &Reflection<W>) -> Self {
+        Self { point: stages.point, probes: stages.probes }
+    }
+}
+
+/// The ports of a surface.
+#[inline(always)]
+pub(crate) fn ports<W: Word>(bare: &Bare<W>, bump: &Bump<W>) -> SurfaceInput<W> {
+    let Bare { normal, view, frame_vectors } = *bare;
+    SurfaceInput { normal, view, frame_vectors, offset: bump.offset, roughness: bump.roughness }
+}
+
+impl Batch<Bumped<i32>> {
+    /// Whether no fragment is rough.
+    pub fn is_smooth(&self) -> bool {
+        self.rows_of(|bumped| bumped.bump.roughness).all(|row| row.iter().all(|&d| d == 0))
+    }
+
+    /// Bilinear samples of all.
+    pub fn taps(&self) -> u64 {
+        sum(self.row_of(|bumped| bumped.taps))
+    }
+}
+
+impl Batch<Shown<i32>> {
+    /// The colour of each.
+    pub fn colours(&self) -> impl Iterator<Item = [Control<i32, LIGHT>; 3]> + '_ {
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.row_of(|shown| shown.channels[channel]));
+        red.iter().zip(green).zip(blue).map(|((&red, &green), &blue)| [red, green, blue].map(Fx::from_raw))
+    }
+
+    /// Bilinear samples of all.
+    pub fn taps(&self) -> u64 {
+        sum(self.row_of(|shown| shown.taps))
+    }
+}
+
+fn sum(taps: &[i32]) -> u64 {
+    taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
+}
+
+impl Batch<Bare<i32>> {
+    /// Whether there are fragments, all of one normal and frame.
+    #[inline(always)]
+    pub(crate) fn is_in_one_frame(&self) -> bool {
+        let mut rows = self.rows_of(|bare| bare.normal).chain(self.rows_of(|bare| bare.frame_vectors));
+        !self.is_empty() && rows.all(|row| row.iter().fold(0, |differs, &word| differs | (word ^ row[0])) == 0)
+    }
+}
+
+impl Batch<Footprint<i32>> {
+    /// How many probes each has.
+    pub fn counts(&self) -> &[i32] {
+        self.row_of(|footprint| footprint.probes.count)
+    }
+}
+
+impl Batch<Sweep<i32>> {
+    /// How many probes each has.
+    pub fn counts(&self) -> &[i32] {
+        self.row_of(|sweep| sweep.count)
+    }
+}
+
+impl Batch<Derivatives<i32>> {
+    /// Whether no fragment's surface is curved.
+    pub fn is_flat(&self) -> bool {
+        let [x, y] = [0, 1].map(|side| self.rows_of(move |derivatives| derivatives.dnormal[side].mantissa));
+        x.chain(y).all(|row| row.iter().all(|&m| m == 0))
+    }
+}
+
+/// Fragments as ports, taken apart: for who has them one by one.
+#[derive(Clone, Debug, Default)]
+pub struct Ports {
+    /// Without bumps.
+    pub bare: Batch<Bare<i32>>,
+    /// Bumps and roughness; nothing was read for them.
+    pub bumps: Batch<Bumped<i32>>,
+    /// Over the pixel.
+    pub derivatives: Batch<Derivatives<i32>>,
+}
+
+impl Extend<ReflectionInput<i32>> for Ports {
+    fn extend<I: IntoIterator<Item = ReflectionInput<i32>>>(&mut self, inputs: I) {
+        for ReflectionInput { surface, dview, dnormal, .. } in inputs {
+            let SurfaceInput { normal, view, frame_vectors, offset, roughness } = surface;
+            self.bare.push(&Bare { normal, view, frame_vectors });
+            self.bumps.push(&Bumped { bump: Bump { offset, roughness }, taps: Fx::zero() });
+            self.derivatives.push(&Derivatives { dview, dnormal });
+        }
+    }
+}
+
+impl FromIterator<ReflectionInput<i32>> for Ports {
+    fn from_iter<I: IntoIterator<Item = ReflectionInput<i32>>>(inputs: I) -> Self {
+        let mut ports = Self::default();
+        ports.extend(inputs);
+        ports
+    }
+}
+
+impl Ports {
+    /// Leaves no fragment; the memory is kept.
+    pub fn clear(&mut self) {
+        self.bare.clear();
+        self.bumps.clear();
+        self.derivatives.clear();
+    }
+}

@@ -1,0 +1,152 @@
+//! The surface of every fragment, and where it reflects to.
+
+use roughxel_core::datapath::{self, Framed, Surface};
+use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
+use roughxel_core::precision::Precision;
+use roughxel_core::signals::{CubePoint, MapScale, Sweep};
+use roughxel_core::soft_core;
+use roughxel_simd::BatchWord;
+
+use crate::batch::Batch;
+use crate::pass::{Group, Pass, Shader, runs};
+use crate::signals::{Bare, Bumped, Derivatives, Footprint, Ports, ports};
+
+runs!(Surfaces Cores Points Footprints Sweeps);
+
+/// Surfaces with their bumps: enter, frame, perturb, roughness.
+#[derive(Clone, Copy, Debug)]
+pub struct Surfaces<'a> {
+    bare: &'a Batch<Bare<i32>>,
+    bumps: &'a Batch<Bumped<i32>>,
+    plan: &'a SurfacePlan,
+    /// The frame that all of them have.
+    framed: Option<Framed<i32>>,
+}
+
+impl<'a> Surfaces<'a> {
+    /// Surfaces of these; a frame that all fragments have is made once.
+    pub fn new(
+        shader: Shader<'_>,
+        bare: &'a Batch<Bare<i32>>,
+        bumps: &'a Batch<Bumped<i32>>,
+        plan: &'a SurfacePlan,
+    ) -> Self {
+        let in_one_frame = plan.needs_frame()
+            && shader.backend.run(
+                #[inline(always)]
+                || bare.is_in_one_frame(),
+            );
+        let framed =
+            in_one_frame.then(|| soft_core::framed(&ports(&bare.get(0), &bumps.get(0).bump), plan, shader.precision));
+        Self { bare, bumps, plan, framed }
+    }
+}
+
+impl Pass for Surfaces<'_> {
+    type Output = Surface<i32>;
+    fn len(&self) -> usize {
+        self.bare.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Surface<W> {
+        let input = ports(&group.of(self.bare), &group.of(self.bumps).bump);
+        match &self.framed {
+            Some(framed) => datapath::surface_in_frame(&group.all(framed), &input, self.plan, p),
+            None => datapath::surface(&input, self.plan, p),
+        }
+    }
+}
+
+/// The same surfaces with the core of their lobe.
+#[derive(Clone, Copy, Debug)]
+pub struct Cores<'a>(pub &'a Batch<Surface<i32>>);
+
+impl Pass for Cores<'_> {
+    type Output = Surface<i32>;
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> Surface<W> {
+        let surface = group.of(self.0);
+        Surface { rough: datapath::lobe_core(&surface.rough), ..surface }
+    }
+}
+
+/// Points where surfaces look without a footprint: reflect, cube face.
+#[derive(Clone, Copy, Debug)]
+pub struct Points<'a>(pub &'a Batch<Surface<i32>>);
+
+impl Pass for Points<'_> {
+    type Output = CubePoint<i32>;
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> CubePoint<W> {
+        datapath::mirrored(&group.of(self.0), p).1
+    }
+}
+
+/// What footprints of reflections are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflected<'a> {
+    /// Surfaces.
+    pub surfaces: &'a Batch<Surface<i32>>,
+    /// How they and their views change over a pixel.
+    pub derivatives: &'a Batch<Derivatives<i32>>,
+    /// The scale of the environment.
+    pub scale: &'a MapScale<i32>,
+    /// Effects of the reflection.
+    pub plan: &'a ReflectionPlan,
+}
+
+/// Footprints on the planes of cube faces: reflect, cube face, columns, ellipse, axes, probes.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprints<'a>(pub Reflected<'a>);
+
+impl Pass for Footprints<'_> {
+    type Output = Footprint<i32>;
+    fn len(&self) -> usize {
+        self.0.surfaces.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Footprint<W> {
+        let Reflected { surfaces, derivatives, scale, plan } = self.0;
+        let (surface, d, scale) = (group.of(surfaces), group.of(derivatives), group.all(scale));
+        Footprint::of(&datapath::reflection_of(&surface, [&d.dview, &d.dnormal], &scale, &plan.on_face(), p))
+    }
+}
+
+impl Ports {
+    /// Footprints of all fragments on the planes of cube faces.
+    pub fn footprints(
+        &self,
+        shader: Shader<'_>,
+        scale: &MapScale<i32>,
+        plan: &ReflectionPlan,
+    ) -> Batch<Footprint<i32>> {
+        let (mut surfaces, mut footprints) = (Batch::default(), Batch::default());
+        Surfaces::new(shader, &self.bare, &self.bumps, &plan.surface()).run(shader, &mut surfaces);
+        let (surfaces, derivatives) = (&surfaces, &self.derivatives);
+        Footprints(Reflected { surfaces, derivatives, scale, plan }).run(shader, &mut footprints);
+        footprints
+    }
+}
+
+/// What probes on the sphere step along: columns, ellipse, axes, probes, sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct Sweeps<'a>(pub Reflected<'a>);
+
+impl Pass for Sweeps<'_> {
+    type Output = Sweep<i32>;
+    fn len(&self) -> usize {
+        self.0.surfaces.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Sweep<W> {
+        let Reflected { surfaces, derivatives, scale, plan } = self.0;
+        let (surface, d, scale) = (group.of(surfaces), group.of(derivatives), group.all(scale));
+        datapath::reflection_of(&surface, [&d.dview, &d.dnormal], &scale, &plan.on_sphere(), p).sweep
+    }
+}
