@@ -5,7 +5,7 @@
 
 use core::mem::ManuallyDrop;
 
-/// `[f(a₀), f(a₁), …]`, the first four written out: a loop of a few turns is work for five passes of the optimiser. The closure is not
+/// `[f(a₀), f(a₁), …]`, the first six written out: a loop of a few turns is work for five passes of the optimiser. The closure is not
 /// dropped, which it would be where a call unwinds: that splits the function at every operation.
 #[inline(always)]
 pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) -> B) -> [B; N] {
@@ -22,7 +22,13 @@ pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) ->
         results[3] = f(array[3]);
     }
     if const { N > 4 } {
-        let mut i = 4;
+        results[4] = f(array[4]);
+    }
+    if const { N > 5 } {
+        results[5] = f(array[5]);
+    }
+    if const { N > 6 } {
+        let mut i = 6;
         loop {
             results[i] = f(array[i]);
             i += 1;
@@ -32,6 +38,28 @@ pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) ->
         }
     }
     results
+}
+
+/// [`each`] of so many elements: `[b; N]`, with which an array of any length begins, is a loop, too.
+macro_rules! fixed {
+    ($($name:ident of $count:literal: $($i:literal)*;)*) => {
+        $(
+            #[doc = concat!("[`each`] of ", stringify!($count), ".")]
+            #[inline(always)]
+            pub fn $name<A: Copy, B>(array: [A; $count], f: impl FnMut(A) -> B) -> [B; $count] {
+                let mut f = ManuallyDrop::new(f);
+                [$(f(array[$i])),*]
+            }
+        )*
+    };
+}
+
+fixed! {
+    two of 2: 0 1;
+    three of 3: 0 1 2;
+    four of 4: 0 1 2 3;
+    six of 6: 0 1 2 3 4 5;
+    eight of 8: 0 1 2 3 4 5 6 7;
 }
 
 /// `[0, 1, …]`.
@@ -51,38 +79,29 @@ const fn numbers<const N: usize>() -> [usize; N] {
     numbers
 }
 
-/// `[f(0), f(1), …]` with an `f` for each of the first six places: one that is large would stay a loop otherwise, and what it picks by its place would go
-/// through memory. Filtered bumps took a quarter more time in lanes.
-#[inline(always)]
-pub fn unrolled<B: Copy, const N: usize>(f: impl Fn(usize) -> B + Copy) -> [B; N] {
-    const { assert!(N > 0, "an array of wires has wires") }
-    let mut results = [f(0); N];
-    if let Some(result) = results.get_mut(1) {
-        *result = f(1);
-    }
-    if let Some(result) = results.get_mut(2) {
-        *result = f(2);
-    }
-    if let Some(result) = results.get_mut(3) {
-        *result = f(3);
-    }
-    if let Some(result) = results.get_mut(4) {
-        *result = f(4);
-    }
-    if let Some(result) = results.get_mut(5) {
-        *result = f(5);
-    }
-    for (i, result) in results.iter_mut().enumerate().skip(6) {
-        *result = f(i);
-    }
-    results
-}
-
 /// `each!(a in array => expression)`: the array of what the expression is for each element.
 #[macro_export]
 macro_rules! each {
+    ($element:pat_param in [$a:expr, $b:expr] => $expression:expr) => {
+        $crate::each!(@by two, $element, [$a, $b], $expression)
+    };
+    ($element:pat_param in [$a:expr, $b:expr, $c:expr] => $expression:expr) => {
+        $crate::each!(@by three, $element, [$a, $b, $c], $expression)
+    };
+    ($element:pat_param in [$a:expr, $b:expr, $c:expr, $d:expr] => $expression:expr) => {
+        $crate::each!(@by four, $element, [$a, $b, $c, $d], $expression)
+    };
+    ($element:pat_param in [$a:expr, $b:expr, $c:expr, $d:expr, $e:expr, $f:expr] => $expression:expr) => {
+        $crate::each!(@by six, $element, [$a, $b, $c, $d, $e, $f], $expression)
+    };
+    ($element:pat_param in [$a:expr, $b:expr, $c:expr, $d:expr, $e:expr, $f:expr, $g:expr, $h:expr] => $expression:expr) => {
+        $crate::each!(@by eight, $element, [$a, $b, $c, $d, $e, $f, $g, $h], $expression)
+    };
     ($element:pat_param in $array:expr => $expression:expr) => {
-        $crate::each::each(
+        $crate::each!(@by each, $element, $array, $expression)
+    };
+    (@by $each:ident, $element:pat_param, $array:expr, $expression:expr) => {
+        $crate::each::$each(
             $array,
             #[inline(always)]
             |$element| $expression,

@@ -2,7 +2,7 @@
 
 use crate::block::{Block, of_control};
 use crate::bundle::{Value, bundle};
-use crate::each::{each, places, unrolled};
+use crate::each::{each, places};
 use crate::fx::{Control, Fx, Int};
 use crate::ports::{LOD, OFFSET, SHARE};
 use crate::precision::{Precision, RoughnessKind};
@@ -136,20 +136,14 @@ fn samples<W: Staged, const CHANNELS: usize>(
     let samples = match coarse {
         None => stage!(
             "filter.of_level",
-            unrolled(
-                #[inline(always)]
-                |channel| Value::<W, 32>(filter::of_level(&patch(fine, channel), extra)),
-            )
+            each!(channel in places() => Value::<W, 32>(filter::of_level(&patch(fine, channel), extra)))
         ),
         Some(coarse) => stage!(
             "filter.trilinear",
-            unrolled(
-                #[inline(always)]
-                |channel| {
-                    let [fine, coarse] = each!(quad in [fine, coarse] => patch(quad, channel));
-                    Value::<W, 32>(filter::trilinear(&fine, &coarse, level_weight, extra))
-                },
-            )
+            each!(channel in places() => {
+                let [fine, coarse] = each!(quad in [fine, coarse] => patch(quad, channel));
+                Value::<W, 32>(filter::trilinear(&fine, &coarse, level_weight, extra))
+            })
         ),
     };
     each!(Value(sample) in samples => sample)

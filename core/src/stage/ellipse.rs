@@ -4,7 +4,7 @@
 //! come to one exponent first, so nothing over- or underflows. Error of K: 2^−(p−2) of its larger diagonal.
 
 use crate::block::{Block, MANTISSA, PRODUCT, Product, align, dot, normalise, number};
-use crate::each::{each, unrolled};
+use crate::each::{each, places};
 use crate::fx::Fx;
 use crate::precision::Precision;
 use crate::rom;
@@ -18,17 +18,14 @@ pub fn pixel_columns<W: Word, const N: usize, const COLUMNS: usize>(
     p: &Precision,
 ) -> [Block<W, N>; COLUMNS] {
     let sigma = Fx::entry(rom::BOX_SIGMA).keep(p.fraction_bits);
-    unrolled(
-        #[inline(always)]
-        |column| {
-            let q = columns[column];
-            if column < 2 {
-                normalise(each!(m in q.m => m.mul::<MANTISSA, PRODUCT>(sigma)), q.e, p.fraction_bits)
-            } else {
-                q
-            }
-        },
-    )
+    each!(column in places() => {
+        let q = columns[column];
+        if column < 2 {
+            normalise(each!(m in q.m => m.mul::<MANTISSA, PRODUCT>(sigma)), q.e, p.fraction_bits)
+        } else {
+            q
+        }
+    })
 }
 
 /// The ellipse of `COLUMNS` columns (2 or 4), each a covariance's square root.
@@ -44,17 +41,12 @@ pub fn ellipse<W: Word, const COLUMNS: usize>(columns: [Block<W, 2>; COLUMNS], p
         sum
     });
     // 2 columns have 1 minor, 4 have 6; unused places stay zero.
-    let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
-    let minors: [Product<W>; 6] = unrolled(
-        #[inline(always)]
-        |minor| {
-            let (i, j) = pairs[minor];
-            match (q.get(i), q.get(j)) {
-                (Some(a), Some(b)) => a[0].mul::<MANTISSA, PRODUCT>(b[1]) - b[0].mul(a[1]),
-                _ => Fx::zero(),
-            }
-        },
-    );
+    let minors: [Product<W>; 6] = each!((i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] => {
+        match (q.get(i), q.get(j)) {
+            (Some(a), Some(b)) => a[0].mul::<MANTISSA, PRODUCT>(b[1]) - b[0].mul(a[1]),
+            _ => Fx::zero(),
+        }
+    });
     let minors = normalise(minors, e + e, keep);
     let squares = dot(&minors.m, &minors.m);
     Ellipse { k: normalise(sums, e + e, keep), det: number(squares, minors.e + minors.e, keep) }

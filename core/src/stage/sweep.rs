@@ -12,7 +12,7 @@
 //! Errors of the mean of the probes and of their level, for each profile: `host-tests/tests/datapath/sphere.rs`.
 
 use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, Product, align, dot, normalise, number, places_below};
-use crate::each::{each, unrolled};
+use crate::each::each;
 use crate::elementary::{LOGARITHM, half_reciprocal, log2, one_plus, over_length, root_and_inverse};
 use crate::fx::{Control, Fx, Int, Wide, WideControl};
 use crate::ports::{LOD, OFFSET, SHARE};
@@ -84,18 +84,13 @@ pub fn mean_shift<W: Word, const COLUMNS: usize>(
 ) -> Block<W, 3> {
     let keep = p.fraction_bits;
     let (turns, e) = align(turns, keep);
-    let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-    let sums = unrolled::<_, 6>(
-        #[inline(always)]
-        |place| {
-            let (i, j) = places[place];
-            let mut sum: Product<W> = Fx::zero();
-            for turn in &turns {
-                sum = sum + turn[i].mul(turn[j]);
-            }
-            sum
-        },
-    );
+    let sums = each!((i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] => {
+        let mut sum: Product<W> = Fx::zero();
+        for turn in &turns {
+            sum = sum + turn[i].mul(turn[j]);
+        }
+        sum
+    });
     let covariance = normalise(sums, e + e, keep);
     let [xx, xy, xz, yy, yz, zz] = covariance.m;
     let half_trace: Mantissa<W> = (xx.widen::<PRODUCT>() + yy.widen() + zz.widen()).floor_shr(1).round_to(keep);

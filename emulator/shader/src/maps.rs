@@ -1,6 +1,6 @@
 //! Repeated maps: the footprints of fragments in them, colours, and bumps with their second moments.
 
-use roughxel_core::bundle::Value;
+use roughxel_core::bundle::{Bundle, Value};
 use roughxel_core::datapath::texel::{self, BumpMoments, BumpSample, BumpScale};
 use roughxel_core::datapath::{self, TextureFootprint, pixel};
 use roughxel_core::each::each;
@@ -129,7 +129,12 @@ impl Pass for Colours<'_> {
                 repeated::mean(
                     view,
                     #[inline(always)]
-                    |tap: &Tap<W>, _| texels.quad(tap),
+                    |tap: &Tap<W>, _| {
+                        fetched(
+                            #[inline(always)]
+                            || texels.quad(tap),
+                        )
+                    },
                     texel::colour_samples::<W, _>,
                     same::<W, 3>,
                     p,
@@ -143,6 +148,12 @@ impl Pass for Colours<'_> {
         });
         Shown { channels, taps: mean.taps }
     }
+}
+
+/// The texels of a tap by a function of its own, as a stage is one: a pass reads them in several places.
+#[inline(always)]
+fn fetched<W: BatchWord, B: Bundle<W>>(texels: impl Fn() -> B + Copy) -> B {
+    W::stage("memory", texels)
 }
 
 #[inline(always)]
@@ -188,7 +199,12 @@ fn offsets<W: BatchWord>(view: &View<'_, W>, texels: &BumpTexels, scale: &BumpSc
     let Mean { channels: [b1, b2], taps } = repeated::mean(
         view,
         #[inline(always)]
-        |tap: &Tap<W>, _| texels.quad(tap, scale),
+        |tap: &Tap<W>, _| {
+            fetched(
+                #[inline(always)]
+                || texels.quad(tap, scale),
+            )
+        },
         texel::word_samples::<W, _>,
         same::<W, 2>,
         p,
@@ -211,7 +227,12 @@ fn rough_moments<W: BatchWord>(
     repeated::mean(
         view,
         #[inline(always)]
-        |tap: &Tap<W>, _| texels.quad(tap, scale),
+        |tap: &Tap<W>, _| {
+            fetched(
+                #[inline(always)]
+                || texels.quad(tap, scale),
+            )
+        },
         #[inline(always)]
         |fine, coarse, level_weight| {
             let sample = texel::word_samples::<W, _>(fine, coarse, level_weight);

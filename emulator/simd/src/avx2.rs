@@ -63,7 +63,7 @@ vectors! {
     inline {}
     all {
         fn splat(t, value: i32) -> Word { _mm256_set1_epi32(value) }
-        fn splat_wide(t, value: i64) -> Wide { [_mm256_set1_epi64x(value); 2] }
+        fn splat_wide(t, value: i64) -> Wide { [_mm256_set1_epi64x(value), _mm256_set1_epi64x(value)] }
         fn splat_short(t, value: i16) -> Short { _mm256_set1_epi16(value) }
     }
 

@@ -127,7 +127,7 @@ vectors! {
     }
     all {
         fn splat(t, value: i32) -> Word { _mm512_set1_epi32(value) }
-        fn splat_wide(t, value: i64) -> Wide { [_mm512_set1_epi64(value); 2] }
+        fn splat_wide(t, value: i64) -> Wide { [_mm512_set1_epi64(value), _mm512_set1_epi64(value)] }
         fn splat_short(t, value: i16) -> Short { _mm512_set1_epi16(value) }
     }
 

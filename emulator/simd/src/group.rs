@@ -165,19 +165,17 @@ macro_rules! lanes {
         fn vectors_mut(words: &mut [i32]) -> &mut [[i32; LANES]] {
             words.as_chunks_mut().0
         }
-        #[inline(always)]
+        #[inline]
         fn load(proof: T, vectors: &[[i32; LANES]], first: usize) -> Self::Row {
             each!(part in places::<$parts>() => Lanes(proof.words(vectors[first + part]), proof))
         }
         #[inline(always)]
         fn store(row: Self::Row, vectors: &mut [[i32; LANES]], first: usize) {
-            for (part, words) in row.into_iter().enumerate() {
-                vectors[first + part] = words.lanes();
-            }
+            each!(part in places::<$parts>() => vectors[first + part] = row[part].lanes());
         }
-        #[inline(always)]
+        #[inline]
         fn splat(proof: T, word: i32) -> Self::Row {
-            [Lanes(proof.splat(word), proof); $parts]
+            each!(_ in places::<$parts>() => Lanes(proof.splat(word), proof))
         }
         #[inline(always)]
         fn places(proof: T, places_of_all: &[i32]) -> Self::Places {

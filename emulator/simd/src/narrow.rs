@@ -155,7 +155,8 @@ impl<T: Target, X: Wire<Flag = FlagLanes<T>, Count = Lanes<T>>> Wire for Halves<
     const BITS: u32 = X::BITS;
     #[inline]
     fn lit(value: i64) -> Self {
-        Self([X::lit(value); 2])
+        let wire = X::lit(value);
+        Self([wire, wire])
     }
     #[inline]
     fn add(self, other: Self) -> Self {

@@ -268,7 +268,7 @@ macro_rules! vectors {
             $(
                 #[inline(always)]
                 fn $all(self, value: $ty2) -> vectors!(@vectors $out2) {
-                    [$all(self.0, value); $vectors]
+                    vectors!(@same $vectors, $all(self.0, value))
                 }
             )*
             // One call for all vectors: the optimiser has it in its last form before it is put anywhere.
@@ -305,6 +305,12 @@ macro_rules! vectors {
     (@vectors Entries) => { Entries };
     (@joined 1, $vectors:ident) => { $vectors[0] };
     (@joined 2, $vectors:ident) => { $crate::vectors::joined($vectors) };
+    // `[vector; 2]` is a loop.
+    (@same 1, $value:expr) => { [$value] };
+    (@same 2, $value:expr) => {{
+        let value = $value;
+        [value, value]
+    }};
     // Written out: as a loop every operation is ten blocks, of which a stage has ten thousands before the optimiser sees it whole.
     (@each 1, $name:ident, $proof:expr $(, ($a:ident: $ty:ident))*) => {
         [$name($proof $(, vectors!(@vector $ty, $a, 0))*)]
