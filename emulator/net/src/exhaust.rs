@@ -30,6 +30,8 @@ struct Function {
     before_lookups: usize,
     /// Those of `wires` that a field shows or that are read with other wires, with the bits that count.
     out: Vec<(NodeId, u64)>,
+    /// Those of `wires` that a lookup leads to, in order.
+    behind_lookups: Vec<NodeId>,
     /// The table that is looked up, as a place in [`Faults::tables`], and where.
     table: u32,
     lookups: Vec<(NodeId, NodeId)>,
@@ -73,7 +75,13 @@ impl Function {
         let lookups: Vec<_> = lookups.iter().filter(|(lookup, _)| inside[*lookup as usize]).copied().collect();
         let last_index = lookups.iter().map(|&(_, index)| index).max();
         let before_lookups = wires.partition_point(|&id| Some(id) <= last_index);
-        Some(Self { of, first, zeros, count, wires, before_lookups, out, table, lookups })
+        let mut is_behind = vec![false; inside.len()];
+        for &id in &wires {
+            let reads = operands(id).any(|operand| is_behind[operand as usize]);
+            is_behind[id as usize] = reads || lookups.iter().any(|&(lookup, _)| lookup == id);
+        }
+        let behind_lookups = wires.iter().copied().filter(|&id| is_behind[id as usize]).collect();
+        Some(Self { of, first, zeros, count, wires, before_lookups, out, behind_lookups, table, lookups })
     }
 }
 
@@ -159,8 +167,18 @@ impl<'a> Exhaustion<'a> {
 
     /// The entries that make a difference for some value of a task.
     pub fn shown(&self, Task { function, values, step }: &Task, Wires { right, wrong }: &mut Wires) -> HashSet<Fault> {
-        let Function { of, first, zeros, ref wires, before_lookups, ref out, table, ref lookups, .. } =
-            self.functions[*function];
+        let Function {
+            of,
+            first,
+            zeros,
+            ref wires,
+            before_lookups,
+            ref out,
+            ref behind_lookups,
+            table,
+            ref lookups,
+            ..
+        } = self.functions[*function];
         let (before, behind) = wires.split_at(before_lookups);
         let mut shown = HashSet::new();
         // Which of the entries are looked for: less and more of each index.
@@ -174,7 +192,6 @@ impl<'a> Exhaustion<'a> {
         }
         for value in values.clone().step_by(*step) {
             right[of as usize] = (first + value as i64) << zeros;
-            wrong[of as usize] = right[of as usize];
             let evaluate = |right: &mut [i64], ids: &[NodeId]| {
                 ids.iter().for_each(|&id| right[id as usize] = self.faults.net.value(id, &[], right));
             };
@@ -186,13 +203,16 @@ impl<'a> Exhaustion<'a> {
             }
             read.dedup();
             evaluate(right, behind);
+            for id in wires.iter().copied().chain([of]) {
+                wrong[id as usize] = right[id as usize];
+            }
             for index in read {
                 for more in [false, true] {
                     if !wanted[index][usize::from(more)] {
                         continue;
                     }
                     let fault = Fault::Entry { table, index: index as u32, more };
-                    for &id in wires {
+                    for &id in behind_lookups {
                         wrong[id as usize] = self.faults.value(fault, id, right, |id| wrong[id as usize]);
                     }
                     if out.iter().any(|&(id, bits)| (right[id as usize] ^ wrong[id as usize]) as u64 & bits != 0) {

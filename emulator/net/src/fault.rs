@@ -11,6 +11,7 @@ use std::ops::Range;
 use super::graph::{Kind, Net, NodeId, Op, Table};
 use super::interval::Ranges;
 use super::verilog::wire_bits;
+use super::waiting::Waiting;
 
 /// One thing that is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -436,15 +437,15 @@ pub struct Simulator<'a> {
     /// Number of the simulation in which a node differed last, and its integer then.
     differs: Vec<(u64, i64)>,
     simulation: u64,
-    /// Nodes to compute, a bit each.
-    waiting: Vec<u64>,
+    /// Nodes to compute.
+    waiting: Waiting,
 }
 
 impl<'a> Simulator<'a> {
     /// Of the faults of a design.
     pub fn new(faults: &'a Faults<'a>) -> Self {
         let nodes = faults.net.nodes.len();
-        Self { faults, differs: vec![(0, 0); nodes], simulation: 0, waiting: vec![0; nodes.div_ceil(64)] }
+        Self { faults, differs: vec![(0, 0); nodes], simulation: 0, waiting: Waiting::new(nodes) }
     }
 
     /// What becomes of a fault where the wires of the right design hold `right`.
@@ -453,29 +454,17 @@ impl<'a> Simulator<'a> {
         *simulation += 1;
         let now = *simulation;
         let mut effect = Effect::None;
-        let mut first = waiting.len();
-        let mut wait = |waiting: &mut Vec<u64>, id: NodeId| {
-            waiting[id as usize / 64] |= 1 << (id % 64);
-            first = first.min(id as usize / 64);
-        };
         match fault {
-            Fault::Stuck { node, .. } | Fault::Slip { node, .. } => wait(waiting, node),
+            Fault::Stuck { node, .. } | Fault::Slip { node, .. } => waiting.add(node),
             Fault::Entry { table, index, .. } => {
                 for &(id, at) in &faults.tables[table as usize].lookups {
                     if right[at as usize] == i64::from(index) {
-                        wait(waiting, id);
+                        waiting.add(id);
                     }
                 }
             }
         }
-        let mut word = first;
-        while word < waiting.len() {
-            if waiting[word] == 0 {
-                word += 1;
-                continue;
-            }
-            let id = (word * 64) as NodeId + waiting[word].trailing_zeros();
-            waiting[word] &= waiting[word] - 1;
+        while let Some(id) = waiting.first() {
             let place = id as usize;
             let of = |id: NodeId| match differs[id as usize] {
                 (then, value) if then == now => value,
@@ -488,11 +477,11 @@ impl<'a> Simulator<'a> {
             differs[place] = (now, value);
             effect = Effect::Masked;
             if (value ^ right[place]) as u64 & faults.shown[place] != 0 {
-                waiting[word..].fill(0);
+                waiting.clear();
                 return Effect::Seen;
             }
             for &reader in &faults.readers[place] {
-                waiting[reader as usize / 64] |= 1 << (reader % 64);
+                waiting.add(reader);
             }
         }
         effect
@@ -503,14 +492,14 @@ impl Faults<'_> {
     /// The integer of a node under a fault, its operands given.
     pub(super) fn value(&self, fault: Fault, id: NodeId, right: &[i64], of: impl Fn(NodeId) -> i64) -> i64 {
         let node = self.net.node(id);
-        let op = |of: &dyn Fn(NodeId) -> i64| match node.op {
+        let as_is = || match node.op {
             Op::Port(_) => right[id as usize],
-            op => node.kind.cut(op.value(node.kind, |id| self.net.node(id).kind, of) as i64),
+            op => node.kind.cut(op.value(node.kind, |id| self.net.node(id).kind, &of) as i64),
         };
         match (fault, node.op) {
             (Fault::Stuck { node: at, bit, high }, _) if at == id => {
                 let range = self.ranges.of(id);
-                let (value, place) = (op(&of), 1_i64 << bit);
+                let (value, place) = (as_is(), 1_i64 << bit);
                 let value = if high { value | place } else { value & !place };
                 // The sign is a bit like others; what is above it are copies.
                 let spare = 64 - range.top();
@@ -520,9 +509,9 @@ impl Faults<'_> {
             (Fault::Entry { table, index, more }, Op::Lookup(at, read))
                 if read == self.tables[table as usize].table && of(at) == i64::from(index) =>
             {
-                self.tables[table as usize].off_by_one(op(&of), more)
+                self.tables[table as usize].off_by_one(as_is(), more)
             }
-            _ => op(&of),
+            _ => as_is(),
         }
     }
 }

@@ -26,3 +26,4 @@ mod range;
 pub mod rounding;
 pub mod unit;
 pub mod verilog;
+mod waiting;

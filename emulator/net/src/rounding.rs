@@ -6,6 +6,7 @@
 
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
+use super::waiting::Waiting;
 
 /// Designs beside those that a comparison asks for, whose roundings are off in no order.
 const SCATTERED: u64 = 8;
@@ -28,15 +29,13 @@ pub struct Moves {
     moves: Vec<i128>,
 }
 
-/// A node that is rounded to nearest, and what depends on it.
+/// A node that is rounded to nearest, and the comparisons that depend on it.
 #[derive(Clone, Debug)]
 struct Rounding {
     node: NodeId,
     low: i64,
     high: i64,
-    /// Nodes that depend on it, in their order.
-    behind: Vec<NodeId>,
-    /// Comparisons among them, by their places.
+    /// Comparisons that depend on it, by their places.
     comparisons: Vec<usize>,
 }
 
@@ -49,6 +48,8 @@ pub struct Roundings<'a> {
     number: Vec<Option<usize>>,
     /// a < b, as [a, b].
     comparisons: Vec<[NodeId; 2]>,
+    /// Who reads a node, of those on which outcomes depend.
+    readers: Vec<Vec<NodeId>>,
 }
 
 impl<'a> Roundings<'a> {
@@ -73,25 +74,21 @@ impl<'a> Roundings<'a> {
         for (node, _) in of_wanted().filter(|&(id, _)| net.is_rounded(id)) {
             let mut depends = vec![false; net.nodes.len()];
             depends[node as usize] = true;
-            let mut behind = Vec::new();
             for (id, of) in of_wanted().skip_while(|&(id, _)| id <= node) {
                 if of.op.operands().any(|operand| depends[operand as usize]) {
                     depends[id as usize] = true;
-                    behind.push(id);
                 }
             }
             let comparisons = (0..).zip(&flags).filter(|&(_, &flag)| depends[flag as usize]).map(|(place, _)| place);
             let range = ranges.of(node);
             number[node as usize] = Some(roundings.len());
-            roundings.push(Rounding {
-                node,
-                low: range.low,
-                high: range.high,
-                comparisons: comparisons.collect(),
-                behind,
-            });
+            roundings.push(Rounding { node, low: range.low, high: range.high, comparisons: comparisons.collect() });
         }
-        Self { net, roundings, number, comparisons }
+        let mut readers = vec![Vec::new(); net.nodes.len()];
+        for (id, node) in of_wanted() {
+            node.op.operands().for_each(|operand| readers[operand as usize].push(id));
+        }
+        Self { net, roundings, number, comparisons, readers }
     }
 
     /// How many there are.
@@ -174,7 +171,8 @@ impl<'a> Roundings<'a> {
         places: i64,
         see: &mut impl FnMut(usize, i64, &[i64]),
     ) {
-        let (mut theirs, mut differs) = (wires.to_vec(), vec![false; wires.len()]);
+        let (mut theirs, mut differing) = (wires.to_vec(), Vec::new());
+        let mut waiting = Waiting::new(wires.len());
         for (number, rounding) in self.roundings.iter().enumerate() {
             for places in [places, -places] {
                 let node = rounding.node as usize;
@@ -182,17 +180,18 @@ impl<'a> Roundings<'a> {
                 if theirs[node] == wires[node] {
                     continue;
                 }
-                differs[node] = true;
-                for &id in &rounding.behind {
-                    if self.net.node(id).op.operands().any(|operand| differs[operand as usize]) {
-                        theirs[id as usize] = self.wire(id, ports, change, &theirs);
-                        differs[id as usize] = theirs[id as usize] != wires[id as usize];
+                differing.push(node);
+                self.readers[node].iter().for_each(|&reader| waiting.add(reader));
+                while let Some(id) = waiting.first() {
+                    let place = id as usize;
+                    theirs[place] = self.wire(id, ports, change, &theirs);
+                    if theirs[place] != wires[place] {
+                        differing.push(place);
+                        self.readers[place].iter().for_each(|&reader| waiting.add(reader));
                     }
                 }
                 see(number, places, &theirs);
-                for id in rounding.behind.iter().copied().chain([rounding.node]) {
-                    (theirs[id as usize], differs[id as usize]) = (wires[id as usize], false);
-                }
+                differing.drain(..).for_each(|place| theirs[place] = wires[place]);
             }
         }
     }
