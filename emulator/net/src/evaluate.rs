@@ -5,6 +5,7 @@
 use super::graph::{Kind, Net, NodeId, Op};
 
 /// One operation on integers, cut to its wire. `operand` is the integer of a node, `kind` what the node itself may hold.
+#[inline]
 fn apply(op: Op, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i64 {
     kind.cut(op.value(kind, kind_of, operand) as i64)
 }

@@ -213,7 +213,11 @@ impl<'a> Exhaustion<'a> {
                     }
                     let fault = Fault::Entry { table, index: index as u32, more };
                     for &id in behind_lookups {
-                        wrong[id as usize] = self.faults.value(fault, id, right, |id| wrong[id as usize]);
+                        wrong[id as usize] = if lookups.iter().any(|&(lookup, _)| lookup == id) {
+                            self.faults.value(fault, id, right, |id| wrong[id as usize])
+                        } else {
+                            self.faults.net.value(id, &[], wrong)
+                        };
                     }
                     if out.iter().any(|&(id, bits)| (right[id as usize] ^ wrong[id as usize]) as u64 & bits != 0) {
                         shown.insert(fault);

@@ -59,8 +59,8 @@ macro_rules! ask {
 }
 
 impl Op {
-    /// The exact integer of an operation of the kind `kind`: [`Operation::value`].
-    #[inline]
+    /// The exact integer of an operation of the kind `kind`: [`Operation::value`], part of whoever asks, which often needs 64 of its bits.
+    #[inline(always)]
     pub(crate) fn value(self, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         ask!(self, operation => operation.value(kind, kind_of, operand))
     }

@@ -18,6 +18,7 @@ fn adder(ranges: &Ranges, bits: u32, operands: [NodeId; 2]) -> Unit {
 pub(super) struct Add(pub NodeId, pub NodeId);
 
 impl Operation for Add {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) + i128::from(operand(self.1))
     }
@@ -52,6 +53,7 @@ impl Operation for Add {
 pub(super) struct Sub(pub NodeId, pub NodeId);
 
 impl Operation for Sub {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) - i128::from(operand(self.1))
     }
@@ -88,6 +90,7 @@ impl Operation for Sub {
 pub(super) struct Lt(pub NodeId, pub NodeId);
 
 impl Operation for Lt {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0) < operand(self.1))
     }
@@ -130,6 +133,7 @@ impl Operation for Lt {
 pub(super) struct Mul(pub NodeId, pub NodeId);
 
 impl Operation for Mul {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) * i128::from(operand(self.1))
     }

@@ -11,6 +11,7 @@ use crate::verilog::body::Body;
 pub(super) struct Port(pub u32);
 
 impl Operation for Port {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, _: impl Fn(NodeId) -> i64) -> i128 {
         0
     }
@@ -30,6 +31,7 @@ impl Operation for Port {
 pub(super) struct Lit(pub i64);
 
 impl Operation for Lit {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, _: impl Fn(NodeId) -> i64) -> i128 {
         self.0.into()
     }

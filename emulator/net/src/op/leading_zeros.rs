@@ -11,6 +11,7 @@ use crate::verilog::body::{Body, mask};
 pub(super) struct LeadingZeros(pub NodeId);
 
 impl Operation for LeadingZeros {
+    #[inline(always)]
     fn value(&self, _: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         let zeros = operand(self.0).leading_zeros();
         // The integer of a narrower wire stands on 64 bits: a negative one has none, any other the rest beside.

@@ -35,6 +35,7 @@ fn between(body: &Body, sign: char, operands: [NodeId; 2], first: u32, last: u32
 pub(super) struct And(pub NodeId, pub NodeId);
 
 impl Operation for And {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         (operand(self.0) & operand(self.1)).into()
     }
@@ -67,6 +68,7 @@ impl Operation for And {
 pub(super) struct Or(pub NodeId, pub NodeId);
 
 impl Operation for Or {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         (operand(self.0) | operand(self.1)).into()
     }
@@ -95,6 +97,7 @@ impl Operation for Or {
 pub(super) struct Xor(pub NodeId, pub NodeId);
 
 impl Operation for Xor {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         (operand(self.0) ^ operand(self.1)).into()
     }
@@ -120,6 +123,7 @@ impl Operation for Xor {
 pub(super) struct Not(pub NodeId);
 
 impl Operation for Not {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         (operand(self.0) ^ 1).into()
     }
@@ -139,6 +143,7 @@ impl Operation for Not {
 pub(super) struct Select(pub NodeId, pub NodeId, pub NodeId);
 
 impl Operation for Select {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         operand(if operand(self.0) != 0 { self.1 } else { self.2 }).into()
     }

@@ -18,6 +18,7 @@ impl Lookup {
 }
 
 impl Operation for Lookup {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         self.entry(operand(self.0)).unwrap_or(0).into()
     }

@@ -11,6 +11,7 @@ use crate::verilog::value::Value;
 pub(super) struct Resized(pub NodeId);
 
 impl Operation for Resized {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         operand(self.0).into()
     }
@@ -33,6 +34,7 @@ pub(super) struct Claim {
 }
 
 impl Operation for Claim {
+    #[inline(always)]
     fn value(&self, _: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         operand(self.of).into()
     }

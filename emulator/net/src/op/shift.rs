@@ -21,6 +21,7 @@ fn is_below_width(kind: Kind, count: i64) -> bool {
 pub(super) struct Shl(pub NodeId, pub u32);
 
 impl Operation for Shl {
+    #[inline(always)]
     fn value(&self, kind: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) << places(kind, self.1.into())
     }
@@ -45,6 +46,7 @@ impl Operation for Shl {
 pub(super) struct Sar(pub NodeId, pub u32);
 
 impl Operation for Sar {
+    #[inline(always)]
     fn value(&self, kind: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) >> places(kind, self.1.into())
     }
@@ -69,6 +71,7 @@ impl Operation for Sar {
 pub(super) struct ShlBy(pub NodeId, pub NodeId);
 
 impl Operation for ShlBy {
+    #[inline(always)]
     fn value(&self, kind: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) << places(kind, operand(self.1))
     }
@@ -104,6 +107,7 @@ impl Operation for ShlBy {
 pub(super) struct SarBy(pub NodeId, pub NodeId);
 
 impl Operation for SarBy {
+    #[inline(always)]
     fn value(&self, kind: Kind, _: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         i128::from(operand(self.0)) >> places(kind, operand(self.1))
     }
