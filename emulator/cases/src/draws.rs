@@ -283,35 +283,3 @@ pub(crate) trait Kind<const WORDS: usize> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use roughxel_net::integers::integers;
-
-    use super::*;
-    use crate::fragment::Fragments;
-    use crate::highlight::Lights;
-    use crate::lit_peak::Peaks;
-
-    fn hold<K: Kind<WORDS>, const WORDS: usize>(p: &Precision) {
-        let mut batch = Batch::default();
-        // Whole groups of lanes, parts of them, none; the batch keep nothing of those before.
-        for indices in [0..3000, 5..6, 70..70, 100..117, (1 << 40) + 3..(1 << 40) + 500] {
-            K::many("draws", indices.clone(), p, &mut batch);
-            assert_eq!(batch.len() as u64, indices.end - indices.start);
-            for (place, index) in indices.enumerate() {
-                let [many, one] = [batch.get(place), K::one("draws", index, p)].map(|ports| integers(&ports));
-                assert_eq!(many, one, "element {index}");
-            }
-        }
-    }
-
-    #[test]
-    fn elements_side_by_side_are_those_one_by_one() {
-        for p in [Precision::NARROW, Precision::STANDARD, Precision::PRECISE] {
-            hold::<Fragments, _>(&p);
-            hold::<Lights, _>(&p);
-            hold::<Peaks, _>(&p);
-        }
-    }
-}
