@@ -69,6 +69,9 @@ thread_local! {
     static COUNTS: [Cell<u64>; OPERATIONS.len()] = const { [const { Cell::new(0) }; OPERATIONS.len()] };
 }
 
+// Tests run millions of these operations with little optimisation, where no small function is merged into its callers unless it has to be.
+
+#[inline(always)]
 fn count(operation: Operation) {
     COUNTS.with(|counts| counts[operation as usize].update(|count| count + 1));
 }
@@ -126,15 +129,28 @@ pub fn traced<T>(work: impl FnOnce() -> T) -> (T, Trace) {
 }
 
 /// What a wire holds.
-pub trait Integer: Copy + fmt::Debug + Into<i64> + TryFrom<i128> {
+pub trait Integer: Copy + fmt::Debug {
     /// Its bits.
     const BITS: u32;
+    /// The same on 64 bits.
+    fn wide(self) -> i64;
+    /// An integer if it fits.
+    fn fitting(value: i128) -> Option<Self>;
 }
 
 macro_rules! integer {
     ($($int:ty),*) => {
         $(impl Integer for $int {
             const BITS: u32 = <$int>::BITS;
+            #[inline(always)]
+            fn wide(self) -> i64 {
+                self as i64
+            }
+            #[inline(always)]
+            fn fitting(value: i128) -> Option<Self> {
+                let cut = value as Self;
+                if cut as i128 == value { Some(cut) } else { None }
+            }
         })*
     };
 }
@@ -152,39 +168,48 @@ impl<T: Integer> CheckedWire<T> {
         self.0
     }
 
+    #[inline(always)]
     fn integer(self) -> i64 {
-        self.0.into()
+        self.0.wide()
     }
 
     /// The outcome of an operation that is counted. Panics where it does not fit the wire.
+    #[inline(always)]
     fn fit(operation: Operation, value: i128, operands: [i64; 2]) -> Self {
         count(operation);
-        match T::try_from(value) {
-            Ok(value) => Self(value),
-            Err(_) => {
-                panic!("{} of {operands:?} is {value}, beyond {} bits", OPERATIONS[operation as usize], T::BITS)
-            }
+        match T::fitting(value) {
+            Some(value) => Self(value),
+            None => Self::does_not_fit(operation, value, operands),
         }
     }
 
+    #[cold]
+    fn does_not_fit(operation: Operation, value: i128, operands: [i64; 2]) -> ! {
+        panic!("{} of {operands:?} is {value}, beyond {} bits", OPERATIONS[operation as usize], T::BITS)
+    }
+
+    #[inline(always)]
     fn places(operation: Operation, k: i64) -> u32 {
-        match u32::try_from(k) {
-            Ok(k) if k < T::BITS => k,
-            _ => panic!("{} by {k} places of {}", OPERATIONS[operation as usize], T::BITS),
+        if 0 <= k && k < T::BITS as i64 {
+            return k as u32;
         }
+        panic!("{} by {k} places of {}", OPERATIONS[operation as usize], T::BITS)
     }
 
+    #[inline(always)]
     fn left(self, operation: Operation, k: i64) -> Self {
-        Self::fit(operation, i128::from(self.integer()) << Self::places(operation, k), [self.integer(), k])
+        Self::fit(operation, (self.integer() as i128) << Self::places(operation, k), [self.integer(), k])
     }
 
+    #[inline(always)]
     fn right(self, operation: Operation, k: i64) -> Self {
-        Self::fit(operation, i128::from(self.integer() >> Self::places(operation, k)), [self.integer(), k])
+        Self::fit(operation, (self.integer() >> Self::places(operation, k)) as i128, [self.integer(), k])
     }
 
+    #[inline(always)]
     fn both(operation: Operation, a: Self, b: Self, of: impl Fn(i128, i128) -> i128) -> Self {
         let operands = [a.integer(), b.integer()];
-        Self::fit(operation, of(operands[0].into(), operands[1].into()), operands)
+        Self::fit(operation, of(operands[0] as i128, operands[1] as i128), operands)
     }
 }
 
@@ -194,7 +219,7 @@ impl<T: Integer> Wire for CheckedWire<T> {
     const BITS: u32 = T::BITS;
 
     fn lit(value: i64) -> Self {
-        Self::fit(Operation::Lit, i128::from(value), [value, 0])
+        Self::fit(Operation::Lit, value as i128, [value, 0])
     }
     fn add(self, other: Self) -> Self {
         Self::both(Operation::Add, self, other, |a, b| a + b)
@@ -238,7 +263,7 @@ impl<T: Integer> Wire for CheckedWire<T> {
     }
     fn leading_zeros(self) -> Checked {
         let zeros = self.integer().leading_zeros().saturating_sub(i64::BITS - T::BITS);
-        Checked::fit(Operation::LeadingZeros, zeros.into(), [self.integer(), 0])
+        Checked::fit(Operation::LeadingZeros, zeros as i128, [self.integer(), 0])
     }
 }
 
@@ -249,14 +274,14 @@ macro_rules! word {
 
             fn mul(self, other: Self) -> CheckedWire<$wide> {
                 let operands = [self.integer(), other.integer()];
-                let product = i128::from(operands[0]) * i128::from(operands[1]);
+                let product = operands[0] as i128 * operands[1] as i128;
                 CheckedWire::fit(Operation::Mul, product, operands)
             }
             fn widen(self) -> CheckedWire<$wide> {
-                CheckedWire::fit(Operation::Widen, self.integer().into(), [self.integer(), 0])
+                CheckedWire::fit(Operation::Widen, self.integer() as i128, [self.integer(), 0])
             }
             fn narrow(wide: CheckedWire<$wide>) -> Self {
-                Self::fit(Operation::Narrow, wide.integer().into(), [wide.integer(), 0])
+                Self::fit(Operation::Narrow, wide.integer() as i128, [wide.integer(), 0])
             }
             fn lookup(index: Checked, table: &'static [i32]) -> Self {
                 match usize::try_from(index.0).ok().and_then(|index| table.get(index)) {
@@ -283,10 +308,10 @@ macro_rules! word {
         impl WideWire for CheckedWire<$wide> {
             type Word = CheckedWire<$word>;
             fn wide_to_count(self) -> Checked {
-                Checked::fit(Operation::Narrow, self.integer().into(), [self.integer(), 0])
+                Checked::fit(Operation::Narrow, self.integer() as i128, [self.integer(), 0])
             }
             fn wide_of_count(count: Checked) -> Self {
-                Self::fit(Operation::Widen, count.integer().into(), [count.integer(), 0])
+                Self::fit(Operation::Widen, count.integer() as i128, [count.integer(), 0])
             }
         }
 
