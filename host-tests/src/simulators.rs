@@ -1,4 +1,4 @@
-//! The tools of hardware people, as programs: whether they are there, and a Verilator model of a generated module.
+//! The tools of hardware people, as programs: whether they are there, scripts of benches, and a Verilator model of a generated module.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,6 +29,23 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
+/// The command that runs `run.sh` of a bench, to which a tool and options are added: what it compiles runs shortly and is not optimised.
+pub fn bench_script(script: &Path) -> Command {
+    let mut command = Command::new("sh");
+    command.arg(script).env("OPT", "-O0");
+    keep_objects(&mut command);
+    command
+}
+
+/// Has a command that runs Verilator compile Verilator's own library once for all models, below `target`: it takes longer than most of them.
+fn keep_objects(command: &mut Command) {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let kept = package.join("../target/verilator-objects");
+    fs::create_dir_all(&kept).unwrap_or_else(|error| panic!("{}: {error}", kept.display()));
+    let script = package.join("src/keep_objects.sh");
+    command.env("OBJCACHE", format!("sh {}", script.display())).env("ROUGHXEL_OBJECTS", kept);
+}
+
 /// Builds the Verilator model of a module that stands in a directory with its bench
 /// ([`Bench::files`](roughxel_net::bench::Bench::files)), below `directory/obj`, and returns the program.
 ///
@@ -44,6 +61,7 @@ pub fn verilate(directory: &Path, module: &str, make: &str) -> PathBuf {
     command.args(["--prefix", "Vdesign", "-CFLAGS", "-std=c++17", "--top-module", &flat, "-MAKEFLAGS"]);
     command.arg(format!("{make} OPT_SLOW=-O0 OPT_GLOBAL=-O1")).arg("--Mdir").arg(&objects);
     command.arg("-y").arg(directory).arg("-o").arg(&program);
+    keep_objects(&mut command);
     run(command.arg(directory.join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp")));
     program
 }

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use roughxel_host_tests::simulators::have;
+use roughxel_host_tests::simulators::{bench_script, have};
 use roughxel_vectors::{Bench, BenchError, Device, SetInfo, Words, export_with, random_set};
 use tempfile::TempDir;
 
@@ -51,8 +51,8 @@ impl Written {
 
     /// Exit code and output of `run.sh`.
     fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
-        let mut command = Command::new("sh");
-        command.arg(self.bench().join("run.sh")).args(arguments).env("OPT", "-O0");
+        let mut command = bench_script(&self.bench().join("run.sh"));
+        command.args(arguments);
         if let Some(installed) = installed_cocotb() {
             command.env("PYTHONPATH", installed);
         }

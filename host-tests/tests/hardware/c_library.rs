@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
-use roughxel_host_tests::simulators::have;
+use roughxel_host_tests::simulators::{bench_script, have};
 use roughxel_vectors::{Bench, Device, Direction, Field, Manifest, c_library_files, manifests_in};
 
 fn root() -> PathBuf {
@@ -163,13 +163,7 @@ fn no_path_of_the_library_leads_to_a_panic() {
 
 /// A bench of a small peak, and its run with the C library: exit code and output.
 fn random_inputs(directory: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let run = Command::new("sh")
-        .arg(directory.join("run.sh"))
-        .arg("dpi")
-        .args(arguments)
-        .env("OPT", "-O0")
-        .output()
-        .expect("a shell");
+    let run = bench_script(&directory.join("run.sh")).arg("dpi").args(arguments).output().expect("a shell");
     (run.status.code(), String::from_utf8_lossy(&run.stdout).into_owned())
 }
 

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 
 use roughxel_cases::highlight::random_light;
 use roughxel_cases::lit_peak::random_lit_peak;
@@ -12,7 +11,7 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::ports::{HighlightIn, PeakIn, Port, ReflectionIn};
 use roughxel_core::precision::Profile;
-use roughxel_host_tests::simulators::have;
+use roughxel_host_tests::simulators::{bench_script, have};
 use roughxel_host_tests::space::whole_or;
 use roughxel_net::graph::{Net, NodeId, Op};
 use roughxel_net::integers::integers_at;
@@ -352,8 +351,8 @@ fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
         ] {
             fs::write(&module, text.replacen("_add + 16'd1;", instead, 1)).expect("the module can be written");
             let got = bench.directory.path().join("got.hex");
-            let mut run = Command::new("sh");
-            run.arg(folder.join("run.sh")).args([tool, "--stop", "1", "--got"]).arg(&got).env("OPT", "-O0");
+            let mut run = bench_script(&folder.join("run.sh"));
+            run.args([tool, "--stop", "1", "--got"]).arg(&got);
             let output = run.output().expect("a shell");
             let printed = String::from_utf8_lossy(&output.stdout);
             assert_eq!(output.status.code(), Some(if less == 0 { 0 } else { 3 }), "{printed}");

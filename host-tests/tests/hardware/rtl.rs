@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
-use std::time::SystemTime;
 
 use rayon::prelude::*;
 use roughxel_cases::stimulus::{port_values, within};
@@ -166,19 +165,8 @@ impl Written {
             Arc::clone(models.entry((bench.module().to_string(), text)).or_default())
         };
         let build = || {
-            let objects = self.path().join("obj");
-            let reused = reuse_runtime(&objects);
             // A few thousand cycles: what is saved in compiling is more than what is lost in running.
-            let mut make = String::from("OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
-            if reused.is_some() {
-                // They depend on the model's makefile, which is newer than whatever was kept: make builds them again unless it is told not to.
-                make.extend(RUNTIME.map(|name| format!(" -o {name}")));
-            }
-            let built = verilate(self.path(), bench.module(), &make);
-            match reused {
-                None => keep_runtime(&objects),
-                Some(times) => assert_eq!(times, modified(&objects), "make has built Verilator's library again"),
-            }
+            let built = verilate(self.path(), bench.module(), "OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
             let program = runtime().join(format!("model-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
             // Not copied: a file open for writing anywhere cannot be run.
             fs::rename(built, &program).expect("a model can be kept");
@@ -191,40 +179,8 @@ impl Written {
 /// The program of a model, by whoever needs it first.
 type Model = OnceLock<PathBuf>;
 
-/// Objects of Verilator's own library, which are the same for every model and take longer than most of them.
-const RUNTIME: [&str; 2] = ["verilated.o", "verilated_threads.o"];
-
-/// Set once this run has put them into [`runtime`].
-static RUNTIME_IS_KEPT: OnceLock<()> = OnceLock::new();
-
 fn runtime() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR"))
-}
-
-/// When each of the objects was written.
-fn modified(objects: &Path) -> [SystemTime; 2] {
-    let of = |name: &str| fs::metadata(objects.join(name)).and_then(|object| object.modified());
-    RUNTIME.map(|name| of(name).expect("an object is there"))
-}
-
-/// Puts the objects that are kept beside those of a model, and says when.
-fn reuse_runtime(objects: &Path) -> Option<[SystemTime; 2]> {
-    fs::create_dir_all(objects).expect("a directory");
-    RUNTIME_IS_KEPT.get()?;
-    for name in RUNTIME {
-        fs::copy(runtime().join(name), objects.join(name)).expect("an object was kept");
-    }
-    Some(modified(objects))
-}
-
-fn keep_runtime(objects: &Path) {
-    if RUNTIME.iter().all(|name| objects.join(name).exists()) {
-        RUNTIME_IS_KEPT.get_or_init(|| {
-            for name in RUNTIME {
-                fs::copy(objects.join(name), runtime().join(name)).expect("an object can be kept");
-            }
-        });
-    }
 }
 
 /// Integers of the outputs, by the scalar reading.

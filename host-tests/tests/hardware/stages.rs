@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_host_tests::simulators::{have, hdl};
+use roughxel_host_tests::simulators::{bench_script, have, hdl};
 use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
 use roughxel_net::graph::{NodeId, Op};
 use roughxel_net::verilog::{Options, Stages};
@@ -266,8 +266,8 @@ impl Written {
 
     /// Exit code and output of `run.sh`.
     fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
-        let mut command = Command::new("sh");
-        command.arg(self.path("run.sh")).args(arguments).env("OPT", "-O0");
+        let mut command = bench_script(&self.path("run.sh"));
+        command.args(arguments);
         if let Some(installed) = installed_cocotb() {
             command.env("PYTHONPATH", installed);
         }
