@@ -8,7 +8,7 @@
 //!
 //! On words of 16 bits 1/2x and 1/2√x have the same bounds; log₂ errs by 2^−18, exp₂ by 2^−p + 2^−18, log₂(1 + x) by 2^−(p−1.5) below
 //! x = 1 and 2^−(p−2) from there on, relative: tables and logarithms are counts. Proven the same way in
-//! `host-tests/tests/exhaustive/elementary.rs`, where words of 8 bits are, too.
+//! `host-tests/exhaustive/elementary.rs`, where words of 8 bits are, too.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, dot, number, of_control, places_below};
 use crate::each::each;
