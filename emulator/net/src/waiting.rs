@@ -6,12 +6,12 @@ use super::graph::NodeId;
 #[derive(Clone, Debug)]
 pub(crate) struct Waiting {
     bits: Vec<u64>,
-    /// Below this word nobody waits.
+    /// Word below which nobody waits.
     word: usize,
 }
 
 impl Waiting {
-    /// None, of so many nodes.
+    /// Set of none, of so many nodes.
     pub(crate) fn new(nodes: usize) -> Self {
         Self { bits: vec![0; nodes.div_ceil(64)], word: 0 }
     }
