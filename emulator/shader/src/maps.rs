@@ -89,14 +89,14 @@ pub(crate) fn viewed<W: BatchWord, R>(
     body: impl FnOnce(&View<'_, W>) -> R,
 ) -> R {
     let centre = &group.of(places.centres);
-    let footprint = match places.footprints {
-        Some(footprints) => Some((group.of(footprints), group.all(&map.scale.0))),
-        None => None,
-    };
-    let footprint = match &footprint {
-        Some((footprint, texture)) => Some((footprint, texture)),
-        None => None,
-    };
+    let footprint = places.footprints.map(
+        #[inline(always)]
+        |footprints| (group.of(footprints), group.all(&map.scale.0)),
+    );
+    let footprint = footprint.as_ref().map(
+        #[inline(always)]
+        |(footprint, texture)| (footprint, texture),
+    );
     body(&View { centre, footprint, levels: &map.levels, rough: is_rough })
 }
 
@@ -220,10 +220,10 @@ fn rough_moments<W: BatchWord>(
     scale: &BumpScale<W>,
     p: &Precision,
 ) -> Mean<W, 5> {
-    let reach = match view.footprint {
-        Some((footprint, _)) => Some(footprint.reach),
-        None => None,
-    };
+    let reach = view.footprint.map(
+        #[inline(always)]
+        |(footprint, _)| footprint.reach,
+    );
     repeated::mean(
         view,
         #[inline(always)]
