@@ -136,23 +136,16 @@ fn samples<W: Staged, const CHANNELS: usize>(
     let samples = match coarse {
         None => stage!(
             "filter.of_level",
-            each!(channel in places() => Value::<W, 32>(filter::of_level(&patch(fine, channel), extra)))
+            each!(sample in filter::channels_of_level::<W, CHANNELS>(&fine.texels, &fine.weight, extra) => Value(sample))
         ),
-        Some(coarse) => stage!(
-            "filter.trilinear",
-            each!(channel in places() => {
-                let [fine, coarse] = each!(quad in [fine, coarse] => patch(quad, channel));
-                Value::<W, 32>(filter::trilinear(&fine, &coarse, level_weight, extra))
-            })
-        ),
+        Some(coarse) => stage!("filter.trilinear", {
+            let [fine, coarse] = each!(quad in [fine, coarse] => {
+                filter::channels_of_level::<W, CHANNELS>(&quad.texels, &quad.weight, extra)
+            });
+            each!(channel in places() => Value(filter::between(fine[channel], coarse[channel], level_weight)))
+        }),
     };
     each!(Value(sample) in samples => sample)
-}
-
-/// One channel of four texels.
-#[inline(always)]
-fn patch<W: Staged, const CHANNELS: usize>(quad: &Quad<W, CHANNELS>, channel: usize) -> Patch<W> {
-    Patch { texels: each!(texel in quad.texels => texel[channel]), weight: quad.weight }
 }
 
 /// [`probe_sum`] of every channel, as one stage.

@@ -6,7 +6,7 @@
 //! Error: one last place of the sample (2^−24 of full scale for 24 fraction bits), beside that of the weights.
 
 use crate::bundle::bundle;
-use crate::each::each;
+use crate::each::{each, places};
 use crate::fx::{Control, Fx, Int, WideControl};
 use crate::ports::{LOD, POSITION, SHARE};
 use crate::precision::Precision;
@@ -69,19 +69,25 @@ pub fn wrapped<C: Word<Count = C>>(index: Fx<C, 32>, edge: Fx<C, 32>) -> [Fx<C, 
     })
 }
 
-/// Bilinear interpolation of the texels (0,0), (1,0), (0,1), (1,1), exact: 20 more fraction bits.
+/// Weights of the texels (0,0), (1,0), (0,1), (1,1), 20 fraction bits; they sum to 1.
+#[inline(always)]
+fn weights<C: Word<Count = C>>(weight: &[Fx<C, WEIGHT>; 2]) -> [C; 4] {
+    let one: Fx<C, WEIGHT> = Fx::int(1);
+    let [x, y] = *weight;
+    each!((a, b) in [(one - x, one - y), (x, one - y), (one - x, y), (x, y)] => {
+        C::narrow(a.mul::<WEIGHT, { 2 * WEIGHT }>(b).raw())
+    })
+}
+
+/// Bilinear interpolation of the texels (0,0), (1,0), (0,1), (1,1), rounded to `extra` more fraction bits than they have.
 ///
 /// Range: |texel| < 2^31.
 #[inline(always)]
-fn bilinear<C: Word<Count = C>>(texels: &[Fx<C, 32>; 4], weight: &[Fx<C, WEIGHT>; 2]) -> C::Wide {
-    let one: Fx<C, WEIGHT> = Fx::int(1);
-    let [x, y] = *weight;
-    let weights = each!((a, b) in [(one - x, one - y), (x, one - y), (one - x, y), (x, y)] => {
-        C::narrow(a.mul::<WEIGHT, { 2 * WEIGHT }>(b).raw())
-    });
+fn bilinear<C: Word<Count = C>>(texels: &[Fx<C, 32>; 4], weights: &[C; 4], extra: u32) -> Fx<C, 32> {
     // Written out: the closure of a fold is not compiled for the lanes' instruction set where it is not inlined, and takes vectors through memory.
     let [a, b, c, d] = each!(i in [0, 1, 2, 3] => texels[i].raw().mul(weights[i]));
-    a.add(b).add(c).add(d)
+    let sum = a.add(b).add(c).add(d);
+    Fx::from_raw(C::narrow(sum.sar(20 - extra - 1).add(Wire::lit(1)).sar(1)))
 }
 
 bundle! {
@@ -143,8 +149,18 @@ bundle! {
 /// Bilinear interpolation of one channel: what [`trilinear`] is of one level, in the same range.
 #[inline(always)]
 pub fn of_level<W: Word>(patch: &Patch<W>, extra: u32) -> Int<W> {
-    let sum = bilinear(&patch.texels, &patch.weight);
-    Fx::from_raw(W::Count::narrow(sum.sar(20 - extra - 1).add(Wire::lit(1)).sar(1)))
+    bilinear(&patch.texels, &weights(&patch.weight), extra)
+}
+
+/// [`of_level`] of every channel of four texels: their weights are worked out once.
+#[inline(always)]
+pub fn channels_of_level<W: Word, const CHANNELS: usize>(
+    texels: &[[Int<W>; CHANNELS]; 4],
+    weight: &[Control<W, WEIGHT>; 2],
+    extra: u32,
+) -> [Int<W>; CHANNELS] {
+    let weights = weights(weight);
+    each!(channel in places() => bilinear(&each!(i in [0, 1, 2, 3] => texels[i][channel]), &weights, extra))
 }
 
 /// Trilinear interpolation of one channel: four texels of each of two levels, rounded to `extra` more
@@ -158,11 +174,17 @@ pub fn trilinear<W: Word>(
     level_weight: Control<W, LEVEL_WEIGHT>,
     extra: u32,
 ) -> Int<W> {
-    let [a, b] = each!(patch in [fine, coarse] => of_level(patch, extra));
+    let [fine, coarse] = each!(patch in [fine, coarse] => of_level(patch, extra));
+    between(fine, coarse, level_weight)
+}
+
+/// A sample between those of two levels.
+#[inline(always)]
+pub fn between<C: Word<Count = C>>(fine: Fx<C, 32>, coarse: Fx<C, 32>, level_weight: Fx<C, LEVEL_WEIGHT>) -> Fx<C, 32> {
     // The weights sum to one, so equal levels give exactly the sample.
-    let one: Control<W, LEVEL_WEIGHT> = Fx::int(1);
-    let sum = a.raw().mul((one - level_weight).raw()).add(b.raw().mul(level_weight.raw()));
-    Fx::from_raw(W::Count::narrow(sum.add(Wire::lit(1 << 11)).sar(12)))
+    let one: Fx<C, LEVEL_WEIGHT> = Fx::int(1);
+    let sum = fine.raw().mul((one - level_weight).raw()).add(coarse.raw().mul(level_weight.raw()));
+    Fx::from_raw(C::narrow(sum.add(Wire::lit(1 << 11)).sar(12)))
 }
 
 /// The texel that does not exist at a corner of the cube: the mean of the three that meet there.
