@@ -40,11 +40,11 @@ pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) ->
     results
 }
 
-/// [`each`] of so many elements: `[b; N]`, with which an array of any length begins, is a loop, too.
+/// [`each()`] of so many elements: `[b; N]`, with which an array of any length begins, is a loop, too.
 macro_rules! fixed {
     ($($name:ident of $count:literal: $($i:literal)*;)*) => {
         $(
-            #[doc = concat!("[`each`] of ", stringify!($count), ".")]
+            #[doc = concat!("[`each()`] of ", stringify!($count), ".")]
             #[inline(always)]
             pub fn $name<A: Copy, B>(array: [A; $count], f: impl FnMut(A) -> B) -> [B; $count] {
                 let mut f = ManuallyDrop::new(f);

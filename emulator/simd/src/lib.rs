@@ -1,5 +1,9 @@
-//! The lanes reading: the datapath for [`LANES`] fragments at once, or [`NARROW_LANES`] on words of 16 bits, the bits of the scalar
-//! reading.
+//! # roughxel-simd
+//!
+//! Words of [`LANES`] fragments at once, or of [`NARROW_LANES`] on 16 bits, with the bits of the scalar words.
+//!
+//! [`Backend`] chooses words at run time: [`Backend::dispatch`] is the one place where a computation, a [`Kernel`], is compiled for every
+//! instruction set. [`BatchWord`] is how words of any backend meet the rows of a batch.
 //!
 //! Explicit vectors, the even and the odd lanes of a wide wire apart: a product is one instruction and rounding packs
 //! nothing. The candidates when that was chosen, the whole datapath in times of the scalar reading in one run of each, on one
