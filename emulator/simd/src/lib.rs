@@ -19,10 +19,6 @@
 //! The table ranks them: datapath and build have changed since. The figures of what is kept are those of
 //! `cargo bench -p roughxel-benches --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
 //! reading is the fastest, and [`Backend::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
-#![cfg_attr(
-    not(target_arch = "x86_64"),
-    expect(dead_code, reason = "elsewhere there are no instruction sets, and the scalar reading stands in for lanes")
-)]
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
