@@ -248,7 +248,7 @@ const SHADING: [&str; 6] = [
     "emulator/frame/src/tile.rs",
 ];
 
-/// Where these may multiply, shift or divide, and why that is none of the datapath's: file, item, reason.
+/// Arithmetic that is none of the datapath's: file, item, reason.
 const FRAME_ARITHMETIC: [(&str, &str, &str); 15] = [
     ("core/src/sampler.rs", "level_edge", "memory: the edge of a level"),
     ("core/src/sampler.rs", "edge_of", "memory: the same of every fragment"),

@@ -244,7 +244,7 @@ pub(crate) trait Kind<const WORDS: usize> {
         filled(&Self::Ports::limit::<i32>(End::Low), &words.map(|[word]| word.into()))
     }
 
-    /// Those elements of the set `set`, in place of what `batch` held.
+    /// Draws those elements of the set `set` into `batch`, in place of what it held.
     fn many(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<Self::Ports>) {
         let (hash, backend) = (SplitMix64::hash_of(set), Backend::best());
         let group = |first: u64| Elements { hash, indices: each!(lane in places() => first + lane as u64) };

@@ -15,7 +15,7 @@ use super::colour::colour_word;
 use super::printed;
 use crate::plan::Mode;
 
-/// What shines in an object, with its peaks if they come from a map.
+/// Makes the lighting of an object, with its peaks if they come from a map.
 pub(super) fn lighting(
     material: &Material,
     plan: &ObjectPlan,
@@ -59,7 +59,7 @@ fn of_peaks(given: &Peaks, map: Option<PeakTexels>, lights: &[Light], plan: Surf
     Lighting { plan, lights: shown(lights, given.colour, p), shine }
 }
 
-/// The same with the effects of another plan.
+/// Replaces the effects by those of another plan.
 pub(super) fn with_plan(lighting: Lighting, plan: &ObjectPlan) -> Option<Lighting> {
     let surface =
         if matches!(lighting.shine, Shine::Highlight(_) | Shine::Formula(_)) { plan.highlight } else { plan.peaks };

@@ -33,14 +33,14 @@ pub struct Prepared<'a> {
     pub(super) backend: Backend,
     pub(super) environment: Option<Arc<EnvironmentMap>>,
     pub(super) environment_scale: MapScale<i32>,
-    /// What rays show that hit nothing.
+    /// Material of rays that hit nothing.
     pub(super) mirror: Material,
     pub(super) objects: Vec<PreparedObject>,
 }
 
 /// An object with its maps.
 pub(super) struct PreparedObject {
-    /// What its fragments are shaded with.
+    /// Material of its fragments.
     pub(super) material: Material,
     pub(super) decisions: Vec<Decision>,
     /// Lights on it that stand in the scene.
@@ -50,7 +50,7 @@ pub(super) struct PreparedObject {
 }
 
 impl PreparedObject {
-    /// With another plan.
+    /// Replaces the plan, and drops what it does not read.
     fn with_plan(self, plan: ObjectPlan) -> Self {
         let Material { colour_map, bump_map, lighting, .. } = self.material;
         let bumps = bump_map.map(|map| StoredBumps { map, bytes: self.bump_bytes });
@@ -152,12 +152,12 @@ impl<'a> Prepared<'a> {
         Ok(Self { scene, projection, mode, precision, backend, environment, environment_scale, mirror, objects })
     }
 
-    /// The same with another backend than [`Backend::best`]; no bit of a frame depends on it.
+    /// Replaces [`Backend::best`] by another backend; no bit of a frame depends on it.
     pub fn with_backend(self, backend: Backend) -> Self {
         Self { backend, ..self }
     }
 
-    /// What its fragments are shaded with, beside their materials.
+    /// Shader of its fragments.
     pub(super) fn shader(&self) -> Shader<'_> {
         let of = |map| Environment { texels: EnvironmentMap::texels(map), scale: &self.environment_scale };
         Shader { backend: self.backend, precision: &self.precision, environment: self.environment.as_deref().map(of) }

@@ -30,7 +30,7 @@ struct Function {
     before_lookups: usize,
     /// Those of `wires` that a field shows or that are read with other wires, with the bits that count.
     out: Vec<(NodeId, u64)>,
-    /// Those of `wires` that a lookup leads to, in order.
+    /// Wires of `wires` that a lookup leads to, in order.
     behind_lookups: Vec<NodeId>,
     /// The table that is looked up, as a place in [`Faults::tables`], and where.
     table: u32,

@@ -48,7 +48,7 @@ pub struct Roundings<'a> {
     number: Vec<Option<usize>>,
     /// a < b, as [a, b].
     comparisons: Vec<[NodeId; 2]>,
-    /// Who reads a node, of those on which outcomes depend.
+    /// Readers of a node, of those on which outcomes depend.
     readers: Vec<Vec<NodeId>>,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Roundings<'a> {
         Self { net, roundings, number, comparisons, readers }
     }
 
-    /// How many there are.
+    /// Number of fragments.
     pub fn count(&self) -> usize {
         self.roundings.len()
     }

@@ -36,7 +36,7 @@ pub enum PeakError {
     Count {
         /// "normals" or "heights".
         what: &'static str,
-        /// How many there are.
+        /// Number of fragments.
         found: usize,
         /// How many there should be.
         wanted: usize,

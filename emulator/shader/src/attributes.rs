@@ -6,7 +6,7 @@ use roughxel_simd::LANES;
 
 use crate::batch::{BlockRows, Row};
 
-/// What the datapath needs to know about one fragment; vectors in world space.
+/// Attributes of one fragment as ports; vectors in world space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FragmentAttributes {
     /// Unnormalised normal: Σ βᵢ nᵢ / w of unit vertex normals, times one power of two per triangle; of equal ones that one, its

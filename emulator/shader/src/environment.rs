@@ -18,21 +18,21 @@ use crate::texels::CubeTexels;
 
 runs!(Lobes);
 
-/// Where fragments look in an environment, and over which footprints.
+/// Places in an environment, with or without footprints.
 #[derive(Clone, Copy, Debug)]
 pub enum Look<'a> {
-    /// At points, over no footprint.
+    /// Points without footprints.
     Point(&'a Batch<CubePoint<i32>>),
-    /// On the planes of its faces.
+    /// Footprints on the planes of its faces.
     Face(&'a Batch<Footprint<i32>>),
-    /// On the sphere.
+    /// Footprints on the sphere.
     Sphere(&'a Batch<Sweep<i32>>),
 }
 
 /// Colours of fragments, blended by their reflectance with what they see of an environment: seam, filter, blend.
 #[derive(Clone, Copy, Debug)]
 pub struct EnvironmentColours<'a> {
-    /// Where they look.
+    /// Places, with or without footprints.
     pub look: Look<'a>,
     /// Their own colours.
     pub own: &'a Batch<Shown<i32>>,

@@ -12,32 +12,32 @@ use crate::pass::Shader;
 use crate::signals::{Bare, Derivatives};
 use crate::texels::RepeatedMap;
 
-/// Where a colour counts.
+/// Pixel in which a colour counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Place {
     /// The pixel in its tile.
     pub pixel: u32,
-    /// How many of its samples it stands for.
+    /// Number of the pixel's samples that it stands for.
     pub times: u32,
 }
 
 /// Fragments of one object that wait to be shaded. Batches that its plan does not read stay empty.
 #[derive(Debug)]
 pub struct Fragments {
-    /// They reflect or shine.
+    /// Whether they reflect or shine.
     pub(crate) has_surface: bool,
-    /// They reflect, over footprints.
+    /// Whether they reflect over footprints.
     has_derivatives: bool,
     needs: Needs,
-    /// In place of p_u and p_v.
+    /// Main direction, in place of p_u and p_v.
     main_direction: Option<BlockVector>,
     pub(crate) bare: Batch<Bare<i32>>,
     pub(crate) derivatives: Batch<Derivatives<i32>>,
     pub(crate) centres: Batch<TexturePosition<i32>>,
     pub(crate) duv: Batch<TextureDerivatives>,
-    /// Where each counts.
+    /// Pixel of each fragment.
     pub(crate) places: Vec<Place>,
-    /// From each to the lights that stand in the scene, in the order of the lights.
+    /// Directions from each fragment to the lights that stand in the scene, in their order.
     pub(crate) directions: Vec<Batch<PortBlock<i32, 3>>>,
     pub(crate) footprints: MapFootprints,
 }
@@ -65,7 +65,7 @@ impl Fragments {
         }
     }
 
-    /// How many there are.
+    /// Number of fragments.
     pub fn len(&self) -> usize {
         self.places.len()
     }
@@ -121,7 +121,7 @@ impl Fragments {
         }
     }
 
-    /// Where they look in a map.
+    /// Places in a map.
     pub(crate) fn places_in(&self, map: &RepeatedMap) -> Places<'_> {
         Places { centres: &self.centres, footprints: self.footprints.of(map) }
     }

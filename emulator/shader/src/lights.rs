@@ -19,7 +19,7 @@ use crate::signals::{Shown, Slopes};
 
 runs!(Highlights Halves HorizonSlopes GivenPeaks);
 
-/// What returned light adds to a pixel.
+/// Colour of returned light.
 #[inline(always)]
 pub(crate) fn shown_of<W: BatchWord>(
     group: &Group<W>,
@@ -35,14 +35,14 @@ pub(crate) fn shown_of<W: BatchWord>(
 pub struct Lit<'a> {
     /// Surfaces.
     pub surfaces: &'a Batch<Surface<i32>>,
-    /// To the light.
+    /// Directions to the light.
     pub directions: &'a Batch<PortBlock<i32, 3>>,
 }
 
-/// What every fragment returns of a light by its highlight: half, spread, highlight, pixel (modulated).
+/// Colours returned by a highlight: half, spread, highlight, pixel (modulated).
 #[derive(Clone, Copy, Debug)]
 pub struct Highlights<'a> {
-    /// What is lit.
+    /// Surfaces and directions to the light.
     pub lit: Lit<'a>,
     /// The exponent of the material.
     pub shininess: &'a ShininessPort<i32>,
@@ -100,7 +100,7 @@ impl Pass for HorizonSlopes<'_> {
     }
 }
 
-/// What every fragment returns of a light by a list of peaks: peaks, pixel (modulated).
+/// Colours returned by a list of peaks: peaks, pixel (modulated).
 #[derive(Clone, Copy, Debug)]
 pub struct GivenPeaks<'a> {
     /// Half vectors.

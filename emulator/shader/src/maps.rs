@@ -44,7 +44,7 @@ pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
 /// Footprints in maps of one scale: texture, ellipse, axes, probes.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureFootprints<'a> {
-    /// How texture coordinates change over a pixel.
+    /// Derivatives of texture coordinates over a pixel.
     pub derivatives: &'a Batch<TextureDerivatives>,
     /// Their scale.
     pub scale: &'a (TextureScale<i32>, MapScale<i32>),
@@ -70,7 +70,7 @@ impl Pass for TextureFootprints<'_> {
     }
 }
 
-/// What fragments look up in a repeated map.
+/// Places of fragments in a wrapped map.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
     /// Texture coordinates.
@@ -79,7 +79,7 @@ pub struct Places<'a> {
     pub footprints: Option<&'a Batch<RepeatedFootprint<i32>>>,
 }
 
-/// What `body` makes of the views of a group.
+/// Calls `body` with the views of a group.
 #[inline(always)]
 pub(crate) fn viewed<W: BatchWord, R>(
     group: &Group<W>,
@@ -103,7 +103,7 @@ pub(crate) fn viewed<W: BatchWord, R>(
 /// Colours of a map times one of the object: filter, pixel (colour, modulated).
 #[derive(Clone, Copy, Debug)]
 pub struct Colours<'a> {
-    /// Where fragments look.
+    /// Places of the fragments in the map.
     pub places: Places<'a>,
     /// The map.
     pub map: &'a ColourMap,
@@ -164,7 +164,7 @@ fn same<W: Word, const CHANNELS: usize>(sample: [Int<W>; CHANNELS]) -> [Int<W>; 
 /// Mean offsets and roughness of a map, as surfaces take them: filter, moments, pixel (bump).
 #[derive(Clone, Copy, Debug)]
 pub struct Bumps<'a> {
-    /// Where fragments look.
+    /// Places of the fragments in the map.
     pub places: Places<'a>,
     /// The map.
     pub map: &'a BumpMap,

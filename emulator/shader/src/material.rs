@@ -20,9 +20,9 @@ pub type Channel = Control<i32, LIGHT>;
 /// Maps and constants of an object, and the stages that its fragments go through.
 #[derive(Debug)]
 pub struct Material {
-    /// Its stages.
+    /// Plan of its stages.
     pub plan: ObjectPlan,
-    /// Its own colour.
+    /// Colour of its own.
     pub colour: [Channel; 3],
     /// The share of the environment in each channel.
     pub reflectance: [Control<i32, REFLECTANCE>; 3],
@@ -32,7 +32,7 @@ pub struct Material {
     pub colour_map: Option<ColourMap>,
     /// Bumps and roughness.
     pub bump_map: Option<BumpMap>,
-    /// What shines in it.
+    /// Lights and highlights of the object.
     pub lighting: Option<Lighting>,
 }
 
@@ -94,7 +94,7 @@ pub struct Lighting {
     pub plan: SurfacePlan,
     /// Each light.
     pub lights: Vec<Light>,
-    /// What returns it.
+    /// Lobe or peaks that return them.
     pub shine: Shine,
 }
 
@@ -111,19 +111,19 @@ impl Lighting {
 /// A light as an object shows it.
 #[derive(Clone, Copy, Debug)]
 pub struct Light {
-    /// Towards it, if it is infinitely far away; otherwise each fragment has a direction of its own.
+    /// Direction to it, if it is infinitely far away; otherwise each fragment has its own.
     pub direction: Option<BlockVector>,
     /// Its colour times that of the highlight or the peaks.
     pub colour: [Channel; 3],
 }
 
-/// What returns light.
+/// Lobe or peaks that return light.
 pub enum Shine {
     /// One lobe around the normal.
     Highlight(ShininessPort<i32>),
     /// A formula that no datapath has, of a surface, its ports and the direction to the light: for comparison.
     Formula(Formula),
-    /// The same peaks everywhere.
+    /// Peaks that are the same everywhere.
     Given(Vec<PackedPeak>),
     /// Peaks of a map.
     Map(PeakTexels),

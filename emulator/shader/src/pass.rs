@@ -16,22 +16,22 @@ use crate::texels::CubeTexels;
 
 /// A part of the way of a fragment. Its fields are the batches that it reads and what is the same for all fragments.
 pub trait Pass {
-    /// What it makes of each fragment.
+    /// Bundle that it makes of each fragment.
     type Output: Form;
     /// Fragments.
     fn len(&self) -> usize;
-    /// What it makes of a group. Lanes behind the last fragment hold fragments of other batches, or zeros: it takes any.
+    /// Makes the bundles of a group. Lanes after the last fragment hold fragments of other batches, or zeros: it takes any.
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> In<Self::Output, W>;
 }
 
-/// What all fragments of a frame are shaded with.
+/// Backend, accuracy and environment of all fragments of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader<'a> {
     /// The words that passes run on.
     pub backend: Backend,
     /// The knobs of their arithmetic.
     pub precision: &'a Precision,
-    /// What is reflected.
+    /// Environment that is reflected.
     pub environment: Option<Environment<'a>>,
 }
 
@@ -218,7 +218,7 @@ macro_rules! rewire_rows {
 rewire_rows!(Load);
 rewire_rows!(Pick);
 
-/// The same wire for every fragment.
+/// Repeats a wire for every fragment.
 struct Spread<W: BatchWord>(W::Proof);
 
 impl<W: BatchWord> Rewire<i32, W> for Spread<W> {

@@ -88,7 +88,7 @@ impl Pass for PeakLights<'_> {
     }
 }
 
-/// What every fragment returns of a light by what `sums` says of the texels of its patches: filter, pixel (modulated).
+/// Colours returned by the peaks of a map, from the sums of texels: filter, pixel (modulated).
 pub(crate) struct PeakMeans<'a> {
     pub(crate) places: Places<'a>,
     pub(crate) map: &'a RepeatedMap,

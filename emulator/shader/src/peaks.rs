@@ -136,7 +136,7 @@ pub(crate) struct PeakPairs {
 }
 
 impl PeakPairs {
-    /// How many there are.
+    /// Number of fragments.
     pub(crate) fn len(&self) -> usize {
         self.len
     }

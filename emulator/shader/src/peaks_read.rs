@@ -34,7 +34,7 @@ const NO_PLACE: u32 = u32::MAX;
 pub struct LightOnPeaks<'a> {
     /// The map.
     pub map: &'a PeakTexels,
-    /// Where fragments looked in it.
+    /// Places of the fragments in it.
     pub places: Places<'a>,
     /// Half vectors of the light.
     pub halves: &'a Batch<LocalDirection<i32>>,
@@ -125,7 +125,7 @@ impl PeaksRead {
         sums.resize(texels as usize, 0);
     }
 
-    /// What the fragments whose peaks were read return of a light.
+    /// Makes the colour that each fragment returns of a light by the peaks that were read.
     pub fn shine(&mut self, light: &LightOnPeaks<'_>, shader: Shader<'_>, shown: &mut Batch<Shown<i32>>) {
         let &LightOnPeaks { map, places, halves, slopes, colour } = light;
         let Self { numbers, patches, pairs, ends, lights, sums, .. } = self;

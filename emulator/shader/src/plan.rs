@@ -74,7 +74,7 @@ impl ObjectPlan {
     }
 }
 
-/// What a scene may call for.
+/// Effect that a scene may call for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// A colour map on the object.

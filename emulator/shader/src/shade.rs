@@ -22,7 +22,7 @@ use crate::signals::{Bare, Bumped, Derivatives, Footprint, Shown, Slopes, ports}
 use crate::sums::Sums;
 use crate::surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
 
-/// What a batch of fragments becomes on its way; its memory is kept for the next one.
+/// Batches between the passes; their memory is kept for the next fragments.
 #[derive(Debug, Default)]
 pub struct Work {
     colours: Batch<Shown<i32>>,
@@ -32,7 +32,7 @@ pub struct Work {
     seen: SeenWork,
 }
 
-/// What it becomes at a light.
+/// Batches of a light.
 #[derive(Debug, Default)]
 struct LitWork {
     directions: Batch<PortBlock<i32, 3>>,
@@ -42,7 +42,7 @@ struct LitWork {
     shown: Batch<Shown<i32>>,
 }
 
-/// What it becomes in front of the environment.
+/// Batches of the reflection.
 #[derive(Debug, Default)]
 struct SeenWork {
     points: Batch<CubePoint<i32>>,
@@ -150,7 +150,7 @@ impl Shader<'_> {
         }
     }
 
-    /// What each light makes of surfaces.
+    /// Adds the light that each surface returns.
     fn light(self, material: &Material, fragments: &Fragments, work: &mut Work, sums: &mut Sums) {
         let Some(lighting) = &material.lighting else { return };
         sums.clock.enter(Phase::Lights);
@@ -194,7 +194,7 @@ impl Shader<'_> {
         }
     }
 
-    /// What the environment makes of surfaces, with their colours.
+    /// Adds the reflection of the environment, blended with the colours of surfaces.
     fn reflect(self, material: &Material, plan: &BatchPlan, fragments: &Fragments, work: &mut Work, sums: &mut Sums) {
         let Some(reflection) = &plan.reflection else { return };
         let Work { colours, surfaces, seen, .. } = work;
@@ -255,7 +255,7 @@ impl Shader<'_> {
     }
 }
 
-/// What each surface returns of a light by a formula.
+/// Colours returned by a formula.
 fn by_formula(
     formula: &Formula,
     Lit { surfaces, directions }: Lit<'_>,

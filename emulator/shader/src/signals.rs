@@ -11,11 +11,11 @@ use roughxel_core::word::Word;
 use crate::batch::Batch;
 
 bundle! {
-    /// What the surface of a fragment is made of, beside its bumps.
+    /// Attributes of a surface, without its bumps.
     pub struct Bare<W> {
         /// Unnormalised normal.
         normal: PortBlock<W, 3>,
-        /// From the surface to the eye.
+        /// Vector from the surface to the eye.
         view: PortBlock<W, 3>,
         /// p_u and p_v, or the main direction and nothing.
         frame_vectors: [PortBlock<W, 3>; 2],
@@ -23,7 +23,7 @@ bundle! {
 }
 
 bundle! {
-    /// How a fragment's surface and its view change over a pixel.
+    /// Derivatives of a fragment's normal and view over a pixel.
     pub struct Derivatives<W> {
         /// ∂v/∂x and ∂v/∂y.
         dview: [PortBlock<W, 3>; 2],
@@ -35,7 +35,7 @@ bundle! {
 bundle! {
     /// Bumps and roughness of a fragment, and what was read for them.
     pub struct Bumped<W> {
-        /// As the ports of the surface take them.
+        /// Offset and roughness as the ports of the surface take them.
         bump: Bump<W>,
         /// Bilinear samples.
         #[range(0..=32)]
@@ -56,7 +56,7 @@ bundle! {
 }
 
 bundle! {
-    /// What fetching needs of a reflection: where it looks, and over which footprint.
+    /// Point and probes of a reflection: what fetching needs.
     pub struct Footprint<W> {
         /// Face, s, t.
         point: CubePoint<W>,
@@ -66,17 +66,17 @@ bundle! {
 }
 
 bundle! {
-    /// What the horizons of peaks have to do with: the slopes of a light and of the eye.
+    /// Slopes of a light and of the eye, which horizons are compared with.
     pub struct Slopes<W> {
-        /// Of the light, over both axes of the surface.
+        /// Slopes of the light over both axes of the surface.
         light: [AxisSlope<W>; 2],
-        /// Of the eye.
+        /// Slopes of the eye.
         eye: [AxisSlope<W>; 2],
     }
 }
 
 impl<W: Word> Footprint<W> {
-    /// That part of a reflection.
+    /// Takes the footprint out of a reflection.
     #[inline(always)]
     pub fn of(stages: &Reflection<W>) -> Self {
         Self { point: stages.point, probes: stages.probes }
@@ -129,14 +129,14 @@ impl Batch<Bare<i32>> {
 }
 
 impl Batch<Footprint<i32>> {
-    /// How many probes each has.
+    /// Probe count of each fragment.
     pub fn counts(&self) -> &[i32] {
         self.row_of(|footprint| footprint.probes.count)
     }
 }
 
 impl Batch<Sweep<i32>> {
-    /// How many probes each has.
+    /// Probe count of each fragment.
     pub fn counts(&self) -> &[i32] {
         self.row_of(|sweep| sweep.count)
     }
@@ -153,11 +153,11 @@ impl Batch<Derivatives<i32>> {
 /// Fragments as ports, taken apart: for who has them one by one.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
-    /// Without bumps.
+    /// Attributes without bumps.
     pub bare: Batch<Bare<i32>>,
     /// Bumps and roughness; nothing was read for them.
     pub bumps: Batch<Bumped<i32>>,
-    /// Over the pixel.
+    /// Derivatives over the pixel.
     pub derivatives: Batch<Derivatives<i32>>,
 }
 

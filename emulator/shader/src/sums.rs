@@ -15,7 +15,7 @@ pub struct Sums {
     pub pixels: Vec<[PixelSum<i32>; 3]>,
     /// Bilinear samples, of four texels each.
     pub taps: u64,
-    /// Where the time goes.
+    /// Clock of the phases.
     pub clock: PhaseClock,
 }
 

@@ -57,7 +57,7 @@ impl Pass for Surfaces<'_> {
     }
 }
 
-/// The same surfaces with the core of their lobe.
+/// Surfaces with the core of their lobe.
 #[derive(Clone, Copy, Debug)]
 pub struct Cores<'a>(pub &'a Batch<Surface<i32>>);
 
@@ -88,12 +88,12 @@ impl Pass for Points<'_> {
     }
 }
 
-/// What footprints of reflections are made of.
+/// Inputs of a reflection's footprint.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflected<'a> {
     /// Surfaces.
     pub surfaces: &'a Batch<Surface<i32>>,
-    /// How they and their views change over a pixel.
+    /// Derivatives of normals and views over a pixel.
     pub derivatives: &'a Batch<Derivatives<i32>>,
     /// The scale of the environment.
     pub scale: &'a MapScale<i32>,
@@ -134,7 +134,7 @@ impl Ports {
     }
 }
 
-/// What probes on the sphere step along: columns, ellipse, axes, probes, sweep.
+/// Sweeps that probes on the sphere step along: columns, ellipse, axes, probes, sweep.
 #[derive(Clone, Copy, Debug)]
 pub struct Sweeps<'a>(pub Reflected<'a>);
 

@@ -23,7 +23,7 @@ pub enum Backend {
 
 /// A computation on words of any backend.
 pub trait Kernel {
-    /// What comes of it.
+    /// Result of the computation.
     type Outcome;
     /// Computes it on words `W`.
     fn run<W: BatchWord>(self) -> Self::Outcome;
@@ -63,7 +63,7 @@ impl Backend {
 
     /// Fragments of a group.
     pub fn group(self, p: &Precision) -> usize {
-        /// Counts them.
+        /// Counts the fragments of a group.
         struct Fragments;
         impl Kernel for Fragments {
             type Outcome = usize;

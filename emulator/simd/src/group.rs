@@ -33,7 +33,7 @@ pub trait BatchWord: Fetch {
     fn load(proof: Self::Proof, vectors: &[Self::Vector], first: usize) -> Self::Row;
     /// Puts the words of a group.
     fn store(row: Self::Row, vectors: &mut [Self::Vector], first: usize);
-    /// The same word for every fragment.
+    /// Repeats a word for every fragment.
     fn splat(proof: Self::Proof, word: i32) -> Self::Row;
     /// The first places of a slice, which holds those of a group at least.
     fn places(proof: Self::Proof, places: &[i32]) -> Self::Places;

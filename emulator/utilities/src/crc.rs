@@ -43,7 +43,7 @@ const BY_BYTE: [[u32; 256]; SLICES] = {
     tables
 };
 
-/// What four bytes behind it make of a remainder, by its digits of four bits, the lowest first.
+/// Remainders after four more bytes, by digits of four bits, the lowest first.
 const BY_DIGIT: [[i32; 16]; 8] = {
     let mut digits = [[0; 16]; 8];
     let mut place = 0;
@@ -79,7 +79,7 @@ fn after(bytes: u64, count: usize) -> u32 {
     (0..count).fold(0, |sum, followers| sum ^ BY_BYTE[followers][(bytes >> (8 * followers) & 255) as usize])
 }
 
-/// What these words make of a remainder, the first word first.
+/// Remainder after these words, the first word first.
 pub fn remainder(begun: u32, words: &[u32]) -> u32 {
     let (pairs, last) = words.as_chunks::<2>();
     let remainder = pairs
@@ -88,12 +88,12 @@ pub fn remainder(begun: u32, words: &[u32]) -> u32 {
     last.iter().fold(remainder, |remainder, &word| after(u64::from(remainder ^ word), 4))
 }
 
-/// What the words of each column make of its remainder, the first row first.
+/// Remainder of each column after its words, the first row first.
 pub fn remainders(rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
     remainders_by(Backend::best(), rows, sums);
 }
 
-/// The same on a backend.
+/// Computes [`remainders`] on a backend.
 fn remainders_by(backend: Backend, rows: &[[u32; COLUMNS]], sums: &mut [u32; COLUMNS]) {
     const { assert!(COLUMNS.is_multiple_of(2 * LANES), "no column is left over") }
     backend.dispatch_words(Columns { rows, sums });

@@ -24,7 +24,7 @@ impl Shard {
         self.number
     }
 
-    /// How many there are.
+    /// Number of fragments.
     pub fn of(&self) -> u64 {
         self.of
     }

@@ -276,7 +276,7 @@ fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
     Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
 }
 
-/// What fetching needs of every fragment, in lanes with every instruction set and beside the scalar backend: every stage feeds it.
+/// Compares the footprint of every fragment with the scalar backend, with every instruction set: every stage feeds it.
 ///
 /// The surface is made on its own, too, and the reflection of what was made.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
