@@ -132,7 +132,7 @@ pub fn traced<T>(work: impl FnOnce() -> T) -> (T, Trace) {
 pub trait Integer: Copy + fmt::Debug {
     /// Its bits.
     const BITS: u32;
-    /// The same on 64 bits.
+    /// Computes it on 64 bits.
     fn wide(self) -> i64;
     /// An integer if it fits.
     fn fitting(value: i128) -> Option<Self>;

@@ -14,9 +14,9 @@ runs!(Reflections LitSurfaces LitPeaks);
 /// The reflection datapath.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflections<'a> {
-    /// Its inputs.
+    /// Inputs of each fragment.
     pub inputs: &'a Batch<ReflectionInput<i32>>,
-    /// Its effects.
+    /// Effects of the datapath.
     pub plan: &'a ReflectionPlan,
 }
 
@@ -34,9 +34,9 @@ impl Pass for Reflections<'_> {
 /// The highlight datapath.
 #[derive(Clone, Copy, Debug)]
 pub struct LitSurfaces<'a> {
-    /// Its inputs.
+    /// Inputs of each fragment.
     pub inputs: &'a Batch<HighlightInput<i32>>,
-    /// Its effects.
+    /// Effects of the datapath.
     pub plan: &'a SurfacePlan,
 }
 
@@ -54,9 +54,9 @@ impl Pass for LitSurfaces<'_> {
 /// The peak datapath.
 #[derive(Clone, Copy, Debug)]
 pub struct LitPeaks<'a> {
-    /// Its inputs.
+    /// Inputs of each fragment.
     pub inputs: &'a Batch<PeakInput<i32>>,
-    /// Its effects.
+    /// Effects of the datapath.
     pub plan: &'a PeakPlan,
 }
 

@@ -23,7 +23,7 @@ runs!(TextureFootprints Colours Bumps);
 /// A colour map.
 #[derive(Clone, Debug)]
 pub struct ColourMap {
-    /// Its texels.
+    /// Texels of the map.
     pub texels: MapTexels<[u16; 3]>,
     /// log₂ of the unit of the channels.
     pub exponent: i32,
@@ -32,7 +32,7 @@ pub struct ColourMap {
 /// A bump map with its roughness.
 #[derive(Clone, Debug)]
 pub struct BumpMap {
-    /// Its texels.
+    /// Texels of the map.
     pub texels: BumpTexels,
     /// Units of offsets and roughness.
     pub scale: BumpScale<i32>,

@@ -38,7 +38,7 @@ pub struct Shader<'a> {
 /// An environment.
 #[derive(Clone, Copy, Debug)]
 pub struct Environment<'a> {
-    /// Its texels.
+    /// Texels of the map.
     pub texels: &'a CubeTexels,
     /// The scale of footprints in it.
     pub scale: &'a MapScale<i32>,

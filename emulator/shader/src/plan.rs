@@ -12,7 +12,7 @@ pub struct ObjectPlan {
     pub colour_map: bool,
     /// Colour and bump maps have a footprint.
     pub texture_footprint: bool,
-    /// Its edges are filtered: what it covers of a pixel counts.
+    /// Edge filter: the share that the object covers of a pixel counts.
     pub edges: bool,
     /// The reflection datapath; `None` where nothing is reflected.
     pub reflection: Option<ReflectionPlan>,

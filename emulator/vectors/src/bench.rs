@@ -28,13 +28,13 @@ use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
 use fields::{Fields, identifier};
 
-/// What runs the bench in any of the tools, with the name of its file.
+/// Script that runs the bench in any of the tools, with the name of its file.
 const RUN: (&str, &str) = ("run.sh", include_str!("../../../vectors/templates/run.sh"));
 
 /// The page of a directory of benches.
 pub const BENCH_README: &str = include_str!("../../../vectors/templates/benches.md");
 
-/// What the bench in SystemVerilog drives.
+/// Device that the SystemVerilog bench drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Device {
     /// The generated Verilog of the set's datapath or stage, effects and profile, in `rtl`.
@@ -216,7 +216,7 @@ impl Bench {
         record::verilog(Design::of(*datapath), &options).map_err(error)
     }
 
-    /// What stands in the place of each `@NAME@`.
+    /// Value of each `@NAME@`.
     ///
     /// Errors: the Verilog has other ports than the set.
     fn values(&self, verilog: Option<&Verilog>) -> Result<Vec<(&'static str, String)>, BenchError> {

@@ -17,7 +17,7 @@ pub(crate) struct Places {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Package {
-    /// From the root of the workspace.
+    /// Path from the root of the workspace.
     pub(crate) folder: String,
     pub(crate) holds: String,
     /// Folders of the packages in its Cargo.toml.
@@ -93,7 +93,7 @@ impl Places {
         self.packages.iter().filter(|package| !package.own_workspace).flat_map(of_package).collect()
     }
 
-    /// What files use and may not: `FILE:LINE uses FILE`.
+    /// Imports that are not allowed: `FILE:LINE uses FILE`.
     pub(crate) fn forbidden(&self, files: &[SourceFile]) -> Vec<String> {
         let places = self.places();
         let mut found = Vec::new();

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::bundle::Value;
+use roughxel_core::datapath::texel::{self, Quad};
 use roughxel_core::datapath::{TextureFootprint, probe_reach};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockPair, TextureIn};
@@ -83,6 +84,33 @@ proptest! {
             prop_assert_eq!(sample.raw(), trilinear([texels; 2], [weight; 2], level, extra));
             // So is the mean of one probe.
             prop_assert_eq!(ProbeSum::<i32>::zero().add(sample, Fx::int(1)).mean(), sample);
+        }
+    }
+
+    /// The weights of a sample are worked out once for its channels: each channel has its own texels, each level its own weights.
+    #[test]
+    fn samples_of_all_channels_are_those_of_each(
+        texels in prop::array::uniform2(prop::array::uniform4(prop::array::uniform5(-(1_i32 << 30)..=1 << 30))),
+        weights in prop::array::uniform2(prop::array::uniform2(0_i32..1024)),
+        level in 0_i32..4096,
+    ) {
+        for (extra, drop) in [(0, 0), (8, 15)] {
+            let texels = texels.map(|quad| quad.map(|texel| texel.map(|channel| Fx::from_raw(channel >> drop))));
+            let [fine, coarse] = [0, 1].map(|i| Quad::<i32, 5> {
+                texels: texels[i],
+                weight: weights[i].map(Fx::from_raw),
+            });
+            let level = Fx::from_raw(level);
+            let samples = if extra == 8 { texel::colour_samples } else { texel::word_samples };
+            let (both, one) = (samples(&fine, Some(&coarse), level), samples(&fine, None, level));
+            for channel in 0..5 {
+                let [fine, coarse] = [&fine, &coarse].map(|quad| Patch::<i32> {
+                    texels: quad.texels.map(|texel| texel[channel]),
+                    weight: quad.weight,
+                });
+                prop_assert_eq!(both[channel], filter::trilinear(&fine, &coarse, level, extra));
+                prop_assert_eq!(one[channel], filter::of_level(&fine, extra));
+            }
         }
     }
 

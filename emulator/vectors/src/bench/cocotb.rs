@@ -8,7 +8,7 @@ pub(super) const TEMPLATES: [(&str, &str); 2] = [
     ("roughxel_vectors.py", include_str!("../../../../vectors/templates/cocotb/roughxel_vectors.py")),
 ];
 
-/// What stands in the places of the texts.
+/// Values for the places in the templates.
 pub(super) fn values(Fields { outputs, .. }: &Fields) -> Vec<(&'static str, String)> {
     vec![("PYTHON_OUTPUTS", lines(outputs, |field| field.name.clone()))]
 }

@@ -7,7 +7,7 @@ use crate::layout::{Direction, Field};
 pub(super) const TEMPLATES: [(&str, &str); 1] =
     [("@NAME@_main.cpp", include_str!("../../../../vectors/templates/cpp/main.cpp"))];
 
-/// What stands in the places of the text.
+/// Values for the places in the template.
 pub(super) fn values(Fields { inputs, outputs }: &Fields) -> Vec<(&'static str, String)> {
     vec![("CPP_INPUTS", lines(inputs, entry)), ("CPP_OUTPUTS", lines(outputs, entry))]
 }

@@ -5,7 +5,7 @@ use crate::layout::{Direction, Field};
 /// The fields of a set.
 #[derive(Clone, Debug)]
 pub(super) struct Fields {
-    /// In the word's order.
+    /// Fields in the order of the word.
     pub(super) inputs: Vec<Field>,
     /// Taps and what leaves, earliest stage first.
     pub(super) outputs: Vec<Field>,

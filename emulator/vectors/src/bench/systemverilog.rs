@@ -17,11 +17,11 @@ pub(super) const TEMPLATES: [(&str, &str); 3] = [
     (DEVICE, include_str!("../../../../vectors/templates/systemverilog/device.sv")),
 ];
 
-/// That of whole datapaths alone: the C library has no stages.
+/// Bench of whole datapaths alone: the C library has no stages.
 pub(super) const DPI: [(&str, &str); 1] =
     [("@NAME@_dpi.sv", include_str!("../../../../vectors/templates/systemverilog/dpi.sv"))];
 
-/// What stands in the places of the texts, but for the device.
+/// Values for the places in the templates, without those of the device.
 pub(super) fn values(fields: &Fields, manifest: &Manifest, stem: &str) -> Vec<(&'static str, String)> {
     let Fields { inputs, outputs } = fields;
     let part = |field: &Field| format!("      word[{} +: {}]", field.lsb, field.width);
@@ -46,7 +46,7 @@ pub(super) fn values(fields: &Fields, manifest: &Manifest, stem: &str) -> Vec<(&
     ]
 }
 
-/// What stands in the places of the device: it connects the generated Verilog, or is to be filled in.
+/// Values for the places of the device, which connects the generated Verilog or is to be filled in.
 ///
 /// Errors: the Verilog has other ports than the set has fields; which.
 pub(super) fn device(

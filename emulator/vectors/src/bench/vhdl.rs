@@ -14,7 +14,7 @@ pub(super) const TEMPLATES: [(&str, &str); 4] = [
     ("@NAME@_playback.vhd", include_str!("../../../../vectors/templates/vhdl/playback.vhd")),
 ];
 
-/// What stands in the places of the texts.
+/// Values for the places in the templates.
 pub(super) fn values(Fields { inputs, outputs }: &Fields) -> Vec<(&'static str, String)> {
     let assignment = |field: &Field| format!("  outputs.{} <= (others => '0');  -- {}", column(field), note(field));
     vec![
