@@ -208,7 +208,7 @@ impl<W: Word, const INT: u32> Bundle<W> for Value<W, INT> {
     }
 }
 
-/// Declares a structure of wires and its [`Bundle`].
+/// Declares structures of wires and the [`Bundle`] of each.
 ///
 /// ```
 /// use roughxel_core::{bundle, fx::{Fx, Int, Wide}, word::{Wire, Word}};
@@ -237,12 +237,12 @@ impl<W: Word, const INT: u32> Bundle<W> for Value<W, INT> {
 /// ports is declared, too.
 #[macro_export]
 macro_rules! bundle {
-    (
+    ($(
         $(#[doc = $doc:literal])*
         $(#[ports($ports:ident $(: $default:ident)?)])?
         pub struct $name:ident<W $(, const $size:ident: usize)?> { $($fields:tt)* }
-    ) => {
-        $crate::bundle!(@field { [$($doc)*] [$($ports $($default)?)?] $name [$($size)?] } [] $($fields)*);
+    )*) => {
+        $($crate::bundle!(@field { [$($doc)*] [$($ports $($default)?)?] $name [$($size)?] } [] $($fields)*);)*
     };
 
     // Takes the next field's attributes apart.

@@ -18,9 +18,7 @@ bundle! {
         /// n and the frame vectors span nothing.
         pole: W::Flag,
     }
-}
 
-bundle! {
     /// Reflected vector and the scalars the footprint needs again.
     pub struct Reflected<W> {
         /// r, exponent included.
@@ -30,9 +28,7 @@ bundle! {
         /// ⟨v·n⟩ ≤ 0: seen from below.
         below: W::Flag,
     }
-}
 
-bundle! {
     /// The decisions of the face selection; they permute any vector into the coordinates of the face.
     pub struct FaceSelect<W> {
         /// The major axis is z.
@@ -107,9 +103,7 @@ bundle! {
         /// Two or three components tie for the largest.
         tie: W::Flag,
     }
-}
 
-bundle! {
     /// Covariance of the footprint.
     pub struct Ellipse<W> {
         /// a, b, c of K = [[a, b], [b, c]].
@@ -117,9 +111,7 @@ bundle! {
         /// det K ≥ 0.
         det: Number<W>,
     }
-}
 
-bundle! {
     /// Main axes of the footprint.
     pub struct Axes<W> {
         /// λ₁, standard deviation along the major axis.
@@ -130,9 +122,7 @@ bundle! {
         #[range(-1..=1)]
         direction: [Mantissa<W>; 2],
     }
-}
 
-bundle! {
     /// The probes of one footprint; [`position`](crate::stage::probes::position) gives each one's place.
     pub struct Probes<W> {
         /// N, 1…16.
@@ -151,9 +141,7 @@ bundle! {
         /// λ₂ was raised.
         capped: W::Flag,
     }
-}
 
-bundle! {
     /// What a fragment sees of a repeated map.
     pub struct RepeatedFootprint<W> {
         /// Its probes.
@@ -162,9 +150,7 @@ bundle! {
         #[range(0..=1)]
         reach: Control<W, SHARE>,
     }
-}
 
-bundle! {
     /// How many probes a footprint has, and how wide they are.
     pub struct CountAndLevel<W> {
         /// N, 1…16.
@@ -181,9 +167,7 @@ bundle! {
         /// No footprint at all.
         empty: W::Flag,
     }
-}
 
-bundle! {
     /// The directions that a normal's reflection sweeps as the normal moves along the major axis of its lobe: centre + x·first + x²·second at x
     /// standard deviations, all three of one exponent.
     pub struct Sweep<W> {
@@ -203,9 +187,7 @@ bundle! {
         #[range(-20000..=20000)]
         level: Control<W, LOD>,
     }
-}
 
-bundle! {
     /// A probe on the sphere: where it reads, how finely, and how much it counts.
     pub struct SphereProbe<W> {
         /// Place on the cube.
@@ -217,18 +199,14 @@ bundle! {
         #[range(0..=1)]
         weight: Control<W, SHARE>,
     }
-}
 
-bundle! {
     /// Where a probe lies relative to the centre of its footprint, map units.
     pub struct MapOffset<W> {
         /// |·| ≤ 3.5.
         #[range(-4..=4)]
         offset: [Control<W, POSITION>; 2],
     }
-}
 
-bundle! {
     /// Map constants of the level of detail. Faces of 1 to 16 384 texels: 2 map units across.
     pub struct MapScale<W> {
         /// log₂ of the texels of level 0 in one map unit.
@@ -238,9 +216,7 @@ bundle! {
         #[range(0..=14)]
         last_level: Int<W>,
     }
-}
 
-bundle! {
     /// Where a probe of an environment footprint reads: face number, and s, t in [−1, 1] on it.
     pub struct FacePosition<W> {
         /// Face 0…5.
@@ -250,18 +226,14 @@ bundle! {
         #[range(-1..=1)]
         st: [Control<W, POSITION>; 2],
     }
-}
 
-bundle! {
     /// Where a probe of a texture footprint reads: repeats of the map modulo 1, unsigned.
     pub struct TexturePosition<W> {
         /// u, v in [0, 1).
         #[range(0..1)]
         uv: [WideControl<W, 32>; 2],
     }
-}
 
-bundle! {
     /// A direction in the frame of a surface: along E₁, E₂ and n.
     pub struct LocalDirection<W> {
         /// Unit length, or zero where there is none.
@@ -270,9 +242,7 @@ bundle! {
         /// The direction or the frame is zero.
         none: W::Flag,
     }
-}
 
-bundle! {
     /// On which side of a surface a light stands.
     pub struct LightSide<W> {
         /// n·l ≤ 0: it lights nothing.
@@ -280,9 +250,7 @@ bundle! {
         /// l = 0.
         none: W::Flag,
     }
-}
 
-bundle! {
     /// Light of the peaks so far.
     pub struct PeakSum<W> {
         /// Their sum, below 64.
@@ -291,9 +259,7 @@ bundle! {
         /// It was cut to the largest number below 64.
         saturated: W::Flag,
     }
-}
 
-bundle! {
     /// Slope of a direction over one axis of its surface.
     pub struct AxisSlope<W> {
         /// z/|x|, cut to ±8.
@@ -304,18 +270,14 @@ bundle! {
         /// x = 0: to neither side.
         upright: W::Flag,
     }
-}
 
-bundle! {
     /// How far a direction climbs the horizons of a peak on the sides that it points to.
     pub struct Ramps<W> {
         /// Over x and over y, 0 at the least slope of the law and 1 at its end.
         #[range(0..=1)]
         axes: [Control<W, SHARE>; 2],
     }
-}
 
-bundle! {
     /// The exponent m of a highlight, normalised.
     pub struct Shininess<W> {
         /// m, 1…8192.
@@ -323,9 +285,7 @@ bundle! {
         /// √m, 1…91.
         root: Number<W>,
     }
-}
 
-bundle! {
     /// What roughness does to a highlight, whatever the light: everything relative to |n_mod| and to the base deviation 1/√m.
     pub struct Spread<W> {
         /// √m·d₁E₁/|n_mod| and √m·(d₂E₁ + d₃E₂)/|n_mod|.
@@ -335,9 +295,7 @@ bundle! {
         /// 1/D.
         reciprocal: Number<W>,
     }
-}
 
-bundle! {
     /// How much of a highlight a fragment shows.
     pub struct Lobe<W> {
         /// f in [0, 1].
@@ -348,9 +306,7 @@ bundle! {
         /// n_mod·h ≤ 0.
         half_below: W::Flag,
     }
-}
 
-bundle! {
     /// A probe of an environment footprint: where it reads and how much it counts.
     pub struct FaceProbe<W> {
         /// Place on the cube.
@@ -359,9 +315,7 @@ bundle! {
         #[range(0..=1)]
         weight: Control<W, SHARE>,
     }
-}
 
-bundle! {
     /// A probe of a texture footprint: where it reads and how much it counts.
     pub struct TextureProbe<W> {
         /// Place on the map.

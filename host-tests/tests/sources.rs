@@ -197,7 +197,7 @@ fn every_stage_is_listed_and_every_listed_stage_exists() {
 fn ports_alone_name_the_fixed_crate() {
     for (name, _, tokens) in datapath_files() {
         let names = tokens.windows(2).any(|pair| pair[0].text == "fixed" && pair[1].text == ":");
-        assert_eq!(names, name == "ports.rs", "{name}");
+        assert_eq!(names, name.starts_with("ports"), "{name}");
     }
 }
 

@@ -187,9 +187,7 @@ bundle! {
         #[range(-65535..=65535)]
         roughness: [Int<W>; 3],
     }
-}
 
-bundle! {
     /// Scales of a bump map: its numbers are in units of 2^`exponent`.
     pub struct BumpScale<W> {
         /// How many powers of two the codes of offsets are below the unit.
@@ -202,9 +200,7 @@ bundle! {
         #[range(-13..=3)]
         exponent: Int<W>,
     }
-}
 
-bundle! {
     /// The channels of a bump map that are filtered, of a texel or of the sample of a probe, in units of the map.
     pub struct BumpSample<W> {
         /// b₁, b₂.

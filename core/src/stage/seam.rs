@@ -21,9 +21,7 @@ bundle! {
         #[range(0..=16383)]
         index: [Int<W>; 2],
     }
-}
 
-bundle! {
     /// What lies at a texel address of a face that may be one step outside of it.
     pub struct CubeTexel<W> {
         /// The texel of this face or of the one across an edge; at a corner that of this face.
@@ -33,9 +31,7 @@ bundle! {
         /// Diagonally outside.
         corner: W::Flag,
     }
-}
 
-bundle! {
     /// Columns and rows of the texels of a bilinear sample.
     pub struct Neighbours<W> {
         /// Of (0,0), (1,0), (0,1), (1,1).

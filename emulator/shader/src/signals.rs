@@ -20,9 +20,7 @@ bundle! {
         /// p_u and p_v, or the main direction and nothing.
         frame_vectors: [PortBlock<W, 3>; 2],
     }
-}
 
-bundle! {
     /// Derivatives of a fragment's normal and view over a pixel.
     pub struct Derivatives<W> {
         /// ∂v/∂x and ∂v/∂y.
@@ -30,9 +28,7 @@ bundle! {
         /// ∂n/∂x and ∂n/∂y.
         dnormal: [PortBlock<W, 3>; 2],
     }
-}
 
-bundle! {
     /// Bumps and roughness of a fragment, and what was read for them.
     pub struct Bumped<W> {
         /// Offset and roughness as the ports of the surface take them.
@@ -41,9 +37,7 @@ bundle! {
         #[range(0..=32)]
         taps: Int<W>,
     }
-}
 
-bundle! {
     /// A colour, and what was read for it.
     pub struct Shown<W> {
         /// Linear light.
@@ -53,9 +47,7 @@ bundle! {
         #[range(0..=64)]
         taps: Int<W>,
     }
-}
 
-bundle! {
     /// Point and probes of a reflection: what fetching needs.
     pub struct Footprint<W> {
         /// Face, s, t.
@@ -63,9 +55,7 @@ bundle! {
         /// N, step, level of detail.
         probes: Probes<W>,
     }
-}
 
-bundle! {
     /// Slopes of a light and of the eye, which horizons are compared with.
     pub struct Slopes<W> {
         /// Slopes of the light over both axes of the surface.

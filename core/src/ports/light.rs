@@ -1,0 +1,231 @@
+//! Ports of lights: stored peaks and their horizons, highlights, lit peaks.
+
+use fixed::types::{I1F15, I2F30, I4F12, I6F26, I8F24, I16F16};
+
+use super::{
+    BlockNumber, BlockVector, LIGHT, PortBlock, SHARE, SLOPE, STORED_NORMAL, STORED_SLOPE, SurfaceIn, SurfaceInput,
+};
+use crate::block::Mantissa;
+use crate::bundle::bundle;
+use crate::fx::Fx;
+
+bundle! {
+    /// One peak of a distribution of normals as maps store it: a·max(0, N·H)ⁿ, in 10 bytes.
+    ///
+    /// A code of 16 bits holds an exponent c in its upper 4 bits and a fraction f in its lower 12: f units where c = 0, else
+    /// (4096 + f)·2^(c − 1) units. It is monotone, and a number of at least 4096 units is within 2^−13 of what was stored.
+    #[ports(StoredPeak: Default)]
+    pub struct Peak<W> {
+        /// stored peak: N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
+        /// Of another length: 1 − |N − H|²/2 stands for the cosine
+        #[unit = "1"]
+        #[components = "xyz"]
+        #[range(-1..1)]
+        #[port = [I1F15; 3]]
+        normal: [Control<W, STORED_NORMAL>; 3],
+        /// stored peak: amplitude a, a code: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. A larger one was
+        /// saturated: facets of amplitude 15 beyond 76°, for they count 1/n_z times
+        #[unit = "2^−21"]
+        #[range(0..=65535)]
+        #[port = u16]
+        amplitude: Int<W>,
+        /// stored peak: exponent n, a code: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most. The other codes,
+        /// 0 to 16 382, count as they read
+        #[unit = "2^−13"]
+        #[range(0..=65535)]
+        #[port = u16]
+        exponent: Int<W>,
+    }
+
+    /// The horizon of a peak as maps store it, towards −x, +x, −y, +y of the local frame, in 16 bytes.
+    ///
+    /// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width: as a straight line
+    /// where the plan takes the product, else as 1 − (1 − t)². `setup::stored_horizon` makes one for either.
+    #[ports(StoredHorizon)]
+    pub struct Horizon<W> {
+        /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, cut to ±8
+        #[unit = "1"]
+        #[range(-8..8)]
+        #[port = [I4F12; 4]]
+        low: [Control<W, STORED_SLOPE>; 4],
+        /// stored horizon of each side: 1/width of the ramp, a code as of a peak: within 2^−13 from ¼ on (widths up to 4), 2^−15 below; 0
+        /// is a step, visible at `low` and above
+        #[unit = "2^−14"]
+        #[range(0..=65535)]
+        #[port = [u16; 4]]
+        inverse_width: [Int<W>; 4],
+    }
+}
+
+impl StoredHorizon {
+    /// No horizon: every direction is visible.
+    pub const OPEN: Self = Self { low: [I4F12::MIN; 4], inverse_width: [0; 4] };
+}
+
+impl Default for StoredHorizon {
+    fn default() -> Self {
+        Self::OPEN
+    }
+}
+
+bundle! {
+    /// The exponent m of a highlight: cos^m on a smooth surface. `setup::shininess` makes one.
+    ///
+    /// The datapath takes both numbers as they are: a √m that is not the root of m changes the base roughness alone.
+    #[ports(Shininess: Default)]
+    pub struct ShininessPort<W> {
+        /// exponent m, saturated to 1…8192
+        #[unit = "1"]
+        #[port = I16F16]
+        exponent: Control<W, 16>,
+        /// √m, saturated to 1…91
+        #[unit = "1"]
+        #[port = I8F24]
+        root: Control<W, 8>,
+    }
+
+    /// Inputs of the highlight of one light on one fragment.
+    #[ports(HighlightIn: Default)]
+    pub struct HighlightInput<W> {
+        /// the surface
+        #[port = SurfaceIn]
+        surface: SurfaceInput<W>,
+        /// vector l from the surface to the light, any length
+        #[unit = "length"]
+        #[port = BlockVector]
+        light: PortBlock<W, 3>,
+        /// exponent m
+        #[port = Shininess]
+        shininess: ShininessPort<W>,
+    }
+
+    /// What every stage of the highlight of one light makes of one fragment. What belongs to roughness is zero, and the amplitude 1,
+    /// where the plan has none.
+    #[ports(HighlightOut: Default)]
+    pub struct HighlightOutput<W> {
+        /// tangents E₁ and E₂, scaled by |n|
+        #[unit = "length"]
+        #[stage = "frame"]
+        #[port = [BlockVector; 2]]
+        frame: [PortBlock<W, 3>; 2],
+        /// perturbed normal n_mod
+        #[unit = "length"]
+        #[stage = "perturb"]
+        #[port = BlockVector]
+        normal_mod: PortBlock<W, 3>,
+        /// roughness tangents d₁E₁ and d₂E₁ + d₃E₂ (isotropic: I₁E₁, I₁E₂), scaled by |n|
+        #[unit = "length"]
+        #[stage = "roughness"]
+        #[components = "12"]
+        #[port = [BlockVector; 2]]
+        rough: [PortBlock<W, 3>; 2],
+        /// half vector h = l/|l| + v/|v|
+        #[unit = "1"]
+        #[stage = "half"]
+        #[port = BlockVector]
+        half: PortBlock<W, 3>,
+        /// √m/|n_mod| times `rough`: relative to |n_mod| and to the base deviation 1/√m
+        #[unit = "1"]
+        #[stage = "highlight"]
+        #[components = "12"]
+        #[port = [BlockVector; 2]]
+        spread: [PortBlock<W, 3>; 2],
+        /// 1/√det(I + mK)
+        #[unit = "1"]
+        #[stage = "highlight"]
+        #[port = BlockNumber]
+        amplitude: PortBlock<W, 1>,
+        /// share of the light that the highlight returns, 0 to 1
+        #[unit = "1"]
+        #[out = "highlight"]
+        #[range(0..=1)]
+        #[port = I8F24]
+        f: Control<W, LIGHT>,
+        /// sticky bits
+        #[unit = "bits"]
+        #[out = "status"]
+        #[range(0..4096)]
+        #[port = u32]
+        status: Int<W>,
+    }
+
+    /// Inputs of one light on one peak of a fragment; the peak brings its own normal and roughness.
+    #[ports(PeakIn: Default)]
+    pub struct PeakInput<W> {
+        /// the surface
+        #[port = SurfaceIn]
+        surface: SurfaceInput<W>,
+        /// vector l from the surface to the light, any length
+        #[unit = "length"]
+        #[port = BlockVector]
+        light: PortBlock<W, 3>,
+        /// the peak
+        #[port = StoredPeak]
+        peak: Peak<W>,
+        /// its horizon
+        #[port = StoredHorizon]
+        horizon: Horizon<W>,
+        /// share of the fragment that the peak has, saturated to 0 to 1
+        #[unit = "1"]
+        #[port = I16F16]
+        weight: Control<W, SHARE>,
+    }
+
+    /// What every stage of one light on one peak makes of one fragment. What belongs to the horizon is zero, and the visibility 1,
+    /// where the plan has none.
+    #[ports(PeakOut: Default)]
+    pub struct PeakOutput<W> {
+        /// tangents E₁ and E₂, scaled by |n|
+        #[unit = "length"]
+        #[stage = "frame"]
+        #[port = [BlockVector; 2]]
+        frame: [PortBlock<W, 3>; 2],
+        /// half vector h = l/|l| + v/|v|
+        #[unit = "1"]
+        #[stage = "half"]
+        #[port = BlockVector]
+        half: PortBlock<W, 3>,
+        /// h along E₁, E₂ and n, at unit length; zero where h or the frame is
+        #[unit = "1"]
+        #[stage = "local"]
+        #[components = "xyz"]
+        #[range(-1..=1)]
+        #[port = [I2F30; 3]]
+        local_half: [Mantissa<W>; 3],
+        /// l along E₁, E₂ and n, at any length
+        #[unit = "length"]
+        #[stage = "local"]
+        #[port = BlockVector]
+        local_light: PortBlock<W, 3>,
+        /// v along E₁, E₂ and n, at any length
+        #[unit = "length"]
+        #[stage = "local"]
+        #[port = BlockVector]
+        local_eye: PortBlock<W, 3>,
+        /// slopes z/|x| and z/|y| of l, then of v, cut to ±8
+        #[unit = "1"]
+        #[stage = "horizon"]
+        #[range(-8..=8)]
+        #[port = [[I6F26; 2]; 2]]
+        slopes: [[Fx<W, SLOPE>; 2]; 2],
+        /// share of the peak's facets that light and eye clear, 0 to 1
+        #[unit = "1"]
+        #[stage = "horizon"]
+        #[range(0..=1)]
+        #[port = I16F16]
+        visibility: Control<W, SHARE>,
+        /// light that the peak returns, 0 to below 64; 0 where the light is on the horizon of n or below it, and where any of n,
+        /// v, l, h or the frame is zero
+        #[unit = "1"]
+        #[out = "peaks"]
+        #[range(0..64)]
+        #[port = I8F24]
+        peak: Control<W, LIGHT>,
+        /// sticky bits
+        #[unit = "bits"]
+        #[out = "status"]
+        #[range(0..16384)]
+        #[port = u32]
+        status: Int<W>,
+    }
+}
