@@ -1,4 +1,4 @@
-//! `roughxel study` and `roughxel choose`: what is interrupted goes on, what is kept is what the README says, what is chosen is right.
+//! `roughxel study` and `roughxel choose`: what is interrupted goes on, what is kept is what docs/performance.md says, what is chosen is right.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -119,20 +119,23 @@ fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The study that the README shows.
+/// The study that docs/performance.md shows.
 fn kept() -> Study {
     Study::read(&workspace().join("emulator/study/results/study.json")).unwrap()
 }
 
 #[test]
-fn the_readme_shows_the_study_that_is_kept() {
-    let (study, readme) = (kept(), fs::read_to_string(workspace().join("README.md")).unwrap());
+fn the_page_of_figures_shows_the_study_that_is_kept() {
+    let (study, page) = (kept(), fs::read_to_string(workspace().join("docs/performance.md")).unwrap());
     let tables = markdown(&study);
     for table in tables.split("\n\n").filter(|table| !table.trim().is_empty()) {
-        assert!(readme.contains(table.trim()), "the README has another table than tables.md of the study:\n{table}");
+        assert!(
+            page.contains(table.trim()),
+            "docs/performance.md has another table than tables.md of the study:\n{table}"
+        );
     }
     for (name, svg) in readme_plots(&study) {
-        assert!(readme.contains(&format!("emulator/study/results/{name}")), "the README shows {name}");
+        assert!(page.contains(&format!("emulator/study/results/{name}")), "docs/performance.md shows {name}");
         let kept = fs::read_to_string(workspace().join("emulator/study/results").join(name)).unwrap();
         assert!(kept == svg, "{name} is of another study");
     }
