@@ -3,6 +3,7 @@
 mod choose;
 mod cli;
 mod damaged;
+mod documents;
 mod eval;
 mod explain;
 mod gallery;
