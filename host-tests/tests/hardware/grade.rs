@@ -77,7 +77,7 @@ fn what_a_fault_leads_to_is_what_the_whole_design_computes() {
     }
 }
 
-/// Figures of vectors/README.md.
+/// Figures of vectors/COVERAGE.md.
 #[test]
 fn the_committed_sets_show_nineteen_operations_in_twenty_and_are_below_a_thousand() {
     let all = vec![("standard", 95.0), ("compact", 94.5), ("narrow", 93.5)];
