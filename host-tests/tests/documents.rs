@@ -1,0 +1,276 @@
+//! What the documents promise: short sentences, sizes, links that lead somewhere, a card for each package. And what doc comments promise: to
+//! begin with a noun or a verb.
+//!
+//! `cargo test --release -p roughxel-host-tests --test documents -- --nocapture` prints every measure.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use roughxel_host_tests::imports::workspace_root;
+
+/// Documents that a command writes: their words are those of the program.
+const GENERATED: [&str; 4] =
+    ["docs/cli.md", "emulator/firmware/PRICE.md", "emulator/study/results/tables.md", "vectors/hdl/RESULTS.md"];
+
+/// Most bytes of a document.
+const SIZES: [(&str, usize); 3] =
+    [("README.md", 6 << 10), ("ARCHITECTURE.md", 10 << 10), ("vectors/README.md", 5 << 10)];
+
+/// Most bytes of a decision: a page.
+const DECISION: usize = 4 << 10;
+
+/// Most words of half of the sentences of a document, and of nine in ten.
+const WORDS: (usize, usize) = (16, 30);
+
+/// Files below the root with this ending, by their path from there, without hidden folders and what is built.
+fn files(ending: &str) -> Vec<String> {
+    let (root, mut found, mut waiting) = (workspace_root(), Vec::new(), vec![PathBuf::new()]);
+    while let Some(folder) = waiting.pop() {
+        for entry in fs::read_dir(root.join(&folder)).expect("the folder is there") {
+            let entry = entry.expect("a folder can be read");
+            let (name, path) = (entry.file_name().to_string_lossy().into_owned(), folder.join(entry.file_name()));
+            if name.starts_with('.') || name == "target" {
+                continue;
+            } else if entry.path().is_dir() {
+                waiting.push(path);
+            } else if name.ends_with(ending) {
+                found.push(path.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn text_of(path: &str) -> String {
+    fs::read_to_string(workspace_root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The lines of a document outside of code blocks, with their numbers.
+fn lines_outside_code(text: &str) -> Vec<(usize, &str)> {
+    let mut is_code = false;
+    let outside = |&(_, line): &(usize, &str)| {
+        let is_fence = line.trim_start().starts_with("```");
+        is_code ^= is_fence;
+        !is_code && !is_fence
+    };
+    (1..).zip(text.lines()).filter(outside).collect()
+}
+
+/// A line without its code and the addresses of its links: inline code is one word.
+fn plain(line: &str) -> String {
+    let without_code: Vec<&str> =
+        line.split('`').enumerate().map(|(place, part)| if place % 2 == 1 { "code" } else { part }).collect();
+    let mut parts = without_code.concat();
+    while let Some(start) = parts.find("](") {
+        let end = parts[start..].find(')').map_or(parts.len(), |end| start + end + 1);
+        parts.replace_range(start..end, "]");
+    }
+    parts.replace(['[', ']', '*'], "")
+}
+
+/// The paragraphs of a document: no headings, tables, pictures, comments or code; each item of a list is one.
+fn paragraphs(text: &str) -> Vec<String> {
+    let mut paragraphs = vec![String::new()];
+    let mut before = 0;
+    for (number, line) in lines_outside_code(text) {
+        let line = line.trim();
+        let is_item = line.starts_with("- ") || line.split_once(". ").is_some_and(|(n, _)| n.parse::<u8>().is_ok());
+        let is_prose = !line.is_empty() && !["#", "|", "![", "<!--"].iter().any(|start| line.starts_with(start));
+        if !is_prose || is_item || number > before + 1 {
+            paragraphs.push(String::new());
+        }
+        before = number;
+        if is_prose {
+            let last = paragraphs.last_mut().expect("there is one");
+            *last = format!("{last} {}", plain(line.trim_start_matches("- ")));
+        }
+    }
+    paragraphs
+}
+
+/// The numbers of words of the sentences: a sentence ends where a full stop, a question or an exclamation mark ends a word.
+fn sentences(text: &str) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    for paragraph in paragraphs(text) {
+        let mut words: Vec<&str> = Vec::new();
+        let mut finish = |words: &mut Vec<&str>| {
+            let counted = words.iter().filter(|word| word.contains(char::is_alphanumeric)).count();
+            if counted > 0 {
+                found.push((counted, words.join(" ")));
+            }
+            words.clear();
+        };
+        for word in paragraph.split_whitespace() {
+            words.push(word);
+            if word.trim_end_matches([')', '"', '”']).ends_with(['.', '?', '!']) {
+                finish(&mut words);
+            }
+        }
+        finish(&mut words);
+    }
+    found
+}
+
+/// The value that a share of the numbers does not exceed.
+fn quantile(sorted: &[usize], percent: usize) -> usize {
+    sorted[(sorted.len() * percent).div_ceil(100).saturating_sub(1)]
+}
+
+/// Packages with a card: the folders of every Cargo.toml.
+fn packages() -> Vec<String> {
+    files("Cargo.toml").iter().filter_map(|file| file.strip_suffix("/Cargo.toml").map(str::to_owned)).collect()
+}
+
+#[test]
+fn the_measure_counts_the_words_of_sentences_and_nothing_else() {
+    let text = "# Head\n\nOne `two and three` four. Five [six](seven eight.md) – seven!\n\n| a | b |\n\n- Item\n  goes on.\n- Next\n\n```\nlet x;\n```\n";
+    let counts: Vec<usize> = sentences(text).iter().map(|(words, _)| *words).collect();
+    assert_eq!(counts, [3, 3, 3, 1]);
+    assert_eq!(
+        (quantile(&[1, 2, 3, 4], 50), quantile(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10], 90), quantile(&[7], 90)),
+        (2, 9, 7)
+    );
+}
+
+/// Decisions are measured together, cards of packages are, every other document alone.
+#[test]
+fn sentences_of_documents_are_short() {
+    let cards: Vec<String> = packages().iter().map(|folder| format!("{folder}/README.md")).collect();
+    let mut groups: BTreeMap<String, Vec<(usize, String)>> = BTreeMap::new();
+    for path in files(".md").into_iter().filter(|path| !GENERATED.contains(&path.as_str())) {
+        let group = if path.starts_with("docs/decisions/") {
+            "docs/decisions"
+        } else if cards.contains(&path) {
+            "cards of packages"
+        } else {
+            path.as_str()
+        };
+        groups.entry(group.to_owned()).or_default().extend(sentences(&text_of(&path)));
+    }
+    let mut too_long = Vec::new();
+    for (group, mut found) in groups {
+        found.sort();
+        let counts: Vec<usize> = found.iter().map(|(words, _)| *words).collect();
+        let (half, nine_in_ten) = (quantile(&counts, 50), quantile(&counts, 90));
+        println!("{group}: {} sentences, median {half}, 90th percentile {nine_in_ten}", counts.len());
+        if half > WORDS.0 || nine_in_ten > WORDS.1 {
+            let longest: Vec<String> =
+                found.iter().rev().take(5).map(|(words, text)| format!("  {words}: {text}")).collect();
+            too_long.push(format!("{group}: median {half}, 90th percentile {nine_in_ten}\n{}", longest.join("\n")));
+        }
+    }
+    assert!(too_long.is_empty(), "more than {WORDS:?} words:\n{}", too_long.join("\n"));
+}
+
+#[test]
+fn documents_are_as_small_as_they_promise() {
+    let decisions = files(".md").into_iter().filter(|path| path.starts_with("docs/decisions/"));
+    let decisions: Vec<String> = decisions.filter(|path| !path.ends_with("/README.md")).collect();
+    assert!(decisions.len() > 30, "only {} decisions found", decisions.len());
+    let limits = SIZES.iter().map(|&(path, most)| (path.to_owned(), most));
+    for (path, most) in limits.chain(decisions.into_iter().map(|path| (path, DECISION))) {
+        let size = text_of(&path).len();
+        assert!(size <= most, "{path}: {size} bytes, more than {most}");
+    }
+}
+
+/// The addresses of the links and pictures of a document.
+fn links(text: &str) -> Vec<String> {
+    let links_of = |line: &str| -> Vec<String> {
+        let without_code: String =
+            line.split('`').enumerate().filter(|(place, _)| place % 2 == 0).map(|(_, part)| part).collect();
+        let parts = without_code.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+        parts.map(|(address, _)| address.to_owned()).collect()
+    };
+    lines_outside_code(text).into_iter().flat_map(|(_, line)| links_of(line)).collect()
+}
+
+/// The anchor of a heading, as GitHub makes it.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = kept.chars().filter(|&c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+#[test]
+fn local_links_lead_to_files_and_headings_that_are_there() {
+    let (mut wrong, mut count) = (Vec::new(), 0);
+    for path in files(".md") {
+        for link in links(&text_of(&path)) {
+            if link.contains("://") {
+                continue;
+            }
+            count += 1;
+            let (file, heading) = link.split_once('#').map_or((link.as_str(), None), |(file, head)| (file, Some(head)));
+            let folder = Path::new(&path).parent().expect("a file is in a folder");
+            let target = if file.is_empty() { PathBuf::from(&path) } else { folder.join(file) };
+            let inside = target.components().try_fold(0_i32, |depth, part| {
+                let depth = depth + if part == Component::ParentDir { -1 } else { 1 };
+                (depth >= 0).then_some(depth)
+            });
+            if inside.is_none() || !workspace_root().join(&target).exists() {
+                wrong.push(format!("{path}: {link}"));
+            } else if let Some(heading) = heading {
+                let text = fs::read_to_string(workspace_root().join(&target)).expect("a document");
+                let lines = lines_outside_code(&text);
+                if !lines.iter().any(|(_, line)| line.starts_with('#') && anchor(line) == heading) {
+                    wrong.push(format!("{path}: {link}"));
+                }
+            }
+        }
+    }
+    assert!(count > 100, "only {count} links found");
+    assert!(wrong.is_empty(), "not there:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_package_has_a_card_and_every_decision_stands_in_the_index() {
+    for folder in packages() {
+        let lines = text_of(&format!("{folder}/README.md")).lines().filter(|line| !line.trim().is_empty()).count();
+        assert!(lines >= 5, "{folder}/README.md: {lines} lines");
+    }
+    let (index, text) = ("docs/decisions/README.md", text_of("docs/decisions/README.md"));
+    let listed = links(&text);
+    for path in files(".md").into_iter().filter(|path| path.starts_with("docs/decisions/") && path != index) {
+        let name = path.rsplit('/').next().expect("a name");
+        assert_eq!(listed.iter().filter(|link| *link == name).count(), 1, "{name} in {index}");
+        let text = text_of(&path);
+        for heading in ["# ", "## Context", "## Decision", "## Consequences"] {
+            assert!(text.lines().any(|line| line.starts_with(heading)), "{path}: no heading {heading}");
+        }
+    }
+}
+
+/// First words of a doc comment that is no noun phrase and no verb.
+const NO_HEAD: [&str; 30] = [
+    "What", "Which", "Who", "Whose", "Where", "When", "Whether", "How", "Of", "In", "On", "At", "By", "For", "From",
+    "With", "Without", "To", "As", "If", "While", "Those", "That", "These", "Both", "It", "They", "There", "Here",
+    "Beside",
+];
+
+/// Doc comments without a head, per cent. The aim is 2.
+const MOST_WITHOUT_A_HEAD: f64 = 16.0;
+
+#[test]
+fn doc_comments_begin_with_a_noun_or_a_verb() {
+    let (mut all, mut without) = (0_u32, 0_u32);
+    for path in files(".rs") {
+        let text = text_of(&path);
+        let mut was_doc = false;
+        for line in text.lines().map(str::trim_start) {
+            let doc = line.strip_prefix("///").or_else(|| line.strip_prefix("//!"));
+            if let (Some(doc), false) = (doc, was_doc) {
+                let words: Vec<&str> = doc.split_whitespace().take(2).collect();
+                let has_none = words.first().is_some_and(|word| NO_HEAD.contains(&word.trim_end_matches([',', ':'])));
+                all += 1;
+                without += u32::from(has_none || words == ["The", "same"]);
+            }
+            was_doc = doc.is_some();
+        }
+    }
+    let share = 100.0 * f64::from(without) / f64::from(all);
+    println!("{without} of {all} doc comments have no head: {share:.1} %");
+    assert!(share <= MOST_WITHOUT_A_HEAD, "{share:.1} % of doc comments have no head");
+}
