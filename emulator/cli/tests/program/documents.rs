@@ -127,3 +127,19 @@ fn commands_in_documents_are_commands_of_the_program() {
         assert_eq!(roughxel(wrong).status.code(), Some(2), "{wrong:?} is not seen");
     }
 }
+
+#[test]
+fn the_scene_of_the_readme_is_drawn() {
+    let page = fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, scene) = page.split_once("```toml\n").expect("the page has a scene");
+    let (scene, _) = scene.split_once("```").expect("the scene ends");
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("mine.toml"), scene).unwrap();
+    let mesh = "v -1 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    fs::write(directory.path().join("mesh.obj"), mesh).unwrap();
+    let mut render = Command::new(env!("CARGO_BIN_EXE_roughxel"));
+    render.args(["render", "mine.toml", "-o", "mine.png", "--size", "32x24"]).current_dir(directory.path());
+    let output = render.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(directory.path().join("mine.png").is_file());
+}
