@@ -164,6 +164,20 @@ fn sentences_of_documents_are_short() {
     assert!(too_long.is_empty(), "more than {WORDS:?} words:\n{}", too_long.join("\n"));
 }
 
+/// Most characters of a line of prose.
+const LINE: usize = 160;
+
+#[test]
+fn lines_of_prose_are_wrapped() {
+    for path in files(".md").into_iter().filter(|path| !GENERATED.contains(&path.as_str())) {
+        let text = text_of(&path);
+        for (number, line) in lines_outside_code(&text) {
+            let is_prose = !["|", "![", "#"].iter().any(|start| line.trim_start().starts_with(start));
+            assert!(!is_prose || line.chars().count() <= LINE, "{path}:{number}: more than {LINE} characters");
+        }
+    }
+}
+
 #[test]
 fn documents_are_as_small_as_they_promise() {
     let decisions = files(".md").into_iter().filter(|path| path.starts_with("docs/decisions/"));
