@@ -243,6 +243,79 @@ fn local_links_lead_to_files_and_headings_that_are_there() {
     assert!(wrong.is_empty(), "not there:\n{}", wrong.join("\n"));
 }
 
+/// The pieces of code of a document: lines of blocks, and what stands between backticks in a line.
+fn code(text: &str) -> Vec<&str> {
+    let mut is_block = false;
+    let pieces = text.lines().flat_map(|line| {
+        let is_fence = line.trim_start().starts_with("```");
+        is_block ^= is_fence;
+        if is_block { vec![line.trim()] } else { line.split('`').skip(1).step_by(2).collect() }
+    });
+    pieces.collect()
+}
+
+#[test]
+fn files_that_documents_name_are_there() {
+    let (mut gone, mut count) = (Vec::new(), 0);
+    for path in files(".md").into_iter().filter(|path| !GENERATED.contains(&path.as_str())) {
+        let text = text_of(&path);
+        let is_path = |code: &&str| FOLDERS.iter().any(|folder| code.starts_with(&format!("{folder}/")));
+        for name in code(&text).into_iter().filter(is_path).filter(|code| !code.contains([' ', '*'])) {
+            count += 1;
+            if !workspace_root().join(name).exists() {
+                gone.push(format!("{path}: {name}"));
+            }
+        }
+    }
+    assert!(count > 150, "only {count} files found");
+    assert!(gone.is_empty(), "not there:\n{}", gone.join("\n"));
+}
+
+/// `cargo … -p PACKAGE --bench NAME`: the package is one of the workspace, and has a target of that name. Names in capitals stand for any.
+#[test]
+fn cargo_commands_of_documents_name_packages_and_targets_that_are_there() {
+    let manifests: Vec<String> = packages().iter().map(|folder| format!("{folder}/Cargo.toml")).collect();
+    let names: BTreeMap<String, &str> = manifests
+        .iter()
+        .map(|path| {
+            let text = text_of(path);
+            let name = text.split("name = \"").nth(1).and_then(|rest| rest.split('"').next()).expect("it has a name");
+            (name.to_owned(), path.trim_end_matches("Cargo.toml"))
+        })
+        .collect();
+    let (mut wrong, mut count) = (Vec::new(), 0);
+    for path in files(".md") {
+        let text = text_of(&path);
+        for line in code(&text).into_iter().filter(|code| code.contains("cargo ")) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let after = |option: &str| words.iter().position(|word| *word == option).and_then(|at| words.get(at + 1));
+            let Some(package) = after("-p") else { continue };
+            count += 1;
+            let Some(folder) = names.get(*package) else {
+                wrong.push(format!("{path}: {line}: no package {package}"));
+                continue;
+            };
+            for (option, places) in [
+                ("--bin", ["src/bin"; 2]),
+                ("--bench", ["benches", "."]),
+                ("--test", ["tests"; 2]),
+                ("--example", ["examples"; 2]),
+            ] {
+                let Some(name) = after(option).filter(|name| !name.chars().all(char::is_uppercase)) else { continue };
+                let is_there = |place: &str| {
+                    let place = workspace_root().join(folder).join(place);
+                    place.join(format!("{name}.rs")).exists() || place.join(name).join("main.rs").exists()
+                };
+                if !places.into_iter().any(is_there) {
+                    wrong.push(format!("{path}: {line}: no {option} {name}"));
+                }
+            }
+        }
+    }
+    assert!(count > 10, "only {count} commands found");
+    assert!(wrong.is_empty(), "not there:\n{}", wrong.join("\n"));
+}
+
 #[test]
 fn every_package_has_a_card_and_every_decision_stands_in_the_index() {
     for folder in packages() {
