@@ -7,7 +7,7 @@ use roughxel_core::design::{Design, Recorded, Visitor};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 
-use crate::checked::{Checked, CheckedWire, Integers, Visible, filled};
+use crate::checked::{Checked, CheckedWire, Integers, OperationCounts, Visible, counted, filled, first_difference};
 
 /// What a design comes to in the scalar reading, on words of the profile's width.
 pub fn scalar(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
@@ -23,6 +23,23 @@ pub fn checked(design: Design, ports: &[i64], effects: &Effects, p: &Precision) 
         16 => outcome::<CheckedWire<i16>>(design, ports, effects, p),
         _ => outcome::<Checked>(design, ports, effects, p),
     }
+}
+
+/// Holds the checked reading of a design against the scalar one: what it comes to, and the operations that it takes.
+///
+/// # Panics
+/// If two wires differ, with the first that do, or an operation leaves its wire.
+pub fn same_when_checked(
+    design: Design,
+    ports: &[i64],
+    effects: &Effects,
+    p: &Precision,
+) -> (Integers, OperationCounts) {
+    let scalar = scalar(design, ports, effects, p);
+    let (checked, counts) = counted(|| checked(design, ports, effects, p));
+    let difference = first_difference(&scalar, &checked);
+    assert_eq!(scalar, checked, "{} of {ports:?}: {difference:?}", design.name());
+    (scalar, counts)
 }
 
 /// What a design comes to in a reading of which integers can be seen.

@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
-use fixed::types::I2F30;
+use fixed::types::{I2F30, I4F28};
 use roughxel_core::plan::{
     Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
 };
-use roughxel_core::ports::BlockVector;
+use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_utilities::random::SplitMix64;
 
@@ -103,27 +103,68 @@ pub fn effects(datapath: Option<Datapath>) -> Vec<Effects> {
     }
 }
 
-/// Any word, often at an end or beside a power of two.
+/// Any word, with weight on the ends of its range, single bits, runs of ones, and what is beside 1 as a mantissa.
 pub fn any_word(random: &mut SplitMix64) -> i32 {
     let power = 1_i64 << random.below(32);
-    let word = match random.below(6) {
-        0 => [0, i32::MIN.into(), i32::MAX.into()][random.below(3) as usize],
-        1 => power,
-        2 => -power,
-        3 => power - 1,
-        _ => random.next_u64() as i32 as i64 >> random.below(31),
+    let word = match random.below(12) {
+        0 => 0,
+        1 => i64::from(i32::MIN) + random.below(3) as i64,
+        2 => i64::from(i32::MAX) - random.below(3) as i64,
+        3 => power,
+        4 => -power,
+        5 => power - 1,
+        6 => 1 - power,
+        7 => (1 << 30) - power,
+        8 => power - (1 << 30),
+        _ => i64::from(random.next_u64() as i32) >> random.below(31),
     };
     word.clamp(i32::MIN.into(), i32::MAX.into()) as i32
 }
 
-/// Vectors of any bits, half of the time two of them alike.
+/// Any exponent: mostly near zero, often at the ends of the port.
+pub fn any_exponent(random: &mut SplitMix64) -> i16 {
+    match random.below(8) {
+        0 => i16::MIN,
+        1 => i16::MAX,
+        2 => random.next_u64() as i16,
+        3 => random.below(130) as i16 - 65,
+        _ => random.below(9) as i16 - 4,
+    }
+}
+
+/// Vectors of any bits. Some repeat a component, and half of the time two of them are alike, so that ties, parallels and equal sums occur.
 pub fn any_vectors<const COUNT: usize>(random: &mut SplitMix64) -> [BlockVector; COUNT] {
-    let mut vectors = [(); COUNT].map(|()| BlockVector {
-        mantissa: [0; 3].map(|_| I2F30::from_bits(any_word(random))),
-        exponent: [i16::MIN, i16::MAX, 0, random.next_u64() as i16 >> random.below(16)][random.below(4) as usize],
+    let is_even = random.below(8) == 0;
+    let mut vectors = [(); COUNT].map(|()| {
+        if is_even {
+            let mantissa = [(); 3].map(|()| I2F30::from_bits(random.next_u64() as i32));
+            return BlockVector { mantissa, exponent: random.next_u64() as i16 };
+        }
+        let mut mantissa = [(); 3].map(|()| any_word(random));
+        if random.below(3) == 0 {
+            mantissa[1] = mantissa[0];
+        }
+        if random.below(4) == 0 {
+            mantissa[2] = mantissa[0].wrapping_neg();
+        }
+        BlockVector { mantissa: mantissa.map(I2F30::from_bits), exponent: any_exponent(random) }
     });
     if random.below(2) == 0 {
-        vectors[random.below(COUNT as u64) as usize] = vectors[random.below(COUNT as u64) as usize];
+        let [from, to] = [(); 2].map(|()| random.below(COUNT as u64) as usize);
+        let exponent = vectors[[from, to][random.below(2) as usize]].exponent;
+        vectors[to] = BlockVector { exponent, ..vectors[from] };
     }
     vectors
+}
+
+/// Any bits at any port.
+pub fn any_fragment(random: &mut SplitMix64) -> ReflectionIn {
+    let [normal, view, first, second, vx, vy, nx, ny] = any_vectors(random);
+    let [b1, b2, d1, d2, d3] = [(); 5].map(|()| I4F28::from_bits(any_word(random)));
+    ReflectionIn {
+        surface: SurfaceIn { normal, view, frame_vectors: [first, second], offset: [b1, b2], roughness: [d1, d2, d3] },
+        dview: [vx, vy],
+        dnormal: [nx, ny],
+        edge_texels: random.next_u64() as u16 >> random.below(16),
+    }
 }

@@ -1,17 +1,13 @@
-//! Fixed-point and block arithmetic: rounding, normalising and aligning against 128-bit integers, the tables against
-//! f64, the limits of a precision. Inputs of 24 bits or fewer are exhausted, wider ones drawn.
+//! Fixed-point and block arithmetic: rounding, normalising and aligning against 128-bit integers. Inputs of 24 bits or fewer are exhausted, wider ones drawn.
 
-use std::f64::consts::{LN_2, PI};
+use std::f64::consts::LN_2;
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, ZERO_EXPONENT, align, cross, dot, normalise, places_below};
 use roughxel_core::fx::Fx;
-use roughxel_core::knob::Knob;
-use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
 use roughxel_core::rom::{self, upper};
-use roughxel_core::width::{narrowed, widened};
 use roughxel_host_tests::checked::{Checked, CheckedWide, CheckedWire};
 use roughxel_host_tests::space::whole_or;
 
@@ -301,160 +297,10 @@ fn a_zero_block_never_wins_an_alignment() {
     assert!(!tiny.is_zero());
 }
 
-/// Whether an entry is the nearest integer to `exact` (1/1000 for what f64 itself leaves open).
-fn nearest(entry: i32, exact: f64) -> bool {
-    (f64::from(entry) - exact).abs() <= 0.501
-}
-
-#[test]
-fn every_table_entry_is_the_nearest_to_its_function() {
-    let two = |k: i32| f64::from(k).exp2();
-    for i in 0..=256_u32 {
-        let x = f64::from(i) / 256.0;
-        assert!(nearest(rom::LOG2[i as usize], (1.0 + x).log2() * two(24)), "log2 {i}");
-        assert!(nearest(rom::EXP2[i as usize], x.exp2() * two(29)), "exp2 {i}");
-        let y = x / 2.0;
-        let ratio = if i == 0 { 0.5 / LN_2 } else { -(-y).ln_1p() / LN_2 / (2.0 * y) };
-        assert!(nearest(rom::HALF_LOG2_ONE_MINUS_RATIO[i as usize], ratio * two(26)), "log2(1 - y) {i}");
-    }
-    for bits in 6..=10 {
-        // Seeds keep bits + 2 fraction bits.
-        let unit = two(28 - bits as i32);
-        let (reciprocal, inverse_root) = (rom::reciprocal(bits), rom::inverse_root(bits));
-        assert_eq!((reciprocal.len(), inverse_root.len()), (1 << bits, 1 << bits));
-        for i in 0..1 << bits {
-            let middle = 0.5 + (f64::from(i) + 0.5) * two(-1 - bits as i32);
-            let entry = reciprocal[i as usize];
-            assert!((f64::from(entry) - 0.5 / middle * two(30)).abs() <= 0.501 * unit, "1/2x seed {bits} {i}");
-            let middle = 0.25 + (f64::from(i) + 0.5) * two(-(bits as i32));
-            let entry = inverse_root[i as usize];
-            if middle < 1.0 {
-                assert!((f64::from(entry) - 0.5 / middle.sqrt() * two(30)).abs() <= 0.501 * unit, "1/2√x {bits} {i}");
-            }
-        }
-        assert!(reciprocal.windows(2).all(|pair| pair[0] >= pair[1]), "a reciprocal falls");
-        assert!(inverse_root.windows(2).all(|pair| pair[0] >= pair[1]), "an inverse root falls");
-    }
-    for n in 1..=rom::MAX_PROBES {
-        assert!(nearest(rom::STEP_PER_SIGMA[n], 12_f64.sqrt() / n as f64 * two(28)), "step {n}");
-        assert!(nearest(rom::LOG2_OF_COUNT[n], (n as f64).log2() * 65536.0), "log2 of {n}");
-    }
-    assert!(nearest(rom::BOX_SIGMA, two(30) / 12_f64.sqrt()));
-    assert!(nearest(rom::LOG2_DIAMETER, 12_f64.sqrt().log2() * 65536.0));
-    for steps in (2..=64).step_by(2) {
-        for step in 0..=steps {
-            let (sin, cos) = (PI / 2.0 * f64::from(step) / f64::from(steps)).sin_cos();
-            let (got_sin, got_cos) = rom::sin_cos_of_right_angle(step, steps);
-            assert!(nearest(got_sin, sin * two(30)) && nearest(got_cos, cos * two(30)), "{step} of {steps}");
-        }
-    }
-}
-
 #[test]
 fn interpolation_of_the_logarithm_tables_errs_as_their_docs_say() {
     // h²/8·max|f″| at the steepest end: 1/ln 2 for log₂(1 + x), (ln 2)² for 2^x/2 relative to ½ … at x = 0.
     let h = 1.0 / 256.0;
     assert!((h * h / 8.0 / LN_2).log2() < -18.4);
     assert!((h * h / 8.0 * LN_2 * LN_2).log2() < -20.0);
-}
-
-#[test]
-fn probe_weights_are_a_partition_of_one() {
-    for (name, table, gaussian) in [("box", rom::BOX_WEIGHTS, false), ("gaussian", rom::GAUSSIAN_WEIGHTS, true)] {
-        for n in 1..=rom::MAX_PROBES {
-            let row = &table[rom::MAX_PROBES * (n - 1)..][..n];
-            assert_eq!(row.iter().sum::<i32>(), 1 << 16, "{name} {n}");
-            let law = |i: usize| {
-                let position = (2 * i + 1) as f64 / n as f64 - 1.0;
-                if gaussian { (-1.5 * position * position).exp() } else { 1.0 }
-            };
-            let total: f64 = (0..n).map(law).sum();
-            for (i, &weight) in row.iter().enumerate() {
-                // Rounding of the running sum: half a unit at either end of the interval.
-                assert!((f64::from(weight) - law(i) / total * 65536.0).abs() <= 1.0, "{name} {n} {i}");
-                assert!((weight - row[n - 1 - i]).abs() <= 1, "{name} {n} is symmetric");
-            }
-            assert!(
-                row[..n.div_ceil(2)].windows(2).all(|pair| pair[0] <= pair[1] + 1),
-                "{name} {n} rises to the middle"
-            );
-        }
-    }
-}
-
-#[test]
-fn every_named_profile_is_inside_the_limits() {
-    for name in Profile::NAMES {
-        let p = Profile::by_name(name).map(Profile::precision).expect("a listed profile exists");
-        assert_eq!(p.checked(), Ok(p), "{name}");
-        assert_eq!(p.offset_bits() + 2, p.fraction_bits);
-    }
-    assert_eq!(Profile::by_name("Standard").map(Profile::precision), None);
-    assert_eq!(Profile::by_name("").map(Profile::precision), None);
-    assert_eq!(Profile::by_name("standard").map(Profile::precision), Some(Precision::STANDARD));
-}
-
-#[test]
-fn a_knob_beyond_its_limits_is_named() {
-    let p = Precision::STANDARD;
-    let newton = |seed_bits, steps| Newton { seed_bits, steps };
-    let table = |steps| Precision { direction: AxisDirection::Table { steps }, ..p };
-    for (knob, beyond) in [
-        (Knob::FractionBits, [Precision { fraction_bits: 11, ..p }, Precision { fraction_bits: 29, ..p }]),
-        (Knob::ReciprocalSeedBits, [5, 11].map(|k| Precision { reciprocal: newton(k, 1), ..p })),
-        (Knob::ReciprocalSteps, [3, u32::MAX].map(|n| Precision { reciprocal: newton(8, n), ..p })),
-        (Knob::InverseRootSeedBits, [5, 11].map(|k| Precision { inverse_root: newton(k, 1), ..p })),
-        (Knob::InverseRootSteps, [3, u32::MAX].map(|n| Precision { inverse_root: newton(8, n), ..p })),
-        (Knob::Direction, [table(0), table(66)]),
-        (Knob::Direction, [table(9), table(63)]),
-        (Knob::MaxProbes, [0, 17].map(|max_probes| Precision { max_probes, ..p })),
-        (Knob::LodBits, [1, 13].map(|lod_bits| Precision { lod_bits, ..p })),
-        (Knob::WeightBits, [1, 11].map(|weight_bits| Precision { weight_bits, ..p })),
-        (Knob::RoughnessBits, [3, 17].map(|roughness_bits| Precision { roughness_bits, ..p })),
-    ] {
-        for p in beyond {
-            assert_eq!(p.checked(), Err(knob), "{p:?}");
-        }
-    }
-}
-
-#[test]
-fn every_value_of_a_knob_is_set_and_read_and_in_its_range() {
-    for knob in Knob::ALL {
-        for &value in knob.values() {
-            let p = knob.with(value, Precision::STANDARD);
-            assert_eq!((p.checked(), knob.of(&p)), (Ok(p), value), "{knob} {value}");
-            assert_eq!(knob.with(knob.of(&Precision::STANDARD), p), Precision::STANDARD, "{knob} changes itself alone");
-            assert_eq!(knob.read(&knob.text(value).to_string()), Some(value), "{knob} {value}");
-        }
-        assert_eq!(Knob::by_name(knob.name()), Some(knob));
-        assert_eq!(knob.read("neither"), None);
-        let names: Vec<String> = (0..).take(knob.choices().len()).map(|value| knob.text(value).to_string()).collect();
-        assert_eq!(names, knob.choices());
-    }
-    assert_eq!(Knob::Direction.text(0).to_string(), "exact");
-    assert_eq!(Knob::by_name("seed_bits"), None);
-}
-
-#[test]
-fn profiles_of_any_width_are_the_named_ones_at_theirs() {
-    for p in [Precision::NARROW, Precision::COMPACT, Precision::STANDARD, Precision::PRECISE] {
-        assert_eq!(Precision::of_width(p.fraction_bits), p);
-        assert!(Precision::grid().any(|setting| setting == p));
-    }
-    let grid: Vec<Precision> = Precision::grid().collect();
-    assert!(grid.iter().all(|p| p.checked() == Ok(*p)));
-    assert!(grid.is_sorted_by_key(|p| p.fraction_bits));
-    assert_eq!(grid.len(), 9 * 3 * 2);
-}
-
-#[test]
-fn words_become_narrow_by_rounding_to_their_upper_halves() {
-    let half = |raw: i32| narrowed(&Fx::<i32, 2>::from_raw(raw)).raw();
-    for word in i16::MIN..=i16::MAX {
-        assert_eq!(half(widened(&Fx::<i16, 2>::from_raw(word)).raw()), word);
-    }
-    assert_eq!([0x7fff, 0x8000, -0x8000, -0x8001].map(half), [0, 1, 0, -1]);
-    let last = i32::MAX - 0x8000;
-    assert_eq!([i32::MAX, last, last - 0x1_0000, i32::MIN].map(half), [i16::MAX, i16::MAX, i16::MAX - 1, i16::MIN]);
 }

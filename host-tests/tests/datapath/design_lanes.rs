@@ -2,35 +2,17 @@
 
 use roughxel_cases::highlight::{highlight_sets, random_light};
 use roughxel_cases::lit_peak::{lit_peak_sets, random_lit_peak};
-use roughxel_cases::{hard_case_sets, random_fragment};
+use roughxel_cases::{CaseSet, hard_case_sets, random_fragment};
 use roughxel_core::bundle::Bundle;
 use roughxel_core::design::Form;
 use roughxel_core::plan::{Datapath, Effects};
-use roughxel_core::ports::{HighlightInput, PeakInput, Port, ReflectionInput};
+use roughxel_core::ports::Port;
 use roughxel_core::precision::Precision;
 use roughxel_core::soft_core;
 use roughxel_host_tests::space::{effects, in_turn, whole_or};
-use roughxel_net::integers::integers;
 use roughxel_shader::{Batch, LitPeaks, LitSurfaces, Reflections, Shader};
 
-use super::lanes::{lanes, profiles};
-
-/// Compares what lanes make of every input with the scalar backend, wire by wire.
-fn same<I: Form + Bundle<i32, In<i32> = I>, O: Form>(
-    inputs: &Batch<I>,
-    of_lanes: impl Fn(Shader<'_>, &mut Batch<O>),
-    p: &Precision,
-    of_one: impl Fn(&I) -> O,
-    what: &str,
-) {
-    let mut outputs = Batch::default();
-    for backend in lanes() {
-        of_lanes(Shader::new(backend, p), &mut outputs);
-        for (index, (input, output)) in inputs.iter().zip(outputs.iter()).enumerate() {
-            assert_eq!(integers(&output), integers(&of_one(&input)), "{what} #{index}, {backend:?}");
-        }
-    }
-}
+use super::lanes::{made_by_all, profiles};
 
 /// All effects together, and single choices of them, in a short run some with each profile.
 fn tried(datapath: Datapath, profile: &str) -> impl Iterator<Item = Effects> {
@@ -38,49 +20,53 @@ fn tried(datapath: Datapath, profile: &str) -> impl Iterator<Item = Effects> {
     [Effects::ALL.of(datapath)].into_iter().chain(some.map(|(_, effects)| effects))
 }
 
+/// Compares what all backends make of random inputs and of hard cases with what the datapath makes of each, wire by wire.
+fn hold<P, Plan, O>(
+    (datapath, profile, p): (Datapath, &str, &Precision),
+    random: impl Fn(&str, u64, &Precision) -> P,
+    sets: Vec<CaseSet<P, Plan>>,
+    run: impl Fn(&Batch<P::Wires>, &Effects, Shader<'_>, &mut Batch<O>),
+    of_one: impl Fn(&P::Wires, &Effects) -> O,
+) where
+    P: Port<Wires: Form + Bundle<i32, In<i32> = P::Wires>>,
+    O: Form,
+{
+    // Not a multiple of the lanes: the last group is not full.
+    let random = (0..whole_or(4003, 203)).map(|i| random("design lanes", i, p));
+    let hard = sets.into_iter().flat_map(|set| set.cases);
+    let inputs: Batch<P::Wires> = random.chain(hard).map(|case| case.wires()).collect();
+    for effects in tried(datapath, profile) {
+        let expected = Batch::from_iter(inputs.iter().map(|input| of_one(&input, &effects)));
+        let context = &|| format!("{profile}, {effects:?}");
+        made_by_all(&expected, p, context, |shader, outputs| run(&inputs, &effects, shader, outputs));
+    }
+}
+
 #[test]
 fn whole_datapaths_in_lanes_give_the_scalar_bits_on_every_tap() {
-    // Not a multiple of the lanes: the last group is not full.
-    let count = whole_or(4003, 203);
     for (profile, p) in profiles() {
-        let fragments = (0..count).map(|i| random_fragment("design lanes", i, &p).wires());
-        let hard = hard_case_sets(&p).into_iter().flat_map(|set| set.cases).map(|case| case.wires());
-        let fragments: Batch<ReflectionInput<i32>> = fragments.chain(hard).collect();
-        for effects in tried(Datapath::Reflection, profile) {
-            let plan = effects.reflection();
-            same(
-                &fragments,
-                |shader, outputs| Reflections { inputs: &fragments, plan: &plan }.run(shader, outputs),
-                &p,
-                |input| soft_core::fragment(input, &plan, &p),
-                profile,
-            );
-        }
-        let lights = (0..count).map(|i| random_light("design lanes", i, &p).wires());
-        let hard = highlight_sets(&p).into_iter().flat_map(|set| set.cases).map(|case| case.wires());
-        let lights: Batch<HighlightInput<i32>> = lights.chain(hard).collect();
-        for effects in tried(Datapath::Highlight, profile) {
-            let plan = effects.highlight();
-            same(
-                &lights,
-                |shader, outputs| LitSurfaces { inputs: &lights, plan: &plan }.run(shader, outputs),
-                &p,
-                |input| soft_core::highlight(input, &plan, &p),
-                profile,
-            );
-        }
-        let peaks = (0..count).map(|i| random_lit_peak("design lanes", i, &p).wires());
-        let hard = lit_peak_sets(&p).into_iter().flat_map(|set| set.cases).map(|case| case.wires());
-        let peaks: Batch<PeakInput<i32>> = peaks.chain(hard).collect();
-        for effects in tried(Datapath::Peak, profile) {
-            let plan = effects.peak();
-            same(
-                &peaks,
-                |shader, outputs| LitPeaks { inputs: &peaks, plan: &plan }.run(shader, outputs),
-                &p,
-                |input| soft_core::lit_peak(input, &plan, &p),
-                profile,
-            );
-        }
+        hold(
+            (Datapath::Reflection, profile, &p),
+            random_fragment,
+            hard_case_sets(&p),
+            |inputs, effects, shader, outputs| {
+                Reflections { inputs, plan: &effects.reflection() }.run(shader, outputs);
+            },
+            |input, effects| soft_core::fragment(input, &effects.reflection(), &p),
+        );
+        hold(
+            (Datapath::Highlight, profile, &p),
+            random_light,
+            highlight_sets(&p),
+            |inputs, effects, shader, outputs| LitSurfaces { inputs, plan: &effects.highlight() }.run(shader, outputs),
+            |input, effects| soft_core::highlight(input, &effects.highlight(), &p),
+        );
+        hold(
+            (Datapath::Peak, profile, &p),
+            random_lit_peak,
+            lit_peak_sets(&p),
+            |inputs, effects, shader, outputs| LitPeaks { inputs, plan: &effects.peak() }.run(shader, outputs),
+            |input, effects| soft_core::lit_peak(input, &effects.peak(), &p),
+        );
     }
 }

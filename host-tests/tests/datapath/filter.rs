@@ -5,13 +5,13 @@ use fixed::types::{I2F30, U0F32};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
-use roughxel_core::bundle::Value;
+use roughxel_core::bundle::{Bundle, End, Value};
 use roughxel_core::datapath::texel::{self, Quad};
 use roughxel_core::datapath::{TextureFootprint, probe_reach};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockPair, TextureIn};
-use roughxel_core::precision::{Precision, ProbeRule};
-use roughxel_core::signals::TexturePosition;
+use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights};
+use roughxel_core::signals::{Probes, TexturePosition};
 use roughxel_core::soft_core::texture_scale;
 use roughxel_core::stage::blend::{blend, bright};
 use roughxel_core::stage::filter::{
@@ -20,6 +20,7 @@ use roughxel_core::stage::filter::{
 use roughxel_core::stage::moments::{
     Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel, ramp, with_ramp,
 };
+use roughxel_core::stage::probes::weight;
 use roughxel_core::width::on_words;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::filter::{Map, trilinear as reference_trilinear};
@@ -119,6 +120,7 @@ proptest! {
         texels: [[u16; 4]; 2],
         weights in prop::array::uniform2(prop::array::uniform2(0_i32..1024)),
         level in 0_i32..4096,
+        words in prop::array::uniform2(prop::array::uniform4(-(1_i32 << 30)..=3 << 29)),
     ) {
         let exact = |texels: [u16; 4], [x, y]: [i32; 2]| {
             let [a, b, c, d] = texels.map(i64::from);
@@ -131,9 +133,11 @@ proptest! {
         let got = trilinear(texels.map(|level| level.map(i32::from)), weights, level, 8);
         // Each level is rounded to a word, then their mean: half a last place and another half.
         prop_assert!(((i64::from(got) << 24) - expected).abs() <= 1 << 24);
-        let lowest = texels.iter().flatten().min().copied().unwrap_or(0);
-        let highest = texels.iter().flatten().max().copied().unwrap_or(0);
-        prop_assert!((i32::from(lowest) << 8..=i32::from(highest) << 8).contains(&got), "no over- or undershoot");
+        let colours = texels.map(|level| level.map(|texel| i32::from(texel) << 8));
+        for (got, texels) in [(got, colours), (trilinear(words, weights, level, 0), words)] {
+            let texels = texels.as_flattened();
+            prop_assert!(texels.iter().min() <= Some(&got) && Some(&got) <= texels.iter().max(), "no over- or undershoot");
+        }
     }
 
     #[test]
@@ -317,6 +321,21 @@ fn probe_sums_are_the_rounded_weighted_mean() {
             exact += weight * i64::from(sample);
         }
         assert_eq!(i64::from(sum.mean().raw()), (exact + (1 << 15)) >> 16);
+    }
+}
+
+#[test]
+fn equal_probes_give_their_value_for_every_count_and_both_weight_laws() {
+    for probe_weights in [ProbeWeights::Box, ProbeWeights::Gaussian] {
+        let p = Precision { probe_weights, ..Precision::STANDARD };
+        for count in 1..=16 {
+            let probes = Probes { count: Fx::from_raw(count), ..Probes::<i32>::limit::<i32>(End::Low) };
+            let weights: Vec<_> = (0..count).map(|index| weight(&probes, Fx::from_raw(index), &p)).collect();
+            for sample in [0, 1, i32::MAX, i32::MIN, -1, 0x1234_5678].map(Fx::from_raw) {
+                let sum = weights.iter().fold(ProbeSum::<i32>::zero(), |sum, &weight| sum.add(sample, weight));
+                assert_eq!(sum.mean(), sample, "{count} probes, {probe_weights:?}");
+            }
+        }
     }
 }
 

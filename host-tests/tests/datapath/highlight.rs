@@ -5,14 +5,15 @@ use rayon::prelude::*;
 use roughxel_cases::CaseSet;
 use roughxel_cases::highlight::{FULL, highlight_sets, random_light};
 use roughxel_core::datapath;
-use roughxel_core::plan::{FrameSystem, SurfacePlan};
-use roughxel_core::ports::{BlockVector, HighlightIn, HighlightInput, HighlightOut, Port, Shininess, SurfaceIn};
+use roughxel_core::design::Design;
+use roughxel_core::plan::{Datapath, FrameSystem, SurfacePlan};
+use roughxel_core::ports::{BlockVector, HighlightIn, HighlightOut, Port, ReflectionIn, Shininess, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, real_offset, real_vector, shininess};
 use roughxel_core::status::StatusBit;
-use roughxel_core::width::narrowed;
 use roughxel_host_tests::bars::{ONE_PIXEL_BARS, highlight_bar};
-use roughxel_host_tests::checked::{Integers, Scalar, counted, first_difference, reread};
+use roughxel_host_tests::checked::{counted, reread};
+use roughxel_host_tests::designs::same_when_checked;
 use roughxel_host_tests::one_pixel::{EXPONENT, OnePixel};
 use roughxel_host_tests::reference::ellipse::Ellipse;
 use roughxel_host_tests::reference::frame;
@@ -20,7 +21,8 @@ use roughxel_host_tests::reference::highlight::{Highlight, Scene, highlight, lob
 use roughxel_host_tests::reference::linear::{Vector2, Vector3, cross, dot, norm};
 use roughxel_host_tests::reference::perturb::perturb;
 use roughxel_host_tests::reference::roughness::{decompose, isotropic_tangents, tangents};
-use roughxel_host_tests::space::{any_vectors, any_word, profiles};
+use roughxel_host_tests::space::{any_fragment, any_word, effects, profiles};
+use roughxel_net::integers::integers_at;
 use roughxel_utilities::random::SplitMix64;
 
 fn raised(out: &HighlightOut, bit: StatusBit) -> bool {
@@ -355,34 +357,15 @@ fn one_pixel_highlights_hold_their_bars() {
 
 /// Any bits at any port.
 fn any_highlight(random: &mut SplitMix64) -> HighlightIn {
-    let [normal, view, t0, t1, light] = any_vectors(random);
-    let [b1, b2, d1, d2, d3] = [0; 5].map(|_| I4F28::from_bits(any_word(random)));
-    let shininess =
-        Shininess { exponent: I16F16::from_bits(any_word(random)), root: I8F24::from_bits(any_word(random)) };
-    HighlightIn {
-        surface: SurfaceIn { normal, view, frame_vectors: [t0, t1], offset: [b1, b2], roughness: [d1, d2, d3] },
-        light,
-        shininess,
-    }
-}
-
-/// f in the scalar reading; panics where an integer of the checked one is another.
-fn checked_f<T: Scalar>(input: &HighlightInput<T>, plan: &SurfacePlan, p: &Precision) -> i32 {
-    let scalar = datapath::leave_highlight(&datapath::lit_surface(input, plan, p));
-    let (checked, _) = counted(|| datapath::leave_highlight(&datapath::lit_surface(&reread(input), plan, p)));
-    let (expected, got) = (Integers::of::<T, _>(&scalar), Integers::of::<T::Checked, _>(&checked));
-    assert_eq!(expected, got, "{:?} in {input:?}", first_difference(&expected, &got));
-    scalar.f.raw()
+    let ReflectionIn { surface, dview: [light, _], .. } = any_fragment(random);
+    let [exponent, root] = [(); 2].map(|()| any_word(random));
+    let shininess = Shininess { exponent: I16F16::from_bits(exponent), root: I8F24::from_bits(root) };
+    HighlightIn { surface, light, shininess }
 }
 
 #[test]
 fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
-    let mut plans = Vec::new();
-    for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
-        for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
-            plans.extend([false, true].map(|bump| SurfacePlan { bump, frame, roughness, local: false }));
-        }
-    }
+    let plans = effects(Some(Datapath::Highlight));
     for (name, p) in profiles() {
         let hard: Vec<_> = highlight_sets(&p).into_iter().flat_map(|set| set.cases).collect();
         (0..20_000_u64).into_par_iter().for_each(|index| {
@@ -392,11 +375,9 @@ fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
                 1 => random_light(name, index, &p),
                 _ => any_highlight(&mut random),
             };
-            let plan = &plans[random.below(plans.len() as u64) as usize];
-            let f = match p.word_bits() {
-                16 => checked_f::<i16>(&narrowed(&fragment.wires()), plan, &p),
-                _ => checked_f::<i32>(&fragment.wires(), plan, &p),
-            };
+            let effects = &plans[random.below(plans.len() as u64) as usize];
+            same_when_checked(Design::Highlight, &integers_at(&fragment.wires(), &p), effects, &p);
+            let f = fragment.highlight(&effects.highlight(), &p).f.to_bits();
             assert!((0..=1 << 24).contains(&f), "f of {fragment:?}");
         });
     }

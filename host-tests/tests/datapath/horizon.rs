@@ -5,7 +5,7 @@ use roughxel_cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_ho
 use roughxel_core::block::Block;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
-use roughxel_core::design::HorizonInput;
+use roughxel_core::design::{Design, HorizonInput};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::HorizonKind;
 use roughxel_core::ports::{BlockVector, Horizon, Port, SHARE, StoredHorizon};
@@ -17,7 +17,7 @@ use roughxel_core::stage::horizon::{self, product};
 use roughxel_core::width::on_words;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
-use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
+use roughxel_host_tests::side_by_side::same_in_every_reading;
 use roughxel_host_tests::space::profiles;
 use roughxel_utilities::random::SplitMix64;
 
@@ -268,9 +268,9 @@ fn every_reading_gives_the_same_bits() {
         cases.par_chunks(64).for_each(|cases| {
             let input = |case: &HorizonCase| {
                 let [light, eye] = [&case.light, &case.eye].map(|direction| block(direction, &p));
-                DesignInput::Horizon(HorizonInput { light, eye, horizon: case.horizon.wires() })
+                HorizonInput { light, eye, horizon: case.horizon.wires() }
             };
-            same_in_every_reading(&cases.iter().map(input).collect::<Vec<_>>(), &p);
+            same_in_every_reading::<{ Design::Horizon as usize }>(&cases.iter().map(input).collect::<Vec<_>>(), &p);
         });
     }
 }

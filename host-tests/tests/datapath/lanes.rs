@@ -1,7 +1,7 @@
-//! Lanes give the bits of the scalar backend: every operation, every stage of every fragment, every frame, with every
-//! instruction set of this machine. A failure names the first wire that differs.
+//! Lanes give the bits of the scalar backend: every pass of every fragment, with every instruction set of this machine. A failure names the first wire that
+//! differs.
 
-use std::path::Path;
+use std::ops::Range;
 
 use rayon::prelude::*;
 use roughxel_cases::{hard_case_sets, random_fragment};
@@ -18,23 +18,18 @@ use roughxel_core::signals::{MapScale, Probes, RepeatedFootprint, Sweep, Texture
 use roughxel_core::soft_core::{self, environment_scale, texture_scale};
 use roughxel_core::stage::moments;
 use roughxel_core::width::on_words;
-use roughxel_core::word::{Wire, Word};
-use roughxel_frame::Prepared;
-use roughxel_frame::plan::Mode;
-use roughxel_host_tests::bars;
 use roughxel_host_tests::checked::{Integers, first_difference};
-use roughxel_host_tests::space::{plans, sweep, whole_or};
-use roughxel_peaks::ScenePeaks;
-use roughxel_scene::Scene;
+use roughxel_host_tests::space::plans;
+use roughxel_net::integers::integers;
 use roughxel_shader::{
     Batch, BlockRows, BumpMap, BumpTexels, Bumped, Bumps, ByCount, ColourMap, Colours, CubeTexels, Derivatives,
     EnvironmentColours, Footprint, Footprints, Look, MapTexels, Places, Points, Ports, Reflected, RepeatedMap,
     RoughBump, Shader, Shown, Surfaces, Sweeps, TextureFootprints,
 };
-#[cfg(target_arch = "x86_64")]
-use roughxel_simd::{Avx2, Avx512};
-use roughxel_simd::{Backend, Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
+use roughxel_simd::{Backend, InstructionSet, LANES};
 use roughxel_utilities::random::SplitMix64;
+
+use super::lane_words::corner;
 
 /// The named profiles, and words of 16 bits with as few kept as a profile may.
 pub(super) fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
@@ -42,276 +37,11 @@ pub(super) fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
     roughxel_host_tests::space::profiles().into_iter().chain([narrowest])
 }
 
-/// A wide wire of words of 16 bits, and a count beside them.
-type NarrowWides<T> = Halves<Lanes<T>>;
-/// A wide wire of such counts.
-type NarrowWideCounts<T> = Halves<WideLanes<T>>;
-
-/// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar backend.
-fn instruction_sets() -> Vec<InstructionSet> {
-    for set in InstructionSet::ALL.into_iter().filter(|set| !set.is_available()) {
-        eprintln!("SKIPPED: this machine has no {set}");
-    }
-    InstructionSet::available().collect()
-}
-
-/// `check!(set => check::<T>(…))` with the type `T` of an instruction set.
-macro_rules! check {
-    ($set:expr => $check:ident($($argument:expr),*)) => {
-        match $set {
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx2 => $check::<Avx2>($($argument),*),
-            #[cfg(target_arch = "x86_64")]
-            InstructionSet::Avx512 => $check::<Avx512>($($argument),*),
-            #[cfg(not(target_arch = "x86_64"))]
-            set => panic!("{set} is of another machine"),
-        }
-    };
-}
-
-/// A wire with weight on the corners: the ends of the range, single bits, runs of ones; any bits else.
-fn corner(random: &mut SplitMix64) -> i64 {
-    let power = 1_i64 << random.below(64);
-    match random.below(8) {
-        0 => 0,
-        1 => i64::MIN.wrapping_add(random.below(3) as i64),
-        2 => i64::MAX - random.below(3) as i64,
-        3 => power,
-        4 => power.wrapping_neg(),
-        5 => power.wrapping_sub(1),
-        _ => random.next_u64() as i64 >> random.below(63),
-    }
-}
-
-/// Every operation that words and wide wires share, on all lanes, beside the scalar backend.
-macro_rules! shared_operations {
-    ($name:ident, $count:literal of $lanes:ident, $int:ty, $counts:ident) => {
-        fn $name<T: Target>(random: &mut SplitMix64) {
-            let mut lane = || core::array::from_fn(|_| corner(random) as $int);
-            let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
-            let counts: [i32; $count] = core::array::from_fn(|_| corner(random) as i32);
-            let (value, k) = (corner(random) as $int, random.below(u64::from(<$int>::BITS)) as u32);
-            let (x, y, n) = ($lanes::<T>::of(a), $lanes::<T>::of(b), $counts::<T>::of(counts));
-            let (below, positive) = (x.lt(y), $lanes::lit(0).lt(x));
-            macro_rules! same {
-                ($lanes_operation:expr, |$i:ident| $scalar:expr) => {
-                    // In the function that is compiled for the instruction set, as it is in a stage.
-                    let got = T::run(
-                        #[inline(always)]
-                        || $lanes_operation,
-                    );
-                    let name = stringify!($lanes_operation);
-                    for ($i, got) in got.lanes().iter().enumerate() {
-                        let operands = (a[$i], b[$i], counts[$i], k);
-                        assert_eq!(*got, $scalar, "{name} of {operands:?}");
-                    }
-                };
-            }
-            same!($lanes::<T>::lit(value.into()), |i| value + a[i].and(0));
-            same!(x.add(y), |i| a[i].add(b[i]));
-            same!(x.sub(y), |i| a[i].sub(b[i]));
-            same!(x.shl(k), |i| a[i].shl(k));
-            same!(x.sar(k), |i| a[i].sar(k));
-            same!(x.shl_by(n), |i| a[i].shl_by(counts[i]));
-            same!(x.sar_by(n), |i| a[i].sar_by(counts[i]));
-            same!(x.and(y), |i| a[i].and(b[i]));
-            same!(x.or(y), |i| a[i].or(b[i]));
-            same!(x.xor(y), |i| a[i].xor(b[i]));
-            same!(x.lt(y), |i| a[i].lt(b[i]));
-            same!(!below, |i| !a[i].lt(b[i]));
-            same!(below & positive, |i| a[i].lt(b[i]) & <$int>::lit(0).lt(a[i]));
-            same!(below | positive, |i| a[i].lt(b[i]) | <$int>::lit(0).lt(a[i]));
-            same!(Wire::select(below, x, y), |i| if a[i].lt(b[i]) { a[i] } else { b[i] });
-            same!(x.leading_zeros(), |i| a[i].leading_zeros() as i32);
-        }
-    };
-}
-
-shared_operations!(operations_of_words_and_wide_wires, 16 of Lanes, i32, Lanes);
-shared_operations!(operations_of_wide_wires, 16 of WideLanes, i64, Lanes);
-shared_operations!(operations_of_narrow_words_and_wide_wires, 32 of NarrowLanes, i16, NarrowWides);
-shared_operations!(operations_of_narrow_wide_wires_and_counts, 32 of NarrowWides, i32, NarrowWides);
-shared_operations!(operations_of_narrow_wide_counts, 32 of NarrowWideCounts, i64, NarrowWides);
-
-static TABLE: [i32; 1100] = {
-    let mut table = [0; 1100];
-    let mut place = 0;
-    while place < table.len() {
-        table[place] = (place as i32 + 1).wrapping_mul(-0x61c8_8647);
-        place += 1;
-    }
-    table
-};
-
-/// The operations of words alone.
-macro_rules! operations_of_words {
-    ($name:ident, $count:literal of $words:ident, $int:ty, $wides:ident, $wide:ty, $counts:ident) => {
-        fn $name<T: Target>(random: &mut SplitMix64) {
-            // No whole vector of entries; one, and whole ones; a page of 256 and more.
-            let lengths = [5, 16, 17, 32, 49, 77, 192, 256, 257, 768, 1024, 1100];
-            let table = &TABLE[..lengths[random.below(lengths.len() as u64) as usize]];
-            // Places of all of it and beyond, or all in one row of sixteen.
-            let row = random.below(table.len() as u64 / 16 + 2) as i32;
-            let (first, span) = if random.below(2) == 1 { (-1, table.len() as u64 + 40) } else { (16 * row, 16) };
-            let mut lane = || core::array::from_fn(|_| corner(random) as $int);
-            let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
-            let places: [i32; $count] = core::array::from_fn(|_| first + random.below(span) as i32);
-            let wide: [$wide; $count] = core::array::from_fn(|_| corner(random) as $wide);
-            let [x, y] = [a, b].map($words::<T>::of);
-            let (w, place) = ($wides::<T>::of(wide), $counts::<T>::of(places));
-            macro_rules! same {
-                ($operation:expr, $got:expr, |$i:ident| $scalar:expr) => {
-                    let got = T::run(
-                        #[inline(always)]
-                        || $got,
-                    );
-                    for ($i, got) in got.lanes().into_iter().enumerate() {
-                        let operands = (a[$i], b[$i], wide[$i], places[$i]);
-                        assert_eq!(got, $scalar, "{} of {operands:?}", $operation);
-                    }
-                };
-            }
-            same!("mul", x.mul(y), |i| a[i].mul(b[i]));
-            same!("widen", x.widen(), |i| a[i].widen());
-            same!("narrow", $words::<T>::narrow(w), |i| <$int>::narrow(wide[i]));
-            same!("lookup", $words::<T>::lookup(place, table), |i| <$int>::lookup(places[i], table));
-            same!("to_count", x.to_count(), |i| a[i].to_count());
-            same!("of_count", $words::<T>::of_count(place), |i| <$int>::of_count(places[i]));
-            for drop in 1..<$wide>::BITS {
-                for up in (0..<$int>::BITS).take_while(|up| drop + up < <$wide>::BITS) {
-                    let name = format!("round by {drop} + {up}");
-                    same!(name, $words::<T>::round(w, drop, up), |i| <$int>::round(wide[i], drop, up));
-                }
-            }
-        }
-    };
-}
-
-operations_of_words!(operations_of_words, 16 of Lanes, i32, WideLanes, i64, Lanes);
-operations_of_words!(operations_of_narrow_words, 32 of NarrowLanes, i16, NarrowWides, i32, NarrowWides);
-operations_of_words!(operations_of_narrow_counts, 32 of NarrowWides, i32, NarrowWideCounts, i64, NarrowWides);
-
-#[test]
-fn every_operation_gives_the_bits_of_the_scalar_reading() {
-    for set in instruction_sets() {
-        (0..whole_or(20_000_u64, 4000)).into_par_iter().for_each(|index| {
-            let random = &mut SplitMix64::for_element("operations", index);
-            check!(set => operations_of_words_and_wide_wires(random));
-            check!(set => operations_of_wide_wires(random));
-            check!(set => operations_of_words(random));
-            check!(set => operations_of_narrow_words_and_wide_wires(random));
-            check!(set => operations_of_narrow_wide_wires_and_counts(random));
-            check!(set => operations_of_narrow_wide_counts(random));
-            check!(set => operations_of_narrow_words(random));
-            check!(set => operations_of_narrow_counts(random));
-        });
-    }
-}
-
-/// Leading zeros of the words whose upper half is `upper`.
-fn leading_zeros_below<T: Target>(upper: u16) {
-    for lower in (0..=u16::MAX).step_by(LANES) {
-        let words = core::array::from_fn(|lane| i32::from(upper as i16) << 16 | i32::from(lower + lane as u16));
-        let zeros = T::run(
-            #[inline(always)]
-            || Lanes::<T>::of(words).leading_zeros(),
-        );
-        assert_eq!(zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
-    }
-}
-
-#[test]
-fn leading_zeros_are_those_of_every_word() {
-    // Without a sweep, words of whose upper halves the first bits are few.
-    let upper = (0..=u16::MAX).filter(|&upper| sweep() || upper.count_ones() <= 1 || upper % 257 == 0);
-    let upper: Vec<u16> = upper.collect();
-    for set in instruction_sets() {
-        upper.par_iter().for_each(|&upper| check!(set => leading_zeros_below(upper)));
-        check!(set => leading_zeros_of_narrow_words());
-    }
-}
-
-fn leading_zeros_of_narrow_words<T: Target>() {
-    for first in (0..=u16::MAX).step_by(NARROW_LANES) {
-        let words = core::array::from_fn(|lane| (first + lane as u16) as i16);
-        let zeros = T::run(
-            #[inline(always)]
-            || NarrowLanes::<T>::of(words).leading_zeros(),
-        );
-        assert_eq!(zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
-    }
-}
-
-/// Every wire of a bundle, without names.
-#[derive(Default)]
-struct Values(Vec<i64>);
-
-impl Rewire<i32, i32> for Values {
-    fn word(&mut self, wire: i32, _: u32) -> i32 {
-        self.0.push(wire.into());
-        wire
-    }
-    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
-        self.word(wire, fraction_bits)
-    }
-    fn wide(&mut self, wire: i64, _: u32) -> i64 {
-        self.0.push(wire);
-        wire
-    }
-    fn flag(&mut self, wire: bool) -> bool {
-        self.0.push(wire.into());
-        wire
-    }
-}
-
 fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), String> {
-    let values = |bundle: &B| {
-        let mut values = Values::default();
-        bundle.rewire::<i32, _>(&mut values);
-        values.0
-    };
-    if values(expected) == values(got) {
+    if integers(expected) == integers(got) {
         return Ok(());
     }
     Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
-}
-
-/// Compares the footprint of every fragment with the scalar backend, with every instruction set: every stage feeds it.
-///
-/// The surface is made on its own, too, and the reflection of what was made.
-fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
-    let scalar: Vec<_> = inputs.iter().map(|input| soft_core::reflection(input, scale, plan, p)).collect();
-    let ports = Ports::from_iter(inputs.iter().copied());
-    for set in InstructionSet::available() {
-        let shader = Shader::new(Backend::Simd(set), p);
-        let (mut surfaces, mut footprints, mut sweeps) = (Batch::default(), Batch::default(), Batch::default());
-        let mut points = Batch::default();
-        Surfaces::new(shader, &ports.bare, &ports.bumps, &plan.surface()).run(shader, &mut surfaces);
-        Points(&surfaces).run(shader, &mut points);
-        let reflected = Reflected { surfaces: &surfaces, derivatives: &ports.derivatives, scale, plan };
-        // What fetching needs comes without what the other kind of footprint has.
-        match plan.footprint {
-            FootprintKind::Sphere => Sweeps(reflected).run(shader, &mut sweeps),
-            _ => Footprints(reflected).run(shader, &mut footprints),
-        }
-        assert_eq!([surfaces.len(), points.len(), footprints.len() + sweeps.len()], [inputs.len(); 3], "{set}");
-        for (index, expected) in scalar.iter().enumerate() {
-            let context = |difference| format!("{set}, {plan:?}: {difference}");
-            same_wires(&expected.surface, &surfaces.get(index)).map_err(context).unwrap();
-            same_wires(&expected.point, &points.get(index)).map_err(context).unwrap();
-            if index < footprints.len() {
-                same_wires(&Footprint::of(expected), &footprints.get(index)).map_err(context).unwrap();
-            }
-            if index < sweeps.len() {
-                same_wires(&expected.sweep, &sweeps.get(index)).map_err(context).unwrap();
-            }
-        }
-    }
-}
-
-/// All backends of this machine but the scalar one.
-pub(super) fn lanes() -> impl Iterator<Item = Backend> {
-    InstructionSet::available().map(Backend::Simd)
 }
 
 /// Every wire of every fragment is that of the scalar backend.
@@ -319,6 +49,53 @@ pub(super) fn same_columns<B: Form>(expected: &Batch<B>, got: &Batch<B>, context
     assert_eq!(expected.len(), got.len(), "{}", context());
     for (expected, got) in expected.iter().zip(got.iter()) {
         same_wires(&expected, &got).unwrap_or_else(|difference| panic!("{}: {difference}", context()));
+    }
+}
+
+/// Every backend of this machine makes that of every fragment.
+pub(super) fn made_by_all<B: Form>(
+    expected: &Batch<B>,
+    p: &Precision,
+    context: &dyn Fn() -> String,
+    make: impl Fn(Shader<'_>, &mut Batch<B>),
+) {
+    let mut got = Batch::default();
+    for backend in InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar]) {
+        make(Shader::new(backend, p), &mut got);
+        same_columns(expected, &got, &|| format!("{}, {backend}", context()));
+    }
+}
+
+/// Every backend makes of every fragment what the scalar one makes.
+fn same_in_lanes<B: Form>(p: &Precision, context: &dyn Fn() -> String, make: impl Fn(Shader<'_>, &mut Batch<B>)) {
+    let mut expected = Batch::default();
+    make(Shader::new(Backend::Scalar, p), &mut expected);
+    made_by_all(&expected, p, context, make);
+}
+
+/// Compares the footprint of every fragment with the scalar datapath, with every backend: every stage feeds it.
+///
+/// The surface is made on its own, too, and the reflection of what was made.
+fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
+    let scalar: Vec<_> = inputs.iter().map(|input| soft_core::reflection(input, scale, plan, p)).collect();
+    let (ports, surfaces) = (Ports::from_iter(inputs.iter().copied()), scalar.iter().map(|stages| stages.surface));
+    let (surfaces, context) = (Batch::from_iter(surfaces), &|| format!("{plan:?}"));
+    made_by_all(&surfaces, p, context, |shader, got| {
+        Surfaces::new(shader, &ports.bare, &ports.bumps, &plan.surface()).run(shader, got);
+    });
+    let points = Batch::from_iter(scalar.iter().map(|stages| stages.point));
+    made_by_all(&points, p, context, |shader, got| Points(&surfaces).run(shader, got));
+    let reflected = Reflected { surfaces: &surfaces, derivatives: &ports.derivatives, scale, plan };
+    // What fetching needs comes without what the other kind of footprint has.
+    match plan.footprint {
+        FootprintKind::Sphere => {
+            let sweeps = Batch::from_iter(scalar.iter().map(|stages| stages.sweep));
+            made_by_all(&sweeps, p, context, |shader, got| Sweeps(reflected).run(shader, got));
+        }
+        _ => {
+            let footprints = Batch::from_iter(scalar.iter().map(Footprint::of));
+            made_by_all(&footprints, p, context, |shader, got| Footprints(reflected).run(shader, got));
+        }
     }
 }
 
@@ -392,8 +169,7 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
 
             let mut scale = environment_scale(edge as u16, &p);
             scale.last_level = Fx::from_raw(levels as i32 - 1);
-            let fragments = (0..1 + index % 70).map(|i| random_fragment(name, 1000 * index + i, &p).wires());
-            let ports = Ports::from_iter(fragments);
+            let ports = Ports::from_iter(random_inputs(name, 1000 * index..1000 * index + 1 + index % 70, &p));
             let plan = &ReflectionPlan::FULL;
             let (mut surfaces, mut footprints, mut sweeps) = <(Batch<_>, Batch<_>, Batch<_>)>::default();
             let scalar = Shader::new(Backend::Scalar, &p);
@@ -418,12 +194,8 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             looking(Look::Face(&one_probe)).run(scalar, &mut by_count, &mut shown[1]);
             same_columns(&shown[0], &shown[1], &|| format!("{name}, a point, edge {edge}"));
             for at in [Look::Point(&points), Look::Face(&footprints), Look::Sphere(&sweeps)] {
-                let (mut expected, mut got) = (Batch::default(), Batch::default());
-                looking(at).run(scalar, &mut by_count, &mut expected);
-                for backend in lanes() {
-                    looking(at).run(Shader::new(backend, &p), &mut by_count, &mut got);
-                    same_columns(&expected, &got, &|| format!("{name}, {backend}, edge {edge}, bright {is_bright}"));
-                }
+                let context = &|| format!("{name}, edge {edge}, bright {is_bright}");
+                same_in_lanes(&p, context, |shader, got| looking(at).run(shader, &mut ByCount::default(), got));
             }
         });
     }
@@ -487,26 +259,15 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
             let colours = &ColourMap { texels: MapTexels::new(map.clone(), colours), exponent };
             let smooth = BumpMap { texels: BumpTexels::Smooth(MapTexels::new(map.clone(), smooth)), scale };
             let rough = BumpMap { texels: BumpTexels::Rough(MapTexels::new(map, rough)), scale };
-            let scalar = Shader::new(Backend::Scalar, &p);
             for footprints in [None, Some(&probes)] {
                 let places = Places { centres: &centres, footprints };
                 let context = |what: &str| format!("{name}, {what}, {size:?}, filtered {}", footprints.is_some());
-                let (mut expected, mut got) = (Batch::default(), Batch::default());
                 let pass = Colours { places, map: colours, own: &own };
-                pass.run(scalar, &mut expected);
-                for backend in lanes() {
-                    pass.run(Shader::new(backend, &p), &mut got);
-                    same_columns(&expected, &got, &|| context(&format!("colours, {backend}")));
-                }
+                same_in_lanes(&p, &|| context("colours"), |shader, got| pass.run(shader, got));
                 let kinds = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
                 for (kind, map) in kinds.into_iter().flat_map(|kind| [(kind, &smooth), (kind, &rough)]) {
-                    let (mut expected, mut got) = (Batch::default(), Batch::default());
                     let pass = Bumps { places, map, kind };
-                    pass.run(scalar, &mut expected);
-                    for backend in lanes() {
-                        pass.run(Shader::new(backend, &p), &mut got);
-                        same_columns(&expected, &got, &|| context(&format!("bumps {kind:?}, {backend}")));
-                    }
+                    same_in_lanes(&p, &|| context(&format!("bumps {kind:?}")), |shader, got| pass.run(shader, got));
                 }
             }
         });
@@ -563,8 +324,9 @@ fn columns_know_their_words() {
     }
 }
 
-fn wires(fragments: &[ReflectionIn]) -> Vec<ReflectionInput<i32>> {
-    fragments.iter().map(Port::wires).collect()
+/// Ports of those fragments of a random set.
+fn random_inputs(name: &str, indices: Range<u64>, p: &Precision) -> Vec<ReflectionInput<i32>> {
+    indices.map(|index| random_fragment(name, index, p).wires()).collect()
 }
 
 /// The scale of the environment of the first fragment, for all.
@@ -577,7 +339,7 @@ fn every_hard_case_gives_the_bits_of_the_scalar_reading() {
     let plans = plans();
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
-            let inputs = wires(&set.cases);
+            let inputs: Vec<_> = set.cases.iter().map(Port::wires).collect();
             inputs.par_chunks(64).enumerate().for_each(|(chunk, inputs)| {
                 let scale = scale_of(inputs, &p);
                 compare(inputs, &scale, &set.plan, &p);
@@ -592,9 +354,7 @@ fn random_fragments_give_the_bits_of_the_scalar_reading() {
     let plans = plans();
     for (name, p) in profiles() {
         (0..160_u64).into_par_iter().for_each(|batch| {
-            let start = 200 * batch;
-            let fragments: Vec<_> = (start..start + 200).map(|index| random_fragment(name, index, &p)).collect();
-            let inputs = wires(&fragments);
+            let inputs = random_inputs(name, 200 * batch..200 * (batch + 1), &p);
             let scale = scale_of(&inputs, &p);
             compare(&inputs, &scale, &ReflectionPlan::FULL, &p);
             // Batches of any length, faces and probe counts mixed as they come.
@@ -627,9 +387,7 @@ fn fragments_of_one_frame_have_the_surface_that_each_has_alone() {
     let plans = plans();
     for (name, p) in profiles() {
         (0..60_u64).into_par_iter().for_each(|batch| {
-            let count = 1 + 3 * batch;
-            let fragments: Vec<_> = (0..count).map(|index| random_fragment(name, 200 * batch + index, &p)).collect();
-            let mut inputs = wires(&fragments);
+            let mut inputs = random_inputs(name, 200 * batch..203 * batch + 1, &p);
             let SurfaceInput { normal, frame_vectors, .. } = inputs[0].surface;
             for input in &mut inputs {
                 input.surface = SurfaceInput { normal, frame_vectors, ..input.surface };
@@ -676,8 +434,7 @@ fn wires_that_no_port_carries_give_the_bits_of_the_scalar_reading() {
 #[test]
 fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     let p = Precision::STANDARD;
-    let fragments: Vec<_> = (0..LANES as u64).map(|index| random_fragment("mixed", index, &p)).collect();
-    let inputs = wires(&fragments);
+    let inputs = random_inputs("mixed", 0..LANES as u64, &p);
     let scale = scale_of(&inputs, &p);
     let ports = Ports::from_iter(inputs.iter().copied());
     let footprints = ports.footprints(Shader::new(Backend::best(), &p), &scale, &ReflectionPlan::FULL);
@@ -695,16 +452,12 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
 #[test]
 fn batches_of_any_length_come_back_in_order() {
     for p in [Precision::STANDARD, Precision::NARROW] {
-        let fragments: Vec<_> = (0..100).map(|index| random_fragment("length", index, &p)).collect();
-        let inputs = wires(&fragments);
+        let inputs = random_inputs("length", 0..100, &p);
         for length in 0..=inputs.len() {
             compare(&inputs[..length], &scale_of(&inputs, &p), &ReflectionPlan::FULL, &p);
         }
     }
 }
-
-/// Scenes with a highlight, with given peaks, with those of maps, with horizons.
-const LIT_SCENES: [&str; 4] = ["highlight", "velvet", "spheres-sphere", "horizon-plane"];
 
 #[test]
 fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
@@ -734,17 +487,9 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                     RepeatedFootprint { probes, reach }
                 })
             });
-            let scalar: Vec<RepeatedFootprint<i32>> = scalar.collect();
-            for backend in instruction_sets().into_iter().map(Backend::Simd).chain([Backend::Scalar]) {
-                let mut probes = Batch::default();
-                let pass = TextureFootprints { derivatives: &derivatives, scale: &scale, is_rough: rough };
-                pass.run(Shader::new(backend, &p), &mut probes);
-                assert_eq!(probes.len(), scalar.len());
-                for ((expected, got), duv) in scalar.iter().zip(probes.iter()).zip(derivatives.iter()) {
-                    let context = |difference| format!("{name}, {backend}, {size:?}, {duv:?}: {difference}");
-                    same_wires(expected, &got).map_err(context).unwrap();
-                }
-            }
+            let (scalar, context) = (Batch::from_iter(scalar), &|| format!("{name}, {size:?}, {derivatives:?}"));
+            let pass = TextureFootprints { derivatives: &derivatives, scale: &scale, is_rough: rough };
+            made_by_all(&scalar, &p, context, |shader, got| pass.run(shader, got));
         });
     }
 }
@@ -756,39 +501,4 @@ pub(super) fn stored_peak(bits: &mut AnyBits) -> Peak<i32> {
     let code = |x: Fx<i32, 32>| Fx::from_raw(x.raw() & 0xffff);
     let normal = any.normal.map(|x| Fx::from_raw(i32::from(x.raw() as i16)));
     Peak { normal, amplitude: code(any.amplitude), exponent: code(any.exponent) }
-}
-
-#[test]
-fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
-    let backends: Vec<_> = instruction_sets().into_iter().map(Backend::Simd).chain([Backend::Scalar]).collect();
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
-    let golden = std::fs::read_to_string(golden).unwrap();
-    for name in bars::SCENES.into_iter().chain(LIT_SCENES) {
-        let scene = Scene::builtin(name).unwrap().unwrap().with_size(64, 48).unwrap();
-        let peaks = ScenePeaks::new(&scene, true, None, &|_| ()).unwrap();
-        for mode in [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }] {
-            let prefix = format!("{name} standard {mode} ");
-            let expected = golden.lines().find_map(|line| line.strip_prefix(&prefix)).expect("a golden frame");
-            for &backend in &backends {
-                let prepared = Prepared::with_peaks(&scene, mode, &Precision::STANDARD, &peaks).unwrap();
-                let prepared = prepared.with_backend(backend);
-                let counts: &[usize] = if sweep() || mode == Mode::Footprint { &[1, 2, 7] } else { &[2] };
-                for &threads in counts {
-                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                    let digest = pool.install(|| prepared.render(&|| ())).unwrap().digest();
-                    assert_eq!(digest, expected, "{name}, {mode}, {backend}, {threads} threads");
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn a_reading_is_named_as_it_is_printed() {
-    let backends = InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar, Backend::best()]);
-    for backend in backends {
-        assert_eq!(backend.to_string().parse(), Ok(backend));
-    }
-    let error = "lanes".parse::<Backend>().unwrap_err();
-    assert!(error.contains("scalar"), "{error}");
 }

@@ -18,15 +18,10 @@ use roughxel_shader::{
     Batch, GivenPeaks, Halves, Highlights, HorizonSlopes, LightOnPeaks, Lit, MOST_PEAKS, PackedPeak, PeakTexels,
     PeaksRead, Places, Ports, RepeatedMap, Shader, Shown, Slopes, Surfaces,
 };
-use roughxel_simd::Backend;
+use roughxel_simd::{Backend, InstructionSet};
 use roughxel_utilities::random::SplitMix64;
 
-use super::lanes::{AnyBits, lanes, profiles, random_views, same_columns, stored_peak};
-
-/// All backends of this machine.
-fn backends() -> impl Iterator<Item = Backend> {
-    lanes().chain([Backend::Scalar])
-}
+use super::lanes::{AnyBits, made_by_all, profiles, random_views, same_columns, stored_peak};
 
 /// As many random surfaces, with the direction from each to a light.
 fn lit_surfaces(
@@ -113,22 +108,14 @@ fn highlights_and_given_peaks_in_lanes_are_those_of_one_fragment() {
                 shown(sum(light), &colour)
             }));
             let slopes = Batch::from_iter(lit().map(|(surface, light)| slopes(&surface, &light, &p)));
-            for backend in backends() {
-                let (shader, lit) = (Shader::new(backend, &p), Lit { surfaces: &surfaces, directions: &lights });
-                let context = |what: &'static str| move || format!("{name} {index}, {backend}, {what}");
-                let mut got = Batch::default();
-                Highlights { lit, shininess, plan: &plan, colour: &colour }.run(shader, &mut got);
-                same_columns(&highlights, &got, &context("highlights"));
-                let mut got = Batch::default();
-                Halves(lit).run(shader, &mut got);
-                same_columns(&halves, &got, &context("halves"));
-                let mut got = Batch::default();
-                HorizonSlopes(lit).run(shader, &mut got);
-                same_columns(&slopes, &got, &context("slopes"));
-                let mut got = Batch::default();
-                GivenPeaks { halves: &halves, peaks: &given, colour: &colour }.run(shader, &mut got);
-                same_columns(&peaks, &got, &context("given peaks"));
-            }
+            let lit = Lit { surfaces: &surfaces, directions: &lights };
+            let context = |what: &'static str| move || format!("{name} {index}, {what}");
+            let pass = Highlights { lit, shininess, plan: &plan, colour: &colour };
+            made_by_all(&highlights, &p, &context("highlights"), |shader, got| pass.run(shader, got));
+            made_by_all(&halves, &p, &context("halves"), |shader, got| Halves(lit).run(shader, got));
+            made_by_all(&slopes, &p, &context("slopes"), |shader, got| HorizonSlopes(lit).run(shader, got));
+            let pass = GivenPeaks { halves: &halves, peaks: &given, colour: &colour };
+            made_by_all(&peaks, &p, &context("given peaks"), |shader, got| pass.run(shader, got));
         });
     }
 }
@@ -229,7 +216,7 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
                     shown(mean.channels[0], &colour)
                 }));
                 let (mut halves, mut slopes) = (Batch::default(), Batch::default());
-                for backend in backends() {
+                for backend in InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar]) {
                     let (mut read, mut got) = (PeaksRead::default(), Batch::default());
                     let (shader, lit) = (Shader::new(backend, &p), Lit { surfaces: &surfaces, directions: &lights });
                     Halves(lit).run(shader, &mut halves);

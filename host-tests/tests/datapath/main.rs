@@ -11,6 +11,8 @@ mod float_datapath;
 mod hard_cases;
 mod highlight;
 mod horizon;
+mod lane_frames;
+mod lane_words;
 mod lanes;
 mod lit_lanes;
 mod lemmas;

@@ -9,7 +9,7 @@ use roughxel_cases::peak_and_horizon::{LocalCase, PeakCase, WHOLE, peak_hard_set
 use roughxel_core::block::Block;
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
-use roughxel_core::design::StoredPeakInput;
+use roughxel_core::design::{Design, StoredPeakInput};
 use roughxel_core::elementary::{VERSINE, cosine_power, minus_log2_one_minus, short_number};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockVector, LIGHT, Port, StoredPeak};
@@ -22,7 +22,7 @@ use roughxel_core::width::on_words;
 use roughxel_host_tests::bars::shading_bars;
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;
-use roughxel_host_tests::side_by_side::{DesignInput, same_in_every_reading};
+use roughxel_host_tests::side_by_side::same_in_every_reading;
 use roughxel_host_tests::space::{profiles, wide_profiles};
 use roughxel_shader::PackedPeak;
 use roughxel_utilities::random::SplitMix64;
@@ -418,8 +418,8 @@ fn every_reading_gives_the_same_bits() {
         let sets = peak_hard_sets(&p).into_iter().flat_map(|set| set.cases);
         let cases: Vec<PeakCase> = sets.chain((0..2000).map(|index| random_peak_case(name, index, &p))).collect();
         cases.par_chunks(64).for_each(|cases| {
-            let halves: Vec<_> = cases.iter().map(|case| DesignInput::Local(case.half.wires(&p))).collect();
-            same_in_every_reading(&halves, &p);
+            let halves: Vec<_> = cases.iter().map(|case| case.half.wires(&p)).collect();
+            same_in_every_reading::<{ Design::Local as usize }>(&halves, &p);
             let mut inputs = Vec::new();
             for case in cases {
                 let h = local(&case.half, &p);
@@ -427,11 +427,11 @@ fn every_reading_gives_the_same_bits() {
                 for (peak, weight) in &case.peaks {
                     let (peak, weight) = (peak.wires(), Fx::from_raw(*weight as i32));
                     let words = PackedPeak::from(&peak).words();
-                    inputs.push(DesignInput::Peak(StoredPeakInput { half: h, words, weight, sum }));
+                    inputs.push(StoredPeakInput { half: h, words, weight, sum });
                     sum = datapath::peak_sum(&sum, datapath::peak(&h, &peak, weight, &p));
                 }
             }
-            same_in_every_reading(&inputs, &p);
+            same_in_every_reading::<{ Design::Peak as usize }>(&inputs, &p);
         });
     }
 }

@@ -12,17 +12,16 @@ use roughxel_core::precision::Precision;
 use roughxel_core::scanline::{Attributes, Fragment, Fragments, MAX_INVERSE_W, MAX_POSITION, ScreenVertex, Triangle};
 use roughxel_core::setup::{block_vector, real_pair, real_vector};
 
+#[path = "../../../core/oracle/tests/oracle/scanline/truth.rs"]
+#[expect(unreachable_pub, dead_code, reason = "the oracle judges by it, too")]
+mod truth;
+
+use truth::{PIXEL, Truth, angle, clockwise, real, shares_of_bars, vertex};
+
 /// As many bits as a set-up in floating point may keep.
 const CODES: Precision = Precision { fraction_bits: 28, ..Precision::PRECISE };
 /// Every column there is.
 const EVERYWHERE: Range<i32> = -5000..5000;
-/// One pixel in the units of a vertex.
-const PIXEL: i32 = 256;
-
-fn vertex(x: i32, y: i32) -> ScreenVertex {
-    ScreenVertex { x, y, inverse_w: 1 << 30 }
-}
-
 fn block_pair(uv: DVec2) -> BlockPair {
     let BlockVector { mantissa: [u, v, _], exponent } = block_vector(uv.extend(0.0), &CODES);
     BlockPair { mantissa: [u, v], exponent }
@@ -31,124 +30,6 @@ fn block_pair(uv: DVec2) -> BlockPair {
 /// The bits of a port whose largest component may be 1.
 fn mantissas<const N: usize>(bits: [i32; N], exponent: i16) -> BlockPort<N> {
     BlockPort { mantissa: bits.map(I2F30::from_bits), exponent }
-}
-
-/// Edge functions of a triangle in square sub-pixels, opposite to their vertices, and what they grow by per pixel. Exact.
-fn edge_functions(v: &[ScreenVertex; 3], x: i32, y: i32) -> ([f64; 3], [[f64; 3]; 2]) {
-    let at = |i: usize| DVec2::new(f64::from(v[i % 3].x), f64::from(v[i % 3].y));
-    let centre = DVec2::new(f64::from(PIXEL * x + PIXEL / 2), f64::from(PIXEL * y + PIXEL / 2));
-    let sides = [1, 2, 3].map(|i| (at(i), at(i + 1) - at(i)));
-    let growth = [sides.map(|(_, side)| -side.y), sides.map(|(_, side)| side.x)];
-    (sides.map(|(a, side)| side.perp_dot(centre - a)), growth.map(|g| g.map(|g| g * f64::from(PIXEL))))
-}
-
-/// The corners so that they run clockwise.
-fn clockwise(mut v: [ScreenVertex; 3]) -> [ScreenVertex; 3] {
-    if edge_functions(&v, 0, 0).0.iter().sum::<f64>() < 0.0 {
-        v.swap(1, 2);
-    }
-    v
-}
-
-/// What float64 makes of an attribute at a pixel.
-#[derive(Clone, Copy, Debug)]
-struct Truth {
-    /// a, perspective-correct, and its derivatives to the right and down.
-    a: DVec3,
-    da: [DVec3; 2],
-    /// A and its derivatives.
-    sum: DVec3,
-    dsum: [DVec3; 2],
-    /// W and |dW|/W.
-    w: f64,
-    perspective: [f64; 2],
-    /// The largest qᵢ|aᵢ| of a corner, times the area.
-    largest: f64,
-    /// The same times what edge functions grow by.
-    steepest: [f64; 2],
-}
-
-impl Truth {
-    fn new(v: &[ScreenVertex; 3], corners: [DVec3; 3], x: i32, y: i32) -> Self {
-        let q = v.map(|v| f64::from(v.inverse_w));
-        let (e, de) = edge_functions(v, x, y);
-        let weight = |e: [f64; 3]| (0..3).map(|i| e[i] * q[i]).sum::<f64>();
-        let vector = |e: [f64; 3], a: [DVec3; 3]| (0..3).map(|i| a[i] * (e[i] * q[i])).sum::<DVec3>();
-        let (w, sum) = (weight(e), vector(e, corners));
-        let a = sum / w;
-        let largest = (0..3).map(|i| q[i] * corners[i].length()).fold(0.0, f64::max);
-        Self {
-            a,
-            // Differences first: nothing cancels that the datapath could lose and float64 not.
-            da: de.map(|de| vector(de, corners.map(|corner| corner - a)) / w),
-            sum,
-            dsum: de.map(|de| vector(de, corners)),
-            w,
-            perspective: de.map(|de| weight(de).abs() / w),
-            largest: largest * e.iter().sum::<f64>(),
-            steepest: de.map(|de| largest * de.iter().map(|x| x.abs()).sum::<f64>()),
-        }
-    }
-
-    /// How much more than A is here what its last bits were cut for.
-    fn loss(&self) -> f64 {
-        self.largest / self.sum.length()
-    }
-}
-
-fn angle(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
-}
-
-/// Attributes of a triangle in float64 as its ports have them.
-fn real(corners: &[BlockVector; 3]) -> [DVec3; 3] {
-    corners.map(|corner| real_vector(&corner))
-}
-
-/// Errors of one fragment over what the module claims of them; none is beyond 1.
-fn shares_of_bars(
-    v: &[ScreenVertex; 3],
-    corners: &Attributes,
-    fragment: &Fragment,
-    y: i32,
-) -> Vec<(&'static str, f64)> {
-    let truth = |attribute: &[BlockVector; 3]| Truth::new(v, real(attribute), fragment.x, y);
-    let [n, view, h] = [&corners.normal, &corners.view, &corners.main_direction].map(truth);
-    let SurfaceIn { normal, view: found_view, frame_vectors: [found_h, _], .. } = fragment.reflection.surface;
-    let mut shares = Vec::new();
-    for (name, truth, found) in [("n", n, normal), ("v", view, found_view), ("h", h, found_h)] {
-        let bar = (-28_f64).exp2() + (-37_f64).exp2() * truth.loss();
-        shares.push((name, angle(real_vector(&found), truth.sum) / bar));
-    }
-    let lengths = [n.a.length() / real_vector(&normal).length(), view.sum.length() / real_vector(&found_view).length()];
-    // W is positive at every pixel, but where it is far less than at a corner it has lost bits itself.
-    let weights = Truth::new(v, [DVec3::X; 3], fragment.x, y);
-    let lost = n.loss().max(weights.loss());
-    for axis in [0, 1] {
-        let found = real_vector(&fragment.reflection.dview[axis]) * lengths[1];
-        let bar = (-27_f64).exp2() * view.dsum[axis].length()
-            + (-38_f64).exp2() * (view.steepest[axis] + view.loss() * view.dsum[axis].length());
-        shares.push(("dv", (found - view.dsum[axis]).length() / bar));
-
-        let found = real_vector(&fragment.reflection.dnormal[axis]) * lengths[0];
-        let bar = ((-27_f64).exp2() + (-36_f64).exp2() * lost)
-            * (n.da[axis].length() + n.a.length() * n.perspective[axis])
-            + (-38_f64).exp2() * (n.steepest[axis] + n.a.length() * weights.steepest[axis]) / n.w;
-        shares.push(("dn", (found - n.da[axis]).length() / bar));
-    }
-    if let (Some(uv), Some(texture)) = (corners.uv, fragment.texture) {
-        let uv = Truth::new(v, uv.map(|uv| real_pair(&uv).extend(0.0)), fragment.x, y);
-        let relative = (-27_f64).exp2() + (-36_f64).exp2() * uv.loss().min(uv.largest / uv.w).max(weights.loss());
-        for axis in [0, 1] {
-            let off = texture.uv[axis].to_num::<f64>() - uv.a[axis];
-            shares.push(("u", (off - off.round()).abs() / (relative * uv.a.length().max(1.0))));
-            let off = (real_pair(&texture.duv[axis]).extend(0.0) - uv.da[axis]).length();
-            let bar = 2.0 * relative * (uv.da[axis].length() + uv.a.length() * uv.perspective[axis])
-                + (-38_f64).exp2() * (uv.steepest[axis] + uv.a.length() * weights.steepest[axis]) / uv.w;
-            shares.push(("du", off / bar));
-        }
-    }
-    shares
 }
 
 fn config() -> ProptestConfig {
@@ -326,29 +207,6 @@ proptest! {
     }
 
     #[test]
-    fn a_span_is_the_pixels_whose_centres_are_inside(
-        places in [[-20..=20, -20..=20], [-20..=20, -20..=20], [-20..=20, -20..=20]], unit in 1..=128,
-        first in -25..25, width in 0..50,
-    ) {
-        // In units of half a pixel many centres are on edges and corners.
-        let v = clockwise(places.map(|[x, y]| vertex(x * unit, y * unit)));
-        let Some(triangle) = Triangle::new(&v) else { return Ok(()) };
-        for y in -25..25 {
-            let inside = |&x: &i32| {
-                let (e, [_, growth_down]) = edge_functions(&v, x, y);
-                let [growth_across, _] = edge_functions(&v, x, y).1;
-                // A left edge grows to the right, a top edge downwards alone.
-                (0..3).all(|i| {
-                    let owns = growth_across[i] > 0.0 || (growth_across[i] == 0.0 && growth_down[i] > 0.0);
-                    e[i] > 0.0 || (e[i] == 0.0 && owns)
-                })
-            };
-            let expected: Vec<i32> = (first..first + width).filter(inside).collect();
-            prop_assert_eq!(triangle.span(y, first..first + width).collect::<Vec<_>>(), expected);
-        }
-    }
-
-    #[test]
     fn triangles_that_share_edges_cover_each_pixel_once(place in [0_i32..=32, 0_i32..=32], fine in [0_i32..128, 0_i32..128], whole: bool) {
         // Four triangles around a point in a square of 16 by 16 pixels; often the point is the centre of one, and centres are on all edges.
         let [x, y] = [0, 1].map(|i: usize| (place[i] * 128 + if whole { 0 } else { fine[i] }).min(16 * PIXEL));
@@ -406,27 +264,6 @@ fn nothing_overflows_at_the_ends_of_the_ranges() {
         }
     }
     assert!(inside > 10_000, "{inside} pixels were inside");
-}
-
-#[test]
-fn no_triangle_without_area_from_behind_or_out_of_range() {
-    let front = [vertex(0, 0), vertex(PIXEL, 0), vertex(0, PIXEL)];
-    assert!(Triangle::new(&front).is_some());
-    let [a, b, c] = front;
-    for behind in [[a, c, b], [c, b, a], [b, a, c]] {
-        assert!(Triangle::new(&behind).is_none());
-    }
-    for empty in [[a, a, a], [a, b, b], [a, b, vertex(3 * PIXEL, 0)], [a, b, vertex(-PIXEL, 0)]] {
-        assert!(Triangle::new(&empty).is_none());
-    }
-    let far = MAX_POSITION + 1;
-    let outside = [vertex(far, 0), vertex(-far, 0), vertex(0, far), vertex(0, -far), vertex(i32::MIN, i32::MAX)];
-    let weights = [0, MAX_INVERSE_W + 1, u32::MAX].map(|inverse_w| ScreenVertex { inverse_w, ..c });
-    for c in outside.into_iter().chain(weights) {
-        for vertices in [[a, b, c], [a, c, b]] {
-            assert!(Triangle::new(&vertices).is_none(), "{c:?}");
-        }
-    }
 }
 
 #[test]

@@ -32,6 +32,8 @@ pub(crate) fn everything_with_a_name_is_found_by_it() {
     );
     are_names(StatusBit::ALL, |bit| bit.name(), |name| StatusBit::ALL.iter().copied().find(|bit| bit.name() == name));
     assert_eq!(Profile::ALL.map(Profile::name), Profile::NAMES);
+    assert_eq!(["Standard", ""].map(Profile::by_name), [None; 2]);
+    assert_eq!(Knob::by_name("seed_bits"), None);
     assert_eq!(format!("{:>0}", Knob::ReciprocalSteps), Knob::ReciprocalSteps.name());
     for design in Design::ALL {
         assert!(design.description().len() > 8 && design.description() == design.description().trim());
@@ -68,7 +70,7 @@ pub(crate) fn a_knob_has_the_values_of_its_range_and_no_others() {
         (Knob::WeightBits, 2, 10),
         (Knob::RoughnessBits, 4, 16),
     ] {
-        for value in 0..40 {
+        for value in (0..40).chain([u32::MAX]) {
             let expected = if (low..=high).contains(&value) { Ok(knob.with(value, p)) } else { Err(knob) };
             assert_eq!(accepted(knob, value), expected, "{knob} {value}");
         }
@@ -79,6 +81,8 @@ pub(crate) fn a_knob_has_the_values_of_its_range_and_no_others() {
         let expected = value == 0 || (value % 2 == 0 && value <= 64);
         assert_eq!(accepted(Knob::Direction, value).is_ok(), expected, "{value}");
     }
+    let none = Precision { direction: AxisDirection::Table { steps: 0 }, ..p };
+    assert_eq!(none.checked(), Err(Knob::Direction));
     assert_eq!(Knob::Direction.range(), "exact, or a table of 2 to 64 steps, an even number");
     for (knob, count) in [(Knob::ProbeRule, 2), (Knob::ProbeWeights, 2), (Knob::Roughness, 3)] {
         assert_eq!(knob.choices().len(), count);
@@ -102,6 +106,8 @@ pub(crate) fn a_knob_that_is_set_has_that_value_and_is_read_as_it_is_written() {
                 assert_eq!(knob.read(&knob.text(value).to_string()), Some(value), "{knob} {value}");
             }
         }
+        let choices = (0..).take(knob.choices().len()).map(|value| knob.text(value).to_string());
+        assert!(choices.eq(knob.choices().iter().copied()), "{knob}");
         assert_eq!(knob.read("xyzzy"), None);
         assert_eq!(knob.read("exact"), (knob == Knob::Direction).then_some(0));
         // A choice has a name, not a number.
@@ -132,6 +138,7 @@ pub(crate) fn precisions_of_a_width_are_profiles_with_that_width() {
     }
     let grid: Vec<Precision> = Precision::grid().collect();
     assert_eq!(grid.len(), 54);
+    assert!(grid.is_sorted_by_key(|p| p.fraction_bits));
     for (i, p) in grid.iter().enumerate() {
         assert!(p.checked().is_ok() && !grid[..i].contains(p));
     }
@@ -172,7 +179,11 @@ pub(crate) fn profiles_have_the_knobs_that_the_manifests_of_sets_name() {
         ..standard
     };
     let narrow = Precision { fraction_bits: 14, ..compact };
-    assert_eq!(Profile::ALL.map(Profile::precision), [narrow, paper, compact, standard, precise]);
+    let all = [narrow, paper, compact, standard, precise];
+    assert_eq!(Profile::ALL.map(Profile::precision), all);
+    assert!(all.iter().all(|p| p.checked() == Ok(*p)));
+    let grid: Vec<Precision> = Precision::grid().collect();
+    assert!([narrow, compact, standard, precise].iter().all(|p| grid.contains(p)));
 }
 
 pub(crate) fn a_frame_is_needed_for_bumps_roughness_and_what_is_local() {
