@@ -11,10 +11,11 @@ use std::fs;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
-use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::precision::Precision;
 use roughxel_frame::plan::{Decision, Mode};
 use roughxel_frame::{Frame, Prepared};
+use roughxel_host_tests::keys::{has_keys, without_keys};
+use roughxel_host_tests::table::table;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 use roughxel_shader::Effect;
@@ -33,33 +34,6 @@ const OFF_TIME: Duration = Duration::from_millis(300);
 const LIMIT: f64 = 0.01;
 
 const PROFILE: Precision = Precision::STANDARD;
-
-/// The scene without the keys of an effect and the profile to draw it with; `None` where the effect has no key.
-fn without_keys(scene: &Scene, effect: Effect) -> Option<(Scene, Precision)> {
-    let (mut scene, mut profile) = (scene.clone(), PROFILE);
-    for material in scene.objects.iter_mut().map(|object| &mut object.material) {
-        match effect {
-            Effect::ColourTexture => material.colour_map = None,
-            // Peaks of a map need its bumps.
-            Effect::Bump if material.peaks.is_some() => return None,
-            Effect::Bump => (material.bump, material.roughness) = (None, None),
-            // Detail that is lost has no key, but the profile has a knob.
-            Effect::Roughness => profile.roughness = RoughnessKind::None,
-            Effect::Environment => material.reflectance = [0.0; 3],
-            Effect::TwoLobes => material.two_lobes = Some(false),
-            // The mode and the mesh decide.
-            Effect::Footprint | Effect::Edges | Effect::Curvature => return None,
-            Effect::Highlight => material.highlight = None,
-            Effect::Peaks => material.peaks = None,
-            Effect::Horizon => {
-                if let Some(peaks) = &mut material.peaks {
-                    peaks.shadowing = None;
-                }
-            }
-        }
-    }
-    Some((scene, profile))
-}
 
 /// Peaks of a scene's maps.
 fn fit(scene: &Scene) -> ScenePeaks {
@@ -104,20 +78,9 @@ fn quarters(mut figures: Vec<f64>) -> [f64; 3] {
     [1, 2, 3].map(|quarter| figures[figures.len() * quarter / 4])
 }
 
-fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED).set_header(header);
-    for column in 2..COLUMNS {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
-}
-
 fn main() -> ExitCode {
-    let mut shares = table(["scene", "object", "effect", "share"]);
-    let mut offs = table(["scene", "effect", "off costs", "half of the rounds", "below 1 %"]);
+    let mut shares = table(["scene", "object", "effect", "share"], 2..4);
+    let mut offs = table(["scene", "effect", "off costs", "half of the rounds", "below 1 %"], 2..5);
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
     let begin = Instant::now();
     let mut holds = true;
@@ -136,10 +99,12 @@ fn main() -> ExitCode {
             }
         }
         for effect in Effect::ALL {
-            if !reports.iter().any(|report| report.plan.has(effect)) {
+            // Peaks of a map need its bumps.
+            let is_needed = effect == Effect::Bump && scene.objects.iter().any(|of| of.material.peaks.is_some());
+            if !has_keys(effect) || is_needed || !reports.iter().any(|report| report.plan.has(effect)) {
                 continue;
             }
-            let Some((bare, profile)) = without_keys(&scene, effect) else { continue };
+            let (bare, profile) = without_keys(&scene, effect, &PROFILE);
             let costs = (0..OFF_ROUNDS).map(|round| {
                 let away = || {
                     let plans = reports.iter().map(|report| report.plan.without(effect)).enumerate();

@@ -5,12 +5,13 @@
 //! are what a frame needs beside it. `2 threads` is how many times faster two threads draw the whole frame. It takes about a minute;
 //! `-- NAME…` draws the scenes, or in the modes, of these names alone.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use roughxel_benches::fastest;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
+use roughxel_host_tests::table::table;
 use roughxel_scene::Scene;
 use roughxel_shader::{Phase, PhaseTimes};
 
@@ -50,25 +51,15 @@ fn scenes() -> Vec<Scene> {
 }
 
 /// Phases of the fastest frame on so many threads, and the time on the clock.
-fn fastest(prepared: &Prepared<'_>, threads: usize) -> (PhaseTimes, Duration) {
+fn fastest_frame(prepared: &Prepared<'_>, threads: usize) -> (PhaseTimes, Duration) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
-    let frame = |_| {
-        let start = Instant::now();
-        let (_, counted) = prepared.render_counted(&|| ()).expect("the scene can be drawn");
-        (counted.times, start.elapsed())
-    };
-    pool.install(|| (0..FRAMES).map(frame).min_by_key(|&(_, clock)| clock)).expect("there are frames")
+    let frame = || prepared.render_counted(&|| ()).expect("the scene can be drawn").1.times;
+    pool.install(|| fastest(FRAMES, frame))
 }
 
 fn main() {
-    let mut table = Table::new();
     let header = ["scene", "mode", "ns a pixel"].into_iter().chain(Phase::ALL.map(Phase::name)).chain(["2 threads"]);
-    table.load_style(UTF8_FULL_CONDENSED).set_header(header.collect::<Vec<_>>());
-    for column in 2..4 + Phase::ALL.len() {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
+    let mut table = table(header.collect::<Vec<_>>(), 2..4 + Phase::ALL.len());
     let names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let (modes, names): (Vec<_>, Vec<_>) =
         names.iter().map(String::as_str).partition(|name| MODES.iter().any(|mode| mode.0 == *name));
@@ -76,7 +67,7 @@ fn main() {
     for scene in scenes().into_iter().filter(|scene| asked(&scene.name, &names)) {
         for (name, mode) in MODES.into_iter().filter(|mode| asked(mode.0, &modes)) {
             let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene can be drawn");
-            let [(times, one), (_, two)] = [1, 2].map(|threads| fastest(&prepared, threads));
+            let [(times, one), (_, two)] = [1, 2].map(|threads| fastest_frame(&prepared, threads));
             let pixels = f64::from(scene.camera.width) * f64::from(scene.camera.height);
             let a_pixel = |time: Duration| format!("{:.0}", time.as_secs_f64() * 1e9 / pixels);
             let phases = Phase::ALL.map(|phase| a_pixel(times.of(phase)));

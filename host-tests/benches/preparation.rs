@@ -6,27 +6,19 @@
 //! are kept (0.1 s the first time). It takes half a minute; `-- NAME…` takes the scenes of these names alone.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use comfy_table::Table;
+use roughxel_benches::fastest;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
+use roughxel_host_tests::table::table;
 use roughxel_scene::picture::Picture;
 use roughxel_scene::{Scene, builtin_names, faces_from_equirectangular};
 
 /// Times of which the fastest counts.
 const TIMES: usize = 3;
-
-/// What `once` makes, and how long it takes.
-fn fastest<T>(mut once: impl FnMut() -> T) -> (T, Duration) {
-    let timed = |_| {
-        let start = Instant::now();
-        let made = once();
-        (made, start.elapsed())
-    };
-    (0..TIMES).map(timed).min_by_key(|&(_, time)| time).expect("it is done more than once")
-}
 
 fn open(name: &str) -> Scene {
     let scene = Scene::builtin(name).expect("the scene is built in").expect("built-in scenes are read");
@@ -44,25 +36,19 @@ fn panorama() -> Picture {
 }
 
 fn measure(names: &[String]) -> Table {
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED).set_header(["scene", "opened", "prepared", "frame"]);
-    for column in 1..4 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
+    let mut table = table(["scene", "opened", "prepared", "frame"], 1..4);
     let milliseconds = |time: Duration| format!("{:.0}", time.as_secs_f64() * 1e3);
     let is_asked = |name: &str| names.is_empty() || names.iter().any(|asked| asked == name);
     for name in builtin_names().filter(|name| is_asked(name)) {
-        let (scene, opened) = fastest(|| open(name));
+        let (scene, opened) = fastest(TIMES, || open(name));
         let prepare = || Prepared::new(&scene, Mode::Footprint, &Precision::STANDARD).expect("the scene can be drawn");
-        let (ready, prepared) = fastest(prepare);
-        let (_, drawn) = fastest(|| ready.render(&|| ()).expect("the scene can be drawn"));
+        let (ready, prepared) = fastest(TIMES, prepare);
+        let (_, drawn) = fastest(TIMES, || ready.render(&|| ()).expect("the scene can be drawn"));
         table.add_row([name.to_owned(), milliseconds(opened), milliseconds(prepared), milliseconds(drawn)]);
     }
     if is_asked("panorama") {
         let picture = panorama();
-        let (_, resampled) = fastest(|| black_box(faces_from_equirectangular(&picture, 1024)));
+        let (_, resampled) = fastest(TIMES, || black_box(faces_from_equirectangular(&picture, 1024)));
         table.add_row(["panorama".to_owned(), milliseconds(resampled), String::new(), String::new()]);
     }
     table

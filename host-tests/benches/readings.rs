@@ -17,7 +17,6 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use criterion::{Criterion, Throughput};
 use fearless_simd::Level;
 use roughxel_cases::random_fragment;
@@ -39,6 +38,7 @@ use roughxel_frame::plan::Mode;
 use roughxel_host_tests::designs::scalar;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
+use roughxel_host_tests::table::table;
 use roughxel_net::bench::Bench;
 use roughxel_net::verilog::{Options, Verilog};
 use roughxel_record as record;
@@ -348,17 +348,8 @@ fn median(figures: impl Iterator<Item = f64>) -> f64 {
 
 /// Prints speeds and bars of every set; whether no bar is missed.
 fn report(sets: &[Set], model: Option<&Model>) -> bool {
-    let mut speeds = Table::new();
-    speeds.load_style(UTF8_FULL_CONDENSED).set_header(["fragments", "by", "10⁶/s", "ns", "× scalar"]);
-    let mut bars = Table::new();
-    bars.load_style(UTF8_FULL_CONDENSED).set_header(["fragments", "ratio", "measured", "bar", ""]);
-    for (table, columns) in [(&mut speeds, 2..5), (&mut bars, 2..4)] {
-        for column in columns {
-            if let Some(column) = table.column_mut(column) {
-                column.set_cell_alignment(CellAlignment::Right);
-            }
-        }
-    }
+    let mut speeds = table(["fragments", "by", "10⁶/s", "ns", "× scalar"], 2..5);
+    let mut bars = table(["fragments", "ratio", "measured", "bar", ""], 2..4);
     let (mut holds, mut missed) = (true, Vec::new());
     for set in sets {
         let rounds = paired_rounds(set, model);

@@ -5,11 +5,12 @@
 //! the set and nothing else, `hash` is the share that SHA-256 of what is written takes by itself. It takes a minute.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use roughxel_benches::fastest;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
+use roughxel_host_tests::table::table;
 use roughxel_vectors::{Form, InputSource, Ports, RANDOM_SETS, RandomSet, SetInfo, Words, export_with};
 use sha2::{Digest, Sha256};
 
@@ -20,31 +21,16 @@ const TASK: u64 = 512;
 /// Exports of which the fastest counts.
 const EXPORTS: usize = 5;
 
-fn fastest(mut once: impl FnMut()) -> Duration {
-    let time = |()| {
-        let start = Instant::now();
-        once();
-        start.elapsed()
-    };
-    [(); EXPORTS].map(time).into_iter().min().expect("there are exports")
-}
-
 fn main() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
     let precision = Precision::STANDARD;
-    let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED).set_header(["set", "words", "bytes a vector", "million a second", "hash"]);
-    for column in 2..5 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
+    let mut table = table(["set", "words", "bytes a vector", "million a second", "hash"], 2..5);
     let rate = |time: Duration| format!("{:.2}", COUNT as f64 / time.as_secs_f64() / 1e6);
     for (name, datapath, description) in RANDOM_SETS {
         let input = RandomSet { datapath, seed: name, precision: &precision };
         let mut ports = Ports::new(datapath);
-        let inputs = fastest(|| {
+        let (_, inputs) = fastest(EXPORTS, || {
             for first in (0..COUNT).step_by(TASK as usize) {
                 input.fill(first..COUNT.min(first + TASK), black_box(&mut ports));
             }
@@ -59,17 +45,14 @@ fn main() {
             let (profile, words) = ("standard", Words { taps, form });
             let (seed, effects) = (Some(name), Effects::ALL);
             let info = SetInfo { name, description, seed, datapath, effects, precision, profile, words };
-            let mut bytes = 0;
-            let time = one_thread.install(|| {
-                fastest(|| {
+            let (bytes, time) = one_thread.install(|| {
+                fastest(EXPORTS, || {
                     let manifest = export_with(&info, COUNT, &input, directory.path(), &|_| {});
-                    bytes = manifest.expect("the set can be written").files[0].bytes;
+                    manifest.expect("the set can be written").files[0].bytes
                 })
             });
             let text = vec![0; bytes as usize];
-            let hash = fastest(|| {
-                black_box(Sha256::digest(black_box(&text)));
-            });
+            let (_, hash) = fastest(EXPORTS, || black_box(Sha256::digest(black_box(&text))));
             table.add_row([
                 name.into(),
                 what.into(),

@@ -60,19 +60,38 @@ pub const GROUND_TEXELS: f64 = 40.0;
 /// Largest step across an edge of the cube as a share of the variation inside a face.
 pub const CUBE_EDGE_BAR: f64 = 0.02;
 
-/// A plane and a ball of rough mirror with two lobes each, which no built-in scene has.
+/// Every kind of mode.
+pub const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
+
+/// A plane and a ball of one material, in front of what they reflect, and what else is in the scene.
 ///
 /// # Panics
-/// Never: the scene is good.
-pub fn two_lobes() -> Scene {
-    let material = "{ reflectance = 0.7, two_lobes = true, height_map = { generate = \"waves\", size = 64, highest = 8, rms_slope = 0.2 } }";
+/// If the material or the rest cannot be read.
+pub fn two_shapes(environment: &str, rest: &str, material: &str) -> Scene {
     let text = format!(
         "[camera]\neye = [0, 1.5, 5]\ntarget = [0, 0.4, 0]\nfov_y = 35\nwidth = 96\nheight = 72\n\
-         [environment]\ngenerate = \"zebra\"\nface_edge = 64\n\
-         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {material}\n\
-         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {material}\n"
+         [environment]\ngenerate = \"{environment}\"\nface_edge = 64\n{rest}\
+         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {{ {material} }}\n\
+         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {{ {material} }}\n"
     );
-    Scene::from_toml("two lobes", &text, std::path::Path::new("")).expect("the scene is good")
+    Scene::from_toml("two shapes", &text, std::path::Path::new("")).expect("the scene is good")
+}
+
+/// A plane and a ball of rough mirror with two lobes each, which no built-in scene has.
+pub fn two_lobes() -> Scene {
+    let bumps = "height_map = { generate = \"waves\", size = 64, highest = 8, rms_slope = 0.2 }";
+    two_shapes("zebra", "", &format!("reflectance = 0.7, two_lobes = true, {bumps}"))
+}
+
+/// Holds the logarithm of what was found to a bound, and the bound to it: one that nothing comes near is one that nobody measured.
+///
+/// # Panics
+/// If it is above the bound, or below it by `slack`.
+#[track_caller]
+pub fn holds(what: &str, found: f64, bound: f64, slack: f64) {
+    let found = found.log2();
+    println!("{what:24} 2^{found:.3}, bound 2^{bound:.3}");
+    assert!(found <= bound && found > bound - slack, "{what}: 2^{found:.4}, bound 2^{bound:.3}");
 }
 
 /// PSNR in dB of a frame in a mode against the same filter in float64.

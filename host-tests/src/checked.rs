@@ -8,9 +8,11 @@
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
-use roughxel_core::bundle::{Bundle, Rewire, Step};
+use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
+
+pub use crate::integers::{Integers, Visible, filled, first_difference};
 
 /// A wire of as many bits as `T` that may not be left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,47 +24,37 @@ pub type Checked = CheckedWire<i32>;
 /// The wide wire of 64 bits that may not be left.
 pub type CheckedWide = CheckedWire<i64>;
 
-/// The operations of the algebra, in the order of its two traits.
-pub const OPERATIONS: [&str; 17] = [
-    "lit",
-    "add",
-    "sub",
-    "shl",
-    "sar",
-    "shl_by",
-    "sar_by",
-    "and",
-    "or",
-    "xor",
-    "lt",
-    "select",
-    "leading_zeros",
-    "mul",
-    "widen",
-    "narrow",
-    "lookup",
-];
+macro_rules! operations {
+    ($($operation:ident $name:literal,)*) => {
+        /// The operations of the algebra, in the order of its two traits.
+        pub const OPERATIONS: [&str; 17] = [$($name),*];
 
-/// Index of an operation in [`OPERATIONS`].
-#[derive(Clone, Copy)]
-enum Operation {
-    Lit,
-    Add,
-    Sub,
-    Shl,
-    Sar,
-    ShlBy,
-    SarBy,
-    And,
-    Or,
-    Xor,
-    Lt,
-    Select,
-    LeadingZeros,
-    Mul,
-    Widen,
-    Narrow,
-    Lookup,
+        /// Index of an operation in [`OPERATIONS`].
+        #[derive(Clone, Copy)]
+        enum Operation {
+            $($operation,)*
+        }
+    };
+}
+
+operations! {
+    Lit "lit",
+    Add "add",
+    Sub "sub",
+    Shl "shl",
+    Sar "sar",
+    ShlBy "shl_by",
+    SarBy "sar_by",
+    And "and",
+    Or "or",
+    Xor "xor",
+    Lt "lt",
+    Select "select",
+    LeadingZeros "leading_zeros",
+    Mul "mul",
+    Widen "widen",
+    Narrow "narrow",
+    Lookup "lookup",
 }
 
 thread_local! {
@@ -345,34 +337,12 @@ macro_rules! word {
                 CheckedWire(self)
             }
         }
-
-        impl Visible for $word {
-            fn integer(self) -> i64 {
-                self.into()
-            }
-            fn count_integer(count: i32) -> i64 {
-                count.into()
-            }
-            fn wide_integer(wire: i64) -> i64 {
-                wire
-            }
-        }
     };
 }
 
 word!(i8, i16);
 word!(i16, i32);
 word!(i32, i64);
-
-/// Word types of which a test can see the integer.
-pub trait Visible: Staged {
-    /// The integer on the wire.
-    fn integer(self) -> i64;
-    /// The integer on a wire that controls.
-    fn count_integer(count: Self::Count) -> i64;
-    /// The integer on a wide wire of what controls.
-    fn wide_integer(wire: <Self::Count as Word>::Wide) -> i64;
-}
 
 /// A word of the scalar reading that has a checked one.
 pub trait Scalar: Visible<Count = i32, Flag = bool> {
@@ -400,172 +370,7 @@ impl<T: Scalar> Rewire<T, T::Checked> for SameIntegers {
     }
 }
 
-/// Puts given integers on the wires, in the order of the walk.
-struct Given<'a>(std::slice::Iter<'a, i64>);
-
-impl Given<'_> {
-    fn next(&mut self) -> i64 {
-        *self.0.next().expect("an integer for every wire of the bundle")
-    }
-}
-
-impl<V: Visible> Rewire<i32, V> for Given<'_> {
-    fn word(&mut self, _: i32, _: u32) -> V {
-        V::lit(self.next())
-    }
-    fn control(&mut self, _: i32, _: u32) -> V::Count {
-        V::Count::lit(self.next())
-    }
-    fn wide(&mut self, _: i64, _: u32) -> <V::Count as Word>::Wide {
-        Wire::lit(self.next())
-    }
-    fn flag(&mut self, _: bool) -> V::Flag {
-        V::lit(0).lt(V::lit(self.next()))
-    }
-}
-
-/// A bundle of the same form with other integers on its wires, in the order of the walk.
-pub fn filled<V: Visible, B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<V> {
-    let mut given = Given(integers.iter());
-    let bundle = form.rewire(&mut given);
-    assert!(given.0.next().is_none(), "a wire of the bundle for every integer");
-    bundle
-}
-
 /// The same bundle in the checked reading.
 pub fn reread<T: Scalar, B: Bundle<T>>(bundle: &B) -> B::In<T::Checked> {
     bundle.rewire(&mut SameIntegers)
-}
-
-/// Every wire of a bundle with its name and the integer on it, for comparison between readings. Names are kept as the steps of a walk: as
-/// texts they took longer than what is compared.
-#[derive(Clone, Default)]
-pub struct Integers {
-    values: Vec<i64>,
-    /// The steps to each wire, one path behind the other.
-    steps: Vec<Step>,
-    /// Where the path of each wire ends among them.
-    ends: Vec<usize>,
-}
-
-/// The steps to a wire, and the integer on it.
-pub type Named<'a> = (&'a [Step], i64);
-
-impl Integers {
-    /// The wires of a bundle.
-    pub fn of<W: Visible, B: Bundle<W>>(bundle: &B) -> Self {
-        let mut list = List { path: Vec::new(), found: Self::default() };
-        bundle.rewire::<W, _>(&mut list);
-        list.found
-    }
-
-    /// The integers, in the order of the walk.
-    pub fn values(&self) -> &[i64] {
-        &self.values
-    }
-
-    /// The names: `e1.m[0]`.
-    pub fn names(&self) -> impl Iterator<Item = String> {
-        self.wires().map(|(path, _)| name_of(path))
-    }
-
-    /// The integer on the wire at the end of a path.
-    pub fn at(&self, path: &[Step]) -> Option<i64> {
-        self.wires().find(|(of, _)| is_same(of, path)).map(|(_, value)| value)
-    }
-
-    fn wires(&self) -> impl Iterator<Item = Named<'_>> {
-        let starts = std::iter::once(&0).chain(&self.ends);
-        starts.zip(&self.ends).zip(&self.values).map(|((&start, &end), &value)| (&self.steps[start..end], value))
-    }
-
-    fn add(&mut self, path: &[Step], value: i64) {
-        self.values.push(value);
-        self.steps.extend_from_slice(path);
-        self.ends.push(self.steps.len());
-    }
-}
-
-impl<'a> FromIterator<Named<'a>> for Integers {
-    fn from_iter<I: IntoIterator<Item = Named<'a>>>(wires: I) -> Self {
-        let mut integers = Self::default();
-        wires.into_iter().for_each(|(path, value)| integers.add(path, value));
-        integers
-    }
-}
-
-impl PartialEq for Integers {
-    fn eq(&self, other: &Self) -> bool {
-        self.values == other.values && self.ends == other.ends && is_same(&self.steps, &other.steps)
-    }
-}
-
-impl fmt::Debug for Integers {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_map().entries(self.wires().map(|(path, value)| (name_of(path), value))).finish()
-    }
-}
-
-/// Whether steps have the same names.
-fn is_same(a: &[Step], b: &[Step]) -> bool {
-    let is_same = |(a, b): (&Step, &Step)| match (a, b) {
-        // One declaration, or two in which a field has the same name.
-        (Step::Field(a), Step::Field(b)) => std::ptr::eq(*a, *b) || a.name == b.name,
-        (Step::Index(a), Step::Index(b)) => a == b,
-        _ => false,
-    };
-    a.len() == b.len() && a.iter().zip(b).all(is_same)
-}
-
-/// A path as a text.
-fn name_of(path: &[Step]) -> String {
-    path.iter().fold(String::new(), |name, step| match step {
-        Step::Field(field) if name.is_empty() => field.name.to_owned(),
-        Step::Field(field) => format!("{name}.{}", field.name),
-        Step::Index(index) => format!("{name}[{index}]"),
-    })
-}
-
-/// Lists the wires of a walk.
-struct List {
-    path: Vec<Step>,
-    found: Integers,
-}
-
-impl List {
-    fn add(&mut self, value: i64) {
-        self.found.add(&self.path, value);
-    }
-}
-
-impl<W: Visible> Rewire<W, W> for List {
-    fn enter(&mut self, step: Step) {
-        self.path.push(step);
-    }
-    fn leave(&mut self) {
-        self.path.pop();
-    }
-    fn word(&mut self, wire: W, _: u32) -> W {
-        self.add(wire.integer());
-        wire
-    }
-    fn control(&mut self, wire: W::Count, _: u32) -> W::Count {
-        self.add(W::count_integer(wire));
-        wire
-    }
-    fn wide(&mut self, wire: <W::Count as Word>::Wide, _: u32) -> <W::Count as Word>::Wide {
-        self.add(W::wide_integer(wire));
-        wire
-    }
-    fn flag(&mut self, wire: W::Flag) -> W::Flag {
-        self.add(W::select(wire, W::lit(1), W::lit(0)).integer());
-        wire
-    }
-}
-
-/// The first name whose integers differ, with both.
-pub fn first_difference(a: &Integers, b: &Integers) -> Option<String> {
-    let differ = |((path, a), (other, b)): &(Named<'_>, Named<'_>)| a != b || !is_same(path, other);
-    let ((path, a), (_, b)) = a.wires().zip(b.wires()).find(differ)?;
-    Some(format!("{}: {a} and {b}", name_of(path)))
 }

@@ -7,11 +7,14 @@ pub mod bars;
 pub mod checked;
 pub mod designs;
 pub mod imports;
+pub mod integers;
+pub mod keys;
 pub mod one_pixel;
 pub mod photographs;
 pub mod side_by_side;
 pub mod simulators;
 pub mod space;
+pub mod table;
 pub mod tokens;
 
 pub use roughxel_reference as reference;

@@ -5,7 +5,7 @@ use glam::{DVec3, dvec3};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 
-use super::fragment::{RealFragment, bit};
+use super::fragment::{RealFragment, around, bit};
 
 /// A fragment whose reflected vector is exactly along `target`: n = e_z seen from the mirrored side.
 pub(super) fn reflecting_to(target: DVec3) -> RealFragment {
@@ -22,14 +22,8 @@ pub(super) fn reflecting_to(target: DVec3) -> RealFragment {
 /// The target with each component moved by −1, 0, 1 last bits.
 fn one_bit_around(target: DVec3, p: &Precision) -> impl Iterator<Item = ReflectionIn> {
     let exact = reflecting_to(target).quantised(p);
-    let bit = bit(p);
-    (0..27).map(move |code| {
-        let mut view = exact.surface.view;
-        for (component, step) in [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1].into_iter().enumerate() {
-            view.mantissa[component] = I2F30::from_bits(view.mantissa[component].to_bits() + step * bit);
-        }
-        ReflectionIn { surface: SurfaceIn { view, ..exact.surface }, ..exact }
-    })
+    let views: Vec<_> = around(&exact.surface.view, p).collect();
+    views.into_iter().map(move |view| ReflectionIn { surface: SurfaceIn { view, ..exact.surface }, ..exact })
 }
 
 fn signs() -> impl Iterator<Item = DVec3> {

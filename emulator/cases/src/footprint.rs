@@ -14,7 +14,7 @@ use roughxel_core::setup::offset;
 use roughxel_core::soft_core::environment_scale;
 
 use super::cube::reflecting_to;
-use super::fragment::{RealFragment, bit};
+use super::fragment::{RealFragment, bit, moved};
 
 /// Fraction bits of a mantissa, of a logarithm and of a level.
 const MANTISSA_BITS: u32 = Mantissa::<Scalar>::FRACTION;
@@ -68,10 +68,9 @@ pub(super) fn footprint_circle(p: &Precision) -> Vec<ReflectionIn> {
     }
     let exact = flat_footprint([r, 0.0], [0.0, r], p);
     for (column, component) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-        for step in [-bit(p), bit(p)] {
+        for step in [-1, 1] {
             let mut dview = exact.dview;
-            let mantissa = &mut dview[column].mantissa[component];
-            *mantissa = I2F30::from_bits(mantissa.to_bits() + step);
+            dview[column] = moved(&dview[column], component, step, p);
             fragments.push(ReflectionIn { dview, ..exact });
         }
     }

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
 use roughxel_core::bundle::Bundle;
 use roughxel_core::each::each;
-use roughxel_core::ports::{Port, ReflectionIn, ReflectionInput, SurfaceIn, SurfaceInput};
+use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionInput, SurfaceIn, SurfaceInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
 
@@ -209,4 +210,19 @@ fn odd_exponents<const N: usize>(draws: &mut Draws<N>) -> [i32; N] {
 /// One last bit of a mantissa port.
 pub(super) fn bit(p: &Precision) -> i32 {
     1 << (30 - p.fraction_bits)
+}
+
+/// The vector with one component moved by `step` last bits.
+pub(super) fn moved(vector: &BlockVector, component: usize, step: i32, p: &Precision) -> BlockVector {
+    let mut vector = *vector;
+    vector.mantissa[component] = I2F30::from_bits(vector.mantissa[component].to_bits() + step * bit(p));
+    vector
+}
+
+/// The vector with each component moved by −1, 0, 1 last bits: itself is number 13 of 27.
+pub(super) fn around(vector: &BlockVector, p: &Precision) -> impl Iterator<Item = BlockVector> {
+    (0..27).map(move |code| {
+        let steps = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];
+        (0..).zip(steps).fold(*vector, |vector, (component, step)| moved(&vector, component, step, p))
+    })
 }

@@ -5,7 +5,7 @@ use glam::{DVec3, dvec3};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
 
-use super::fragment::{RealFragment, bit};
+use super::fragment::{RealFragment, bit, moved};
 
 pub(super) fn frame_pole(p: &Precision) -> Vec<ReflectionIn> {
     let mut fragments = Vec::new();
@@ -29,9 +29,8 @@ pub(super) fn frame_pole(p: &Precision) -> Vec<ReflectionIn> {
         // The last bit itself, on each component and either side, and no angle at all.
         let exact = RealFragment { normal, offset: [0.3, -0.2], ..RealFragment::PLAIN }.quantised(p);
         for component in 0..3 {
-            for step in [-bit(p), bit(p)] {
-                let mut h = exact.surface.normal;
-                h.mantissa[component] = I2F30::from_bits(h.mantissa[component].to_bits() + step);
+            for step in [-1, 1] {
+                let h = moved(&exact.surface.normal, component, step, p);
                 fragments.push(ReflectionIn { surface: SurfaceIn { frame_vectors: [h, h], ..exact.surface }, ..exact });
             }
         }

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
 use roughxel_core::bundle::Bundle;
 use roughxel_core::each::each;
@@ -12,7 +11,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::{block_vector, offset, shininess};
 
 use super::draws::{Draws, Elements, Kind, Rows, at, in_octave, octave, set, unit, unit_or};
-use super::fragment::{Fragments, SURFACE, bit};
+use super::fragment::{Fragments, SURFACE, moved};
 use super::set::CaseSet;
 use roughxel_shader::Batch;
 
@@ -202,13 +201,6 @@ pub fn highlight_sets(p: &Precision) -> Vec<CaseSet<HighlightIn, SurfacePlan>> {
             plan: SurfacePlan { roughness: RoughnessKind::Isotropic, ..FULL },
         },
     ]
-}
-
-/// The vector with one component moved by `step` last bits.
-fn moved(vector: &BlockVector, component: usize, step: i32, p: &Precision) -> BlockVector {
-    let mut vector = *vector;
-    vector.mantissa[component] = I2F30::from_bits(vector.mantissa[component].to_bits() + step * bit(p));
-    vector
 }
 
 fn peak(p: &Precision) -> Vec<HighlightIn> {

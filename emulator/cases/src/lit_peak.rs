@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fixed::types::{I2F30, I16F16};
+use fixed::types::I16F16;
 use glam::{DVec3, dvec3};
 use roughxel_core::bundle::Bundle;
 use roughxel_core::each::each;
@@ -15,7 +15,7 @@ use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 
 use super::draws::{Elements, Kind, Rows, at, direction, in_octave, octave, set, unit, unit_or};
-use super::fragment::{FRAGMENT, Fragments, SURFACE, bit};
+use super::fragment::{FRAGMENT, Fragments, SURFACE, moved};
 use super::highlight::eye_and_light;
 use super::peak_and_horizon::{HorizonCase, PeakCase, WHOLE, horizon_hard_sets, peak_hard_sets};
 use super::set::CaseSet;
@@ -238,11 +238,7 @@ fn lights(p: &Precision) -> Vec<PeakIn> {
     for run in [dvec3(1.0, 0.0, 0.0), dvec3(-0.4, 0.7, 0.0), dvec3(0.5, 0.5, 0.0)] {
         for rise in [1.0, 0.1, 0.001, 0.0, -0.001, -1.0] {
             let light = block_vector(run + DVec3::Z * rise, p);
-            for step in [-1, 0, 1] {
-                let mut light = light;
-                light.mantissa[2] = I2F30::from_bits(light.mantissa[2].to_bits() + step * bit(p));
-                peaks.push(upright(light, view, p));
-            }
+            peaks.extend([-1, 0, 1].map(|step| upright(moved(&light, 2, step, p), view, p)));
         }
     }
     let exact = upright(block_vector(dvec3(-0.3, 0.4, 0.8), p), view, p);

@@ -1,6 +1,6 @@
 //! Peaks and horizons to test with: seeded random ones, and every hard case as a named set.
 
-use fixed::types::{I1F15, I2F30, I4F12};
+use fixed::types::{I1F15, I4F12};
 use glam::{DMat3, DVec3, dvec3};
 use roughxel_core::design::LocalInput;
 use roughxel_core::each::{each, places};
@@ -13,7 +13,7 @@ use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 
 use super::draws::direction;
-use super::fragment::bit;
+use super::fragment::{around, bit, moved};
 use super::set::CaseSet;
 
 /// A direction and the frame of the surface in which it is wanted.
@@ -164,14 +164,10 @@ fn peak_on(p: &Precision) -> Vec<PeakCase> {
         let exact = upright(normal, p);
         for exponent in [1.0, 1.5, 2.0, 20.0, 32.0, 100.0, 1000.0, 8192.0] {
             let peaks = vec![(stored_peak(normal, 0.6, exponent), WHOLE)];
-            for code in 0..27 {
-                let mut half = exact;
-                for (axis, step) in [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1].into_iter().enumerate() {
-                    let mantissa = &mut half.direction.mantissa[axis];
-                    *mantissa = I2F30::from_bits(mantissa.to_bits() + step * bit(p));
-                }
-                cases.push(PeakCase { half, peaks: peaks.clone() });
-            }
+            cases.extend(around(&exact.direction, p).map(|direction| {
+                let half = LocalCase { direction, ..exact };
+                PeakCase { half, peaks: peaks.clone() }
+            }));
         }
     }
     cases
@@ -257,11 +253,8 @@ fn horizon_at(p: &Precision) -> Vec<HorizonCase> {
             for mean in [slope - 0.25, slope, slope + 0.25] {
                 let horizon = uniform([mean; 4], [sigma; 4]);
                 for run in [dvec3(1.0, 0.0, slope), dvec3(-1.0, 0.0, slope), dvec3(1.0, -1.0, slope)] {
-                    for step in [-1, 0, 1] {
-                        let mut light = block_vector(run, p);
-                        light.mantissa[2] = I2F30::from_bits(light.mantissa[2].to_bits() + step * bit(p));
-                        cases.push(HorizonCase { light, eye, horizon });
-                    }
+                    let lights = [-1, 0, 1].map(|step| moved(&block_vector(run, p), 2, step, p));
+                    cases.extend(lights.map(|light| HorizonCase { light, eye, horizon }));
                 }
             }
         }

@@ -81,15 +81,20 @@ fn fragment(direction: DVec3, radius: f64, aspect: f64, p: &Precision) -> Reflec
     }
 }
 
-/// What is sampled in a direction.
+/// What is sampled in a direction: a lobe of a standard deviation along one axis and an `aspect` of it along the other, sampled as roughness or as a
+/// pixel's box; or one trilinear probe at a level with 16 fraction bits.
 #[derive(Clone, Copy)]
-enum Footprint {
-    /// One trilinear probe at a level with 16 fraction bits.
-    Probe { lod: i32 },
-    /// A round lobe of a standard deviation, sampled as roughness or as a pixel's box.
-    Lobe { radius: f64, rough: bool },
-    /// The same on the sphere.
-    LobeOnSphere { radius: f64, aspect: f64, rough: bool },
+struct Footprint {
+    kind: FootprintKind,
+    radius: f64,
+    aspect: f64,
+    rough: bool,
+    lod: Option<i32>,
+}
+
+impl Footprint {
+    /// One probe where its footprint is.
+    const PROBE: Self = Self { kind: FootprintKind::Face, radius: 0.0, aspect: 1.0, rough: false, lod: None };
 }
 
 struct Sampler<'a> {
@@ -99,27 +104,13 @@ struct Sampler<'a> {
 
 impl Sampler<'_> {
     fn sample(&self, direction: DVec3, footprint: Footprint) -> [f64; 3] {
-        let (radius, rough) = match footprint {
-            Footprint::Probe { .. } => (0.0, false),
-            Footprint::Lobe { radius, rough } | Footprint::LobeOnSphere { radius, rough, .. } => (radius, rough),
-        };
-        let aspect = match footprint {
-            Footprint::LobeOnSphere { aspect, .. } => aspect,
-            Footprint::Probe { .. } | Footprint::Lobe { .. } => 1.0,
-        };
-        let kind = match footprint {
-            Footprint::Probe { .. } | Footprint::Lobe { .. } => FootprintKind::Face,
-            Footprint::LobeOnSphere { .. } => FootprintKind::Sphere,
-        };
+        let Footprint { kind, radius, aspect, rough, lod } = footprint;
         let roughness = RoughnessKind::None;
         let plan = ReflectionPlan { bump: false, roughness, footprint: kind, ..ReflectionPlan::FULL };
         let input = fragment(direction, radius, aspect, self.p).wires();
         let scale = environment_scale(EDGE as u16, self.p);
         let stages = soft_core::reflection(&input, &scale, &plan, self.p);
-        let probes = match footprint {
-            Footprint::Probe { lod } => Probes { lod: Fx::from_raw(lod), ..stages.probes },
-            Footprint::Lobe { .. } | Footprint::LobeOnSphere { .. } => stages.probes,
-        };
+        let probes = Probes { lod: lod.map_or(stages.probes.lod, Fx::from_raw), ..stages.probes };
         let sample = match kind {
             FootprintKind::Sphere => self.map.sample_sphere(&stages.sweep, rough, self.p),
             FootprintKind::None | FootprintKind::Face => {
@@ -171,14 +162,17 @@ pub fn cube_edge_step(profile: &Precision) -> CubeEdgeStep {
     let largest = |footprints: &mut dyn Iterator<Item = Footprint>| {
         footprints.map(|footprint| sampler.step(footprint)).fold(0.0, f64::max)
     };
-    let lobes = |radius: f64| [false, true].map(|rough| Footprint::Lobe { radius, rough });
+    let lobes = |radius: f64| [false, true].map(|rough| Footprint { radius, rough, ..Footprint::PROBE });
     CubeEdgeStep {
-        probe: largest(&mut (0..LODS).map(|eighths| Footprint::Probe { lod: (eighths << 13) as i32 })),
+        probe: largest(
+            &mut (0..LODS).map(|eighths| Footprint { lod: Some((eighths << 13) as i32), ..Footprint::PROBE }),
+        ),
         lobe: largest(&mut (8..=16).flat_map(|halves| lobes(2_f64.powf(-0.5 * f64::from(halves))))),
         wide_lobe: largest(&mut lobes(0.25).into_iter()),
         lobe_on_sphere: largest(&mut (0..=16).flat_map(|halves| {
             let radius = 2_f64.powf(-0.5 * f64::from(halves));
-            let lobe = |aspect, rough| Footprint::LobeOnSphere { radius, aspect, rough };
+            let kind = FootprintKind::Sphere;
+            let lobe = |aspect, rough| Footprint { kind, radius, aspect, rough, lod: None };
             [lobe(1.0, false), lobe(1.0, true), lobe(3.0, false), lobe(3.0, true)]
         })),
     }

@@ -12,9 +12,6 @@ pub const GOLDEN_FRAMES: &str = "golden/frames.txt";
 
 /// Size of the frames, pixels.
 const SIZE: [u32; 2] = [64, 48];
-/// Modes of every profile.
-const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
-
 /// One line per built-in scene and one with [two lobes](super::two_lobes), profile and mode: their names and the SHA-256 of the frame's words.
 ///
 /// Scenes with the same map share its fitted peaks, and all modes of a scene. Errors: a sentence naming the scene that
@@ -31,7 +28,7 @@ pub fn golden_frames() -> Result<String, String> {
         let scene = scene.with_size(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
         let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), &|_| ()).map_err(|error| failed(&error))?;
         let variants: Vec<(&str, Mode)> =
-            Profile::NAMES.iter().flat_map(|&profile| MODES.map(|mode| (profile, mode))).collect();
+            Profile::NAMES.iter().flat_map(|&profile| super::MODES.map(|mode| (profile, mode))).collect();
         let lines: Result<Vec<String>, String> = variants
             .into_par_iter()
             .map(|(profile, mode)| {

@@ -8,13 +8,15 @@
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use comfy_table::Table;
 use indicatif::{ProgressBar, ProgressStyle};
-use roughxel_core::precision::{Precision, Profile};
+use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_host_tests::bars;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
+use roughxel_host_tests::space::profiles;
+use roughxel_host_tests::table::table;
 use roughxel_real_frame as real_frame;
 use roughxel_scene::Scene;
 
@@ -39,12 +41,7 @@ struct Report {
 
 impl Report {
     fn new() -> Self {
-        let mut table = Table::new();
-        table.load_style(UTF8_FULL_CONDENSED).set_header(["what", "measured", "bar", ""]);
-        if let Some(column) = table.column_mut(1) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-        Self { table, holds: true }
+        Self { table: table(["what", "measured", "bar", ""], 1..2), holds: true }
     }
 
     fn add(&mut self, what: &str, figure: f64, unit: &str, bar: &Bar) {
@@ -148,10 +145,6 @@ fn measure(size: [u32; 2], edge: u32) -> Result<bool, String> {
     println!("{}", report.table);
     println!("{}", if report.holds { "every bar holds" } else { "a bar is missed" });
     Ok(report.holds)
-}
-
-fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
-    Profile::NAMES.into_iter().filter_map(|name| Some((name, Profile::by_name(name).map(Profile::precision)?)))
 }
 
 /// One scene: against its truth, and against the same filter in float64 with every profile.

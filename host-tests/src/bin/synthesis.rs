@@ -7,10 +7,15 @@
 //! Area is that of the module alone. For a clock every input comes from a register and every output goes into one: inputs
 //! from a shift register, outputs into a tree of exclusive ors, so that wide ports do not need pins.
 
+#[path = "synthesis/modules.rs"]
+mod modules;
+#[path = "synthesis/report.rs"]
+mod report;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::sync::Mutex;
 
@@ -23,6 +28,8 @@ use roughxel_net::verilog::Options;
 use roughxel_record as record;
 use roughxel_utilities::output::write_files;
 use serde_json::Value;
+
+use modules::{Area, Arguments, Clock, Module, Outcome};
 
 const USAGE: &str = "synthesis [--seeds N] [--profiles NAME,NAME] [--place N] [-o FILE]
   --seeds N       seeds of nextpnr, 1 to 16, default 3
@@ -82,83 +89,6 @@ impl Family {
             Self::Ecp5 => format!("synth_ecp5 -top {top}"),
         }
     }
-}
-
-/// Cells after synthesis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Area {
-    luts: u64,
-    carries: u64,
-    multipliers: u64,
-    registers: u64,
-}
-
-impl Area {
-    /// From `stat -json`.
-    fn read(statistics: &Value) -> Option<Self> {
-        let cells = statistics["design"]["num_cells_by_type"].as_object()?;
-        let of = |names: &[&str]| {
-            let named = cells.iter().filter(|(name, _)| names.iter().any(|wanted| name.starts_with(wanted)));
-            named.filter_map(|(_, count)| count.as_u64()).sum()
-        };
-        Some(Self {
-            luts: of(&["SB_LUT4", "LUT4"]),
-            carries: of(&["SB_CARRY", "CCU2C"]),
-            multipliers: of(&["SB_MAC16", "MULT18X18D"]),
-            registers: of(&["SB_DFF", "TRELLIS_FF"]),
-        })
-    }
-
-    /// Logic cells it takes at least.
-    fn cells(&self) -> u64 {
-        // A carry of ECP5 is two bits of adder with their two tables.
-        self.luts.max(self.registers) + 2 * self.carries
-    }
-}
-
-/// A module to be synthesised: its name, its ports and every source it needs.
-#[derive(Clone, Debug)]
-struct Module {
-    /// Design it is part of.
-    design: String,
-    name: String,
-    /// Whether it has a clock.
-    clocked: bool,
-    inputs: Vec<(String, u64)>,
-    outputs: Vec<(String, u64)>,
-    sources: PathBuf,
-    /// Hash of the sources.
-    hash: String,
-}
-
-/// What became of one module.
-#[derive(Clone, Debug)]
-struct Outcome {
-    ice40: Area,
-    ice40_clock: Clock,
-    ecp5: Area,
-    ecp5_clock: Clock,
-}
-
-/// Megahertz of several seeds, or why there are none.
-#[derive(Clone, Debug)]
-enum Clock {
-    Reached {
-        device: &'static str,
-        megahertz: Vec<f64>,
-    },
-    TooLarge,
-    /// Above the number of cells that was asked for.
-    NotPlaced,
-    Failed(String),
-}
-
-struct Arguments {
-    seeds: u64,
-    /// Logic cells of the largest module that is placed.
-    place: u64,
-    profiles: Vec<String>,
-    output: PathBuf,
 }
 
 fn main() -> ExitCode {
@@ -245,7 +175,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     })?;
     progress.finish_and_clear();
     let outcomes = outcomes.into_inner().map_err(|_| "a synthesis failed".to_owned())?;
-    let text = report(&jobs, &outcomes, arguments, &versions);
+    let text = report::text(&jobs, &outcomes, arguments, &versions);
     write(&arguments.output, &text)?;
     println!("wrote {}", arguments.output.display());
     Ok(())
@@ -485,75 +415,6 @@ fn registered(module: &Module) -> String {
          for (i = 0; i < {groups}; i = i + 1) folded[i] <= ^held[16*i +: 16];\nq <= ^folded;\nend\nendmodule\n"
     );
     text
-}
-
-fn report(
-    jobs: &[(String, Module)],
-    outcomes: &BTreeMap<(String, String), Outcome>,
-    arguments: &Arguments,
-    versions: &[String],
-) -> String {
-    let mut text = format!(
-        "# Synthesis results\n\nMade by `cargo run --release -p roughxel-host-tests --bin synthesis`; tools: {}.\n\n\
-         Area is the module alone, combinational, multipliers in DSP blocks (`synth_ice40 -dsp`, `synth_ecp5`). A clock is that of the module \
-         between registers of inputs and outputs, without registers inside: one block in one cycle, {} seeds, median (lowest to highest). Differences \
-         below 2 % are noise. iCE40: UP5K (8 multipliers, slow) where it fits, else HX8K (none), else `too large`; modules above {} logic cells \
-         are not placed here (`--place`). \
-         ECP5: LFE5U-85F, speed grade 6. `roughxel_fragment` is the whole pipelined top of a mirror without bumps or footprint \
-         (`--effects none`), without and with `--depth 24`. The full plan needs more multipliers than the largest ECP5 has \
-         (`roughxel cost`). A module that several designs share to the letter stands with the first of them; the same block in other \
-         surroundings may need other bits.\n",
-        versions.join("; "),
-        arguments.seeds,
-        arguments.place
-    );
-    for profile in &arguments.profiles {
-        let _ = write!(
-            text,
-            "\n## {profile}\n\n| design | module | iCE40 LUTs | carries | MAC16 | clock, MHz | ECP5 LUTs | CCU2C | MULT18 | clock, MHz |\n\
-             |---|---|---|---|---|---|---|---|---|---|\n"
-        );
-        let mut seen = Vec::new();
-        for (_, module) in jobs.iter().filter(|(of, _)| of == profile) {
-            let key = (module.name.clone(), module.hash.clone());
-            let Some(outcome) = outcomes.get(&key) else { continue };
-            if seen.contains(&key) {
-                continue;
-            }
-            seen.push(key);
-            let note =
-                if module.clocked && module.sources.to_string_lossy().ends_with("_24") { ", depth 24" } else { "" };
-            let Outcome { ice40, ecp5, ice40_clock, ecp5_clock } = outcome;
-            let _ = writeln!(
-                text,
-                "| {} | `{}`{note} | {} | {} | {} | {} | {} | {} | {} | {} |",
-                module.design,
-                module.name,
-                ice40.luts,
-                ice40.carries,
-                ice40.multipliers,
-                clock_text(ice40_clock),
-                ecp5.luts,
-                ecp5.carries,
-                ecp5.multipliers,
-                clock_text(ecp5_clock)
-            );
-        }
-    }
-    text
-}
-
-fn clock_text(clock: &Clock) -> String {
-    match clock {
-        Clock::TooLarge => "too large".to_owned(),
-        Clock::NotPlaced => "not placed".to_owned(),
-        Clock::Failed(why) => format!("no: {}", why.replace('|', "/")),
-        Clock::Reached { device, megahertz } => match megahertz.as_slice() {
-            [] => "no path".to_owned(),
-            [only] => format!("{only:.1} ({device})"),
-            all => format!("{:.1} ({:.1}–{:.1}, {device})", all[all.len() / 2], all[0], all[all.len() - 1]),
-        },
-    }
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {

@@ -1,7 +1,5 @@
 //! Fixed-point and block arithmetic: rounding, normalising and aligning against 128-bit integers. Inputs of 24 bits or fewer are exhausted, wider ones drawn.
 
-use std::f64::consts::LN_2;
-
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rayon::prelude::*;
@@ -295,12 +293,4 @@ fn a_zero_block_never_wins_an_alignment() {
     assert_eq!((zero, kept, top), ([Fx::zero()], tiny.m, tiny.e));
     assert!(Block::<i32, 3>::zero().is_zero());
     assert!(!tiny.is_zero());
-}
-
-#[test]
-fn interpolation_of_the_logarithm_tables_errs_as_their_docs_say() {
-    // h²/8·max|f″| at the steepest end: 1/ln 2 for log₂(1 + x), (ln 2)² for 2^x/2 relative to ½ … at x = 0.
-    let h = 1.0 / 256.0;
-    assert!((h * h / 8.0 / LN_2).log2() < -18.4);
-    assert!((h * h / 8.0 * LN_2 * LN_2).log2() < -20.0);
 }

@@ -4,6 +4,8 @@
 //! The table [`BOUNDS`] holds what was found, rounded up in the third decimal of its logarithm: a change of a seed, a
 //! table or a rounding shows here first.
 
+use std::ops::Range;
+
 use micromath::F32Ext;
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA};
@@ -12,6 +14,7 @@ use roughxel_core::elementary::{
 };
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::{Newton, Precision, Profile};
+use roughxel_host_tests::bars;
 use roughxel_utilities::random::SplitMix64;
 
 /// 2^30.
@@ -46,11 +49,18 @@ fn mantissa(x: i32) -> f64 {
 /// Largest error of `error` over every mantissa of `keep` bits from `low` to 1, both included, and where it is.
 fn worst_over_mantissas(low: i32, keep: u32, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
     let step = FRACTION - keep;
-    let chunks = (low >> step..(ONE >> step) + 1).into_par_iter().with_min_len(1 << 14);
-    chunks
-        .map(|unit| (error(unit << step), unit << step))
-        .reduce(|| (0.0, 0), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
+    let (worst, unit) = worst_of(low >> step..(ONE >> step) + 1, |unit| error(unit << step));
+    (worst, unit << step)
 }
+
+/// Largest error over a range, and where it is first.
+fn worst_of(range: Range<i32>, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
+    let errors = range.into_par_iter().with_min_len(1 << 14).map(|x| (error(x), x));
+    errors.reduce(|| (0.0, 0), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
+}
+
+/// Error of a function at a mantissa.
+type Error = fn(i32, &Precision) -> f64;
 
 fn reciprocal_error(x: i32, p: &Precision) -> f64 {
     (mantissa(half_reciprocal(Fx::<i32, 2>::from_raw(x), p).raw()) - 0.5 / mantissa(x)).abs()
@@ -71,35 +81,19 @@ fn exp2_error(x: i32, p: &Precision) -> f64 {
 }
 
 fn holds(profile: usize, function: usize, worst: (f64, i32)) {
-    let found = worst.0.log2();
-    println!("{:8} {:6} 2^{found:.4} at {:#010x}", NAMES[profile], FUNCTIONS[function], worst.1);
-    let bound = BOUNDS[profile][function];
-    assert!(found <= bound, "{} of {}: 2^{found:.4} at {:#x}", FUNCTIONS[function], NAMES[profile], worst.1);
-    // A bound that nothing meets is a bound that nobody measured.
-    assert!(found > bound - 0.01, "{} of {} is 2^{found:.4}", FUNCTIONS[function], NAMES[profile]);
+    let what = format!("{} of {} at {:#010x}", FUNCTIONS[function], NAMES[profile], worst.1);
+    bars::holds(&what, worst.0, BOUNDS[profile][function], 0.01);
 }
 
 #[test]
-fn reciprocal_holds_its_bound_at_every_mantissa() {
+fn reciprocal_inverse_root_and_logarithm_hold_their_bounds_at_every_mantissa() {
+    let functions: [(i32, Error); 3] =
+        [(ONE / 2, reciprocal_error), (ONE / 4, inverse_root_error), (ONE / 2, log2_error)];
     for index in 0..NAMES.len() {
         let p = profile(index);
-        holds(index, 0, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| reciprocal_error(x, &p)));
-    }
-}
-
-#[test]
-fn inverse_root_holds_its_bound_at_every_mantissa() {
-    for index in 0..NAMES.len() {
-        let p = profile(index);
-        holds(index, 1, worst_over_mantissas(ONE / 4, p.fraction_bits, |x| inverse_root_error(x, &p)));
-    }
-}
-
-#[test]
-fn logarithm_holds_its_bound_at_every_mantissa() {
-    for index in 0..NAMES.len() {
-        let p = profile(index);
-        holds(index, 2, worst_over_mantissas(ONE / 2, p.fraction_bits, |x| log2_error(x, &p)));
+        for (function, (low, error)) in functions.into_iter().enumerate() {
+            holds(index, function, worst_over_mantissas(low, p.fraction_bits, |x| error(x, &p)));
+        }
     }
 }
 
@@ -107,12 +101,7 @@ fn logarithm_holds_its_bound_at_every_mantissa() {
 fn exponential_holds_its_bound_at_every_fraction() {
     for index in 0..NAMES.len() {
         let p = profile(index);
-        let worst = (0..1 << 24)
-            .into_par_iter()
-            .with_min_len(1 << 14)
-            .map(|x| (exp2_error(x, &p), x))
-            .reduce(|| (0.0, 0), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a });
-        holds(index, 3, worst);
+        holds(index, 3, worst_of(0..1 << 24, |x| exp2_error(x, &p)));
     }
 }
 
@@ -153,7 +142,6 @@ fn inverse_root_bound(p: f64, newton: Newton) -> f64 {
 
 #[test]
 fn every_seed_and_step_count_holds_the_bound_by_its_formula() {
-    type Error = fn(i32, &Precision) -> f64;
     type Bound = fn(f64, Newton) -> f64;
     let functions: [(&str, i32, Error, Bound); 2] = [
         ("1/2x", ONE / 2, reciprocal_error, reciprocal_bound),

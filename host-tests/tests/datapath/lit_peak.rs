@@ -14,7 +14,7 @@ use roughxel_core::setup::{real_peak, real_vector};
 use roughxel_core::staged::Staged;
 use roughxel_core::status::StatusBit;
 use roughxel_core::width::on_words;
-use roughxel_host_tests::bars::LIT_PEAK_BARS;
+use roughxel_host_tests::bars::{LIT_PEAK_BARS, holds};
 use roughxel_host_tests::reference::horizon::{Side, correlated, product, ramp};
 use roughxel_host_tests::reference::linear::{dot, norm};
 use roughxel_host_tests::reference::{frame, highlight, peaks};
@@ -33,12 +33,6 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 
 fn raised(out: &PeakOut, bit: StatusBit) -> bool {
     out.status & bit.mask() != 0
-}
-
-/// Whether `found` holds a bar and comes near it: a bar that nothing meets is a bar that nobody measured.
-fn holds(name: &str, what: &str, found: f64, bar: f64) {
-    println!("{name:8} {what:10} 2^{:.2}, bar 2^{bar:.1}", found.log2());
-    assert!(found.log2() <= bar && found.log2() > bar - 0.5, "{name} {what}: 2^{:.3}, bar 2^{bar}", found.log2());
 }
 
 /// |l̂ + v̂|, which says how far h is from cancelling; `None` where a port or the frame has no direction.
@@ -72,7 +66,7 @@ fn a_local_half_vector_holds_its_bar_from_the_ports_on() {
             direction_error(&case, &case.shine(&FULL, &p)).unwrap_or(0.0)
         };
         let worst = (0..CASES).into_par_iter().map(error).reduce(|| 0.0, f64::max);
-        holds(name, "direction", worst, bar);
+        holds(&format!("{name} direction"), worst, bar, 0.5);
     }
 }
 
@@ -123,8 +117,8 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
             [(visibility - want).abs(), if plausible { error * slack } else { 0.0 }]
         };
         let worst = (0..CASES).into_par_iter().map(errors).reduce(|| [0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        holds(name, "visibility", worst[0], VISIBILITY_BAR);
-        holds(name, "light", worst[1], bar);
+        holds(&format!("{name} visibility"), worst[0], VISIBILITY_BAR, 0.5);
+        holds(&format!("{name} light"), worst[1], bar, 0.5);
     }
 }
 

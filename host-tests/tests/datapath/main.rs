@@ -3,7 +3,7 @@
 
 mod accuracy;
 mod arithmetic;
-mod seam;
+mod batches;
 mod design_lanes;
 mod elementary;
 mod filter;
@@ -14,13 +14,15 @@ mod horizon;
 mod lane_frames;
 mod lane_words;
 mod lanes;
-mod lit_lanes;
 mod lemmas;
+mod lit_lanes;
 mod lit_peak;
+mod moments;
 mod peaks;
 mod properties;
 mod readings;
 mod scanline;
+mod seam;
 mod small;
 mod sphere;
 mod tile;

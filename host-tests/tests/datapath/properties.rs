@@ -3,16 +3,18 @@
 //!
 //! Every property is claimed for the named profiles and arbitrary ports unless it says otherwise.
 
-use fixed::types::{I2F30, I4F28};
+mod neutral;
+
+use fixed::types::I2F30;
 use rayon::prelude::*;
 use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::block::{Block, MANTISSA, normalise};
 use roughxel_core::datapath::reflection::leave;
 use roughxel_core::datapath::{Reflection, environment_probe, reflection};
 use roughxel_core::fx::Fx;
-use roughxel_core::plan::{FootprintKind, FrameSystem, ReflectionPlan};
+use roughxel_core::plan::{FrameSystem, ReflectionPlan};
 use roughxel_core::ports::{BlockVector, Port, ReflectionIn, ReflectionOut, SurfaceIn};
-use roughxel_core::precision::{AxisDirection, Precision, RoughnessKind};
+use roughxel_core::precision::{AxisDirection, Precision};
 use roughxel_core::setup::real_number;
 use roughxel_core::signals::FaceSelect;
 use roughxel_core::soft_core::environment_scale;
@@ -21,7 +23,7 @@ use roughxel_core::stage::reflect::reflect;
 use roughxel_core::status::StatusBit;
 use roughxel_host_tests::reference;
 use roughxel_host_tests::reference::linear::{add_scaled, cross, norm, scaled};
-use roughxel_host_tests::space::profiles;
+use roughxel_host_tests::space::{self, profiles};
 use roughxel_study::accuracy::{Figure, reference_inputs, reference_options};
 use roughxel_utilities::random::SplitMix64;
 
@@ -46,36 +48,17 @@ fn raised(out: &ReflectionOut, bit: StatusBit) -> bool {
     out.status & bit.mask() != 0
 }
 
-/// Any bits at all, often with equal or opposite components.
+/// Any bits at all, with exponents far from the ends of their ports.
 fn any_fragment(set: &str, index: u64) -> ReflectionIn {
-    let mut random = SplitMix64::for_element(set, index);
-    let mut word = || match random.below(6) {
-        0 => 0,
-        1 => i32::MIN,
-        // Powers of two, and runs of ones, which round up to them.
-        2 => (1 << random.below(31)) - (random.below(2) as i32),
-        _ => random.next_u64() as i32 >> random.below(31),
-    };
-    let mut port = || {
-        let mut mantissa = [word(), word(), word()];
-        if mantissa[0] & 4 != 0 {
-            mantissa[1] = mantissa[0].wrapping_neg();
-        }
-        BlockVector { mantissa: mantissa.map(I2F30::from_bits), exponent: (word() % 40) as i16 }
-    };
-    let (normal, view, t0, t1) = (port(), port(), port(), port());
-    let (dview, dnormal) = ([port(), port()], [port(), port()]);
-    let offset = [word(), word()].map(I4F28::from_bits);
-    let roughness = [word(), word(), word()].map(I4F28::from_bits);
+    let mut fragment = space::any_fragment(&mut SplitMix64::for_element(set, index));
+    let SurfaceIn { normal, view, frame_vectors: [first, second], .. } = &mut fragment.surface;
+    let vectors = [normal, view, first, second].into_iter().chain(&mut fragment.dview).chain(&mut fragment.dnormal);
+    vectors.for_each(|vector| vector.exponent %= 40);
     // Every eighth main direction lies along the normal.
-    let t0 = if index.is_multiple_of(8) { normal } else { t0 };
-    let edge_texels = random.next_u64() as u16;
-    ReflectionIn {
-        surface: SurfaceIn { normal, view, frame_vectors: [t0, t1], offset, roughness },
-        dview,
-        dnormal,
-        edge_texels,
+    if index.is_multiple_of(8) {
+        fragment.surface.frame_vectors[0] = fragment.surface.normal;
     }
+    fragment
 }
 
 /// Runs a claim over random fragments, hard cases and arbitrary bits of one profile.
@@ -216,101 +199,6 @@ fn face_coordinates_and_back_are_inverse_on_every_face() {
             let expected = reference::cube::face_components(face as usize, vector(v));
             assert_eq!(vector(select.to_face(v)), expected);
         }
-    }
-}
-
-#[test]
-fn bump_off_equals_offsets_of_zero() {
-    for (name, p) in profiles() {
-        for roughness in [RoughnessKind::None, RoughnessKind::Anisotropic] {
-            let on = ReflectionPlan { roughness, ..ReflectionPlan::FULL };
-            let off = ReflectionPlan { bump: false, ..on };
-            everywhere(name, &p, 10_000, |fragment| {
-                let flat =
-                    ReflectionIn { surface: SurfaceIn { offset: [I4F28::ZERO; 2], ..fragment.surface }, ..*fragment };
-                let (with, without) = (flat.reflect(&on, &p), flat.reflect(&off, &p));
-                // Without roughness nothing needs the frame: it does not exist, nor does its pole.
-                let expected = if roughness == RoughnessKind::None {
-                    let status = with.status & !(StatusBit::FramePole.mask());
-                    ReflectionOut { frame: without.frame, status, ..with }
-                } else {
-                    with
-                };
-                assert_eq!(without, expected, "{flat:?}");
-            });
-        }
-    }
-}
-
-#[test]
-fn roughness_off_equals_no_roughness() {
-    let on = ReflectionPlan::FULL;
-    let off = ReflectionPlan { roughness: RoughnessKind::None, ..on };
-    for (name, p) in profiles() {
-        everywhere(name, &p, 10_000, |fragment| {
-            let smooth =
-                ReflectionIn { surface: SurfaceIn { roughness: [I4F28::ZERO; 3], ..fragment.surface }, ..*fragment };
-            assert_eq!(smooth.reflect(&on, &p), smooth.reflect(&off, &p), "{smooth:?}");
-            assert_eq!(fragment.reflect(&off, &p), smooth.reflect(&off, &p), "D is not looked at");
-        });
-    }
-}
-
-#[test]
-fn isotropic_roughness_equals_anisotropic_roughness_of_a_circle() {
-    let anisotropic = ReflectionPlan::FULL;
-    let isotropic = ReflectionPlan { roughness: RoughnessKind::Isotropic, ..anisotropic };
-    for (name, p) in profiles() {
-        everywhere(name, &p, 10_000, |fragment| {
-            let [i1, _, _] = fragment.surface.roughness;
-            let circle = ReflectionIn {
-                surface: SurfaceIn { roughness: [i1, I4F28::ZERO, i1], ..fragment.surface },
-                ..*fragment
-            };
-            let single = ReflectionIn {
-                surface: SurfaceIn { roughness: [i1, I4F28::MAX, I4F28::MIN], ..fragment.surface },
-                ..*fragment
-            };
-            assert_eq!(circle.reflect(&anisotropic, &p), single.reflect(&isotropic, &p), "{circle:?}");
-        });
-    }
-}
-
-#[test]
-fn curvature_off_equals_a_flat_surface() {
-    let on = ReflectionPlan::FULL;
-    let off = ReflectionPlan { curvature: false, ..on };
-    for (name, p) in profiles() {
-        everywhere(name, &p, 10_000, |fragment| {
-            let flat = ReflectionIn { dnormal: [BlockVector::default(); 2], ..*fragment };
-            assert_eq!(flat.reflect(&on, &p), flat.reflect(&off, &p), "{flat:?}");
-            assert_eq!(fragment.reflect(&off, &p), flat.reflect(&off, &p), "dn is not looked at");
-        });
-    }
-}
-
-#[test]
-fn footprint_off_leaves_one_probe_at_the_finest_level_of_the_same_point() {
-    let on = ReflectionPlan::FULL;
-    let off = ReflectionPlan { footprint: FootprintKind::None, ..on };
-    let of_footprint = [StatusBit::FootprintZero, StatusBit::FootprintSaturated, StatusBit::ProbesCapped];
-    let of_footprint = of_footprint.into_iter().fold(0, |bits, bit| bits | bit.mask());
-    for (name, p) in profiles() {
-        everywhere(name, &p, 10_000, |fragment| {
-            let (with, without) = (fragment.reflect(&on, &p), fragment.reflect(&off, &p));
-            let expected = ReflectionOut {
-                frame: with.frame,
-                normal_mod: with.normal_mod,
-                reflected: with.reflected,
-                face: with.face,
-                st: with.st,
-                direction: [I2F30::ONE, I2F30::ZERO],
-                probes: 1,
-                status: with.status & !of_footprint | StatusBit::FootprintZero.mask(),
-                ..ReflectionOut::default()
-            };
-            assert_eq!(without, expected, "{fragment:?}");
-        });
     }
 }
 

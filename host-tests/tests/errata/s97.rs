@@ -103,7 +103,7 @@ fn row_06_the_spread_along_d_is_that_of_d_transposed() {
 /// The one-pixel highlight of corrugated iron: PSNR in dB of a model tan²a′ of d = h's slope − mean slope, with the base
 /// covariance I/m and the energy kept.
 fn corrugated_highlight(model: impl Fn(Covariance, Vector2) -> f64) -> f64 {
-    let pixel = OnePixel::corrugated();
+    let pixel = OnePixel::corrugated(EXPONENT);
     let m = f64::from(EXPONENT);
     // The model sees K in units of the base, so that a smooth surface has K = I.
     let [a, b, c] = pixel.covariance;

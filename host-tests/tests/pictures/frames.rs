@@ -8,19 +8,17 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Decoder};
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionOut;
-use roughxel_core::precision::{Precision, Profile, RoughnessKind};
+use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
-use roughxel_host_tests::bars;
+use roughxel_host_tests::bars::{self, MODES, two_shapes};
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
-use roughxel_host_tests::space::whole_or;
+use roughxel_host_tests::space::{profiles, whole_or};
 use roughxel_real_frame::RealPicture;
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{linear_to_srgb8, write_png_srgb};
 use roughxel_shader::Effect;
 use roughxel_simd::{Backend, InstructionSet};
-
-const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 
 fn scene(name: &str, width: u32, height: u32) -> Scene {
     Scene::builtin(name).unwrap().unwrap().with_size(width, height).unwrap()
@@ -34,9 +32,8 @@ fn draw(scene: &Scene, mode: Mode, profile: &Precision) -> Frame {
 fn frames_are_the_float64_filter_up_to_the_bar_of_their_profile() {
     for name in bars::SCENES {
         let scene = scene(name, 160, 120);
-        for profile in Profile::NAMES {
+        for (profile, precision) in profiles() {
             let Some(bar) = bars::arithmetic_bar(profile) else { continue };
-            let precision = Profile::by_name(profile).map(Profile::precision).unwrap();
             let psnr = bars::psnr_against_float(&scene, Mode::Footprint, &precision).unwrap();
             assert!(psnr >= bar, "{name}, {profile}: {psnr:.1} dB");
         }
@@ -58,8 +55,7 @@ fn every_mode_is_its_float64_picture() {
 #[test]
 fn two_lobes_are_their_float64_picture_in_every_reading() {
     let scene = bars::two_lobes();
-    for profile in Profile::NAMES {
-        let precision = Profile::by_name(profile).map(Profile::precision).unwrap();
+    for (profile, precision) in profiles() {
         for mode in [Mode::Isotropic, Mode::Footprint] {
             let prepared = Prepared::new(&scene, mode, &precision).unwrap();
             assert!(prepared.plans().all(|plan| plan.has(Effect::TwoLobes)));
@@ -95,8 +91,8 @@ fn footprints_on_the_ground_plane_reach_35_db_at_40_texels_a_pixel() {
 
 #[test]
 fn a_smooth_environment_has_no_step_across_the_edges_of_the_cube() {
-    for profile in Profile::NAMES {
-        let step = bars::cube_edge_step(&Profile::by_name(profile).map(Profile::precision).unwrap());
+    for (profile, p) in profiles() {
+        let step = bars::cube_edge_step(&p);
         let held = [step.probe, step.lobe, step.lobe_on_sphere];
         assert!(held.iter().all(|step| *step <= bars::CUBE_EDGE_BAR), "{profile}: {step:?}");
     }
@@ -117,22 +113,11 @@ fn frames_are_the_same_bits_for_any_number_of_threads() {
     }
 }
 
-/// A plane and a ball with `material` each.
-fn two_shapes(material: &str) -> Scene {
-    let text = format!(
-        "[camera]\neye = [0, 1.5, 5]\ntarget = [0, 0.4, 0]\nfov_y = 35\nwidth = 96\nheight = 72\n\
-         [environment]\ngenerate = \"checker\"\nface_edge = 64\n\
-         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {material}\n\
-         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {material}\n"
-    );
-    Scene::from_toml("two shapes", &text, Path::new("")).unwrap()
-}
-
 #[test]
 fn a_white_colour_map_is_one_code_from_no_map() {
-    let bare = two_shapes("{ colour = [0.5, 0.25, 1] }");
+    let bare = two_shapes("checker", "", "colour = [0.5, 0.25, 1]");
     let white = "colour_map = { generate = \"checker\", size = 16, squares = 2, light = [1, 1, 1], dark = [1, 1, 1] }";
-    let mapped = two_shapes(&format!("{{ colour = [0.5, 0.25, 1], {white} }}"));
+    let mapped = two_shapes("checker", "", &format!("colour = [0.5, 0.25, 1], {white}"));
     for mode in MODES {
         let [bare, mapped] = [&bare, &mapped].map(|scene| draw(scene, mode, &Precision::STANDARD));
         for (a, b) in bare.pixels.iter().flatten().zip(mapped.pixels.iter().flatten()) {
@@ -205,7 +190,7 @@ fn psnr_counts_every_channel_against_a_range_of_1() {
 /// A filter looks along one surface; where two meet, what each covers counts.
 #[test]
 fn silhouettes_have_as_many_shades_as_samples() {
-    let scene = two_shapes("{ colour = [1, 1, 1] }");
+    let scene = two_shapes("checker", "", "colour = [1, 1, 1]");
     let p = Precision::STANDARD;
     let dark = |frame: &Frame| {
         let mut shades: Vec<i32> = frame.pixels.iter().map(|pixel| pixel[0]).collect();

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
-use roughxel_host_tests::reference::random::SplitMix64;
+use roughxel_host_tests::one_pixel::{EXPONENT, OnePixel};
 use roughxel_peaks::horizon::horizon_slopes;
 use roughxel_peaks::{BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface};
 
@@ -57,90 +57,27 @@ fn denim(size: u32) -> PeakSource {
     })
 }
 
-/// Offsets of 64×64 facets inside one pixel, as functions of the place in [0, 1)².
-fn facets(offset: impl Fn(f64, f64) -> [f64; 2]) -> PeakSource {
-    let normal = |index: u32| {
-        let [x, y] = [index % 64, index / 64].map(|place| (f64::from(place) + 0.5) / 64.0);
-        let [b1, b2] = offset(x, y);
-        DVec3::new(b1, b2, 1.0)
-    };
-    let normals = (0..64 * 64).map(normal).collect();
-    PeakSource { width: 64, height: 64, normals, heights: None, rows_apart: 1.0 }
-}
-
-/// White heights through a Gaussian with its cut-off at .15 of the sampling rate, slopes scaled to σ = .25.
-fn noise() -> PeakSource {
-    let size = 64;
-    let mut random = SplitMix64::new(92);
-    let white: Vec<f64> = (0..size * size).map(|_| random.normal()).collect();
-    let sigma = 1.0 / (TAU * 0.15);
-    let weights: Vec<f64> = (-6..=6).map(|d| (-0.5 * (f64::from(d) / sigma).powi(2)).exp()).collect();
-    let blur = |map: &[f64], along_x: bool| -> Vec<f64> {
-        let at = |index: usize, distance: usize| {
-            let (x, y) = (index % size, index / size);
-            let moved = |place: usize| (place + size + distance - 6) % size;
-            if along_x { map[y * size + moved(x)] } else { map[moved(y) * size + x] }
-        };
-        (0..size * size).map(|index| (0..13).map(|d| weights[d] * at(index, d)).sum()).collect()
-    };
-    let heights = blur(&blur(&white, true), false);
-    let at = |x: usize, y: usize| heights[y % size * size + x % size];
-    let slopes: Vec<[f64; 2]> = (0..size * size)
-        .map(|index| (index % size, index / size))
-        .map(|(x, y)| [at(x + 1, y) - at(x + size - 1, y), at(x, y + 1) - at(x, y + size - 1)])
-        .collect();
-    let mean_square = slopes.iter().flatten().map(|slope| slope * slope).sum::<f64>() / (2 * size * size) as f64;
-    let scale = 0.25 / mean_square.sqrt();
-    facets(|x, y| slopes[(y * 64.0) as usize * size + (x * 64.0) as usize].map(|slope| -scale * slope))
-}
-
 fn radiance(peaks: &[Peak], half: DVec3) -> f64 {
     peaks.iter().map(|peak| peak.amplitude * peak.normal.dot(half).max(0.0).powf(peak.exponent)).sum()
 }
 
-/// PSNR of the map's peaks against the mean over its facets, dB relative to the peak of that mean.
-fn one_pixel(source: &PeakSource, exponent: f64) -> (usize, f64) {
-    let peaks = multiple_surface(source, &options(exponent, FacetWeight::Texel)).expect("the source is good");
-    let normals: Vec<DVec3> = source.normals.iter().map(|normal| normal.normalize()).collect();
-    let steps = || (-20..=20).map(|step| f64::from(step) / 20.0);
-    let (mut highest, mut squares, mut count) = (0.0_f64, 0.0, 0);
-    for [t, s] in steps().flat_map(|t| steps().map(move |s| [t, s])).filter(|[t, s]| t * t + s * s <= 1.2) {
-        let half = DVec3::new(t, s, 1.0).normalize();
-        let powers = normals.iter().map(|normal| normal.dot(half).max(0.0).powf(exponent));
-        let mean = powers.sum::<f64>() / normals.len() as f64;
-        highest = highest.max(mean);
-        squares += (radiance(&peaks, half) - mean).powi(2);
-        count += 1;
-    }
-    (peaks.len(), 20.0 * (highest / (squares / f64::from(count)).sqrt()).log10())
+/// How many peaks stand for the facets of a pixel, and their PSNR in dB against the mean over its facets.
+fn fitted(pixel: &OnePixel, exponent: f64) -> (usize, f64) {
+    let normals = pixel.facets.iter().map(|&[b1, b2]| DVec3::new(b1, b2, 1.0)).collect();
+    let source = PeakSource { width: 64, height: 64, normals, heights: None, rows_apart: 1.0 };
+    let peaks = multiple_surface(&source, &options(exponent, FacetWeight::Texel)).expect("the source is good");
+    (peaks.len(), pixel.psnr(|half| radiance(&peaks, DVec3::from_array(half))))
 }
 
 #[test]
 fn one_pixel_highlights_reach_the_bars_of_peaks() {
-    let corrugated = facets(|x, y| {
-        let offset = 0.45 * (TAU * 4.0 * (0.8 * x + 0.6 * y)).cos();
-        [0.8 * offset, 0.6 * offset]
-    });
-    let groove = facets(|x, _| [if (4.0 * x).fract() < 0.5 { 0.5 } else { -0.5 }, 0.0]);
-    let hemispheres = facets(|x, y| {
-        let [x, y] = [x, y].map(|place| 2.0 * (4.0 * place).fract() - 1.0);
-        let square = x * x + y * y;
-        if square < 0.9 { [x, y].map(|place| place / (1.0 - square).sqrt()) } else { [0.0; 2] }
-    });
-    let maps = [
-        ("noise", noise(), 28.0),
-        ("corrugated", corrugated, 30.0),
-        ("V-groove", groove, 40.0),
-        ("hemispheres", hemispheres, 24.0),
-    ];
-    for (name, source, bar) in maps {
-        let (peaks, psnr) = one_pixel(&source, 64.0);
-        println!("{name}: {peaks} peaks, {psnr:.1} dB, bar {bar} dB");
-        assert!(psnr >= bar, "{name}: {psnr}");
-        // Facets narrower than the grid of the fit are spread wider and sharpened again.
-        let (peaks, psnr) = one_pixel(&source, 1000.0);
-        println!("{name}, exponent 1000: {peaks} peaks, {psnr:.1} dB");
-        assert!(psnr >= 24.0, "{name}, exponent 1000: {psnr}");
+    // Facets narrower than the grid of the fit are spread wider and sharpened again.
+    for (exponent, bars) in [(EXPONENT, [28.0, 30.0, 40.0, 24.0]), (1000, [24.0; 4])] {
+        for (pixel, bar) in OnePixel::all(exponent).iter().zip(bars) {
+            let (peaks, psnr) = fitted(pixel, exponent.into());
+            println!("{}, exponent {exponent}: {peaks} peaks, {psnr:.1} dB, bar {bar} dB", pixel.name);
+            assert!(psnr >= bar, "{}, exponent {exponent}: {psnr}", pixel.name);
+        }
     }
 }
 

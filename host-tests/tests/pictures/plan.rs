@@ -1,31 +1,24 @@
 //! What a plan promises of every effect: a neutral map changes no bit, a block planned away is never entered, and a map
 //! planned away takes no memory. What each effect costs is measured by `benches/effects.rs`.
 
+mod blocks;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
-use roughxel_cases::highlight::random_light;
-use roughxel_cases::peak_and_horizon::{random_horizon_case, random_peak_case};
-use roughxel_cases::random_fragment;
-use roughxel_core::datapath::{self, TextureFootprint};
-use roughxel_core::fx::Fx;
-use roughxel_core::plan::{FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
-use roughxel_core::ports::{Port, PortBlock, ReflectionInput};
-use roughxel_core::precision::{Precision, Profile, RoughnessKind};
-use roughxel_core::signals::TexturePosition;
-use roughxel_core::soft_core::{environment_scale, texture_scale};
+use roughxel_core::plan::ReflectionPlan;
+use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
-use roughxel_host_tests::checked::{Checked, reread, traced};
+use roughxel_host_tests::bars::{self, MODES};
+use roughxel_host_tests::keys::{has_keys, without_keys};
 use roughxel_host_tests::space::profiles;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{RoughnessField, Scene};
 use roughxel_shader::{Effect, ObjectPlan};
-
-const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 
 const FRAMES: [&str; 3] = ["main-direction", "natural", "natural-normalised"];
 
@@ -34,27 +27,19 @@ const FLAT: &str = "height_map = { generate = \"waves\", size = 32, scale = 0 }"
 
 const LIGHT: &str = "[[light]]\ndirection = [-0.4, 0.9, 0.5]\n";
 
-fn read(text: &str) -> Scene {
-    Scene::from_toml("plan", text, Path::new("")).unwrap()
-}
-
-/// A plane and a ball with `material` each, in front of what they reflect.
+/// A plane and a ball with `material` each, under a light.
 fn two_shapes(material: &str) -> Scene {
-    read(&format!(
-        "[camera]\neye = [0, 1.5, 5]\ntarget = [0, 0.4, 0]\nfov_y = 35\nwidth = 96\nheight = 72\n\
-         [environment]\ngenerate = \"checker\"\nface_edge = 64\n{LIGHT}\
-         [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {{ {material} }}\n\
-         [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {{ {material} }}\n"
-    ))
+    bars::two_shapes("checker", LIGHT, material)
 }
 
 /// A plane parallel to the picture, so near that a texel of a map or of what it reflects is many pixels wide.
 fn facing(material: &str) -> Scene {
-    read(&format!(
+    let text = format!(
         "[camera]\neye = [0, 4, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nfov_y = 30\nwidth = 96\nheight = 72\n\
          [background]\ncolour = [0, 0, 0]\n[environment]\ngenerate = \"zebra\"\nface_edge = 16\n{LIGHT}\
          [[object]]\nshape = \"plane\"\nsize = [8, 8]\nsegments = [8, 8]\nmaterial = {{ {material} }}\n"
-    ))
+    );
+    Scene::from_toml("plan", &text, Path::new("")).unwrap()
 }
 
 /// Columns of [`facing`] on which nothing is seen of what lies right of its middle by a twentieth of a picture.
@@ -209,8 +194,7 @@ fn a_neutral_map_changes_no_bit() {
     let mut found = Vec::new();
     for effect in Effect::ALL {
         for (form, neutral) in neutral_forms(effect).iter().enumerate() {
-            for profile in Profile::NAMES {
-                let p = Profile::by_name(profile).map(Profile::precision).unwrap();
+            for (profile, p) in profiles() {
                 for mode in MODES {
                     let with = planned(&neutral.with, mode, &p, neutral.plan_with);
                     let without = planned(&neutral.without, mode, &p, neutral.plan_without);
@@ -332,164 +316,6 @@ fn a_roughness_map_that_shows_nothing_is_not_sampled() {
     }
 }
 
-/// Every block.
-fn full(frame: FrameSystem) -> ObjectPlan {
-    let reflection = ReflectionPlan { frame, ..ReflectionPlan::FULL };
-    ObjectPlan {
-        colour_map: true,
-        texture_footprint: true,
-        edges: true,
-        reflection: Some(reflection),
-        two_lobes: true,
-        highlight: Some(reflection.surface()),
-        peaks: Some(SurfacePlan { bump: false, frame, roughness: RoughnessKind::None, local: true }),
-        horizon: HorizonKind::Correlated,
-    }
-}
-
-/// How often each block of each part was entered.
-type Entered = BTreeMap<(&'static str, &'static str), usize>;
-
-fn enter(entered: &mut Entered, part: &'static str, work: impl FnOnce()) {
-    for (block, _) in traced(work).1 {
-        *entered.entry((part, block)).or_default() += 1;
-    }
-}
-
-/// The probes of a repeated map of `edge` texels, as the renderer takes them.
-fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, (edge, rough): (u16, bool), p: &Precision) {
-    if !plan.texture_footprint {
-        return;
-    }
-    let (texture, map) = texture_scale([edge; 2]);
-    let (texture, map) = (reread(&texture), reread(&map));
-    let duv = input.dview.map(|d| PortBlock { mantissa: [d.mantissa[0], d.mantissa[1]], exponent: d.exponent });
-    let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(&duv, &texture, &map, p);
-    if rough {
-        datapath::probe_reach([&axes.major, &axes.minor], &probes, &texture, p);
-    }
-    let centre = reread(&TexturePosition::<i32> { uv: [Fx::from_raw(1 << 30); 2] });
-    for index in 0..probes.count.raw().value() {
-        datapath::texture_probe(&centre, &probes, Fx::lit(i64::from(index)), &texture, p);
-    }
-}
-
-/// One random fragment, with a light, through the blocks of a plan, part by part as the renderer calls them.
-fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
-    let fragment = random_fragment("plan", index, p);
-    let input = reread(&fragment.wires());
-    let scale = reread(&environment_scale(fragment.edge_texels, p));
-    let lit = random_light("plan", index, p);
-    let (light, shininess) = (reread(&lit.light.wires()), reread(&lit.shininess.wires()));
-    if plan.colour_map {
-        enter(entered, "colour map", || fetch(&input, plan, (64, false), p));
-    }
-    if plan.bump_map() {
-        enter(entered, "bump map", || fetch(&input, plan, (128, plan.roughness() != RoughnessKind::None), p));
-    }
-    if let Some(plan) = &plan.reflection {
-        enter(entered, "reflection", || {
-            datapath::reflection(&input, &scale, plan, p);
-        });
-    }
-    if let Some(reflection) = plan.reflection.filter(|_| plan.two_lobes) {
-        let surface = datapath::surface(&input.surface, &reflection.surface(), p);
-        enter(entered, "core", || {
-            datapath::lobe_core(&surface.rough);
-        });
-    }
-    if let Some(plan) = &plan.highlight {
-        enter(entered, "highlight", || {
-            let surface = datapath::surface(&input.surface, plan, p);
-            datapath::highlight(&surface, &datapath::gloss(&surface, &shininess, plan, p), &light, p);
-        });
-    }
-    if let Some(surface) = &plan.peaks {
-        let peaks = random_peak_case("plan", index, p).peaks;
-        let stored = random_horizon_case("plan", index, p).horizon;
-        let mut made = None;
-        enter(entered, "peaks", || {
-            let surface = datapath::surface(&input.surface, surface, p);
-            made = Some((surface, datapath::peak_light(&surface, &light, p)));
-        });
-        let (surface, lit) = made.unwrap();
-        let mut weights: Vec<_> = peaks.iter().map(|(_, weight)| Fx::lit(i64::from(*weight))).collect();
-        if plan.horizon != HorizonKind::None {
-            enter(entered, "horizon", || {
-                let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
-                let [light, eye] = [&lit.light, &eye].map(|local| datapath::horizon_slopes(local, p));
-                weights.fill_with(|| datapath::horizon(&light, &eye, &reread(&stored.wires()), plan.horizon, p));
-            });
-        }
-        enter(entered, "peaks", || {
-            for ((peak, _), weight) in peaks.iter().zip(weights) {
-                datapath::peak(&lit.direction, &reread(&peak.wires()), weight, p);
-            }
-        });
-    }
-}
-
-/// Whether a block of a part exists for an effect only.
-fn is_of(effect: Effect, part: &str, block: &str) -> bool {
-    let tangents_of_roughness = ["enter.roughness", "roughness", "columns.roughness", "highlight.spread"];
-    match effect {
-        Effect::ColourTexture => part == "colour map",
-        // Without bumps there is no roughness, and without both no frame; that of the peaks is their own.
-        Effect::Bump => {
-            let perturbed = ["enter.tangent", "frame", "enter.offset", "perturb"].contains(&block);
-            ["bump map", "core"].contains(&part)
-                || ["reflection", "highlight"].contains(&part) && (perturbed || tangents_of_roughness.contains(&block))
-        }
-        Effect::Roughness => part == "core" || block == "probes.reach" || tangents_of_roughness.contains(&block),
-        Effect::Environment => ["reflection", "core"].contains(&part),
-        Effect::TwoLobes => part == "core",
-        Effect::Footprint => {
-            let footprint = ["enter.dview", "enter.dnormal", "columns.pixel", "ellipse", "axes", "probes"];
-            ["colour map", "bump map", "core"].contains(&part)
-                || part == "reflection" && footprint.contains(&block)
-                || tangents_of_roughness.contains(&block)
-        }
-        // The front end's.
-        Effect::Edges => false,
-        Effect::Curvature => block == "enter.dnormal",
-        Effect::Highlight => part == "highlight",
-        // What stands on them goes with them.
-        Effect::Peaks => ["peaks", "horizon"].contains(&part),
-        Effect::Horizon => part == "horizon",
-    }
-}
-
-#[test]
-fn blocks_planned_away_are_entered_zero_times() {
-    for (name, p) in profiles() {
-        for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
-            let count = |plan: &ObjectPlan| {
-                let mut entered = Entered::new();
-                (0..48).for_each(|index| shade(index, plan, &p, &mut entered));
-                entered
-            };
-            let full = full(frame);
-            let with = count(&full);
-            for effect in Effect::ALL {
-                let without = count(&full.without(effect));
-                let (of_it, others): (Entered, Entered) = with
-                    .iter()
-                    .map(|(key, count)| (*key, *count))
-                    .partition(|((part, block), _)| is_of(effect, part, block));
-                assert!(
-                    of_it.values().sum::<usize>() > 0 || effect == Effect::Edges,
-                    "{name}, {frame:?}: nothing is entered for {}",
-                    effect.name()
-                );
-                // Equal maps: what is of the effect is not entered, every other block as often as before.
-                assert_eq!(without, others, "{name}, {frame:?}, without {}", effect.name());
-            }
-            let nothing = Effect::ALL.into_iter().fold(full, ObjectPlan::without);
-            assert_eq!(count(&nothing), Entered::new());
-        }
-    }
-}
-
 /// Every map there is: a highlight has none.
 fn every_map() -> Scene {
     let bumps = "height_map = { generate = \"waves\", size = 16, highest = 6, rms_slope = 0.2 }";
@@ -501,31 +327,6 @@ fn every_map() -> Scene {
 
 fn bytes(prepared: &Prepared<'_>) -> BTreeMap<&'static str, u64> {
     prepared.map_bytes(0).into_iter().map(|(effect, bytes)| (effect.name(), bytes)).collect()
-}
-
-/// The scene without the keys of an effect, and what is left of a profile where the effect has none.
-fn without_keys(scene: &Scene, effect: Effect, p: &Precision) -> (Scene, Precision) {
-    let (mut scene, mut p) = (scene.clone(), *p);
-    for material in scene.objects.iter_mut().map(|object| &mut object.material) {
-        match effect {
-            Effect::ColourTexture => material.colour_map = None,
-            Effect::Bump => (material.bump, material.roughness, material.peaks) = (None, None, None),
-            // Detail that is lost has no key; a profile may leave it out.
-            Effect::Roughness => p.roughness = RoughnessKind::None,
-            Effect::Environment => material.reflectance = [0.0; 3],
-            Effect::TwoLobes => material.two_lobes = Some(false),
-            // The mode and the mesh decide.
-            Effect::Footprint | Effect::Edges | Effect::Curvature => {}
-            Effect::Highlight => material.highlight = None,
-            Effect::Peaks => material.peaks = None,
-            Effect::Horizon => {
-                if let Some(peaks) = &mut material.peaks {
-                    peaks.shadowing = None;
-                }
-            }
-        }
-    }
-    (scene, p)
 }
 
 /// Peaks of a scene without the keys of an effect. A scene with horizons has other peaks than one without, each for facets that see alike: those
@@ -547,8 +348,7 @@ fn an_effect_planned_away_leaves_the_frame_of_a_scene_without_its_keys() {
             let prepared = Prepared::new(&scene, mode, &p).unwrap();
             let plan = *prepared.plans().next().unwrap();
             let has_peaks = plan.has(Effect::Peaks);
-            let has_key = |effect| ![Effect::Footprint, Effect::Edges, Effect::Curvature].contains(&effect);
-            for effect in Effect::ALL.into_iter().filter(|effect| plan.has(*effect) && has_key(*effect)) {
+            for effect in Effect::ALL.into_iter().filter(|effect| plan.has(*effect) && has_keys(*effect)) {
                 let away = planned(&scene, mode, &p, |plan| match effect {
                     // Peaks of a map need its bumps.
                     Effect::Bump => plan.without(Effect::Bump).without(Effect::Peaks),

@@ -115,7 +115,7 @@ pub(crate) fn logarithms_beside_one_keep_the_accuracy_of_small_numbers() {
 }
 
 pub(crate) fn a_short_number_is_its_fraction_at_its_exponent() {
-    for code in (0..=0xffff).step_by(17).chain([4095, 4096, 8191, 8192]) {
+    for code in 0..=0xffff {
         let (c, f) = (code >> 12, code & 0xfff);
         let number = short_number::<i32>(Fx::from_raw(code));
         let value = f64::from(number.m[0].raw()) / f64::from(1 << 30) * f64::from(number.e.raw()).exp2();

@@ -2,7 +2,7 @@
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28};
 use glam::{DVec2, DVec3};
-use roughxel_core::ports::{BlockPort, StoredHorizon};
+use roughxel_core::ports::{BlockPort, StoredHorizon, StoredPeak};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_core::setup::{
     AMPLITUDE_LIMIT, block_vector, offset, real_horizon, real_number, real_offset, real_pair, real_peak, real_vector,
@@ -128,13 +128,14 @@ pub(crate) fn shininess_has_the_exponent_and_its_root_to_the_nearest() {
     let ends = [1.0, 8192.0, 8191.99, 1.0 + power(-16), 2.5 + power(-17), 2.5 + power(-18)];
     // Less than a last place of float64 from the square of an integer that is their root to the nearest.
     let beside = [4096.0 - power(-16), 4096.0 + power(-16)];
-    for m in many.chain(squares).chain(ends).chain(beside) {
+    let bits = (1 << 16..=1 << 29).step_by(9973).chain((256..=23_170).map(|root| root * root));
+    let ports = bits.map(|bits: u32| f64::from(bits) / 65536.0);
+    for m in many.chain(squares).chain(ends).chain(beside).chain(ports) {
         let port = shininess(m);
-        let exponent = f64::from(port.exponent.to_bits());
-        assert_eq!(exponent, (m * 65536.0 + 0.5).floor());
-        let exact = (exponent * power(32)).sqrt();
-        let root = i128::from(port.root.to_bits());
-        assert!((root as f64 - exact).abs() <= 0.5 + 1e-6, "{m}: {root}, not {exact}");
+        assert_eq!(f64::from(port.exponent.to_bits()), (m * 65536.0 + 0.5).floor());
+        // To the bit: no integer is nearer to the root.
+        let (root, square) = (i128::from(port.root.to_bits()), i128::from(port.exponent.to_bits()) << 34);
+        assert!((2 * root - 1).pow(2) < square && square < (2 * root + 1).pow(2), "{m}: {root}");
     }
     for (read, as_one) in [(0.0, 1.0), (-5.0, 1.0), (f64::NAN, 1.0), (0.999, 1.0), (1e9, 8192.0)] {
         assert_eq!(shininess(read), shininess(as_one));
@@ -149,9 +150,10 @@ fn of_code(code: u16) -> f64 {
 
 pub(crate) fn amplitudes_and_exponents_are_the_nearest_codes() {
     let up = DVec3::Z;
-    let ends = [4095, 4096, 4097, 8191, 8192, 8193, 0xffff, 0x7fff, 0x8000];
-    for code in (0..=u16::MAX).step_by(257).chain(ends) {
+    for code in 0..=u16::MAX {
         let value = of_code(code);
+        let (_, a, n) = real_peak(&StoredPeak { amplitude: code, exponent: code, ..StoredPeak::default() });
+        assert_eq!((a, n), (value * power(-21), value * power(-13)));
         let next = of_code(code.saturating_add(1));
         for (share, expected) in [(0.0, code), (0.49, code), (0.51, code.saturating_add(1))] {
             let x = value + (next - value) * share;
@@ -172,6 +174,8 @@ pub(crate) fn amplitudes_and_exponents_are_the_nearest_codes() {
     assert_eq!(stored_unit_peak(up, 1e30, 1.0).amplitude, 0xffff);
     assert_eq!(stored_unit_peak(up, -1.0, 1.0).amplitude, 0);
     assert_eq!(stored_unit_peak(up, f64::NAN, 1.0).amplitude, 0);
+    let (_, a, n) = real_peak(&stored_peak(up, f64::INFINITY, f64::INFINITY));
+    assert_eq!((a, n), (8191.0 / 128.0, 8192.0));
     // Half of the smallest unit is one, less is none.
     assert_eq!(stored_unit_peak(up, power(-22), 1.0).amplitude, 1);
     assert_eq!(stored_unit_peak(up, power(-22) * 0.999, 1.0).amplitude, 0);
@@ -194,6 +198,9 @@ pub(crate) fn the_normal_of_a_stored_peak_has_unit_length_whatever_came() {
     assert_eq!(rounded.map(I1F15::to_bits), [2, 1, -1]);
     let none = stored_peak(DVec3::ZERO, 2.0, 3.0);
     assert_eq!((none.normal, none.amplitude), ([I1F15::ZERO; 3], 0));
+    for none in [DVec3::NAN, DVec3::INFINITY, DVec3::new(0.0, f64::NEG_INFINITY, 1.0)] {
+        assert_eq!(stored_peak(none, 2.0, 3.0).amplitude, 0, "{none}");
+    }
     assert!(stored_peak(DVec3::new(0.0, 0.0, -9.0), 2.0, 3.0).amplitude > 0);
 }
 
