@@ -10,6 +10,8 @@ use roughxel_core::plan::{
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, Profile, RoughnessKind};
 use roughxel_core::status::StatusBit;
 
+use crate::soft_core::{FOOTPRINTS, ROUGHNESS};
+
 /// Names that are names: none empty, none twice, and a reader finds each.
 fn are_names<T: PartialEq + std::fmt::Debug>(all: &[T], name: impl Fn(&T) -> &str, find: impl Fn(&str) -> Option<T>) {
     let names: BTreeSet<&str> = all.iter().map(&name).collect();
@@ -189,7 +191,7 @@ pub(crate) fn profiles_have_the_knobs_that_the_manifests_of_sets_name() {
 pub(crate) fn a_frame_is_needed_for_bumps_roughness_and_what_is_local() {
     for bump in [false, true] {
         for local in [false, true] {
-            for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
+            for roughness in ROUGHNESS {
                 let plan = SurfacePlan { bump, frame: FrameSystem::Natural, roughness, local };
                 let needed = bump || local || roughness != RoughnessKind::None;
                 assert_eq!(plan.needs_frame(), needed, "{plan:?}");
@@ -226,6 +228,6 @@ pub(crate) fn plans_have_of_the_effects_what_their_datapath_knows() {
     assert_eq!(smooth.on_face(), smooth);
     assert_eq!(plan.on_face().on_sphere(), plan);
     assert_eq!(smooth.on_sphere().footprint, FootprintKind::Sphere);
-    let has = [FootprintKind::None, FootprintKind::Face, FootprintKind::Sphere].map(FootprintKind::is_some);
+    let has = FOOTPRINTS.map(FootprintKind::is_some);
     assert_eq!(has, [false, true, true]);
 }

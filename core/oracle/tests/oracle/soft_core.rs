@@ -22,10 +22,12 @@ use roughxel_oracle::walk::{Number, numbers};
 
 use crate::maps::{Hash, Noise, fragments};
 
-const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
-const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
-const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face, FootprintKind::Sphere];
-const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
+pub(crate) const FRAMES: [FrameSystem; 3] =
+    [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
+pub(crate) const ROUGHNESS: [RoughnessKind; 3] =
+    [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
+pub(crate) const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face, FootprintKind::Sphere];
+pub(crate) const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 
 /// Some fragments with frame vectors that are tangents, too.
 fn some(count: usize) -> Vec<ReflectionIn> {

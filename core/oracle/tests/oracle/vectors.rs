@@ -4,12 +4,14 @@ use std::fs;
 use std::path::Path;
 
 use roughxel_core::bundle::{Bundle, End};
-use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
-use roughxel_core::precision::{Profile, RoughnessKind};
+use roughxel_core::plan::Effects;
+use roughxel_core::precision::Profile;
 use roughxel_core::soft_core;
 use serde_json::Value;
 
 use roughxel_oracle::walk::{Number, bundle, limits, numbers};
+
+use crate::soft_core::{FOOTPRINTS, FRAMES, HORIZONS, ROUGHNESS};
 
 pub(crate) fn every_field_of_every_golden_vector_is_that_of_the_soft_core() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/smoke");
@@ -91,33 +93,20 @@ where
     }
 }
 
+/// The one of them that a manifest names.
+fn named<T: Copy + std::fmt::Debug>(name: &Value, all: [T; 3]) -> T {
+    let name = name.as_str().expect("a name").replace('_', "");
+    let named = all.into_iter().find(|one| format!("{one:?}").to_lowercase() == name);
+    named.unwrap_or_else(|| panic!("none of {all:?} is named {name}"))
+}
+
 fn effects(effects: &Value) -> Effects {
     Effects {
         bump: effects["bump"] == true,
-        frame: match effects["frame"].as_str() {
-            Some("main_direction") => FrameSystem::MainDirection,
-            Some("natural") => FrameSystem::Natural,
-            Some("natural_normalised") => FrameSystem::NaturalNormalised,
-            other => panic!("no frame is named {other:?}"),
-        },
-        roughness: match effects["roughness"].as_str() {
-            Some("none") => RoughnessKind::None,
-            Some("isotropic") => RoughnessKind::Isotropic,
-            Some("anisotropic") => RoughnessKind::Anisotropic,
-            other => panic!("no roughness is named {other:?}"),
-        },
+        frame: named(&effects["frame"], FRAMES),
+        roughness: named(&effects["roughness"], ROUGHNESS),
         curvature: effects["curvature"] == true,
-        footprint: match effects["footprint"].as_str() {
-            Some("none") => FootprintKind::None,
-            Some("face") => FootprintKind::Face,
-            Some("sphere") => FootprintKind::Sphere,
-            other => panic!("no footprint is named {other:?}"),
-        },
-        horizon: match effects["horizon"].as_str() {
-            Some("none") => HorizonKind::None,
-            Some("correlated") => HorizonKind::Correlated,
-            Some("product") => HorizonKind::Product,
-            other => panic!("no horizon is named {other:?}"),
-        },
+        footprint: named(&effects["footprint"], FOOTPRINTS),
+        horizon: named(&effects["horizon"], HORIZONS),
     }
 }
