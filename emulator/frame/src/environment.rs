@@ -5,7 +5,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::signals::Sweep;
 use roughxel_maps::environment::CubePyramid;
 use roughxel_scene::picture::Picture;
-use roughxel_shader::{Batch, ByCount, Channel, CubeTexels, EnvironmentColours, Footprint, Look, Shader, Shown};
+use roughxel_shader::{Batch, Channel, CubeTexels, EnvironmentColours, Footprint, Ordered, Reflector, Shader, Shown};
 use roughxel_simd::Backend;
 
 /// The environment of a scene.
@@ -48,22 +48,27 @@ impl EnvironmentMap {
     /// The mean colour of a footprint on its face, I8F24, below 64: N trilinear probes along its major axis; a rough one is sampled with the
     /// roughness bias.
     pub fn sample(&self, footprint: &Footprint<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
-        self.look(Look::Face(&Batch::from_iter([*footprint])), is_rough, p)
+        self.mirror(is_rough, |reflector, shown| {
+            let looks = &Batch::from_iter([*footprint]);
+            let colours = EnvironmentColours { looks, reflector };
+            colours.run(Shader::new(Backend::Scalar, p), &mut Ordered::default(), shown);
+        })
     }
 
     /// The same of a footprint on the sphere.
     pub fn sample_sphere(&self, sweep: &Sweep<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
-        self.look(Look::Sphere(&Batch::from_iter([*sweep])), is_rough, p)
+        self.mirror(is_rough, |reflector, shown| {
+            let looks = &Batch::from_iter([*sweep]);
+            let colours = EnvironmentColours { looks, reflector };
+            colours.run(Shader::new(Backend::Scalar, p), &mut Ordered::default(), shown);
+        })
     }
 
-    fn look(&self, look: Look<'_>, is_rough: bool, p: &Precision) -> [Channel; 3] {
+    /// What a perfect mirror shows of it.
+    fn mirror(&self, is_rough: bool, look: impl FnOnce(Reflector<'_>, &mut Batch<Shown<i32>>)) -> [Channel; 3] {
         let own = &Batch::from_iter([Shown { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
         let mut shown = Batch::default();
-        EnvironmentColours { look, own, map: &self.texels, is_rough, reflectance: &[Fx::int(1); 3] }.run(
-            Shader::new(Backend::Scalar, p),
-            &mut ByCount::default(),
-            &mut shown,
-        );
+        look(Reflector { own, map: &self.texels, is_rough, reflectance: &[Fx::int(1); 3] }, &mut shown);
         shown.get(0).channels
     }
 }

@@ -2,11 +2,12 @@
 
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath::pixel;
+use roughxel_core::design::{Form, In};
 use roughxel_core::each::each;
 use roughxel_core::fx::Control;
 use roughxel_core::ports::REFLECTANCE;
 use roughxel_core::precision::Precision;
-use roughxel_core::sampler;
+use roughxel_core::sampler::{self, Cube, Seen};
 use roughxel_core::signals::{CubePoint, Sweep};
 use roughxel_simd::BatchWord;
 
@@ -18,22 +19,52 @@ use crate::texels::CubeTexels;
 
 runs!(Lobes);
 
-/// Places in an environment, with or without footprints.
-#[derive(Clone, Copy, Debug)]
-pub enum Look<'a> {
-    /// Points without footprints.
-    Point(&'a Batch<CubePoint<i32>>),
-    /// Footprints on the planes of its faces.
-    Face(&'a Batch<Footprint<i32>>),
-    /// Footprints on the sphere.
-    Sphere(&'a Batch<Sweep<i32>>),
+/// A look at an environment: a point, or a footprint around one.
+pub trait Look: Form {
+    /// What a group sees; a rough footprint looks at finer levels.
+    fn seen<W: BatchWord>(look: &In<Self, W>, is_rough: bool, cube: &Cube<'_, CubeTexels>, p: &Precision) -> Seen<W>;
+}
+
+impl Look for CubePoint<i32> {
+    #[inline(always)]
+    fn seen<W: BatchWord>(point: &CubePoint<W>, _: bool, cube: &Cube<'_, CubeTexels>, p: &Precision) -> Seen<W> {
+        sampler::point_means(point, cube, p)
+    }
+}
+
+/// A footprint on the plane of a face.
+impl Look for Footprint<i32> {
+    #[inline(always)]
+    fn seen<W: BatchWord>(
+        footprint: &Footprint<W>,
+        is_rough: bool,
+        cube: &Cube<'_, CubeTexels>,
+        p: &Precision,
+    ) -> Seen<W> {
+        sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
+    }
+}
+
+/// A footprint on the sphere.
+impl Look for Sweep<i32> {
+    #[inline(always)]
+    fn seen<W: BatchWord>(sweep: &Sweep<W>, is_rough: bool, cube: &Cube<'_, CubeTexels>, p: &Precision) -> Seen<W> {
+        sampler::swept_means(sweep, is_rough, cube, p)
+    }
 }
 
 /// Colours of fragments, blended by their reflectance with what they see of an environment: seam, filter, blend.
 #[derive(Clone, Copy, Debug)]
-pub struct EnvironmentColours<'a> {
-    /// Places, with or without footprints.
-    pub look: Look<'a>,
+pub struct EnvironmentColours<'a, L> {
+    /// What each of them looks at.
+    pub looks: &'a Batch<L>,
+    /// What is the same for every kind of look.
+    pub reflector: Reflector<'a>,
+}
+
+/// Fragments that reflect an environment.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflector<'a> {
     /// Their own colours.
     pub own: &'a Batch<Shown<i32>>,
     /// The environment.
@@ -44,66 +75,76 @@ pub struct EnvironmentColours<'a> {
     pub reflectance: &'a [Control<i32, REFLECTANCE>; 3],
 }
 
-impl Pass for EnvironmentColours<'_> {
+impl<L: Look> Pass for EnvironmentColours<'_, L> {
     type Output = Shown<i32>;
     fn len(&self) -> usize {
-        self.own.len()
+        self.looks.len()
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
-        let cube = &self.map.cube();
-        let seen = match self.look {
-            Look::Point(points) => sampler::point_means(&group.of(points), cube, p),
-            Look::Face(footprints) => {
-                let footprint = group.of(footprints);
-                sampler::means(&footprint.point, &footprint.probes, self.is_rough, cube, p)
-            }
-            Look::Sphere(sweeps) => sampler::swept_means(&group.of(sweeps), self.is_rough, cube, p),
-        };
-        let own = group.of(self.own);
-        let reflectance = each!(share in *self.reflectance => group.all(&Value(share)).0);
-        let channels = sampler::blended(&own.channels, &seen, &reflectance, cube);
+        let Reflector { own, map, is_rough, reflectance } = self.reflector;
+        let cube = &map.cube();
+        let seen = L::seen(&group.of(self.looks), is_rough, cube, p);
+        let reflectance = each!(share in *reflectance => group.all(&Value(share)).0);
+        let channels = sampler::blended::<W, _>(&group.of(own).channels, &seen, &reflectance, cube);
         Shown { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
     }
 }
 
+impl EnvironmentColours<'_, CubePoint<i32>> {
+    /// Puts what fragments show into `shown`, in place of what it held.
+    pub fn run(&self, shader: Shader<'_>, shown: &mut Batch<Shown<i32>>) {
+        shader.run(self, shown);
+    }
+}
+
+impl EnvironmentColours<'_, Footprint<i32>> {
+    /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
+    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Footprint<i32>>, shown: &mut Batch<Shown<i32>>) {
+        ordered.run(self, self.looks.counts(), shader, shown);
+    }
+}
+
+impl EnvironmentColours<'_, Sweep<i32>> {
+    /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
+    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Sweep<i32>>, shown: &mut Batch<Shown<i32>>) {
+        ordered.run(self, self.looks.counts(), shader, shown);
+    }
+}
+
 /// A batch in the order of its probe counts; its memory is kept for the next one.
-#[derive(Clone, Debug, Default)]
-pub struct ByCount {
+#[derive(Clone, Debug)]
+pub struct Ordered<L> {
     order: Order,
-    footprints: Batch<Footprint<i32>>,
-    sweeps: Batch<Sweep<i32>>,
+    looks: Batch<L>,
     own: Batch<Shown<i32>>,
     shown: Batch<Shown<i32>>,
 }
 
-impl EnvironmentColours<'_> {
-    /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
-    pub fn run(&self, shader: Shader<'_>, by_count: &mut ByCount, shown: &mut Batch<Shown<i32>>) {
-        let ByCount { order, footprints, sweeps, own, shown: ordered_shown } = by_count;
-        let counts = match self.look {
-            Look::Point(_) => &[],
-            Look::Face(footprints) => footprints.counts(),
-            Look::Sphere(sweeps) => sweeps.counts(),
-        };
+impl<L> Default for Ordered<L> {
+    fn default() -> Self {
+        Self { order: Order::default(), looks: Batch::default(), own: Batch::default(), shown: Batch::default() }
+    }
+}
+
+impl<L: Look> Ordered<L> {
+    /// Runs a pass on fragments with so many probes each.
+    fn run(
+        &mut self,
+        pass: &EnvironmentColours<'_, L>,
+        counts: &[i32],
+        shader: Shader<'_>,
+        all_shown: &mut Batch<Shown<i32>>,
+    ) {
+        let Self { order, looks, own, shown } = self;
         let group = shader.backend.group(shader.precision);
         if group == 1 || !order.by(counts, group) {
-            return shader.run(self, shown);
+            return shader.run(pass, all_shown);
         }
-        let look = match self.look {
-            Look::Point(_) => self.look,
-            Look::Face(all) => {
-                all.reorder(order, footprints);
-                Look::Face(footprints)
-            }
-            Look::Sphere(all) => {
-                all.reorder(order, sweeps);
-                Look::Sphere(sweeps)
-            }
-        };
-        self.own.reorder(order, own);
-        shader.run(&EnvironmentColours { look, own, ..*self }, ordered_shown);
-        ordered_shown.restore(order, shown);
+        pass.looks.reorder(order, looks);
+        pass.reflector.own.reorder(order, own);
+        shader.run(&EnvironmentColours { looks, reflector: Reflector { own, ..pass.reflector } }, shown);
+        shown.restore(order, all_shown);
     }
 }
 

@@ -36,7 +36,7 @@ mod texels;
 pub use attributes::{AttributeRows, FragmentAttributes, Needs, same_rows};
 pub use batch::{Appended, Batch, BlockRows, Row};
 pub use datapaths::{LitPeaks, LitSurfaces, Reflections};
-pub use environment::{ByCount, EnvironmentColours, Lobes, Look};
+pub use environment::{EnvironmentColours, Lobes, Ordered, Reflector};
 pub use fragments::{Fragments, MapFootprints, Place};
 pub use lights::{GivenPeaks, Halves, Highlights, HorizonSlopes, Lit};
 pub use maps::{BumpMap, Bumps, ColourMap, Colours, Places, TextureDerivatives, TextureFootprints};

@@ -10,7 +10,7 @@ use roughxel_core::signals::{CubePoint, LocalDirection, Sweep};
 
 use crate::attributes::AttributeRows;
 use crate::batch::Batch;
-use crate::environment::{ByCount, EnvironmentColours, Lobes, Look};
+use crate::environment::{EnvironmentColours, Lobes, Ordered, Reflector};
 use crate::fragments::{Fragments, Place};
 use crate::lights::{GivenPeaks, Halves, Highlights, HorizonSlopes, Lit};
 use crate::maps::{Bumps, Colours};
@@ -47,8 +47,9 @@ struct LitWork {
 struct SeenWork {
     points: Batch<CubePoint<i32>>,
     footprints: Batch<Footprint<i32>>,
+    ordered_footprints: Ordered<Footprint<i32>>,
     sweeps: Batch<Sweep<i32>>,
-    by_count: ByCount,
+    ordered_sweeps: Ordered<Sweep<i32>>,
     shown: Batch<Shown<i32>>,
     cores: Batch<Surface<i32>>,
     of_cores: Batch<Shown<i32>>,
@@ -205,29 +206,39 @@ impl Shader<'_> {
             }
             return;
         };
-        let SeenWork { points, footprints, sweeps, by_count, shown, cores, of_cores, of_both } = seen;
+        let Environment { texels: map, scale } = environment;
+        let reflector = Reflector { own: colours, map, is_rough: plan.is_rough, reflectance: &material.reflectance };
+        let SeenWork {
+            points,
+            footprints,
+            ordered_footprints,
+            sweeps,
+            ordered_sweeps,
+            shown,
+            cores,
+            of_cores,
+            of_both,
+        } = seen;
         let mut look = |surfaces: &Batch<Surface<i32>>, shown: &mut Batch<Shown<i32>>, sums: &mut Sums| {
             sums.clock.enter(Phase::Footprints);
-            let Environment { texels, scale } = environment;
             let reflected = Reflected { surfaces, derivatives: &fragments.derivatives, scale, plan: reflection };
-            let look = match reflection.footprint {
+            match reflection.footprint {
                 FootprintKind::None => {
                     Points(surfaces).run(self, points);
-                    Look::Point(points)
+                    sums.clock.enter(Phase::Environment);
+                    EnvironmentColours { looks: points, reflector }.run(self, shown);
                 }
                 FootprintKind::Face => {
                     Footprints(reflected).run(self, footprints);
-                    Look::Face(footprints)
+                    sums.clock.enter(Phase::Environment);
+                    EnvironmentColours { looks: footprints, reflector }.run(self, ordered_footprints, shown);
                 }
                 FootprintKind::Sphere => {
                     Sweeps(reflected).run(self, sweeps);
-                    Look::Sphere(sweeps)
+                    sums.clock.enter(Phase::Environment);
+                    EnvironmentColours { looks: sweeps, reflector }.run(self, ordered_sweeps, shown);
                 }
-            };
-            sums.clock.enter(Phase::Environment);
-            let (is_rough, reflectance) = (plan.is_rough, &material.reflectance);
-            let pass = EnvironmentColours { look, own: colours, map: texels, is_rough, reflectance };
-            pass.run(self, by_count, shown);
+            }
             sums.taps += shown.taps();
         };
         look(surfaces, shown, sums);
