@@ -22,8 +22,8 @@ use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::plans;
 use roughxel_net::integers::integers;
 use roughxel_shader::{
-    Batch, BumpMap, BumpTexels, Bumps, ByCount, ColourMap, Colours, CubeTexels, EnvironmentColours, Footprint,
-    Footprints, Look, MapTexels, Places, Points, Ports, Reflected, RepeatedMap, RoughBump, Shader, Shown, Surfaces,
+    Batch, BumpMap, BumpTexels, Bumps, ColourMap, Colours, CubeTexels, EnvironmentColours, Footprint, Footprints,
+    MapTexels, Ordered, Places, Points, Ports, Reflected, Reflector, RepeatedMap, RoughBump, Shader, Shown, Surfaces,
     Sweeps, TextureFootprints,
 };
 use roughxel_simd::{Backend, InstructionSet, LANES};
@@ -128,20 +128,24 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             }));
             let reflectance = [(); 3].map(|()| Fx::from_raw(random.below(0x1_0001) as i32));
             let is_rough = random.below(2) == 1;
-            let looking = |look| EnvironmentColours { look, own: &own, map: &map, is_rough, reflectance: &reflectance };
+            let reflector = Reflector { own: &own, map: &map, is_rough, reflectance: &reflectance };
             // Without a footprint the one probe is the point.
             let plan = &ReflectionPlan { footprint: FootprintKind::None, ..*plan };
             let (mut points, mut one_probe) = (Batch::default(), Batch::default());
-            let (mut shown, mut by_count) = ([Batch::default(), Batch::default()], ByCount::default());
+            let mut shown = [Batch::default(), Batch::default()];
             Points(&surfaces).run(scalar, &mut points);
             Footprints(Reflected { plan, ..reflected }).run(scalar, &mut one_probe);
-            looking(Look::Point(&points)).run(scalar, &mut by_count, &mut shown[0]);
-            looking(Look::Face(&one_probe)).run(scalar, &mut by_count, &mut shown[1]);
+            let (at_points, at_one) =
+                (EnvironmentColours { looks: &points, reflector }, EnvironmentColours { looks: &one_probe, reflector });
+            at_points.run(scalar, &mut shown[0]);
+            at_one.run(scalar, &mut Ordered::default(), &mut shown[1]);
             same_columns(&shown[0], &shown[1], &|| format!("{name}, a point, edge {edge}"));
-            for at in [Look::Point(&points), Look::Face(&footprints), Look::Sphere(&sweeps)] {
-                let context = &|| format!("{name}, edge {edge}, bright {is_bright}");
-                same_in_lanes(&p, context, |shader, got| looking(at).run(shader, &mut ByCount::default(), got));
-            }
+            let context = &|| format!("{name}, edge {edge}, bright {is_bright}");
+            same_in_lanes(&p, context, |shader, got| at_points.run(shader, got));
+            let on_faces = EnvironmentColours { looks: &footprints, reflector };
+            same_in_lanes(&p, context, |shader, got| on_faces.run(shader, &mut Ordered::default(), got));
+            let on_sphere = EnvironmentColours { looks: &sweeps, reflector };
+            same_in_lanes(&p, context, |shader, got| on_sphere.run(shader, &mut Ordered::default(), got));
         });
     }
 }
