@@ -14,7 +14,7 @@ pub const GOLDEN_FRAMES: &str = "golden/frames.txt";
 const SIZE: [u32; 2] = [64, 48];
 /// One line per built-in scene and one with [two lobes](super::two_lobes), profile and mode: their names and the SHA-256 of the frame's words.
 ///
-/// Scenes with the same map share its fitted peaks, and all modes of a scene. Errors: a sentence naming the scene that
+/// Scenes with the same map share its fitted peaks; all profiles and modes of a scene share its peaks and environments. Errors: a sentence naming the scene that
 /// cannot be drawn.
 pub fn golden_frames() -> Result<String, String> {
     let mut text = format!("# SHA-256 of {}x{} frames; written by `picture-bars --bless`.\n", SIZE[0], SIZE[1]);
@@ -27,6 +27,7 @@ pub fn golden_frames() -> Result<String, String> {
         };
         let scene = scene.with_size(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
         let peaks = ScenePeaks::new(&scene, true, Some(cache.path()), &|_| ()).map_err(|error| failed(&error))?;
+        let [plain, filtered] = [false, true].map(|filters| Prepared::environment_map(&scene, filters));
         let variants: Vec<(&str, Mode)> =
             Profile::NAMES.iter().flat_map(|&profile| super::MODES.map(|mode| (profile, mode))).collect();
         let lines: Result<Vec<String>, String> = variants
@@ -34,7 +35,8 @@ pub fn golden_frames() -> Result<String, String> {
             .map(|(profile, mode)| {
                 let precision =
                     Profile::by_name(profile).map(Profile::precision).ok_or_else(|| failed(&"unknown profile"))?;
-                let prepared = Prepared::with_peaks(&scene, mode, &precision, &peaks);
+                let environment = if mode.filters() { &filtered } else { &plain };
+                let prepared = Prepared::with_maps(&scene, mode, &precision, (&peaks, environment.clone()));
                 let frame = prepared.and_then(|prepared| prepared.render(&|| ()));
                 let digest = frame.map_err(|error| failed(&error))?.digest();
                 Ok(format!("{name} {profile} {mode} {digest}\n"))
