@@ -136,27 +136,12 @@ pub enum Op {
 impl Op {
     /// The nodes it reads, in order.
     pub fn operands(&self) -> impl Iterator<Item = NodeId> {
-        let (list, count) = match *self {
-            Self::Port(_) | Self::Lit(_) => ([0; 3], 0),
-            Self::Shl(a, _)
-            | Self::Sar(a, _)
-            | Self::Not(a)
-            | Self::LeadingZeros(a)
-            | Self::Widen(a)
-            | Self::Narrow(a)
-            | Self::Lookup(a, _)
-            | Self::Claim { of: a, .. } => ([a, 0, 0], 1),
-            Self::Add(a, b)
-            | Self::Sub(a, b)
-            | Self::Mul(a, b)
-            | Self::ShlBy(a, b)
-            | Self::SarBy(a, b)
-            | Self::And(a, b)
-            | Self::Or(a, b)
-            | Self::Xor(a, b)
-            | Self::Lt(a, b) => ([a, b, 0], 2),
-            Self::Select(flag, a, b) => ([flag, a, b], 3),
-        };
+        let (mut list, mut count) = ([0; 3], 0);
+        self.map(|operand| {
+            list[count] = operand;
+            count += 1;
+            operand
+        });
         list.into_iter().take(count)
     }
 

@@ -24,6 +24,7 @@ pub mod observe;
 mod op;
 mod range;
 pub mod rounding;
+pub mod slip;
 pub mod unit;
 pub mod verilog;
 mod waiting;

@@ -35,6 +35,7 @@ pub use format::Format;
 pub use interface::{Interface, PortDescription};
 pub use rom::Rom;
 pub use stage::{Stage, StagePort, StageRun, Stages};
+pub use text::filled;
 
 use self::body::Body;
 use self::context::Context;
@@ -59,6 +60,14 @@ pub struct Options {
     pub stage: Option<String>,
     /// Put before the names of the modules of stages, so that two designs can be in one project.
     pub prefix: String,
+}
+
+impl Options {
+    /// Every stage, cut between stages only, in files without a prefix.
+    pub fn new(profile: &str, precision: Precision, effects: Effects) -> Self {
+        let (profile, prefix) = (profile.to_owned(), String::new());
+        Self { profile, precision, effects, depth: None, stage: None, prefix }
+    }
 }
 
 /// A design as Verilog.
@@ -129,11 +138,11 @@ impl Verilog {
             let name = top_name(design);
             let top = pipeline::top(context, &name, design.description(), groups, &modules)?;
             verilog.register_bits = top.register_bits;
-            let stepper = stepper::stepper(&top, &origin)?;
+            let stepper = stepper::stepper(&top, &origin);
             verilog.files.insert(format!("{name}.v"), top.text);
             instances = top.instances;
             if top.uses_delay || stepper.is_some() {
-                verilog.files.insert(format!("{}.v", rom::DELAY), rom::delay());
+                verilog.files.insert(format!("{}.v", rom::DELAY), rom::DELAY_TEXT.to_owned());
             }
             if let Some((interface, text)) = stepper {
                 verilog.files.insert(format!("{}.v", interface.module), text);

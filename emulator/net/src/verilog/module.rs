@@ -258,7 +258,7 @@ impl Module {
             let path = if path.is_empty() { stage.name } else { path };
             lines.push((format!("output wire {declared}{}", port.name), context.about(id, path)));
         }
-        port_list(&mut text, &lines);
+        text += &port_list(&lines);
         text.push_str(");\n");
         text.push_str(wires);
         text.push_str(END);
@@ -421,85 +421,19 @@ pub(super) fn sink(name: &str, unread: &[String]) -> String {
 }
 
 /// Lines of a list of ports, comments in a column.
-pub(super) fn port_list(text: &mut String, lines: &[(String, String)]) {
+pub(super) fn port_list(lines: &[(String, String)]) -> String {
     let column = lines.iter().map(|(port, _)| port.len()).max().unwrap_or(0).min(60) + 1;
-    for (index, (port, about)) in lines.iter().enumerate() {
+    let line = |(index, (port, about)): (usize, &(String, String))| {
         let comma = if index + 1 < lines.len() { "," } else { "" };
         let line = format!("{port}{comma}");
-        text.push_str("  ");
-        if about.is_empty() {
-            text.push_str(&line);
-        } else {
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{line:column$} // {about}");
-        }
-        text.push('\n');
-    }
+        if about.is_empty() { format!("  {line}\n") } else { format!("  {line:column$} // {about}\n") }
+    };
+    lines.iter().enumerate().map(line).collect()
 }
 
-/// What a stage does, in a few words.
+/// What a stage does, in a few words: those of its own name, or of what stands before the dot.
 fn summary(stage: &str) -> &'static str {
-    match stage.split('.').next().unwrap_or(stage) {
-        "enter" => "a port brought to the profile's bits and normalised",
-        "frame" => "the tangents E1, E2",
-        "perturb" => "the normal moved by the bump offset",
-        "reflect" => "the view vector mirrored at the normal",
-        "cube_face" => "face of the cube and place on it",
-        "columns" => match stage {
-            "columns.turn" => "the change of the normal in its own units",
-            "columns.plane" => "the tangent plane of the sphere at the reflected direction",
-            "columns.derivative" => "how the reflected vector moves with one change of view vector and normal",
-            "columns.sphere" => "the same on the tangent plane",
-            _ => "how the place on the face moves with one change of view vector and normal",
-        },
-        "sweep" => match stage {
-            "sweep.direction" => "the direction of a probe",
-            "sweep.place" => "face of the cube and place on it, of a probe",
-            "sweep.level" => "level of detail of a probe",
-            "sweep.weight" => "weight of a probe",
-            _ => "the directions that the normals of the lobe's major axis reflect to",
-        },
-        "roughness" => match stage {
-            "roughness.core" => "the same at a quarter of the deviations",
-            _ => "the change of the normal along the axes of the roughness",
-        },
-        "ellipse" => "covariance of the footprint",
-        "axes" => "main axes of the footprint",
-        "probes" => match stage {
-            "probes.position" => "place of a probe on the major axis",
-            "probes.weight" => "weight of a probe",
-            _ => "number of probes, their step, level of detail",
-        },
-        "highlight" => match stage {
-            "highlight.spread" => "what the roughness does to every highlight",
-            "highlight.status" => "the sticky bits of a light on a fragment",
-            _ => "the share of a light that the highlight returns",
-        },
-        "status" => "the sticky bits of a fragment",
-        "leave" => "outcomes in the formats of the ports",
-        "map_scale" => "log2 of the size of a cube face",
-        "texture" => match stage {
-            "texture.position" => "place of a probe in a repeated map",
-            _ => "derivatives of texture coordinates in map units",
-        },
-        "continuation" => "a place beside the face's middle, across its edge if need be",
-        "filter" => match stage {
-            "filter.repeat_address" | "filter.face_address" => "texels and weights of a bilinear sample",
-            "filter.levels" => "two levels of a map and the weight between them",
-            "filter.corner" | "filter.bright_corner" => "the texel at a corner of the cube",
-            "filter.bright_texel" => "a channel of a bright texel from its code",
-            "filter.trilinear" => "interpolation of eight texels",
-            "filter.sum" => "one more sample of a weighted sum",
-            _ => "the mean of a weighted sum",
-        },
-        "moments" => "bumps and roughness as moments, and back",
-        "seam" => "the texel behind an edge of the cube",
-        "half" => "the direction halfway between light and eye",
-        "local" => "a direction in the frame of the surface",
-        "horizon" => "the share of a peak's facets that a direction clears",
-        "peaks" => "the light of a peak of a distribution of normals",
-        "blend" => "surface and reflection by reflectance",
-        "pixel" => "from samples and light to the colour of a pixel",
-        _ => "a stage of the datapath",
-    }
+    let lines = || include_str!("stages.txt").lines().filter_map(|line| line.split_once(' '));
+    let of = |name: &str| lines().find(|(known, _)| *known == name).map(|(_, text)| text.trim_start());
+    of(stage).or_else(|| of(stage.split('.').next()?)).unwrap_or("a stage of the datapath")
 }

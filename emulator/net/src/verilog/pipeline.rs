@@ -162,7 +162,7 @@ pub(super) fn top(
         let declared = vector(port.format.width(), port.format.signed());
         lines.push((format!("output wire {declared}{}", port.port), about(port)));
     }
-    port_list(&mut text, &lines);
+    text += &port_list(&lines);
     text += ");\n\n";
     text += &format!(
         "  // Cycles from an accepted input to its output, while out_ready is high.\n  localparam LATENCY = {latency};\n"

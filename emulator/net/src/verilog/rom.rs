@@ -1,7 +1,5 @@
 //! Parts that do not depend on the design: tables, leading zero counters, delay lines.
 
-use std::fmt::Write;
-
 use roughxel_core::rom;
 use serde::Serialize;
 
@@ -185,32 +183,4 @@ pub(super) fn leading_zeros(width: u32) -> String {
 pub(super) const DELAY: &str = "roughxel_delay";
 
 /// A delay line.
-pub(super) fn delay() -> String {
-    let mut text = header(DELAY, &["What came in CYCLES cycles with enable high ago.".into()]);
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "module {DELAY} #(
-  parameter WIDTH = 1,
-  parameter CYCLES = 1
-) (
-  input  wire clk,
-  input  wire enable,
-  input  wire [WIDTH-1:0] in,
-  output wire [WIDTH-1:0] out
-);
-
-  reg [WIDTH*CYCLES-1:0] line;
-  assign out = line[WIDTH*CYCLES-1 -: WIDTH];
-
-  generate
-    if (CYCLES == 1) begin : single
-      always @(posedge clk) if (enable) line <= in;
-    end else begin : several
-      always @(posedge clk) if (enable) line <= {{line[WIDTH*(CYCLES-1)-1:0], in}};
-    end
-  endgenerate
-{END}"
-    );
-    text
-}
+pub(super) const DELAY_TEXT: &str = include_str!("templates/delay.v");

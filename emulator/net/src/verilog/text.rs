@@ -1,4 +1,4 @@
-//! What every file of Verilog has: names, a head, an end.
+//! What every file of Verilog has: names, a head, an end; and the text of a template.
 
 /// A path of a bundle as part of a Verilog name: `e1.m[0]` is `e1_m_0`.
 pub(super) fn identifier(path: &str) -> String {
@@ -17,3 +17,8 @@ pub(super) fn header(name: &str, about: &[String]) -> String {
 
 /// The end of a module and its file.
 pub(super) const END: &str = "\nendmodule\n\n`default_nettype wire\n";
+
+/// A template with each `@NAME@` in it replaced by its value.
+pub fn filled(template: &str, values: &[(&str, String)]) -> String {
+    values.iter().fold(template.to_owned(), |text, (name, value)| text.replace(&format!("@{name}@"), value))
+}
