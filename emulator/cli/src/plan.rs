@@ -153,19 +153,11 @@ fn stages<'a>(runs: impl Iterator<Item = &'a String>) -> String {
     counted.into_iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
-fn hardware_json(hardware: &Hardware) -> Value {
-    let Hardware { stages, operations, multipliers, carry_bits, rom_bits, .. } = hardware;
-    json!({
-        "stages": stages, "operations": operations, "multipliers": multipliers,
-        "carry_bits": carry_bits, "rom_bits": rom_bits,
-    })
-}
-
 fn object_json(report: &ObjectReport) -> Value {
     let effect = |effect: &EffectReport| {
         json!({
             "effect": effect.decision.effect.name(), "on": effect.decision.on, "why": effect.decision.why,
-            "datapath": hardware_json(&effect.datapath), "fetch": hardware_json(&effect.fetch),
+            "datapath": effect.datapath, "fetch": effect.fetch,
             "map_bytes": effect.map_bytes, "share": effect.share,
         })
     };

@@ -17,6 +17,7 @@ pub mod soft_core;
 pub mod stability;
 pub mod sweep;
 
+mod distribution;
 mod error;
 mod subject;
 mod superscript;

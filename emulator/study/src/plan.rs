@@ -20,6 +20,7 @@ use roughxel_net::interval::Ranges;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 use roughxel_shader::{Effect, ObjectPlan};
+use serde::Serialize;
 
 /// The designs a texture fetch of one channel goes through.
 const TEXTURE_FETCH: [Design; 5] =
@@ -51,7 +52,7 @@ const BUMP: [Design; 1] = [Design::WordSample];
 const ROUGHNESS: [Design; 5] =
     [Design::ProbeReach, Design::BumpTexel, Design::BumpRamp, Design::BumpProbe, Design::Bump];
 /// Hardware of something.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Hardware {
     /// Stages, each run by its instance name.
     pub stages: Vec<String>,
@@ -64,6 +65,7 @@ pub struct Hardware {
     /// Bits of tables.
     pub rom_bits: i64,
     /// Of each of the stages.
+    #[serde(skip)]
     parts: Vec<[i64; 4]>,
 }
 
