@@ -13,6 +13,14 @@ pub(super) fn progress(total: u64, what: &str) -> ProgressBar {
     styled(ProgressBar::new(total), what)
 }
 
+/// Does work that says how much of it is done.
+pub(super) fn with_progress<T>(total: u64, what: &str, work: impl FnOnce(&(dyn Fn(u64) + Sync)) -> T) -> T {
+    let bar = progress(total, what);
+    let outcome = work(&|done| bar.set_position(done));
+    bar.finish_and_clear();
+    outcome
+}
+
 /// Work shorter than this needs no bar.
 const PATIENCE: Duration = Duration::from_millis(500);
 

@@ -11,7 +11,7 @@ use miette::{IntoDiagnostic, WrapErr};
 use roughxel_core::plan::Datapath;
 use roughxel_study::accuracy::measure;
 use roughxel_study::profile_file::NamedPrecision;
-use roughxel_vectors::{SetInfo, VectorSet, Words, export, export_with, hard_sets};
+use roughxel_vectors::{SetInfo, VectorSet, export, export_with, hard_sets};
 use serde_json::json;
 
 use super::cache::CacheArgs;
@@ -68,25 +68,14 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), Failure> {
             let set = format!("frame_{name}");
             let description = format!("fragments of a frame: {name}");
             let (datapath, effects) = (Datapath::Reflection, scene.plan.into());
-            let (name, description, precision) = (&set, &description, *precision);
-            let info = SetInfo {
-                name,
-                description,
-                seed: None,
-                datapath,
-                effects,
-                precision,
-                profile,
-                words: Words::default(),
-            };
+            let info =
+                SetInfo { description: &description, ..SetInfo::new(&set, datapath, effects, profile, *precision) };
             sets.push(export(&info, &scene.captured, &vectors)?);
         }
         scenes.push(scene);
     }
     for VectorSet { name, description, effects, datapath, inputs, .. } in hard_sets(precision) {
-        let precision = *precision;
-        let info =
-            SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
+        let info = SetInfo { description, ..SetInfo::new(name, datapath, effects, profile, *precision) };
         sets.push(export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], &vectors, &|_| {})?);
     }
     bar.set_message("accuracy");

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use roughxel_frame::plan::Mode;
 use roughxel_study::profile_file::NamedPrecision;
+use roughxel_utilities::output::WriteError;
 use roughxel_utilities::spelling::did_you_mean;
 use serde_json::json;
 
@@ -99,7 +100,7 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     let settings = Settings { size: args.size, reference_edge: args.samples.0, precision: *precision, cache };
     let directory = args.output.as_path();
     check_directory(directory)?;
-    fs::create_dir_all(directory).map_err(|source| GalleryError::Write { path: directory.to_path_buf(), source })?;
+    fs::create_dir_all(directory).map_err(|source| WriteError { path: directory.to_path_buf(), source })?;
     check_file(&directory.join("index.html"))?;
 
     let is_wanted = |name: &str| args.scene.is_empty() || args.scene.contains(&name);

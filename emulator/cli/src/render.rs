@@ -14,7 +14,7 @@ use roughxel_scene::Scene;
 use roughxel_scene::picture::write_png_codes;
 use roughxel_simd::Backend;
 use roughxel_study::profile_file::NamedPrecision;
-use roughxel_vectors::{Manifest, SetInfo, Words, export};
+use roughxel_vectors::{Manifest, SetInfo, export};
 use serde_json::json;
 
 use super::cache::CacheArgs;
@@ -138,10 +138,8 @@ fn capture(
     let mut written = Vec::new();
     for (index, (plan, fragments)) in sets.iter().enumerate() {
         let name = format!("frame_{}_{index}", file_stem(&scene.name));
-        let (name, description, effects) = (&name, &description, (*plan).into());
-        let datapath = Datapath::Reflection;
-        let info =
-            SetInfo { name, description, seed: None, datapath, effects, precision, profile, words: Words::default() };
+        let info = SetInfo::new(&name, Datapath::Reflection, (*plan).into(), profile, precision);
+        let info = SetInfo { description: &description, ..info };
         written.push(export(&info, fragments, directory)?);
     }
     Ok(written)

@@ -122,14 +122,8 @@ fn write(
     effects: Effects,
     directory: &Path,
 ) -> Result<(PathBuf, Verilog), Failure> {
-    let options = Options {
-        profile: profile.name.clone(),
-        precision: profile.precision,
-        effects,
-        depth: args.depth,
-        stage: args.stage.clone(),
-        prefix: args.prefix.clone(),
-    };
+    let (depth, stage, prefix) = (args.depth, args.stage.clone(), args.prefix.clone());
+    let options = Options { depth, stage, prefix, ..Options::new(&profile.name, profile.precision, effects) };
     let verilog = match record::verilog(design, &options) {
         Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
         Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),

@@ -14,7 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
-use roughxel_net::verilog::{Interface, Options, Stage, Verilog, VerilogError};
+use roughxel_net::verilog::{Interface, Options, Stage, Verilog, VerilogError, filled};
 use roughxel_record as record;
 use roughxel_utilities::input::open_file;
 use roughxel_utilities::output::{OutputFile, WriteError, write_files};
@@ -22,7 +22,7 @@ use thiserror::Error;
 
 use super::VectorError;
 use super::c_library::c_library_files;
-use super::layout::{Direction, Field};
+use super::field::{Direction, Field};
 use super::lines::is_whole;
 use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
@@ -204,14 +204,8 @@ impl Bench {
     /// The datapath or the stage of the set with the set's effects and profile.
     fn verilog(&self) -> Result<Verilog, BenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
-        let options = Options {
-            profile: profile.name.clone(),
-            precision: profile.knobs,
-            effects: *effects,
-            depth: None,
-            stage: self.stage.as_ref().map(|stage| stage.module.clone()),
-            prefix: String::new(),
-        };
+        let stage = self.stage.as_ref().map(|stage| stage.module.clone());
+        let options = Options { stage, ..Options::new(&profile.name, profile.knobs, *effects) };
         let error = |source| BenchError::Verilog { manifest: self.manifest_path.clone(), source };
         record::verilog(Design::of(*datapath), &options).map_err(error)
     }
@@ -249,9 +243,4 @@ fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {
         file.commit()
     };
     Ok(write(&mut source).map_err(|source| WriteError { path: to.into(), source })?)
-}
-
-/// A text with every `@NAME@` replaced.
-fn filled(text: &str, values: &[(&str, String)]) -> String {
-    values.iter().fold(text.to_owned(), |text, (name, value)| text.replace(&format!("@{name}@"), value))
 }

@@ -1,13 +1,14 @@
 //! The header of the C library and its SystemVerilog package, made of the layouts' columns and of what the library declares.
 
-use std::fmt::Write;
+use std::ffi::CStr;
 
 use roughxel_c::{EFFECTS, ERROR_BITS, ERRORS, VERSION};
 use roughxel_core::knob::Knob;
 use roughxel_core::plan::Datapath;
+use roughxel_net::verilog::filled;
 
+use super::field::Direction;
 use super::format::{Declared, declared, number_format};
-use super::layout::Direction;
 
 /// `roughxel.h` and `roughxel_dpi.sv`.
 pub fn c_library_files() -> [(&'static str, String); 2] {
@@ -93,161 +94,79 @@ fn knob_member(knob: Knob) -> (String, String) {
     (knob.name().replace('.', "_"), range)
 }
 
-const HEADER: &str = "\
-/* The scalar datapaths of roughxel: what a device has to compute, to the bit.
- *
- * `roughxel vectors c` writes this file; vectors/README.md says how the library is built, vectors/SPEC.md what it computes.
- *
- * A member of a structure is a field of a vector word, with its name, in its order: the integer that the profile keeps, over
- * 2^fraction bits (vectors/FORMAT.md). Beside each stand its format and its range: I signed, U unsigned, bits before the point,
- * F fraction bits; p is fraction_bits of the profile, l its lod_bits. The value of a mantissa is times 2^e. Inputs that the effects
- * leave out are not read, outcomes that they leave out are constants. What is read has to be in its range all the same: 0 always is.
- *
- * Every function returns ROUGHXEL_OK or an error, and then writes nothing: its kind in the lowest ROUGHXEL_ERROR_BITS bits, and
- * above them the place of the member or knob that is wrong, from 0. No function keeps state, allocates or ends the program; all may
- * be called from any thread. What is written may not overlap what is read. */
+/// A line for each.
+fn lines<T>(all: impl IntoIterator<Item = T>, line: impl FnMut(T) -> String) -> String {
+    all.into_iter().map(line).collect::<Vec<_>>().join("\n")
+}
 
-#ifndef ROUGHXEL_H
-#define ROUGHXEL_H
-
-#include <stdint.h>
-
-#ifdef __cplusplus
-extern \"C\" {
-#endif
-
-";
+/// The functions of the datapaths, by a template of one.
+fn functions(template: &str) -> String {
+    let names = Datapath::ALL.map(|datapath| [("NAME", datapath.name().into()), ("LARGE", capitals(datapath.name()))]);
+    names.map(|names| filled(template, &names)).join("\n").trim_end().into()
+}
 
 fn header(structures: &[Structure]) -> String {
-    let mut text = HEADER.to_owned();
-    let _ = writeln!(
-        text,
-        "/* Of this header; roughxel_version() is that of the library. */\n#define ROUGHXEL_VERSION {VERSION}\n"
-    );
-    for (number, (name, meaning)) in ERRORS.iter().enumerate() {
-        let _ = writeln!(text, "#define ROUGHXEL_{name} {number} /* {} */", meaning.to_string_lossy());
-    }
-    let _ = writeln!(
-        text,
-        "#define ROUGHXEL_ERROR_BITS {ERROR_BITS}\n#define ROUGHXEL_ERROR_KIND(error) ((error) & {})\n\
-         #define ROUGHXEL_ERROR_PLACE(error) ((error) >> {ERROR_BITS})\n\n\
-         /* Effects that are on, a sum of: */",
-        (1 << ERROR_BITS) - 1
-    );
-    for (name, bit, meaning) in EFFECTS {
-        let _ = writeln!(text, "#define ROUGHXEL_{name} {bit}u /* {meaning} */");
-    }
-    text += "\n/* The accuracy. */\ntypedef struct roughxel_profile {\n";
-    for knob in Knob::ALL {
-        let (name, range) = knob_member(knob);
-        let _ = writeln!(text, "  int32_t {name}; /* {range} */");
-    }
-    text += "} roughxel_profile;\n";
-    for structure in structures {
-        text += &c_structure(structure);
-    }
-    text += "
-/* ROUGHXEL_VERSION of the library. */
-int32_t roughxel_version(void);
-/* What an error is: one line, never freed. */
-const char *roughxel_error_text(int32_t error);
-/* The knobs of the profile narrow, paper, compact, standard or precise. Errors: NULL, PROFILE. */
-int32_t roughxel_profile_named(const char *name, roughxel_profile *profile);
-";
-    for datapath in Datapath::ALL {
-        let name = datapath.name();
-        let _ = write!(
-            text,
-            "
-/* The {name} datapath. Errors: NULL, KNOB, EFFECTS, INPUT. Effects that it does not have change nothing. */
-int32_t roughxel_{name}(const roughxel_profile *profile, uint32_t effects,
-                        const roughxel_{name}_in *inputs, roughxel_{name}_out *outputs);
-/* The lowest and the highest number of each of its inputs. Errors: NULL, KNOB. */
-int32_t roughxel_{name}_input_range(const roughxel_profile *profile,
-                                    roughxel_{name}_in *low, roughxel_{name}_in *high);
-"
-        );
-    }
-    text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
-    text
+    let error = |(number, (name, meaning)): (usize, &(&str, &CStr))| {
+        format!("#define ROUGHXEL_{name} {number} /* {} */", meaning.to_string_lossy())
+    };
+    let effect = |(name, bit, meaning)| format!("#define ROUGHXEL_{name} {bit}u /* {meaning} */");
+    let knob = |(name, range)| format!("  int32_t {name}; /* {range} */");
+    let values = [
+        ("VERSION", VERSION.to_string()),
+        ("ERRORS", lines(ERRORS.iter().enumerate(), error)),
+        ("ERROR_BITS", ERROR_BITS.to_string()),
+        ("ERROR_MASK", ((1 << ERROR_BITS) - 1).to_string()),
+        ("EFFECTS", lines(EFFECTS, effect)),
+        ("KNOBS", lines(Knob::ALL.map(knob_member), knob)),
+        ("STRUCTURES", lines(structures, c_structure).trim_end().into()),
+        ("DATAPATHS", functions(include_str!("../../../vectors/templates/c/datapath.h"))),
+    ];
+    filled(include_str!("../../../vectors/templates/c/roughxel.h"), &values)
 }
 
 /// A structure of C, and its members for a macro.
 fn c_structure(structure: &Structure) -> String {
     let (name, Structure { datapath, members, .. }) = (structure.name(), structure);
-    let what = if structure.is_input { "What goes into" } else { "What comes out of" };
-    let mut text = format!("\n/* {what} the {} datapath. */\ntypedef struct roughxel_{name} {{\n", datapath.name());
     let mut last = "";
-    for member in members {
+    let lines = members.iter().map(|member| {
         let column = &member.column;
         // A comment for all columns of a declared field.
         let declared = column.declared.split('[').next().unwrap_or_default();
-        if declared != last {
-            let _ = writeln!(text, "  /* {} */", explained(member));
-            last = declared;
-        }
-        let _ = writeln!(text, "  int32_t {}; /* {} */", column.field.name, note(member));
-    }
-    let _ = writeln!(text, "}} roughxel_{name};");
-    let names: String = members.iter().map(|member| format!(" \\\n  X({})", member.column.field.name)).collect();
-    let _ =
-        write!(text, "/* X(member) for each, in order. */\n#define ROUGHXEL_{}_MEMBERS(X){names}\n", capitals(&name));
-    text
+        let is_first = declared != std::mem::replace(&mut last, declared);
+        let comment = if is_first { format!("  /* {} */\n", explained(member)) } else { String::new() };
+        format!("{comment}  int32_t {}; /* {} */", column.field.name, note(member))
+    });
+    let values = [
+        ("WHAT", if structure.is_input { "What goes into" } else { "What comes out of" }.into()),
+        ("DATAPATH", datapath.name().into()),
+        ("LARGE", capitals(&name)),
+        ("NAME", name),
+        ("MEMBERS", lines.collect::<Vec<_>>().join("\n")),
+        ("PLACES", members.iter().map(|member| format!(" \\\n  X({})", member.column.field.name)).collect()),
+    ];
+    filled(include_str!("../../../vectors/templates/c/structure.h"), &values)
 }
 
-const PACKAGE: &str = "\
-// roughxel_dpi: the scalar datapaths of roughxel as functions of SystemVerilog, by DPI-C from the C library.
-//
-// `roughxel vectors c` writes this file; roughxel.h beside it says what every number is, vectors/README.md how the library is built
-// and linked. Structures of the header are arrays of int here, their members places with names. Every function returns OK or an
-// error: its kind in the lowest ERROR_BITS bits, above them the place of the number that is wrong. With an error what it would have
-// written means nothing.
-
-package roughxel_dpi;
-
-";
-
 fn package(structures: &[Structure]) -> String {
-    let mut text = PACKAGE.to_owned();
-    let _ = writeln!(
-        text,
-        "  // Of this package; roughxel_version() is that of the library.\n  localparam int VERSION = {VERSION};\n"
-    );
-    for (number, (name, meaning)) in ERRORS.iter().enumerate() {
-        let _ = writeln!(text, "  localparam int {name} = {number};  // {}", meaning.to_string_lossy());
-    }
-    let _ = writeln!(text, "  localparam int ERROR_BITS = {ERROR_BITS};\n\n  // Effects that are on, a sum of:");
-    for (name, bit, meaning) in EFFECTS {
-        let _ = writeln!(text, "  localparam int unsigned {name} = {bit};  // {meaning}");
-    }
-    let knobs: Vec<_> = Knob::ALL.into_iter().map(knob_member).collect();
-    text += &sv_places("profile", "knob", &knobs);
-    for structure in structures {
-        let members: Vec<_> =
-            structure.members.iter().map(|member| (member.column.field.name.clone(), note(member))).collect();
-        let name = structure.name();
-        text += &sv_places(&name, &name, &members);
-    }
-    text += "
-  import \"DPI-C\" function int roughxel_version();
-  import \"DPI-C\" function string roughxel_error_text(input int error);
-  import \"DPI-C\" function int roughxel_profile_named(input string name, output int profile [PROFILE]);
-";
-    for datapath in Datapath::ALL {
-        let (name, large) = (datapath.name(), capitals(datapath.name()));
-        let _ = write!(
-            text,
-            "
-  import \"DPI-C\" function int roughxel_{name}(input int profile [PROFILE], input int unsigned effects,
-    input int inputs [{large}_IN], output int outputs [{large}_OUT]);
-  import \"DPI-C\" function int roughxel_{name}_input_range(input int profile [PROFILE],
-    output int low [{large}_IN], output int high [{large}_IN]);
-"
-        );
-    }
-    text += include_str!("../../../vectors/templates/systemverilog/random.sv");
-    text += "\nendpackage\n";
-    text
+    let error = |(number, (name, meaning)): (usize, &(&str, &CStr))| {
+        format!("  localparam int {name} = {number};  // {}", meaning.to_string_lossy())
+    };
+    let effect = |(name, bit, meaning)| format!("  localparam int unsigned {name} = {bit};  // {meaning}");
+    let knobs = sv_places("profile", "knob", &Knob::ALL.map(knob_member));
+    let places = |structure: &Structure| {
+        let member = |member: &Declared| (member.column.field.name.clone(), note(member));
+        let (name, members) = (structure.name(), structure.members.iter().map(member).collect::<Vec<_>>());
+        sv_places(&name, &name, &members)
+    };
+    let values = [
+        ("VERSION", VERSION.to_string()),
+        ("ERRORS", lines(ERRORS.iter().enumerate(), error)),
+        ("ERROR_BITS", ERROR_BITS.to_string()),
+        ("EFFECTS", lines(EFFECTS, effect)),
+        ("STRUCTURES", [knobs, lines(structures, places)].join("\n").trim_end().into()),
+        ("DATAPATHS", functions(include_str!("../../../vectors/templates/systemverilog/datapath.sv"))),
+    ];
+    filled(include_str!("../../../vectors/templates/systemverilog/library.sv"), &values)
 }
 
 /// The places of an array, and its type.
@@ -258,7 +177,7 @@ fn sv_places(name: &str, prefix: &str, members: &[(String, String)]) -> String {
         format!("    {}{comma}  // {note}\n", capitals(&format!("{prefix}_{member}")))
     });
     format!(
-        "\n  typedef enum int {{\n{}  }} {prefix}_e;\n  localparam int {} = {};\n  typedef int {name}_t [{}];\n",
+        "  typedef enum int {{\n{}  }} {prefix}_e;\n  localparam int {} = {};\n  typedef int {name}_t [{}];\n",
         places.collect::<String>(),
         capitals(name),
         members.len(),

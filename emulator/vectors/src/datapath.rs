@@ -37,7 +37,7 @@ impl Inputs {
     }
 
     /// The integers on the ports of the recorded design, on words of the profile's width.
-    pub(super) fn recorded(&self, p: &Precision) -> Vec<i64> {
+    pub fn recorded(&self, p: &Precision) -> Vec<i64> {
         match self {
             Self::Reflection(wires) => integers_at(wires, p),
             Self::Highlight(wires) => integers_at(wires, p),

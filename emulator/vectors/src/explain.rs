@@ -20,7 +20,8 @@ use self::float64::{Float64, Taken};
 pub use self::real::Real;
 use super::VectorError;
 use super::datapath::wires;
-use super::layout::{Direction, Field, Layout};
+use super::field::{Direction, Field};
+use super::layout::Layout;
 use super::lines::Lines;
 use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
@@ -158,7 +159,7 @@ impl Vector {
         let checker = Checker { layout: &layout, manifest: &manifest };
         let mut wanted = None;
         while let Some(line) = lines.next()? {
-            let bits = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
+            let bits = lines.bits(&line, &layout)?;
             if line.index == index {
                 wanted = Some((line, bits));
             }
@@ -294,7 +295,7 @@ impl Vector {
                 error,
                 got: got[place].map(|bits| Got {
                     raw: digits(field, bits),
-                    integer: field.integer(bits & super::layout::mask(field.width)),
+                    integer: field.integer(bits & super::field::mask(field.width)),
                     wrong_bit: self.difference(place, bits, &got).checked_ilog2(),
                 }),
             }

@@ -12,8 +12,9 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 
 use super::datapath::{Computed, InputSource, Inputs};
+use super::field::Field;
 use super::files::{SetFiles, size_and_hash};
-use super::layout::{Field, Layout};
+use super::layout::Layout;
 use super::manifest::{FORMAT_VERSION, Form, Manifest, ProfileKnobs, SCHEMA, Seed};
 use super::part::{Part, Shard};
 use super::sets::SEED_RULE;
@@ -46,6 +47,22 @@ pub struct SetInfo<'a> {
     pub profile: &'a str,
     /// What words hold, and how they are written.
     pub words: Words,
+}
+
+impl<'a> SetInfo<'a> {
+    /// Describes a set in text, with taps and without a seed, by its name.
+    pub fn new(name: &'a str, datapath: Datapath, effects: Effects, profile: &'a str, precision: Precision) -> Self {
+        let words = Words::default();
+        Self { name, description: name, seed: None, datapath, effects, precision, profile, words }
+    }
+}
+
+impl<'a> From<&'a Manifest> for SetInfo<'a> {
+    /// A set in text of the kind of another one.
+    fn from(Manifest { set, datapath, effects, profile, taps, .. }: &'a Manifest) -> Self {
+        let words = Words { taps: *taps, form: Form::Hex };
+        Self { words, ..Self::new(set, *datapath, *effects, &profile.name, profile.knobs) }
+    }
 }
 
 /// What the words of a set hold, and how they are written.

@@ -6,7 +6,8 @@ use roughxel_core::precision::Precision;
 use roughxel_record as record;
 use thiserror::Error;
 
-use super::layout::{Column, Direction, Kept, columns};
+use super::columns::{Column, Kept, columns};
+use super::field::Direction;
 
 /// The line before the tables in a page.
 const BEGIN: &str = "<!-- Begin of what `roughxel vectors format --write vectors/FORMAT.md` writes. -->\n";

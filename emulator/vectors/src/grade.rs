@@ -246,21 +246,11 @@ pub(super) fn read_words(
     batch: &mut dyn FnMut(u64, &[Vec<u32>]),
 ) -> Result<(), VectorError> {
     let mut lines = Lines::open(path, manifest)?;
-    let (mut first, mut words) = (manifest.indices().start, Vec::with_capacity(BATCH));
-    loop {
-        let line = lines.next()?;
-        if let Some(line) = &line {
-            words.push(line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?);
-        }
-        if words.len() == BATCH || line.is_none() {
-            batch(first, &words);
-            first += words.len() as u64;
-            words.clear();
-        }
-        if line.is_none() {
-            return lines.hash_matches().map(drop);
-        }
+    while let Some(found) = lines.batch(BATCH)? {
+        let words = found.iter().map(|line| lines.bits(line, layout)).collect::<Result<Vec<_>, _>>()?;
+        batch(found[0].index, &words);
     }
+    lines.hash_matches().map(drop)
 }
 
 /// Faults that are looked for until a field shows them.

@@ -1,6 +1,7 @@
 //! Judge: a device's words by acceptance tiers. *Exact* is every bit; *faithful* lets every reciprocal and inverse root be a neighbour of ours, one
 //! last place away, and asks for exactly what follows from it; *bound* lets every rounding be another one ([`super::bound`]).
 
+use std::cmp::Ordering;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use serde::Serialize;
 use super::VectorError;
 use super::bound::{Bounds, Leeway};
 use super::explain::{Real, digits, exponent};
-use super::layout::{Field, mask};
+use super::field::{Field, mask};
 use super::lines::{Line, Lines};
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
@@ -134,30 +135,26 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
         ),
     };
     let (mut set, mut device) = (Lines::open(manifest_path, &manifest)?, Lines::open_device(got, &manifest)?);
-    let (mut done, mut at_end) = (0, false);
-    while !at_end {
-        let mut batch: Vec<(Line, Line)> = Vec::with_capacity(BATCH);
-        while batch.len() < BATCH && !at_end {
-            let expected = set.next()?;
-            let found = device.next().map_err(|error| match error {
-                VectorError::Count { .. } => count("more"),
-                error => error,
-            })?;
-            match (expected, found) {
-                (Some(expected), Some(found)) => batch.push((expected, found)),
-                (None, None) => at_end = true,
-                (Some(_), None) => return Err(count("fewer")),
-                (None, Some(_)) => return Err(set.wrong_count()),
-            }
+    let mut done = 0;
+    loop {
+        let expected = set.batch(BATCH)?.unwrap_or_default();
+        let found = device.batch(BATCH).map_err(|error| match error {
+            VectorError::Count { .. } => count("more"),
+            error => error,
+        })?;
+        let found = found.unwrap_or_default();
+        match expected.len().cmp(&found.len()) {
+            Ordering::Greater => return Err(count("fewer")),
+            Ordering::Less => return Err(set.wrong_count()),
+            Ordering::Equal if expected.is_empty() => break,
+            Ordering::Equal => done += expected.len() as u64,
         }
-        done += batch.len() as u64;
-        let judged: Vec<_> = batch
-            .par_iter()
+        let judged: Vec<_> = (expected.par_iter().zip(&found))
             .map(|(of_set, of_device)| {
-                let expected = of_set.bits(&layout).map_err(|problem| set.problem(of_set.number, problem))?;
-                let found =
-                    of_device.device_bits(&layout).map_err(|problem| device.problem(of_device.number, problem))?;
-                judge.vector(of_device, &expected, &found).map_err(|problem| device.problem(of_device.number, problem))
+                let expected = set.bits(of_set, &layout)?;
+                let problem = |problem| device.problem(of_device.number, problem);
+                let found = of_device.device_bits(&layout).map_err(problem)?;
+                judge.vector(of_device, &expected, &found).map_err(problem)
             })
             .collect::<Result<_, _>>()?;
         for (is_exact, failing) in judged {

@@ -103,7 +103,7 @@ impl Line {
 pub(super) fn is_whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<bool, VectorError> {
     let mut lines = Lines::open(manifest_path, manifest)?;
     while let Some(line) = lines.next()? {
-        line.bits(layout).map_err(|problem| lines.problem(line.number, problem))?;
+        lines.bits(&line, layout)?;
     }
     lines.hash_matches()
 }
@@ -212,6 +212,22 @@ impl Lines {
             return Err(self.wrong_count());
         }
         Ok(hex_digest(self.hash) == self.sha256)
+    }
+
+    /// Reads the next words, at most so many; `None` at the end.
+    pub(super) fn batch(&mut self, most: usize) -> Result<Option<Vec<Line>>, VectorError> {
+        let mut batch = Vec::with_capacity(most);
+        while batch.len() < most
+            && let Some(line) = self.next()?
+        {
+            batch.push(line);
+        }
+        Ok(Some(batch).filter(|batch| !batch.is_empty()))
+    }
+
+    /// Reads the fields of a word.
+    pub(super) fn bits(&self, line: &Line, layout: &Layout) -> Result<Vec<u32>, VectorError> {
+        line.bits(layout).map_err(|problem| self.problem(line.number, problem))
     }
 
     /// What is wrong with a line.

@@ -11,7 +11,8 @@ use roughxel_study::profile_file::{NameError, NamedPrecision};
 use roughxel_utilities::input::open_file;
 use serde::{Deserialize, Serialize};
 
-use super::layout::{Field, Layout};
+use super::field::Field;
+use super::layout::Layout;
 use super::part::Part;
 use super::score::GradeEntry;
 use super::{MAX_VECTORS, VectorError, stage};

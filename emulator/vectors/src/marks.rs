@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::VectorError;
 use super::bound::{Bounds, Leeway};
-use super::lines::{Line, Lines};
+use super::lines::Lines;
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
 
@@ -62,21 +62,13 @@ pub fn marks(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Resul
     let bounds = Bounds::new(&outcomes, places);
     let mut marked = Vec::new();
     let mut lines = Lines::open(manifest_path, &manifest)?;
-    let (mut done, mut at_end) = (0, false);
-    while !at_end {
-        let mut batch: Vec<Line> = Vec::with_capacity(BATCH);
-        while batch.len() < BATCH && !at_end {
-            match lines.next()? {
-                Some(line) => batch.push(line),
-                None => at_end = true,
-            }
-        }
+    let mut done = 0;
+    while let Some(batch) = lines.batch(BATCH)? {
         done += batch.len() as u64;
         let of_batch: Vec<Marked> = batch
             .par_iter()
             .map(|line| {
-                let expected = line.bits(&layout).map_err(|problem| lines.problem(line.number, problem))?;
-                let leeway = bounds.leeway(&expected);
+                let leeway = bounds.leeway(&lines.bits(line, &layout)?);
                 let open = leeway.iter().zip(&outcomes.list).filter(|(leeway, _)| match leeway {
                     Leeway::OneOf(decisions) => decisions.len() > 1,
                     Leeway::Within(_) | Leeway::Any => false,

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::VectorError;
-use super::layout::{Direction, Layout};
+use super::field::Direction;
+use super::layout::Layout;
 use super::lines::Lines;
 use super::manifest::Manifest;
 use super::sets::Source;

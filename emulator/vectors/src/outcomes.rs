@@ -7,7 +7,8 @@ use roughxel_net::graph::{Net, NodeId};
 use roughxel_record as record;
 
 use super::datapath::Inputs;
-use super::layout::{Direction, Field, Layout, mask};
+use super::field::{Direction, Field, mask};
+use super::layout::Layout;
 use super::manifest::Manifest;
 
 /// The design of a set with its outcomes, in the order of the pipeline.

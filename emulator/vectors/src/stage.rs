@@ -34,14 +34,7 @@ impl StageSet {
         p: &Precision,
         name: Option<&str>,
     ) -> Result<Vec<Self>, VerilogError> {
-        let options = Options {
-            profile: String::new(),
-            precision: *p,
-            effects: *effects,
-            depth: None,
-            stage: name.map(str::to_owned),
-            prefix: String::new(),
-        };
+        let options = Options { stage: name.map(str::to_owned), ..Options::new("", *p, *effects) };
         let Stages { net, stages } = record::stages(Design::of(datapath), &options)?;
         let net = Arc::new(net);
         let set = |stage: Stage| Ok(Self { net: Arc::clone(&net), layout: Layout::of_stage(&stage)?, stage });

@@ -7,7 +7,7 @@
 use std::fmt::Write;
 
 use super::explain::{Explained, Explanation};
-use super::layout::mask;
+use super::field::mask;
 
 /// The first and the last of the characters that identifiers are made of, all printable ones of ASCII.
 const FIRST: u8 = b'!';

@@ -10,7 +10,8 @@ use serde::Serialize;
 
 use super::VectorError;
 use super::datapath::outcome;
-use super::layout::{Field, Layout};
+use super::field::Field;
+use super::layout::Layout;
 use super::lines::{Line, Lines};
 use super::manifest::Manifest;
 use super::order::{Misplaced, misplaced, with_cause};
@@ -175,16 +176,8 @@ fn compared(
         misplaced: Vec::new(),
     };
     let checker = Checker { layout, manifest };
-    let (mut count, mut at_end) = (0, false);
-    while !at_end {
-        let mut batch: Vec<Line> = Vec::with_capacity(BATCH);
-        while batch.len() < BATCH {
-            let Some(line) = lines.next()? else {
-                at_end = true;
-                break;
-            };
-            batch.push(line);
-        }
+    let mut count = 0;
+    while let Some(batch) = lines.batch(BATCH)? {
         count += batch.len() as u64;
         let compared: Vec<_> = batch.par_iter().map(|line| (line.number, checker.compare(line))).collect();
         for (number, outcome) in compared {

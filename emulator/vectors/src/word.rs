@@ -8,7 +8,8 @@
 use roughxel_simd::Backend;
 use roughxel_utilities::crc;
 
-use super::layout::{CHECK_BITS, Field, Layout, mask};
+use super::field::{Field, mask};
+use super::layout::{CHECK_BITS, Layout};
 use super::manifest::Form;
 
 /// The digits of a word's fields eight by eight, the last field at the end of the last eight; zeros before the first.

@@ -10,6 +10,7 @@ use roughxel_frame::{Frame, Prepared};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{Picture, beside, difference, ssim, write_png_srgb};
 use roughxel_shader::ObjectPlan;
+use roughxel_utilities::output::WriteError;
 
 use super::change::Change;
 use super::drawn::{DrawnColumn, DrawnReference, DrawnScene, GalleryError, Settings};
@@ -44,7 +45,7 @@ pub fn draw_scene(
     let [width, height] = settings.size;
     let scene = Scene::open(entry.name).and_then(|scene| scene.with_size(width, height)).map_err(DrawError::from)?;
     let own = directory.join(entry.name);
-    fs::create_dir_all(&own).map_err(|source| GalleryError::Write { path: own.clone(), source })?;
+    fs::create_dir_all(&own).map_err(|source| WriteError { path: own.clone(), source })?;
 
     let truth_samples = u64::from(settings.reference_edge.pow(2));
     let truth_name = format!("{}: {truth_samples} samples", entry.name);

@@ -1,12 +1,12 @@
 //! How scenes are drawn, and what is known of them afterwards.
 
-use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
 use roughxel_scene::picture::PictureError;
+use roughxel_utilities::output::WriteError;
 use thiserror::Error;
 
 use super::entry::{Column, Entry};
@@ -41,13 +41,8 @@ pub enum GalleryError {
     #[error(transparent)]
     Draw(#[from] DrawError),
     /// A directory, the page or a kept reference.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// File or directory.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 impl From<PictureError> for GalleryError {

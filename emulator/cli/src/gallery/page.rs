@@ -2,13 +2,12 @@
 
 use std::fmt::{self, Display};
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use roughxel_page::html::{Page, Text};
 use roughxel_scene::picture::{DIFFERENCE_GAIN, PictureError};
-use roughxel_utilities::output::OutputFile;
+use roughxel_utilities::output::write_files;
 
 use super::drawn::{DrawnScene, GalleryError, Settings};
 use super::table::{FILTERED, NO_TEXTURE, SAMPLES_16, UNFILTERED};
@@ -26,12 +25,7 @@ pub fn write_page(
     directory: &Path,
 ) -> Result<PathBuf, GalleryError> {
     let path = directory.join("index.html");
-    let page = page(scenes, settings, profile)?;
-    let written = OutputFile::create(&path).and_then(|mut file| {
-        file.write_all(page.as_bytes())?;
-        file.commit()
-    });
-    written.map_err(|source| GalleryError::Write { path: path.clone(), source })?;
+    write_files(directory, [("index.html", page(scenes, settings, profile)?)])?;
     Ok(path)
 }
 

@@ -16,7 +16,7 @@ use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{Scene, builtin_text};
-use roughxel_utilities::output::OutputFile;
+use roughxel_utilities::output::{OutputFile, WriteError};
 use sha2::{Digest, Sha256};
 
 use super::drawn::{GalleryError, Settings};
@@ -48,7 +48,7 @@ pub(super) fn reference(
     let frame = render(scene, &prepared, progress)?;
     let time = start.elapsed();
     let written = fs::create_dir_all(&directory).and_then(|()| write(&path, &key, &frame));
-    written.map_err(|source| GalleryError::Write { path, source })?;
+    written.map_err(|source| WriteError { path, source })?;
     Ok((frame, Some(time)))
 }
 

@@ -10,7 +10,7 @@ use roughxel_vectors::{
 };
 use serde_json::json;
 
-use crate::console::progress;
+use crate::console::with_progress;
 use crate::{Failure, check_directory, check_file, write_text};
 
 pub(super) const LONG_HELP: &str = "\
@@ -89,13 +89,11 @@ pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
     let (manifests, beside) = (manifests_of_all(&args.paths)?, manifests_of_all(&args.beside)?);
     let Some((first, others)) = manifests.split_first() else { return Ok(()) };
     let counts = manifests.iter().chain(&beside).map(|path| Manifest::read(path).map(|manifest| manifest.count));
-    let bar = progress(counts.sum::<Result<u64, _>>()?, "faults");
     let mistakes: Vec<Mistake> = args.mistakes.iter().map(|&kind| kind.into()).collect();
     let mistakes = if mistakes.is_empty() { &Mistake::ALL[..] } else { &mistakes };
     let wanted = Wanted { most: args.most as usize, beside: &beside, mistakes };
-    let distilled = distil(first, others, wanted, &|done| bar.set_position(done));
-    bar.finish_and_clear();
-    let Distilled { of, picked, inputs } = distilled?;
+    let count = counts.sum::<Result<_, _>>()?;
+    let Distilled { of, picked, inputs } = with_progress(count, "faults", |done| distil(first, others, wanted, done))?;
     if picked.is_empty() {
         let text =
             if args.json { r#"{ "picked": [] }"# } else { "no vector shows what the others do not: nothing written" };
@@ -105,16 +103,8 @@ pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
     let sets: BTreeSet<&str> = picked.iter().map(|picked| picked.set.as_str()).collect();
     let sets: Vec<&str> = sets.into_iter().collect();
     let description = format!("vectors of {} that show what the others do not", sets.join(", "));
-    let info = SetInfo {
-        name: &args.name,
-        description: &description,
-        seed: None,
-        datapath: of.datapath,
-        effects: of.effects,
-        precision: of.profile.knobs,
-        profile: &of.profile.name,
-        words: Words { taps: of.taps, form: if args.bin { Form::Bin } else { Form::Hex } },
-    };
+    let words = Words { taps: of.taps, form: if args.bin { Form::Bin } else { Form::Hex } };
+    let info = SetInfo { name: &args.name, description: &description, words, ..SetInfo::from(&of) };
     let manifest =
         export_with(&info, inputs.len() as u64, &|index: u64| inputs[index as usize], &args.output, &|_| {})?;
     if let Some(path) = &args.picks {

@@ -15,7 +15,7 @@ use roughxel_vectors::{
 };
 use serde_json::json;
 
-use crate::console::{complain, new_table, progress};
+use crate::console::{complain, new_table, with_progress};
 use crate::{Failure, ProfileArg, check_directory, effects, parse_profile, remove_abandoned_in};
 
 /// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
@@ -187,10 +187,9 @@ impl Export<'_> {
             return Ok(Some(Exported { directory, manifest, kept: true }));
         }
         let indices = set.indices();
-        let bar = progress(indices.end - indices.start, set.name());
-        let manifest = set.write(input, &directory, &|done| bar.set_position(done));
-        bar.finish_and_clear();
-        Ok(Some(Exported { directory, manifest: manifest?, kept: false }))
+        let count = indices.end - indices.start;
+        let manifest = with_progress(count, set.name(), |done| set.write(input, &directory, done))?;
+        Ok(Some(Exported { directory, manifest, kept: false }))
     }
 
     /// Checks that the sets, each with its datapath and effects, have the stage: each of those that were `named`, or any of all.

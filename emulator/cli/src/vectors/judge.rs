@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::explain::manifest_of;
 use crate::Failure;
-use crate::console::progress;
+use crate::console::with_progress;
 
 pub(super) const LONG_HELP: &str = "\
 Judge the words of a device by an acceptance tier.
@@ -64,10 +64,8 @@ pub(super) fn run(args: &JudgeArgs) -> Result<(), Failure> {
         TierArg::Bound => Tier::Bound { places: args.places },
     };
     let manifest = manifest_of(&args.set)?;
-    let bar = progress(Manifest::read(&manifest)?.count, tier.name());
-    let judgement = judge(&args.got, &manifest, tier, &|done| bar.set_position(done));
-    bar.finish_and_clear();
-    let judgement = judgement?;
+    let count = Manifest::read(&manifest)?.count;
+    let judgement = with_progress(count, tier.name(), |done| judge(&args.got, &manifest, tier, done))?;
     let mut out = io::stdout().lock();
     if args.json {
         writeln!(out, "{:#}", json!(judgement))?;

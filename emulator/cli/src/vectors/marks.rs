@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::explain::manifest_of;
 use super::judge::MOST_PLACES;
-use crate::console::progress;
+use crate::console::with_progress;
 use crate::{Failure, check_file, write_text};
 
 pub(super) const LONG_HELP: &str = "\
@@ -46,10 +46,7 @@ pub(super) fn run(args: &MarksArgs) -> Result<(), Failure> {
     }
     let path = manifest_of(&args.set)?;
     let manifest = Manifest::read(&path)?;
-    let bar = progress(manifest.count, "vectors");
-    let marks = marks(&path, args.places, &|done| bar.set_position(done));
-    bar.finish_and_clear();
-    let marks = marks?;
+    let marks = with_progress(manifest.count, "vectors", |done| marks(&path, args.places, done))?;
     if let Some(path) = &args.output {
         write_text(path, &marks.lines(manifest.indices().start))?;
     }

@@ -7,7 +7,7 @@ use clap::Args;
 use roughxel_vectors::parts_of;
 use serde_json::json;
 
-use crate::console::progress;
+use crate::console::with_progress;
 use crate::{Failure, check_directory, remove_abandoned_in};
 
 pub(super) const LONG_HELP: &str = "\
@@ -39,10 +39,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     remove_abandoned_in(&args.output);
     let mut written = Vec::new();
     for parts in &sets {
-        let bar = progress(parts.count(), &parts.stem());
-        let manifest = parts.merge(&args.output, &|done| bar.set_position(done));
-        bar.finish_and_clear();
-        written.push((parts.len(), manifest?));
+        let manifest = with_progress(parts.count(), &parts.stem(), |done| parts.merge(&args.output, done))?;
+        written.push((parts.len(), manifest));
     }
     let mut out = io::stdout().lock();
     if args.json {

@@ -3,12 +3,12 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use roughxel_vectors::{MinimiseError, MinimiseOptions, Vector, minimise};
 use serde_json::json;
 
 use super::explain::{describe, manifest_of, split, unreadable};
-use crate::console::{complain, new_table, progress};
+use crate::console::{complain, new_table, with_progress};
 use crate::{Failure, check_directory};
 
 pub(super) const LONG_HELP: &str = "\
@@ -36,8 +36,8 @@ pub(crate) struct MinimiseArgs {
     #[arg(long, value_name = "DIR")]
     bench: PathBuf,
     /// What runs the bench, as its run.sh calls it.
-    #[arg(long, value_enum, default_value = "icarus")]
-    tool: Tool,
+    #[arg(long, value_parser = ["icarus", "verilator", "cpp", "ghdl", "cocotb"], default_value = "icarus")]
+    tool: String,
     /// Compare what leaves the datapath alone, for a device that does not show its stages.
     #[arg(long)]
     outputs_only: bool,
@@ -52,30 +52,15 @@ pub(crate) struct MinimiseArgs {
     json: bool,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Tool {
-    Icarus,
-    Verilator,
-    Cpp,
-    Ghdl,
-    Cocotb,
-}
-
 pub(super) fn run(args: &MinimiseArgs) -> Result<(), Failure> {
     let (set, index) = split(&args.set, args.index)?;
     let manifest = manifest_of(Path::new(set))?;
     check_directory(&args.output)?;
-    let tool = match args.tool {
-        Tool::Icarus => "icarus",
-        Tool::Verilator => "verilator",
-        Tool::Cpp => "cpp",
-        Tool::Ghdl => "ghdl",
-        Tool::Cocotb => "cocotb",
-    };
-    let options = MinimiseOptions { tool: tool.into(), outputs_only: args.outputs_only, runs: args.runs };
-    let bar = progress(args.runs.into(), "runs of the bench at most");
-    let minimised = minimise(&manifest, index, &args.bench, &options, &|runs| bar.set_position(runs.into()));
-    bar.finish_and_clear();
+    let options = MinimiseOptions { tool: args.tool.clone(), outputs_only: args.outputs_only, runs: args.runs };
+    let runs = u64::from(args.runs);
+    let minimised = with_progress(runs, "runs of the bench at most", |done| {
+        minimise(&manifest, index, &args.bench, &options, &|runs| done(runs.into()))
+    });
     let minimised = minimised.map_err(|error| match error {
         MinimiseError::Set(error) => unreadable(error),
         MinimiseError::OtherSet { .. } => Failure::Usage(error.to_string()),

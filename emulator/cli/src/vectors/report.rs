@@ -8,7 +8,7 @@ use roughxel_vectors::{Alarm, Grade, Manifest, Score, grade, manifests_of, write
 use serde_json::json;
 
 use crate::Failure;
-use crate::console::{new_table, progress};
+use crate::console::{new_table, with_progress};
 
 pub(super) const LONG_HELP: &str = "\
 Say how good sets are: which mistakes in a device they would show.
@@ -47,12 +47,9 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         manifests.extend(manifests_of(path)?);
     }
     let counts = manifests.iter().map(|path| Manifest::read(path).map(|manifest| manifest.count));
-    let bar = progress(counts.sum::<Result<u64, _>>()?, "faults");
     let on_all = if args.write { write_grades } else { grade };
-    let grades = on_all(&manifests, &|done| bar.set_position(done));
-    bar.finish_and_clear();
+    let grades = with_progress(counts.sum::<Result<_, _>>()?, "faults", |done| on_all(&manifests, done))?;
     let mut out = io::stdout().lock();
-    let grades = grades?;
     if args.json {
         return Ok(writeln!(out, "{:#}", json!({ "grades": grades }))?);
     }

@@ -8,7 +8,7 @@ use clap::Args;
 use roughxel_vectors::{Manifest, VectorError, Verification, manifests_of, verify};
 use serde_json::json;
 
-use crate::console::{complain, progress};
+use crate::console::{complain, with_progress};
 use crate::{Failure, on_one_line};
 
 #[derive(Args)]
@@ -68,10 +68,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
 fn verify_one(manifest: &Path) -> Result<Verification, VectorError> {
     let count = Manifest::read(manifest)?.count;
-    let bar = progress(count, &manifest.display().to_string());
-    let result = verify(manifest, &|done| bar.set_position(done));
-    bar.finish_and_clear();
-    result
+    with_progress(count, &manifest.display().to_string(), |done| verify(manifest, done))
 }
 
 fn with_causes(error: &VectorError) -> String {

@@ -1,7 +1,7 @@
 //! The driver in C++, for Verilator.
 
 use super::fields::{Fields, lines};
-use crate::layout::{Direction, Field};
+use crate::field::{Direction, Field};
 
 /// The text, with the name of its file.
 pub(super) const TEMPLATES: [(&str, &str); 1] =

@@ -1,6 +1,6 @@
 //! What the benches of all languages say of fields: names, notes, a line a field.
 
-use crate::layout::{Direction, Field};
+use crate::field::{Direction, Field};
 
 /// The fields of a set.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use roughxel_net::verilog::{Interface, PortDescription};
 
 use super::fields::{Fields, column, in_comment, lines, note, numbered};
 use crate::c_library::place_name;
-use crate::layout::{Direction, Field};
+use crate::field::{Direction, Field};
 use crate::manifest::Manifest;
 
 /// The device, which a user replaces.

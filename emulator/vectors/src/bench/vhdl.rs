@@ -1,7 +1,7 @@
 //! Benches in VHDL, for GHDL; its playback stands before devices in VHDL under cocotb.
 
 use super::fields::{Fields, column, lines, note};
-use crate::layout::{Direction, Field};
+use crate::field::{Direction, Field};
 
 /// The device, which a user replaces.
 pub(super) const DEVICE: &str = "@NAME@_device.vhd";
