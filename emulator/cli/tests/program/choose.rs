@@ -1,26 +1,21 @@
 //! `roughxel choose`: what it finds is a profile file with the figures it tells.
 
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
 
 use roughxel_study::profile_file::read_profile;
 
-fn choose(scene: &str, arguments: &[&str], file: &Path) -> Output {
-    let common = ["choose", "--scene", scene, "--size", "24x18", "--json", "-o", file.to_str().unwrap()];
-    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    command.args(common).args(arguments).stdin(Stdio::null()).output().unwrap()
-}
+use super::fixture::{Folder, Run, roughxel};
 
-fn figures(output: &Output) -> serde_json::Value {
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+fn choose(scene: &str, arguments: &[&str], file: &Path) -> Run {
+    let common = ["choose", "--scene", scene, "--size", "24x18", "--json", "-o", file.to_str().unwrap()];
+    roughxel(&[&common, arguments].concat())
 }
 
 #[test]
 fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
-    let directory = tempfile::tempdir().unwrap();
-    let file = directory.path().join("Small lake.toml");
-    let by_accuracy = figures(&choose("lake", &["--psnr", "40"], &file));
+    let directory = Folder::new();
+    let file = directory.join("Small lake.toml");
+    let by_accuracy = choose("lake", &["--psnr", "40"], &file).json();
     let profile = read_profile(&file).unwrap();
     let (chosen, next) = (&by_accuracy["chosen"], &by_accuracy["next_cheaper"]);
     assert_eq!(profile.name, "small_lake");
@@ -32,13 +27,12 @@ fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
     assert!(by_accuracy["measured"].as_u64() < by_accuracy["candidates"].as_u64());
 
     // The most accurate of what costs no more is at least as accurate.
-    let by_budget = figures(&choose("lake", &["--budget", &cost(chosen).to_string()], &file));
+    let by_budget = choose("lake", &["--budget", &cost(chosen).to_string()], &file).json();
     assert!(psnr(&by_budget["chosen"]) >= psnr(chosen) && cost(&by_budget["chosen"]) <= cost(chosen));
 
-    let picture = directory.path().join("lake.png");
-    let mut render = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    render.args(["render", "lake", "--size", "24x18", "--profile"]).arg(&file).arg("-o").arg(&picture);
-    assert!(render.output().unwrap().status.success() && picture.exists());
+    let (file, picture) = (directory.file("Small lake.toml"), directory.file("lake.png"));
+    roughxel(&["render", "lake", "--size", "24x18", "--profile", &file, "-o", &picture]).ends(0);
+    assert!(Path::new(&picture).exists());
 }
 
 /// Every profile is drawn in it before one is out of reach.
@@ -60,9 +54,8 @@ reflectance = [1, 1, 1]
 
 #[test]
 fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
-    let (scenes, directory) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let scene = scenes.path().join("mirror.toml");
-    std::fs::write(&scene, FLAT_MIRROR).unwrap();
+    let (scenes, directory) = (Folder::new(), Folder::new());
+    scenes.write("mirror.toml", FLAT_MIRROR);
     for (name, arguments, code, expected) in [
         ("a.toml", &["--budget", "1"][..], 3, "the cheapest costs"),
         ("a.toml", &["--psnr", "300"], 3, "the most accurate has"),
@@ -73,9 +66,8 @@ fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
         ("paper.toml", &["--psnr", "40"], 2, "`paper` is the name of a profile"),
         ("no/where.toml", &["--psnr", "40"], 1, "where.toml"),
     ] {
-        let output = choose(scene.to_str().unwrap(), arguments, &directory.path().join(name));
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), message.contains(expected)), (Some(code), true), "{arguments:?}: {message}");
-        assert!(output.stdout.is_empty() && std::fs::read_dir(directory.path()).unwrap().next().is_none());
+        let run =
+            choose(&scenes.file("mirror.toml"), arguments, &directory.join(name)).ends(code).complains(&[expected]);
+        assert!(run.out.is_empty() && std::fs::read_dir(directory.path()).unwrap().next().is_none());
     }
 }

@@ -1,224 +1,174 @@
 //! Exit codes and help of the program.
 
 use std::collections::BTreeSet;
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Stdio};
 
-use serde_json::json;
+use super::fixture::{Folder, Run, program, roughxel};
 
-fn roughxel(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_roughxel")).args(arguments).stdin(Stdio::null()).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
+/// The figures that a line of arguments without blanks prints.
+fn json(line: &str) -> serde_json::Value {
+    roughxel(&line.split_whitespace().collect::<Vec<_>>()).json()
 }
 
 #[test]
 fn usage_errors_end_with_2() {
-    let cases: [&[&str]; 37] = [
-        &[],
-        &["frobnicate"],
-        &["eval", "--profile", "best"],
-        &["eval", "--effects", "bump,fog"],
-        &["eval", "--effects", "all,bump"],
-        &["eval", "one.csv", "two.csv"],
-        &["vectors", "export", "random"],
-        &["vectors", "export", "nonesuch", "-o", "unused"],
-        &["vectors", "export", "-o", "unused", "--count", "0"],
-        &["vectors", "export", "-o", "unused", "--smoke", "--count", "3"],
-        &["vectors", "verify"],
-        &["demo", "--size", "640"],
-        &["demo", "--threads", "0"],
-        &["render"],
-        &["render", "lake", "--mode", "supersampled:0"],
-        &["report", "accuracy", "--profile", "best"],
-        &["ranges", "--design", "everything"],
-        &["ranges", "--size", "0x3"],
-        &["cost", "--effects", "fog"],
-        &["cost", "--profile", "paper", "--path", "no_such_stage"],
-        &["render", "lake", "--reading", "fast"],
-        &["render", "lake", "-o", "lake.jpg"],
-        &["completions"],
-        &["completions", "no-such-shell"],
-        &["plan"],
-        &["plan", "lake", "--rounds", "3"],
-        &["verilog"],
-        &["verilog", "-o", "unused", "--stage", "no_such_stage"],
-        &["verilog", "-o", "unused", "--prefix", "9"],
-        &["verilog", "-o", "unused", "--scene", "lake", "--effects", "bump"],
-        &["verilog", "-o", "unused", "--effects", "bumps"],
-        &["vectors", "export", "-o", "unused", "--scene", "lake", "--effects", "bump"],
-        &["vectors", "export", "-o", "unused", "--frame", "tilted"],
-        &["vectors", "export", "-o", "unused", "--stage", "no_such_stage"],
-        &["vectors", "export", "-o", "unused", "random", "--stage", "half"],
-        &["vectors", "export", "-o", "unused", "--stage", "reflect", "--no-taps"],
-        &["vectors", "export", "-o", "unused", "--stage", "reflect", "--smoke"],
-    ];
-    for arguments in cases {
-        let output = roughxel(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
-        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    let directory = Folder::new();
+    for line in [
+        "",
+        "frobnicate",
+        "eval --profile best",
+        "eval --effects bump,fog",
+        "eval --effects all,bump",
+        "eval one.csv two.csv",
+        "vectors export random",
+        "vectors export nonesuch -o unused",
+        "vectors export -o unused --count 0",
+        "vectors export -o unused --smoke --count 3",
+        "vectors verify",
+        "demo --size 640",
+        "demo --threads 0",
+        "render",
+        "render lake --mode supersampled:0",
+        "report accuracy --profile best",
+        "ranges --design everything",
+        "ranges --size 0x3",
+        "cost --effects fog",
+        "cost --profile paper --path no_such_stage",
+        "render lake --reading fast",
+        "render lake -o lake.jpg",
+        "completions",
+        "completions no-such-shell",
+        "plan",
+        "plan lake --rounds 3",
+        "verilog",
+        "verilog -o unused --stage no_such_stage",
+        "verilog -o unused --prefix 9",
+        "verilog -o unused --scene lake --effects bump",
+        "verilog -o unused --effects bumps",
+        "vectors export -o unused --scene lake --effects bump",
+        "vectors export -o unused --frame tilted",
+        "vectors export -o unused --stage no_such_stage",
+        "vectors export -o unused random --stage half",
+        "vectors export -o unused --stage reflect --no-taps",
+        "vectors export -o unused --stage reflect --smoke",
+    ] {
+        let run = directory.run(line).ends(2);
+        assert!(run.out.is_empty() && !run.err.is_empty(), "{line}");
     }
 }
 
 #[test]
 fn failures_end_with_1_and_name_the_file() {
-    let directory = tempfile::tempdir().unwrap();
-    let file = directory.path().join("file");
-    std::fs::write(&file, "").unwrap();
-    let inside_file = file.join("set");
-    let scene = directory.path().join("scene.toml");
-    std::fs::write(&scene, "name = 3\n").unwrap();
-    let picture = directory.path().join("no/where.png");
-    let cases: [(&[&str], &str); 11] = [
-        (&["render", "no-such.toml"], "no-such.toml"),
-        (&["plan", "no-such.toml"], "no-such.toml"),
-        (&["render", scene.to_str().unwrap()], "scene.toml:1:"),
-        (&["render", "lake", "--size", "16x16", "-o", picture.to_str().unwrap()], "where.png"),
-        (&["eval", "no-such.csv"], "no-such.csv"),
-        (&["eval", directory.path().to_str().unwrap()], "cannot read"),
-        (&["vectors", "verify", "no-such-directory"], "no-such-directory"),
-        (&["vectors", "export", "-o", "unused", "--scene", "no-such.toml"], "no-such.toml"),
-        (&["verilog", "-o", "unused", "--scene", "no-such.toml"], "no-such.toml"),
-        (&["vectors", "export", "random", "-o", inside_file.to_str().unwrap()], "cannot write"),
-        (&["verilog", "-o", inside_file.to_str().unwrap()], inside_file.to_str().unwrap()),
-    ];
-    for (arguments, named) in cases {
-        let output = roughxel(arguments);
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", stderr(&output));
-        assert!(stderr(&output).contains(named), "{arguments:?}: {}", stderr(&output));
-        assert!(!stderr(&output).contains("panicked"));
-    }
+    let directory = Folder::new();
+    directory.write("file", "");
+    directory.write("scene.toml", "name = 3\n");
+    directory.refuses(&[
+        ("render no-such.toml", 1, "no-such.toml"),
+        ("plan no-such.toml", 1, "no-such.toml"),
+        ("render scene.toml", 1, "scene.toml:1:"),
+        ("render lake --size 16x16 -o no/where.png", 1, "where.png"),
+        ("eval no-such.csv", 1, "no-such.csv"),
+        ("eval .", 1, "cannot read"),
+        ("vectors verify no-such-directory", 1, "no-such-directory"),
+        ("vectors export -o unused --scene no-such.toml", 1, "no-such.toml"),
+        ("verilog -o unused --scene no-such.toml", 1, "no-such.toml"),
+        ("vectors export random -o file/set", 1, "cannot write"),
+        ("verilog -o file/set", 1, "file/set"),
+    ]);
 }
 
 /// Before a scene is read: none of those named is there.
 #[test]
 fn what_cannot_be_written_is_told_before_the_work() {
-    let directory = tempfile::tempdir().unwrap();
-    let file = directory.path().join("file");
-    std::fs::write(&file, "").unwrap();
-    let below = file.join("below");
-    let nowhere = directory.path().join("no/where.png");
-    let taken = directory.path().join("taken.png");
-    std::fs::create_dir(&taken).unwrap();
-    let [below, nowhere, taken] = [&below, &nowhere, &taken].map(|path| path.to_str().unwrap());
-    let scene = "no-such.toml";
-    for arguments in [
-        &["render", scene, "-o", nowhere][..],
-        &["render", scene, "-o", taken],
-        &["render", scene, "--capture", below],
-        &["choose", "--psnr", "40", "--scene", scene, "-o", nowhere],
-        &["vectors", "export", "--scene", scene, "-o", below],
-        &["vectors", "rom", "-o", below],
-        &["verilog", "--scene", scene, "-o", below],
-        &["gallery", "-o", below],
-        &["demo", "-o", below],
-        &["study", "-o", below],
+    let directory = Folder::new();
+    directory.write("file", "");
+    std::fs::create_dir(directory.join("taken.png")).unwrap();
+    for (line, path) in [
+        ("render no-such.toml -o", "no/where.png"),
+        ("render no-such.toml -o", "taken.png"),
+        ("render no-such.toml --capture", "file/below"),
+        ("choose --psnr 40 --scene no-such.toml -o", "no/where.png"),
+        ("vectors export --scene no-such.toml -o", "file/below"),
+        ("vectors rom -o", "file/below"),
+        ("verilog --scene no-such.toml -o", "file/below"),
+        ("gallery -o", "file/below"),
+        ("demo -o", "file/below"),
+        ("study -o", "file/below"),
     ] {
+        let path = directory.file(path);
         let start = std::time::Instant::now();
-        let output = Command::new(env!("CARGO_BIN_EXE_roughxel"))
-            .args(arguments)
-            .current_dir(directory.path())
-            .stdin(Stdio::null())
-            .output()
-            .unwrap();
-        let (message, path) = (stderr(&output), arguments.last().unwrap());
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
-        assert!(message.starts_with(&format!("error: cannot write {path}: ")), "{arguments:?}: {message}");
-        assert!(start.elapsed().as_secs() < 5, "{arguments:?}");
+        let run = Run::of(directory.program(line).arg(&path)).ends(1);
+        assert!(run.err.starts_with(&format!("error: cannot write {path}: ")), "{line}: {}", run.err);
+        assert!(start.elapsed().as_secs() < 5, "{line}");
     }
-    let left: Vec<_> = std::fs::read_dir(directory.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let left: Vec<_> = directory.path().read_dir().unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left.len(), 2, "{left:?}");
 }
 
 #[cfg(unix)]
 #[test]
 fn pipes_are_refused_and_not_waited_for() {
-    let directory = tempfile::tempdir().unwrap();
-    let pipe = directory.path().join("pipe.toml");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    let path = pipe.to_str().unwrap();
-    for arguments in [
-        &["render", path][..],
-        &["eval", path],
-        &["eval", "--profile", path],
-        &["vectors", "verify", path],
-        &["vectors", "format", "--write", path],
-        &["study", "--from", path, "-o", directory.path().to_str().unwrap()],
+    let directory = Folder::new();
+    assert!(Command::new("mkfifo").arg(directory.join("pipe.toml")).status().unwrap().success());
+    for line in [
+        "render pipe.toml",
+        "eval pipe.toml",
+        "eval --profile pipe.toml",
+        "vectors verify pipe.toml",
+        "vectors format --write pipe.toml",
+        "study --from pipe.toml -o .",
     ] {
-        let output = roughxel(arguments);
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", stderr(&output));
-        let message = stderr(&output);
-        assert!(message.contains(path) && message.contains("no regular file but a pipe"), "{arguments:?}: {message}");
+        directory.run(line).ends(1).complains(&["pipe.toml", "no regular file but a pipe"]);
     }
     // The one input that may be a pipe has a name of its own.
-    assert!(stderr(&roughxel(&["eval", path])).contains("`-` for stdin"));
+    directory.run("eval pipe.toml").complains(&["`-` for stdin"]);
 }
 
 #[test]
 fn a_scene_of_a_similar_name_is_suggested() {
-    let directory = tempfile::tempdir().unwrap();
-    let unused = directory.path().join("unused");
-    for arguments in [
-        &["render", "denim-plan"][..],
-        &["plan", "denim-plan"],
-        &["scenes", "denim-plan"],
-        &["gallery", "--scene", "denim-plan", "-o", unused.to_str().unwrap()],
-    ] {
-        let output = roughxel(arguments);
-        assert!(!output.status.success());
-        assert!(stderr(&output).contains("did you mean `denim-plane`?"), "{}", stderr(&output));
+    let directory = Folder::new();
+    for line in ["render denim-plan", "plan denim-plan", "scenes denim-plan", "gallery --scene denim-plan -o unused"] {
+        let run = directory.run(line).complains(&["did you mean `denim-plane`?"]);
+        assert_ne!(run.code, Some(0));
     }
 }
 
 #[test]
 fn completions_of_every_shell_know_commands_and_options() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let output = roughxel(&["completions", shell]);
-        let script = String::from_utf8(output.stdout).unwrap();
-        assert_eq!(output.status.code(), Some(0), "{shell}");
-        for known in ["gallery", "samples", "no-cache", "completions"] {
-            assert!(script.contains(known), "{shell}: {known}");
-        }
+        roughxel(&["completions", shell]).ends(0).prints(&["gallery", "samples", "no-cache", "completions"]);
     }
 }
 
 #[test]
 fn more_threads_than_cores_are_as_many_as_cores_and_give_the_same_picture() {
-    let directory = tempfile::tempdir().unwrap();
-    let picture = directory.path().join("x.png");
+    let directory = Folder::new();
     let digest = |threads: &str| {
-        let size = ["render", "shapes", "--size", "64x48", "--json", "--threads", threads];
-        json(&[&size[..], &["-o", picture.to_str().unwrap()]].concat())["digest"].clone()
+        let render = format!("render shapes --size 64x48 --json --threads {threads} -o x.png");
+        directory.run(&render).json()["digest"].clone()
     };
     assert_eq!(digest("1"), digest("1024"));
-    let scene = ["gallery", "--scene", "mesh", "--size", "8x8", "--samples", "1", "--json", "--threads", "1024"];
-    let gallery = json(&[&scene[..], &["-o", directory.path().to_str().unwrap()]].concat());
+    let gallery = "gallery --scene mesh --size 8x8 --samples 1 --json --threads 1024 -o .";
     let cores = std::thread::available_parallelism().unwrap().get();
-    assert_eq!(gallery["threads"], cores);
+    assert_eq!(directory.run(gallery).json()["threads"], cores);
 }
 
 #[test]
 fn a_plan_fits_into_80_columns() {
-    let measure = ["--size", "16x12", "--measure", "--rounds", "1"];
-    for arguments in [&["plan", "horizon-plane", "--no-cache"][..], &[&["plan", "shapes"][..], &measure].concat()] {
-        let output = roughxel(arguments);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let text = String::from_utf8(output.stdout).unwrap();
+    let directory = Folder::new();
+    for line in ["plan horizon-plane --no-cache", "plan shapes --size 16x12 --measure --rounds 1"] {
+        let text = directory.done(line).out;
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
-        assert_eq!(text.contains("share"), arguments.contains(&"--measure"), "{text}");
+        assert_eq!(text.contains("share"), line.contains("--measure"), "{text}");
     }
 }
 
 #[test]
 fn help_gives_units_formats_and_exit_codes() {
+    let parts = ["I2F30", "I4F28", "0 done, 1 failure, 2 usage, 3 mismatch", "per pixel"];
     for arguments in [&["--help"][..], &["eval", "--help"], &["demo", "--help"], &["vectors", "verify", "--help"]] {
-        let output = roughxel(arguments);
-        let help = String::from_utf8(output.stdout).unwrap();
-        assert_eq!(output.status.code(), Some(0));
-        for part in ["I2F30", "I4F28", "0 done, 1 failure, 2 usage, 3 mismatch", "per pixel"] {
-            assert!(help.contains(part), "{arguments:?} misses {part}");
-        }
+        roughxel(arguments).ends(0).prints(&parts);
     }
 }
 
@@ -228,24 +178,13 @@ fn ranges_and_cost_say_what_their_columns_and_exit_codes_mean() {
         ("ranges", ["proven", "declared", "slack", "0 no wire can overflow; 1 one can", "3 a value was observed"]),
         ("cost", ["multipliers", "ROM", "ceil(log2 w)+2", "Exit codes: 0 done, 1 ", "two's complement"]),
     ] {
-        let output = roughxel(&[command, "--help"]);
-        let help = String::from_utf8(output.stdout).unwrap();
-        assert_eq!(output.status.code(), Some(0));
-        for part in parts {
-            assert!(help.contains(part), "{command} misses {part}");
-        }
+        roughxel(&[command, "--help"]).ends(0).prints(&parts);
     }
-}
-
-fn json(arguments: &[&str]) -> serde_json::Value {
-    let output = roughxel(arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 #[test]
 fn every_observed_range_is_inside_the_proven_one_and_leaves_no_less_slack() {
-    let all = json(&["ranges", "--json", "--design", "all", "--profile", "all", "--size", "16x12", "--random", "50"]);
+    let all = json("ranges --json --design all --profile all --size 16x12 --random 50");
     let number = |value: &serde_json::Value| value.as_i64().unwrap();
     for design in all.as_array().unwrap() {
         assert!(design["violations"].as_array().unwrap().is_empty());
@@ -265,17 +204,17 @@ fn every_observed_range_is_inside_the_proven_one_and_leaves_no_less_slack() {
 #[test]
 fn a_smaller_plan_costs_less_and_a_critical_path_ends_at_its_levels() {
     let multipliers = |effects: &str| -> u64 {
-        let cost = json(&["cost", "--json", "--profile", "compact", "--effects", effects]);
+        let cost = json(&format!("cost --json --profile compact --effects {effects}"));
         let list = cost[0]["total"]["multipliers"].as_array().unwrap().clone();
         list.iter().map(|widths| widths["count"].as_u64().unwrap()).sum()
     };
     let plans = ["none", "footprint", "footprint,bump", "footprint,bump,roughness", "all"].map(multipliers);
     assert!(plans.is_sorted_by(|a, b| a < b), "{plans:?}");
 
-    let cost = json(&["cost", "--json", "--profile", "compact"]);
+    let cost = json("cost --json --profile compact");
     for stage in cost[0]["stages"].as_array().unwrap() {
         let name = stage["stage"].as_str().unwrap();
-        let path = json(&["cost", "--json", "--profile", "compact", "--path", name]);
+        let path = json(&format!("cost --json --profile compact --path {name}"));
         let last = path[0]["path"].as_array().unwrap().last().unwrap()[0].as_str().unwrap().to_string();
         let levels = stage["cost"]["levels"].as_u64().unwrap();
         assert!(last.starts_with(&format!("{levels} (+")), "{name}: {last}, {levels}");
@@ -284,14 +223,14 @@ fn a_smaller_plan_costs_less_and_a_critical_path_ends_at_its_levels() {
 
 #[test]
 fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
-    let effects = |arguments: &[&str]| -> Vec<serde_json::Value> {
-        let plan = json(arguments);
+    let effects = |line: &str| -> Vec<serde_json::Value> {
+        let plan = json(line);
         plan["objects"].as_array().unwrap()[0]["effects"].as_array().unwrap().clone()
     };
     let find = |effects: &[serde_json::Value], name: &str| {
         effects.iter().find(|effect| effect["effect"] == name).unwrap_or_else(|| panic!("no {name}")).clone()
     };
-    let lake = effects(&["plan", "lake", "--json"]);
+    let lake = effects("plan lake --json");
     // A flat mirror with waves: everything but a colour map and normals that turn.
     for (name, on, why) in [
         ("colour texture", false, "no `colour_map`"),
@@ -305,7 +244,7 @@ fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
         assert_eq!(effect["on"], on, "{name}");
         assert!(effect["why"].as_str().unwrap().contains(why), "{name}: {}", effect["why"]);
     }
-    for effect in lake.iter().chain(&effects(&["plan", "lake", "--mode", "unfiltered", "--json"])) {
+    for effect in lake.iter().chain(&effects("plan lake --mode unfiltered --json")) {
         if effect["on"] == false {
             for part in ["datapath", "fetch"] {
                 let hardware = &effect[part];
@@ -317,8 +256,7 @@ fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
     let roughness = find(&lake, "roughness");
     assert!(roughness["datapath"]["multipliers"].as_i64().unwrap() > 0 && roughness["map_bytes"].as_u64().unwrap() > 0);
 
-    let measured =
-        effects(&["plan", "shapes", "--size", "16x12", "--measure", "--rounds", "1", "--threads", "1", "--json"]);
+    let measured = effects("plan shapes --size 16x12 --measure --rounds 1 --threads 1 --json");
     for effect in measured {
         assert_eq!(effect["share"].is_number(), effect["on"] == true, "{effect}");
     }
@@ -326,33 +264,30 @@ fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
 
 #[test]
 fn a_plan_says_what_the_frame_and_all_maps_take() {
-    let plan = json(&["plan", "lake", "--size", "320x200", "--json"]);
+    let plan = json("plan lake --size 320x200 --json");
     assert_eq!(plan["frame_bytes"], 15 * 320 * 200);
     let effects = plan["objects"][0]["effects"].as_array().unwrap();
     // One object: its maps are all that there are.
     let maps: u64 = effects.iter().map(|effect| effect["map_bytes"].as_u64().unwrap()).sum();
     assert!(maps > 1 << 20);
     assert_eq!(plan["map_bytes"], maps);
-    let text = roughxel(&["plan", "lake", "--size", "320x200"]);
-    let text = String::from_utf8(text.stdout).unwrap();
-    assert!(text.contains("memory: frame 937.50 KiB (320x200, 15 bytes a pixel), maps "), "{text}");
+    let memory = "memory: frame 937.50 KiB (320x200, 15 bytes a pixel), maps ";
+    roughxel(&["plan", "lake", "--size", "320x200"]).prints(&[memory]);
 }
 
 #[test]
 fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
     use sha2::{Digest, Sha256};
-    let directory = tempfile::tempdir().unwrap();
-    let [first, second, alone] = ["first", "second", "alone"].map(|name| directory.path().join(name));
-    let written = |path: &std::path::Path, more: &[&str]| -> std::collections::BTreeMap<String, Vec<u8>> {
-        let arguments = [&["verilog", "--profile", "compact", "-o", path.to_str().unwrap()], more].concat();
-        let output = roughxel(&arguments);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let folders = [path.to_owned(), path.join("rom")].into_iter().filter(|folder| folder.exists());
+    let directory = Folder::new();
+    let written = |to: &str, more: &str| -> std::collections::BTreeMap<String, Vec<u8>> {
+        directory.done(&format!("verilog --profile compact -o {to} {more}"));
+        let path = &directory.join(to);
+        let folders = [path.clone(), path.join("rom")].into_iter().filter(|folder| folder.exists());
         let files = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
-        let name = |file: &std::path::Path| file.strip_prefix(path).unwrap().to_str().unwrap().to_owned();
+        let name = |file: &Path| file.strip_prefix(path).unwrap().to_str().unwrap().to_owned();
         files.filter(|file| file.is_file()).map(|file| (name(&file), std::fs::read(&file).unwrap())).collect()
     };
-    let (files, again) = (written(&first, &[]), written(&second, &[]));
+    let (files, again) = (written("first", ""), written("second", ""));
     assert!(files == again);
     let manifest: serde_json::Value = serde_json::from_slice(&files["roughxel_fragment.json"]).unwrap();
     let listed = manifest["files"].as_array().unwrap();
@@ -364,7 +299,7 @@ fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
     }
     assert!(files.contains_key("roughxel_fragment.v"));
 
-    let stage = written(&alone, &["--stage", "columns", "--prefix", "mine_"]);
+    let stage = written("alone", "--stage columns --prefix mine_");
     // Leading zeros of a width are the same module in every design.
     assert!(
         stage
@@ -376,74 +311,62 @@ fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
 
 #[test]
 fn every_set_that_is_listed_can_be_exported() {
-    let list = roughxel(&["vectors", "list", "--json"]);
-    let sets: serde_json::Value = serde_json::from_slice(&list.stdout).unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().to_str().unwrap();
-    let export = roughxel(&["vectors", "export", "-o", path, "--count", "20", "--json"]);
-    let exported: serde_json::Value = serde_json::from_slice(&export.stdout).unwrap();
+    let directory = Folder::new();
+    let sets = json("vectors list --json");
+    let exported = directory.run("vectors export -o . --count 20 --json").json();
     let names = |list: &serde_json::Value| -> Vec<String> {
         list.as_array().unwrap().iter().map(|set| set["set"].as_str().unwrap().to_string()).collect()
     };
     assert_eq!(names(&sets), names(&exported["sets"]));
-    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
+    directory.done("vectors verify .");
 }
 
 #[test]
 fn a_stage_of_every_set_is_exported_where_the_set_has_it_and_another_name_is_suggested() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().to_str().unwrap();
-    let export = roughxel(&["vectors", "export", "-o", path, "--stage", "columns", "--count", "5", "--json"]);
-    let exported: serde_json::Value = serde_json::from_slice(&export.stdout).unwrap();
+    let directory = Folder::new();
+    let exported = directory.run("vectors export -o . --stage columns --count 5 --json").json();
     let sets = exported["sets"].as_array().unwrap();
     let of_random: Vec<_> = sets.iter().filter(|set| set["set"].as_str().unwrap().starts_with("random")).collect();
     let [pixel, rough] = &of_random[..] else { panic!("{of_random:?}") };
-    assert_eq!((&pixel["set"], &pixel["count"]), (&json!("random_columns_pixel"), &json!(10)));
-    assert_eq!((&rough["set"], &rough["count"]), (&json!("random_columns_roughness"), &json!(10)));
+    assert_eq!((&pixel["set"], &pixel["count"]), (&serde_json::json!("random_columns_pixel"), &serde_json::json!(10)));
+    assert_eq!(
+        (&rough["set"], &rough["count"]),
+        (&serde_json::json!("random_columns_roughness"), &serde_json::json!(10))
+    );
     assert!(sets.len() > 10, "{sets:?}");
-    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
-
-    let unknown = stderr(&roughxel(&["vectors", "export", "-o", path, "--stage", "cube_fac"]));
-    assert!(unknown.contains("no stage `cube_fac`; did you mean `cube_face`? there are "), "{unknown}");
-    let missing = stderr(&roughxel(&["vectors", "export", "random", "-o", path, "--stage", "half"]));
-    assert!(missing.contains("set `random` has no stage `half`; there are "), "{missing}");
+    directory.done("vectors verify .");
+    let unknown = "no stage `cube_fac`; did you mean `cube_face`? there are ";
+    directory.refuses(&[
+        ("vectors export -o . --stage cube_fac", 2, unknown),
+        ("vectors export random -o . --stage half", 2, "set `random` has no stage `half`; there are "),
+    ]);
 }
 
 #[test]
 fn a_reader_that_leaves_early_is_no_failure() {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_roughxel"))
-        .args(["eval", "-"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut command = program(&["eval", "-"]);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let rows = "0,0,1,0,0,1\n".repeat(5000);
     // The program may end before it has read everything.
     let _ =
         std::io::Write::write_all(&mut child.stdin.take().unwrap(), format!("nx,ny,nz,vx,vy,vz\n{rows}").as_bytes());
     let output = child.wait_with_output().unwrap();
-    assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
+    assert_eq!((output.status.code(), output.stderr), (Some(0), Vec::new()));
 }
 
 #[test]
 fn a_captured_frame_is_a_set_that_verifies() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = |name: &str| directory.path().join(name).to_str().unwrap().to_string();
-    let (picture, sets) = (path("globe.png"), path("sets"));
+    let directory = Folder::new();
     for mode in ["footprint", "isotropic"] {
-        let arguments = ["render", "globe", "--size", "40x30", "--mode", mode, "-o", &picture, "--capture", &sets];
-        let output = roughxel(&arguments);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        directory.done(&format!("render globe --size 40x30 --mode {mode} -o globe.png --capture sets"));
     }
-    assert!(std::fs::metadata(&picture).unwrap().len() > 0);
-    let report = roughxel(&["vectors", "verify", &sets]);
-    assert_eq!(report.status.code(), Some(0), "{}", String::from_utf8_lossy(&report.stdout));
+    assert!(std::fs::metadata(directory.join("globe.png")).unwrap().len() > 0);
+    directory.done("vectors verify sets");
 }
 
 /// The paths of input and output ports, by the manifest of a generated top.
-fn ports_of(top: &std::path::Path) -> BTreeSet<String> {
+fn ports_of(top: &Path) -> BTreeSet<String> {
     let manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(top).unwrap()).unwrap();
     let of = |side: &str| manifest["top"][side].as_array().unwrap().clone();
     of("inputs").iter().chain(&of("outputs")).map(|port| port["name"].as_str().unwrap().to_owned()).collect()
@@ -451,8 +374,7 @@ fn ports_of(top: &std::path::Path) -> BTreeSet<String> {
 
 #[test]
 fn vectors_and_verilog_of_a_scene_have_what_its_plan_has_and_no_more() {
-    let directory = tempfile::tempdir().unwrap();
-    let [vectors, hardware] = ["vectors", "hardware"].map(|name| directory.path().join(name));
+    let directory = Folder::new();
     for (scene, object, datapath, design, present, absent) in [
         ("lake", "water", "reflection", "fragment", "surface.roughness[0]", "dnormal"),
         ("globe", "north", "reflection", "fragment", "dnormal[0].mantissa[0]", "surface.frame_vectors[1]"),
@@ -461,18 +383,12 @@ fn vectors_and_verilog_of_a_scene_have_what_its_plan_has_and_no_more() {
         ("velvet", "velvet", "peak", "lit_peak", "peak.amplitude", "horizon"),
         ("horizon-plane", "plane", "peak", "lit_peak", "horizon.low[0]", "surface.offset"),
     ] {
-        let [vectors, hardware] = [&vectors, &hardware].map(|of| of.join(object));
-        let to = |of: &std::path::Path| of.to_str().unwrap().to_owned();
-        for arguments in [
-            &["vectors", "export", "--scene", scene, "--count", "3", "-o", &to(&vectors)][..],
-            &["verilog", "--scene", scene, "-o", &to(&hardware)],
-        ] {
-            let output = roughxel(arguments);
-            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        }
-        let sets = vectors.join(object).join(datapath);
-        assert_eq!(roughxel(&["vectors", "verify", &to(&sets)]).status.code(), Some(0), "{scene}");
-        let ports = ports_of(&hardware.join(object).join(design).join(format!("roughxel_{design}.json")));
+        directory.done(&format!("vectors export --scene {scene} --count 3 -o vectors/{object}"));
+        directory.done(&format!("verilog --scene {scene} -o hardware/{object}"));
+        let sets = format!("vectors/{object}/{object}/{datapath}");
+        directory.done(&format!("vectors verify {sets}"));
+        let top = format!("hardware/{object}/{object}/{design}/roughxel_{design}.json");
+        let (sets, ports) = (directory.join(&sets), ports_of(&directory.join(&top)));
         let manifests = std::fs::read_dir(&sets).unwrap().map(|file| file.unwrap().path());
         for path in manifests.filter(|path| path.extension().is_some_and(|of| of == "json")) {
             let manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();

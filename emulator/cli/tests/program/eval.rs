@@ -1,30 +1,19 @@
 //! `roughxel eval` as its users see it.
 
 use std::collections::HashMap;
-use std::io::Write;
-use std::process::{Command, Output, Stdio};
+
+use super::fixture::{Folder, Run, program};
 
 const REQUIRED: &str = "nx,ny,nz,vx,vy,vz";
 
-fn eval(arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_roughxel"))
-        .arg("eval")
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // The program may end before it has read everything.
-    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
-    child.wait_with_output().unwrap()
+fn eval(arguments: &[&str], input: &str) -> Run {
+    Run::reading(&mut program(&[&["eval"], arguments].concat()), input)
 }
 
 /// The result's columns by name.
-fn table(output: &Output) -> HashMap<String, Vec<f64>> {
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout.clone()).unwrap();
-    let mut lines = text.lines();
+fn table(run: &Run) -> HashMap<String, Vec<f64>> {
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let mut lines = run.out.lines();
     let names: Vec<_> = lines.next().unwrap().split(',').collect();
     let mut table: HashMap<String, Vec<f64>> = names.iter().map(|name| (name.to_string(), Vec::new())).collect();
     for line in lines {
@@ -35,11 +24,6 @@ fn table(output: &Output) -> HashMap<String, Vec<f64>> {
         }
     }
     table
-}
-
-fn failure(output: &Output) -> String {
-    assert_eq!(output.status.code(), Some(1));
-    String::from_utf8(output.stderr.clone()).unwrap()
 }
 
 #[test]
@@ -68,7 +52,7 @@ fn quantised_inputs_go_through_unchanged() {
         let values = table(&first);
         let again: Vec<_> = header.split(',').map(|name| format!("{:e}", values[&format!("q_{name}")][0])).collect();
         let second = eval(&["--profile", profile], &format!("{header}\n{}\n", again.join(",")));
-        assert_eq!(String::from_utf8_lossy(&first.stdout), String::from_utf8_lossy(&second.stdout), "{profile}");
+        assert_eq!(first.out, second.out, "{profile}");
     }
 }
 
@@ -79,22 +63,19 @@ fn columns_may_come_in_any_order_with_bom_crlf_comments_and_blank_lines() {
         &[],
         "\u{feff}# made by hand\r\n\r\nb1, vz ,vy,\"vx\",nz,ny,nx\r\n0.25,6,5,4,3,2,1\r\n\r\n# next\r\n0.5,6,5,4,3,2,-1\r\n\r\n",
     );
-    assert_eq!(plain.status.code(), Some(0));
-    assert_eq!(String::from_utf8_lossy(&plain.stdout), String::from_utf8_lossy(&shuffled.stdout));
+    assert_eq!(plain.ends(0).out, shuffled.out);
 }
 
 #[test]
 fn a_missing_column_is_named() {
-    let message = failure(&eval(&[], "nx,ny,vx,vy\n1,2,3,4\n"));
-    assert!(message.contains("stdin:1: missing columns: nz, vz"), "{message}");
+    eval(&[], "nx,ny,vx,vy\n1,2,3,4\n").ends(1).complains(&["stdin:1: missing columns: nz, vz"]);
 }
 
 #[test]
 fn an_unknown_or_double_column_is_named_beside_the_known_ones() {
-    let message = failure(&eval(&[], &format!("{REQUIRED},bump\n1,2,3,4,5,6,7\n")));
-    assert!(message.contains("stdin:1: unknown column `bump`") && message.contains("dn_dy_z, size"), "{message}");
-    let message = failure(&eval(&[], &format!("{REQUIRED},ny\n1,2,3,4,5,6,7\n")));
-    assert!(message.contains("stdin:1: column `ny` is there twice"), "{message}");
+    let with = |column: &str| eval(&[], &format!("{REQUIRED},{column}\n1,2,3,4,5,6,7\n")).ends(1);
+    with("bump").complains(&["stdin:1: unknown column `bump`", "dn_dy_z, size"]);
+    with("ny").complains(&["stdin:1: column `ny` is there twice"]);
 }
 
 #[test]
@@ -107,9 +88,9 @@ fn a_value_that_is_no_number_is_named_with_line_and_column() {
         ("inf", "is not a finite number"),
         ("1e999", "is not a finite number"),
     ] {
-        let message = failure(&eval(&[], &format!("{REQUIRED}\n# comment\n\n1,2,3,4,5,6\n1,2,{value},4,5,6\n")));
-        assert!(message.contains("stdin:5:") && message.contains(problem), "{value}: {message}");
-        assert!(value.contains(',') || message.contains("column `nz`"), "{message}");
+        let run = eval(&[], &format!("{REQUIRED}\n# comment\n\n1,2,3,4,5,6\n1,2,{value},4,5,6\n"));
+        let run = run.ends(1).complains(&["stdin:5:", problem]);
+        assert!(value.contains(',') || run.err.contains("column `nz`"), "{}", run.err);
     }
 }
 
@@ -118,14 +99,14 @@ fn values_beyond_their_port_are_refused() {
     for (column, value) in
         [("b1", "8"), ("b2", "-8.1"), ("d3", "1e9"), ("size", "0"), ("size", "2.5"), ("size", "16385")]
     {
-        let message = failure(&eval(&[], &format!("{REQUIRED},{column}\n1,2,3,4,5,6,{value}\n")));
-        assert!(message.contains(&format!("stdin:2: column `{column}`: `{value}`")), "{message}");
+        let run = eval(&[], &format!("{REQUIRED},{column}\n1,2,3,4,5,6,{value}\n"));
+        run.ends(1).complains(&[&format!("stdin:2: column `{column}`: `{value}`")]);
     }
 }
 
 #[test]
 fn an_empty_input_is_refused_and_a_header_alone_is_not() {
-    assert!(failure(&eval(&[], "\n# nothing\n")).contains("stdin: empty"));
+    eval(&[], "\n# nothing\n").ends(1).complains(&["stdin: empty"]);
     assert_eq!(table(&eval(&[], REQUIRED))["nmod_x"].len(), 0);
 }
 
@@ -164,7 +145,7 @@ fn raw_integers_and_json_say_the_same_as_real_numbers() {
         assert_eq!(real["q_b1"][row], raw["q_b1"][row] / f64::from(1 << 28));
         assert_eq!(real["lod"][row], raw["lod"][row] / 65536.0);
     }
-    let json: serde_json::Value = serde_json::from_slice(&eval(&["--json"], &input).stdout).unwrap();
+    let json = eval(&["--json"], &input).json();
     for (name, values) in &real {
         for (row, value) in values.iter().enumerate() {
             // serde_json reads decimals to within one last place.
@@ -173,7 +154,7 @@ fn raw_integers_and_json_say_the_same_as_real_numbers() {
         }
     }
     assert_eq!(json[1]["status_names"], serde_json::json!(["footprint_zero"]));
-    let empty: serde_json::Value = serde_json::from_slice(&eval(&["--json"], REQUIRED).stdout).unwrap();
+    let empty = eval(&["--json"], REQUIRED).json();
     assert_eq!(empty, serde_json::json!([]));
 }
 
@@ -187,31 +168,24 @@ fn rows_keep_their_order_across_parallel_blocks() {
 
 #[test]
 fn an_output_file_appears_whole_or_not_at_all() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("result.csv");
-    let argument = path.to_str().unwrap();
+    let directory = Folder::new();
+    let argument = &directory.file("result.csv");
     let good = format!("{REQUIRED}\n1,2,3,4,5,6\n");
-    failure(&eval(&["-o", argument], &format!("{good}1,2,3,4,5,x\n")));
-    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
-
-    let quiet = eval(&["-o", argument], &good);
-    assert_eq!((quiet.status.code(), quiet.stdout.len()), (Some(0), 0));
-    let written = std::fs::read(&path).unwrap();
-    assert_eq!(written, eval(&[], &good).stdout);
-
-    failure(&eval(&["-o", argument], "rubbish\n"));
-    assert_eq!(std::fs::read(&path).unwrap(), written);
-
-    let message = failure(&eval(&["-o", directory.path().join("no/where.csv").to_str().unwrap()], &good));
-    assert!(message.contains("cannot write") && message.contains("no directory"), "{message}");
-    let message = failure(&eval(&["-o", directory.path().to_str().unwrap()], &good));
-    assert!(message.contains("cannot write"), "{message}");
+    eval(&["-o", argument], &format!("{good}1,2,3,4,5,x\n")).ends(1);
+    assert_eq!(directory.path().read_dir().unwrap().count(), 0);
+    assert_eq!(eval(&["-o", argument], &good).ends(0).out, "");
+    let written = directory.read("result.csv");
+    assert_eq!(written, eval(&[], &good).out);
+    eval(&["-o", argument], "rubbish\n").ends(1);
+    assert_eq!(directory.read("result.csv"), written);
+    eval(&["-o", &directory.file("no/where.csv")], &good).ends(1).complains(&["cannot write", "no directory"]);
+    eval(&["-o", &directory.file("")], &good).ends(1).complains(&["cannot write"]);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_device_is_written_to_and_not_replaced() {
     use std::os::unix::fs::FileTypeExt;
-    assert_eq!(eval(&["-o", "/dev/null"], &format!("{REQUIRED}\n1,2,3,4,5,6\n")).status.code(), Some(0));
+    eval(&["-o", "/dev/null"], &format!("{REQUIRED}\n1,2,3,4,5,6\n")).ends(0);
     assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
 }

@@ -2,18 +2,19 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
 
 use glam::DVec3;
 use roughxel_study::accuracy::{CANCELLATION, Figure};
 use roughxel_vectors::{Direction, Explained, Explanation, Manifest, Real, Vector};
 use serde_json::Value;
 
+use super::fixture::{self, Folder, Run, repository, roughxel};
+
 const RANDOM: [&str; 3] = ["random", "random_highlight", "random_peak"];
 
 fn smoke(set: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/smoke").join(set)
+    repository().join("vectors/smoke").join(set)
 }
 
 fn manifest(set: &str) -> PathBuf {
@@ -41,29 +42,18 @@ fn noted(explanation: &Explanation, what: &str, before: &str) -> f64 {
     rest.split([' ', ',']).next().unwrap().parse().unwrap()
 }
 
-fn run(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    command.args(["vectors", "explain"]).args(arguments).output().unwrap()
-}
-
-/// What the program writes to stdout, which it ends with that code.
-fn stdout(arguments: &[&str], code: i32) -> String {
-    let output = run(arguments);
-    assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// Its complaint.
-fn stderr(arguments: &[&str], code: i32) -> String {
-    let output = run(arguments);
-    assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).unwrap()
+fn run(arguments: &[&str]) -> Run {
+    roughxel(&[&["vectors", "explain"], arguments].concat())
 }
 
 /// The words of a committed set.
 fn word(set: &str, index: usize) -> String {
-    let text = fs::read_to_string(smoke(&format!("{set}.hex"))).unwrap();
-    text.lines().filter(|line| !line.starts_with("//")).nth(index).unwrap().to_owned()
+    fixture::words(&smoke(&format!("{set}.hex"))).swap_remove(index)
+}
+
+/// The argument for a vector of a committed set.
+fn at(set: &str, index: u64) -> String {
+    format!("{}#{index}", smoke(set).display())
 }
 
 /// The word with a bit of a field flipped; its check value stays.
@@ -111,21 +101,9 @@ fn stages_come_in_the_order_of_the_format_description() {
     let page = fs::read_to_string(smoke("../FORMAT.md")).unwrap();
     let listed = page.split_once("Stages in pipeline order:").unwrap().1.split_once('.').unwrap().0;
     let listed: Vec<&str> = listed.split(',').map(|name| name.split_whitespace().next().unwrap()).collect();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().to_str().unwrap();
-    let export = [
-        "vectors",
-        "export",
-        "random",
-        "--count",
-        "1",
-        "--effects",
-        "bump,roughness,curvature,footprint-sphere",
-        "-o",
-        path,
-    ];
-    assert!(Command::new(env!("CARGO_BIN_EXE_roughxel")).args(export).output().unwrap().status.success());
-    let sphere = directory.path().join("random_standard.json");
+    let directory = Folder::new();
+    directory.done("vectors export random --count 1 --effects bump,roughness,curvature,footprint-sphere -o .");
+    let sphere = directory.join("random_standard.json");
     for path in RANDOM.map(|set| manifest(&format!("{set}_standard"))).into_iter().chain([sphere]) {
         let explanation = Vector::read(&path, 0).unwrap().explain(None);
         let mut rest = listed.iter();
@@ -228,14 +206,9 @@ fn lights_are_those_of_float64_within_their_last_places() {
 
 #[test]
 fn a_set_without_effects_is_explained_by_the_fields_that_it_has() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().to_str().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_roughxel"))
-        .args(["vectors", "export", "frame_pole", "--profile", "compact", "--effects", "none", "-o", path])
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let explanation = Vector::read(&directory.path().join("frame_pole_compact.json"), 0).unwrap().explain(None);
+    let directory = Folder::new();
+    directory.done("vectors export frame_pole --profile compact --effects none -o .");
+    let explanation = Vector::read(&directory.join("frame_pole_compact.json"), 0).unwrap().explain(None);
     assert!(explanation.fields.iter().all(|field| field.stage != "frame" && field.stage != "axes"));
     assert!(field(&explanation, "reflected_x").float64.is_some());
     assert!(explanation.decisions.iter().all(|decision| decision.what == "face"), "{:?}", explanation.decisions);
@@ -251,7 +224,7 @@ fn the_program_prints_every_field_and_the_decisions() {
         vec![format!("{}.hex", set.display()), "--index".into(), "3".into()],
     ] {
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let text = stdout(&arguments, 0);
+        let text = run(&arguments).ends(0).out;
         assert!(text.starts_with("random #3 (line 5): reflection, profile standard\n"), "{text}");
         for field in &expected.fields {
             let row = text.lines().find(|line| line.split('┆').nth(1).is_some_and(|cell| cell.trim() == field.field));
@@ -264,8 +237,7 @@ fn the_program_prints_every_field_and_the_decisions() {
 
 #[test]
 fn json_has_what_the_table_has() {
-    let set = format!("{}#0", smoke("highlight_horizon_standard").display());
-    let json: Value = serde_json::from_str(&stdout(&[&set, "--json"], 0)).unwrap();
+    let json = run(&[&at("highlight_horizon_standard", 0), "--json"]).json();
     assert_eq!((&json["hash_matches"], &json["mismatch"]), (&Value::Bool(true), &Value::Null));
     let explanation = &json["explanation"];
     assert_eq!(explanation["status"][0], "light_below_surface");
@@ -291,17 +263,14 @@ fn a_wrong_word_names_the_first_wrong_stage_field_and_bit() {
         ("random_peak_standard", "visibility", "horizon", 9),
     ] {
         let got = flipped(set, 3, name, bit);
-        let path = format!("{}#3", smoke(set).display());
+        let path = at(set, 3);
         let plain = got.replace('_', "").to_uppercase();
         for got in [&got, &plain] {
-            let output = run(&[&path, "--got", got]);
-            assert_eq!(output.status.code(), Some(3));
             let message = format!("stage {stage}, field {name}, bit {bit}: got ");
-            assert!(String::from_utf8_lossy(&output.stderr).contains(&message), "{name}");
-            let text = String::from_utf8(output.stdout).unwrap();
+            let run = run(&[&path, "--got", got]).ends(3).complains(&[&message]).prints(&["; 1 fields differ"]);
+            let text = run.out;
             let marked: Vec<_> = text.lines().filter(|line| line.contains(&format!("┆ bit {bit}"))).collect();
             assert!(marked.len() == 1 && marked[0].contains(name), "{marked:?}");
-            assert!(text.contains("; 1 fields differ"), "{name}");
         }
     }
 }
@@ -323,17 +292,16 @@ fn of_several_wrong_fields_all_are_marked_and_the_earliest_stage_is_named() {
 
 #[test]
 fn a_right_word_is_right_with_its_own_check_value_or_that_of_the_set() {
-    let path = format!("{}#9", smoke("random_standard").display());
-    let text = stdout(&[&path, "--got", &word("random_standard", 9)], 0);
-    assert!(text.contains("every field that was given is right"), "{text}");
+    let path = at("random_standard", 9);
+    run(&[&path, "--got", &word("random_standard", 9)]).ends(0).prints(&["every field that was given is right"]);
     // A check value that belongs to neither is wrong, and nothing else is.
-    let message = stderr(&[&path, "--got", &flipped("random_standard", 9, "check", 31)], 3);
-    assert!(message.contains("stage check, field check, bit 31"), "{message}");
+    let got = flipped("random_standard", 9, "check", 31);
+    run(&[&path, "--got", &got]).ends(3).complains(&["stage check, field check, bit 31"]);
     // A sign that fills the digits is not what the format has.
     let negative = (0..256).find(|&i| field(&explanation("random_standard", i), "st_s").integer < 0).unwrap();
     let got = flipped("random_standard", negative as usize, "st_s", 23);
-    let message = stderr(&[&format!("{}#{negative}", smoke("random_standard").display()), "--got", &got], 3);
-    assert!(message.contains("bit 23 (above the field's 22 bits, where all are zero)"), "{message}");
+    let run = run(&[&at("random_standard", negative), "--got", &got]).ends(3);
+    run.complains(&["bit 23 (above the field's 22 bits, where all are zero)"]);
 }
 
 #[test]
@@ -350,14 +318,13 @@ fn bad_sets_and_indices_are_named_with_the_remedy() {
         (format!("{set}_more#0"), 1, "random_standard_more.json"),
     ];
     for (argument, code, reason) in cases {
-        let message = stderr(&[&argument], code);
-        assert!(message.contains(reason), "{argument}: {message}");
+        run(&[&argument]).ends(code).complains(&[reason]);
     }
 }
 
 #[test]
 fn bad_words_are_told_with_the_remedy() {
-    let path = format!("{}#0", smoke("random_standard").display());
+    let path = at("random_standard", 0);
     let word = word("random_standard", 0);
     let (short, odd) = (word.replace('_', "")[1..].to_owned(), word.replace('_', "").replacen('0', "x", 1));
     let cases: [(&[&str], &str); 13] = [
@@ -377,45 +344,34 @@ fn bad_words_are_told_with_the_remedy() {
     ];
     for (got, reason) in cases {
         let arguments: Vec<&str> = [&path[..]].into_iter().chain(got.iter().flat_map(|&got| ["--got", got])).collect();
-        let message = stderr(&arguments, 2);
-        assert!(message.contains("--got") && message.contains(reason), "{got:?}: {message}");
+        run(&arguments).ends(2).complains(&["--got", reason]);
     }
 }
 
 /// A copy of a committed set, with other words.
-fn copied(change: impl Fn(&str) -> String) -> tempfile::TempDir {
-    let directory = tempfile::tempdir().unwrap();
-    fs::copy(manifest("random_standard"), directory.path().join("random_standard.json")).unwrap();
-    let text = fs::read_to_string(smoke("random_standard.hex")).unwrap();
-    fs::write(directory.path().join("random_standard.hex"), change(&text)).unwrap();
+fn copied(change: impl Fn(&str) -> String) -> Folder {
+    let directory = Folder::new();
+    fs::copy(manifest("random_standard"), directory.join("random_standard.json")).unwrap();
+    directory.write("random_standard.hex", change(&fs::read_to_string(smoke("random_standard.hex")).unwrap()));
     directory
 }
 
 #[test]
 fn a_damaged_set_is_told_as_verify_tells_it() {
-    let at = |directory: &tempfile::TempDir, index| {
-        format!("{}#{index}", directory.path().join("random_standard").display())
-    };
     let good = word("random_standard", 4);
     let bad = flipped("random_standard", 4, "dview_1_z", 2);
     let directory = copied(|text| text.replace(&good, &bad));
-    let output = run(&[&at(&directory, 4)]);
-    assert_eq!(output.status.code(), Some(3));
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        message.contains("random #4 (line 6): stage input, field dview_1_z, bit 2: flipped in the file"),
-        "{message}"
-    );
-    assert!(String::from_utf8(output.stdout).unwrap().contains("in the file"));
+    let damage = "random #4 (line 6): stage input, field dview_1_z, bit 2: flipped in the file";
+    directory.run("vectors explain random_standard#4").ends(3).complains(&[damage]).prints(&["in the file"]);
     // A device is not judged by a word that is damaged, and the other words are explained with a note.
-    let message = stderr(&[&at(&directory, 4), "--got", &good], 3);
-    assert!(message.contains("--got was not compared"), "{message}");
-    assert!(stderr(&[&at(&directory, 5)], 0).contains("SHA-256"));
+    let run = directory.run(&format!("vectors explain random_standard#4 --got {good}")).ends(3);
+    run.complains(&["--got was not compared"]);
+    directory.done("vectors explain random_standard#5").complains(&["SHA-256"]);
 
     let directory = copied(|text| text.replace(&good, &good[1..]));
-    assert!(stderr(&[&at(&directory, 4)], 1).contains("random_standard.hex:6: "));
+    directory.refuses(&[("vectors explain random_standard#4", 1, "random_standard.hex:6: ")]);
     let directory = copied(|text| text.lines().take(9).fold(String::new(), |all, line| all + line + "\n"));
-    assert!(stderr(&[&at(&directory, 20)], 1).contains("8 vectors, but the manifest says 256"));
+    directory.refuses(&[("vectors explain random_standard#20", 1, "8 vectors, but the manifest says 256")]);
 }
 
 /// A variable of a value change dump: its scopes, its width, its changes.
@@ -471,11 +427,11 @@ fn read_vcd(text: &str) -> Vec<Wave> {
 
 #[test]
 fn a_dump_has_every_field_in_the_scope_and_at_the_time_of_its_stage() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("vector.vcd");
+    let directory = Folder::new();
+    let path = &directory.file("vector.vcd");
     for set in RANDOM.map(|set| format!("{set}_standard")) {
-        stdout(&[&format!("{}#2", smoke(&set).display()), "--vcd", path.to_str().unwrap()], 0);
-        let waves = read_vcd(&fs::read_to_string(&path).unwrap());
+        run(&[&at(&set, 2), "--vcd", path]).ends(0);
+        let waves = read_vcd(&directory.read("vector.vcd"));
         let explanation = explanation(&set, 2);
         let mut stages: Vec<&str> = explanation.fields.iter().map(|field| field.stage.as_str()).collect();
         stages.dedup();
@@ -493,21 +449,20 @@ fn a_dump_has_every_field_in_the_scope_and_at_the_time_of_its_stage() {
 
 #[test]
 fn a_dump_has_a_device_beside_what_was_expected() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("vector.vcd");
-    let set = format!("{}#2", smoke("random_standard").display());
+    let directory = Folder::new();
+    let path = &directory.file("vector.vcd");
+    let set = at("random_standard", 2);
     let got = flipped("random_standard", 2, "direction_t", 0);
-    stdout(&[&set, "--got", &got, "--vcd", path.to_str().unwrap()], 3);
-    let waves = read_vcd(&fs::read_to_string(&path).unwrap());
+    run(&[&set, "--got", &got, "--vcd", path]).ends(3);
+    let waves = read_vcd(&directory.read("vector.vcd"));
     assert_eq!(waves.len(), 2 * explanation("random_standard", 2).fields.len());
     for pair in waves.chunks(2) {
         assert_eq!(pair[1].name, format!("{}_got", pair[0].name));
         assert_eq!(pair[0].changes == pair[1].changes, pair[0].name != "direction_t", "{pair:?}");
     }
-    stdout(&[&set, "--got", "face=0", "--got", "lod=0", "--vcd", path.to_str().unwrap()], 3);
-    let waves = read_vcd(&fs::read_to_string(&path).unwrap());
+    run(&[&set, "--got", "face=0", "--got", "lod=0", "--vcd", path]).ends(3);
+    let waves = read_vcd(&directory.read("vector.vcd"));
     let names: Vec<_> = waves.iter().filter(|wave| wave.name.ends_with("_got")).map(|wave| &wave.name[..]).collect();
     assert_eq!(names, ["face_got", "lod_got"]);
-    let message = stderr(&[&set, "--vcd", "no/such/folder/vector.vcd"], 1);
-    assert!(message.contains("vector.vcd"), "{message}");
+    run(&[&set, "--vcd", "no/such/folder/vector.vcd"]).ends(1).complains(&["vector.vcd"]);
 }

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use roughxel_cli::gallery::{DrawnColumn, DrawnScene, Settings, draw_scene, table, work};
@@ -10,18 +9,15 @@ use roughxel_core::precision::Precision;
 use roughxel_scene::picture::{Encoding, read_png};
 use serde_json::Value;
 
-fn gallery(directory: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    command.arg("gallery").arg("-o").arg(directory).args(arguments);
-    command.stdin(Stdio::null()).output().unwrap()
+use super::fixture::{Folder, Run, roughxel};
+
+fn gallery(directory: &Path, arguments: &[&str]) -> Run {
+    roughxel(&[&["gallery", "-o", directory.to_str().unwrap()], arguments].concat())
 }
 
 /// One small scene, and what is said about it.
 fn small(directory: &Path) -> Value {
-    let output =
-        gallery(directory, &["--scene", "lake", "--size", "32x24", "--samples", "16", "--threads", "1", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    gallery(directory, &["--scene", "lake", "--size", "32x24", "--samples", "16", "--threads", "1", "--json"]).json()
 }
 
 /// Opening and closing tags match, attributes are quoted, and text has no bare `<`; gives every tag.
@@ -180,50 +176,38 @@ fn progress_ends_where_it_was_said_to_end() {
 
 #[test]
 fn a_cache_that_cannot_be_written_is_one_warning() {
-    let directory = tempfile::tempdir().unwrap();
-    let file = directory.path().join("file");
-    fs::write(&file, "").unwrap();
-    let scenes = ["--scene", "cylinders-plane", "--scene", "horizon-plane", "--cache", file.to_str().unwrap()];
-    let output = gallery(&directory.path().join("out"), &[&scenes[..], &["--size", "8x8", "--samples", "1"]].concat());
-    let warnings = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{warnings}");
-    let start = format!("warning: peaks are not kept in {}: ", file.display());
-    assert_eq!(warnings.matches(&start).count(), 1, "{warnings}");
-    assert_eq!(fs::read(&file).unwrap(), b"");
+    let directory = Folder::new();
+    directory.write("file", "");
+    let file = &directory.file("file");
+    let scenes = ["--scene", "cylinders-plane", "--scene", "horizon-plane", "--cache", file];
+    let run = gallery(&directory.join("out"), &[&scenes[..], &["--size", "8x8", "--samples", "1"]].concat()).ends(0);
+    assert_eq!(run.err.matches(&format!("warning: peaks are not kept in {file}: ")).count(), 1, "{}", run.err);
+    assert_eq!(directory.read("file"), "");
 }
 
 #[test]
 fn what_the_gallery_cannot_do_ends_with_2_or_1() {
-    let directory = tempfile::tempdir().unwrap();
-    let unused = directory.path().join("unused");
+    let directory = Folder::new();
+    let unused = directory.join("unused");
     for arguments in [
-        &["--scene", "atlantis"][..],
-        &["--size", "320"],
-        &["--samples", "15"],
-        &["--samples", "0"],
-        &["--samples", "8100"],
-        &["--threads", "0"],
-        &["--profile", "best"],
+        ["--scene", "atlantis"],
+        ["--size", "320"],
+        ["--samples", "15"],
+        ["--samples", "0"],
+        ["--samples", "8100"],
+        ["--threads", "0"],
+        ["--profile", "best"],
     ] {
-        let output = gallery(&unused, arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+        let run = gallery(&unused, &arguments).ends(2);
+        assert!(run.out.is_empty() && !run.err.is_empty(), "{arguments:?}");
     }
     assert!(!unused.exists());
-    let unknown = gallery(&unused, &["--scene", "atlantis"]);
-    assert!(String::from_utf8(unknown.stderr).unwrap().contains("lake"));
+    gallery(&unused, &["--scene", "atlantis"]).complains(&["lake"]);
 
-    let file = directory.path().join("file");
-    fs::write(&file, "").unwrap();
-    for place in [file.clone(), file.join("below")] {
-        let output = gallery(&place, &["--scene", "lake", "--size", "8x8", "--samples", "1"]);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(1), "{message}");
-        assert!(message.contains(place.to_str().unwrap()) && !message.contains("panicked"), "{message}");
+    directory.write("file", "");
+    fs::create_dir_all(directory.join("taken/index.html")).unwrap();
+    for (place, named) in [("file", "file"), ("file/below", "file/below"), ("taken", "taken/index.html")] {
+        let run = gallery(&directory.join(place), &["--scene", "lake", "--size", "8x8", "--samples", "1"]);
+        run.ends(1).complains(&[&directory.file(named)]);
     }
-    let taken = directory.path().join("taken");
-    fs::create_dir_all(taken.join("index.html")).unwrap();
-    let output = gallery(&taken, &["--scene", "lake", "--size", "8x8", "--samples", "1"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8(output.stderr).unwrap().contains("index.html"));
 }

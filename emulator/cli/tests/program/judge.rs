@@ -1,25 +1,14 @@
 //! `vectors judge` and `vectors marks` as their users see them.
 
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
-
-/// What a command says, in a directory.
-fn roughxel(directory: &Path, line: &str) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    let output: Output = command.current_dir(directory).args(line.split_whitespace()).output().unwrap();
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    (output.status.code(), text(&output.stdout), text(&output.stderr))
-}
+use super::fixture::{Folder, words};
 
 #[test]
 fn judge_and_marks_end_with_the_documented_codes() {
-    let directory = tempfile::tempdir().unwrap();
-    let at = directory.path();
-    assert_eq!(roughxel(at, "vectors export random footprint_rank --count 12 --profile narrow -o sets").0, Some(0));
-    let words = fs::read_to_string(at.join("sets/random_narrow.hex")).unwrap();
-    let mut words: Vec<String> = words.lines().skip(1).map(|line| line.replace('_', "").to_uppercase()).collect();
-    fs::write(at.join("right.hex"), words.join("\n") + "\n").unwrap();
+    let at = Folder::new();
+    at.done("vectors export random footprint_rank --count 12 --profile narrow -o sets");
+    let words = words(&at.join("sets/random_narrow.hex"));
+    let mut words: Vec<String> = words.iter().map(|line| line.replace('_', "").to_uppercase()).collect();
+    at.write("right.hex", words.join("\n") + "\n");
     for (tier, says) in [
         ("exact", "random (narrow): 12 vectors\nexact    12 of 12\n"),
         ("faithful", "random (narrow): 12 vectors\nexact    12 of 12\nfaithful 12 of 12\n"),
@@ -28,9 +17,7 @@ fn judge_and_marks_end_with_the_documented_codes() {
             "random (narrow): 12 vectors\nexact    12 of 12\nbound    12 of 12, roundings 2 last places off\n",
         ),
     ] {
-        let (code, text, message) =
-            roughxel(at, &format!("vectors judge right.hex --set sets/random_narrow --tier {tier}"));
-        assert_eq!((code, text.as_str()), (Some(0), says), "{message}");
+        assert_eq!(at.done(&format!("vectors judge right.hex --set sets/random_narrow --tier {tier}")).out, says);
     }
 
     // The highest digit of some outcome, and the check value, which is the device's own business.
@@ -39,40 +26,32 @@ fn judge_and_marks_end_with_the_documented_codes() {
     words[3].replace_range(place..=place, digit);
     let end = words[4].len() - 8;
     words[4].replace_range(end.., "00000000");
-    fs::write(at.join("wrong.hex"), words.join("\n") + "\n").unwrap();
+    at.write("wrong.hex", words.join("\n") + "\n");
     for tier in ["exact", "faithful", "bound"] {
-        let (code, text, message) =
-            roughxel(at, &format!("vectors judge wrong.hex --set sets/random_narrow.json --tier {tier}"));
-        assert_eq!(code, Some(3), "{message}");
-        assert!(text.contains("exact    11 of 12") && text.contains("  random #3 (line 4): stage "), "{text}");
-        assert!(message.contains("mismatch: 1 of 12 vectors are not "), "{message}");
+        let run = at.run(&format!("vectors judge wrong.hex --set sets/random_narrow.json --tier {tier}")).ends(3);
+        run.prints(&["exact    11 of 12", "  random #3 (line 4): stage "])
+            .complains(&["mismatch: 1 of 12 vectors are not "]);
     }
-    let (code, text, _) = roughxel(at, "vectors judge wrong.hex --set sets/random_narrow --json --tier bound");
-    assert!(code == Some(3) && text.contains("\"passing\": 11") && text.contains("\"places\": 1"), "{text}");
+    let run = at.run("vectors judge wrong.hex --set sets/random_narrow --json --tier bound").ends(3);
+    run.prints(&["\"passing\": 11", "\"places\": 1"]);
 
     // Both counts beside a threshold are as right as each other, to a device that rounds otherwise.
-    let (code, text, message) = roughxel(at, "vectors marks sets/footprint_rank_narrow -o marks.hex");
-    assert_eq!(code, Some(0), "{message}");
-    assert!(text.starts_with("footprint_rank (narrow): ") && text.contains("#0: probes"), "{text}");
-    let marks = fs::read_to_string(at.join("marks.hex")).unwrap();
+    let run = at.done("vectors marks sets/footprint_rank_narrow -o marks.hex").prints(&["#0: probes"]);
+    assert!(run.out.starts_with("footprint_rank (narrow): "), "{}", run.out);
+    let marks = at.read("marks.hex");
     let lines: Vec<&str> = marks.lines().collect();
     assert_eq!(lines[0], "// footprint_rank narrow: 1 where decisions may be others, roundings 1 last places off");
     assert_eq!(lines[1..3], ["1", "0"]);
     assert!(lines[1..].iter().all(|line| ["0", "1"].contains(line)));
-    let (_, text, _) = roughxel(at, "vectors marks sets/footprint_rank_narrow --json");
-    assert!(text.contains("\"fields\""), "{text}");
+    at.done("vectors marks sets/footprint_rank_narrow --json").prints(&["\"fields\""]);
 
-    fs::write(at.join("short.hex"), &words[0]).unwrap();
-    for (line, code, says) in [
+    at.write("short.hex", &words[0]);
+    at.refuses(&[
         ("vectors judge short.hex --set sets/random_narrow", 1, "fewer words than the set, which has 12"),
         ("vectors judge none.hex --set sets/random_narrow", 1, "none.hex"),
         ("vectors judge right.hex --set sets", 2, "name one of its sets"),
         ("vectors judge right.hex --set sets/random_narrow --places 0", 2, "--places"),
         ("vectors judge right.hex --set sets/footprint_rank_narrow", 1, "right.hex: fewer words than the set"),
         ("vectors marks sets/random_narrow -o none/marks.hex", 1, "none"),
-    ] {
-        let (found, _, message) = roughxel(at, line);
-        assert_eq!(found, Some(code), "{line}: {message}");
-        assert!(message.contains(says), "{line}: {message}");
-    }
+    ]);
 }

@@ -2,10 +2,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 
 use roughxel_peaks::{Horizon, PeakLevel, PeakPyramid};
 use roughxel_scene::Scene;
+
+use super::fixture::{Run, program};
 
 const CAMERA: &str = "camera = { eye = [0, 1, 2], target = [0, 0, 0] }\n";
 const LIGHT: &str = "[[light]]\ndirection = [0, 1, 0]\n";
@@ -13,16 +15,9 @@ const LIGHT: &str = "[[light]]\ndirection = [0, 1, 0]\n";
 const DENIM: &str = "height_map = { generate = \"denim\", size = 16, threads = 4 }\npeaks = { shadowing = true }";
 
 /// `roughxel` with a home of its own.
-fn roughxel(home: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    command.args(arguments).stdin(Stdio::null()).env("HOME", home);
-    command.env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA").output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    let text = String::from_utf8(output.stderr.clone()).unwrap();
-    assert!(!text.contains("panicked"), "{text}");
-    text
+fn roughxel(home: &Path, arguments: &[&str]) -> Run {
+    let mut command = program(arguments);
+    Run::of(command.env("HOME", home).env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA"))
 }
 
 /// Writes a scene of one plane of this material.
@@ -34,7 +29,7 @@ fn scene(directory: &Path, lights: &str, material: &str) -> PathBuf {
 }
 
 /// Draws a scene into a small picture.
-fn render(directory: &Path, scene: &Path, more: &[&str]) -> Output {
+fn render(directory: &Path, scene: &Path, more: &[&str]) -> Run {
     let picture = directory.join("picture.png");
     let [scene, picture] = [scene, &picture].map(|path| path.to_str().unwrap());
     let arguments = [&["render", scene, "-o", picture, "--size", "16x12", "--json"], more].concat();
@@ -43,9 +38,8 @@ fn render(directory: &Path, scene: &Path, more: &[&str]) -> Output {
 
 /// What is said about a picture, and the warnings.
 fn drawn(directory: &Path, scene: &Path, more: &[&str]) -> (serde_json::Value, String) {
-    let output = render(directory, scene, more);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    (serde_json::from_slice(&output.stdout).unwrap(), stderr(&output))
+    let Run { out, err, .. } = render(directory, scene, more).ends(0);
+    (serde_json::from_str(&out).unwrap(), err)
 }
 
 /// Writes a grey PNG of 8 bits.
@@ -95,13 +89,8 @@ fn scenes_that_cannot_shine_name_line_and_remedy() {
             "choose a smaller `scale`",
         ),
     ] {
-        let output = render(home, &scene(home, lights, &material), &[]);
-        let text = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{material}: {text}");
-        assert!(output.stdout.is_empty());
-        for part in [&format!("scene.toml:{line}:"), message, remedy] {
-            assert!(text.contains(part), "{material}: {part}\n{text}");
-        }
+        let run = render(home, &scene(home, lights, &material), &[]).ends(1);
+        assert!(run.complains(&[&format!("scene.toml:{line}:"), message, remedy]).out.is_empty());
     }
     assert!(!home.join(".cache").exists() && !home.join("picture.png").exists());
 }
@@ -182,11 +171,10 @@ fn what_is_killed_goes_on_where_it_was_to_the_same_bytes() {
     let place = |cache: &Path| cache.to_str().unwrap().to_owned();
     let (wanted, _) = drawn(home, &path, &["--cache", &place(&whole)]);
     // Killed as soon as the first part is there; the others take their time, of one thread on any machine.
-    let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
-    command.args(["render", path.to_str().unwrap(), "-o", home.join("never.png").to_str().unwrap(), "--size", "16x12"]);
-    command.args(["--threads", "1"]);
-    let mut child =
-        command.args(["--cache", &place(&cache)]).stdin(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let [scene, picture] = [&path, &home.join("never.png")].map(|path| place(path));
+    let size = ["--size", "16x12", "--threads", "1", "--cache", &place(&cache)];
+    let mut command = program(&[&["render", &scene, "-o", &picture], &size[..]].concat());
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
     let parts = || {
         let kept = fs::read_dir(&cache).into_iter().flatten().map(|entry| entry.unwrap().path());
         let parts = kept.filter(|path| path.is_dir()).flat_map(|path| fs::read_dir(path).into_iter().flatten());
@@ -259,8 +247,7 @@ fn the_users_cache_is_taken_where_none_is_given_and_none_where_none_is_wanted() 
 
     for arguments in [&["--cache"][..], &["--cache", "x", "--no-cache"], &["--no-cache=yes"]] {
         for command in [&["render", "lake"][..], &["demo"]] {
-            let output = roughxel(home, &[command, arguments].concat());
-            assert_eq!(output.status.code(), Some(2), "{command:?} {arguments:?}: {}", stderr(&output));
+            roughxel(home, &[command, arguments].concat()).ends(2);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, Profile};
@@ -11,19 +11,14 @@ use roughxel_study::profile_file::{
 };
 use roughxel_vectors::Manifest;
 
-fn roughxel(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_roughxel")).args(arguments).stdin(Stdio::null()).output().unwrap()
-}
+use super::fixture::{Folder, roughxel};
 
-/// What a command that succeeds writes to stdout.
 fn stdout(arguments: &[&str]) -> String {
-    let output = roughxel(arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    roughxel(arguments).ends(0).out
 }
 
 fn json(arguments: &[&str]) -> serde_json::Value {
-    serde_json::from_str(&stdout(arguments)).unwrap()
+    roughxel(arguments).json()
 }
 
 /// A file with the knobs of a precision and the name `mine`.
@@ -138,8 +133,8 @@ fn bad_files_name_line_column_and_remedy() {
 
 #[test]
 fn files_that_are_no_profiles_end_with_1_and_misspelt_names_with_2() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = |name: &str| directory.path().join(name).to_str().unwrap().to_owned();
+    let directory = Folder::new();
+    let path = |name: &str| directory.file(name);
     fs::write(path("large.toml"), " ".repeat(MAX_PROFILE_BYTES as usize + 1)).unwrap();
     fs::write(path("binary.toml"), [0xff, 0xfe]).unwrap();
     fs::write(path("wrong.toml"), "max_probes = 17\n").unwrap();
@@ -152,21 +147,17 @@ fn files_that_are_no_profiles_end_with_1_and_misspelt_names_with_2() {
         ("binary.toml", "is not UTF-8 text"),
         ("wrong.toml", "wrong.toml:1:14: `max_probes` is 17, which is out of range"),
     ] {
-        let output = roughxel(&["cost", "--profile", &path(name)]);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), message.contains(expected)), (Some(1), true), "{name}: {message}");
+        roughxel(&["cost", "--profile", &path(name)]).ends(1).complains(&[expected]);
     }
     for (name, expected) in [("standart", "did you mean `standard`?"), ("mine", "or a file")] {
-        let output = roughxel(&["render", "lake", "--profile", name]);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), message.contains(expected)), (Some(2), true), "{name}: {message}");
+        roughxel(&["render", "lake", "--profile", name]).ends(2).complains(&[expected]);
     }
 }
 
 #[test]
 fn a_named_profile_is_a_file_with_its_knobs_bit_for_bit() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = |name: &str| directory.path().join(name).to_str().unwrap().to_owned();
+    let directory = Folder::new();
+    let path = |name: &str| directory.file(name);
     for profile in Profile::ALL {
         let mine = file(directory.path(), profile.precision());
         let digest = |of: &str| {
@@ -185,8 +176,8 @@ fn a_named_profile_is_a_file_with_its_knobs_bit_for_bit() {
 
 #[test]
 fn every_command_carries_a_profile_file_through() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = |name: &str| directory.path().join(name).to_str().unwrap().to_owned();
+    let directory = Folder::new();
+    let path = |name: &str| directory.file(name);
     let mine = &file(directory.path(), MINE);
 
     let sets = &path("sets");
@@ -238,8 +229,7 @@ fn the_page_has_a_row_for_every_knob_and_its_example_is_a_profile() {
         assert!(rows.next().is_some_and(|row| row.ends_with(&format!("| {} |", knob.range()))), "{knob}");
     }
     let example = page.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("x.toml");
-    fs::write(&path, example).unwrap();
-    assert_eq!(read_profile(&path).unwrap().name, "lake_40db");
+    let directory = Folder::new();
+    directory.write("x.toml", example);
+    assert_eq!(read_profile(&directory.join("x.toml")).unwrap().name, "lake_40db");
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use roughxel_core::knob::Knob;
@@ -14,6 +14,8 @@ use roughxel_study::frame_meter::{Against, FrameMeter};
 use roughxel_study::host::Rounds;
 use roughxel_study::report::{BUYS_SOMETHING_DB, knob_gains, markdown, readme_plots};
 use roughxel_study::sweep::{self, Parts, Settings, Study};
+
+use super::fixture::repository;
 
 /// A study of a second.
 fn tiny() -> Settings {
@@ -94,6 +96,7 @@ fn another_kind_of_study_in_the_directory_drops_no_finished_unit() {
     assert_eq!(Parts::open(directory.path(), &full).unwrap().count(), parts.count());
 }
 
+#[cfg(unix)]
 #[test]
 fn what_is_no_study_is_refused_with_its_reason() {
     let directory = tempfile::tempdir().unwrap();
@@ -103,30 +106,20 @@ fn what_is_no_study_is_refused_with_its_reason() {
     fs::File::create(&huge).unwrap().set_len((1 << 26) + 1).unwrap();
     assert!(problem(&huge).ends_with("it is 67108865 bytes long, more than 67108864"));
     assert!(problem(&directory.path().join("none.json")).contains("cannot read"));
-}
-
-/// To open one would wait for ever.
-#[cfg(unix)]
-#[test]
-fn a_pipe_is_no_study() {
-    let directory = tempfile::tempdir().unwrap();
+    // To open one would wait for ever.
     let pipe = directory.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    assert!(Study::read(&pipe).unwrap_err().to_string().ends_with("it is no regular file but a pipe or a device"));
-}
-
-fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+    assert!(problem(&pipe).ends_with("it is no regular file but a pipe or a device"));
 }
 
 /// The study that docs/performance.md shows.
 fn kept() -> Study {
-    Study::read(&workspace().join("emulator/study/results/study.json")).unwrap()
+    Study::read(&repository().join("emulator/study/results/study.json")).unwrap()
 }
 
 #[test]
 fn the_page_of_figures_shows_the_study_that_is_kept() {
-    let (study, page) = (kept(), fs::read_to_string(workspace().join("docs/performance.md")).unwrap());
+    let (study, page) = (kept(), fs::read_to_string(repository().join("docs/performance.md")).unwrap());
     let tables = markdown(&study);
     for table in tables.split("\n\n").filter(|table| !table.trim().is_empty()) {
         assert!(
@@ -136,7 +129,7 @@ fn the_page_of_figures_shows_the_study_that_is_kept() {
     }
     for (name, svg) in readme_plots(&study) {
         assert!(page.contains(&format!("emulator/study/results/{name}")), "docs/performance.md shows {name}");
-        let kept = fs::read_to_string(workspace().join("emulator/study/results").join(name)).unwrap();
+        let kept = fs::read_to_string(repository().join("emulator/study/results").join(name)).unwrap();
         assert!(kept == svg, "{name} is of another study");
     }
 }

@@ -1,36 +1,30 @@
 //! Golden vectors: what is written verifies, and whatever is changed is found.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
 
-use fixed::types::{I2F30, I4F28};
+use fixed::types::I4F28;
 use roughxel_cases::random_fragment;
-use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
-use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
-use roughxel_core::precision::{Precision, Profile, RoughnessKind};
+use roughxel_core::plan::{Datapath, Effects};
+use roughxel_core::ports::ReflectionIn;
+use roughxel_core::precision::{Precision, Profile};
 use roughxel_vectors::{
-    Cause, Direction, Field, Form, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, Words, export,
-    export_with, hard_sets, in_page, manifests_in, random_set, tables, verify,
+    Cause, Direction, Field, Layout, Manifest, Mismatch, SetInfo, VectorError, Verification, export, export_with,
+    hard_sets, random_set, verify,
 };
-use serde_json::Value;
 
-fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
-    SetInfo {
-        name,
-        description: "test",
-        seed: None,
-        datapath: Datapath::Reflection,
-        effects: Effects::ALL,
-        precision: Profile::by_name(profile).unwrap().precision(),
-        profile,
-        words: Words::default(),
-    }
+use super::fixture::{Folder, words};
+
+pub(super) fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
+    let precision = Profile::by_name(profile).unwrap().precision();
+    SetInfo::new(name, Datapath::Reflection, Effects::ALL, profile, precision)
 }
+
+const HEX: &str = "random_standard.hex";
+const JSON: &str = "random_standard.json";
 
 /// A set of `count` random vectors under `standard` in a directory of its own.
 struct Set {
-    directory: tempfile::TempDir,
+    directory: Folder,
     manifest: Manifest,
 }
 
@@ -40,29 +34,33 @@ impl Set {
     }
 
     fn of(datapath: Datapath, count: u64) -> Self {
-        let directory = tempfile::tempdir().unwrap();
+        let directory = Folder::new();
         let info = SetInfo { datapath, ..info("random", "standard") };
         let input = |index| random_set(datapath, "test", index, &Precision::STANDARD);
         let manifest = export_with(&info, count, &input, directory.path(), &|_| {}).unwrap();
         Self { directory, manifest }
     }
 
-    fn hex(&self) -> PathBuf {
-        self.directory.path().join("random_standard.hex")
-    }
-
     fn json(&self) -> PathBuf {
-        self.directory.path().join("random_standard.json")
+        self.directory.join(JSON)
     }
 
     fn words(&self) -> Vec<Word> {
-        let text = fs::read_to_string(self.hex()).unwrap();
-        text.lines().filter(|line| !line.starts_with("//")).map(Word::parse).collect()
+        words(&self.directory.join(HEX)).iter().map(|line| Word::parse(line)).collect()
     }
 
     fn write_words(&self, words: &[Word]) {
         let lines: String = words.iter().map(|word| word.line() + "\n").collect();
-        fs::write(self.hex(), format!("// changed\n{lines}")).unwrap();
+        self.directory.write(HEX, format!("// changed\n{lines}"));
+    }
+
+    fn field(&self, name: &str) -> &Field {
+        self.manifest.fields.iter().find(|field| field.name == name).unwrap()
+    }
+
+    /// What is wrong with the set.
+    fn problem(&self) -> String {
+        self.verify().unwrap_err().to_string()
     }
 
     fn verify(&self) -> Result<Verification, VectorError> {
@@ -178,8 +176,7 @@ fn another_result_in_an_intact_word_is_reported_at_its_earliest_stage() {
     let set = Set::random(2);
     let words = set.words();
     for name in ["normal_mod_y", "probes", "lod", "determinant_e"] {
-        let field = set.manifest.fields.iter().find(|field| field.name == name).unwrap();
-        let status = set.manifest.fields.iter().find(|field| field.name == "status").unwrap();
+        let (field, status) = (set.field(name), set.field("status"));
         let mut changed = words.clone();
         changed[0].flip(field.lsb as usize);
         changed[0].flip(status.lsb as usize);
@@ -195,116 +192,11 @@ fn another_result_in_an_intact_word_is_reported_at_its_earliest_stage() {
 fn two_flipped_bits_are_damage_at_the_earliest_stage() {
     let set = Set::random(2);
     let mut words = set.words();
-    let lsb = |name: &str| set.manifest.fields.iter().find(|field| field.name == name).unwrap().lsb as usize;
-    words[1].flip(lsb("lod"));
-    words[1].flip(lsb("reflected_x") + 1);
+    words[1].flip(set.field("lod").lsb as usize);
+    words[1].flip(set.field("reflected_x").lsb as usize + 1);
     set.write_words(&words);
     let mismatch = set.only_mismatch();
     assert_eq!((mismatch.index, mismatch.stage.as_str(), mismatch.cause), (1, "reflect", Cause::Damaged));
-}
-
-/// Vectors of [`both_forms`]: two whole groups of words that are put together at once, and a part of one.
-const BOTH_FORMS: u64 = 140;
-
-/// Both forms of the same vectors, with taps or without, in directories of their own.
-fn both_forms(datapath: Datapath, profile: &str, taps: bool) -> [(tempfile::TempDir, Manifest); 2] {
-    [Form::Hex, Form::Bin].map(|form| {
-        let directory = tempfile::tempdir().unwrap();
-        let info = SetInfo { datapath, words: Words { taps, form }, ..info("random", profile) };
-        let input = |index| random_set(datapath, "test", index, &info.precision);
-        let manifest = export_with(&info, BOTH_FORMS, &input, directory.path(), &|_| {}).unwrap();
-        (directory, manifest)
-    })
-}
-
-/// Records are written in pieces of 16 bytes, the last one first: here a piece is longer than a record.
-#[test]
-fn records_shorter_than_a_piece_are_the_digits_of_the_words() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().to_str().unwrap();
-    for form in [&[][..], &["--bin"]] {
-        let arguments = [
-            "vectors",
-            "export",
-            "random",
-            "--stage",
-            "enter_offset",
-            "--count",
-            "100",
-            "--profile",
-            "narrow",
-            "-o",
-            path,
-        ];
-        assert!(roughxel(&[&arguments, form].concat()).status.success());
-    }
-    let name = directory.path().join("random_enter_offset_narrow");
-    let lines = fs::read_to_string(name.with_extension("hex")).unwrap();
-    let lines: Vec<String> =
-        lines.lines().filter(|line| !line.starts_with("//")).map(|line| padded(&line.replace('_', ""))).collect();
-    assert!(lines.len() == 100 && lines[0].len() < 32, "{} of {}", lines.len(), lines[0]);
-    let records = fs::read(name.with_extension("bin")).unwrap();
-    assert_eq!(lines.concat(), records.iter().map(|byte| format!("{byte:02x}")).collect::<String>());
-}
-
-#[test]
-fn records_are_the_digits_of_the_words_and_verify() {
-    let (mut odd, mut taps_left_out) = (0, 0);
-    for datapath in Datapath::ALL {
-        for profile in Profile::ALL.map(Profile::name) {
-            for taps in [true, false] {
-                let [(text, hex), (bytes, bin)] = both_forms(datapath, profile, taps);
-                let path =
-                    |directory: &tempfile::TempDir, manifest: &Manifest| directory.path().join(&manifest.files[0].name);
-                let lines = fs::read_to_string(path(&text, &hex)).unwrap();
-                let digits: String = lines
-                    .lines()
-                    .filter(|line| !line.starts_with("//"))
-                    .map(|line| padded(&line.replace('_', "")))
-                    .collect();
-                let records: String =
-                    fs::read(path(&bytes, &bin)).unwrap().iter().map(|byte| format!("{byte:02x}")).collect();
-                assert_eq!(digits, records, "{} {profile}", datapath.name());
-                assert_eq!(hex.fields, bin.fields);
-                assert_eq!(hex.fields.iter().any(|field| field.direction == Direction::Tap), taps);
-                odd += u32::from(bin.word_bits % 8 == 4);
-                taps_left_out += u32::from(!taps);
-                for (directory, manifest) in [(&text, &hex), (&bytes, &bin)] {
-                    let result = verify(&directory.path().join(format!("random_{profile}.json")), &|_| {}).unwrap();
-                    assert!(result.passed(), "{} {profile}: {result:?}", datapath.name());
-                    assert_eq!(manifest.taps, taps);
-                }
-            }
-        }
-    }
-    assert!(odd > 0 && taps_left_out > 0, "words of an odd number of digits: {odd}");
-}
-
-/// An even number of digits.
-fn padded(digits: &str) -> String {
-    if digits.len() % 2 == 1 { format!("0{digits}") } else { digits.into() }
-}
-
-#[test]
-fn a_flipped_bit_of_a_record_is_located_and_a_record_cut_short_is_told() {
-    let [_, (directory, manifest)] = both_forms(Datapath::Reflection, "standard", true);
-    let (bin, json) = (directory.path().join("random_standard.bin"), directory.path().join("random_standard.json"));
-    let whole = fs::read(&bin).unwrap();
-    let field = manifest.fields.iter().find(|field| field.name == "reflected_x").unwrap();
-    let record = manifest.word_bits.div_ceil(8) as usize;
-    let mut bytes = whole.clone();
-    bytes[8 * record - 1 - field.lsb as usize / 8] ^= 1 << (field.lsb % 8);
-    fs::write(&bin, bytes).unwrap();
-    let result = verify(&json, &|_| {}).unwrap();
-    let mismatch = &result.mismatches[0];
-    assert_eq!((mismatch.index, mismatch.line, mismatch.field.as_str(), mismatch.bit), (7, 8, "reflected_x", 0));
-    assert_eq!((mismatch.cause, result.mismatching), (Cause::FlippedBit, 1));
-
-    fs::write(&bin, &whole[..whole.len() - 3]).unwrap();
-    let error = verify(&json, &|_| {}).unwrap_err().to_string();
-    assert!(error.contains("random_standard.bin:140: ") && error.contains("bytes"), "{error}");
-    fs::write(&bin, &whole[..whole.len() - record]).unwrap();
-    assert!(matches!(verify(&json, &|_| {}), Err(VectorError::Count { found: 139, expected: BOTH_FORMS, .. })));
 }
 
 #[test]
@@ -318,7 +210,7 @@ fn a_changed_comment_changes_the_hash_and_no_vector() {
 #[test]
 fn broken_words_are_named_by_file_and_line() {
     let set = Set::random(3);
-    let good = fs::read_to_string(set.hex()).unwrap();
+    let good = set.directory.read(HEX);
     let lines: Vec<_> = good.lines().collect();
     let with_line = |line: String| {
         let mut lines = lines.clone();
@@ -337,25 +229,24 @@ fn broken_words_are_named_by_file_and_line() {
         (good.replace('\n', "\r\n"), "ends in CR LF"),
     ];
     for (text, problem) in cases {
-        fs::write(set.hex(), text).unwrap();
-        let message = set.verify().unwrap_err().to_string();
+        set.directory.write(HEX, text);
+        let message = set.problem();
         assert!(message.contains("random_standard.hex:") && message.contains(problem), "{message}");
     }
     let short = lines[..3].join("\n") + "\n";
     let long = format!("{good}{word}\n");
     for (text, found) in [(short, "2 vectors, but the manifest says 3"), (long, "4 vectors, but the manifest says 3")] {
-        fs::write(set.hex(), text).unwrap();
-        let message = set.verify().unwrap_err().to_string();
-        assert!(message.contains(found), "{message}");
+        set.directory.write(HEX, text);
+        assert!(set.problem().contains(found), "{}", set.problem());
     }
-    fs::remove_file(set.hex()).unwrap();
-    assert!(set.verify().unwrap_err().to_string().contains("random_standard.hex"));
+    std::fs::remove_file(set.directory.join(HEX)).unwrap();
+    assert!(set.problem().contains(HEX));
 }
 
 #[test]
 fn broken_manifests_are_refused_with_the_reason() {
     let set = Set::random(2);
-    let good = fs::read_to_string(set.json()).unwrap();
+    let good = set.directory.read(JSON);
     let cases = [
         (good[..good.len() / 2].to_string(), "no vector manifest"),
         ("{}".into(), "missing field `schema`"),
@@ -377,9 +268,9 @@ fn broken_manifests_are_refused_with_the_reason() {
     ];
     for (text, reason) in cases {
         assert_ne!(text, good, "{reason}");
-        fs::write(set.json(), text).unwrap();
-        let message = set.verify().unwrap_err().to_string();
-        assert!(message.contains("random_standard.json") && message.contains(reason), "{reason}: {message}");
+        set.directory.write(JSON, text);
+        let message = set.problem();
+        assert!(message.contains(JSON) && message.contains(reason), "{reason}: {message}");
     }
 }
 
@@ -424,7 +315,7 @@ fn fragments_with_bits_the_profile_drops_are_refused_and_leave_nothing() {
     fragments[2].surface.offset[1] = I4F28::from_bits(1);
     let error = export(&info("odd", "standard"), &fragments, &target).unwrap_err();
     assert!(matches!(&error, VectorError::Inexact { index: 2, field, .. } if field == "offset_2"), "{error}");
-    assert_eq!(fs::read_dir(&target).unwrap().count(), 0);
+    assert_eq!(target.read_dir().unwrap().count(), 0);
 }
 
 #[test]
@@ -439,229 +330,22 @@ fn sets_without_vectors_or_with_names_that_are_paths_are_refused() {
         let result = export(&info(name, "standard"), &fragments, directory.path());
         assert!(matches!(result, Err(VectorError::Name(_))), "{name}");
     }
-    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
-}
-
-#[test]
-fn the_vector_worked_by_hand_in_the_format_description_is_what_the_program_writes() {
-    let axis = |axis: usize, value: i32, exponent| {
-        let mut mantissa = [I2F30::ZERO; 3];
-        mantissa[axis] = I2F30::from_bits(value);
-        BlockVector { mantissa, exponent }
-    };
-    let half = 1 << 29;
-    let surface = SurfaceIn {
-        normal: axis(2, half, 1),
-        view: axis(2, half, 1),
-        frame_vectors: [axis(1, half, 1), BlockVector::default()],
-        ..SurfaceIn::default()
-    };
-    let dview = [axis(0, -half, -6), axis(1, half, -6)];
-    let fragment = ReflectionIn { surface, dview, edge_texels: 512, ..ReflectionIn::default() };
-    let directory = tempfile::tempdir().unwrap();
-    export(&info("example", "standard"), &[fragment], directory.path()).unwrap();
-    let text = fs::read_to_string(directory.path().join("example_standard.hex")).unwrap();
-    let word = text.lines().nth(1).unwrap();
-    let format = fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap();
-    // The page breaks the word after each group of fields.
-    let page: String =
-        format.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.split_whitespace().collect();
-    assert_eq!(page, word);
-}
-
-#[test]
-fn the_format_description_has_the_tables_that_the_declarations_make() {
-    let page = fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap();
-    // No assert_eq: it would print the page.
-    let is_right = in_page(&page).is_ok_and(|again| again == page);
-    assert!(is_right, "run `roughxel vectors format --write vectors/FORMAT.md`");
-}
-
-#[test]
-fn the_format_command_prints_the_tables_or_puts_them_into_a_page() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("page.md");
-    let write = || roughxel(&["vectors", "format", "--write", path.to_str().unwrap()]);
-    let printed = roughxel(&["vectors", "format"]);
-    assert_eq!((printed.status.code(), String::from_utf8(printed.stdout).unwrap()), (Some(0), tables()));
-
-    let committed = fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap();
-    let (before, rest) = committed.split_once("-->\n").unwrap();
-    let (_, after) = rest.split_once("<!--").unwrap();
-    fs::write(&path, format!("{before}-->\nwhat was there\n<!--{after}")).unwrap();
-    assert_eq!(write().status.code(), Some(0));
-    assert!(fs::read_to_string(&path).unwrap() == committed);
-
-    for page in ["no marks", &format!("{before}-->\n"), &committed.repeat(2)] {
-        fs::write(&path, page).unwrap();
-        let output = write();
-        assert_eq!(output.status.code(), Some(1));
-        assert!(String::from_utf8_lossy(&output.stderr).contains("page.md"));
-        assert!(fs::read_to_string(&path).unwrap() == page);
-    }
-}
-
-/// The fields that the tables have for a datapath, in their order.
-fn in_tables(datapath: Datapath) -> Vec<String> {
-    let tables = tables();
-    let table = tables.split_once(&format!("`{}`", datapath.name())).unwrap().1;
-    let rows = table.lines().skip_while(|line| !line.starts_with("| `")).take_while(|line| line.starts_with('|'));
-    let mut names = Vec::new();
-    for row in rows {
-        let mut stem = String::new();
-        for part in row.split('|').nth(1).unwrap().split(['`', ' ', '(', ')', ',']).filter(|part| !part.is_empty()) {
-            if part.starts_with('_') {
-                names.push(format!("{stem}{part}"));
-            } else {
-                stem = part.rsplit_once('_').map_or("", |(stem, _)| stem).into();
-                names.push(part.into());
-            }
-        }
-    }
-    names
-}
-
-#[test]
-fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
-    for datapath in Datapath::ALL {
-        let listed = in_tables(datapath);
-        for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
-            for roughness in [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic] {
-                for on in 0..16 {
-                    let [bump, curvature, horizon] = [0, 1, 3].map(|bit| on >> bit & 1 == 1);
-                    let footprint = if on >> 2 & 1 == 1 { FootprintKind::Face } else { FootprintKind::None };
-                    let horizon = if horizon { HorizonKind::Correlated } else { HorizonKind::None };
-                    let effects = Effects { bump, frame, roughness, curvature, footprint, horizon };
-                    if effects != effects.of(datapath) {
-                        continue;
-                    }
-                    let layout = Layout::new(datapath, &effects, &Precision::COMPACT, true);
-                    let mut rest = listed.iter();
-                    for field in layout.fields().iter().filter(|field| field.direction != Direction::Check) {
-                        assert!(rest.any(|name| *name == field.name), "{}: {effects:?}", field.name);
-                    }
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn the_committed_smoke_sets_verify() {
-    let [smoke, stages] = ["vectors/smoke", "vectors/smoke/stages"].map(|folder| repository().join(folder));
-    let output = roughxel(&["vectors", "verify", smoke.to_str().unwrap(), stages.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
-}
-
-#[test]
-fn the_smoke_command_writes_the_committed_sets() {
-    // Grades are written behind it.
-    let without_grade = |name: &str, bytes: Vec<u8>| {
-        if !name.ends_with(".json") {
-            return bytes;
-        }
-        let mut manifest: Value = serde_json::from_slice(&bytes).unwrap();
-        manifest.as_object_mut().unwrap().remove("grade");
-        manifest.to_string().into_bytes()
-    };
-    writes_what_is_committed(&["vectors", "export", "--smoke"], "vectors/smoke", without_grade);
-}
-
-#[test]
-fn the_committed_sets_say_how_good_they_are() {
-    let committed = repository().join("vectors/smoke");
-    let directory = tempfile::tempdir().unwrap();
-    let folders = [committed.clone(), committed.join("stages")];
-    let manifests: Vec<PathBuf> = folders.iter().flat_map(|folder| manifests_in(folder).unwrap()).collect();
-    let name = |path: &PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
-    // Random sets and hard cases of each datapath.
-    let sample = [
-        "random_narrow",
-        "chosen_highlight_narrow",
-        "random_peak_compact",
-        "cube_edges_standard",
-        "entries_cube_face_standard",
-    ];
-    let is_all = std::env::var_os("ROUGHXEL_SWEEP").is_some();
-    let wanted = |path: &&PathBuf| is_all || sample.contains(&name(path).as_str());
-    let manifests: Vec<&PathBuf> = manifests.iter().filter(wanted).collect();
-    assert!(manifests.len() >= sample.len());
-    for path in &manifests {
-        for extension in ["hex", "json"] {
-            let file = format!("{}.{extension}", name(path));
-            fs::copy(path.with_extension(extension), directory.path().join(&file)).unwrap();
-        }
-    }
-    let output = roughxel(&["vectors", "report", directory.path().to_str().unwrap(), "--write"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    for path in manifests {
-        let name = name(path);
-        let [theirs, ours] = [path, &directory.path().join(format!("{name}.json"))].map(|path| fs::read(path).unwrap());
-        assert!(theirs == ours, "{name}: run `roughxel vectors report vectors/smoke vectors/smoke/stages --write`");
-        assert!(Manifest::read(path).unwrap().grade.is_some());
-    }
-    let output = roughxel(&["vectors", "verify", directory.path().to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0));
-}
-
-#[test]
-fn the_rom_command_writes_the_committed_tables() {
-    writes_what_is_committed(&["vectors", "rom"], "vectors/rom", |_, bytes| bytes);
-}
-
-/// Runs a command with `-o`: it has to write the files of a folder of the repository and of the folders in it, as far as `compared` leaves of them,
-/// and no others.
-fn writes_what_is_committed(arguments: &[&str], folder: &str, compared: impl Fn(&str, Vec<u8>) -> Vec<u8>) {
-    let directory = tempfile::tempdir().unwrap();
-    let output = roughxel(&[arguments, &["-o", directory.path().to_str().unwrap()]].concat());
-    assert_eq!(output.status.code(), Some(0));
-    let files = |path: &Path| -> Vec<PathBuf> {
-        let inside = |folder: &Path| -> Vec<PathBuf> {
-            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
-        };
-        let (folders, mut files): (Vec<_>, Vec<_>) = inside(path).into_iter().partition(|path| path.is_dir());
-        files.extend(folders.iter().flat_map(|folder| inside(folder)));
-        let mut names: Vec<_> = files.iter().map(|file| file.strip_prefix(path).unwrap().to_owned()).collect();
-        names.sort();
-        names
-    };
-    let committed = repository().join(folder);
-    assert_eq!(files(directory.path()), files(&committed));
-    for name in files(&committed) {
-        // No assert_eq: it would print the files.
-        let [theirs, ours] = [&committed, directory.path()]
-            .map(|at| compared(name.to_str().unwrap(), fs::read(at.join(&name)).unwrap()));
-        let same = theirs == ours;
-        assert!(same, "{name:?}: run `roughxel {} -o {folder}`", arguments.join(" "));
-    }
+    assert_eq!(directory.path().read_dir().unwrap().count(), 0);
 }
 
 #[test]
 fn the_program_ends_with_3_on_a_mismatch_and_1_on_a_broken_file() {
     let set = Set::random(2);
-    let path = set.directory.path().to_str().unwrap();
-    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(0));
+    set.directory.done("vectors verify .");
+
     let mut words = set.words();
-    let field = set.manifest.fields.iter().find(|field| field.name == "frame_vectors_0_z").unwrap();
-    words[1].flip(field.lsb as usize + 5);
+    words[1].flip(set.field("frame_vectors_0_z").lsb as usize + 5);
     set.write_words(&words);
-    let output = roughxel(&["vectors", "verify", path]);
-    let report = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(output.status.code(), Some(3));
-    assert!(report.contains("random #1 (line 3): stage input, field frame_vectors_0_z, bit 5"), "{report}");
+    let place = "random #1 (line 3): stage input, field frame_vectors_0_z, bit 5";
+    set.directory.run("vectors verify .").ends(3).prints(&[place]);
 
-    fs::write(set.hex(), "// nothing\n").unwrap();
-    assert_eq!(roughxel(&["vectors", "verify", path]).status.code(), Some(1));
-    fs::remove_file(set.json()).unwrap();
-    let output = roughxel(&["vectors", "verify", path]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("random_standard.json: missing"));
-}
-
-fn roughxel(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_roughxel")).args(arguments).output().unwrap()
-}
-
-fn repository() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+    set.directory.write(HEX, "// nothing\n");
+    set.directory.run("vectors verify .").ends(1);
+    std::fs::remove_file(set.json()).unwrap();
+    set.directory.run("vectors verify .").ends(1).complains(&["random_standard.json: missing"]);
 }
