@@ -23,16 +23,8 @@ impl Written {
     fn of(device: Device, words: Words) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let precision = Precision::NARROW;
-        let info = SetInfo {
-            name: "bench",
-            description: "test",
-            seed: Some("bench"),
-            datapath: Datapath::Reflection,
-            effects: Effects::NONE,
-            precision,
-            profile: "narrow",
-            words,
-        };
+        let info = SetInfo::new("bench", Datapath::Reflection, Effects::NONE, "narrow", precision);
+        let info = SetInfo { seed: Some("bench"), words, ..info };
         let input = |index| random_set(Datapath::Reflection, "bench", index, &precision);
         export_with(&info, 64, &input, directory.path(), &|_| {}).expect("the set can be written");
         let written = Self { directory };
@@ -51,13 +43,7 @@ impl Written {
 
     /// Exit code and output of `run.sh`.
     fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
-        let mut command = bench_script(&self.bench().join("run.sh"));
-        command.args(arguments);
-        if let Some(installed) = installed_cocotb() {
-            command.env("PYTHONPATH", installed);
-        }
-        let output = command.output().expect("a shell");
-        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
+        run_bench(&self.bench(), arguments)
     }
 
     /// The same with the words that the device gave.
@@ -77,6 +63,17 @@ impl Written {
         assert_ne!(broken, text);
         fs::write(path, broken).expect("the module can be written");
     }
+}
+
+/// Runs the bench in a folder: its exit code, and what it prints.
+pub(super) fn run_bench(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = bench_script(&folder.join("run.sh"));
+    command.args(arguments);
+    if let Some(installed) = installed_cocotb() {
+        command.env("PYTHONPATH", installed);
+    }
+    let output = command.output().expect("a shell");
+    (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// Whether Python finds cocotb; says so where it does not, and panics where it has to be.

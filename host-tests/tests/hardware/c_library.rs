@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
-use roughxel_host_tests::simulators::{bench_script, have};
+use roughxel_host_tests::simulators::have;
 use roughxel_vectors::{Bench, Device, Direction, Field, Manifest, c_library_files, manifests_in};
+
+use super::benches::run_bench;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -163,8 +165,7 @@ fn no_path_of_the_library_leads_to_a_panic() {
 
 /// A bench of a small peak, and its run with the C library: exit code and output.
 fn random_inputs(directory: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let run = bench_script(&directory.join("run.sh")).arg("dpi").args(arguments).output().expect("a shell");
-    (run.status.code(), String::from_utf8_lossy(&run.stdout).into_owned())
+    run_bench(directory, &[&["dpi"], arguments].concat())
 }
 
 #[test]

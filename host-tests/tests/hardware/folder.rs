@@ -34,16 +34,7 @@ fn right(output: &Output) -> usize {
 fn random(directory: &Path, number: usize, effects: Effects, datapath: Datapath, of: (&str, Precision), count: u64) {
     let (profile, precision) = of;
     let name = format!("{}_{number}", RANDOM_SETS[datapath as usize].0);
-    let info = SetInfo {
-        name: &name,
-        description: "test",
-        seed: Some(&name),
-        datapath,
-        effects,
-        precision,
-        profile,
-        words: Words::default(),
-    };
+    let info = SetInfo { seed: Some(&name), ..SetInfo::new(&name, datapath, effects, profile, precision) };
     let input = |index| random_set(datapath, &name, index, &precision);
     export_with(&info, count, &input, directory, &|_| {}).expect("the set can be written");
 }
@@ -66,9 +57,9 @@ fn the_python_model_reads_records_and_words_without_taps() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     for (profile, precision) in profiles() {
         for (name, datapath, description) in RANDOM_SETS {
-            let (seed, effects) = (Some(name), Effects::ALL);
             let words = Words { taps: false, form: Form::Bin };
-            let info = SetInfo { name, description, seed, datapath, effects, precision, profile, words };
+            let of_all = SetInfo::new(name, datapath, Effects::ALL, profile, precision);
+            let info = SetInfo { description, seed: Some(name), words, ..of_all };
             let input = |index| random_set(datapath, name, index, &precision);
             export_with(&info, 50, &input, directory.path(), &|_| {}).expect("the set can be written");
         }
@@ -103,17 +94,7 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
         for set in hard_sets(&precision).iter().filter(|set| set.name.starts_with("footprint")) {
             let (count, step) = (set.inputs.len() as u64, whole_or(1, 5));
             let effects = Effects { footprint: FootprintKind::Sphere, ..set.effects };
-            let (name, description, datapath) = (set.name, "test", set.datapath);
-            let info = SetInfo {
-                name,
-                description,
-                seed: None,
-                datapath,
-                effects,
-                precision,
-                profile,
-                words: Words::default(),
-            };
+            let info = SetInfo::new(set.name, set.datapath, effects, profile, precision);
             let input = |index| set.inputs[(index * step) as usize];
             export_with(&info, count.div_ceil(step), &input, directory.path(), &|_| {}).expect("it can be written");
         }
@@ -168,16 +149,8 @@ fn the_python_model_reads_parts_with_the_indices_of_the_whole_set() {
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
     let datapath = Datapath::Reflection;
-    let info = SetInfo {
-        name: "random",
-        description: "test",
-        seed: Some("random"),
-        datapath,
-        effects: Effects::ALL,
-        precision: Precision::STANDARD,
-        profile: "standard",
-        words: Words::default(),
-    };
+    let info = SetInfo::new("random", datapath, Effects::ALL, "standard", Precision::STANDARD);
+    let info = SetInfo { seed: Some("random"), ..info };
     let input = |index| random_set(datapath, "random", index, &Precision::STANDARD);
     let parts: Vec<PathBuf> = (1..=2)
         .map(|number| {

@@ -16,8 +16,8 @@ use roughxel_net::integers::integers_at;
 use roughxel_net::interval::Ranges;
 use roughxel_record as record;
 use roughxel_vectors::{
-    Alarm, Distilled, Grade, Manifest, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, Words, distil,
-    entries_set, export_with, grade, hard_sets, manifests_in, random_set, verify,
+    Alarm, Distilled, Grade, Manifest, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, distil, entries_set,
+    export_with, grade, hard_sets, manifests_in, random_set, verify,
 };
 
 /// Faults of a kind in all stages.
@@ -34,8 +34,7 @@ fn smoke(profile: &str) -> Vec<PathBuf> {
 }
 
 fn info<'a>(name: &'a str, datapath: Datapath, precision: Precision, profile: &'a str) -> SetInfo<'a> {
-    let (description, seed, effects, words) = ("test", None, Effects::ALL, Words::default());
-    SetInfo { name, description, seed, datapath, effects, precision, profile, words }
+    SetInfo::new(name, datapath, Effects::ALL, profile, precision)
 }
 
 /// Bits at the ports that are stuck are a fragment with other ports, of which the whole design is computed.

@@ -4,24 +4,19 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-use roughxel_cases::highlight::random_light;
-use roughxel_cases::lit_peak::random_lit_peak;
-use roughxel_cases::random_fragment;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
-use roughxel_core::ports::{HighlightIn, PeakIn, Port, ReflectionIn};
 use roughxel_core::precision::Profile;
 use roughxel_host_tests::simulators::{bench_script, have};
 use roughxel_host_tests::space::whole_or;
 use roughxel_net::graph::{Net, NodeId, Op};
-use roughxel_net::integers::integers_at;
 use roughxel_net::neighbour::Primitive;
 use roughxel_net::rounding::{Roundings, scattered};
 use roughxel_net::verilog::{Options, StagePort};
 use roughxel_record as record;
 use roughxel_vectors::{
     Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError, Words,
-    export, judge, marks, random_set,
+    export_with, judge, marks, random_set,
 };
 use tempfile::TempDir;
 
@@ -47,33 +42,10 @@ impl Bench {
         let precision = profile.precision();
         let directory = tempfile::tempdir().expect("a temporary directory");
         let words = Words { taps, ..Words::default() };
-        let info = SetInfo {
-            name: NAME,
-            description: "test",
-            seed: None,
-            datapath,
-            effects,
-            precision,
-            profile: profile.name(),
-            words,
-        };
-        let (manifest, ports): (_, Vec<_>) = match datapath {
-            Datapath::Reflection => {
-                let inputs: Vec<ReflectionIn> = numbers.iter().map(|&i| random_fragment(NAME, i, &precision)).collect();
-                let ports = inputs.iter().map(|input| integers_at(&input.wires(), &precision)).collect();
-                (export(&info, &inputs, directory.path()), ports)
-            }
-            Datapath::Highlight => {
-                let inputs: Vec<HighlightIn> = numbers.iter().map(|&i| random_light(NAME, i, &precision)).collect();
-                let ports = inputs.iter().map(|input| integers_at(&input.wires(), &precision)).collect();
-                (export(&info, &inputs, directory.path()), ports)
-            }
-            Datapath::Peak => {
-                let inputs: Vec<PeakIn> = numbers.iter().map(|&i| random_lit_peak(NAME, i, &precision)).collect();
-                let ports = inputs.iter().map(|input| integers_at(&input.wires(), &precision)).collect();
-                (export(&info, &inputs, directory.path()), ports)
-            }
-        };
+        let info = SetInfo { words, ..SetInfo::new(NAME, datapath, effects, profile.name(), precision) };
+        let input = |index: u64| random_set(datapath, NAME, numbers[index as usize], &precision);
+        let ports = (0..numbers.len() as u64).map(|index| input(index).recorded(&precision)).collect();
+        let manifest = export_with(&info, numbers.len() as u64, &input, directory.path(), &|_| {});
         let net = record::net(Design::of(datapath), &effects, &precision);
         let primitives = net.primitives(precision.fraction_bits);
         Self { directory, manifest: manifest.expect("a set"), net, primitives, ports }
@@ -374,15 +346,13 @@ fn a_stage_alone_is_judged() {
     let (precision, effects) = (Profile::Standard.precision(), effects(FootprintKind::Face));
     let (datapath, profile) = (Datapath::Reflection, Profile::Standard.name());
     let set = StageSet::of(datapath, &effects, &precision, Some("frame")).expect("frame").remove(0);
-    let (seed, words) = (None, Words::default());
-    let info = SetInfo { name: NAME, description: "test", seed, datapath, effects, precision, profile, words };
+    let info = SetInfo::new(NAME, datapath, effects, profile, precision);
     let input = |index| random_set(datapath, NAME, index, &precision);
     let manifest =
         SetExport::of_stage(&info, 30, &set).write(&input, directory.path(), &|_| {}).expect("a set of a stage");
     let words_path = directory.path().join(&manifest.files[0].name);
 
-    let stage = Some("frame".to_owned());
-    let options = Options { profile: String::new(), precision, effects, depth: None, stage, prefix: String::new() };
+    let options = Options { stage: Some("frame".to_owned()), ..Options::new("", precision, effects) };
     let stage = record::stages(Design::of(datapath), &options).expect("frame").stages.remove(0);
     let net = &stage.unit;
     let primitives = net.primitives(precision.fraction_bits);

@@ -8,7 +8,7 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::simulators::have;
 use roughxel_vectors::{
-    Bench, Device, MinimiseError, MinimiseOptions, SetExport, SetInfo, StageSet, Vector, Words, export_with, minimise,
+    Bench, Device, MinimiseError, MinimiseOptions, SetExport, SetInfo, StageSet, Vector, export_with, minimise,
     random_set, verify,
 };
 
@@ -17,16 +17,8 @@ use super::benches::{have_cocotb, installed_cocotb};
 /// A set of mirrors under `narrow` with its bench: the manifest, the folder of the bench.
 fn set(directory: &Path, effects: Effects) -> (PathBuf, PathBuf) {
     let precision = Precision::NARROW;
-    let info = SetInfo {
-        name: "bench",
-        description: "test",
-        seed: Some("bench"),
-        datapath: Datapath::Reflection,
-        effects,
-        precision,
-        profile: "narrow",
-        words: Words::default(),
-    };
+    let info = SetInfo::new("bench", Datapath::Reflection, effects, "narrow", precision);
+    let info = SetInfo { seed: Some("bench"), ..info };
     let input = |index| random_set(Datapath::Reflection, "bench", index, &precision);
     export_with(&info, 16, &input, directory, &|_| {}).expect("the set can be written");
     let manifest = directory.join("bench_narrow.json");
@@ -138,9 +130,7 @@ fn a_set_of_one_stage_is_refused_with_what_to_do() {
     let (manifest, folder) = set(directory.path(), Effects::NONE);
     let (datapath, effects, precision) = (Datapath::Reflection, Effects::NONE, Precision::NARROW);
     let stage = StageSet::of(datapath, &effects, &precision, Some("reflect")).expect("reflect").remove(0);
-    let words = Words::default();
-    let info =
-        SetInfo { name: "s", description: "test", seed: None, datapath, effects, precision, profile: "narrow", words };
+    let info = SetInfo::new("s", datapath, effects, "narrow", precision);
     let input = |index| random_set(datapath, "bench", index, &precision);
     let of_stage = directory.path().join("stage");
     let written = SetExport::of_stage(&info, 4, &stage).write(&input, &of_stage, &|_| {}).expect("a set of a stage");

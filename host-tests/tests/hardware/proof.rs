@@ -20,6 +20,15 @@ use roughxel_net::interval::{Range, Ranges};
 use roughxel_net::observe::Observed;
 use roughxel_record as record;
 
+/// Looks at every design under all effects that make it a different one, in every profile.
+fn for_every_design(mut look: impl FnMut(Design, &Effects, &Precision)) {
+    for (_, p) in profiles() {
+        for &design in Design::ALL {
+            effects_of(design).iter().for_each(|effects| look(design, effects, &p));
+        }
+    }
+}
+
 /// The effects under which a design is a different one.
 fn effects_of(design: Design) -> Vec<Effects> {
     effects(design.datapath())
@@ -33,13 +42,7 @@ fn holds(design: Design, effects: &Effects, p: &Precision) {
 
 #[test]
 fn no_wire_of_any_design_can_leave_its_word() {
-    for (_, p) in profiles() {
-        for &design in Design::ALL {
-            for effects in effects_of(design) {
-                holds(design, &effects, &p);
-            }
-        }
-    }
+    for_every_design(holds);
 }
 
 #[test]
@@ -178,20 +181,16 @@ fn ports_allow_what_the_design_before_them_can_send() {
 
 #[test]
 fn every_operation_names_its_source_line_and_is_in_a_block() {
-    for (_, p) in profiles() {
-        for &design in Design::ALL {
-            for effects in effects_of(design) {
-                let net = record::net(design, &effects, &p);
-                for (id, node) in net.iter() {
-                    if !matches!(node.op, Op::Lit(_) | Op::Port(_)) {
-                        let origin = net.origin(id);
-                        assert!(origin.starts_with("core/src/"), "{}: {origin}", node.op.name());
-                        assert!(node.stage.is_some(), "{}: {origin} is in no block", design.name());
-                    }
-                }
+    for_every_design(|design, effects, p| {
+        let net = record::net(design, effects, p);
+        for (id, node) in net.iter() {
+            if !matches!(node.op, Op::Lit(_) | Op::Port(_)) {
+                let origin = net.origin(id);
+                assert!(origin.starts_with("core/src/"), "{}: {origin}", node.op.name());
+                assert!(node.stage.is_some(), "{}: {origin} is in no block", design.name());
             }
         }
-    }
+    });
 }
 
 /// Lemmas named by the claims of a net.
@@ -208,13 +207,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
     let text = |path: &str| fs::read_to_string(package.join(path)).expect("sources are text");
     let source = text("tests/datapath/lemmas.rs");
     let mut named = BTreeSet::new();
-    for (_, p) in profiles() {
-        for &design in Design::ALL {
-            for effects in effects_of(design) {
-                named.extend(lemmas(&record::net(design, &effects, &p)));
-            }
-        }
-    }
+    for_every_design(|design, effects, p| named.extend(lemmas(&record::net(design, effects, p))));
     let tests: BTreeSet<_> =
         source.split("#[test]\nfn ").skip(1).filter_map(|test| Some(test.split_once("() {")?.0)).collect();
     assert!(named.is_subset(&tests), "no test: {:?}", named.difference(&tests));

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_host_tests::simulators::{bench_script, have, hdl};
+use roughxel_host_tests::simulators::{have, hdl};
 use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
 use roughxel_net::graph::{NodeId, Op};
 use roughxel_net::verilog::{Options, Stages};
@@ -19,7 +19,7 @@ use roughxel_vectors::{
     VectorError, Words, export_with, random_set, verify,
 };
 
-use super::benches::{have_cocotb, installed_cocotb};
+use super::benches::{have_cocotb, run_bench};
 use super::folder::check_value;
 
 /// Effects under which stages differ: all there are between them.
@@ -37,8 +37,18 @@ fn variants() -> [Effects; 4] {
 /// The random set of a datapath.
 fn info(datapath: Datapath, effects: Effects, profile: &'static str, precision: Precision) -> SetInfo<'static> {
     let (name, _, description) = RANDOM_SETS[datapath as usize];
-    let words = Words::default();
-    SetInfo { name, description, seed: Some(name), datapath, effects, precision, profile, words }
+    SetInfo { description, seed: Some(name), ..SetInfo::new(name, datapath, effects, profile, precision) }
+}
+
+/// Random sets of every datapath under every variant, in the profiles whose turn it is.
+fn infos(turn: usize) -> Vec<(usize, SetInfo<'static>)> {
+    let mut all = Vec::new();
+    for (variant, effects) in variants().into_iter().enumerate() {
+        for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant + turn, profile)) {
+            all.extend(Datapath::ALL.map(|datapath| (variant, info(datapath, effects, profile, precision))));
+        }
+    }
+    all
 }
 
 /// Exports `count` base vectors of a stage.
@@ -73,42 +83,37 @@ fn value(field: &Field, digits: &str) -> i128 {
 #[test]
 fn every_stage_is_exported_verified_and_named_where_an_outcome_is_altered() {
     let count = whole_or(200, 20);
-    for (variant, effects) in variants().into_iter().enumerate() {
-        for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant, profile)) {
-            for datapath in Datapath::ALL {
-                let info = info(datapath, effects, profile, precision);
-                let directory = tempfile::tempdir().expect("a temporary directory");
-                stages(&info, None).par_iter().enumerate().for_each(|(number, set)| {
-                    let manifest = export(set, &info, count, directory.path());
-                    let path = manifest_path(directory.path(), &manifest);
-                    let result = verify(&path, &|_| {}).expect("a set");
-                    assert!(result.passed(), "{} ({profile}): {:?}", manifest.set, result.mismatches);
-                    assert_eq!(manifest.count, count * set.runs().len() as u64);
+    for (_, info) in infos(0) {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        stages(&info, None).par_iter().enumerate().for_each(|(number, set)| {
+            let manifest = export(set, &info, count, directory.path());
+            let path = manifest_path(directory.path(), &manifest);
+            let result = verify(&path, &|_| {}).expect("a set");
+            assert!(result.passed(), "{} ({}): {:?}", manifest.set, info.profile, result.mismatches);
+            assert_eq!(manifest.count, count * set.runs().len() as u64);
 
-                    // The lowest bit of an outcome, with the check value that belongs to it.
-                    let outcomes: Vec<&Field> =
-                        manifest.fields.iter().filter(|field| field.direction == Direction::Out).collect();
-                    let field = outcomes[number % outcomes.len()];
-                    let mut words = digits(directory.path(), &manifest);
-                    let index = number % words.len();
-                    let word = &mut words[index];
-                    let place = word.len() - 1 - field.lsb as usize / 4;
-                    let digit = u32::from_str_radix(&word[place..=place], 16).expect("a hex digit") ^ 1;
-                    word.replace_range(place..=place, &format!("{digit:x}"));
-                    let end = word.len() - 8;
-                    *word = format!("{}{:08x}", &word[..end], check_value(&word[..end]));
-                    let lines = words.iter().map(|word| separated(&manifest, word));
-                    let text = lines.fold(String::new(), |text, line| text + &line + "\n");
-                    fs::write(directory.path().join(&manifest.files[0].name), text).expect("the words can be written");
+            // The lowest bit of an outcome, with the check value that belongs to it.
+            let outcomes: Vec<&Field> =
+                manifest.fields.iter().filter(|field| field.direction == Direction::Out).collect();
+            let field = outcomes[number % outcomes.len()];
+            let mut words = digits(directory.path(), &manifest);
+            let index = number % words.len();
+            let word = &mut words[index];
+            let place = word.len() - 1 - field.lsb as usize / 4;
+            let digit = u32::from_str_radix(&word[place..=place], 16).expect("a hex digit") ^ 1;
+            word.replace_range(place..=place, &format!("{digit:x}"));
+            let end = word.len() - 8;
+            *word = format!("{}{:08x}", &word[..end], check_value(&word[..end]));
+            let lines = words.iter().map(|word| separated(&manifest, word));
+            let text = lines.fold(String::new(), |text, line| text + &line + "\n");
+            fs::write(directory.path().join(&manifest.files[0].name), text).expect("the words can be written");
 
-                    let result = verify(&path, &|_| {}).expect("a set");
-                    let [mismatch] = &result.mismatches[..] else { panic!("{}: {result:?}", manifest.set) };
-                    let found = (mismatch.index, mismatch.field.as_str(), mismatch.stage.as_str(), mismatch.bit);
-                    assert_eq!(found, (index as u64, field.name.as_str(), set.name(), 0), "{}", manifest.set);
-                    assert_eq!((mismatch.cause, mismatch.fields_differing), (Cause::Computed, 1), "{}", manifest.set);
-                });
-            }
-        }
+            let result = verify(&path, &|_| {}).expect("a set");
+            let [mismatch] = &result.mismatches[..] else { panic!("{}: {result:?}", manifest.set) };
+            let found = (mismatch.index, mismatch.field.as_str(), mismatch.stage.as_str(), mismatch.bit);
+            assert_eq!(found, (index as u64, field.name.as_str(), set.name(), 0), "{}", manifest.set);
+            assert_eq!((mismatch.cause, mismatch.fields_differing), (Cause::Computed, 1), "{}", manifest.set);
+        });
     }
 }
 
@@ -119,16 +124,11 @@ fn the_python_model_is_right_on_the_stages_that_it_computes_alone_and_says_which
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
     let mut sets = 0;
-    for (variant, effects) in variants().into_iter().enumerate() {
-        for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant, profile)) {
-            let folder = directory.path().join(format!("{variant}_{profile}"));
-            for datapath in Datapath::ALL {
-                let info = info(datapath, effects, profile, precision);
-                for set in stages(&info, None) {
-                    export(&set, &info, whole_or(100, 20), &folder);
-                    sets += 1;
-                }
-            }
+    for (variant, info) in infos(0) {
+        let folder = directory.path().join(format!("{variant}_{}", info.profile));
+        for set in stages(&info, None) {
+            export(&set, &info, whole_or(100, 20), &folder);
+            sets += 1;
         }
     }
     let model = |path: &Path| {
@@ -162,44 +162,33 @@ fn separated(manifest: &Manifest, digits: &str) -> String {
 #[test]
 fn a_stage_has_the_values_that_the_whole_datapath_has_of_the_same_wires() {
     let mut compared = 0;
-    for (variant, effects) in variants().into_iter().enumerate() {
-        for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant + 1, profile)) {
-            for datapath in Datapath::ALL {
-                let info = info(datapath, effects, profile, precision);
-                let directory = tempfile::tempdir().expect("a temporary directory");
-                let count = whole_or(200, 20);
-                let input = |index| random_set(datapath, info.name, index, &precision);
-                let whole = export_with(&info, count, &input, directory.path(), &|_| {}).expect("a set");
-                let words = digits(directory.path(), &whole);
+    for (_, info) in infos(1) {
+        let SetInfo { datapath, effects, profile, precision, .. } = info;
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let count = whole_or(200, 20);
+        let input = |index| random_set(datapath, info.name, index, &precision);
+        let whole = export_with(&info, count, &input, directory.path(), &|_| {}).expect("a set");
+        let words = digits(directory.path(), &whole);
 
-                let options = Options {
-                    profile: profile.into(),
-                    precision,
-                    effects,
-                    depth: None,
-                    stage: None,
-                    prefix: String::new(),
-                };
-                let Stages { net, stages: modules } = record::stages(Design::of(datapath), &options).expect("stages");
-                // The path of the port or the output that a wire is.
-                let port = |id: NodeId| match net.node(id).op {
-                    Op::Port(port) => Some(&net.ports[port as usize].name),
-                    _ => net.outputs.iter().find(|output| output.node == id).map(|output| &output.name),
-                };
-                for (set, module) in stages(&info, None).iter().zip(&modules) {
-                    let manifest = export(set, &info, count, directory.path());
-                    let own = digits(directory.path(), &manifest);
-                    for (number, run) in module.runs.iter().enumerate() {
-                        for (&id, field) in run.inputs.iter().chain(&run.outputs).zip(&manifest.fields) {
-                            let of_whole = port(id).and_then(|port| whole.fields.iter().find(|f| f.port == *port));
-                            let Some(of_whole) = of_whole else { continue };
-                            compared += 1;
-                            for (base, word) in words.iter().enumerate() {
-                                let vector = &own[base * module.runs.len() + number];
-                                let values = (value(field, vector), value(of_whole, word));
-                                assert_eq!(values.0, values.1, "{} #{base}: {}", manifest.set, field.name);
-                            }
-                        }
+        let options = Options::new(profile, precision, effects);
+        let Stages { net, stages: modules } = record::stages(Design::of(datapath), &options).expect("stages");
+        // The path of the port or the output that a wire is.
+        let port = |id: NodeId| match net.node(id).op {
+            Op::Port(port) => Some(&net.ports[port as usize].name),
+            _ => net.outputs.iter().find(|output| output.node == id).map(|output| &output.name),
+        };
+        for (set, module) in stages(&info, None).iter().zip(&modules) {
+            let manifest = export(set, &info, count, directory.path());
+            let own = digits(directory.path(), &manifest);
+            for (number, run) in module.runs.iter().enumerate() {
+                for (&id, field) in run.inputs.iter().chain(&run.outputs).zip(&manifest.fields) {
+                    let of_whole = port(id).and_then(|port| whole.fields.iter().find(|f| f.port == *port));
+                    let Some(of_whole) = of_whole else { continue };
+                    compared += 1;
+                    for (base, word) in words.iter().enumerate() {
+                        let vector = &own[base * module.runs.len() + number];
+                        let values = (value(field, vector), value(of_whole, word));
+                        assert_eq!(values.0, values.1, "{} #{base}: {}", manifest.set, field.name);
                     }
                 }
             }
@@ -266,13 +255,7 @@ impl Written {
 
     /// Exit code and output of `run.sh`.
     fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
-        let mut command = bench_script(&self.path("run.sh"));
-        command.args(arguments);
-        if let Some(installed) = installed_cocotb() {
-            command.env("PYTHONPATH", installed);
-        }
-        let output = command.output().expect("a shell");
-        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
+        run_bench(&self.path(""), arguments)
     }
 
     fn passes(&self, tool: &str) {
@@ -286,15 +269,10 @@ fn the_generated_module_of_every_stage_passes_its_bench() {
     if !have("iverilog") {
         return;
     }
-    let mut benches = Vec::new();
-    for (variant, effects) in variants().into_iter().enumerate() {
-        for (profile, precision) in profiles().into_iter().filter(|(profile, _)| in_turn(variant, profile)) {
-            for datapath in Datapath::ALL {
-                let info = info(datapath, effects, profile, precision);
-                benches.extend(stages(&info, None).into_iter().map(|set| (set, info)));
-            }
-        }
-    }
+    let benches: Vec<_> = infos(0)
+        .into_iter()
+        .flat_map(|(_, info)| stages(&info, None).into_iter().map(move |set| (set, info)))
+        .collect();
     assert!(benches.len() > 150, "{} modules", benches.len());
     benches.par_iter().step_by(whole_or(1, 40)).for_each(|(set, info)| {
         Written::new(set, info, 20, Device::Generated).passes("icarus");

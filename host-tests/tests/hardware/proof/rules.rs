@@ -23,6 +23,16 @@ struct Small {
 }
 
 impl Small {
+    /// Ports with these limits, and what steps make of them.
+    fn grown(ports: impl Iterator<Item = (i64, i64)>, steps: Vec<(u8, [u16; 3])>) -> Self {
+        let mut small = Self::default();
+        for (low, high) in ports {
+            small.port(low, high);
+        }
+        steps.into_iter().for_each(|(code, pick)| small.grow(code, pick));
+        small
+    }
+
     fn node(&mut self, op: Op, kind: Kind) -> NodeId {
         let id = self.net.nodes.len() as NodeId;
         self.net.nodes.push(Node { op, kind, stage: None, at: Location::caller() });
@@ -189,27 +199,21 @@ fn for_every_input(net: &Net, mut look: impl FnMut(&[i64], &[i64])) {
     }
 }
 
+/// Many graphs, the same every time.
+fn config(seed: u64) -> ProptestConfig {
+    let rng_seed = RngSeed::Fixed(seed);
+    ProptestConfig { cases: 20_000, failure_persistence: None, rng_seed, ..Default::default() }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 20_000,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(11),
-        ..Default::default()
-    })]
+    #![proptest_config(config(11))]
 
     #[test]
     fn no_input_leaves_the_range_of_any_wire_of_any_small_graph(
         ports in prop::collection::vec((-40_i64..40, 0_i64..6), 1..4),
         steps in prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..16),
     ) {
-        let mut small = Small::default();
-        for (low, extent) in ports {
-            small.port(low, low + extent);
-        }
-        for (code, pick) in steps {
-            small.grow(code, pick);
-        }
-        let net = small.net;
+        let net = Small::grown(ports.into_iter().map(|(low, extent)| (low, low + extent)), steps).net;
         let ranges = Ranges::new(&net);
         // Wires after an operation that overflows may hold anything.
         let sound = ranges.violations.first().map_or(net.nodes.len(), |violation| violation.node as usize);
@@ -231,15 +235,8 @@ proptest! {
         steps in prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..10),
     ) {
         // Words near their ends: what the proof lets pass must be exact.
-        let mut small = Small::default();
-        for (low, extent) in ports {
-            let low = i64::from(low);
-            small.port(low, (low + extent).min(i32::MAX.into()));
-        }
-        for (code, pick) in steps {
-            small.grow(code, pick);
-        }
-        let net = small.net;
+        let limits = |(low, extent): (i32, i64)| (low.into(), (i64::from(low) + extent).min(i32::MAX.into()));
+        let net = Small::grown(ports.into_iter().map(limits), steps).net;
         let ranges = Ranges::new(&net);
         let sound = ranges.violations.first().map_or(net.nodes.len(), |violation| violation.node as usize);
         for_every_input(&net, |_, wires| {
@@ -337,23 +334,12 @@ fn equal_faults_of(small: Small) -> [usize; 2] {
 /// What is proven equal is equal, and a good part of what no input shows is proven.
 #[test]
 fn no_input_of_any_small_graph_shows_an_operation_or_an_entry_that_is_proven_equal() {
-    let mut runner = TestRunner::new(ProptestConfig {
-        cases: 20_000,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(12),
-        ..Default::default()
-    });
+    let mut runner = TestRunner::new(config(12));
     let ports = prop::collection::vec((-40_i64..40, 0_i64..6), 1..4);
     let steps = prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..16);
     let proven = Cell::new([0; 2]);
     let outcome = runner.run(&(ports, steps), |(ports, steps)| {
-        let mut small = Small::default();
-        for (low, extent) in ports {
-            small.port(low, low + extent);
-        }
-        for (code, pick) in steps {
-            small.grow(code, pick);
-        }
+        let small = Small::grown(ports.into_iter().map(|(low, extent)| (low, low + extent)), steps);
         let equal = equal_faults_of(small);
         proven.set([0, 1].map(|kind| proven.get()[kind] + equal[kind]));
         Ok(())
