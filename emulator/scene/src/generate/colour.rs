@@ -1,66 +1,35 @@
 //! Generated colour maps, linear.
 
-use super::font::{GLYPH_COLUMNS, GLYPH_ROWS, glyph};
+use super::font::{GLYPH_COLUMNS, GLYPH_ROWS, LETTERS, glyph};
 use super::grid::Grid;
 use super::height::Earth;
 use super::maths::{hash, mix, smoothstep, unit};
 use super::relief::Denim;
+use crate::error::SceneError;
 use crate::picture::Picture;
+use crate::source::Arguments;
 
 /// Squares of two colours.
-#[derive(Clone, Debug)]
-pub(super) struct Checker {
-    /// Edge in texels.
-    pub(super) size: u32,
-    /// Squares along an edge; even, or the map has a seam.
-    pub(super) squares: u32,
-    pub(super) colours: [[f32; 3]; 2],
-}
-
-/// Draws [`Checker`].
-pub(super) fn checker(grid: Grid<'_>, checker: &Checker) -> Picture {
-    let square_of = |index: u32| u64::from(index) * u64::from(checker.squares) / u64::from(checker.size);
-    let pixels =
-        grid.square(checker.size, |column, row| checker.colours[((square_of(column) + square_of(row)) % 2) as usize]);
-    Picture { width: checker.size, height: checker.size, pixels }
+pub(super) fn checker(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let size = keys.size(512)?;
+    // Along an edge; even, or the map has a seam.
+    let squares = keys.whole("squares", 64, 2..=4096)?;
+    let colours = keys.two_colours([1.0; 3], [0.0; 3], 1.0)?;
+    let square_of = |index: u32| u64::from(index) * u64::from(squares) / u64::from(size);
+    let pixels = grid.square(size, |column, row| colours[((square_of(column) + square_of(row)) % 2) as usize]);
+    Ok(Picture { width: size, height: size, pixels })
 }
 
 /// Squares of uniformly random brightness.
-#[derive(Clone, Debug)]
-pub(super) struct Noise {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) seed: u32,
-    pub(super) cell_texels: u32,
-    /// The brightest and the darkest colour.
-    pub(super) colours: [[f32; 3]; 2],
-}
-
-/// Draws [`Noise`].
-pub(super) fn noise(grid: Grid<'_>, noise: &Noise) -> Picture {
-    let [light, dark] = noise.colours;
-    let pixels = grid.square(noise.size, |column, row| {
-        let [x, y] = [column, row].map(|index| i64::from(index / noise.cell_texels));
-        mix(dark, light, unit(hash(noise.seed.into(), x, y, 2)))
+pub(super) fn noise(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let (size, seed) = (keys.size(512)?, keys.seed()?);
+    let cell_texels = keys.whole("cell_texels", 4, 1..=1024)?;
+    let [light, dark] = keys.two_colours([1.0; 3], [0.0; 3], 1.0)?;
+    let pixels = grid.square(size, |column, row| {
+        let [x, y] = [column, row].map(|index| i64::from(index / cell_texels));
+        mix(dark, light, unit(hash(seed.into(), x, y, 2)))
     });
-    Picture { width: noise.size, height: noise.size, pixels }
-}
-
-/// A page from a puzzle book (S97 Fig. 1): a maze, and writing stretched so far that it is read at a flat angle only.
-#[derive(Clone, Debug)]
-pub(super) struct Writing {
-    /// Edge in texels.
-    pub(super) size: u32,
-    /// Lines of letters the font has, from the top.
-    pub(super) lines: Vec<String>,
-    /// Left, bottom, right and top of the writing, 0 to 1; the letters fill it.
-    pub(super) frame: [f64; 4],
-    /// Cells of the maze along an edge; 0 for none.
-    pub(super) maze_cells: u32,
-    pub(super) paper: [f32; 3],
-    pub(super) ink: [f32; 3],
-    /// Colour of the maze.
-    pub(super) line: [f32; 3],
+    Ok(Picture { width: size, height: size, pixels })
 }
 
 /// Samples along the edge of a texel.
@@ -79,15 +48,45 @@ struct Line {
     place: f64,
 }
 
-/// Draws [`Writing`].
-pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
+/// Lines of letters that the font has, from the top.
+fn lines(keys: &Arguments<'_>) -> Result<Vec<String>, SceneError> {
+    let text = keys.text("text")?;
+    let lines: Vec<String> =
+        text.as_ref().map_or("CAN YOU\nREAD THIS", |(text, _)| text).lines().map(str::to_uppercase).collect();
+    if let Some((_, span)) = text {
+        let foreign = lines.iter().flat_map(|line| line.chars()).find(|&letter| glyph(letter).is_none());
+        if let Some(letter) = foreign {
+            let help = format!("the letters are {LETTERS}");
+            return Err(keys.error_at(span, format!("there is no letter `{letter}`"), help));
+        }
+        let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
+        if longest == 0 || longest > 64 || lines.len() > 16 {
+            let message = format!("{} lines of up to {longest} letters do not fit", lines.len());
+            return Err(keys.error_at(span, message, "write 1 to 16 lines of 1 to 64 letters"));
+        }
+    }
+    Ok(lines)
+}
+
+/// A page from a puzzle book (S97 Fig. 1): a maze, and writing stretched so far that it is read at a flat angle only.
+pub(super) fn writing(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     type Glyph = Option<[u8; GLYPH_ROWS]>;
-    let letters: Vec<Vec<Glyph>> = page.lines.iter().map(|line| line.chars().map(glyph).collect()).collect();
+    let size = keys.size(1024)?;
+    let letters: Vec<Vec<Glyph>> = lines(keys)?.iter().map(|line| line.chars().map(glyph).collect()).collect();
     let longest = letters.iter().map(Vec::len).max().unwrap_or(1).max(1);
-    let [left, bottom, right, top] = page.frame;
+    // The letters fill it.
+    let [left, bottom, right, top] = keys.numbers("box", [0.45, 0.35, 0.96, 0.96], 0.0..=1.0)?;
+    if right - left < 0.01 || top - bottom < 0.01 {
+        return Err(keys.error("`box` is empty", "give [left, bottom, right, top] with left < right, bottom < top"));
+    }
+    // Along an edge; 0 for none.
+    let maze_cells = keys.whole("maze_cells", 28, 0..=256)?;
+    let paper = keys.colour("paper", [0.88, 0.84, 0.72], 1.0)?;
+    let ink_colour = keys.colour("ink", [0.02, 0.02, 0.05], 1.0)?;
+    let maze_colour = keys.colour("line", [0.3, 0.45, 0.65], 1.0)?;
     let margin = 0.02;
     let line = |at: f64, [from, to]: [f64; 2], in_cells: f64, cells: usize| {
-        let place = at * f64::from(page.maze_cells);
+        let place = at * f64::from(maze_cells);
         Line {
             // One column and one row of space after each letter and line.
             writing: (in_cells >= 0.0).then_some((in_cells as usize / (cells + 1), in_cells as usize % (cells + 1))),
@@ -97,9 +96,8 @@ pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
             place: place - place.floor(),
         }
     };
-    let samples = || (0..page.size as usize * SAMPLES).map(|step| (step / SAMPLES, step % SAMPLES));
-    let at =
-        |(texel, step): (usize, usize)| (texel as f64 + (step as f64 + 0.5) / SAMPLES as f64) / f64::from(page.size);
+    let samples = || (0..size as usize * SAMPLES).map(|step| (step / SAMPLES, step % SAMPLES));
+    let at = |(texel, step): (usize, usize)| (texel as f64 + (step as f64 + 0.5) / SAMPLES as f64) / f64::from(size);
     let columns: Vec<Line> = samples()
         .map(|sample| {
             let u = at(sample);
@@ -123,7 +121,7 @@ pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
     };
     let is_maze = |column: &Line, row: &Line| {
         let inside_writing = column.is_beside_writing && row.is_beside_writing;
-        if page.maze_cells == 0 || inside_writing || !(column.is_on_page && row.is_on_page) {
+        if maze_cells == 0 || inside_writing || !(column.is_on_page && row.is_on_page) {
             return false;
         }
         let rising = hash(7, column.cell, row.cell, 3) & 1 == 1;
@@ -131,7 +129,7 @@ pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
         let distance = if rising { (x - y).abs() } else { (x + y - 1.0).abs() };
         distance < 0.2
     };
-    let pixels = grid.square(page.size, |column, row| {
+    let pixels = grid.square(size, |column, row| {
         let (mut ink, mut line) = (0, 0);
         let [columns, rows] =
             [(&columns, column), (&rows, row)].map(|(lines, texel)| &lines[SAMPLES * texel as usize..][..SAMPLES]);
@@ -145,19 +143,21 @@ pub(super) fn writing(grid: Grid<'_>, page: &Writing) -> Picture {
             }
         }
         let share = |count: u32| f64::from(count) / (SAMPLES * SAMPLES) as f64;
-        mix(mix(page.paper, page.line, share(line)), page.ink, share(ink))
+        mix(mix(paper, maze_colour, share(line)), ink_colour, share(ink))
     });
-    Picture { width: page.size, height: page.size, pixels }
+    Ok(Picture { width: size, height: size, pixels })
 }
 
 /// Draws the map of an [`Earth`] with a line every `graticule_degrees` (0: none).
-pub(super) fn earth(grid: Grid<'_>, earth: &Earth, graticule_degrees: f64) -> Picture {
+pub(super) fn earth(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     const DEEP: [f32; 3] = [0.01, 0.04, 0.16];
     const SHALLOW: [f32; 3] = [0.04, 0.2, 0.38];
     const LOWLAND: [f32; 3] = [0.09, 0.24, 0.06];
     const HIGHLAND: [f32; 3] = [0.36, 0.25, 0.12];
     const ICE: [f32; 3] = [0.85, 0.88, 0.92];
     const LINE: [f32; 3] = [0.75, 0.7, 0.5];
+    let earth = Earth::new(keys)?;
+    let graticule_degrees = keys.number("graticule_degrees", 15.0, 0.0..=90.0)?;
     let (width, height) = (2 * earth.size, earth.size);
     let texel_degrees = 180.0 / f64::from(height);
     // Distance to the nearest multiple, in degrees.
@@ -195,36 +195,33 @@ pub(super) fn earth(grid: Grid<'_>, earth: &Earth, graticule_degrees: f64) -> Pi
             mix(colour, LINE, 0.7 * parallel.max(meridian))
         },
     );
-    Picture { width, height, pixels }
+    Ok(Picture { width, height, pixels })
 }
 
 /// Draws the threads of a [`Denim`] in the colours of warp and weft, darker in the gaps.
-pub(super) fn denim(grid: Grid<'_>, denim: &Denim, [warp, weft]: [[f32; 3]; 2]) -> Picture {
+pub(super) fn denim(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let denim = Denim::new(keys)?;
+    let warp = keys.colour("warp", [0.03, 0.06, 0.2], 1.0)?;
+    let weft = keys.colour("weft", [0.55, 0.55, 0.5], 1.0)?;
     let pixels = grid.square(denim.size, |column, row| {
         let strand = denim.at(column, row);
         let colour = if strand.is_warp { warp } else { weft };
         // The crown of an upper thread is at 1.45 radii, the lowest seam between two at about 0.6.
         mix([0.0; 3], colour, smoothstep(0.2, 1.4, strand.height))
     });
-    Picture { width: denim.size, height: denim.size, pixels }
+    Ok(Picture { width: denim.size, height: denim.size, pixels })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::made;
     use super::*;
 
     #[test]
     fn writing_fills_its_box_and_nothing_else() {
-        let page = Writing {
-            size: 64,
-            lines: vec!["HH".to_owned()],
-            frame: [0.5, 0.5, 1.0, 1.0],
-            maze_cells: 0,
-            paper: [1.0; 3],
-            ink: [0.0; 3],
-            line: [0.5; 3],
-        };
-        let picture = writing(Grid::unseen(), &page);
+        let page =
+            "size = 64, text = \"HH\", box = [0.5, 0.5, 1, 1], maze_cells = 0, paper = [1, 1, 1], ink = [0, 0, 0]";
+        let picture = made(writing, page);
         let dark = |column: u32, row: u32| picture.pixels[(row * 64 + column) as usize][0] < 0.5;
         assert!(dark(33, 1) && dark(33, 26), "the left stem of the first H reaches from the top to the last row");
         assert!(!dark(39, 1) && dark(39, 13), "an H is open at the top and closed in the middle");
@@ -234,8 +231,7 @@ mod tests {
 
     #[test]
     fn checker_squares_are_whole_and_alternate() {
-        let colours = [[1.0; 3], [0.0; 3]];
-        let picture = checker(Grid::unseen(), &Checker { size: 16, squares: 4, colours });
+        let picture = made(checker, "size = 16, squares = 4");
         let row: Vec<f32> = picture.pixels[..16].iter().map(|pixel| pixel[0]).collect();
         assert_eq!(row, [1., 1., 1., 1., 0., 0., 0., 0., 1., 1., 1., 1., 0., 0., 0., 0.]);
         assert_eq!(picture.pixels[4 * 16][0], 0.0);

@@ -2,9 +2,13 @@
 
 use super::font::glyph;
 use super::grid::Grid;
+use super::keys::BRIGHTEST;
 use super::maths::{Random, cos_turns, dot, mix, normalised, sin_turns, smoothstep};
 use crate::cube::direction;
+use crate::error::SceneError;
 use crate::picture::Picture;
+use crate::source::Arguments;
+use roughxel_utilities::limits::MAX_FACE_EDGE;
 
 /// Samples along the edge of a texel.
 const ALONG: usize = 4;
@@ -66,11 +70,22 @@ fn set<T>([x, y, z]: &mut [[T; SAMPLES]; 3], sample: usize, of: [T; 3]) {
     [x[sample], y[sample], z[sample]] = of;
 }
 
-/// Unit vector; azimuth 0 is −z, 90 is +x.
-fn towards(elevation_degrees: f64, azimuth_degrees: f64) -> [f64; 3] {
-    let (elevation, azimuth) = (elevation_degrees / 360.0, azimuth_degrees / 360.0);
+/// The edge of a face in texels.
+fn face_edge(keys: &Arguments<'_>) -> Result<u32, SceneError> {
+    keys.whole("face_edge", 256, 1..=MAX_FACE_EDGE)
+}
+
+/// A linear colour.
+fn colour(keys: &Arguments<'_>, key: &'static str, default: [f32; 3]) -> Result<[f32; 3], SceneError> {
+    keys.colour(key, default, BRIGHTEST)
+}
+
+/// Unit vector towards a moon or a sun; azimuth 0 is −z, 90 is +x.
+fn towards(keys: &Arguments<'_>, elevation_degrees: f64, azimuth_degrees: f64) -> Result<[f64; 3], SceneError> {
+    let elevation = keys.number("elevation_degrees", elevation_degrees, -90.0..=90.0)? / 360.0;
+    let azimuth = keys.number("azimuth_degrees", azimuth_degrees, -360.0..=360.0)? / 360.0;
     let level = cos_turns(elevation);
-    [sin_turns(azimuth) * level, sin_turns(elevation), -cos_turns(azimuth) * level]
+    Ok([sin_turns(azimuth) * level, sin_turns(elevation), -cos_turns(azimuth) * level])
 }
 
 /// Chord between two unit vectors an angle apart: a monotone measure of the angle that needs no arc cosine.
@@ -97,27 +112,18 @@ fn gradient(at: [f64; 3], zenith: [f32; 3], horizon: [f32; 3], ground: [f32; 3])
 }
 
 /// A night sky with a moon.
-#[derive(Clone, Debug)]
-pub(super) struct Moon {
-    pub(super) elevation_degrees: f64,
-    pub(super) azimuth_degrees: f64,
-    pub(super) radius_degrees: f64,
-    pub(super) moon: [f32; 3],
-    /// Light around the moon and how far it reaches.
-    pub(super) glow: [f32; 3],
-    pub(super) glow_degrees: f64,
-    pub(super) zenith: [f32; 3],
-    pub(super) horizon: [f32; 3],
-    pub(super) ground: [f32; 3],
-}
-
-/// Draws [`Moon`].
-pub(super) fn moon(grid: Grid<'_>, sky: &Moon, edge: u32) -> [Picture; 6] {
-    let centre = towards(sky.elevation_degrees, sky.azimuth_degrees);
-    let radius = chord(sky.radius_degrees);
-    let reach = chord(sky.glow_degrees);
-    let &Moon { moon, glow, zenith, horizon, ground, .. } = sky;
-    faces(
+pub(super) fn moon(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
+    let edge = face_edge(keys)?;
+    let centre = towards(keys, 9.0, 0.0)?;
+    let radius = chord(keys.number("radius_degrees", 2.5, 0.1..=45.0)?);
+    let moon = colour(keys, "moon", [16.0, 14.5, 11.5])?;
+    // Light around the moon and how far it reaches.
+    let glow = colour(keys, "glow", [0.25, 0.24, 0.22])?;
+    let reach = chord(keys.number("glow_degrees", 8.0, 0.1..=90.0)?);
+    let zenith = colour(keys, "zenith", [0.004, 0.007, 0.02])?;
+    let horizon = colour(keys, "horizon", [0.035, 0.05, 0.09])?;
+    let ground = colour(keys, "ground", [0.004, 0.005, 0.008])?;
+    Ok(faces(
         grid,
         edge,
         #[inline(always)]
@@ -130,41 +136,33 @@ pub(super) fn moon(grid: Grid<'_>, sky: &Moon, edge: u32) -> [Picture; 6] {
             let bright = mix(add(dark, glow, near), moon, disc);
             if at[1] <= 0.0 { dark } else { bright }
         },
-    )
+    ))
 }
 
 /// The skin of a zebra all around: a sum of waves of nearly one length and direction, cut at zero.
-#[derive(Clone, Debug)]
-pub(super) struct Zebra {
-    pub(super) seed: u32,
-    /// Pairs of stripes per radius, across the x direction.
-    pub(super) stripes: f64,
-    /// How far single waves turn away from it.
-    pub(super) bend_degrees: f64,
-    /// How much the widths of the stripes vary, as a share.
-    pub(super) unevenness: f64,
-    /// Width of the edge of a stripe, relative to the wave's height.
-    pub(super) softness: f64,
-    /// Of the light and the dark stripes.
-    pub(super) colours: [[f32; 3]; 2],
-}
-
-/// Draws [`Zebra`].
-pub(super) fn zebra(grid: Grid<'_>, zebra: &Zebra, edge: u32) -> [Picture; 6] {
+pub(super) fn zebra(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
     const WAVES: usize = 14;
-    let mut random = Random::new(zebra.seed);
+    let edge = face_edge(keys)?;
+    let mut random = Random::new(keys.seed()?);
+    // Pairs of stripes per radius, across the x direction.
+    let stripes = keys.number("stripes", 5.0, 0.25..=64.0)?;
+    // How far single waves turn away from it.
+    let bend_degrees = keys.number("bend_degrees", 24.0, 0.0..=90.0)?;
+    // How much the widths of the stripes vary, as a share.
+    let unevenness = keys.number("unevenness", 0.25, 0.0..=0.9)?;
+    // Width of the edge of a stripe, relative to the wave's height.
+    let edge_width = keys.number("softness", 0.12, 0.0..=2.0)?.max(1e-6);
+    let [light, dark] = keys.two_colours([0.9, 0.88, 0.84], [0.015, 0.012, 0.01], BRIGHTEST)?;
     let waves: [([f64; 3], f64); WAVES] = std::array::from_fn(|_| {
-        let turns = [0; 2].map(|_| zebra.bend_degrees / 360.0 * 2.0 * random.bell());
-        let length = zebra.stripes * (1.0 + zebra.unevenness * random.bell());
+        let turns = [0; 2].map(|_| bend_degrees / 360.0 * 2.0 * random.bell());
+        let length = stripes * (1.0 + unevenness * random.bell());
         let level = cos_turns(turns[1]) * length;
         let vector = [cos_turns(turns[0]) * level, sin_turns(turns[1]) * length, sin_turns(turns[0]) * level];
         (vector, random.unit())
     });
-    let [light, dark] = zebra.colours;
-    let edge_width = zebra.softness.max(1e-6);
     // √(n/2) is the standard deviation of the sum.
     let deviation = (WAVES as f64 / 2.0).sqrt();
-    faces_side_by_side(
+    Ok(faces_side_by_side(
         grid,
         edge,
         #[inline(always)]
@@ -181,28 +179,24 @@ pub(super) fn zebra(grid: Grid<'_>, zebra: &Zebra, edge: u32) -> [Picture; 6] {
             }
             colours
         },
-    )
+    ))
 }
 
 /// Squares on each face, tinted per face, with the face's name in its middle: to see which face is where.
-#[derive(Clone, Debug)]
-pub(super) struct Checker {
-    /// Squares along the edge of a face.
-    pub(super) squares: u32,
-    /// 0: no tint; 1: the full colour of the face.
-    pub(super) tint: f64,
-    pub(super) colours: [[f32; 3]; 2],
-}
-
-/// Draws [`Checker`].
-pub(super) fn checker(grid: Grid<'_>, checker: &Checker, edge: u32) -> [Picture; 6] {
+pub(super) fn checker(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
     const TINTS: [[f32; 3]; 6] =
         [[1.0, 0.3, 0.3], [0.3, 1.0, 1.0], [0.3, 1.0, 0.3], [1.0, 0.3, 1.0], [0.3, 0.3, 1.0], [1.0, 1.0, 0.3]];
     const NAMES: [[char; 2]; 6] = [['+', 'X'], ['-', 'X'], ['+', 'Y'], ['-', 'Y'], ['+', 'Z'], ['-', 'Z']];
-    std::array::from_fn(|face| {
-        let tint = mix([1.0; 3], TINTS[face], checker.tint);
+    let edge = face_edge(keys)?;
+    // Along the edge of a face.
+    let squares = keys.whole("squares", 8, 1..=2048)?;
+    // 0: no tint; 1: the full colour of the face.
+    let tint = keys.number("tint", 0.5, 0.0..=1.0)?;
+    let colours = keys.two_colours([0.9; 3], [0.05; 3], BRIGHTEST)?;
+    Ok(std::array::from_fn(|face| {
+        let tint = mix([1.0; 3], TINTS[face], tint);
         let pixels = grid.square(edge, |column, row| {
-            let square_of = |index: u32| u64::from(index) * u64::from(checker.squares) / u64::from(edge);
+            let square_of = |index: u32| u64::from(index) * u64::from(squares) / u64::from(edge);
             // The name takes 11 × 7 cells of a 32nd of the face.
             let cell = |index: u32, first: i64| (u64::from(index) * 32 / u64::from(edge)) as i64 - first;
             let (x, y) = (cell(column, 10), cell(row, 12));
@@ -213,31 +207,23 @@ pub(super) fn checker(grid: Grid<'_>, checker: &Checker, edge: u32) -> [Picture;
             };
             let is_ink = letter.is_some_and(|(rows, x)| (0..7).contains(&y) && rows[y as usize] >> (4 - x) & 1 == 1);
             let shade = if is_ink { 1 } else { ((square_of(column) + square_of(row)) % 2) as usize };
-            let colour = if is_ink { [0.0; 3] } else { checker.colours[shade] };
+            let colour = if is_ink { [0.0; 3] } else { colours[shade] };
             std::array::from_fn(|channel| colour[channel] * tint[channel])
         });
         Picture { width: edge, height: edge, pixels }
-    })
+    }))
 }
 
 /// A day sky with a sun.
-#[derive(Clone, Debug)]
-pub(super) struct Sky {
-    pub(super) zenith: [f32; 3],
-    pub(super) horizon: [f32; 3],
-    pub(super) ground: [f32; 3],
-    pub(super) sun: [f32; 3],
-    pub(super) elevation_degrees: f64,
-    pub(super) azimuth_degrees: f64,
-    pub(super) radius_degrees: f64,
-}
-
-/// Draws [`Sky`].
-pub(super) fn sky(grid: Grid<'_>, sky: &Sky, edge: u32) -> [Picture; 6] {
-    let centre = towards(sky.elevation_degrees, sky.azimuth_degrees);
-    let radius = chord(sky.radius_degrees);
-    let &Sky { zenith, horizon, ground, sun, .. } = sky;
-    faces(
+pub(super) fn sky(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
+    let edge = face_edge(keys)?;
+    let zenith = colour(keys, "zenith", [0.12, 0.28, 0.7])?;
+    let horizon = colour(keys, "horizon", [0.75, 0.85, 0.95])?;
+    let ground = colour(keys, "ground", [0.2, 0.17, 0.13])?;
+    let sun = colour(keys, "sun", [12.0, 11.0, 9.0])?;
+    let centre = towards(keys, 40.0, -60.0)?;
+    let radius = chord(keys.number("radius_degrees", 3.0, 0.1..=45.0)?);
+    Ok(faces(
         grid,
         edge,
         #[inline(always)]
@@ -246,20 +232,15 @@ pub(super) fn sky(grid: Grid<'_>, sky: &Sky, edge: u32) -> [Picture; 6] {
             let above = mix(sun, clear, smoothstep(radius * 0.97, radius * 1.03, chord_between(at, centre)));
             if at[1] <= 0.0 { clear } else { above }
         },
-    )
+    ))
 }
 
 /// A dark room with three lamps behind white cloth: a window with a cross, a strip and a ceiling panel.
-#[derive(Clone, Debug)]
-pub(super) struct Studio {
-    pub(super) wall: [f32; 3],
-    pub(super) floor: [f32; 3],
-    pub(super) light: [f32; 3],
-}
-
-/// Draws [`Studio`].
-pub(super) fn studio(grid: Grid<'_>, studio: &Studio, edge: u32) -> [Picture; 6] {
-    let &Studio { wall, floor, light } = studio;
+pub(super) fn studio(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
+    let edge = face_edge(keys)?;
+    let wall = colour(keys, "wall", [0.12, 0.12, 0.13])?;
+    let floor = colour(keys, "floor", [0.05, 0.045, 0.04])?;
+    let light = colour(keys, "light", [3.0, 2.9, 2.7])?;
     // Coverage of a rectangle with edges a fiftieth wide.
     let inside = |x: f64, y: f64, [left, bottom, right, top]: [f64; 4]| {
         smoothstep(left, left + 0.02, x)
@@ -267,7 +248,7 @@ pub(super) fn studio(grid: Grid<'_>, studio: &Studio, edge: u32) -> [Picture; 6]
             * smoothstep(bottom, bottom + 0.02, y)
             * (1.0 - smoothstep(top - 0.02, top, y))
     };
-    faces(
+    Ok(faces(
         grid,
         edge,
         #[inline(always)]
@@ -284,24 +265,19 @@ pub(super) fn studio(grid: Grid<'_>, studio: &Studio, edge: u32) -> [Picture; 6]
             let lamp = lamp.max(if x > 0.05 { strip } else { 0.0 });
             mix(room, light, lamp.max(if y > 0.05 { ceiling } else { 0.0 }))
         },
-    )
+    ))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::made;
     use super::*;
 
     #[test]
     fn faces_meet_without_a_step() {
-        let zebra = Zebra {
-            seed: 1,
-            stripes: 1.0,
-            bend_degrees: 20.0,
-            unevenness: 0.2,
-            softness: 1.0,
-            colours: [[1.0; 3], [0.0; 3]],
-        };
-        let [right, _, _, _, front, _] = zebra_faces(&zebra);
+        let keys = "face_edge = 32, stripes = 1, bend_degrees = 20, unevenness = 0.2, softness = 1, \
+                    light = [1, 1, 1], dark = [0, 0, 0]";
+        let [right, _, _, _, front, _] = made(zebra, keys);
         for row in 0..32 {
             let step = (front.pixels[row * 32 + 31][0] - right.pixels[row * 32][0]).abs();
             // One texel is 1/16 of a radius: slope of the edge (¾ per softness) times the wave's slope 2π·√2 a radius.
@@ -309,24 +285,11 @@ mod tests {
         }
     }
 
-    fn zebra_faces(zebra_parameters: &Zebra) -> [Picture; 6] {
-        zebra(Grid::unseen(), zebra_parameters, 32)
-    }
-
     #[test]
     fn the_moon_stands_where_it_is_told_to() {
-        let sky = Moon {
-            elevation_degrees: 0.0,
-            azimuth_degrees: 90.0,
-            radius_degrees: 5.0,
-            moon: [9.0; 3],
-            glow: [0.0; 3],
-            glow_degrees: 1.0,
-            zenith: [0.0; 3],
-            horizon: [0.0; 3],
-            ground: [0.0; 3],
-        };
-        let faces = moon(Grid::unseen(), &sky, 32);
+        let keys = "face_edge = 32, elevation_degrees = 0, azimuth_degrees = 90, radius_degrees = 5, moon = [9, 9, 9], \
+                    glow = [0, 0, 0], glow_degrees = 1, zenith = [0, 0, 0], horizon = [0, 0, 0], ground = [0, 0, 0]";
+        let faces = made(moon, keys);
         assert_eq!(faces[0].pixels[15 * 32 + 16], [9.0; 3], "azimuth 90 is +x, just above the horizon");
         assert_eq!(faces[0].pixels[16 * 32 + 16], [0.0; 3], "the part below the horizon is hidden");
         assert!(faces[5].pixels.iter().all(|pixel| *pixel == [0.0; 3]));

@@ -2,43 +2,36 @@
 
 use super::grid::Grid;
 use super::maths::{Random, cos_turns, hash, lattice_noise, sin_turns, smoothstep};
+use crate::error::SceneError;
 use crate::picture::Picture;
+use crate::source::Arguments;
 
 /// Wind-driven waves: a sum of sines whose wave vectors are whole numbers of cycles per repeat, so that the map tiles.
-#[derive(Clone, Debug)]
-pub(super) struct Waves {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) seed: u32,
-    /// How many sines.
-    pub(super) count: u32,
-    /// Longest and shortest waves, cycles per repeat; wave numbers are spread evenly in their logarithm.
-    pub(super) lowest: f64,
-    pub(super) highest: f64,
-    /// Where the waves run to, from +u towards +v, and how far single waves turn away from it.
-    pub(super) direction_degrees: f64,
-    pub(super) spread_degrees: f64,
-    /// The slope of a wave of k cycles is proportional to k^−falloff.
-    pub(super) falloff: f64,
-}
-
-/// Draws [`Waves`].
-pub(super) fn waves(grid: Grid<'_>, waves: &Waves) -> Picture {
-    let size = waves.size;
-    let mut random = Random::new(waves.seed);
-    let (low, high) = (waves.lowest.min(waves.highest), waves.lowest.max(waves.highest));
-    let tables: Vec<(u32, u32, Vec<f64>)> = (0..waves.count)
+pub(super) fn waves(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let size = keys.size(512)?;
+    let mut random = Random::new(keys.seed()?);
+    let count = keys.whole("count", 64, 1..=1024)?;
+    // The longest and the shortest waves, cycles per repeat; wave numbers are spread evenly in their logarithm.
+    let lowest = keys.number("lowest", 3.0, 1.0..=1024.0)?;
+    let highest = keys.number("highest", 64.0, 1.0..=1024.0)?;
+    let (low, high) = (lowest.min(highest), lowest.max(highest));
+    // Where the waves run to, from +u towards +v, and how far single waves turn away from it.
+    let direction_degrees = keys.number("direction_degrees", 90.0, -360.0..=360.0)?;
+    let spread_degrees = keys.number("spread_degrees", 60.0, 0.0..=180.0)?;
+    // The slope of a wave of k cycles is proportional to k^−falloff.
+    let falloff = keys.number("falloff", 0.5, -4.0..=4.0)?;
+    let tables: Vec<(u32, u32, Vec<f64>)> = (0..count)
         .map(|index| {
-            let share = (f64::from(index) + random.unit()) / f64::from(waves.count);
+            let share = (f64::from(index) + random.unit()) / f64::from(count);
             let cycles = low * power(high / low, share);
-            let turns = (waves.direction_degrees + waves.spread_degrees * random.bell()) / 360.0;
+            let turns = (direction_degrees + spread_degrees * random.bell()) / 360.0;
             let phase = random.unit();
             let [mut k_u, k_v] = [cos_turns(turns), sin_turns(turns)].map(|along| (cycles * along).round());
             if k_u == 0.0 && k_v == 0.0 {
                 k_u = 1.0;
             }
             let length = (k_u * k_u + k_v * k_v).sqrt();
-            let amplitude = 1.0 / (length * power(length, waves.falloff));
+            let amplitude = 1.0 / (length * power(length, falloff));
             let table =
                 (0..size).map(|step| amplitude * sin_turns(f64::from(step) / f64::from(size) + phase)).collect();
             let wrapped = |cycles: f64| (cycles as i64).rem_euclid(i64::from(size)) as u32;
@@ -50,78 +43,64 @@ pub(super) fn waves(grid: Grid<'_>, waves: &Waves) -> Picture {
         let at = |k_u: u32, k_v: u32| (u64::from(k_u) * u64::from(column) + u64::from(k_v) * up) % u64::from(size);
         tables.iter().map(|(k_u, k_v, table)| table[at(*k_u, *k_v) as usize]).sum::<f64>()
     });
-    grey(size, &heights)
+    Ok(grey(size, &heights))
 }
 
 /// Rings around drops, fading out at their reach.
-#[derive(Clone, Debug)]
-pub(super) struct Ripples {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) seed: u32,
-    pub(super) drops: u32,
-    /// Rings per repeat.
-    pub(super) rings: f64,
-    /// Radius in repeats, at most ½, so that rings end before they meet themselves.
-    pub(super) reach: f64,
-}
-
-/// Draws [`Ripples`].
-pub(super) fn ripples(grid: Grid<'_>, ripples: &Ripples) -> Picture {
-    let mut random = Random::new(ripples.seed);
-    let drops: Vec<[f64; 3]> = (0..ripples.drops).map(|_| [random.unit(), random.unit(), random.unit()]).collect();
+pub(super) fn ripples(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let size = keys.size(512)?;
+    let mut random = Random::new(keys.seed()?);
+    let drops = keys.whole("drops", 8, 1..=256)?;
+    // Rings per repeat.
+    let rings = keys.number("rings", 12.0, 0.5..=256.0)?;
+    // Radius in repeats, at most ½, so that rings end before they meet themselves.
+    let reach = keys.number("reach", 0.3, 0.01..=0.5)?;
+    let drops: Vec<[f64; 3]> = (0..drops).map(|_| [random.unit(), random.unit(), random.unit()]).collect();
     let heights = grid.square(
-        ripples.size,
+        size,
         #[inline(always)]
         |column, row| {
-            let at = [column, row].map(|index| f64::from(index) / f64::from(ripples.size));
+            let at = [column, row].map(|index| f64::from(index) / f64::from(size));
             drops
                 .iter()
                 .map(|[x, y, phase]| {
                     let [dx, dy] = [at[0] - x, at[1] - y].map(|distance| distance - (distance + 0.5).floor());
                     let distance = (dx * dx + dy * dy).sqrt();
-                    let fade = 1.0 - smoothstep(0.0, ripples.reach, distance);
-                    fade * sin_turns(distance * ripples.rings + phase)
+                    let fade = 1.0 - smoothstep(0.0, reach, distance);
+                    fade * sin_turns(distance * rings + phase)
                 })
                 .sum::<f64>()
         },
     );
-    grey(ripples.size, &heights)
+    Ok(grey(size, &heights))
 }
 
 /// Smooth bumps: octaves of lattice noise.
-#[derive(Clone, Debug)]
-pub(super) struct Bumps {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) seed: u32,
-    /// Bumps per repeat in the first octave.
-    pub(super) cells: u32,
-    pub(super) octaves: u32,
-    /// Height of an octave relative to the one before, which has half as many cells.
-    pub(super) gain: f64,
-}
-
-/// Draws [`Bumps`].
-pub(super) fn bumps(grid: Grid<'_>, bumps: &Bumps) -> Picture {
+pub(super) fn bumps(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let (size, first_seed) = (keys.size(512)?, keys.seed()?);
+    // Bumps per repeat in the first octave.
+    let first_cells = keys.whole("cells", 8, 1..=512)?;
+    let octaves = keys.whole("octaves", 3, 1..=8)?;
+    // Height of an octave relative to the one before, which has half as many cells.
+    let gain = keys.number("gain", 0.5, 0.0..=1.0)?;
     let heights = grid.square(
-        bumps.size,
+        size,
         #[inline(always)]
         |column, row| {
-            let at = [column, row].map(|index| f64::from(index) / f64::from(bumps.size));
+            let at = [column, row].map(|index| f64::from(index) / f64::from(size));
             let mut height = 0.0;
             let mut weight = 1.0;
-            for octave in 0..bumps.octaves {
-                let cells = bumps.cells << octave;
-                let seed = hash(u64::from(bumps.seed), i64::from(octave), 0, 0);
+            for octave in 0..octaves {
+                let cells = first_cells << octave;
+                let seed = hash(u64::from(first_seed), i64::from(octave), 0, 0);
                 let scaled = [at[0] * f64::from(cells), at[1] * f64::from(cells), 0.5];
                 height += weight * lattice_noise(seed, scaled, [i64::from(cells), i64::from(cells), 0]);
-                weight *= bumps.gain;
+                weight *= gain;
             }
             height
         },
     );
-    grey(bumps.size, &heights)
+    Ok(grey(size, &heights))
 }
 
 /// A planet with sea and land, by longitude and latitude.
@@ -138,6 +117,16 @@ pub(super) struct Earth {
 }
 
 impl Earth {
+    pub(super) fn new(keys: &Arguments<'_>) -> Result<Self, SceneError> {
+        Ok(Self {
+            size: keys.size(512)?,
+            seed: keys.seed()?,
+            detail: keys.number("detail", 1.6, 0.25..=16.0)?,
+            octaves: keys.whole("octaves", 6, 1..=10)?,
+            sea: keys.number("sea", 0.55, 0.0..=1.0)?,
+        })
+    }
+
     /// Height above the sea, from −1 to 1 at most, at a unit vector.
     #[inline(always)]
     pub(super) fn height_above_sea(&self, at: [f64; 3]) -> f64 {
@@ -166,7 +155,8 @@ impl Earth {
 
 /// Draws the relief of [`Earth`]: the sea is flat, and so are the last four degrees at the poles, where the rows of
 /// the map meet in one point.
-pub(super) fn earth(grid: Grid<'_>, earth: &Earth) -> Picture {
+pub(super) fn earth(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let earth = Earth::new(keys)?;
     let (width, height) = (2 * earth.size, earth.size);
     let heights = grid.rectangle(
         width,
@@ -178,7 +168,7 @@ pub(super) fn earth(grid: Grid<'_>, earth: &Earth) -> Picture {
             polar * earth.height_above_sea(at).max(0.0)
         },
     );
-    grey(width, &heights)
+    Ok(grey(width, &heights))
 }
 
 /// Grey picture of `width` columns, with the lowest height at 0 and the highest at 1 (all 0 where they are the same).
@@ -212,6 +202,7 @@ fn power(base: f64, exponent: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::made;
     use super::*;
 
     #[test]
@@ -245,23 +236,13 @@ mod tests {
 
     #[test]
     fn waves_ripples_and_bumps_repeat_without_a_seam() {
-        let size = 64;
         let maps = [
-            waves(
-                Grid::unseen(),
-                &Waves {
-                    size,
-                    seed: 3,
-                    count: 20,
-                    lowest: 1.0,
-                    highest: 6.0,
-                    direction_degrees: 30.0,
-                    spread_degrees: 40.0,
-                    falloff: 0.5,
-                },
+            made(
+                waves,
+                "size = 64, seed = 3, count = 20, lowest = 1, highest = 6, direction_degrees = 30, spread_degrees = 40",
             ),
-            ripples(Grid::unseen(), &Ripples { size, seed: 3, drops: 5, rings: 5.0, reach: 0.45 }),
-            bumps(Grid::unseen(), &Bumps { size, seed: 3, cells: 3, octaves: 2, gain: 0.5 }),
+            made(ripples, "size = 64, seed = 3, drops = 5, rings = 5, reach = 0.45"),
+            made(bumps, "size = 64, seed = 3, cells = 3, octaves = 2"),
         ];
         for map in maps {
             let (inside, across) = steps(&map);
@@ -274,7 +255,7 @@ mod tests {
 
     #[test]
     fn the_relief_is_flat_at_the_poles() {
-        let relief = earth(Grid::unseen(), &Earth { size: 128, seed: 1, detail: 1.6, octaves: 4, sea: 0.3 });
+        let relief = made(earth, "size = 128, octaves = 4, sea = 0.3");
         let width = relief.width as usize;
         let pole_rows = relief.pixels[..width].iter().chain(&relief.pixels[127 * width..]);
         assert!(pole_rows.into_iter().all(|pixel| pixel[0] == 0.0));

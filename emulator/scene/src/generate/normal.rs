@@ -2,30 +2,24 @@
 
 use super::grid::Grid;
 use super::maths::{hash, normalised, unit};
+use crate::error::SceneError;
 use crate::picture::Picture;
+use crate::source::Arguments;
 
 /// Hammered metal: hollow dents that meet in sharp edges, which no height map's differences keep.
-#[derive(Clone, Debug)]
-pub(super) struct Hammered {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) seed: u32,
-    /// Dents along an edge.
-    pub(super) dents: u32,
-    /// Slope of a dent half a cell away from its middle.
-    pub(super) slope: f64,
-}
-
-/// Draws [`Hammered`].
-pub(super) fn hammered(grid: Grid<'_>, hammered: &Hammered) -> Picture {
-    let dents = i64::from(hammered.dents);
-    let seed = u64::from(hammered.seed);
+pub(super) fn hammered(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let size = keys.size(512)?;
+    let seed = u64::from(keys.seed()?);
+    // Along an edge.
+    let dents = i64::from(keys.whole("dents", 8, 2..=256)?);
+    // Of a dent half a cell away from its middle.
+    let slope = keys.number("slope", 0.25, 0.0..=2.0)?;
     let pixels = grid.square(
-        hammered.size,
+        size,
         #[inline(always)]
         |column, row| {
-            let [x, y] = [column, hammered.size - 1 - row]
-                .map(|texel| (f64::from(texel) + 0.5) * f64::from(hammered.dents) / f64::from(hammered.size));
+            let [x, y] =
+                [column, size - 1 - row].map(|texel| (f64::from(texel) + 0.5) * dents as f64 / f64::from(size));
             let cell = [x, y].map(|at| at.floor() as i64);
             let mut nearest = [f64::INFINITY; 2];
             for step in 0..9 {
@@ -40,20 +34,21 @@ pub(super) fn hammered(grid: Grid<'_>, hammered: &Hammered) -> Picture {
                 }
             }
             // A bowl: its height grows with the square of the distance, its normal leans towards the middle.
-            let [lean_u, lean_v] = nearest.map(|distance| -2.0 * hammered.slope * distance);
+            let [lean_u, lean_v] = nearest.map(|distance| -2.0 * slope * distance);
             normalised([lean_u, lean_v, 1.0]).map(|component| (0.5 + 0.5 * component) as f32)
         },
     );
-    Picture { width: hammered.size, height: hammered.size, pixels }
+    Ok(Picture { width: size, height: size, pixels })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::made;
     use super::*;
 
     #[test]
     fn dents_are_hollow_and_repeat() {
-        let map = hammered(Grid::unseen(), &Hammered { size: 64, seed: 1, dents: 4, slope: 0.3 });
+        let map = made(hammered, "size = 64, dents = 4, slope = 0.3");
         let lean = |column: u32, row: u32, channel: usize| map.pixels[(row * 64 + column) as usize][channel] - 0.5;
         let mut edges = 0;
         for row in 0..64 {

@@ -3,35 +3,28 @@
 use super::grid::Grid;
 use super::height::grey;
 use super::maths::{Random, cos_turns, sin_turns, smoothstep};
+use crate::error::SceneError;
 use crate::picture::Picture;
+use crate::source::Arguments;
 
 /// Long thin scratches along u, each a groove that fades out at both ends.
-#[derive(Clone, Debug)]
-pub(super) struct Brushed {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) seed: u32,
-    pub(super) scratches: u32,
-    /// Of the longest scratch, in repeats.
-    pub(super) length: f64,
-    /// Of a groove, in texels.
-    pub(super) width_texels: f64,
-    /// How far single scratches turn away from u.
-    pub(super) spread_degrees: f64,
-}
-
-/// Draws [`Brushed`].
-pub(super) fn brushed(grid: Grid<'_>, brushed: &Brushed) -> Picture {
-    let size = i64::from(brushed.size);
-    let mut random = Random::new(brushed.seed);
+pub(super) fn brushed(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let edge = keys.size(512)?;
+    let size = i64::from(edge);
     let mut heights = vec![0.0; (size * size) as usize];
-    let half_width = 0.5 * brushed.width_texels;
-    grid.begin(brushed.scratches.into());
-    for _ in 0..brushed.scratches {
+    let mut random = Random::new(keys.seed()?);
+    let scratches = keys.whole("scratches", 2000, 1..=20_000)?;
+    // Of the longest scratch, in repeats.
+    let length = keys.number("length", 0.5, 0.01..=1.0)?;
+    let half_width = 0.5 * keys.number("width_texels", 4.0, 2.0..=16.0)?;
+    // How far single scratches turn away from u.
+    let spread_degrees = keys.number("spread_degrees", 2.0, 0.0..=30.0)?;
+    grid.begin(scratches.into());
+    for _ in 0..scratches {
         grid.step();
-        let [column, row] = [0; 2].map(|_| random.unit() * f64::from(brushed.size));
-        let steps = ((0.3 + 0.7 * random.unit()) * brushed.length * f64::from(brushed.size)).ceil();
-        let turns = brushed.spread_degrees / 360.0 * random.bell();
+        let [column, row] = [0; 2].map(|_| random.unit() * f64::from(edge));
+        let steps = ((0.3 + 0.7 * random.unit()) * length * f64::from(edge)).ceil();
+        let turns = spread_degrees / 360.0 * random.bell();
         let climb = sin_turns(turns) / cos_turns(turns);
         let strength = random.unit();
         for step in 0..=steps as i64 {
@@ -46,37 +39,33 @@ pub(super) fn brushed(grid: Grid<'_>, brushed: &Brushed) -> Picture {
             }
         }
     }
-    grey(brushed.size, &heights)
+    Ok(grey(edge, &heights))
 }
 
-/// A profile along one direction, `periods` of it along u and v.
-#[derive(Clone, Debug)]
-pub(super) struct Profile {
-    /// Edge in texels.
-    pub(super) size: u32,
-    pub(super) periods: [u32; 2],
-}
-
-/// The heights of a profile from its height at a phase in [0, 1).
-fn profile(grid: Grid<'_>, profile: &Profile, height: impl Fn(f64) -> f64) -> Picture {
-    let size = profile.size;
-    let [periods_u, periods_v] = profile.periods.map(u64::from);
+/// A profile along one direction, `periods_u` and `periods_v` of it along u and v, from its height at a phase in [0, 1).
+fn profile(grid: Grid<'_>, keys: &Arguments<'_>, height: impl Fn(f64) -> f64) -> Result<Picture, SceneError> {
+    let periods = [keys.whole("periods_u", 8, 0..=1024)?, keys.whole("periods_v", 0, 0..=1024)?];
+    if periods == [0; 2] {
+        return Err(keys.error("the profile has no period", "give `periods_u` or `periods_v` above 0"));
+    }
+    let [periods_u, periods_v] = periods.map(u64::from);
+    let size = keys.size(512)?;
     let table: Vec<f64> = (0..size).map(|step| height(f64::from(step) / f64::from(size))).collect();
     let heights = grid.square(size, |column, row| {
         let phase = (periods_u * u64::from(column) + periods_v * u64::from(size - 1 - row)) % u64::from(size);
         table[phase as usize]
     });
-    grey(size, &heights)
+    Ok(grey(size, &heights))
 }
 
 /// Corrugated sheet: a cosine.
-pub(super) fn corrugated(grid: Grid<'_>, sheet: &Profile) -> Picture {
-    profile(grid, sheet, cos_turns)
+pub(super) fn corrugated(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    profile(grid, keys, cos_turns)
 }
 
 /// V-grooves: two plane flanks.
-pub(super) fn grooves(grid: Grid<'_>, grooves: &Profile) -> Picture {
-    profile(grid, grooves, |phase| (2.0 * phase - 1.0).abs())
+pub(super) fn grooves(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    profile(grid, keys, |phase| (2.0 * phase - 1.0).abs())
 }
 
 /// Round caps or rods side by side, cut where their flank becomes too steep.
@@ -91,6 +80,14 @@ pub(super) struct Round {
 }
 
 impl Round {
+    fn new(keys: &Arguments<'_>) -> Result<Self, SceneError> {
+        Ok(Self {
+            size: keys.size(512)?,
+            count: keys.whole("count", 4, 1..=1024)?,
+            rim: keys.number("rim", 0.9, 0.01..=0.98)?,
+        })
+    }
+
     /// Place in a cell, −1 to 1, of a texel; with a whole number of texels a cell, rim and axis are both met.
     fn place(&self, texel: u32) -> f64 {
         let cell = f64::from(texel) * f64::from(self.count) / f64::from(self.size);
@@ -104,21 +101,23 @@ impl Round {
 }
 
 /// Spherical caps in a square lattice, flat between (F92 Fig. 5): the radius is half a cell.
-pub(super) fn hemispheres(grid: Grid<'_>, caps: &Round) -> Picture {
+pub(super) fn hemispheres(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let caps = Round::new(keys)?;
     let heights = grid.square(caps.size, |column, row| {
         let [x, y] = [column, row].map(|texel| caps.place(texel));
         caps.height(x * x + y * y)
     });
-    grey(caps.size, &heights)
+    Ok(grey(caps.size, &heights))
 }
 
 /// Parallel half cylinders along v that touch at their rims (F92 Fig. 4).
-pub(super) fn cylinders(grid: Grid<'_>, rods: &Round) -> Picture {
+pub(super) fn cylinders(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let rods = Round::new(keys)?;
     let heights = grid.square(rods.size, |column, _| {
         let x = rods.place(column);
         rods.height(rods.rim * x * x)
     });
-    grey(rods.size, &heights)
+    Ok(grey(rods.size, &heights))
 }
 
 /// Twill of round threads (F92 Fig. 7): each warp thread, along v, passes over three wefts and under one, one weft
@@ -149,6 +148,14 @@ const CROSSING: f64 = 0.45;
 const PRESSED: f64 = 0.6;
 
 impl Denim {
+    pub(super) fn new(keys: &Arguments<'_>) -> Result<Self, SceneError> {
+        Ok(Self {
+            size: keys.size(512)?,
+            threads: keys.whole("threads", 16, 4..=1024)?,
+            twist: keys.number("twist", 0.1, 0.0..=1.0)?,
+        })
+    }
+
     /// The upper thread at the centre of a texel.
     pub(super) fn at(&self, column: u32, row: u32) -> Strand {
         let in_threads = |texel: u32| (f64::from(texel) + 0.5) * f64::from(self.threads) / f64::from(self.size);
@@ -173,12 +180,14 @@ impl Denim {
 }
 
 /// Draws the heights of [`Denim`].
-pub(super) fn denim(grid: Grid<'_>, denim: &Denim) -> Picture {
-    grey(denim.size, &grid.square(denim.size, |column, row| denim.at(column, row).height))
+pub(super) fn denim(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
+    let denim = Denim::new(keys)?;
+    Ok(grey(denim.size, &grid.square(denim.size, |column, row| denim.at(column, row).height)))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::made;
     use super::*;
 
     fn at(picture: &Picture, column: u32, row: u32) -> f64 {
@@ -201,10 +210,7 @@ mod tests {
 
     #[test]
     fn scratches_run_along_u_and_cross_the_seam() {
-        let map = brushed(
-            Grid::unseen(),
-            &Brushed { size: 128, seed: 1, scratches: 400, length: 0.5, width_texels: 3.0, spread_degrees: 1.0 },
-        );
+        let map = made(brushed, "size = 128, scratches = 400, width_texels = 3, spread_degrees = 1");
         let [along, across] = roughness_along(&map);
         assert!(across > 50.0 * along, "{along} {across}");
         let seam: f64 = (0..128).map(|row| (at(&map, 127, row) - at(&map, 0, row)).powi(2)).sum();
@@ -213,19 +219,19 @@ mod tests {
 
     #[test]
     fn profiles_have_their_periods_along_both_directions() {
-        let sheet = corrugated(Grid::unseen(), &Profile { size: 64, periods: [2, 1] });
+        let sheet = made(corrugated, "size = 64, periods_u = 2, periods_v = 1");
         assert_eq!((at(&sheet, 0, 63), at(&sheet, 16, 63)), (1.0, 0.0));
         assert_eq!(at(&sheet, 0, 31), 0.0, "half a period up");
-        let grooves = grooves(Grid::unseen(), &Profile { size: 64, periods: [4, 0] });
+        let grooves = made(grooves, "size = 64, periods_u = 4");
         // Two flanks: every step is the same, up or down.
         assert!((0..63).all(|x| (at(&grooves, x + 1, 0) - at(&grooves, x, 0)).abs() == 0.125));
     }
 
     #[test]
     fn caps_and_rods_are_round_up_to_their_rim() {
-        let round = Round { size: 256, count: 2, rim: 0.8 };
+        let round = "size = 256, count = 2, rim = 0.8";
         let full = 1.0 - (1.0 - 0.8_f64).sqrt();
-        for (map, scale) in [(hemispheres(Grid::unseen(), &round), 1.0), (cylinders(Grid::unseen(), &round), 0.8)] {
+        for (map, scale) in [(made(hemispheres, round), 1.0), (made(cylinders, round), 0.8)] {
             for column in 0..128 {
                 // Row 64 runs through the centres of the caps.
                 let x = f64::from(column) / 64.0 - 1.0;
@@ -250,10 +256,10 @@ mod tests {
 
     #[test]
     fn denim_repeats_without_a_seam() {
-        let map = denim(Grid::unseen(), &Denim { size: 64, threads: 4, twist: 0.1 });
+        let map = made(denim, "size = 64, threads = 4");
         let step = |a: (u32, u32), b: (u32, u32)| (at(&map, a.0, a.1) - at(&map, b.0, b.1)).abs();
         // The same crossing one twill on: across the seam as four threads before.
-        let tiled = denim(Grid::unseen(), &Denim { size: 128, threads: 8, twist: 0.1 });
+        let tiled = made(denim, "size = 128, threads = 8");
         for texel in 0..64 {
             let seam = step((63, texel), (0, texel));
             let inside = (at(&tiled, 63, texel + 64) - at(&tiled, 64, texel + 64)).abs();

@@ -12,7 +12,7 @@ use crate::bump::{BumpField, FrameSystem, HeightScale, OFFSET_LIMIT};
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
 use crate::generate::{
-    MapProgress, UNIFORM_ROUGHNESS, colour_map, environment, height_map, normal_map, uniform_roughness,
+    COLOUR_MAPS, ENVIRONMENTS, Generators, HEIGHT_MAPS, MapProgress, NORMAL_MAPS, UNIFORM_ROUGHNESS, uniform_roughness,
 };
 use crate::lighting::PEAK_HEIGHTS;
 use crate::panorama::faces_from_equirectangular;
@@ -33,14 +33,6 @@ pub(super) struct Maps<'a> {
     pub(super) warnings: Vec<String>,
 }
 
-/// What a picture is read for: colours are decoded from sRGB, data are not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PictureUse {
-    Colour,
-    Height,
-    Normal,
-    Roughness,
-}
 impl<'a> Maps<'a> {
     /// Nothing read so far.
     pub(super) fn new(source: &'a Source, progress: &'a dyn MapProgress) -> Self {
@@ -64,7 +56,7 @@ impl Maps<'_> {
         let paths = arguments.texts("faces")?;
         let exposure = arguments.number("exposure", 0.0, EXPOSURES)?;
         let mut faces = match (generate, equirectangular, paths) {
-            (Some((name, span)), None, None) => environment(&arguments, name, span, self.progress)?,
+            (Some(named), None, None) => ENVIRONMENTS.make(&arguments, named, self.progress)?,
             (None, Some((path, span)), None) => {
                 let face_edge = arguments.whole("face_edge", 512, 1..=MAX_FACE_EDGE)?;
                 let picture = self.read_picture(path, span, Encoding::Srgb)?;
@@ -124,18 +116,15 @@ impl Maps<'_> {
     }
 
     /// The picture of a table with `path` or `generate`; refuses keys that neither it nor the caller asked for.
-    fn picture(&self, arguments: &Arguments<'_>, usage: PictureUse) -> Result<Picture, SceneError> {
-        let path = arguments.text("path")?;
-        let generate = arguments.text("generate")?;
-        let picture = match (path, generate, usage) {
-            (Some((path, span)), None, PictureUse::Colour) => self.read_picture(path, span, Encoding::Srgb)?,
-            (Some((path, span)), None, _) => self.read_picture(path, span, Encoding::Linear)?,
-            (None, Some((name, span)), PictureUse::Colour) => colour_map(arguments, name, span, self.progress)?,
-            (None, Some((name, span)), PictureUse::Normal) => normal_map(arguments, name, span, self.progress)?,
-            // The grey of a height map is as good for a deviation as for a height.
-            (None, Some((name, span)), PictureUse::Height | PictureUse::Roughness) => {
-                height_map(arguments, name, span, self.progress)?
-            }
+    fn picture(
+        &self,
+        arguments: &Arguments<'_>,
+        generators: &Generators<Picture>,
+        encoding: Encoding,
+    ) -> Result<Picture, SceneError> {
+        let picture = match (arguments.text("path")?, arguments.text("generate")?) {
+            (Some((path, span)), None) => self.read_picture(path, span, encoding)?,
+            (None, Some(named)) => generators.make(arguments, named, self.progress)?,
             _ => {
                 return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));
             }
@@ -155,7 +144,7 @@ impl Maps<'_> {
         if let Some(known) = self.colour_maps.get(&key) {
             return Ok(Arc::clone(known));
         }
-        let picture = Arc::new(self.picture(&arguments, PictureUse::Colour)?);
+        let picture = Arc::new(self.picture(&arguments, &COLOUR_MAPS, Encoding::Srgb)?);
         self.warnings.extend(light::cut_colour(&format!("{name}: colour map"), &picture));
         self.colour_maps.insert(key, Arc::clone(&picture));
         Ok(picture)
@@ -185,7 +174,7 @@ impl Maps<'_> {
         }
         let (field, clamped) = if is_height {
             let scale = height_scale(&arguments, frame)?;
-            let heights = self.picture(&arguments, PictureUse::Height)?;
+            let heights = self.picture(&arguments, &HEIGHT_MAPS, Encoding::Linear)?;
             if with_heights {
                 BumpField::with_heights(&heights, scale, frame)
             } else {
@@ -197,7 +186,7 @@ impl Maps<'_> {
                 let message = "the frame \"natural\" needs heights: a normal map has no depth";
                 return Err(arguments.error(message, help));
             }
-            BumpField::from_normals(&self.picture(&arguments, PictureUse::Normal)?)
+            BumpField::from_normals(&self.picture(&arguments, &NORMAL_MAPS, Encoding::Linear)?)
         };
         if clamped > 0 {
             self.warnings.push(format!(
@@ -275,7 +264,9 @@ impl Maps<'_> {
                 return Err(arguments.error_at(span, message, "choose \"isotropic\" or \"anisotropic\""));
             }
         };
-        Ok(RoughnessField::from_picture(&self.picture(arguments, PictureUse::Roughness)?, channels, deviation))
+        // The grey of a height map is as good for a deviation as for a height.
+        let picture = self.picture(arguments, &HEIGHT_MAPS, Encoding::Linear)?;
+        Ok(RoughnessField::from_picture(&picture, channels, deviation))
     }
 }
 
