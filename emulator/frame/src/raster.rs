@@ -21,7 +21,6 @@ mod setup;
 #[cfg(test)]
 mod tests;
 
-use roughxel_utilities::limits::MAX_FRAME_PIXELS;
 use thiserror::Error;
 
 pub use attributes::{PointFromTriangle, Triangle};
@@ -46,51 +45,12 @@ pub const MAX_TRIANGLES: u32 = 1 << 29;
 /// Why a frame cannot be set up.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RasterError {
-    /// The frame has no pixels or is too large.
-    #[error(
-        "camera: a frame of {width}×{height} pixels; give a width and a height of 1 to {MAX_EDGE_PX} and at most {MAX_FRAME_PIXELS} pixels"
-    )]
-    FrameSize {
-        /// Width asked for, pixels.
-        width: u32,
-        /// Height asked for, pixels.
-        height: u32,
-    },
-    /// The angle of view is not an angle a picture plane can show.
-    #[error("camera: an angle of view of {fov_y_degrees}°; give more than 0 and less than 180")]
-    FieldOfView {
-        /// Angle asked for, degrees.
-        fov_y_degrees: f64,
-    },
-    /// Eye, target and up do not span a view.
-    #[error(
-        "camera: {problem}; eye and target must be finite and distinct, and up must not lie along the line of sight"
-    )]
-    Orientation {
-        /// What is wrong.
-        problem: &'static str,
-    },
-    /// More triangles than can be numbered.
-    #[error("{count} triangles in the scene; at most {MAX_TRIANGLES} can be drawn")]
-    TooManyTriangles {
-        /// Triangles found.
-        count: u64,
-    },
+    /// A camera or triangles that are out of range.
+    #[error("{0}")]
+    OutOfRange(String),
     /// The bump map of an object has no peaks.
     #[error(transparent)]
     Peaks(#[from] roughxel_peaks::ObjectPeakError),
-    /// A triangle names a vertex its mesh does not have.
-    #[error("object {object:?}: triangle {triangle} names vertex {vertex}, but the mesh has {vertices}")]
-    VertexIndex {
-        /// Name of the object.
-        object: String,
-        /// Index of the triangle in its mesh.
-        triangle: usize,
-        /// Vertex index found there.
-        vertex: u32,
-        /// Vertices of the mesh.
-        vertices: usize,
-    },
 }
 
 /// A rectangle of pixels of the frame.

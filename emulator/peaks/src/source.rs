@@ -20,53 +20,10 @@ pub const MAX_AMPLITUDE: f64 = 1024.0;
 /// Largest weight 1/n_z of a facet: steeper ones (86.4°) are taken as this steep.
 pub const MAX_SURFACE_WEIGHT: f64 = 16.0;
 
-/// Why there is no peak pyramid.
+/// Why there is no peak pyramid: a size, a normal, a height or an option that is out of range.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum PeakError {
-    /// No texels, or more than [`MAX_PEAK_TEXELS`].
-    #[error("a map of {width}x{height} texels has no peak pyramid: 1 to {MAX_PEAK_TEXELS} texels")]
-    Size {
-        /// Texels in a row.
-        width: u32,
-        /// Rows.
-        height: u32,
-    },
-    /// Normals or heights are not as many as texels.
-    #[error("{found} {what} for {wanted} texels")]
-    Count {
-        /// "normals" or "heights".
-        what: &'static str,
-        /// Number of fragments.
-        found: usize,
-        /// How many there should be.
-        wanted: usize,
-    },
-    /// A normal has no direction: it is zero, infinite or no number.
-    #[error("the normal of texel ({x}, {y}) has no direction")]
-    Normal {
-        /// Column.
-        x: u32,
-        /// Row.
-        y: u32,
-    },
-    /// A height is outside of [`PEAK_HEIGHTS`] or no number.
-    #[error("the height of texel ({x}, {y}) is no number within 10^9")]
-    Height {
-        /// Column.
-        x: u32,
-        /// Row.
-        y: u32,
-    },
-    /// Rows of heights are no distance apart.
-    #[error("rows that are {0} columns apart have no slopes")]
-    RowDistance(f64),
-    /// The exponent is outside of [`EXPONENTS`] or no number.
-    #[error("an exponent of {0} is not within 1 to 8192")]
-    Exponent(f64),
-    /// The amplitude is outside of 0 to [`MAX_AMPLITUDE`] or no number.
-    #[error("an amplitude of {0} is not within 0 to {MAX_AMPLITUDE}")]
-    Amplitude(f64),
-}
+#[error("{0}")]
+pub struct PeakError(String);
 
 /// Maps that a pyramid is built from; row 0 at v = 0, repeat addressing.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,25 +82,30 @@ impl PeakSource {
     pub(super) fn check(&self) -> Result<(), PeakError> {
         let texels = texels((self.width, self.height));
         if !(1..=MAX_PEAK_TEXELS).contains(&texels) {
-            return Err(PeakError::Size { width: self.width, height: self.height });
+            let (width, height) = (self.width, self.height);
+            return Err(PeakError(format!(
+                "a map of {width}x{height} texels has no peak pyramid: 1 to {MAX_PEAK_TEXELS} texels"
+            )));
         }
         // NaN is within nothing.
         if !(f64::MIN_POSITIVE..=f64::MAX).contains(&self.rows_apart) {
-            return Err(PeakError::RowDistance(self.rows_apart));
+            return Err(PeakError(format!("rows that are {} columns apart have no slopes", self.rows_apart)));
         }
         let wanted = texels as usize;
-        let count = |what, found| if found == wanted { Ok(()) } else { Err(PeakError::Count { what, found, wanted }) };
-        count("normals", self.normals.len())?;
+        let count = |what, found| {
+            let error = || PeakError(format!("{found} {what} for {wanted} texels"));
+            (found == wanted).then_some(()).ok_or_else(error)
+        };
         let place = |index: usize| (index as u32 % self.width, index as u32 / self.width);
-        if let Some(index) = self.normals.iter().position(|normal| unit(*normal).is_none()) {
-            let (x, y) = place(index);
-            return Err(PeakError::Normal { x, y });
+        count("normals", self.normals.len())?;
+        if let Some((x, y)) = self.normals.iter().position(|normal| unit(*normal).is_none()).map(place) {
+            return Err(PeakError(format!("the normal of texel ({x}, {y}) has no direction")));
         }
         if let Some(heights) = &self.heights {
             count("heights", heights.len())?;
-            if let Some(index) = heights.iter().position(|height| !PEAK_HEIGHTS.contains(&(*height as f32))) {
-                let (x, y) = place(index);
-                return Err(PeakError::Height { x, y });
+            let is_out_of_range = |height: &f64| !PEAK_HEIGHTS.contains(&(*height as f32));
+            if let Some((x, y)) = heights.iter().position(is_out_of_range).map(place) {
+                return Err(PeakError(format!("the height of texel ({x}, {y}) is no number within 10^9")));
             }
         }
         Ok(())
@@ -182,10 +144,11 @@ impl BuildOptions {
 
     pub(super) fn check(&self) -> Result<(), PeakError> {
         if !EXPONENTS.contains(&self.exponent) {
-            return Err(PeakError::Exponent(self.exponent));
+            return Err(PeakError(format!("an exponent of {} is not within 1 to 8192", self.exponent)));
         }
         if !(0.0..=MAX_AMPLITUDE).contains(&self.amplitude) {
-            return Err(PeakError::Amplitude(self.amplitude));
+            let message = format!("an amplitude of {} is not within 0 to {MAX_AMPLITUDE}", self.amplitude);
+            return Err(PeakError(message));
         }
         Ok(())
     }

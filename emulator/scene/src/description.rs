@@ -194,7 +194,7 @@ pub(crate) struct GivenDescription {
 }
 
 impl Source {
-    /// Parses the text. Errors: [`SceneError::Syntax`].
+    /// Parses the text. Errors: [`SceneError::Fault`].
     pub(super) fn parse(&self) -> Result<SceneDescription, SceneError> {
         toml::from_str(&self.text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
@@ -204,7 +204,7 @@ impl Source {
             } else {
                 "every key is described in emulator/scenes/README.md"
             };
-            SceneError::Syntax(self.fault(span, message, help))
+            self.value_error(span, message, help)
         })
     }
 }

@@ -1,12 +1,8 @@
 //! Errors of scene files, and places in files that people write: what is wrong, where it stands, and what to do about it.
 
+use std::io;
 use std::ops::Range;
-use std::path::PathBuf;
 use std::sync::Arc;
-
-use crate::mesh::MeshError;
-use crate::picture::PictureError;
-use roughxel_utilities::limits::{MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES};
 
 /// A place in a file that people write, a scene or a profile, with what is wrong there.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,84 +61,29 @@ fn floor_char_boundary(text: &str, index: usize) -> usize {
 /// Why a scene cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// The scene file cannot be read.
-    #[error("{}: cannot read the scene file: {source} (check the name and the permissions)", path.display())]
-    Unreadable {
-        /// The scene file.
-        path: PathBuf,
+    /// At a place of its file: not TOML, a value that does not fit, a picture or a mesh that cannot be used.
+    #[error("{0}")]
+    Fault(Box<Fault>),
+    /// The file as a whole, or what was asked of it.
+    #[error("{message}")]
+    Whole {
+        /// What is wrong, and what to do about it.
+        message: String,
         /// What the system said.
-        source: std::io::Error,
-    },
-    /// Neither a file nor a built-in scene.
-    #[error(
-        "{name}: there is no such scene file, and no built-in scene of that name ({meant}`roughxel scenes` lists them)"
-    )]
-    NoScene {
-        /// What was asked for.
-        name: String,
-        /// The start of the remedy: a built-in scene of a similar name, or nothing.
-        meant: String,
-    },
-    /// The scene file is larger than any scene needs.
-    #[error("{}: is {bytes} bytes long, more than {MAX_SCENE_BYTES} (is it a scene file?)", path.display())]
-    TooLarge {
-        /// The scene file.
-        path: PathBuf,
-        /// Its size.
-        bytes: u64,
-    },
-    /// The scene file is not UTF-8 text.
-    #[error("{}: is not UTF-8 text (save the scene file as UTF-8)", path.display())]
-    NotText {
-        /// The scene file.
-        path: PathBuf,
-    },
-    /// Not TOML, an unknown or missing key, or a value of the wrong type.
-    #[error("{0}")]
-    Syntax(Box<Fault>),
-    /// A value out of range, or values that do not fit each other.
-    #[error("{0}")]
-    Value(Box<Fault>),
-    /// A picture named in the scene cannot be used.
-    #[error("{fault}")]
-    Picture {
-        /// Where the picture is named.
-        fault: Box<Fault>,
-        /// What is wrong with it.
-        source: PictureError,
-    },
-    /// A mesh named in the scene cannot be used.
-    #[error("{fault}")]
-    Mesh {
-        /// Where the mesh is named.
-        fault: Box<Fault>,
-        /// What is wrong with it.
-        source: MeshError,
-    },
-    /// A frame size from outside the scene file is out of range.
-    #[error(
-        "a frame of {width}×{height} pixels is out of range \
-         (choose edges of 1 to {MAX_FRAME_EDGE_PX} and at most {MAX_FRAME_PIXELS} pixels)"
-    )]
-    FrameSize {
-        /// Width asked for, pixels.
-        width: u32,
-        /// Height asked for, pixels.
-        height: u32,
+        source: Option<io::Error>,
     },
 }
 
 impl SceneError {
+    pub(crate) fn whole(message: impl Into<String>) -> Self {
+        Self::Whole { message: message.into(), source: None }
+    }
+
     /// The place in the scene file, where there is one.
     pub fn fault(&self) -> Option<&Fault> {
         match self {
-            Self::Syntax(fault) | Self::Value(fault) => Some(fault),
-            Self::Picture { fault, .. } | Self::Mesh { fault, .. } => Some(fault),
-            Self::Unreadable { .. }
-            | Self::NoScene { .. }
-            | Self::TooLarge { .. }
-            | Self::NotText { .. }
-            | Self::FrameSize { .. } => None,
+            Self::Fault(fault) => Some(fault),
+            Self::Whole { .. } => None,
         }
     }
 }

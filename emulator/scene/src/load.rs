@@ -65,7 +65,11 @@ impl Scene {
         match builtin_text(name) {
             Some(text) => from_toml(name, text, Path::new(""), progress),
             None if file.try_exists().is_ok_and(|there| !there) => {
-                Err(SceneError::NoScene { name: name.to_owned(), meant: did_you_mean(name, builtin_names()) })
+                let meant = did_you_mean(name, builtin_names());
+                Err(SceneError::whole(format!(
+                    "{name}: there is no such scene file, and no built-in scene of that name \
+                     ({meant}`roughxel scenes` lists them)"
+                )))
             }
             None => from_file(file, progress),
         }
@@ -77,7 +81,10 @@ impl Scene {
     /// [`MAX_FRAME_PIXELS`](roughxel_utilities::limits::MAX_FRAME_PIXELS).
     pub fn with_size(mut self, width: u32, height: u32) -> Result<Self, SceneError> {
         if !frame_size_is_allowed(width, height) {
-            return Err(SceneError::FrameSize { width, height });
+            return Err(SceneError::whole(format!(
+                "a frame of {width}×{height} pixels is out of range \
+                 (choose edges of 1 to {MAX_FRAME_EDGE_PX} and at most {MAX_FRAME_PIXELS} pixels)"
+            )));
         }
         self.camera.width = width;
         self.camera.height = height;
@@ -87,19 +94,28 @@ impl Scene {
 
 /// Reads a scene file.
 fn from_file(path: &Path, progress: &dyn MapProgress) -> Result<Scene, SceneError> {
-    let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
+    let shown = path.display();
+    let unreadable = |source| SceneError::Whole {
+        message: format!("{shown}: cannot read the scene file: {source} (check the name and the permissions)"),
+        source: Some(source),
+    };
+    let too_large = |bytes| {
+        let message = format!("{shown}: is {bytes} bytes long, more than {MAX_SCENE_BYTES} (is it a scene file?)");
+        Err(SceneError::whole(message))
+    };
     let file = open_file(path).map_err(unreadable)?;
     let bytes = file.metadata().map_err(unreadable)?.len();
     if bytes > MAX_SCENE_BYTES {
-        return Err(SceneError::TooLarge { path: path.to_owned(), bytes });
+        return too_large(bytes);
     }
     // The limit again for a file that grows.
     let mut content = Vec::new();
     file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut content).map_err(unreadable)?;
     if content.len() as u64 > MAX_SCENE_BYTES {
-        return Err(SceneError::TooLarge { path: path.to_owned(), bytes: content.len() as u64 });
+        return too_large(content.len() as u64);
     }
-    let text = String::from_utf8(content).map_err(|_| SceneError::NotText { path: path.to_owned() })?;
+    let not_text = |_| SceneError::whole(format!("{shown}: is not UTF-8 text (save the scene file as UTF-8)"));
+    let text = String::from_utf8(content).map_err(not_text)?;
     let base_dir = path.parent().unwrap_or(Path::new(""));
     let mut scene = from_toml(&path.display().to_string(), &text, base_dir, progress)?;
     if let Some(stem) = path.file_stem() {
@@ -417,10 +433,10 @@ mod tests {
         let error = Scene::from_file(&folder.path().join("bad.toml")).unwrap_err().to_string();
         assert!(error.contains("bad.toml:4:8: ") && error.contains("bad.obj:1: coordinate `nan`"), "{error}");
         std::fs::write(folder.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
-        let not_text = Scene::from_file(&folder.path().join("binary.toml"));
-        assert!(matches!(not_text, Err(SceneError::NotText { .. })));
-        let missing = Scene::from_file(&folder.path().join("missing.toml"));
-        assert!(matches!(missing, Err(SceneError::Unreadable { .. })));
+        for (name, expected) in [("binary.toml", "is not UTF-8 text"), ("missing.toml", "cannot read the scene file")] {
+            let error = Scene::from_file(&folder.path().join(name)).unwrap_err().to_string();
+            assert!(error.contains(&format!("{name}: {expected}")), "{error}");
+        }
     }
 
     #[test]
@@ -558,7 +574,8 @@ mod tests {
         let scene = read("").unwrap();
         assert_eq!(scene.clone().with_size(1280, 720).unwrap().camera.width, 1280);
         for (width, height) in [(0, 10), (10, 0), (16_385, 1), (16_384, 16_384)] {
-            assert!(matches!(scene.clone().with_size(width, height), Err(SceneError::FrameSize { .. })));
+            let error = scene.clone().with_size(width, height).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("a frame of {width}×{height} pixels is out of range")), "{error}");
         }
     }
 }

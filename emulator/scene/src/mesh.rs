@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io::Read as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
@@ -25,49 +25,23 @@ const LEAST_RELATIVE_AREA: f64 = 1e-9;
 
 /// Why a mesh cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum MeshError {
-    /// The file cannot be read.
-    #[error("{}: cannot read the mesh: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
+#[error("{place}: {message}")]
+pub struct MeshError {
+    /// The file, with its line from 1 where one is wrong.
+    pub place: String,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+impl MeshError {
+    fn new(path: &Path, message: impl Into<String>) -> Self {
+        Self { place: path.display().to_string(), message: message.into() }
+    }
+
     /// The file or its number of triangles is beyond the limit.
-    #[error("{}: {what} is more than {limit}; simplify the mesh", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// What is too large.
-        what: String,
-        /// The limit.
-        limit: u64,
-    },
-    /// A line is not what the format allows.
-    #[error("{}:{line}: {message}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong with it.
-        message: String,
-    },
-    /// There is nothing to draw.
-    #[error("{}: has no face with an area; export the mesh with polygons (`f` lines)", path.display())]
-    NoFaces {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The parser refused what the check let through.
-    #[error("{}: {source}", path.display())]
-    Parser {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        source: tobj::LoadError,
-    },
+    fn too_large(path: &Path, what: &str, limit: u64) -> Self {
+        Self::new(path, format!("{what} is more than {limit}; simplify the mesh"))
+    }
 }
 
 /// A mesh read from a file.
@@ -82,12 +56,11 @@ pub(super) struct ObjMesh {
 
 /// Reads an OBJ file. Errors: [`MeshError`].
 pub(super) fn read_obj(path: &Path) -> Result<ObjMesh, MeshError> {
-    let unreadable = |source| MeshError::Unreadable { path: path.to_owned(), source };
+    let unreadable = |source| MeshError::new(path, format!("cannot read the mesh: {source}"));
     let mut file = open_file(path).map_err(unreadable)?;
     let bytes_long = file.metadata().map_err(unreadable)?.len();
     if bytes_long > MAX_BYTES {
-        let what = format!("a file of {bytes_long} bytes");
-        return Err(MeshError::TooLarge { path: path.to_owned(), what, limit: MAX_BYTES });
+        return Err(MeshError::too_large(path, &format!("a file of {bytes_long} bytes"), MAX_BYTES));
     }
     let mut bytes = Vec::with_capacity(bytes_long as usize);
     file.read_to_end(&mut bytes).map_err(unreadable)?;
@@ -101,12 +74,13 @@ pub(super) fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let (models, _) = tobj::load_obj_buf(&mut checked.as_bytes(), &options, |_| Err(tobj::LoadError::OpenFileFailed))
-        .map_err(|source| MeshError::Parser { path: path.to_owned(), source })?;
+        .map_err(|source| MeshError::new(path, source.to_string()))?;
     let mut builder = Builder::default();
     for model in &models {
         builder.add(&model.mesh);
     }
-    let (mesh, warnings) = builder.finish().ok_or_else(|| MeshError::NoFaces { path: path.to_owned() })?;
+    let nothing = || MeshError::new(path, "has no face with an area; export the mesh with polygons (`f` lines)");
+    let (mesh, warnings) = builder.finish().ok_or_else(nothing)?;
     Ok(ObjMesh { mesh, without_uv, warnings })
 }
 
@@ -142,7 +116,7 @@ fn check(path: &Path, text: &str) -> Result<Checked, MeshError> {
     let mut format: Option<CornerFormat> = None;
     let (mut triangles, mut without_uv) = (0usize, None);
     for (index, content) in text.lines().enumerate() {
-        let fail = |message| MeshError::Line { path: path.to_owned(), line: index + 1, message };
+        let fail = |message| MeshError { place: format!("{}:{}", path.display(), index + 1), message };
         let mut words = content.split_whitespace();
         let keyword = words.next().unwrap_or("");
         match keyword {
@@ -175,7 +149,7 @@ fn check(path: &Path, text: &str) -> Result<Checked, MeshError> {
                 triangles += words.len() - 2;
                 if triangles > MAX_TRIANGLES {
                     let what = format!("the number of triangles up to line {}", index + 1);
-                    return Err(MeshError::TooLarge { path: path.to_owned(), what, limit: MAX_TRIANGLES as u64 });
+                    return Err(MeshError::too_large(path, &what, MAX_TRIANGLES as u64));
                 }
                 let mut corners = String::with_capacity(content.len() + 2);
                 let mut face_format = None;
@@ -506,7 +480,8 @@ mod tests {
             let found = message(text);
             assert!(found.contains(expected), "{text:?}: {found}");
         }
-        assert!(matches!(read_obj(Path::new("no such file.obj")), Err(MeshError::Unreadable { .. })));
+        let missing = read_obj(Path::new("no such file.obj")).unwrap_err().to_string();
+        assert!(missing.starts_with("no such file.obj: cannot read the mesh: "), "{missing}");
     }
 
     #[test]

@@ -21,9 +21,10 @@ pub use hdr_file::read_hdr;
 pub use png_file::{read_png, srgb_codes, write_png_codes, write_png_srgb};
 pub use srgb::{linear_to_srgb8, srgb_to_linear};
 
+use std::fmt::Display;
 use std::fs::File;
-use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::io::{self, BufReader};
+use std::path::Path;
 
 use roughxel_utilities::input::open_file;
 
@@ -70,85 +71,47 @@ pub enum Encoding {
 
 /// Why a picture could not be read or written.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PictureError {
-    /// The file cannot be opened.
-    #[error("cannot open picture `{}`: {source}; check the path and its permissions", path.display())]
-    Open {
-        /// File.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The file is damaged, cut off or of another format.
-    #[error("`{}` is not a readable {format} file: {reason}; export it again as {format}", path.display())]
-    Damaged {
-        /// File.
-        path: PathBuf,
-        /// The format it was read as.
-        format: &'static str,
-        /// What the decoder met.
-        reason: String,
-    },
-    /// The picture is larger than the limits.
-    #[error(
-        "picture `{}` has {width}×{height} pixels; at most {MAX_EDGE} an edge and {MAX_PIXELS} in all are read: scale it down",
-        path.display()
-    )]
-    TooLarge {
-        /// File.
-        path: PathBuf,
-        /// Width from the header, in pixels.
-        width: u64,
-        /// Height from the header, in pixels.
-        height: u64,
-    },
-    /// A valid file of a kind that is not supported.
-    #[error("`{}` {reason}; export it as {remedy}", path.display())]
-    Unsupported {
-        /// File.
-        path: PathBuf,
-        /// What is not supported.
-        reason: String,
-        /// What would be.
-        remedy: &'static str,
-    },
-    /// A pixel that is no finite number.
-    #[error(
-        "`{}` has the value {value} at pixel ({x}, {y}), counted from the top left; clamp it to finite values",
-        path.display()
-    )]
-    NotFinite {
-        /// File.
-        path: PathBuf,
-        /// Column.
-        x: usize,
-        /// Row.
-        y: usize,
-        /// NaN or an infinity.
-        value: f32,
-    },
-    /// The file cannot be written.
-    #[error(
-        "cannot write picture `{}`: {source}; check that its directory exists and may be written",
-        path.display()
-    )]
-    Write {
-        /// File.
-        path: PathBuf,
-        /// What went wrong.
-        source: std::io::Error,
-    },
+#[error("{message}")]
+pub struct PictureError {
+    /// What is wrong with which file, and what to do about it.
+    pub message: String,
+    /// What the system said.
+    pub source: Option<io::Error>,
 }
 
 impl PictureError {
-    fn damaged(path: &Path, format: &'static str, reason: impl ToString) -> Self {
-        Self::Damaged { path: path.to_path_buf(), format, reason: reason.to_string() }
+    fn new(message: String) -> Self {
+        Self { message, source: None }
+    }
+
+    /// A file that cannot be opened.
+    pub fn open(path: &Path, source: io::Error) -> Self {
+        let path = path.display();
+        let message = format!("cannot open picture `{path}`: {source}; check the path and its permissions");
+        Self { message, source: Some(source) }
+    }
+
+    /// A file that cannot be written.
+    fn write(path: &Path, source: io::Error) -> Self {
+        let path = path.display();
+        let remedy = "check that its directory exists and may be written";
+        Self { message: format!("cannot write picture `{path}`: {source}; {remedy}"), source: Some(source) }
+    }
+
+    /// A file that is damaged, cut off or of another format.
+    fn damaged(path: &Path, format: &str, reason: impl Display) -> Self {
+        let path = path.display();
+        Self::new(format!("`{path}` is not a readable {format} file: {reason}; export it again as {format}"))
+    }
+
+    /// A valid file of a kind that is not supported.
+    fn unsupported(path: &Path, reason: impl Display, remedy: &str) -> Self {
+        Self::new(format!("`{}` {reason}; export it as {remedy}", path.display()))
     }
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, PictureError> {
-    open_file(path).map(BufReader::new).map_err(|source| PictureError::Open { path: path.to_path_buf(), source })
+    open_file(path).map(BufReader::new).map_err(|source| PictureError::open(path, source))
 }
 
 /// Checks a size from a header against the limits.
@@ -156,7 +119,10 @@ fn check_size(path: &Path, width: u64, height: u64) -> Result<(u32, u32), Pictur
     let edge = |size: u64| u32::try_from(size).ok().filter(|size| *size <= MAX_EDGE);
     match (edge(width), edge(height)) {
         (Some(w), Some(h)) if width * height <= MAX_PIXELS => Ok((w, h)),
-        _ => Err(PictureError::TooLarge { path: path.to_path_buf(), width, height }),
+        _ => Err(PictureError::new(format!(
+            "picture `{}` has {width}×{height} pixels; at most {MAX_EDGE} an edge and {MAX_PIXELS} in all are read: scale it down",
+            path.display()
+        ))),
     }
 }
 

@@ -167,14 +167,14 @@ impl Source {
         Box::new(Fault::new(&self.file, &self.text, span, message.into(), help.into()))
     }
 
-    /// [`SceneError::Value`] at `span`.
+    /// [`SceneError::Fault`] at `span`.
     pub(super) fn value_error(
         &self,
         span: Range<usize>,
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> SceneError {
-        SceneError::Value(self.fault(span, message, help))
+        SceneError::Fault(self.fault(span, message, help))
     }
 
     /// Refuses a number outside `range`, NaN and infinities.

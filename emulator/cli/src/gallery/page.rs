@@ -137,7 +137,7 @@ fn figure(
     label: &str,
     caption: &str,
 ) -> Result<(), GalleryError> {
-    let png = fs::read(picture).map_err(|source| PictureError::Open { path: picture.to_path_buf(), source })?;
+    let png = fs::read(picture).map_err(|source| PictureError::open(picture, source))?;
     page.figure(&png, size, &format!("{scene}: {label}"), label, caption);
     Ok(())
 }

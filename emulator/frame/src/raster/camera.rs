@@ -42,23 +42,28 @@ impl Projection {
         let edge = 1..=MAX_EDGE_PX;
         let is_too_large = u64::from(width) * u64::from(height) > MAX_FRAME_PIXELS;
         if !edge.contains(&width) || !edge.contains(&height) || is_too_large {
-            return Err(RasterError::FrameSize { width, height });
+            let limits = format!("of 1 to {MAX_EDGE_PX} and at most {MAX_FRAME_PIXELS} pixels");
+            let remedy = format!("give a width and a height {limits}");
+            return Err(RasterError::OutOfRange(format!("camera: a frame of {width}×{height} pixels; {remedy}")));
         }
         let fov_y_degrees = camera.fov_y_degrees;
         let half_angle = DVec2::from_angle(fov_y_degrees * (core::f64::consts::PI / 360.0));
         let focal_px = 0.5 * f64::from(height) * half_angle.x / half_angle.y;
         // The upper bound keeps z₀ within the range where one pixel still changes the mantissas of v.
         if !(fov_y_degrees > 0.0 && fov_y_degrees < 180.0 && focal_px > 0.0 && focal_px < 1e9) {
-            return Err(RasterError::FieldOfView { fov_y_degrees });
+            let remedy = "give more than 0 and less than 180";
+            return Err(RasterError::OutOfRange(format!("camera: an angle of view of {fov_y_degrees}°; {remedy}")));
         }
+        let no_view = |problem| {
+            let remedy = "eye and target must be finite and distinct, and up must not lie along the line of sight";
+            RasterError::OutOfRange(format!("camera: {problem}; {remedy}"))
+        };
         let (forward, distance) = unit(camera.target - camera.eye)
-            .ok_or(RasterError::Orientation { problem: "eye and target are the same point or not finite" })?;
-        let along_sight = RasterError::Orientation { problem: "up is zero, not finite or along the line of sight" };
-        let (up_hint, _) = unit(camera.up).ok_or(along_sight.clone())?;
-        let (right, sine) = unit(forward.cross(up_hint)).ok_or(along_sight.clone())?;
-        if sine < 1e-9 {
-            return Err(along_sight);
-        }
+            .ok_or_else(|| no_view("eye and target are the same point or not finite"))?;
+        let across = unit(camera.up).and_then(|(up_hint, _)| unit(forward.cross(up_hint)));
+        let (right, _) = across
+            .filter(|(_, sine)| *sine >= 1e-9)
+            .ok_or_else(|| no_view("up is zero, not finite or along the line of sight"))?;
         let down = forward.cross(right);
 
         // v(x, y) in pixels over sub-pixel positions.

@@ -55,7 +55,8 @@ impl<'a> TriangleList<'a> {
     pub fn new(projection: &'a Projection, objects: &'a [Object]) -> Result<Self, RasterError> {
         let count: u64 = objects.iter().map(|object| object.mesh.triangles.len() as u64).sum();
         if count > u64::from(MAX_TRIANGLES) {
-            return Err(RasterError::TooManyTriangles { count });
+            let message = format!("{count} triangles in the scene; at most {MAX_TRIANGLES} can be drawn");
+            return Err(RasterError::OutOfRange(message));
         }
         let mut first_triangle = vec![0];
         let mut pieces = Vec::new();
@@ -223,11 +224,11 @@ fn corner_vertices<'a>(
 ) -> Result<[&'a Vertex; 3], RasterError> {
     let vertices = &object.mesh.vertices;
     let [a, b, c] = corners.map(|vertex| {
-        vertices.get(vertex as usize).ok_or_else(|| RasterError::VertexIndex {
-            object: object.name.clone(),
-            triangle,
-            vertex,
-            vertices: vertices.len(),
+        vertices.get(vertex as usize).ok_or_else(|| {
+            let (name, count) = (&object.name, vertices.len());
+            let message =
+                format!("object {name:?}: triangle {triangle} names vertex {vertex}, but the mesh has {count}");
+            RasterError::OutOfRange(message)
         })
     });
     Ok([a?, b?, c?])

@@ -104,10 +104,8 @@ impl Maps<'_> {
             () if is("hdr") => read_hdr(&path),
             () => read_png(&path, encoding),
         };
-        picture.map_err(|source| SceneError::Picture {
-            fault: self.source.fault(span, source.to_string(), "paths are relative to the scene file"),
-            source,
-        })
+        picture
+            .map_err(|error| self.source.value_error(span, error.to_string(), "paths are relative to the scene file"))
     }
 
     /// A path, relative to the scene file.

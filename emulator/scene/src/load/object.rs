@@ -141,10 +141,7 @@ fn obj(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -
             return Err(source.value_error(object_span, "a mesh needs a file", help));
         }
     };
-    read.map_err(|error| SceneError::Mesh {
-        fault: source.fault(span, error.to_string(), "paths are relative to the scene file"),
-        source: error,
-    })
+    read.map_err(|error| source.value_error(span, error.to_string(), "paths are relative to the scene file"))
 }
 
 /// Where an object stands.

@@ -33,10 +33,8 @@ pub fn read_exr(path: &Path) -> Result<Picture, PictureError> {
         .iter()
         .enumerate()
         .find_map(|(layer, header)| Some((layer, colour_channels(header)?)))
-        .ok_or_else(|| PictureError::Unsupported {
-            path: path.to_path_buf(),
-            reason: "has neither R, G and B channels nor a single one".to_owned(),
-            remedy: "an RGB picture",
+        .ok_or_else(|| {
+            PictureError::unsupported(path, "has neither R, G and B channels nor a single one", "an RGB picture")
         })?;
     let header = &reader.headers()[layer];
     check_exr_channels(path, header, channels)?;
@@ -71,12 +69,9 @@ pub fn read_exr(path: &Path) -> Result<Picture, PictureError> {
     for (index, pixel) in pixels.iter_mut().enumerate() {
         for value in pixel {
             if !value.is_finite() {
-                return Err(PictureError::NotFinite {
-                    path: path.to_path_buf(),
-                    x: index % width,
-                    y: index / width,
-                    value: *value,
-                });
+                let (path, x, y) = (path.display(), index % width, index / width);
+                let remedy = "counted from the top left; clamp it to finite values";
+                return Err(PictureError::new(format!("`{path}` has the value {value} at pixel ({x}, {y}), {remedy}")));
             }
             *value = value.max(0.0);
         }
@@ -109,11 +104,8 @@ fn check_exr_header(path: &Path, header: &Header) -> Result<(), PictureError> {
     if width == 0 || height == 0 {
         return Err(PictureError::damaged(path, "EXR", "a layer has no pixels"));
     }
-    let unsupported = |reason: &str| PictureError::Unsupported {
-        path: path.to_path_buf(),
-        reason: reason.to_owned(),
-        remedy: "a flat half-float RGB picture in scan lines",
-    };
+    let remedy = "a flat half-float RGB picture in scan lines";
+    let unsupported = |reason| PictureError::unsupported(path, reason, remedy);
     if header.deep {
         return Err(unsupported("holds deep data"));
     }
@@ -154,9 +146,5 @@ fn check_exr_channels(path: &Path, header: &Header, channels: [usize; 3]) -> Res
         (_, true) => "has integer channels",
         _ => return Ok(()),
     };
-    Err(PictureError::Unsupported {
-        path: path.to_path_buf(),
-        reason: reason.to_owned(),
-        remedy: "half-float R, G, B at full resolution",
-    })
+    Err(PictureError::unsupported(path, reason, "half-float R, G, B at full resolution"))
 }

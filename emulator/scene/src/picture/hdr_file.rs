@@ -52,11 +52,7 @@ fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), Pic
         match line.strip_prefix("FORMAT=") {
             _ if line.is_empty() => break,
             Some(format) if format != "32-bit_rle_rgbe" => {
-                return Err(PictureError::Unsupported {
-                    path: path.to_path_buf(),
-                    reason: format!("has the format `{format}`"),
-                    remedy: "32-bit_rle_rgbe",
-                });
+                return Err(PictureError::unsupported(path, format!("has the format `{format}`"), "32-bit_rle_rgbe"));
             }
             _ => {}
         }
@@ -71,11 +67,8 @@ fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), Pic
         return Err(damaged(&format!("`{size}` is no size")));
     };
     if (first, second) != ("-Y", "+X") {
-        return Err(PictureError::Unsupported {
-            path: path.to_path_buf(),
-            reason: format!("has its pixels in the order `{first} {second}`"),
-            remedy: "rows from top to bottom, -Y and +X",
-        });
+        let reason = format!("has its pixels in the order `{first} {second}`");
+        return Err(PictureError::unsupported(path, reason, "rows from top to bottom, -Y and +X"));
     }
     check_size(path, width, height)
 }

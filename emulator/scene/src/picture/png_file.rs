@@ -108,7 +108,7 @@ pub fn write_png_codes(path: &Path, size: [u32; 2], codes: &[u8]) -> Result<(), 
         encode_png(&mut file, size, codes)?;
         file.commit()
     });
-    written.map_err(|source| PictureError::Write { path: path.to_path_buf(), source })
+    written.map_err(|source| PictureError::write(path, source))
 }
 
 /// The compressed picture is held as a whole, for it is one chunk of the file: at most what the codes take and a thousandth.

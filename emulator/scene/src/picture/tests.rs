@@ -11,6 +11,11 @@ use super::*;
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
 
+/// Whether it is an error whose message has this part.
+fn fails<T>(result: Result<T, PictureError>, part: &str) -> bool {
+    result.is_err_and(|error| error.to_string().contains(part))
+}
+
 /// Writes packed samples as a PNG and returns its bytes.
 fn png_bytes(
     (width, height): (u32, u32),
@@ -35,7 +40,7 @@ fn png_bytes(
 struct Directory(tempfile::TempDir);
 
 impl Directory {
-    fn new() -> std::io::Result<Self> {
+    fn new() -> io::Result<Self> {
         tempfile::tempdir().map(Self)
     }
 
@@ -43,7 +48,7 @@ impl Directory {
         self.0.path().join(name)
     }
 
-    fn file(&self, name: &str, bytes: &[u8]) -> std::io::Result<PathBuf> {
+    fn file(&self, name: &str, bytes: &[u8]) -> io::Result<PathBuf> {
         let path = self.path(name);
         std::fs::write(&path, bytes)?;
         Ok(path)
@@ -62,7 +67,7 @@ fn exr_bytes(width: usize, channels: &[(&str, Vec<f32>)], encoding: ExrEncoding)
         })
         .collect();
     let layer = Layer::new((width, height), LayerAttributes::named("layer"), encoding, AnyChannels::sort(list));
-    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut bytes = io::Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut bytes)?;
     Ok(bytes.into_inner())
 }
@@ -177,8 +182,7 @@ fn negative_exr_pixels_become_0_and_infinite_ones_are_refused() -> TestResult {
     };
     assert_eq!(read_exr(&write(-0.5)?)?.pixel(1, 0), [0.0; 3]);
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        let error = read_exr(&write(value)?);
-        assert!(matches!(error, Err(PictureError::NotFinite { x: 1, y: 0, .. })));
+        assert!(fails(read_exr(&write(value)?), &format!("has the value {value} at pixel (1, 0)")));
     }
     Ok(())
 }
@@ -190,11 +194,10 @@ fn exrs_without_a_colour_or_by_b44_are_refused() -> TestResult {
     let b44 =
         ExrEncoding { compression: Compression::B44, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let grey = exr_bytes(2, &[("Y", vec![0.0; 4])], b44)?;
-    let error = read_exr(&directory.file("a.exr", &grey)?);
-    assert!(matches!(error, Err(PictureError::Unsupported { .. })));
+    assert!(fails(read_exr(&directory.file("a.exr", &grey)?), "is compressed by B44; export it as"));
     let channels = [("U", vec![0.0; 4]), ("V", vec![0.0; 4])];
     let path = directory.file("a.exr", &exr_bytes(2, &channels, ExrEncoding::default())?)?;
-    assert!(matches!(read_exr(&path), Err(PictureError::Unsupported { .. })));
+    assert!(fails(read_exr(&path), "has neither R, G and B channels nor a single one; export it as"));
     Ok(())
 }
 
@@ -217,7 +220,7 @@ fn pictures_that_cannot_be_encoded_leave_no_file() -> TestResult {
     let mut short = Picture::filled(4, 4, [0.5; 3]);
     short.pixels.pop();
     for picture in [beside(&[]), short] {
-        assert!(matches!(write_png_srgb(&path, &picture), Err(PictureError::Write { .. })));
+        assert!(fails(write_png_srgb(&path, &picture), "cannot write picture"));
     }
     assert_eq!(std::fs::read_dir(directory.0.path())?.count(), 0);
     Ok(())
@@ -235,12 +238,11 @@ fn sizes_beyond_the_limits_are_refused_from_the_header() -> TestResult {
         let crc = crc32(&bytes[12..29]);
         bytes[29..33].copy_from_slice(&crc.to_be_bytes());
         let error = read_png(&directory.file("a.png", &bytes)?, Encoding::Linear);
-        assert!(matches!(error, Err(PictureError::TooLarge { .. })), "{error:?}");
+        assert!(fails(error, &format!("has {width}×{height} pixels; at most 16384 an edge")));
     }
     let line = vec![0.5; 16385];
     let bytes = exr_bytes(16385, &[("Y", line)], ExrEncoding::default())?;
-    let error = read_exr(&directory.file("a.exr", &bytes)?);
-    assert!(matches!(error, Err(PictureError::TooLarge { .. })), "{error:?}");
+    assert!(fails(read_exr(&directory.file("a.exr", &bytes)?), "has 16385×1 pixels; at most 16384 an edge"));
     Ok(())
 }
 
