@@ -12,7 +12,7 @@ use roughxel_core::signals::MapScale;
 use roughxel_core::soft_core::environment_scale;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_peaks::ScenePeaks;
-use roughxel_scene::{Background, Light, LightPlace, Scene};
+use roughxel_scene::{Light, LightPlace, Scene};
 use roughxel_shader::{BumpMap, Effect, Environment, Material, ObjectPlan, Shader};
 use roughxel_simd::Backend;
 
@@ -104,9 +104,7 @@ impl<'a> Prepared<'a> {
 
     /// The environment that a scene shows, with filters or without; it depends on no profile.
     pub fn environment_map(scene: &Scene, filters: bool) -> Option<Arc<EnvironmentMap>> {
-        let any_reflection = scene.objects.iter().any(|o| o.material.reflectance.iter().any(|&r| r > 0.0));
-        let needs_environment = any_reflection || matches!(scene.background, Background::Environment);
-        let source = scene.environment.as_ref().filter(|_| needs_environment)?;
+        let source = scene.shown_environment()?;
         Some(Arc::new(EnvironmentMap::new(&source.faces, filters)))
     }
 

@@ -74,13 +74,7 @@ impl<'a> Shader<'a> {
     ) -> Self {
         let p = mode.precision(profile);
         let filters = mode.filters();
-        let reflects = scene.objects.iter().any(|object| object.material.reflectance.iter().any(|&r| r > 0.0));
-        let needs_environment = reflects || matches!(scene.background, Background::Environment);
-        let environment = scene
-            .environment
-            .as_ref()
-            .filter(|_| needs_environment)
-            .map(|source| maps::environment(&source.faces, filters));
+        let environment = scene.shown_environment().map(|source| maps::environment(&source.faces, filters));
         let objects = scene.objects.iter().map(|object| {
             let material = &object.material;
             let pyramid = environment.as_ref().and_then(|_| BumpPyramid::of_material(material, filters, &p));

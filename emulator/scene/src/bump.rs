@@ -13,7 +13,8 @@ pub const OFFSET_LIMIT: f32 = 8.0 - 1.0 / 1024.0;
 const LEAST_NORMAL_Z: f32 = 1.0 / 4096.0;
 
 /// The frame an offset is meant in (S97 §7).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FrameSystem {
     /// System 3: e₁ = h×n/|h×n|, e₂ = n×e₁ with a main direction h; b = (o_u, o_v).
     MainDirection,

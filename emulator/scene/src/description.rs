@@ -2,8 +2,10 @@
 
 use toml::Spanned;
 
+use crate::bump::FrameSystem;
 use crate::error::SceneError;
 use crate::lighting::{HighlightForm, Shadowing};
+use crate::scene::{Deviation, FootprintPlace};
 use crate::source::{ArgumentTable, Exactly, OneOrThree, Source};
 
 /// The whole file.
@@ -86,39 +88,14 @@ pub(super) struct MaterialDescription {
     pub(super) height_map: Option<Spanned<ArgumentTable>>,
     pub(super) normal_map: Option<Spanned<ArgumentTable>>,
     pub(super) roughness_map: Option<Spanned<ArgumentTable>>,
-    pub(super) frame: Option<Spanned<FrameName>>,
+    pub(super) frame: Option<FrameSystem>,
     pub(super) main_direction: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) reflectance: Option<Spanned<OneOrThree>>,
-    pub(super) bump_deviation: Option<DeviationName>,
-    pub(super) footprint: Option<FootprintName>,
+    pub(super) bump_deviation: Option<Deviation>,
+    pub(super) footprint: Option<FootprintPlace>,
     pub(super) two_lobes: Option<bool>,
     pub(super) highlight: Option<Spanned<HighlightDescription>>,
     pub(super) peaks: Option<Spanned<PeaksDescription>>,
-}
-
-/// `bump_deviation = "…"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum DeviationName {
-    Mean,
-    RootMeanSquare,
-}
-
-/// `footprint = "…"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum FootprintName {
-    Face,
-    Sphere,
-}
-
-/// `frame = "…"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum FrameName {
-    MainDirection,
-    Natural,
-    NaturalNormalised,
 }
 
 /// One `[[light]]`.

@@ -28,6 +28,15 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
+impl Scene {
+    /// The environment, where an object or the background shows it.
+    pub fn shown_environment(&self) -> Option<&EnvironmentSource> {
+        let reflects = |object: &Object| object.material.reflectance.iter().any(|&share| share > 0.0);
+        let is_shown = self.background == Background::Environment || self.objects.iter().any(reflects);
+        self.environment.as_ref().filter(|_| is_shown)
+    }
+}
+
 /// A pinhole camera in a right-handed world; view vectors point from the surface to `eye`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -105,7 +114,8 @@ pub struct Vertex {
 }
 
 /// Where footprints of reflections lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FootprintPlace {
     /// On the plane of a cube face (W97).
     Face,
@@ -114,7 +124,8 @@ pub enum FootprintPlace {
 }
 
 /// Which of the bumps that a level has lost its roughness is like.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Deviation {
     /// Most of them: the standard deviation times the squared mean of |deviation| in units of the normal law's, where that is below 1, down to half. The same for bumps
     /// of the normal law, and less for those that are mostly flat and seldom steep.

@@ -43,6 +43,12 @@ impl<'de, T: Copy + Default + Deserialize<'de>, const N: usize> Deserialize<'de>
     }
 }
 
+impl<T, const N: usize> From<Exactly<T, N>> for [T; N] {
+    fn from(Exactly(all): Exactly<T, N>) -> Self {
+        all
+    }
+}
+
 /// The `N` elements of an array.
 fn exactly<'de, A: SeqAccess<'de>, T: Copy + Default + Deserialize<'de>, const N: usize>(
     mut items: A,
@@ -85,6 +91,12 @@ impl<'de> Deserialize<'de> for OneOrThree {
             }
         }
         deserializer.deserialize_any(Reader)
+    }
+}
+
+impl From<OneOrThree> for [f64; 3] {
+    fn from(OneOrThree(three): OneOrThree) -> Self {
+        three
     }
 }
 
@@ -144,6 +156,15 @@ impl<'de> Deserialize<'de> for Argument {
     }
 }
 
+impl Argument {
+    fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+}
+
 /// A table whose keys depend on its contents: a file or a generator with its parameters.
 #[derive(Debug, serde::Deserialize)]
 #[serde(transparent)]
@@ -192,36 +213,40 @@ impl Source {
         Err(self.value_error(span, format!("`{key}` is {value}, which is out of range"), help))
     }
 
+    /// [`Source::in_range`] for a number of a key; `default` where it is missing.
+    pub(super) fn number(
+        &self,
+        key: &str,
+        value: &Option<Spanned<f64>>,
+        default: f64,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, SceneError> {
+        value.as_ref().map_or(Ok(default), |value| self.in_range(key, *value.get_ref(), value.span(), range))
+    }
+
     /// [`Source::in_range`] for each number.
     pub(super) fn all_in_range<const N: usize>(
         &self,
         key: &str,
-        values: &Spanned<Exactly<f64, N>>,
+        values: &Spanned<impl Copy + Into<[f64; N]>>,
         range: RangeInclusive<f64>,
     ) -> Result<[f64; N], SceneError> {
-        let Exactly(all) = *values.get_ref();
+        let all = (*values.get_ref()).into();
         for value in all {
             self.in_range(key, value, values.span(), range.clone())?;
         }
         Ok(all)
     }
 
-    /// [`Source::in_range`] for one number or three; `default` where the key is missing.
-    pub(super) fn one_or_three(
+    /// [`Source::all_in_range`] for the numbers of a key; `default` where it is missing.
+    pub(super) fn numbers<const N: usize>(
         &self,
         key: &str,
-        value: &Option<Spanned<OneOrThree>>,
-        default: f64,
+        values: &Option<Spanned<impl Copy + Into<[f64; N]>>>,
+        default: [f64; N],
         range: RangeInclusive<f64>,
-    ) -> Result<[f64; 3], SceneError> {
-        let Some(value) = value else {
-            return Ok([default; 3]);
-        };
-        let OneOrThree(three) = *value.get_ref();
-        for number in three {
-            self.in_range(key, number, value.span(), range.clone())?;
-        }
-        Ok(three)
+    ) -> Result<[f64; N], SceneError> {
+        values.as_ref().map_or(Ok(default), |values| self.all_in_range(key, values, range))
     }
 
     /// A whole number in `range`.
@@ -243,7 +268,7 @@ impl Source {
 }
 
 /// A value of a table with the place it stands at; `None` where the key is missing.
-type Found<'a, T> = Option<(&'a T, Range<usize>)>;
+type Found<T> = Result<Option<(T, Range<usize>)>, SceneError>;
 
 /// One table of arguments being read: every key is asked for by name, then [`Arguments::finish`] refuses the rest.
 #[derive(Debug)]
@@ -276,8 +301,19 @@ impl<'a> Arguments<'a> {
         self.table.0.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
     }
 
-    fn wrong_type(&self, key: &str, value: &Spanned<Argument>, wanted: &str) -> SceneError {
-        self.source.value_error(value.span(), format!("`{key}` has the wrong type"), format!("give {wanted}"))
+    /// What a value is `as_wanted`, with the place it stands at; `None` where the key is missing.
+    fn found<T>(
+        &self,
+        key: &'static str,
+        default: impl fmt::Display,
+        wanted: &str,
+        as_wanted: impl Fn(&'a Argument) -> Option<T>,
+    ) -> Found<T> {
+        let Some(value) = self.find(key, default) else { return Ok(None) };
+        let found = as_wanted(value.get_ref()).ok_or_else(|| {
+            self.error_at(value.span(), format!("`{key}` has the wrong type"), format!("give {wanted}"))
+        });
+        Ok(Some((found?, value.span())))
     }
 
     /// A number in `range`, where the key is there.
@@ -286,7 +322,7 @@ impl<'a> Arguments<'a> {
         key: &'static str,
         range: RangeInclusive<f64>,
     ) -> Result<Option<f64>, SceneError> {
-        self.number_at(key, self.find(key, "–"), range)
+        self.number_at(key, "–", range)
     }
 
     /// A number in `range`.
@@ -296,54 +332,33 @@ impl<'a> Arguments<'a> {
         default: f64,
         range: RangeInclusive<f64>,
     ) -> Result<f64, SceneError> {
-        Ok(self.number_at(key, self.find(key, default), range)?.unwrap_or(default))
+        Ok(self.number_at(key, default, range)?.unwrap_or(default))
     }
 
     fn number_at(
         &self,
-        key: &str,
-        found: Option<&Spanned<Argument>>,
+        key: &'static str,
+        default: impl fmt::Display,
         range: RangeInclusive<f64>,
     ) -> Result<Option<f64>, SceneError> {
-        match found.map(|value| (value.get_ref(), value)) {
-            None => Ok(None),
-            Some((Argument::Number(number), value)) => {
-                self.source.in_range(key, *number, value.span(), range).map(Some)
-            }
-            Some((_, value)) => Err(self.wrong_type(key, value, "a number")),
-        }
+        let found = self.found(key, default, "a number", Argument::number)?;
+        found.map(|(number, span)| self.source.in_range(key, number, span, range)).transpose()
     }
 
     /// A whole number in `range`.
     pub(super) fn whole(&self, key: &'static str, default: u32, range: RangeInclusive<u32>) -> Result<u32, SceneError> {
-        let Some(value) = self.find(key, default) else {
-            return Ok(default);
-        };
-        match value.get_ref() {
-            Argument::Number(number) if number.fract() == 0.0 => {
-                // `as` saturates, and what saturates is outside every range used here.
-                self.source.whole_in_range(key, *number as i64, value.span(), range)
-            }
-            _ => Err(self.wrong_type(key, value, "a whole number")),
+        let whole = |value: &Argument| value.number().filter(|number| number.fract() == 0.0);
+        match self.found(key, default, "a whole number", whole)? {
+            None => Ok(default),
+            // `as` saturates, and what saturates is outside every range used here.
+            Some((number, span)) => self.source.whole_in_range(key, number as i64, span, range),
         }
     }
 
     /// A linear colour, each channel from 0 to `brightest`.
     pub(super) fn colour(&self, key: &'static str, default: [f32; 3], brightest: f64) -> Result<[f32; 3], SceneError> {
-        let [red, green, blue] = default;
-        let Some(value) = self.find(key, format_args!("[{red}, {green}, {blue}]")) else {
-            return Ok(default);
-        };
-        let mut colour = [0.0; 3];
-        match value.get_ref() {
-            Argument::Numbers(numbers) if numbers.len() == 3 => {
-                for (channel, &number) in colour.iter_mut().zip(numbers) {
-                    *channel = self.source.in_range(key, number, value.span(), 0.0..=brightest)? as f32;
-                }
-                Ok(colour)
-            }
-            _ => Err(self.wrong_type(key, value, "three numbers: red, green, blue")),
-        }
+        let found = self.numbers_at(key, default, "three numbers: red, green, blue", 0.0..=brightest)?;
+        Ok(found.map_or(default, |colour| colour.map(|channel| channel as f32)))
     }
 
     /// `N` numbers in `range`.
@@ -353,37 +368,43 @@ impl<'a> Arguments<'a> {
         default: [f64; N],
         range: RangeInclusive<f64>,
     ) -> Result<[f64; N], SceneError> {
-        let Some(value) = self.find(key, format_args!("{default:?}")) else {
-            return Ok(default);
+        let found = self.numbers_at(key, default, &format!("an array of {N} numbers"), range)?;
+        Ok(found.unwrap_or(default))
+    }
+
+    fn numbers_at<const N: usize>(
+        &self,
+        key: &'static str,
+        default: [impl fmt::Display; N],
+        wanted: &str,
+        range: RangeInclusive<f64>,
+    ) -> Result<Option<[f64; N]>, SceneError> {
+        let default = format!("[{}]", default.map(|number| number.to_string()).join(", "));
+        let numbers = |value: &Argument| match value {
+            Argument::Numbers(numbers) => <[f64; N]>::try_from(numbers.as_slice()).ok(),
+            _ => None,
         };
-        let mut found = [0.0; N];
-        match value.get_ref() {
-            Argument::Numbers(numbers) if numbers.len() == N => {
-                for (slot, &number) in found.iter_mut().zip(numbers) {
-                    *slot = self.source.in_range(key, number, value.span(), range.clone())?;
-                }
-                Ok(found)
-            }
-            _ => Err(self.wrong_type(key, value, &format!("an array of {N} numbers"))),
+        let Some((numbers, span)) = self.found(key, default, wanted, numbers)? else { return Ok(None) };
+        for number in numbers {
+            self.source.in_range(key, number, span.clone(), range.clone())?;
         }
+        Ok(Some(numbers))
     }
 
     /// A text with the place it stands at, where the key is there.
-    pub(super) fn text(&self, key: &'static str) -> Result<Found<'a, str>, SceneError> {
-        match self.find(key, "–").map(|value| (value.get_ref(), value)) {
-            None => Ok(None),
-            Some((Argument::Text(text), value)) => Ok(Some((text, value.span()))),
-            Some((_, value)) => Err(self.wrong_type(key, value, "a text in quotes")),
-        }
+    pub(super) fn text(&self, key: &'static str) -> Found<&'a str> {
+        self.found(key, "–", "a text in quotes", |value| match value {
+            Argument::Text(text) => Some(text.as_str()),
+            _ => None,
+        })
     }
 
     /// An array of texts with the place it stands at, where the key is there.
-    pub(super) fn texts(&self, key: &'static str) -> Result<Found<'a, [String]>, SceneError> {
-        match self.find(key, "–").map(|value| (value.get_ref(), value)) {
-            None => Ok(None),
-            Some((Argument::Texts(texts), value)) => Ok(Some((texts, value.span()))),
-            Some((_, value)) => Err(self.wrong_type(key, value, "an array of texts in quotes")),
-        }
+    pub(super) fn texts(&self, key: &'static str) -> Found<&'a [String]> {
+        self.found(key, "–", "an array of texts in quotes", |value| match value {
+            Argument::Texts(texts) => Some(texts.as_slice()),
+            _ => None,
+        })
     }
 
     /// An error at this table.

@@ -28,20 +28,8 @@ fn direction(source: &Source, key: &str, vector: &Spanned<Exactly<f64, 3>>) -> R
     Ok(direction.normalize())
 }
 
-fn number(
-    source: &Source,
-    key: &str,
-    value: &Option<Spanned<f64>>,
-    default: f64,
-    range: std::ops::RangeInclusive<f64>,
-) -> Result<f64, SceneError> {
-    value.as_ref().map_or(Ok(default), |value| source.in_range(key, *value.get_ref(), value.span(), range))
-}
-
 fn colour(source: &Source, value: &Option<Spanned<Exactly<f64, 3>>>, brightest: f64) -> Result<[f32; 3], SceneError> {
-    let white = Ok([1.0; 3]);
-    let colour = value.as_ref().map_or(white, |value| source.all_in_range("colour", value, 0.0..=brightest))?;
-    Ok(colour.map(|channel| channel as f32))
+    Ok(source.numbers("colour", value, [1.0; 3], 0.0..=brightest)?.map(|channel| channel as f32))
 }
 
 /// The lights of a scene.
@@ -95,7 +83,7 @@ pub(super) fn highlight(
 ) -> Result<Highlight, SceneError> {
     needs_lights(source, "highlight", description.span(), there)?;
     let HighlightDescription { exponent, colour: tint, form } = description.get_ref();
-    let exponent = number(source, "exponent", exponent, 64.0, EXPONENTS)?;
+    let exponent = source.number("exponent", exponent, 64.0, EXPONENTS)?;
     Ok(Highlight { exponent, colour: colour(source, tint, 1.0)?, form: *form })
 }
 
@@ -113,8 +101,8 @@ pub(super) fn peaks(
             return Err(source.value_error(description.span(), "there are no bumps to make peaks of", help));
         }
         None => PeakSource::Bump {
-            exponent: number(source, "exponent", exponent, 40.0, EXPONENTS)?,
-            amplitude: number(source, "amplitude", amplitude, 1.0, AMPLITUDES)?,
+            exponent: source.number("exponent", exponent, 40.0, EXPONENTS)?,
+            amplitude: source.number("amplitude", amplitude, 1.0, AMPLITUDES)?,
         },
         Some(given) => {
             let own = exponent.as_ref().map(Spanned::span).or(amplitude.as_ref().map(Spanned::span));

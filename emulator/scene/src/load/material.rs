@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::lights::{self, Available};
 use super::maps::Maps;
 use crate::bump::FrameSystem;
-use crate::description::{DeviationName, FootprintName, FrameName, MaterialDescription};
+use crate::description::MaterialDescription;
 use crate::error::SceneError;
 use crate::lighting::{MAX_PEAK_TEXELS, PeakSource, Peaks};
-use crate::scene::{Deviation, FootprintPlace, Material};
+use crate::scene::Material;
 use crate::shapes::{Placement, Shape};
 use roughxel_utilities::limits::MAX_COORDINATE;
 
@@ -46,12 +46,9 @@ pub(super) fn material(
         let help = "export the mesh with texture coordinates on every face (`vt` lines, `f 1/1 2/2 3/3`), or leave the map out";
         return Err(source.value_error(map.span(), message, help));
     }
-    let reflectance = source.one_or_three("reflectance", &material.reflectance, 0.0, 0.0..=1.0)?;
-    let colour = match &material.colour {
-        None if material.colour_map.is_none() => neutral_under(reflectance),
-        None => [1.0; 3],
-        Some(colour) => source.all_in_range("colour", colour, 0.0..=1.0)?,
-    };
+    let reflectance = source.numbers("reflectance", &material.reflectance, [0.0; 3], 0.0..=1.0)?;
+    let default = if material.colour_map.is_none() { neutral_under(reflectance) } else { [1.0; 3] };
+    let colour = source.numbers("colour", &material.colour, default, 0.0..=1.0)?;
     if let Some(value) = &material.reflectance
         && reflectance != [0.0; 3]
         && !there.environment
@@ -59,22 +56,16 @@ pub(super) fn material(
         let help = "add a table [environment], or leave `reflectance` out";
         return Err(source.value_error(value.span(), "there is no environment to reflect", help));
     }
-    let frame = match material.frame.as_ref().map(|frame| *frame.get_ref()) {
-        Some(FrameName::MainDirection) => FrameSystem::MainDirection,
-        Some(FrameName::Natural) => FrameSystem::Natural,
-        Some(FrameName::NaturalNormalised) => FrameSystem::NaturalNormalised,
+    let frame = material.frame.unwrap_or(match shape {
+        Some(_) => FrameSystem::MainDirection,
         // One direction cannot follow the charts of an arbitrary mesh.
-        None if shape.is_none() => FrameSystem::NaturalNormalised,
-        None => FrameSystem::MainDirection,
-    };
+        None => FrameSystem::NaturalNormalised,
+    });
     let main_direction = match &material.main_direction {
         None => shape.map_or(DVec3::Y, Shape::main_direction),
         Some(direction) => {
-            let vector = DVec3::from_array(source.all_in_range(
-                "main_direction",
-                direction,
-                -MAX_COORDINATE..=MAX_COORDINATE,
-            )?);
+            let coordinates = -MAX_COORDINATE..=MAX_COORDINATE;
+            let vector = DVec3::from_array(source.all_in_range("main_direction", direction, coordinates)?);
             if vector.length() < 1e-6 {
                 let help = "give the axis of the object, for example [0, 1, 0]";
                 return Err(source.value_error(direction.span(), "`main_direction` has no length", help));
@@ -111,14 +102,8 @@ pub(super) fn material(
         frame,
         main_direction: placement.direction(main_direction),
         reflectance: reflectance.map(|channel| channel as f32),
-        deviation: material.bump_deviation.map_or_else(Deviation::default, |deviation| match deviation {
-            DeviationName::Mean => Deviation::Mean,
-            DeviationName::RootMeanSquare => Deviation::RootMeanSquare,
-        }),
-        footprint: material.footprint.map(|footprint| match footprint {
-            FootprintName::Face => FootprintPlace::Face,
-            FootprintName::Sphere => FootprintPlace::Sphere,
-        }),
+        deviation: material.bump_deviation.unwrap_or_default(),
+        footprint: material.footprint,
         two_lobes: material.two_lobes,
         highlight,
         peaks,

@@ -29,10 +29,7 @@ pub(super) fn object(
     let name = object.name.clone().unwrap_or_else(|| format!("object {}", index + 1));
     let (mut mesh, without_uv, shape) = triangles(maps, object, &name, span)?;
     let placement = placement(maps.source, object)?;
-    let uv_repeat = match &object.uv_repeat {
-        None => [1.0; 2],
-        Some(repeat) => maps.source.all_in_range("uv_repeat", repeat, 0.001..=4096.0)?,
-    };
+    let uv_repeat = maps.source.numbers("uv_repeat", &object.uv_repeat, [1.0; 2], 0.001..=4096.0)?;
     placement.apply(&mut mesh, uv_repeat);
     let beyond = |vertex: &Vertex| vertex.position.abs().max_element() > 2.0 * MAX_COORDINATE;
     if mesh.vertices.iter().any(beyond) {
@@ -80,20 +77,16 @@ fn triangles(
             return Err(source.value_error(span, format!("`{key}` does not belong to this shape"), help));
         }
     }
-    let number = |key, value: &Option<Spanned<f64>>, default, range| match value {
-        None => Ok(default),
-        Some(value) => source.in_range(key, *value.get_ref(), value.span(), range),
-    };
-    let length = |key, value, default| number(key, value, default, LENGTHS);
+    let length = |key, value, default| source.number(key, value, default, LENGTHS);
     let radius = length("radius", &object.radius, 1.0)?;
-    let size = object.size.as_ref().map_or(Ok([1.0; 2]), |size| source.all_in_range("size", size, LENGTHS))?;
+    let size = source.numbers("size", &object.size, [1.0; 2], LENGTHS)?;
     let shape = match shape_name {
         ShapeName::Plane => Shape::Plane { size },
         ShapeName::Sphere => Shape::Sphere { radius },
         ShapeName::Cylinder => Shape::Cylinder {
             radius,
             height: length("height", &object.height, 1.0)?,
-            arc_degrees: number("arc_degrees", &object.arc_degrees, 360.0, 1.0..=360.0)?,
+            arc_degrees: source.number("arc_degrees", &object.arc_degrees, 360.0, 1.0..=360.0)?,
         },
         ShapeName::Paraboloid => {
             Shape::Paraboloid { radius, focal_length: length("focal_length", &object.focal_length, 1.0)? }
@@ -101,7 +94,7 @@ fn triangles(
         ShapeName::Drapery => Shape::Drapery {
             size,
             depth: length("depth", &object.depth, 0.1)?,
-            folds: number("folds", &object.folds, 5.0, 0.25..=64.0)?,
+            folds: source.number("folds", &object.folds, 5.0, 0.25..=64.0)?,
         },
         ShapeName::Mesh => {
             let ObjMesh { mesh, without_uv, warnings } = obj(maps, object, object_span)?;
@@ -146,12 +139,9 @@ fn obj(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -
 
 /// Where an object stands.
 fn placement(source: &Source, object: &ObjectDescription) -> Result<Placement, SceneError> {
-    let triple = |key, value: &Option<Spanned<Exactly<f64, 3>>>, bound: f64| match value {
-        None => Ok([0.0; 3]),
-        Some(value) => source.all_in_range(key, value, -bound..=bound),
-    };
+    let triple = |key, value, bound: f64| source.numbers::<3>(key, value, [0.0; 3], -bound..=bound);
     let translate = triple("translate", &object.translate, MAX_COORDINATE)?;
     let rotate_degrees = triple("rotate_degrees", &object.rotate_degrees, 3600.0)?;
-    let scale = source.one_or_three("scale", &object.scale, 1.0, 1e-4..=1e4)?;
+    let scale = source.numbers("scale", &object.scale, [1.0; 3], 1e-4..=1e4)?;
     Ok(Placement::new(DVec3::from_array(translate), rotate_degrees, scale))
 }
