@@ -97,9 +97,7 @@ fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> PeakT
         let laws = sides.map(law);
         stored_horizon(laws.map(|law| law[0]), laws.map(|law| law[1])).wires()
     };
-    let texels = kept.iter().flat_map(|level| {
-        (0..level.height).flat_map(move |y| (0..level.width).map(move |x| level.texel(x, y).len() as u32))
-    });
+    let texels = kept.iter().flat_map(|level| level.texels().map(|texel| texel.len() as u32));
     let ends = texels.scan(0, |end, peaks| {
         *end += peaks;
         Some(*end)

@@ -16,20 +16,15 @@ use sha2::{Digest, Sha256};
 
 use super::build::{Part, Parts, Texels};
 use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
-use super::source::{BuildOptions, EXPONENTS, FacetWeight, MAX_PEAKS, PeakError, PeakSource, texels};
+use super::source::{BuildOptions, EXPONENTS, MAX_PEAKS, PeakError, PeakSource, texels};
 use roughxel_scene::levels::level_sizes;
 
 /// First bytes of a file; the number changes with the format and with every change of what is built.
-const MAGIC: &[u8] = b"roughxel peak pyramid 5\n";
+const MAGIC: &[u8] = b"roughxel peak pyramid 6\n";
 /// As [`MAGIC`], of a part of a pyramid; the key of the pyramid is in it, too, and with it the number above.
 const PART_MAGIC: &[u8] = b"roughxel part of peaks 1\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
-/// Bytes of the counts that precede the levels.
-const COUNTS: usize = 5 * 8;
-/// Bytes of a part's level, first texel and number of texels.
-const PLACE: usize = 3 * 8;
-
 /// A pyramid that may have been on disk.
 #[derive(Debug)]
 pub struct Cached {
@@ -107,19 +102,6 @@ impl KeptParts {
         [PART_MAGIC, &self.key, place.as_flattened()].concat()
     }
 
-    /// A part from the bytes of its file; `None` for whatever is wrong with them.
-    fn parse(&self, part: Part, bytes: &[u8]) -> Option<Texels> {
-        let (content, hash) = bytes.split_last_chunk::<HASH>()?;
-        if Sha256::digest(content)[..] != hash[..] {
-            return None;
-        }
-        let (numbers, rest) = content.strip_prefix(self.head(part).as_slice())?.as_chunks();
-        let mut numbers = Numbers(numbers.iter());
-        let fits = numbers.fits(part.texels)?;
-        let peaks: Option<_> = (0..part.texels).map(|_| numbers.texel(MAX_PEAKS, self.with_horizon)).collect();
-        (rest.is_empty() && numbers.0.len() == 0).then_some(Texels { peaks: peaks?, fits })
-    }
-
     /// Removes all of them.
     fn remove(&self) {
         // What is left is replaced, or in nobody's way.
@@ -130,12 +112,14 @@ impl KeptParts {
 impl Parts for KeptParts {
     fn find(&mut self, part: Part) -> Option<Texels> {
         let path = self.path(part);
-        let file = File::open(&path).ok()?;
-        let longest = (PART_MAGIC.len() + 2 * HASH + PLACE + COUNTS) as u64
-            + part.texels as u64 * longest_texel(MAX_PEAKS, self.with_horizon);
-        let mut bytes = Vec::new();
-        let read = file.take(longest + 1).read_to_end(&mut bytes);
-        let texels = read.ok().and_then(|_| self.parse(part, &bytes));
+        if !path.exists() {
+            return None;
+        }
+        let texels = read_sealed(&path, &self.head(part), part.texels as u64, self.with_horizon, |numbers| {
+            let fits = numbers.fits(part.texels)?;
+            let peaks: Option<_> = (0..part.texels).map(|_| numbers.texel(MAX_PEAKS, self.with_horizon)).collect();
+            Some(Texels { peaks: peaks?, fits })
+        });
         match &texels {
             Some(_) => self.resumed += part.texels as u64,
             None => self.damaged.push(path),
@@ -161,11 +145,7 @@ fn key(source: &PeakSource, options: &BuildOptions) -> [u8; HASH] {
     hash.update(source.height.to_le_bytes());
     hash.update(options.exponent.to_le_bytes());
     hash.update(options.amplitude.to_le_bytes());
-    let weight = match options.weight {
-        FacetWeight::Surface => 0,
-        FacetWeight::Texel => 1,
-    };
-    hash.update([weight, u8::from(options.negate), u8::from(source.heights.is_some())]);
+    hash.update([options.weight as u8, u8::from(options.negate), u8::from(source.heights.is_some())]);
     for coordinate in source.normals.iter().flat_map(DVec3::to_array) {
         hash.update(coordinate.to_le_bytes());
     }
@@ -185,13 +165,7 @@ fn path(directory: &Path, key: &[u8; HASH]) -> PathBuf {
 fn write(path: &Path, key: &[u8; HASH], pyramid: &PeakPyramid) -> io::Result<()> {
     let mut bytes = [MAGIC, key].concat();
     put_fits(&mut bytes, &pyramid.fits);
-    for level in &pyramid.levels {
-        for y in 0..level.height {
-            for x in 0..level.width {
-                put_texel(&mut bytes, level.texel(x, y));
-            }
-        }
-    }
+    pyramid.levels.iter().flat_map(PeakLevel::texels).for_each(|texel| put_texel(&mut bytes, texel));
     write_sealed(path, &bytes)
 }
 
@@ -226,33 +200,33 @@ fn write_sealed(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.commit()
 }
 
-/// Bytes of a texel of so many peaks.
-fn longest_texel(peaks: usize, with_horizon: bool) -> u64 {
-    let peak = 8 * (5 + if with_horizon { 16 } else { 0 });
-    8 + peaks as u64 * peak
-}
-
-/// The pyramid of a file; `None` for whatever is wrong with it.
-fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyramid> {
-    let file = File::open(path).ok()?;
-    let metadata = file.metadata().ok()?;
-    // The file is as long as its peaks; no pyramid of this size is longer than this.
-    let texels = all_texels(source);
-    let longest =
-        (MAGIC.len() + 2 * HASH + COUNTS) as u64 + texels * longest_texel(MAX_PEAKS, source.heights.is_some());
-    if !metadata.is_file() || metadata.len() > longest {
-        return None;
-    }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
-    file.take(longest).read_to_end(&mut bytes).ok()?;
+/// What is parsed of the numbers behind the head of a sealed file of so many texels; `None` for whatever is wrong with it.
+fn read_sealed<T>(
+    path: &Path,
+    head: &[u8],
+    texels: u64,
+    with_horizon: bool,
+    parse: impl FnOnce(&mut Numbers<'_>) -> Option<T>,
+) -> Option<T> {
+    let peak = 5 + if with_horizon { 16 } else { 0 };
+    let longest = (head.len() + HASH) as u64 + 8 * (5 + texels * (1 + MAX_PEAKS as u64 * peak));
+    let mut bytes = Vec::new();
+    // What is longer is cut, so its hash is another one.
+    File::open(path).ok()?.take(longest + 1).read_to_end(&mut bytes).ok()?;
     let (content, hash) = bytes.split_last_chunk::<HASH>()?;
     if Sha256::digest(content)[..] != hash[..] {
         return None;
     }
-    let (numbers, rest) = content.strip_prefix(MAGIC)?.strip_prefix(key)?.as_chunks();
+    let (numbers, rest) = content.strip_prefix(head)?.as_chunks();
     let mut numbers = Numbers(numbers.iter());
-    let pyramid = parse(&mut numbers, source)?;
-    (rest.is_empty() && numbers.0.len() == 0).then_some(pyramid)
+    let parsed = parse(&mut numbers)?;
+    (rest.is_empty() && numbers.0.len() == 0).then_some(parsed)
+}
+
+/// The pyramid of a file; `None` for whatever is wrong with it.
+fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyramid> {
+    let (head, with_horizon) = ([MAGIC, key].concat(), source.heights.is_some());
+    read_sealed(path, &head, all_texels(source), with_horizon, |numbers| parse(numbers, source))
 }
 
 /// Texels of all levels.
@@ -297,12 +271,10 @@ fn parse(numbers: &mut Numbers<'_>, source: &PeakSource) -> Option<PeakPyramid> 
     let fits = numbers.fits(all_texels(source) as usize)?;
     let mut levels = Vec::new();
     for (width, height) in level_sizes(source.width, source.height) {
-        let mut texels = Vec::with_capacity(width as usize * height as usize);
-        for _ in 0..width * height {
-            let most = if levels.is_empty() { 1 } else { MAX_PEAKS };
-            texels.push(numbers.texel(most, source.heights.is_some())?);
-        }
-        levels.push(PeakLevel::new(width, height, texels.into_iter()));
+        let most = if levels.is_empty() { 1 } else { MAX_PEAKS };
+        let texel = |_| numbers.texel(most, source.heights.is_some());
+        let texels: Option<Vec<_>> = (0..width * height).map(texel).collect();
+        levels.push(PeakLevel::new(width, height, texels?.into_iter()));
     }
     Some(PeakPyramid { levels, fits })
 }
@@ -310,10 +282,8 @@ fn parse(numbers: &mut Numbers<'_>, source: &PeakSource) -> Option<PeakPyramid> 
 fn peak(numbers: &mut Numbers<'_>, with_horizon: bool) -> Option<Peak> {
     let amplitude = numbers.real(0.0..=f64::MAX)?;
     let exponent = numbers.real(EXPONENTS)?;
-    let mut normal = DVec3::ZERO;
-    for axis in 0..3 {
-        normal[axis] = numbers.real(-1.0..=1.0)?;
-    }
+    let mut coordinate = || numbers.real(-1.0..=1.0);
+    let normal = DVec3::new(coordinate()?, coordinate()?, coordinate()?);
     let mut horizon = with_horizon.then_some([Horizon::default(); 4]);
     for side in horizon.iter_mut().flatten() {
         *side = Horizon {
@@ -331,6 +301,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     use super::super::build::tests::{OPTIONS, hills};
+    use super::super::source::FacetWeight;
     use super::*;
 
     /// The pyramid, whether it was read, and how many texels were fitted.
@@ -486,7 +457,7 @@ mod tests {
         let content = &good[..good.len() - HASH];
         bad.push(resealed(&[content, &[0; 8]].concat()));
         let mut exponent = content.to_vec();
-        let place = MAGIC.len() + HASH + COUNTS + 16;
+        let place = MAGIC.len() + HASH + 5 * 8 + 16;
         assert_eq!(exponent[place..place + 8], OPTIONS.exponent.to_le_bytes());
         exponent[place..place + 8].copy_from_slice(&f64::NAN.to_le_bytes());
         bad.push(resealed(&exponent));

@@ -65,6 +65,12 @@ impl PeakLevel {
         &self.peaks[start as usize..self.ends[index] as usize]
     }
 
+    /// The peaks of each texel, in rows.
+    pub fn texels(&self) -> impl Iterator<Item = &[Peak]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts.zip(&self.ends).map(|(start, end)| &self.peaks[*start as usize..*end as usize])
+    }
+
     /// Peaks of all texels in rows.
     pub fn peaks(&self) -> &[Peak] {
         &self.peaks
