@@ -1,8 +1,10 @@
 //! Plots as SVG: values over an axis, with what is needed to read them without colours, in the dark, small, or as a table.
 
 mod axis;
+mod data;
 mod ink;
 mod label;
+mod layout;
 mod text;
 
 use std::fmt::Write as _;
@@ -12,89 +14,15 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use axis::Scale;
+pub use data::{Axis, Mark, Plot, Point, Series, Style};
 use ink::Ink;
 use label::{Area, Wanted};
+use layout::{EM, LINE, Layout, RADIUS, SAMPLE, pixels};
 
 use crate::html::{Page, Text as Escaped};
 
-/// An axis and what it measures.
-#[derive(Clone, Debug)]
-pub struct Axis {
-    /// What is measured, with its unit.
-    pub label: String,
-    /// How its values lie.
-    pub scale: Scale,
-}
-
-/// How points of a series are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Style {
-    /// Joined; beside other series a few markers tell them apart.
-    Line,
-    /// A marker each.
-    Points,
-    /// Joined, a marker each.
-    LinePoints,
-}
-
-/// A point.
-#[derive(Clone, Debug)]
-pub struct Point {
-    /// Value along the axis that goes right.
-    pub x: f64,
-    /// Value along the axis that goes up.
-    pub y: f64,
-    /// Drawn beside the point where there is room, otherwise in the table only.
-    pub label: Option<String>,
-}
-
-/// Points that belong together; a line is broken where one of them cannot be drawn.
-#[derive(Clone, Debug)]
-pub struct Series {
-    /// What the legend calls it; without a name it has no place there.
-    pub name: String,
-    /// How it is drawn.
-    pub style: Style,
-    /// Whether its line is dashed.
-    pub dashed: bool,
-    /// In the order of the line.
-    pub points: Vec<Point>,
-}
-
-/// A vertical line, where something begins or ends.
-#[derive(Clone, Debug)]
-pub struct Mark {
-    /// Where it stands.
-    pub x: f64,
-    /// Written above it.
-    pub label: String,
-}
-
-/// A plot. Values that are not finite, or not positive on a logarithmic axis, are in its table only.
-#[derive(Clone, Debug)]
-pub struct Plot {
-    /// A few words.
-    pub title: String,
-    /// What is to be seen, in sentences, also for those who see no picture.
-    pub description: String,
-    /// The axis that goes right.
-    pub x: Axis,
-    /// The axis that goes up.
-    pub y: Axis,
-    /// Each with a colour and a marker of its own, up to eight of them.
-    pub series: Vec<Series>,
-    /// Vertical lines.
-    pub marks: Vec<Mark>,
-}
-
 /// Units of drawing in a pixel: the crate rounds to whole ones.
 const UNITS: i32 = 10;
-
-/// Pixels of an em, of a line of text, of a marker's radius, of the legend's sample.
-const EM: f64 = 13.0;
-const LINE: f64 = 17.0;
-const RADIUS: f64 = 4.0;
-const SAMPLE: f64 = 24.0;
 
 /// Pixels of a plot on a page: its width, and the height of what the axes enclose.
 const PAGE_WIDTH: u32 = 420;
@@ -114,10 +42,6 @@ fn units_at([x, y]: [f64; 2]) -> (i32, i32) {
     (units(x), units(y))
 }
 
-fn pixels(text: &str) -> f64 {
-    text::width(text) * EM
-}
-
 impl Plot {
     /// The plot as a file of that width and height in pixels, on paper of its own: for a README.
     ///
@@ -126,55 +50,6 @@ impl Plot {
         let name: String = self.title.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
         let layout = Layout::new(self, size.map(|length| f64::from(length.min(10_000))), true);
         self.drawn(&layout, &format!("plot-{}", name.to_ascii_lowercase()))
-    }
-
-    /// Headings and rows of all points.
-    ///
-    /// Series without labels side by side, a row for each x; otherwise a row for each point. The first column says which it is, a
-    /// dash is nothing.
-    pub fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
-        let points = self.series.iter().flat_map(|series| &series.points);
-        let x = self.x.scale.numbers(points.clone().map(|point| point.x));
-        let y = self.y.scale.numbers(points.map(|point| point.y));
-        if let Some(values) = self.common_values() {
-            let names = self.series.iter().map(|series| series.name.clone());
-            let headings = [self.x.label.clone()].into_iter().chain(names).collect();
-            let row = |value: &f64| {
-                let of_series = self.series.iter().map(|series| {
-                    let point = series.points.iter().find(|point| point.x.total_cmp(value).is_eq());
-                    point.map_or_else(|| "–".to_owned(), |point| y(point.y))
-                });
-                [x(*value)].into_iter().chain(of_series).collect()
-            };
-            return (headings, values.iter().map(row).collect());
-        }
-        let headings = ["", &self.x.label, &self.y.label].map(str::to_owned).to_vec();
-        let named = self.series.iter().flat_map(|series| series.points.iter().map(move |point| (&series.name, point)));
-        let rows = named.map(|(name, point)| {
-            let parts = [Some(name), point.label.as_ref()];
-            let name: Vec<&str> =
-                parts.into_iter().flatten().map(String::as_str).filter(|part| !part.is_empty()).collect();
-            vec![name.join(", "), x(point.x), y(point.y)]
-        });
-        (headings, rows.collect())
-    }
-
-    /// All x in order, if they and the series say which point it is.
-    fn common_values(&self) -> Option<Vec<f64>> {
-        let mut all = Vec::new();
-        for series in &self.series {
-            if series.points.iter().any(|point| point.label.is_some()) {
-                return None;
-            }
-            let mut own: Vec<f64> = series.points.iter().map(|point| point.x).collect();
-            own.sort_by(f64::total_cmp);
-            let distinct = own.windows(2).all(|pair| pair[0].total_cmp(&pair[1]).is_ne());
-            distinct.then_some(())?;
-            all.extend(own);
-        }
-        all.sort_by(f64::total_cmp);
-        all.dedup_by(|a, b| a.total_cmp(b).is_eq());
-        Some(all)
     }
 
     /// The whole element; `id` begins the ids in it.
@@ -256,17 +131,6 @@ impl Plot {
             write(canvas, "no data", Ink::Soft, middle, HPos::Center, VPos::Center)?;
         }
         Ok(())
-    }
-
-    /// What of a series can be drawn, as places on the axes, in runs without a gap.
-    fn runs(&self, series: &Series) -> Vec<Vec<[f64; 2]>> {
-        let places = series.points.iter().map(|point| self.place(point)).collect::<Vec<_>>();
-        let runs = places.split(Option::is_none).map(|run| run.iter().copied().flatten().collect());
-        runs.filter(|run: &Vec<_>| !run.is_empty()).collect()
-    }
-
-    fn place(&self, point: &Point) -> Option<[f64; 2]> {
-        Some([self.x.scale.place(point.x)?, self.y.scale.place(point.y)?])
     }
 
     /// Which places of a series get a marker: all, or a few of a line, at other ones than those of the next line; also what no line
@@ -405,157 +269,6 @@ fn draw_marker(canvas: &Canvas<'_>, index: usize, [x, y]: [f64; 2]) -> Drawn {
         5 => canvas.draw(&Polygon::new(whole(&diamond), filled)),
         6 => canvas.draw(&Circle::new(units_at([x, y]), units(RADIUS * 0.9), outline)),
         _ => canvas.draw(&closed(&up.map(|[across, down]| [across, -down]))),
-    }
-}
-
-/// A mark with the anchor of its label, at the label's top.
-struct PlacedMark {
-    x: f64,
-    text: String,
-    at: [f64; 2],
-    anchor: HPos,
-}
-
-/// Where everything but the data stands, in pixels.
-struct Layout {
-    size: [f64; 2],
-    /// On paper of its own and with its title.
-    is_alone: bool,
-    /// What the axes enclose.
-    inner: Area,
-    ranges: [[f64; 2]; 2],
-    ticks: [Vec<(f64, String)>; 2],
-    /// Title and labels of the axes: the anchor is at their top.
-    lines: Vec<(String, Ink, [f64; 2], HPos)>,
-    /// Series, name, upper left corner.
-    legend: Vec<(usize, String, [f64; 2])>,
-    marks: Vec<PlacedMark>,
-}
-
-impl Layout {
-    /// From top to bottom: title, legend, the y axis' label with those of marks, data, ticks, the x axis' label.
-    fn new(plot: &Plot, size: [f64; 2], is_alone: bool) -> Self {
-        let [width, height] = size;
-        let edge = if is_alone { 8.0 } else { 2.0 };
-        let places = plot.series.iter().flat_map(|series| &series.points).filter_map(|point| plot.place(point));
-        let marked = plot.marks.iter().filter_map(|mark| plot.x.scale.place(mark.x));
-        let x_range = plot.x.scale.range(places.clone().map(|[x, _]| x).chain(marked));
-        let y_range = plot.y.scale.range(places.map(|[_, y]| y));
-        let y_ticks = plot.y.scale.ticks(y_range, (height / 34.0) as usize);
-        let left = edge + y_ticks.iter().fold(0.0, |most: f64, (_, label)| most.max(pixels(label))) + 6.0;
-        let mut x_count = ((width - left) / 44.0) as usize;
-        let mut x_ticks = plot.x.scale.ticks(x_range, x_count);
-        // Long labels have room for fewer; ticks at 2 and 5 times powers are not equally far apart.
-        let per_place = (width - left - 2.0 * EM) / (x_range[1] - x_range[0]);
-        let touch = |pair: &[(f64, String)]| {
-            let room = (pixels(&pair[0].1) + pixels(&pair[1].1)) / 2.0 + 8.0;
-            (pair[1].0 - pair[0].0) * per_place < room
-        };
-        while x_count > 4 && x_ticks.windows(2).any(touch) {
-            x_count -= 1;
-            x_ticks = plot.x.scale.ticks(x_range, x_count);
-        }
-        let left = left.max(edge + x_ticks.first().map_or(0.0, |(_, label)| pixels(label) / 2.0));
-        let last = x_ticks.last().map_or(0.0, |(_, label)| pixels(label) / 2.0);
-        let right = width - edge - last.max(6.0);
-        let mut layout = Self {
-            size,
-            is_alone,
-            inner: Area { left, top: edge, right, bottom: height },
-            ranges: [x_range, y_range],
-            ticks: [x_ticks, y_ticks],
-            lines: Vec::new(),
-            legend: Vec::new(),
-            marks: Vec::new(),
-        };
-        let most = (width - 2.0 * edge) / EM;
-        if is_alone {
-            // Bold text is a tenth wider.
-            layout.add_lines(&text::wrap(&plot.title, most / 1.1), Ink::Bold, [edge, edge], HPos::Left);
-            layout.inner.top += LINE * layout.lines.len() as f64 + 4.0;
-        }
-        layout.add_legend(plot, edge);
-        let label = text::wrap(&plot.y.label, most);
-        layout.add_marks(plot, edge, &label);
-        let label = text::wrap(&plot.x.label, most);
-        layout.inner.bottom -= edge + LINE * (1 + label.len()) as f64 + 8.0;
-        let at = [layout.inner.right, layout.inner.bottom + LINE + 6.0];
-        layout.add_lines(&label, Ink::Text, at, HPos::Right);
-        layout
-    }
-
-    fn width(&self) -> f64 {
-        self.inner.right - self.inner.left
-    }
-
-    /// Where a place on the axes lies.
-    fn at(&self, place: [f64; 2]) -> [f64; 2] {
-        let [x, y] =
-            [0, 1].map(|axis| (place[axis] - self.ranges[axis][0]) / (self.ranges[axis][1] - self.ranges[axis][0]));
-        let area = &self.inner;
-        [area.left + x * (area.right - area.left), area.bottom - y * (area.bottom - area.top)]
-    }
-
-    fn add_lines(&mut self, lines: &[String], ink: Ink, [x, y]: [f64; 2], anchor: HPos) {
-        let placed =
-            lines.iter().enumerate().map(|(row, line)| (line.clone(), ink, [x, y + LINE * row as f64], anchor));
-        self.lines.extend(placed);
-    }
-
-    fn add_legend(&mut self, plot: &Plot, edge: f64) {
-        let most = self.size[0] - 2.0 * edge;
-        let mut x = edge;
-        for (index, series) in plot.series.iter().enumerate().filter(|(_, series)| !series.name.trim().is_empty()) {
-            let text = text::fit(&series.name, (most - SAMPLE - 5.0) / EM);
-            let width = SAMPLE + 5.0 + pixels(&text);
-            if x > edge && x + width > edge + most {
-                x = edge;
-                self.inner.top += LINE + 1.0;
-            }
-            self.legend.push((index, text, [x, self.inner.top]));
-            x += width + 12.0;
-        }
-        self.inner.top += if self.legend.is_empty() { 0.0 } else { LINE + 7.0 };
-    }
-
-    /// Labels of marks above the data, right of their lines where there is room, in as few rows as hold them; the y axis' label shares
-    /// the lowest ones. From the last mark on, so that lines go up left of labels below, not through them.
-    fn add_marks(&mut self, plot: &Plot, edge: f64, axis_label: &[String]) {
-        let most = self.size[0] - edge;
-        // Rows from the lowest up: what they hold already.
-        let mut rows: Vec<Vec<[f64; 2]>> =
-            axis_label.iter().rev().map(|line| vec![[edge, edge + pixels(line) + 8.0]]).collect();
-        let mut marks: Vec<([f64; 2], &Mark)> =
-            plot.marks.iter().filter_map(|mark| Some((self.at([plot.x.scale.place(mark.x)?, 0.0]), mark))).collect();
-        marks.sort_by(|(a, _), (b, _)| b[0].total_cmp(&a[0]));
-        let mut placed = Vec::new();
-        for ([x, _], mark) in marks {
-            let text = text::fit(&mark.label, (most - edge) / EM);
-            let width = pixels(&text) + 4.0;
-            // The width is an estimate, so the text is anchored where the line is.
-            let (left, at, anchor) = if x + width <= most {
-                (x, x + 4.0, HPos::Left)
-            } else if x - width >= edge {
-                (x - width, x - 4.0, HPos::Right)
-            } else {
-                (edge, edge, HPos::Left)
-            };
-            let is_free = |row: &Vec<[f64; 2]>| row.iter().all(|[from, to]| left + width < *from || *to < left);
-            let row = rows.iter().position(is_free).unwrap_or(rows.len());
-            if row == rows.len() {
-                rows.push(Vec::new());
-            }
-            rows[row].push([left - 8.0, left + width + 8.0]);
-            placed.push((row, PlacedMark { x, text, at: [at, 0.0], anchor }));
-        }
-        let bottom = self.inner.top + LINE * rows.len() as f64;
-        let first = bottom - LINE * axis_label.len() as f64;
-        self.add_lines(axis_label, Ink::Text, [edge, first], HPos::Left);
-        self.marks = placed
-            .into_iter()
-            .map(|(row, mark)| PlacedMark { at: [mark.at[0], bottom - LINE * (row + 1) as f64], ..mark })
-            .collect();
-        self.inner.top = bottom + 5.0;
     }
 }
 

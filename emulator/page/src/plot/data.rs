@@ -1,0 +1,135 @@
+//! What a plot shows, as places on its axes and as a table.
+
+use super::axis::Scale;
+
+/// An axis and what it measures.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// What is measured, with its unit.
+    pub label: String,
+    /// How its values lie.
+    pub scale: Scale,
+}
+
+/// How points of a series are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// Joined; beside other series a few markers tell them apart.
+    Line,
+    /// A marker each.
+    Points,
+    /// Joined, a marker each.
+    LinePoints,
+}
+
+/// A point.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Value along the axis that goes right.
+    pub x: f64,
+    /// Value along the axis that goes up.
+    pub y: f64,
+    /// Drawn beside the point where there is room, otherwise in the table only.
+    pub label: Option<String>,
+}
+
+/// Points that belong together; a line is broken where one of them cannot be drawn.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What the legend calls it; without a name it has no place there.
+    pub name: String,
+    /// How it is drawn.
+    pub style: Style,
+    /// Whether its line is dashed.
+    pub dashed: bool,
+    /// In the order of the line.
+    pub points: Vec<Point>,
+}
+
+/// A vertical line, where something begins or ends.
+#[derive(Clone, Debug)]
+pub struct Mark {
+    /// Where it stands.
+    pub x: f64,
+    /// Written above it.
+    pub label: String,
+}
+
+/// A plot. Values that are not finite, or not positive on a logarithmic axis, are in its table only.
+#[derive(Clone, Debug)]
+pub struct Plot {
+    /// A few words.
+    pub title: String,
+    /// What is to be seen, in sentences, also for those who see no picture.
+    pub description: String,
+    /// The axis that goes right.
+    pub x: Axis,
+    /// The axis that goes up.
+    pub y: Axis,
+    /// Each with a colour and a marker of its own, up to eight of them.
+    pub series: Vec<Series>,
+    /// Vertical lines.
+    pub marks: Vec<Mark>,
+}
+
+impl Plot {
+    /// Headings and rows of all points.
+    ///
+    /// Series without labels side by side, a row for each x; otherwise a row for each point. The first column says which it is, a
+    /// dash is nothing.
+    pub fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let x = self.x.scale.numbers(points.clone().map(|point| point.x));
+        let y = self.y.scale.numbers(points.map(|point| point.y));
+        if let Some(values) = self.common_values() {
+            let names = self.series.iter().map(|series| series.name.clone());
+            let headings = [self.x.label.clone()].into_iter().chain(names).collect();
+            let row = |value: &f64| {
+                let of_series = self.series.iter().map(|series| {
+                    let point = series.points.iter().find(|point| point.x.total_cmp(value).is_eq());
+                    point.map_or_else(|| "–".to_owned(), |point| y(point.y))
+                });
+                [x(*value)].into_iter().chain(of_series).collect()
+            };
+            return (headings, values.iter().map(row).collect());
+        }
+        let headings = ["", &self.x.label, &self.y.label].map(str::to_owned).to_vec();
+        let named = self.series.iter().flat_map(|series| series.points.iter().map(move |point| (&series.name, point)));
+        let rows = named.map(|(name, point)| {
+            let parts = [Some(name), point.label.as_ref()];
+            let name: Vec<&str> =
+                parts.into_iter().flatten().map(String::as_str).filter(|part| !part.is_empty()).collect();
+            vec![name.join(", "), x(point.x), y(point.y)]
+        });
+        (headings, rows.collect())
+    }
+
+    /// All x in order, if they and the series say which point it is.
+    fn common_values(&self) -> Option<Vec<f64>> {
+        let mut all = Vec::new();
+        for series in &self.series {
+            if series.points.iter().any(|point| point.label.is_some()) {
+                return None;
+            }
+            let mut own: Vec<f64> = series.points.iter().map(|point| point.x).collect();
+            own.sort_by(f64::total_cmp);
+            let distinct = own.windows(2).all(|pair| pair[0].total_cmp(&pair[1]).is_ne());
+            distinct.then_some(())?;
+            all.extend(own);
+        }
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| a.total_cmp(b).is_eq());
+        Some(all)
+    }
+
+    /// What of a series can be drawn, as places on the axes, in runs without a gap.
+    pub(super) fn runs(&self, series: &Series) -> Vec<Vec<[f64; 2]>> {
+        let places = series.points.iter().map(|point| self.place(point)).collect::<Vec<_>>();
+        let runs = places.split(Option::is_none).map(|run| run.iter().copied().flatten().collect());
+        runs.filter(|run: &Vec<_>| !run.is_empty()).collect()
+    }
+
+    pub(super) fn place(&self, point: &Point) -> Option<[f64; 2]> {
+        Some([self.x.scale.place(point.x)?, self.y.scale.place(point.y)?])
+    }
+}
