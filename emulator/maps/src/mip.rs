@@ -207,21 +207,15 @@ fn shrink<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use roughxel_utilities::random::SplitMix64;
 
     const SIZES: [(u32, u32); 12] =
         [(1, 1), (2, 2), (3, 3), (1, 17), (31, 1), (5, 8), (16, 16), (11, 10), (64, 4), (20, 12), (37, 53), (100, 63)];
 
-    /// Uniform codes from a small multiplicative generator; any seed.
+    /// Uniform codes.
     fn noise(width: u32, height: u32, seed: u64) -> Vec<[u16; 3]> {
-        let mut state = seed | 1;
-        (0..width * height)
-            .map(|_| {
-                std::array::from_fn(|_| {
-                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(99);
-                    (state >> 48) as u16
-                })
-            })
-            .collect()
+        let mut random = SplitMix64::new(seed);
+        (0..width * height).map(|_| [(); 3].map(|()| random.below(1 << 16) as u16)).collect()
     }
 
     fn mean(level: &Level, channel: usize) -> f64 {
