@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 
 use crate::reference::highlight::blinn_phong;
 use crate::reference::linear::{Vector2, Vector3, add_scaled, dot, norm, scaled};
+use crate::reference::random::SplitMix64;
 use crate::reference::roughness::{Covariance, covariance};
-use roughxel_utilities::random::SplitMix64;
 
 /// Exponent m of every facet in most tests.
 pub const EXPONENT: u32 = 64;

@@ -49,8 +49,8 @@ pub fn axes(ellipse: &Ellipse) -> Axes {
 mod tests {
     use super::super::ellipse::ellipse;
     use super::super::linear::{axis_angle, norm};
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn axes_diagonalise_the_matrix() {

@@ -45,9 +45,9 @@ pub fn column(view: Vector3, normal: Vector3, selection: &Selection, dview: Vect
 #[cfg(test)]
 mod tests {
     use super::super::cube;
+    use super::super::random::SplitMix64;
     use super::super::reflect::reflect;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn derivative_of_r_agrees_with_central_differences() {

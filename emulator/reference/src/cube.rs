@@ -90,8 +90,8 @@ pub fn tie_margin(r: Vector3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::linear::{norm, scaled};
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn table_is_vulkans() {

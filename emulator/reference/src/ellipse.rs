@@ -54,8 +54,8 @@ pub fn ellipse(q: &[Vector2; 4]) -> Ellipse {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn minors_sum_to_the_determinant() {

@@ -210,8 +210,8 @@ pub fn cube_assemble<const C: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::linear::{Vector3, norm};
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     /// A cube map of a function of direction, sampled at texel centres.
     fn cube_map(edge: usize, value: impl Fn(Vector3) -> f64) -> CubeMap<1> {

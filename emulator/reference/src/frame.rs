@@ -118,8 +118,8 @@ pub fn orthonormality_error(normal: Vector3, e1: Vector3, e2: Vector3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::linear::add_scaled;
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn frame_stays_orthonormal_down_to_one_bit() {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::filter::Map;
 use super::linear::Vector2;
-use roughxel_utilities::random::SplitMix64;
+use super::random::SplitMix64;
 
 /// Pixels in a row of the picture.
 pub const WIDTH: u32 = 160;

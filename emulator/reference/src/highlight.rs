@@ -102,8 +102,8 @@ pub fn printed_cos2(d: Triangular, n_minus_h: Vector2) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn a_smooth_surface_has_the_plain_highlight() {

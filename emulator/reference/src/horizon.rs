@@ -53,8 +53,8 @@ pub fn product(ramps: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn shares_are_as_worked_by_hand() {

@@ -22,6 +22,7 @@ pub mod linear;
 pub mod peaks;
 pub mod perturb;
 pub mod probes;
+pub mod random;
 pub mod reflect;
 pub mod roughness;
 pub mod sphere;
@@ -245,7 +246,7 @@ pub fn columns_in_texels(derivatives: [[f64; 2]; 2], size_texels: [u32; 2]) -> [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
+    use random::SplitMix64;
 
     const OPTIONS: Options = Options {
         frame: FrameSystem::MainDirection,

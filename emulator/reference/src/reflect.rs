@@ -11,8 +11,8 @@ pub fn reflect(view: Vector3, normal: Vector3) -> Vector3 {
 #[cfg(test)]
 mod tests {
     use super::super::linear::{cross, norm};
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn reflection_keeps_angle_plane_and_length() {

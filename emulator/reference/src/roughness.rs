@@ -130,8 +130,8 @@ pub fn box_weights(from: usize, to: usize, index: usize) -> impl Iterator<Item =
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::SplitMix64;
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     #[test]
     fn covariance_is_as_worked_by_hand() {

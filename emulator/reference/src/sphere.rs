@@ -152,12 +152,24 @@ pub struct Point {
 /// A probe stands for a part of the law. Those outside are wider than that in the middle; three fifths of what their variance is
 /// more is in the width of the probe, for R = √(λ₁² − λ₂²)/λ₂ = N − 5/4, and as much less in where they are.
 pub fn points(count: u32, share: f64) -> Vec<Point> {
-    let to = parts(count);
+    let own = 1.0 / f64::from(count);
+    let parts = |count: u32, weight: f64| -> Vec<Point> {
+        let variances = variances(count);
+        let reach = f64::from(count) - 1.25;
+        let mean = variances.iter().sum::<f64>() / variances.len() as f64;
+        let point = |(x, v): (f64, f64)| Point {
+            x: x * (1.0 - mean).sqrt(),
+            weight,
+            widening: 0.5 * (1.0 + reach * reach * v).log2(),
+        };
+        places(count).into_iter().zip(variances).map(point).collect()
+    };
+    let to = parts(count, own);
     if count <= 2 {
         return to;
     }
     let less = 1.0 / f64::from(count - 1);
-    let before = parts(count - 1);
+    let before = parts(count - 1, less);
     let new = |weight| Point { x: 0.0, weight, widening: 0.0 };
     let (sides, middle) =
         (((count - 1) / 2) as usize, if count.is_multiple_of(2) { vec![new(0.5 * less); 2] } else { vec![new(0.0)] });
@@ -173,26 +185,13 @@ pub fn points(count: u32, share: f64) -> Vec<Point> {
         .collect()
 }
 
-/// `count` probes that do not move.
-fn parts(count: u32) -> Vec<Point> {
-    // Quantiles by halving take 64 error functions each; those of a footprint are kept.
-    static KEPT: [OnceLock<Vec<Point>>; 17] = [const { OnceLock::new() }; 17];
-    let parts = || {
-        let (weight, variances) = (1.0 / f64::from(count), variances(count));
-        let reach = f64::from(count) - 1.25;
-        let mean = variances.iter().sum::<f64>() / variances.len() as f64;
-        let point = |(x, v): (f64, f64)| Point {
-            x: x * (1.0 - mean).sqrt(),
-            weight,
-            widening: 0.5 * (1.0 + reach * reach * v).log2(),
-        };
-        places(count).into_iter().zip(variances).map(point).collect()
-    };
-    KEPT.get(count as usize).map_or_else(parts, |kept| kept.get_or_init(parts).clone())
-}
-
 /// Of `count` equally likely parts of the normal law: three fifths of what the variance of each is above that in the middle.
 fn variances(count: u32) -> Vec<f64> {
+    static KEPT: Kept = [const { OnceLock::new() }; 17];
+    kept(&KEPT, count, variances_of)
+}
+
+fn variances_of(count: u32) -> Vec<f64> {
     let n = f64::from(count);
     let end = |i: u32| if i == 0 || i == count { 0.0 } else { quantile(f64::from(i) / n) };
     let density_at = |i: u32| if i == 0 || i == count { 0.0 } else { density(end(i)) };
@@ -206,6 +205,21 @@ fn variances(count: u32) -> Vec<f64> {
 
 /// The normal law in `count` points of equal weight: the means of its equally likely parts, stretched to deviation 1.
 pub fn places(count: u32) -> Vec<f64> {
+    static KEPT: Kept = [const { OnceLock::new() }; 17];
+    kept(&KEPT, count, places_of)
+}
+
+/// Quantiles by halving take a million densities each; those of a footprint are kept.
+type Kept = [OnceLock<Vec<f64>>; 17];
+
+fn kept(kept: &'static Kept, count: u32, made: fn(u32) -> Vec<f64>) -> Vec<f64> {
+    match kept.get(count as usize) {
+        Some(kept) => kept.get_or_init(|| made(count)).clone(),
+        None => made(count),
+    }
+}
+
+fn places_of(count: u32) -> Vec<f64> {
     if count <= 1 {
         return vec![0.0];
     }
@@ -236,16 +250,22 @@ fn quantile(share: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Share of the normal law below x.
+/// Share of the normal law below x, by Simpson's rule on [0, x].
 fn below(x: f64) -> f64 {
-    0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)
+    const STEPS: u32 = 2000;
+    let h = x / f64::from(STEPS);
+    let weighted = (0..=STEPS).map(|i| {
+        let weight = if i == 0 || i == STEPS { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        weight * density(f64::from(i) * h)
+    });
+    0.5 + h / 3.0 * weighted.sum::<f64>()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::SplitMix64;
     use super::super::{Roughness, frame};
     use super::*;
-    use roughxel_utilities::random::SplitMix64;
 
     fn random_inputs(random: &mut SplitMix64, size: f64) -> Inputs {
         let mut vector = |size: f64| [0, 1, 2].map(|_| random.uniform(-size, size));

@@ -67,33 +67,11 @@ impl SplitMix64 {
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
-
-    /// A number from the normal law with mean 0 and variance 1 (Box–Muller).
-    pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * libm::log(1.0 - self.uniform(0.0, 1.0))).sqrt();
-        radius * libm::cos(self.uniform(0.0, std::f64::consts::TAU))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_sequence_is_the_published_one() {
-        let mut random = SplitMix64::new(1_234_567);
-        let expected = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973];
-        assert_eq!([random.next_u64(), random.next_u64()], expected);
-    }
-
-    #[test]
-    fn normal_numbers_have_unit_variance() {
-        let mut random = SplitMix64::new(1);
-        let count = 100_000;
-        let squares: f64 = (0..count).map(|_| random.normal().powi(2)).sum();
-        // The variance of the estimate is 2/count: 5 standard errors are 0.022.
-        assert!((squares / f64::from(count) - 1.0).abs() < 0.022);
-    }
 
     #[test]
     fn a_number_below_a_bound_is_the_upper_half_of_a_product() {

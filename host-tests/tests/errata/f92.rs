@@ -1,7 +1,7 @@
 //! Errata of F92: peaks, the printed materials, visibility ramps, and the timing table.
 
 use roughxel_host_tests::reference::linear::{dot, norm, scaled};
-use roughxel_utilities::random::SplitMix64;
+use roughxel_host_tests::reference::random::SplitMix64;
 
 /// One row of F92's table: amplitude, vector, exponent.
 type Peak = (f64, [f64; 3], i32);

@@ -6,8 +6,8 @@ use roughxel_host_tests::reference::ellipse::{Ellipse, ellipse};
 use roughxel_host_tests::reference::frame::frame_main_direction;
 use roughxel_host_tests::reference::highlight::printed_cos2;
 use roughxel_host_tests::reference::linear::{Vector2, add_scaled, cross, dot, norm, scaled};
+use roughxel_host_tests::reference::random::SplitMix64;
 use roughxel_host_tests::reference::roughness::{Covariance, Texel, Triangular, compose, covariance, decompose, merge};
-use roughxel_utilities::random::SplitMix64;
 
 /// D·x.
 fn times(d: Triangular, x: Vector2) -> Vector2 {

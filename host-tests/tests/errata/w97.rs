@@ -11,10 +11,10 @@ use roughxel_host_tests::reference::ground_plane::{
 };
 use roughxel_host_tests::reference::linear::{Vector2, add_scaled, axis_angle, cross, dot, norm, scaled};
 use roughxel_host_tests::reference::probes::{self, ProbeRule, ProbeWeights};
+use roughxel_host_tests::reference::random::SplitMix64;
 use roughxel_host_tests::reference::reflect::reflect;
 use roughxel_host_tests::reference::roughness::{covariance, tangents};
 use roughxel_host_tests::reference::{Inputs, Options, Outputs, Roughness, columns_in_texels, reflection};
-use roughxel_utilities::random::SplitMix64;
 
 /// K = D Dᵀ of a matrix given by its columns.
 fn outer(columns: [Vector2; 2]) -> Ellipse {

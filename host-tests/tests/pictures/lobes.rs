@@ -15,11 +15,11 @@ use roughxel_real_frame::RealPicture;
 use roughxel_reference::cube::{direction_of, select};
 use roughxel_reference::filter::{CubeMap, Map};
 use roughxel_reference::linear::{add_scaled, norm, scaled};
+use roughxel_reference::random::SplitMix64;
 use roughxel_reference::{frame, reflect, sphere};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
 use roughxel_shader::Needs;
-use roughxel_utilities::random::SplitMix64;
 
 /// Texels along an edge of a face.
 const EDGE: usize = 64;

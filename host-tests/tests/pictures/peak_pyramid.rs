@@ -8,7 +8,6 @@ use glam::DVec3;
 use roughxel_host_tests::one_pixel::{EXPONENT, OnePixel};
 use roughxel_peaks::horizon::horizon_slopes;
 use roughxel_peaks::{BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface};
-use roughxel_utilities::random::SplitMix64;
 
 fn options(exponent: f64, weight: FacetWeight) -> BuildOptions {
     BuildOptions { exponent, amplitude: 1.0, weight, negate: false }
