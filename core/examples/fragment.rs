@@ -1,11 +1,11 @@
-//! One fragment: a bumpy mirror, straight from above, and where it looks. Plan and accuracy are a type; nothing of other effects is linked.
+//! One fragment: a bumpy mirror seen from straight above, and where it looks. Plan and accuracy are a type; no code of other effects is linked.
 
 use fixed::types::{I2F30, I4F28};
 use roughxel_core::firmware::{Firmware, Narrow};
 use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::ports::{BlockVector, ReflectionIn, SurfaceIn};
 
-/// Bumps and a footprint, on words of 16 bits.
+/// Bumps and a footprint, on 16-bit words.
 struct Mirror;
 
 impl Firmware for Mirror {
@@ -24,7 +24,7 @@ fn main() {
             offset: [I4F28::from_num(0.125), I4F28::ZERO],
             ..Default::default()
         },
-        // One pixel to the right and one down turn the view by 1/256.
+        // One pixel to the right or down turns the view by 1/256.
         dview: [vector(-0.75, 0.0, 0.0, -6), vector(0.0, 0.75, 0.0, -6)],
         ..Default::default()
     };

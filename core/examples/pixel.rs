@@ -1,4 +1,4 @@
-//! A pixel from start to end: a footprint, its probes, eight texels of each, filtered, with a memory of one's own.
+//! A pixel from start to end: a footprint, its probes, eight filtered texels for each, from a memory that the program supplies.
 
 use fixed::types::I2F30;
 use roughxel_core::firmware::{Firmware, Standard};
@@ -14,7 +14,7 @@ impl Firmware for Mirror {
     const EFFECTS: Effects = Effects { footprint: FootprintKind::Face, ..Effects::NONE };
 }
 
-/// Six faces, each of a grey of its own: whatever holds texels is a memory.
+/// Six faces, each of its own grey. Anything that holds texels can be the memory.
 struct Greys([u16; 6]);
 
 impl CubeMemory for Greys {
@@ -25,7 +25,7 @@ impl CubeMemory for Greys {
 
 fn main() {
     let vector = |x: f32, y: f32, z: f32| BlockVector { mantissa: [x, y, z].map(I2F30::from_num), exponent: 0 };
-    // v leans by 45°: r is on the edge between two faces.
+    // v leans by 45°, so r is on the edge between two faces.
     let surface = SurfaceIn { normal: vector(0.0, 0.0, 0.5), view: vector(0.5, 0.0, 0.5), ..Default::default() };
     let dview = [vector(0.01, 0.0, 0.0), vector(0.0, 0.01, 0.0)];
     let fragment = ReflectionIn { surface, dview, ..Default::default() };

@@ -1,11 +1,11 @@
-//! One footprint in a repeated map: a pixel sees twice as many texels of it along v as along u.
+//! One footprint in a wrapped map: a pixel covers twice as many texels along v as along u.
 
 use fixed::types::{I2F30, U0F32};
 use roughxel_core::firmware::{Compact, Firmware};
 use roughxel_core::plan::Effects;
 use roughxel_core::ports::{BlockPair, TextureIn};
 
-/// A footprint in a map needs no effect.
+/// An empty plan: a footprint in a map needs no effect.
 struct Ground;
 
 impl Firmware for Ground {
@@ -14,9 +14,9 @@ impl Firmware for Ground {
 }
 
 fn main() {
-    // Once a map of 512 × 256 texels: the only division.
+    // Once for a map of 512 × 256 texels: the only division.
     let map = Ground::texture([512, 256]);
-    // In repeats of the map: one pixel to the right moves u by 1/128, one down moves v by 1/32.
+    // In repeats of the map: one pixel to the right moves u by 1/128, one pixel down moves v by 1/32.
     let pair = |u: f32, v: f32, exponent| BlockPair { mantissa: [u, v].map(I2F30::from_num), exponent };
     let pixel = TextureIn { uv: [0.25, 0.75].map(U0F32::from_num), duv: [pair(0.5, 0.0, -6), pair(0.0, 0.5, -4)] };
     let footprint = Ground::texture_footprint(&pixel, &map);

@@ -1,9 +1,8 @@
 //! Block floating point: directions have no length.
 //!
-//! A [`Block`] is a few mantissas with one exponent, brought to max |mantissa| in [½, 1] by an exact shift and
-//! one rounding to the profile's `fraction_bits`. Zero has exponent [`ZERO_EXPONENT`], so that it never wins an
-//! alignment. These are compound steps: their ranges (|mantissa| ≤ 1, whatever came in) are claims an interval
-//! walk cannot find; `host-tests` has the proofs (`arithmetic`).
+//! A [`Block`] is a few mantissas with one exponent. An exact shift and one rounding to the profile's `fraction_bits` bring max |mantissa| to [½, 1].
+//! Zero has exponent [`ZERO_EXPONENT`], so that it never wins an alignment. These are compound steps. Their ranges (|mantissa| ≤ 1 for any input) are
+//! claims that an interval walk cannot find; `host-tests` has the proofs (`arithmetic`).
 
 use crate::bundle::bundle;
 use crate::each::each;
@@ -12,20 +11,20 @@ use crate::word::{WideWire, Word};
 
 /// Bits of a mantissa before its binary point.
 pub const MANTISSA: u32 = 2;
-/// The same of a product of two of them.
+/// Bits of a product of two mantissas before its binary point.
 pub const PRODUCT: u32 = 2 * MANTISSA;
 
 /// A number in [−1, 1].
 pub type Mantissa<W> = Fx<W, MANTISSA>;
 
-/// The exact product of two mantissas, or a sum of a few.
+/// Exact product of two mantissas, or a sum of a few such products.
 pub type Product<W> = Wide<W, PRODUCT>;
 
-/// The largest exponent of a vector that enters the datapath, either way: every float64 has a smaller one.
+/// Largest exponent of a vector that enters the datapath, in either direction. Every float64 has a smaller one.
 pub const MAX_EXPONENT: i64 = 1 << 11;
 
-/// Exponent of a block of zeros. Exponents of other blocks stay within ±2^14.1: those that enter within ±[`MAX_EXPONENT`], those of
-/// columns within twice, of a covariance four times, of its determinant eight times that, and a few hundred.
+/// Exponent of a block of zeros. Exponents of other blocks stay within ±2^14.1. Entering exponents are within ±[`MAX_EXPONENT`], those of columns
+/// within twice that, of a covariance four times, of its determinant eight times, each plus a few hundred.
 pub const ZERO_EXPONENT: i64 = -(1 << 15);
 
 bundle! {
@@ -34,7 +33,7 @@ bundle! {
         /// Mantissas, the largest of them in [½, 1] by size, or all zero.
         #[range(-1..=1)]
         m: [Mantissa<W>; N],
-        /// Exponent; of a block that was scaled a sum of several.
+        /// Exponent; in a scaled block it is a sum of several.
         #[range(-131072..=131072)]
         e: Int<W>,
     }
@@ -50,7 +49,7 @@ impl<W: Word<Count: PartialEq> + PartialEq, const N: usize> PartialEq for Block<
 pub type Number<W> = Block<W, 1>;
 
 impl<W: Word, const N: usize> Block<W, N> {
-    /// All zero.
+    /// Block of zeros.
     #[inline(always)]
     pub fn zero() -> Self {
         Self { m: [Mantissa::zero(); N], e: Fx::int(ZERO_EXPONENT) }
@@ -72,7 +71,7 @@ impl<W: Word, const N: usize> Block<W, N> {
         Self { m, e: Fx::select(flag, a.e, b.e) }
     }
 
-    /// Whether every component is zero.
+    /// Returns true if every component is zero.
     #[inline(always)]
     pub fn is_zero(&self) -> W::Flag {
         let mut zero = self.m[0].is_zero();
@@ -82,19 +81,19 @@ impl<W: Word, const N: usize> Block<W, N> {
         zero
     }
 
-    /// The block times a number, rounded once.
+    /// Block times a number, rounded once.
     #[inline(always)]
     pub fn times(&self, k: &Number<W>, keep: u32) -> Self {
         normalise(each!(m in self.m => m.mul::<MANTISSA, PRODUCT>(k.m[0])), self.e + k.e, keep)
     }
 
-    /// |a|² of its components, rounded once.
+    /// |a|² over the components, rounded once.
     #[inline(always)]
     pub fn square_length(&self, keep: u32) -> Number<W> {
         number(dot(&self.m, &self.m), self.e + self.e, keep)
     }
 
-    /// The mantissas at a larger exponent, rounded at `keep` fraction bits.
+    /// Mantissas at a larger exponent, rounded at `keep` fraction bits.
     #[inline(always)]
     pub fn mantissas_at(&self, e: Int<W>, keep: u32) -> [Mantissa<W>; N] {
         let places = places_below(self.e, e, W::BITS - 1);
@@ -109,37 +108,37 @@ impl<W: Word> Number<W> {
         Self { m: [Fx::number(1, -1)], e: Fx::int(1) }
     }
 
-    /// The number with `OUT` bits before the point of a wide wire, floored to its last place. Range: its exponent is at most
-    /// `OUT − PRODUCT`; a larger one counts as that.
+    /// The number with `OUT` bits before the point of a wide wire, floored to its last place. Range: the exponent is at most `OUT − PRODUCT`; a
+    /// larger one counts as that.
     #[inline(always)]
     pub fn at_point<const OUT: u32>(&self) -> Wide<W, OUT> {
         self.m[0].widen::<PRODUCT>().at_exponent(self.e)
     }
 }
 
-/// A block of words that control as one of mantissas. Range: its mantissas fit the word.
+/// Block of control words as one of mantissas. Range: its mantissas fit the word.
 #[inline(always)]
 pub fn of_control<W: Word, const N: usize>(block: Block<W::Count, N>) -> Block<W, N> {
     Block { m: each!(m in block.m => Fx::of_control(m)), e: block.e }
 }
 
-/// A single number on a wide wire as mantissa and exponent.
+/// Single number on a wide wire as mantissa and exponent.
 #[inline(always)]
 pub fn number<X: WideWire, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
     normalise([wide], e, keep)
 }
 
-/// Brings `N` wide numbers `wide[i] · 2^e` to a block whose largest |mantissa| is in [½, 1]: an exact left shift by
-/// the common leading bits, then one rounding to `keep` fraction bits.
+/// Normalises `N` wide numbers `wide[i] · 2^e` to a block whose largest |mantissa| is in [½, 1]: an exact left shift by the common leading bits, then
+/// one rounding to `keep` fraction bits.
 ///
-/// Range: any input. The largest mantissa may round up to 1; −1 occurs exactly, too.
+/// Range: any input. The largest mantissa may round up to 1; −1 also occurs exactly.
 #[inline(always)]
 pub fn normalise<X: WideWire, const N: usize, const INT: u32>(
     wide: [Fx<X, INT>; N],
     e: Fx<X::Count, 32>,
     keep: u32,
 ) -> Block<X::Word, N> {
-    // Shifted, with one bit before the point, the largest is in [½, 1].
+    // Shifted, with one bit before the point, the largest number is in [½, 1].
     let (drop, up) = Fx::<X, 1>::places_to_round::<MANTISSA>(keep);
     let (m, zeros, all_zero) = X::normalised(each!(w in wide => w.raw()), drop, up);
     let zeros = Fx::<X::Count, 32>::from_raw(zeros);
@@ -149,15 +148,15 @@ pub fn normalise<X: WideWire, const N: usize, const INT: u32>(
     }
 }
 
-/// The larger of two exponents decides; a count of places to shift is cut to what a wire can lose.
+/// Places by which a block of exponent `e` is shifted to reach `top`, clamped to what a wire can lose. An `e` above `top` is not shifted.
 #[inline(always)]
 pub fn places_below<C: Word<Count = C>>(e: Fx<C, 32>, top: Fx<C, 32>, most: u32) -> Fx<C, 32> {
     (top - e).saturate(Fx::int(0), Fx::int(most.into()))
 }
 
-/// Brings `COUNT` blocks to the largest of their exponents; smaller ones lose low bits by one rounding.
+/// Aligns `COUNT` blocks to the largest of their exponents. Smaller blocks lose low bits by one rounding.
 ///
-/// Range: no mantissa grows. An all-zero set keeps [`ZERO_EXPONENT`] (or a sum of it with real exponents).
+/// Range: no mantissa grows. A set of zeros keeps [`ZERO_EXPONENT`], or a sum of it with real exponents.
 #[inline(always)]
 pub fn align<W: Word, const N: usize, const COUNT: usize>(
     blocks: [Block<W, N>; COUNT],

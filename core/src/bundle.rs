@@ -1,37 +1,37 @@
 //! Bundles: structures of wires, each declared once.
 //!
-//! [`bundle!`](crate::bundle!) declares a structure: of every field what it is, on which kind of wire, and, where it matters, unit,
-//! range, the stage that makes it and its type at a scalar port. All that anyone else needs to know of the structure is a *walk*
-//! over it: names of ports and columns, declared ranges, conversion between readings, the number of wires. A walk visits the
-//! wires in the order of the fields and may put other wires, of another reading, in their place; nothing is allocated.
+//! [`bundle!`](crate::bundle!) declares a structure. For each field it states the meaning and the kind of wire and, if they matter, unit, range, the
+//! stage that makes it and its type at a scalar port. Everything else about the structure comes from a *walk* over it: names of ports and columns,
+//! declared ranges, conversion between backends, the number of wires. A walk visits the wires in the order of the fields and may replace each by a
+//! wire of another backend. Nothing is allocated.
 
 use crate::each::{each, places};
 use crate::fx::{Control, Fx, WideControl};
 use crate::word::{Wire, Word};
 
-/// What the declaration of a bundle says of a field.
+/// Declaration of a field of a bundle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Its name.
+    /// Name of the field.
     pub name: &'static str,
-    /// What it is.
+    /// Meaning of the field.
     pub text: &'static str,
-    /// Unit; empty where the field has none of its own.
+    /// Unit; empty if the field has none of its own.
     pub unit: &'static str,
-    /// The stage whose outcome it is; empty for what goes in and for bundles inside the datapath.
+    /// Stage whose outcome it is; empty for inputs and for bundles inside the datapath.
     pub stage: &'static str,
-    /// It leaves the datapath, instead of being looked at on its way.
+    /// True if it leaves the datapath, false if it is only observed.
     pub leaves: bool,
-    /// How many fraction bits a profile keeps of it.
+    /// Fraction bits that a profile keeps of it.
     pub keeps: Keeps,
-    /// A letter for each of its components, where numbers or x, y, z would not say it.
+    /// A letter for each of its components; empty if numbers or x, y, z serve.
     pub components: &'static str,
 }
 
-/// How many fraction bits a profile keeps of a wire.
+/// Number of fraction bits that a profile keeps of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keeps {
-    /// Of a mantissa p; of a word with more bits before its point as many fewer. What controls is kept whole.
+    /// The p bits of a mantissa. A word with more bits before its point keeps that many fewer. Control words are kept whole.
     Fraction,
     /// `lod_bits`.
     Lod,
@@ -40,9 +40,9 @@ pub enum Keeps {
 /// One step on the way to a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// A field of a structure.
+    /// Field of a structure.
     Field(&'static Field),
-    /// A place in an array.
+    /// Place in an array.
     Index(usize),
 }
 
@@ -56,7 +56,7 @@ pub enum End {
 }
 
 impl End {
-    /// One of the two.
+    /// Picks `low` or `high`.
     #[inline(always)]
     pub fn of<T>(self, low: T, high: T) -> T {
         match self {
@@ -65,16 +65,16 @@ impl End {
         }
     }
 
-    /// The end of what a wire of so many bits holds.
+    /// The end of the range of a wire with `bits` bits.
     #[inline(always)]
     pub fn of_bits(self, bits: u32) -> i64 {
         self.of(i64::MIN >> (64 - bits), i64::MAX >> (64 - bits))
     }
 }
 
-/// A walk over the wires of a bundle that puts a wire of the reading `V` in the place of each of `W`.
+/// A walk over the wires of a bundle that replaces each wire of `W` by one of the backend `V`.
 pub trait Rewire<W: Word, V: Word> {
-    /// The wires up to the matching [`Self::leave`] are below `step`.
+    /// Enters `step`: the wires up to the matching [`Self::leave`] are below it.
     #[inline(always)]
     fn enter(&mut self, step: Step) {
         let _ = step;
@@ -82,13 +82,13 @@ pub trait Rewire<W: Word, V: Word> {
     /// Ends the last step.
     #[inline(always)]
     fn leave(&mut self) {}
-    /// A word that carries a mantissa.
+    /// Replaces a word that carries a mantissa.
     fn word(&mut self, wire: W, fraction_bits: u32) -> V;
-    /// A word that controls.
+    /// Replaces a control word.
     fn control(&mut self, wire: W::Count, fraction_bits: u32) -> V::Count;
-    /// A wide wire of what controls.
+    /// Replaces a wide control wire.
     fn wide(&mut self, wire: <W::Count as Word>::Wide, fraction_bits: u32) -> <V::Count as Word>::Wide;
-    /// A flag.
+    /// Replaces a flag.
     fn flag(&mut self, wire: W::Flag) -> V::Flag;
 
     /// Walks a part of a bundle below `step`.
@@ -106,13 +106,13 @@ pub trait Rewire<W: Word, V: Word> {
 
 /// A structure of wires.
 pub trait Bundle<W: Word>: Copy {
-    /// The same structure in another reading.
+    /// Bundle of the same structure in another backend.
     type In<V: Word>: Bundle<V, In<i32> = Self::In<i32>>;
-    /// Words of 32 bits that its wires take: a wide wire is two.
+    /// Number of 32-bit words of its wires; a wide wire takes two.
     const WORDS: usize;
     /// Walks all wires in the order of the fields.
     fn rewire<V: Word, R: Rewire<W, V>>(&self, with: &mut R) -> Self::In<V>;
-    /// The lowest or the highest values that its declaration allows on each wire.
+    /// Lowest or highest values that the declaration allows on each wire.
     fn limit<V: Word>(end: End) -> Self::In<V>;
 }
 
@@ -140,7 +140,7 @@ impl<W: Word, B: Bundle<W>, const N: usize> Bundle<W> for [B; N] {
     }
 }
 
-/// A part that a plan may leave out.
+/// An optional part: a plan may leave it out.
 impl<W: Word, B: Bundle<W>> Bundle<W> for Option<B> {
     type In<V: Word> = Option<B::In<V>>;
     const WORDS: usize = B::WORDS;
@@ -156,8 +156,8 @@ impl<W: Word, B: Bundle<W>> Bundle<W> for Option<B> {
     }
 }
 
-/// A bundle whose wires hold the numbers of their words in a walk: what names a row of a batch. A wide wire has the number of its lower word;
-/// a flag holds none.
+/// Bundle whose wires hold the numbers of their words in a walk; it names a row of a batch. A wide wire has the number of its lower word; a flag
+/// holds none.
 pub fn numbered<B: Bundle<i32, In<i32> = B>>() -> B {
     B::limit::<i32>(End::Low).rewire(&mut Numbers(0))
 }
@@ -192,7 +192,7 @@ impl Rewire<i32, i32> for Numbers {
     }
 }
 
-/// One number that controls, as the outcome of a stage.
+/// One control number, as the outcome of a stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Value<W: Word, const INT: u32>(pub Control<W, INT>);
 
@@ -214,27 +214,31 @@ impl<W: Word, const INT: u32> Bundle<W> for Value<W, INT> {
 /// use roughxel_core::{bundle, fx::{Fx, Int, Wide}, word::{Wire, Word}};
 ///
 /// bundle! {
-///     /// A direction that someone looks at.
+///     /// A direction of view.
 ///     pub struct Look<W> {
 ///         /// Components.
 ///         #[unit = "length"]
 ///         #[range(-1..=1)]
 ///         direction: [Fx<W, 2>; 3],
-///         /// Who looks.
+///         /// Number of the eye.
 ///         #[range(0..16)]
 ///         eye: Int<W>,
-///         /// Nobody does.
+///         /// The eye is closed.
 ///         closed: W::Flag,
 ///     }
 /// }
 /// ```
 ///
-/// A field is a word `Fx<W, INT>`, a number that controls `Control<W, INT>` or `Int<W>`, a wide one `WideControl<W, INT>`,
-/// `W::Flag`, a bundle, or an array of one of them. Attributes, in this order and none of them needed: `#[unit = "…"]`;
-/// `#[stage = "…"]`, the stage that makes it, or `#[out = "…"]`, the same of what leaves the datapath; `#[keeps(Lod)]`
-/// ([`Keeps`]); `#[components = "…"]`, a letter for each; `#[range(low..=high)]` or `#[range(low..high)]` of what the wires may hold, in units of 1; `#[port = T]`, the type at
-/// a scalar port. With `#[ports(Name)]` (or `#[ports(Name: Default)]`) behind the text of the structure that structure of scalar
-/// ports is declared, too.
+/// A field is a word `Fx<W, INT>`, a control number `Control<W, INT>` or `Int<W>`, a wide one `WideControl<W, INT>`, `W::Flag`, a bundle, or an array
+/// of one of them. All attributes are optional and stand in this order:
+/// - `#[unit = "…"]`: unit;
+/// - `#[stage = "…"]`: stage that makes the field, or `#[out = "…"]` if it also leaves the datapath;
+/// - `#[keeps(Lod)]`: kept fraction bits ([`Keeps`]);
+/// - `#[components = "…"]`: a letter for each component;
+/// - `#[range(low..=high)]` or `#[range(low..high)]`: range of the wires, in units of 1;
+/// - `#[port = T]`: type at a scalar port.
+///
+/// `#[ports(Name)]` (or `#[ports(Name: Default)]`) after the text of the structure also declares its structure of scalar ports.
 #[macro_export]
 macro_rules! bundle {
     ($(
@@ -393,7 +397,7 @@ macro_rules! bundle {
 }
 pub use crate::bundle;
 
-/// One number of a walk that controls; [`bundle!`](crate::bundle!) uses it.
+/// Rewires one control number of a walk; [`bundle!`](crate::bundle!) uses it.
 #[inline(always)]
 pub fn control<W: Word, V: Word, R: Rewire<W, V>, const INT: u32>(
     wire: Fx<W::Count, INT>,
@@ -402,7 +406,7 @@ pub fn control<W: Word, V: Word, R: Rewire<W, V>, const INT: u32>(
     Fx::from_raw(with.control(wire.raw(), Fx::<W::Count, INT>::FRACTION))
 }
 
-/// One wide number of a walk; [`bundle!`](crate::bundle!) uses it.
+/// Rewires one wide number of a walk; [`bundle!`](crate::bundle!) uses it.
 #[inline(always)]
 pub fn wide<W: Word, V: Word, R: Rewire<W, V>, const INT: u32>(
     wire: WideControl<W, INT>,
@@ -413,11 +417,11 @@ pub fn wide<W: Word, V: Word, R: Rewire<W, V>, const INT: u32>(
 
 /// Numbers, one or an array of them, at an end of a range; [`bundle!`](crate::bundle!) uses it.
 pub trait Ranged: Copy {
-    /// Of what the wire holds.
+    /// End of the range of the wire.
     fn whole(end: End) -> Self;
-    /// Of `low ..= high`, in units of 1.
+    /// End of `low ..= high`, in units of 1.
     fn within(end: End, low: i64, high: i64) -> Self;
-    /// Of `low .. high`, in units of 1.
+    /// End of `low .. high`, in units of 1.
     fn below(end: End, low: i64, high: i64) -> Self;
 }
 

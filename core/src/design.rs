@@ -1,8 +1,8 @@
-//! Designs: what can be recorded, proven, made into hardware and held against other readings, each with its ports.
+//! Designs: functions that can be recorded, proven, made into hardware and compared with other backends, each with its ports.
 //!
-//! `fragment`, `highlight` and `lit_peak` are the three datapaths from ports to ports. The others are what a frame calls between texel and
-//! pixel, one function of the composer each: footprints, probes, addresses, samples, sums, bumps, colours. What may be on a
-//! port is part of its declaration. A design is a type, so that any reading runs the same function; [`Design`] is the list.
+//! `fragment`, `highlight` and `lit_peak` are the three datapaths from ports to ports. The others are the functions of the composer that a frame
+//! calls between texel and pixel, one each: footprints, probes, addresses, samples, sums, bumps, colours. The declaration of a port includes its
+//! range. A design is a type, so any backend runs the same function; [`Design`] is the list.
 
 use crate::block::Block;
 use crate::bundle::{Bundle, Value};
@@ -26,27 +26,27 @@ pub use inputs::*;
 
 /// A function of the composer with its ports.
 pub trait Recorded {
-    /// What enters.
+    /// Input ports.
     type Input: Form;
-    /// What leaves.
+    /// Output ports.
     type Output: Form;
-    /// The function, in any reading, with those of the effects that it has.
+    /// Runs the function on any backend, with those of the effects that it has.
     fn run<W: Staged>(input: &In<Self::Input, W>, effects: &Effects, p: &Precision) -> In<Self::Output, W>;
 }
 
-/// A bundle in the scalar reading, from which those of all others are made.
+/// A bundle on the scalar backend, from which the bundles of all other backends are made.
 pub trait Form: Bundle<Scalar, In<Scalar> = Self> {}
 
 impl<B: Bundle<Scalar, In<Scalar> = B>> Form for B {}
 
-/// A structure of wires in the reading `W`.
+/// Structure of wires on the backend `W`.
 pub type In<B, W> = <B as Bundle<Scalar>>::In<W>;
 
-/// Something to be done with a design, whichever it is.
+/// A computation that runs on any design.
 pub trait Visitor {
-    /// What comes of it.
+    /// Result of the computation.
     type Outcome;
-    /// Does it with the design `D`.
+    /// Runs it on the design `D`.
     fn visit<D: Recorded>(self) -> Self::Outcome;
 }
 
@@ -70,17 +70,17 @@ macro_rules! designs {
         }
 
         impl Design {
-            /// Every one.
+            /// Every design.
             pub const ALL: &[Self] = &[$(Self::$name),*];
 
-            /// Its name, and that of its top module.
+            /// Name of the design and of its top module.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$name => $label,)*
                 }
             }
 
-            /// One sentence.
+            /// Description in one sentence.
             pub fn description(self) -> &'static str {
                 match self {
                     $(Self::$name => $doc,)*
@@ -88,14 +88,14 @@ macro_rules! designs {
                 .trim_ascii()
             }
 
-            /// The datapath it is the whole of; effects matter to such a design only.
+            /// Datapath that is this design as a whole. Effects matter to such a design only.
             pub const fn datapath(self) -> Option<Datapath> {
                 match self {
                     $(Self::$name => designs!(@datapath $($datapath)?),)*
                 }
             }
 
-            /// Does something with it.
+            /// Runs a visitor on the design.
             pub fn visit<V: Visitor>(self, visitor: V) -> V::Outcome {
                 match self {
                     $(Self::$name => visitor.visit::<Of<{ Design::$name as usize }>>(),)*
@@ -117,7 +117,7 @@ macro_rules! designs {
 }
 
 impl Design {
-    /// The design whose ports are those of a datapath's vectors.
+    /// Design whose ports are those of a datapath's vectors.
     pub const fn of(datapath: Datapath) -> Self {
         match datapath {
             Datapath::Reflection => Self::Fragment,
@@ -126,7 +126,7 @@ impl Design {
         }
     }
 
-    /// The design of that name.
+    /// Finds a design by its name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|design| design.name() == name)
     }

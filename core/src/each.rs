@@ -1,15 +1,15 @@
 //! Arrays of wires element by element, without a call.
 //!
-//! What runs in lanes has to be one function: it is compiled for an instruction set, which a closure that is not
-//! inlined does not inherit. `core::array::map` and iterators leave that to the optimiser: lanes took twice the time.
+//! Code that runs in lanes has to be one function. It is compiled for an instruction set, and a closure that is not inlined does not inherit that
+//! set. `core::array::map` and iterators leave inlining to the optimiser, with which lanes take twice the time.
 
 use core::mem::ManuallyDrop;
 
-/// `[f(a₀), f(a₁), …]`, the first six written out: a loop of a few turns is work for five passes of the optimiser. The closure is not
-/// dropped, which it would be where a call unwinds: that splits the function at every operation.
+/// `[f(a₀), f(a₁), …]`, the first six elements written out: a loop of a few turns costs five passes of the optimiser. The closure is not dropped. A
+/// drop on unwinding would split the function at every operation.
 #[inline(always)]
 pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) -> B) -> [B; N] {
-    const { assert!(N > 0, "an array of wires has wires") }
+    const { assert!(N > 0, "an array of wires is not empty") }
     let mut f = ManuallyDrop::new(f);
     let mut results = [f(array[0]); N];
     if const { N > 1 } {
@@ -40,7 +40,7 @@ pub fn each<A: Copy, B: Copy, const N: usize>(array: [A; N], f: impl FnMut(A) ->
     results
 }
 
-/// [`each()`] of so many elements: `[b; N]`, with which an array of any length begins, is a loop, too.
+/// [`each()`] of a fixed number of elements. `[b; N]`, with which an array of any length begins, would be a loop, too.
 macro_rules! fixed {
     ($($name:ident of $count:literal: $($i:literal)*;)*) => {
         $(
@@ -79,7 +79,7 @@ const fn numbers<const N: usize>() -> [usize; N] {
     numbers
 }
 
-/// `each!(a in array => expression)`: the array of what the expression is for each element.
+/// `each!(a in array => expression)`: array of the expression's values for the elements.
 #[macro_export]
 macro_rules! each {
     ($element:pat_param in [$a:expr, $b:expr] => $expression:expr) => {

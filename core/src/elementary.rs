@@ -1,14 +1,17 @@
 //! Elementary functions of mantissas: reciprocal, inverse root, root, log₂, exp₂, log₂(1 + x), powers of a cosine.
 //!
-//! Reciprocal and inverse root: a seed from a table, then Newton steps whose residual is taken exactly. log₂ and
-//! exp₂: linear interpolation between 257 knots. Bounds, proven by exhausting the mantissa in
-//! `host-tests/tests/datapath/elementary.rs` (p = kept fraction bits, k = seed bits, n = Newton steps):
-//! 1/2x errs by at most 2^−(p+0.8) + 2^−(2^n·(k+0.7)), 1/2√x by 2^−p + ⅔·2^−(2^n·(k−0.76)), log₂ by 2^−18.4,
-//! exp₂ by 2^−p + 2^−20 and log₂(1 + x) by 2^−(p−0.9) + 2^−18.4 (relative).
+//! Reciprocal and inverse root: a seed from a table, then Newton steps with an exact residual. log₂ and exp₂: linear interpolation between 257 knots.
 //!
-//! On words of 16 bits 1/2x and 1/2√x have the same bounds; log₂ errs by 2^−18, exp₂ by 2^−p + 2^−18, log₂(1 + x) by 2^−(p−1.5) below
-//! x = 1 and 2^−(p−2) from there on, relative: tables and logarithms are counts. Proven the same way in
-//! `host-tests/exhaustive/elementary.rs`, where words of 8 bits are, too.
+//! Bounds, proven by exhausting the mantissa in `host-tests/tests/datapath/elementary.rs` (p = kept fraction bits, k = seed bits, n = Newton steps):
+//! - 1/2x errs by at most 2^−(p+0.8) + 2^−(2^n·(k+0.7)).
+//! - 1/2√x errs by at most 2^−p + ⅔·2^−(2^n·(k−0.76)).
+//! - log₂ errs by at most 2^−18.4.
+//! - exp₂ errs by at most 2^−p + 2^−20.
+//! - log₂(1 + x) errs by at most 2^−(p−0.9) + 2^−18.4, relative.
+//!
+//! On 16-bit words tables and logarithms are counts. 1/2x and 1/2√x keep their bounds. log₂ errs by 2^−18 and exp₂ by 2^−p + 2^−18. log₂(1 + x) errs
+//! by 2^−(p−1.5) below x = 1 and by 2^−(p−2) from there on, relative. `host-tests/exhaustive/elementary.rs` proves these the same way, and those of
+//! 8-bit words.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, dot, number, of_control, places_below};
 use crate::each::each;
@@ -17,11 +20,11 @@ use crate::precision::{Newton, Precision};
 use crate::rom;
 use crate::word::{Wire, Word};
 
-/// Bits before the point of a logarithm: I8, ±64 and a sign to spare.
+/// Bits before the point of a logarithm: I8, ±64 and one spare bit for the sign.
 pub const LOGARITHM: u32 = 8;
 
-/// One Newton correction `y + y·residual·2^−extra`; the residual is below 2^−(k − 3), so it is scaled up by
-/// `2^scale` before it is rounded to a multiplier operand.
+/// One Newton correction `y + y·residual·2^−extra`. The residual is below 2^−(k − 3), so it is scaled up by `2^scale` before it is rounded to a
+/// multiplier operand.
 #[inline(always)]
 fn correct<W: Word>(y: Mantissa<W>, residual: Product<W>, scale: u32, extra: u32, keep: u32) -> Mantissa<W> {
     let operand: Mantissa<W> = residual.shl(scale).round_to(keep);
@@ -29,7 +32,7 @@ fn correct<W: Word>(y: Mantissa<W>, residual: Product<W>, scale: u32, extra: u32
     (y.widen() + correction.floor_shr(scale + extra)).round_to(keep)
 }
 
-/// The scale of the residual after one more step: no finer than a mantissa.
+/// Scale of the residual after one more step: no finer than a mantissa.
 #[inline(always)]
 fn next_scale<W: Word>(scale: u32) -> u32 {
     (2 * scale).min(Mantissa::<W>::FRACTION - 2)
@@ -41,7 +44,7 @@ fn seed_index<W: Word>(x: Mantissa<W>, low: i32, bits: u32, last: i64) -> Int<W>
     (x - Fx::number(1, low)).index(bits).saturate(Fx::int(0), Fx::int(last))
 }
 
-/// `1/(2x)` for x in [½, 1], in [½, 1]. x = 0 gives 1, without a Newton step the first seed (a caller multiplies it by zero).
+/// `1/(2x)` for x in [½, 1], in [½, 1]. x = 0 gives 1, or the first seed if there is no Newton step; a caller multiplies it by zero.
 #[inline(always)]
 pub fn half_reciprocal<W: Word>(x: Mantissa<W>, p: &Precision) -> Mantissa<W> {
     let Newton { seed_bits, steps } = p.reciprocal;
@@ -51,7 +54,7 @@ pub fn half_reciprocal<W: Word>(x: Mantissa<W>, p: &Precision) -> Mantissa<W> {
     let mut scale = seed_bits - 3;
     for _ in 0..steps {
         let product: Product<W> = x.mul(y);
-        // Outside [½, 1] (x = 0) the residual would leave its range: saturation keeps the block total.
+        // Outside [½, 1] (x = 0) the residual would leave its range; saturation keeps the block total.
         let limit = Product::<W>::int(1).floor_shr(scale);
         let residual = (Product::<W>::int(1) - product.shl(1)).saturate(-limit, limit);
         y = correct(y, residual, scale, 0, p.fraction_bits);
@@ -94,18 +97,18 @@ fn even_exponent<W: Word>(x: Number<W>, keep: u32) -> (Mantissa<W>, Int<W>) {
     (x.m[0].round_shr_by(odd, keep), (x.e + odd).floor_shr(1))
 }
 
-/// `√x` of a number ≥ 0, and `1/√x` beside it, from one inverse root.
+/// `√x` and `1/√x` of a number ≥ 0, from one inverse root.
 #[inline(always)]
 pub fn root_and_inverse<W: Word>(x: Number<W>, p: &Precision) -> (Number<W>, Number<W>) {
     let inverse = inverse_root(x, p);
     (x.times(&inverse, p.fraction_bits), inverse)
 }
 
-/// Bits before the point of a component over its length: |w| ≥ ½ for the largest of its mantissas, so 1/|w| ≤ 2² at most.
+/// Bits before the point of a component over its length: |w| ≥ ½ for the largest of its mantissas, so 1/|w| is at most 2².
 const UNIT: u32 = PRODUCT + 2;
 
-/// The components of a vector over its length; the length of the mantissas is what counts. Beyond 1 by the error of the inverse root
-/// at most, so a caller saturates. A zero vector stays zero.
+/// Components of a vector over its length. Only the length of the mantissas counts. A component exceeds 1 by the error of the inverse root at most,
+/// so a caller saturates. A zero vector stays zero.
 #[inline(always)]
 pub fn over_length<W: Word, const N: usize>(a: &Block<W, N>, p: &Precision) -> [Mantissa<W>; N] {
     let inverse = inverse_root(number(dot(&a.m, &a.m), Fx::int(0), p.fraction_bits), p);
@@ -117,7 +120,7 @@ pub fn over_length<W: Word, const N: usize>(a: &Block<W, N>, p: &Precision) -> [
 
 /// `difference · fraction` between neighbouring knots of a table, which are counts. Range: difference in [0, 2^`e`], fraction in [0, 1].
 ///
-/// A narrow word holds the difference alone: its leading zeros are shifted out, and in again behind the product.
+/// A narrow word holds the difference alone: its leading zeros are shifted out before the product and in again after it.
 #[inline(always)]
 fn between<W: Word, const INT: u32, const OUT: u32>(
     difference: Control<W, INT>,
@@ -129,8 +132,8 @@ fn between<W: Word, const INT: u32, const OUT: u32>(
     operand.mul::<MANTISSA, OUT>(fraction).floor_shr(places)
 }
 
-/// Which share of the interval behind its knot a number covers, in [0, 1), for 2^`places` intervals a unit; 0 on words without a
-/// bit behind these places.
+/// Share of the interval after its knot that a number covers, in [0, 1), for 2^`places` intervals a unit. It is 0 on words without a bit below these
+/// places.
 #[inline(always)]
 fn share_of_interval<W: Word, const INT: u32>(within: Fx<W, INT>, places: u32, keep: u32) -> Mantissa<W> {
     if Fx::<W, INT>::FRACTION < places {
@@ -152,7 +155,7 @@ pub fn log2<W: Word>(m: Mantissa<W>, p: &Precision) -> Control<W, LOGARITHM> {
     let rise = (next - knot).claim_below(-7, "knots_of_log2_rise_by_less_than_2_to_the_minus_7");
     let rise: Wide<W, { LOGARITHM + MANTISSA }> = between(rise, -7, fraction);
     let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot) + rise).round_to_control(24);
-    // 1 itself lies beyond the last interval by one bit of the kept fraction: log₂ 1 = 0 exactly.
+    // 1 itself lies one bit of the kept fraction beyond the last interval: log₂ 1 = 0 exactly.
     let whole = !m.lt(Fx::int(1));
     Fx::select(whole, Fx::zero(), value - Fx::int(1))
 }
@@ -168,21 +171,21 @@ pub fn exp2<W: Word>(x: Control<W, LOGARITHM>, p: &Precision) -> Number<W> {
     let knot: Control<W, MANTISSA> = Fx::lookup(index, &rom::EXP2);
     let next: Control<W, MANTISSA> = Fx::lookup(index + Fx::int(1), &rom::EXP2);
     let rise = (next - knot).claim_below(-8, "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
-    // 24 fraction bits of a rise fit an operand of 18 bits; the rest would be 2^−25.
+    // 24 fraction bits of a rise fit an 18-bit operand; the rest would be 2^−25.
     let rise: Product<W> = between(rise.keep(24), -8, Mantissa::<W>::of_control(fraction));
     let mantissa = (Product::<W>::wide_of_control(knot) + rise).round_to(p.fraction_bits);
     Block { m: [mantissa], e: whole + Fx::int(1) }
 }
 
-/// Bits before the point of y = 1 − cos, so that a square of mantissas is twice it.
+/// Bits before the point of y = 1 − cos. A square of mantissas is twice y.
 pub const VERSINE: u32 = PRODUCT - 1;
 
 /// Bits before the point of the tabulated ratios of log₂(1 ± x) to x.
 const RATIO: u32 = 6;
 
-/// `−log₂(1 − y)` for y in [0, 1], relative error 2^−(p−1.4) + 2^−19.4; −log₂ of 2^−63 or less, y above 1 among it, is 64.
+/// `−log₂(1 − y)` for y in [0, 1], relative error 2^−(p−1.4) + 2^−19.4. The value is 64 for 1 − y of 2^−63 or less, y above 1 included.
 ///
-/// Below ½ it is y times a tabulated ratio, so that a tiny y keeps its accuracy; above, the logarithm of 1 − y.
+/// Below ½ it is y times a tabulated ratio, so a tiny y keeps its accuracy; above, it is the logarithm of 1 − y.
 #[inline(always)]
 pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Number<W> {
     let keep = p.fraction_bits;
@@ -209,26 +212,26 @@ pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Numb
     number(Fx::select(is_far, far, near), Fx::select(is_far, Fx::int(12), scaled.e + Fx::int(1)), keep)
 }
 
-/// `cosⁿ` = 2^(n·log₂(1 − y)) of y = 1 − cos ≥ 0 and n = n.m·2^n.e, n.e in 0…14; 0 where y ≥ 1, 1 where y = 0.
+/// `cosⁿ` = 2^(n·log₂(1 − y)) of y = 1 − cos ≥ 0 and n = n.m·2^n.e, n.e in 0…14. It is 0 if y ≥ 1 and 1 if y = 0.
 ///
-/// n.m need not be normalised where n.e = 0. Error, absolute: 2^−(p−0.3) + 2^−20 for every n up to 2^13, beside that
-/// of y (n times it, relative). A power below 2^−63 is 2^−63.
+/// n.m need not be normalised if n.e = 0. Error, absolute: 2^−(p−0.3) + 2^−20 for every n up to 2^13, plus that of y (n times it, relative). A power
+/// below 2^−63 is 2^−63.
 #[inline(always)]
 pub fn cosine_power<W: Word>(y: Wide<W, VERSINE>, n: Number<W>, p: &Precision) -> Number<W> {
     let log = minus_log2_one_minus(y, p);
     let product: Product<W> = log.m[0].mul(n.m[0]);
     let e = log.e + n.e;
-    // n.m ≥ ½ where n.e > 0 and log.m ≥ ½: with an exponent above 6 the product is 32 at least.
+    // n.m ≥ ½ if n.e > 0, and log.m ≥ ½: with an exponent above 6 the product is at least 32.
     let at_64: Wide<W, { PRODUCT + 6 }> = product.at_exponent(e);
     let last: Control<W, LOGARITHM> = Fx::int(63);
     let x = Fx::select(Fx::int(6).lt(e), last, at_64.round_to_control::<LOGARITHM>(24).min(last));
     Block::select(y.ge(Fx::int(1)), Block::zero(), exp2(-x, p))
 }
 
-/// A stored number of 16 bits, exponent c in the upper 4, fraction f in the lower 12: m·2^e with m = f/8192 and e = 0
-/// where c = 0, else m = (4096 + f)/8192 and e = c − 1.
+/// Stored 16-bit number, exponent c in the upper 4 bits, fraction f in the lower 12: m·2^e with m = f/8192 and e = 0 if c = 0, else m = (4096 +
+/// f)/8192 and e = c − 1.
 ///
-/// Range: any code; the number is 0 or from 2^−13 to 16 382, in the unit of whoever stores it.
+/// Range: any code; the number is 0 or from 2^−13 to 16 382, in the unit of the field that stores it.
 #[inline(always)]
 pub fn short_number<W: Word>(code: Int<W>) -> Number<W> {
     let c = code.floor_shr(12);
@@ -247,7 +250,7 @@ pub fn one_plus<W: Word>(x: Number<W>, keep: u32) -> Number<W> {
     number(sum, top, keep)
 }
 
-/// `log₂(1 + x)` of a number ≥ 0, as accurate for tiny x as for large ones: below 1 a table of the ratio to x.
+/// `log₂(1 + x)` of a number ≥ 0, as accurate for tiny x as for large ones: below 1 it comes from a table of its ratio to x.
 ///
 /// Relative error: 2^−(p−0.9) + 2^−18.4 at every exponent. x = 0 gives 0.
 #[inline(always)]
@@ -266,7 +269,7 @@ pub fn log2_one_plus<W: Word>(x: Number<W>, p: &Precision) -> Number<W> {
     let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) - fall).round_to(keep);
     let below_one = number(x.m[0].mul::<MANTISSA, PRODUCT>(half_ratio), x.e + Fx::int(1), keep);
 
-    // Every bit of the sum addresses the table; log₂ keeps p of what is left.
+    // Every bit of the sum addresses the table; log₂ keeps p bits of the rest.
     let sum = one_plus(x, Mantissa::<W>::FRACTION);
     // Any exponent with 24 fraction bits needs a wide wire.
     let from_one = sum.e.widen::<40>() + log2(sum.m[0], p).widen();

@@ -1,4 +1,4 @@
-//! Readings that address a memory: of one fragment, or of several side by side, each with an address and a number of probes of its own.
+//! Backends that address a memory, for one fragment or for several in lanes. Each fragment has its own address and its own probe count.
 
 use core::cell::Cell;
 
@@ -8,38 +8,38 @@ use crate::staged::Staged;
 use crate::width::{IntegerCount, IntegerWord};
 use crate::word::Wire;
 
-/// A word whose reading finds texels.
+/// A word whose backend finds texels.
 pub trait Fetch: Staged {
-    /// The largest count of a fragment: so many turns a loop over the probes of all has.
+    /// Largest count of a fragment: the number of turns of a loop over the probes of all fragments.
     fn most(count: Int<Self>) -> i32;
 
-    /// The place of turn `turn` in a fragment's own loop of `count` turns, and whether it has one: a fragment that is done repeats its last,
-    /// which must not count.
+    /// Place of turn `turn` in a fragment's own loop of `count` turns, and whether the fragment has such a turn. A fragment that is done repeats its
+    /// last place, which must not count.
     fn turn(turn: i32, count: Int<Self>) -> (Int<Self>, Self::Flag);
 
-    /// Whether it is so of any fragment.
+    /// Returns true if the flag is set for any fragment.
     fn any(flag: Self::Flag) -> bool;
 
-    /// What `read` finds at the address of each fragment.
+    /// Result of `read` at the address of each fragment.
     fn gather<const IN: usize, const OUT: usize>(
         address: [Self::Count; IN],
         read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Self::Count; OUT];
 
-    /// What a memory of words of 64 bits holds at a place and behind it: lower half, upper half, and those of the next word. It has two words
-    /// at least; beyond its end the last two are read.
+    /// The 64-bit word at a place of a memory and the next one: lower half, upper half, and those of the next word. The memory has at least two
+    /// words; beyond its end the last two are read.
     fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4];
 
-    /// An entry of a table of every fragment, by the lowest four bits of the index.
+    /// Entry of a 16-entry table for every fragment, by the lowest four bits of the index.
     fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self>;
 
-    /// Puts a word of every fragment into a row, each at its place: fragments side by side have neighbouring ones. Beyond the row they are lost.
+    /// Scatters a word of every fragment into a row. Neighbouring fragments have neighbouring places. Words beyond the row are lost.
     fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]);
 
-    /// The words of a row at the places of all fragments, as [`Self::put`] put them; beyond the row 0.
+    /// Gathers the words of a row at the places of all fragments, as [`Self::put`] scattered them; 0 beyond the row.
     fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self>;
 
-    /// A decision that is known before.
+    /// Flag of a decision that is known beforehand.
     #[inline(always)]
     fn known(flag: bool) -> Self::Flag {
         Self::Count::lit(0).lt(Self::Count::lit(i64::from(flag)))
@@ -103,14 +103,15 @@ impl<W: IntegerWord> Fetch for W {
     }
 }
 
-/// Two neighbouring words of a memory that has two; beyond its end the last two. The place is cut, not asked for: so both are one load, and nothing branches.
+/// Two neighbouring words of a memory that has at least two; beyond its end the last two. The place is clamped without a branch, so both words are
+/// one load.
 #[inline(always)]
 pub fn two(memory: &[u64], place: i32) -> [u64; 2] {
     let place = (place as u32 as usize).min(memory.len() - 2);
     [memory[place], memory[place + 1]]
 }
 
-/// The integer of every fragment.
+/// One integer for every fragment.
 #[inline(always)]
 pub(crate) fn int<W: Wire>(integer: i32) -> Int<W> {
     Fx::int(i64::from(integer))

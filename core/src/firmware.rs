@@ -1,5 +1,4 @@
-//! The datapaths for firmware: effects and accuracy are a type, so a program holds what they need and no more, with or without
-//! link-time optimisation.
+//! Datapaths for firmware. Effects and accuracy are a type, so a program holds only the code that they need, with or without link-time optimisation.
 //!
 //! ```
 //! use roughxel_core::firmware::{Firmware, Standard};
@@ -13,13 +12,15 @@
 //! }
 //! ```
 //!
-//! A fragment ([`ReflectionIn`]) gives a [`Footprint`]: `Chrome::reflect`. Its [`probes`](Footprint::probes) say where to read, or its
-//! [`colour`](Footprint::colour) reads a memory of one's own, a [`CubeMemory`]; a wide lobe has a [`SphereFootprint`], `sweep`. Nothing allocates, panics or names a float, or
-//! divides, but for the set-up of a map (`Chrome::texture`); with a reading of its own for small processors ([`mod@crate::small`]) the bits are those of every other reading.
+//! A fragment ([`ReflectionIn`]) gives a [`Footprint`] by `Chrome::reflect`. Its [`probes`](Footprint::probes) say where to read, or its
+//! [`colour`](Footprint::colour) reads a [`CubeMemory`] that the program supplies. A wide lobe has a [`SphereFootprint`], by `sweep`. Nothing
+//! allocates, panics or names a float. Nothing divides except the set-up of a map (`Chrome::texture`). Small processors have a backend of their own
+//! ([`mod@crate::small`]) with the bits of every other backend.
 //!
-//! Build with `opt-level = 3`: the stages are inlined whatever the level, and what the plan leaves out vanishes by constants alone.
-//! `"s"` makes them larger *and* slower (rv32imac, all effects: 6.7 KB and 8400 instructions more), for it leaves the small functions between them as calls. What makes programs smaller is the
-//! feature `small-code`: blocks are normalised by calls, a fifth (`Standard`) to a third (`Narrow`) fewer bytes for 1.6 times the instructions.
+//! Build with `opt-level = 3`. The stages are inlined at any level, and constants remove what the plan leaves out. `"s"` makes them larger *and*
+//! slower (rv32imac, all effects: 6.7 KB and 8400 instructions more), for it leaves the small functions between them as calls. The feature
+//! `small-code` makes programs smaller: it normalises blocks by calls, with a fifth (`Standard`) to a third (`Narrow`) fewer bytes for 1.6 times the
+//! instructions.
 
 use crate::datapath::{self, Reflection};
 use crate::fx::{Control, Fx, Int};
@@ -36,9 +37,9 @@ use crate::stage::texture::TextureScale;
 use crate::width::{self, IntegerCount, IntegerWord, Whole, of_ports, to_ports};
 use crate::word::{self, Wire};
 
-/// An accuracy as a type: one of the named profiles below, or knobs of one's own.
+/// An accuracy as a type: one of the named profiles below, or a type with other knobs.
 pub trait Accuracy {
-    /// [`width::Narrow`] where the knobs keep at most 14 bits, else [`width::Whole`]; the other does not compile.
+    /// [`width::Narrow`] if the knobs keep at most 14 bits, else [`width::Whole`]; the other does not compile.
     type Word: IntegerWord;
     /// The knobs.
     const PRECISION: Precision;
@@ -72,45 +73,45 @@ profiles! {
     Precise: Whole, PRECISE;
 }
 
-/// The word of a firmware.
+/// Word of a firmware.
 type Word<F> = <<F as Firmware>::Accuracy as Accuracy>::Word;
-/// What controls in it.
+/// Control word of a firmware.
 type Count<F> = <Word<F> as Wire>::Count;
 
-/// The knobs of a firmware, on words that have as many bits as they need.
+/// Knobs of a firmware, checked against the width of its word.
 #[inline(always)]
 fn knobs<F: Firmware>() -> &'static Precision {
     const {
-        assert!(Word::<F>::BITS == F::Accuracy::PRECISION.word_bits(), "knobs need a word of another width");
+        assert!(Word::<F>::BITS == F::Accuracy::PRECISION.word_bits(), "the knobs need a word of another width");
         &F::Accuracy::PRECISION
     }
 }
 
-/// An integer that controls.
+/// Control integer of a firmware.
 #[inline(always)]
 fn int<F: Firmware>(integer: i32) -> Int<Word<F>> {
     Fx::from_raw(IntegerCount::of_integer(integer))
 }
 
-/// Effects and accuracy of a program, or of one of its materials: implement it for a type of your own.
+/// Effects and accuracy of a program, or of one of its materials. Implement it for a type of the program.
 pub trait Firmware: Sized {
-    /// How accurate.
+    /// Accuracy of the arithmetic.
     type Accuracy: Accuracy;
-    /// What is simulated; stages of other effects are in no program.
+    /// Simulated effects; a program has no stages of other effects.
     const EFFECTS: Effects;
 
-    /// The constants of an environment whose faces have `edge` texels, read as 1…16384. Once per environment.
+    /// Constants of an environment whose faces have `edge` texels, read as 1…16384. Once per environment.
     #[inline]
     fn environment(edge: u16) -> Environment<Self> {
         if const { Self::EFFECTS.footprint.is_some() } {
             Environment(datapath::map_scale(int::<Self>(edge.into()), knobs::<Self>()))
         } else {
-            // Without a footprint nobody asks for a level.
+            // Without a footprint no level is read.
             Environment(MapScale { log2_texels: Fx::zero(), last_level: Fx::zero() })
         }
     }
 
-    /// A fragment from its surface to the probes on an environment. `edge_texels` of the fragment is not read.
+    /// Runs a fragment from its surface to the probes on an environment. `edge_texels` of the fragment is not read.
     #[inline]
     fn reflect(fragment: &ReflectionIn, environment: &Environment<Self>) -> Footprint<Self> {
         const { assert!(!matches!(Self::EFFECTS.footprint, FootprintKind::Sphere), "a footprint on the sphere is a sweep") }
@@ -118,7 +119,7 @@ pub trait Firmware: Sized {
         Footprint { point: out.point, probes: out.probes, status: out.status }
     }
 
-    /// The same with a footprint on the sphere, for wide lobes.
+    /// Runs a fragment as [`Self::reflect`] does, with a footprint on the sphere, for wide lobes.
     #[inline]
     fn sweep(fragment: &ReflectionIn, environment: &Environment<Self>) -> SphereFootprint<Self> {
         const { assert!(matches!(Self::EFFECTS.footprint, FootprintKind::Sphere), "a sweep is a footprint on the sphere") }
@@ -126,7 +127,7 @@ pub trait Firmware: Sized {
         SphereFootprint { sweep: out.sweep, last_level: environment.0.last_level, status: out.status }
     }
 
-    /// The same with the outcome of every stage: what golden vectors hold.
+    /// Runs the reflection datapath with the outcome of every stage, which golden vectors hold.
     #[inline]
     fn reflection(fragment: &ReflectionIn) -> ReflectionOut {
         let plan = const { Self::EFFECTS.reflection() };
@@ -134,7 +135,7 @@ pub trait Firmware: Sized {
         Port::of(&to_ports(&datapath::fragment(&input, &plan, knobs::<Self>())))
     }
 
-    /// The highlight of one light.
+    /// Highlight of one light.
     #[inline]
     fn highlight(fragment: &HighlightIn) -> HighlightOut {
         let plan = const { Self::EFFECTS.highlight() };
@@ -151,14 +152,14 @@ pub trait Firmware: Sized {
         Port::of(&to_ports(&datapath::lit_peak(&input, &plan, knobs::<Self>())))
     }
 
-    /// The constants of a repeated map, edges read as 1…16384. Once per map; the only division.
+    /// Constants of a wrapped map, edges read as 1…16384. Once per map; the only division.
     #[inline]
     fn texture(size: [u16; 2]) -> Texture<Self> {
         let (scale, map) = texture_scale(size);
         Texture { scale: of_ports::<Word<Self>, _>(&scale), map: of_ports::<Word<Self>, _>(&map) }
     }
 
-    /// The footprint of a pixel in a repeated map.
+    /// Footprint of a pixel in a wrapped map.
     #[inline]
     fn texture_footprint(fragment: &TextureIn, texture: &Texture<Self>) -> MapFootprint<Self> {
         let wires = of_ports::<Word<Self>, _>(&fragment.wires());
@@ -177,7 +178,7 @@ fn cube_probe<F: Firmware>(place: &FacePosition<Word<F>>, weight: Control<Word<F
     }
 }
 
-/// A fragment through the reflection datapath.
+/// Runs a fragment through the reflection datapath.
 #[inline(always)]
 fn reflected<F: Firmware>(fragment: &ReflectionIn, environment: &Environment<F>) -> Reflection<Word<F>> {
     let plan = const { F::EFFECTS.reflection() };
@@ -189,7 +190,7 @@ fn reflected<F: Firmware>(fragment: &ReflectionIn, environment: &Environment<F>)
 #[derive(Clone, Copy, Debug)]
 pub struct Environment<F: Firmware>(MapScale<Word<F>>);
 
-/// What a fragment reflects: a place on the environment and the probes around it.
+/// Reflection of a fragment: a place on the environment and the probes around it.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint<F: Firmware> {
     point: CubePoint<Word<F>>,
@@ -222,7 +223,7 @@ impl<F: Firmware> Footprint<F> {
         self.status.raw().integer() as u32
     }
 
-    /// The probes, 1 to 16; each is worked out when it is asked for.
+    /// Probes, 1 to 16; each is computed on demand.
     #[inline]
     pub fn probes(&self) -> impl ExactSizeIterator<Item = CubeProbe> + '_ {
         (0..self.probes.count.raw().integer() as usize).map(|index| {
@@ -231,7 +232,7 @@ impl<F: Firmware> Footprint<F> {
         })
     }
 
-    /// The mean light of the footprint, trilinear at every probe, I8F24; that of a rough surface with the roughness bias of the level.
+    /// Mean light of the footprint, trilinear at every probe, I8F24. The footprint of a rough surface has the roughness bias of the level.
     #[inline]
     pub fn colour<M: CubeMemory>(&self, cube: &Cube<'_, M>) -> Light {
         let rough = const { !matches!(F::EFFECTS.roughness, RoughnessKind::None) };
@@ -240,7 +241,7 @@ impl<F: Firmware> Footprint<F> {
     }
 }
 
-/// What a fragment with a wide lobe reflects: the directions that its probes look along.
+/// Reflection of a fragment with a wide lobe: the directions of its probes.
 #[derive(Clone, Copy, Debug)]
 pub struct SphereFootprint<F: Firmware> {
     sweep: Sweep<Word<F>>,
@@ -255,7 +256,7 @@ impl<F: Firmware> SphereFootprint<F> {
         self.status.raw().integer() as u32
     }
 
-    /// The probes, 1 to 16, each with a level of detail of its own; each is worked out when it is asked for.
+    /// Probes, 1 to 16, each with its own level of detail and computed on demand.
     #[inline]
     pub fn probes(&self) -> impl ExactSizeIterator<Item = (CubeProbe, Level)> + '_ {
         (0..self.sweep.count.raw().integer() as usize).map(|index| {
@@ -265,7 +266,7 @@ impl<F: Firmware> SphereFootprint<F> {
         })
     }
 
-    /// The mean light of the footprint, trilinear at every probe, I8F24; that of a rough surface with the roughness bias of the level.
+    /// Mean light of the footprint, trilinear at every probe, I8F24. The footprint of a rough surface has the roughness bias of the level.
     #[inline]
     pub fn colour<M: CubeMemory>(&self, cube: &Cube<'_, M>) -> Light {
         let rough = const { !matches!(F::EFFECTS.roughness, RoughnessKind::None) };
@@ -274,14 +275,14 @@ impl<F: Firmware> SphereFootprint<F> {
     }
 }
 
-/// The constants of a repeated map.
+/// Constants of a wrapped map.
 #[derive(Clone, Copy, Debug)]
 pub struct Texture<F: Firmware> {
     scale: TextureScale<Word<F>>,
     map: MapScale<Word<F>>,
 }
 
-/// What a fragment sees of a repeated map.
+/// Footprint of a fragment in a wrapped map.
 #[derive(Clone, Copy, Debug)]
 pub struct MapFootprint<F: Firmware> {
     centre: TexturePosition<Word<F>>,
@@ -296,7 +297,7 @@ impl<F: Firmware> MapFootprint<F> {
         Level::from_bits(self.probes.lod.raw().integer())
     }
 
-    /// The probes, 1 to 16; each is worked out when it is asked for.
+    /// Probes, 1 to 16; each is computed on demand.
     #[inline]
     pub fn probes(&self) -> impl ExactSizeIterator<Item = MapProbe> + '_ {
         (0..self.probes.count.raw().integer() as usize).map(|index| {

@@ -1,11 +1,10 @@
-//! `Fx<X, INT>`: a wire with its binary point in the type, counted from the top. The value is `raw · 2^(INT − BITS)`: `INT` bits
-//! stand before the binary point, the sign among them, and what the wire has left behind it.
+//! `Fx<X, INT>`: a wire with its binary point in the type, counted from the top. The value is `raw · 2^(INT − BITS)`: `INT` bits, the sign included,
+//! stand before the binary point; the rest of the wire stands after it.
 //!
-//! So a stage says the same of words of any width: a mantissa has 2 bits before the point, a product of two of them 4, whatever
-//! there is behind. Adding two different binary points does not compile; a product's binary point is stated by the caller and
-//! checked at compile time. A wire is made where an operation is called, so a reading that records wires knows the
-//! line of the stage (`track_caller`). The only lossy conversions are [`Fx::round_to`], [`Fx::keep`] and those named `saturate`,
-//! `floor` or `index`.
+//! A stage is therefore the same for words of any width: a mantissa has 2 bits before the point and a product of two has 4, however many follow.
+//! Adding two different binary points does not compile. The caller states the binary point of a product, which is checked at compile time. A wire is
+//! made where an operation is called, so a backend that records wires knows the line of the stage (`track_caller`). The only lossy conversions are
+//! [`Fx::round_to`], [`Fx::keep`] and those named `saturate`, `floor` or `index`.
 
 use core::ops::{Add, Neg, Sub};
 
@@ -19,17 +18,17 @@ pub struct Fx<X, const INT: u32>(X);
 /// The wide companion of a word, with its binary point.
 pub type Wide<W, const INT: u32> = Fx<<W as Word>::Wide, INT>;
 
-/// A word that controls, 32 bits in every reading, with its binary point.
+/// A control word, 32 bits in every backend, with its binary point.
 pub type Control<W, const INT: u32> = Fx<<W as Wire>::Count, INT>;
 
-/// The wide companion of what controls, 64 bits in every reading.
+/// Wide companion of a control word, 64 bits in every backend.
 pub type WideControl<W, const INT: u32> = Wide<<W as Wire>::Count, INT>;
 
-/// An integer that controls: an exponent, a count, an index.
+/// A control integer: an exponent, a count, an index.
 pub type Int<W> = Control<W, 32>;
 
 impl<X: Wire, const INT: u32> Fx<X, INT> {
-    /// Bits behind the binary point.
+    /// Bits after the binary point.
     pub const FRACTION: u32 = X::BITS - INT;
 
     /// Reads a raw wire as a number with `INT` bits before its binary point.
@@ -38,27 +37,27 @@ impl<X: Wire, const INT: u32> Fx<X, INT> {
         Self(raw)
     }
 
-    /// The wire itself.
+    /// Raw wire.
     #[inline(always)]
     pub fn raw(self) -> X {
         self.0
     }
 
-    /// The constant of that many last places.
+    /// Constant of `raw` last places.
     #[inline(always)]
     #[track_caller]
     pub fn lit(raw: i64) -> Self {
         Self(X::lit(raw))
     }
 
-    /// The constant `number · 2^e`; its last place is on the wire.
+    /// Constant `number · 2^e`; its last place is on the wire.
     #[inline(always)]
     #[track_caller]
     pub fn number(number: i64, e: i32) -> Self {
         Self::lit(number << (Self::FRACTION as i32 + e))
     }
 
-    /// The constant of that integer.
+    /// Constant of an integer.
     #[inline(always)]
     #[track_caller]
     pub fn int(number: i64) -> Self {
@@ -94,7 +93,7 @@ impl<X: Wire, const INT: u32> Fx<X, INT> {
         Self(self.0.sar(k))
     }
 
-    /// The same wire read with another binary point: the value changes by `2^(OUT − INT)`.
+    /// Reads the same wire with another binary point: the value changes by `2^(OUT − INT)`.
     #[inline(always)]
     pub fn reread<const OUT: u32>(self) -> Fx<X, OUT> {
         Fx(self.0)
@@ -149,7 +148,7 @@ impl<X: Wire, const INT: u32> Fx<X, INT> {
         self.max(low).min(high)
     }
 
-    /// `−self` where the flag is set.
+    /// `−self` if the flag is set.
     #[inline(always)]
     #[track_caller]
     pub fn negate_if(self, flag: X::Flag) -> Self {
@@ -163,7 +162,7 @@ impl<X: Wire, const INT: u32> Fx<X, INT> {
         self.negate_if(self.lt(Self::zero()))
     }
 
-    /// `self`, with the fact that it is in `low·2^e ..= high·2^e`, by the lemma of that name.
+    /// `self`, with the fact that it is in `low·2^e ..= high·2^e`, by the named lemma.
     #[inline(always)]
     #[track_caller]
     pub fn claim(self, low: i64, high: i64, e: i32, lemma: &'static str) -> Self {
@@ -171,7 +170,7 @@ impl<X: Wire, const INT: u32> Fx<X, INT> {
         Self(self.0.claim(low << places, high << places, lemma))
     }
 
-    /// `self`, with the fact that it is in [0, 2^e), by the lemma of that name.
+    /// `self`, with the fact that it is in [0, 2^e), by the named lemma.
     #[inline(always)]
     #[track_caller]
     pub fn claim_below(self, e: i32, lemma: &'static str) -> Self {
@@ -196,7 +195,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         Fx(self.0.mul(other.0))
     }
 
-    /// The same value on the wide wire with `OUT ≥ INT` bits before the point, exact.
+    /// Value on the wide wire with `OUT ≥ INT` bits before the point, exact.
     #[inline(always)]
     #[track_caller]
     pub fn widen<const OUT: u32>(self) -> Wide<W, OUT> {
@@ -215,13 +214,13 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         Self(self.0.sar(drop - 1).add(W::lit(1)).sar(1).shl(drop))
     }
 
-    /// `self / 2^k`, rounded to nearest (ties up) at `keep` fraction bits, for a value already kept to `keep`
-    /// bits and a count on a wire, below the width of the word. Range: where the word has no more than `keep` bits, below its largest.
+    /// `self / 2^k`, rounded to nearest (ties up) at `keep` fraction bits, for a value already kept to `keep` bits. The count `k` is on a wire and
+    /// below the width of the word. Range: if the word has no more than `keep` bits, below its largest.
     #[inline(always)]
     #[track_caller]
     pub fn round_shr_by(self, k: Fx<W::Count, 32>, keep: u32) -> Self {
         if W::WHOLE || keep >= Self::FRACTION {
-            // No bit is free for doubling: one place less is shifted first.
+            // No bit is free for doubling, so one place less is shifted first.
             let before = self.0.sar_by((k - Fx::int(1)).max(Fx::zero()).raw());
             return Self::select(k.is_zero(), self, Self(before.add(W::lit(1)).sar(1)));
         }
@@ -230,21 +229,21 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         Self(doubled.sar_by(k.raw()).add(W::lit(1)).sar(1).shl(unit))
     }
 
-    /// The constant of a word of 32 bits with the same binary point, of which a word keeps the [`upper`] bits.
+    /// Constant of a 32-bit word with the same binary point; a word keeps its [`upper`] bits.
     #[inline(always)]
     #[track_caller]
     pub fn entry(value: i32) -> Self {
         Self::lit(upper(value, W::BITS).into())
     }
 
-    /// Entry of a table of words of 32 bits with the same binary point.
+    /// Entry of a table of 32-bit words with the same binary point.
     #[inline(always)]
     #[track_caller]
     pub fn lookup(index: Fx<W::Count, 32>, table: &'static [i32]) -> Self {
         Self(W::lookup(index.raw(), table))
     }
 
-    /// `⌊self · 2^places⌋`: a place in a table of 2^`places` entries for each unit.
+    /// `⌊self · 2^places⌋`: place in a table of 2^`places` entries for each unit.
     #[inline(always)]
     #[track_caller]
     pub fn index(self, places: u32) -> Fx<W::Count, 32> {
@@ -256,7 +255,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         }
     }
 
-    /// `index / 2^places`, the inverse of [`Self::index`]; exact where the word has that many fraction bits, else floored to its last place.
+    /// `index / 2^places`, the inverse of [`Self::index`]. Exact if the word has that many fraction bits, else floored to its last place.
     #[inline(always)]
     #[track_caller]
     pub fn of_index(index: Fx<W::Count, 32>, places: u32) -> Self {
@@ -268,7 +267,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         }
     }
 
-    /// The same value as a number that controls, floored to its last place.
+    /// Value as a control number, floored to its last place.
     #[inline(always)]
     #[track_caller]
     pub fn to_control<const OUT: u32>(self) -> Fx<W::Count, OUT> {
@@ -277,7 +276,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         Fx(if to >= from { count.shl(to - from) } else { count.sar(from - to) })
     }
 
-    /// A number that controls as a word, floored to its last place. Range: it fits.
+    /// Control number as a word, floored to its last place. Range: it fits.
     #[inline(always)]
     #[track_caller]
     pub fn of_control<const FROM: u32>(control: Fx<W::Count, FROM>) -> Self {
@@ -291,9 +290,9 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
 }
 
 impl<X: WideWire, const INT: u32> Fx<X, INT> {
-    /// Narrowing of a wide wire, the one place where a value is rounded: to nearest, ties towards +∞, at `keep`
-    /// fraction bits, as a word with `OUT` bits before its binary point. Range: the result fits the word. `keep` is capped at
-    /// what the word has, which is less than the wide wire has.
+    /// Narrows a wide wire, the one place where a value is rounded: to nearest, ties towards +∞, at `keep` fraction bits, as a word with `OUT` bits
+    /// before its binary point. Range: the result fits the word. `keep` is capped at the fraction bits of the word, which has fewer than the wide
+    /// wire.
     #[inline(always)]
     #[track_caller]
     pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Word, OUT> {
@@ -301,7 +300,7 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
         Fx(X::Word::round(self.0, drop, up))
     }
 
-    /// How many places narrowing drops and how many of the word's it then clears, as [`Word::round`] takes them.
+    /// Number of places that narrowing drops, and how many places of the word it then clears, as [`Word::round`] takes them.
     #[inline(always)]
     pub fn places_to_round<const OUT: u32>(keep: u32) -> (u32, u32) {
         let fraction = Fx::<X::Word, OUT>::FRACTION;
@@ -310,8 +309,8 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
         (Self::FRACTION - fraction, fraction - keep)
     }
 
-    /// The same narrowing to a number that controls, with as many of its fraction bits as the wide wire has: on narrow words more than
-    /// a word would.
+    /// Narrows as [`Self::round_to`] does, to a control number with as many of its fraction bits as the wide wire has. On narrow words these are more
+    /// than a word would have.
     #[inline(always)]
     #[track_caller]
     pub fn round_to_control<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
@@ -325,7 +324,7 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
         Fx(self.0.sar(from - keep - 1).add(X::lit(1)).sar(1).wide_to_count().shl(to - keep))
     }
 
-    /// A number that controls on the wide wire, floored to its last place. Range: it fits.
+    /// Control number on the wide wire, floored to its last place. Range: it fits.
     #[inline(always)]
     #[track_caller]
     pub fn wide_of_control<const FROM: u32>(count: Fx<X::Count, FROM>) -> Self {
@@ -337,7 +336,7 @@ impl<X: WideWire, const INT: u32> Fx<X, INT> {
         }
     }
 
-    /// `self · 2^e` with `OUT` bits before the point, floored to the last place. Range: `e ≤ OUT − INT`; more counts as that.
+    /// `self · 2^e` with `OUT` bits before the point, floored to the last place. Range: `e ≤ OUT − INT`; a larger one counts as that.
     #[inline(always)]
     #[track_caller]
     pub fn at_exponent<const OUT: u32>(self, e: Fx<X::Count, 32>) -> Fx<X, OUT> {

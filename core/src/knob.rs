@@ -1,7 +1,7 @@
 //! The accuracy knobs one by one: names, ranges, and the values between which accuracy changes.
 //!
-//! A value is a number, the same for every kind of knob: of bits, steps or probes what it says; of a choice the place in
-//! [`Knob::choices`]. So a sweep, a table or a message is one loop over [`Knob::ALL`].
+//! A value is a number, the same for every kind of knob. It counts bits, steps or probes, or is the place of a choice in [`Knob::choices`]. A loop
+//! over [`Knob::ALL`] therefore serves a sweep, a table or a message.
 
 use core::fmt;
 
@@ -20,7 +20,7 @@ pub enum Knob {
     InverseRootSeedBits,
     /// Newton steps of an inverse root.
     InverseRootSteps,
-    /// Direction of the major axis: 0 is exact, else steps of the table over 90°.
+    /// Direction of the major axis: 0 is exact, any other value is the number of table steps over 90°.
     Direction,
     /// Most probes.
     MaxProbes,
@@ -39,7 +39,7 @@ pub enum Knob {
 }
 
 impl Knob {
-    /// Every one, in the order of [`Precision`].
+    /// Every knob, in the order of [`Precision`].
     pub const ALL: [Self; 13] = [
         Self::FractionBits,
         Self::ReciprocalSeedBits,
@@ -56,7 +56,7 @@ impl Knob {
         Self::RoughnessBits,
     ];
 
-    /// Its name, as in manifests and profile files; a part of a knob behind a dot.
+    /// Name, as in manifests and profile files; a part of a knob follows a dot.
     pub const fn name(self) -> &'static str {
         match self {
             Self::FractionBits => "fraction_bits",
@@ -75,7 +75,7 @@ impl Knob {
         }
     }
 
-    /// What it may be, for messages.
+    /// Range of the values, for messages.
     pub const fn range(self) -> &'static str {
         match self {
             Self::FractionBits => "12 to 28",
@@ -92,7 +92,7 @@ impl Knob {
         }
     }
 
-    /// Names of its values where it is a choice, in the order of the values from 0; empty where it is a number.
+    /// Names of the values of a choice, in the order of the values from 0; empty for a number.
     pub const fn choices(self) -> &'static [&'static str] {
         match self {
             Self::ProbeRule => &["power_of_two", "ceiling"],
@@ -102,7 +102,7 @@ impl Knob {
         }
     }
 
-    /// Values at which it is tried, the least accurate first.
+    /// Values at which the knob is tried, the least accurate first.
     pub const fn values(self) -> &'static [u32] {
         match self {
             Self::FractionBits => &[12, 13, 14, 15, 16, 17, 18, 19, 20, 22, 24, 26, 28],
@@ -117,7 +117,7 @@ impl Knob {
         }
     }
 
-    /// Whether its value in a precision is in its range.
+    /// Returns true if the knob's value in a precision is in its range.
     fn is_in_range(self, p: &Precision) -> bool {
         let value = self.of(p);
         match self {
@@ -136,7 +136,7 @@ impl Knob {
         }
     }
 
-    /// Its value in a precision.
+    /// Value of the knob in a precision.
     pub const fn of(self, p: &Precision) -> u32 {
         match self {
             Self::FractionBits => p.fraction_bits,
@@ -158,7 +158,7 @@ impl Knob {
         }
     }
 
-    /// A precision with another value of this knob; a place beyond the choices is the last of them.
+    /// A precision with another value of this knob. A place beyond the choices is the last of them.
     pub const fn with(self, value: u32, mut p: Precision) -> Precision {
         match self {
             Self::FractionBits => p.fraction_bits = value,
@@ -190,17 +190,17 @@ impl Knob {
         p
     }
 
-    /// A value as it is written: a number, the name of a choice, `exact`.
+    /// A value as text: a number, the name of a choice, `exact`.
     pub const fn text(self, value: u32) -> Setting {
         Setting { knob: self, value }
     }
 
-    /// The knob of that name.
+    /// Finds a knob by its name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|knob| knob.name() == name)
     }
 
-    /// The value that is written so; whether it is in range is for [`Precision::checked`] to say.
+    /// Reads a value from its text. [`Precision::checked`] says whether it is in range.
     pub fn read(self, text: &str) -> Option<u32> {
         let choices = self.choices();
         match choices.iter().position(|name| *name == text) {
@@ -214,11 +214,11 @@ impl Knob {
 
 /// Kept bits of [`Precision::grid`].
 const GRID_WIDTHS: [u32; 9] = [12, 14, 16, 18, 20, 22, 24, 26, 28];
-/// Directions of it.
+/// Directions of [`Precision::grid`].
 const GRID_DIRECTIONS: [u32; 3] = [10, 32, 0];
 
 impl Precision {
-    /// The value itself if every knob is in its range, else the first that is not.
+    /// The value itself if every knob is in its range, else the first knob that is not.
     pub fn checked(self) -> Result<Self, Knob> {
         match Knob::ALL.into_iter().find(|knob| !knob.is_in_range(&self)) {
             Some(knob) => Err(knob),
@@ -226,8 +226,8 @@ impl Precision {
         }
     }
 
-    /// A profile between the named ones: `fraction_bits`, in 12…28, and all else as in the narrowest of [`Precision::NARROW`],
-    /// [`Precision::COMPACT`], [`Precision::STANDARD`] and [`Precision::PRECISE`] that keeps as many, beyond the last as in that.
+    /// A profile between the named ones: `fraction_bits`, in 12…28. All else is as in the narrowest of [`Precision::NARROW`], [`Precision::COMPACT`],
+    /// [`Precision::STANDARD`] and [`Precision::PRECISE`] that keeps at least as many bits, or as in the last of them.
     pub const fn of_width(fraction_bits: u32) -> Self {
         let wider = match fraction_bits {
             ..=14 => Self::NARROW,
@@ -238,8 +238,8 @@ impl Precision {
         Self { fraction_bits, ..wider }
     }
 
-    /// Settings to choose from, narrowest first: profiles of even widths 12…28 ([`Precision::of_width`]), each with directions by tables of
-    /// 10 and of 32 steps and exact, each of those with both rules for probes.
+    /// Settings to choose from, narrowest first: profiles of even widths 12…28 ([`Precision::of_width`]). Each comes with directions by tables of 10
+    /// and of 32 steps and exact, and each of those with both rules for probes.
     pub fn grid() -> impl Iterator<Item = Self> {
         let directed = |p| GRID_DIRECTIONS.into_iter().map(move |value| Knob::Direction.with(value, p));
         let ruled = |p| Knob::ProbeRule.values().iter().map(move |value| Knob::ProbeRule.with(*value, p));
@@ -253,12 +253,12 @@ impl fmt::Display for Knob {
     }
 }
 
-/// A knob at a value, to be printed.
+/// A knob at a value, for printing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Setting {
     /// The knob.
     pub knob: Knob,
-    /// Its value.
+    /// Value of the knob.
     pub value: u32,
 }
 

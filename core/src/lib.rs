@@ -1,24 +1,25 @@
 //! # roughxel-core
 //!
-//! The per-fragment datapath of antialiased bump and environment mapping (Schilling 1997, Fournier 1992) in integer
-//! arithmetic, fit for an FPGA or ASIC description: no float, no division, no allocation, no panic.
+//! The per-fragment datapath of antialiased bump and environment mapping (Schilling 1997, Fournier 1992) in integer arithmetic, fit for an FPGA or
+//! ASIC description: no float, no division, no allocation, no panic.
 //!
 //! Read it from the outside in:
 //!
-//! 1. [`ports`]: what enters and leaves, in `fixed` types, with every bit pattern's meaning.
+//! 1. [`ports`]: inputs and outputs in `fixed` types, with the meaning of every bit pattern.
 //! 2. [`datapath`]: the stages in order, and which of them a [`plan`] leaves out; every [`mod@design`] is one function of it.
 //! 3. [`mod@stage`]: one file per hardware block; [`signals`] are the bundles between them.
 //! 4. [`block`] and [`elementary`]: the compound steps, each with its claimed range and error bound.
-//! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 17 operations that
-//!    several readings implement; [`scalar`] is the meaning. [`mod@bundle`] declares structures of wires and walks them;
-//!    [`staged`] says where a stage begins and ends, [`mod@each`] loops over arrays of wires.
+//! 5. [`fx`] over [`word`]: a wire with its binary point in the type, over an algebra of 17 operations that several backends implement; [`scalar`] is
+//!    the meaning. [`mod@bundle`] declares structures of wires and walks them. [`staged`] marks where a stage begins and ends; [`mod@each`] loops
+//!    over arrays of wires.
 //!
-//! [`firmware`] is the way in for a program on a small processor: effects and accuracy as a type, footprints with their probes, a pixel from
-//! start to end ([`sampler`]); [`scanline`] sets its fragments up in integers, [`small`] is the reading it runs. `examples` has one of each.
+//! [`firmware`] is the way in for a program on a small processor: effects and accuracy as a type, footprints with their probes, a pixel from start to
+//! end ([`sampler`]). [`scanline`] sets its fragments up in integers; [`small`] is the backend that it runs on. `examples` has one of each.
 //!
-//! [`soft_core`] runs the datapaths from ports to ports in the scalar reading, plan and accuracy as values; [`probe_list`] is a footprint unrolled for it.
-//! [`precision`] holds the accuracy knobs and the five named profiles, [`width`] the words that each runs on; [`rom`] the tables; [`status`] the sticky bits of degenerate
-//! inputs. With the feature `setup`, `setup` makes ports of floating-point numbers.
+//! [`soft_core`], the scalar API, runs the datapaths from ports to ports on the scalar backend, with plan and accuracy as values; [`probe_list`] is a
+//! footprint unrolled for it. [`precision`] holds the accuracy knobs and the five named profiles, [`width`] the words that each profile runs on.
+//! [`rom`] holds the tables and [`status`] the sticky bits of degenerate inputs. With the feature `setup`, the module `setup` makes ports from
+//! floating-point numbers.
 //!
 //! ```
 //! use fixed::types::I2F30;

@@ -1,55 +1,55 @@
-//! The plan: which blocks a batch of fragments goes through. A block that is off does not exist.
+//! The plan: the blocks that a batch of fragments goes through. A block that is off does not exist.
 //!
-//! A plan is known when the datapath is built or called, never data. Leaving a block out gives the same bits as
-//! running it with a neutral input (b = 0, D = 0, dn = 0).
+//! A plan is fixed when the datapath is built or called; it is never data. A block that is left out gives the same bits as one that runs with a
+//! neutral input (b = 0, D = 0, dn = 0).
 
 use crate::precision::RoughnessKind;
 
-/// How the tangent frame is found (S97 §7).
+/// Construction of the tangent basis (S97 §7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameSystem {
     /// System 3: a main direction h.
     MainDirection,
     /// System 1: p_u and p_v.
     Natural,
-    /// System 2: p_u and p_v, lengths dropped.
+    /// System 2: p_u and p_v without their lengths.
     NaturalNormalised,
 }
 
 /// Blocks that make the surface, which reflection and lights share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfacePlan {
-    /// Frame and perturb.
+    /// Tangent basis and perturb.
     pub bump: bool,
-    /// Which frame; it exists where `bump` or `roughness` needs it.
+    /// System of the tangent basis, which exists if `bump` or `roughness` needs it.
     pub frame: FrameSystem,
     /// Tangents of the roughness.
     pub roughness: RoughnessKind,
-    /// The frame itself is asked for: peaks stand in it.
+    /// True if the tangent basis itself is needed: peaks stand in it.
     pub local: bool,
 }
 
 impl SurfacePlan {
-    /// Whether anything needs the tangents of the frame.
+    /// Returns true if any block needs the tangents of the basis.
     pub const fn needs_frame(&self) -> bool {
         self.local || self.bump || !matches!(self.roughness, RoughnessKind::None)
     }
 }
 
-/// On what a reflection's footprint lies, and what its probes step along.
+/// Surface on which a reflection's footprint lies, and along which its probes step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FootprintKind {
-    /// Nowhere: one probe at the finest level.
+    /// No footprint: one probe at the finest level.
     None,
-    /// On the plane of the cube face that r selects, stepping over that plane (W97): all that a lobe of a few degrees needs.
+    /// Footprint on the plane of the cube face that r selects, with steps over that plane (W97). It suffices for lobes of a few degrees.
     Face,
-    /// On the tangent plane of the sphere at r, stepping over normals that are reflected one by one: for lobes up to a hemisphere, without a
-    /// step where r changes face.
+    /// Footprint on the tangent plane of the sphere at r, with steps over normals that are reflected one by one. It serves lobes up to a hemisphere,
+    /// without a jump where r changes face.
     Sphere,
 }
 
 impl FootprintKind {
-    /// Whether there is one.
+    /// Returns true if there is a footprint.
     pub const fn is_some(self) -> bool {
         !matches!(self, Self::None)
     }
@@ -58,9 +58,9 @@ impl FootprintKind {
 /// Blocks of the reflection datapath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReflectionPlan {
-    /// Frame and perturb.
+    /// Tangent basis and perturb.
     pub bump: bool,
-    /// Which frame; it exists where `bump` or `roughness` needs it.
+    /// System of the tangent basis, which exists if `bump` or `roughness` needs it.
     pub frame: FrameSystem,
     /// Roughness columns.
     pub roughness: RoughnessKind,
@@ -80,63 +80,63 @@ impl ReflectionPlan {
         footprint: FootprintKind::Face,
     };
 
-    /// The surface that the reflection needs: without a footprint its roughness is of no use.
+    /// Surface that the reflection needs. Without a footprint its roughness has no effect.
     pub const fn surface(&self) -> SurfacePlan {
         let roughness = if self.footprint.is_some() { self.roughness } else { RoughnessKind::None };
         SurfacePlan { bump: self.bump, frame: self.frame, roughness, local: false }
     }
 
-    /// Whether anything needs the tangents of the frame.
+    /// Returns true if any block needs the tangents of the basis.
     pub const fn needs_frame(&self) -> bool {
         self.surface().needs_frame()
     }
 
-    /// The same with its footprint, if any, on a face: what is compiled with it has no stages of the sphere.
+    /// Plan with its footprint, if any, on a face. Code compiled with it has no stages of the sphere.
     #[inline(always)]
     pub const fn on_face(self) -> Self {
         let footprint = if self.footprint.is_some() { FootprintKind::Face } else { FootprintKind::None };
         Self { footprint, ..self }
     }
 
-    /// The same with a footprint on the sphere, and none of the stages on a face.
+    /// Plan with a footprint on the sphere. Code compiled with it has none of the stages on a face.
     #[inline(always)]
     pub const fn on_sphere(self) -> Self {
         Self { footprint: FootprintKind::Sphere, ..self }
     }
 }
 
-/// How the shares of a horizon that light and eye clear, over two axes each, become the share of facets that both see.
+/// Rule that joins the shares of a horizon. Light and eye each clear two, one over each axis; the result is the share of facets that both see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HorizonKind {
     /// Facets hide nothing.
     None,
-    /// Who lies in a hole lies in it for every direction: the smallest of the four, less a quarter of what the next one hides of it. Horizons are
-    /// stored by a law that falls from its low end.
+    /// Correlated shares: a facet that lies in a hole lies in it for every direction. The result is the smallest of the four shares, less a quarter
+    /// of what the next one hides of it. Horizons are stored by a law that falls from its low end.
     Correlated,
-    /// Their product, as if they were independent (F92 §5, erratum 22). Horizons are stored by a uniform law.
+    /// Product of the shares, as if they were independent (F92 §5, erratum 22). Horizons are stored by a uniform law.
     Product,
 }
 
 /// Blocks of one light on one peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeakPlan {
-    /// Which frame the peak stands in.
+    /// System of the tangent basis that the peak stands in.
     pub frame: FrameSystem,
     /// Facets hide each other from light and eye.
     pub horizon: HorizonKind,
 }
 
 impl PeakPlan {
-    /// The surface that a peak stands on: it brings its own normal.
+    /// Surface that a peak stands on. A peak brings its own normal.
     pub const fn surface(&self) -> SurfacePlan {
         SurfacePlan { bump: false, frame: self.frame, roughness: RoughnessKind::None, local: true }
     }
 }
 
-/// A datapath with ports of its own: what vectors are of.
+/// A datapath with its own ports, for which vectors are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Datapath {
-    /// From a surface to the probes on the environment it reflects.
+    /// Reflection: from a surface to the probes on the environment that it reflects.
     Reflection,
     /// One light on a surface with a lobe around its normal.
     Highlight,
@@ -145,10 +145,10 @@ pub enum Datapath {
 }
 
 impl Datapath {
-    /// Every one.
+    /// Every datapath.
     pub const ALL: [Self; 3] = [Self::Reflection, Self::Highlight, Self::Peak];
 
-    /// Its name in manifests and on the command line.
+    /// Name in manifests and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Reflection => "reflection",
@@ -158,12 +158,12 @@ impl Datapath {
     }
 }
 
-/// Blocks that are on, of every datapath: each looks at those it has.
+/// Blocks that are on, for every datapath; each reads those that it has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effects {
-    /// Frame and perturb: reflection and highlight.
+    /// Tangent basis and perturb: reflection and highlight.
     pub bump: bool,
-    /// Which frame, where one exists.
+    /// System of the tangent basis, if one exists.
     pub frame: FrameSystem,
     /// Roughness of reflection and highlight.
     pub roughness: RoughnessKind,
@@ -176,7 +176,7 @@ pub struct Effects {
 }
 
 impl Effects {
-    /// Every block; of those with several kinds the footprint on a face, anisotropic roughness and correlated horizons.
+    /// Every block. Of blocks with several kinds: the footprint on a face, anisotropic roughness and correlated horizons.
     pub const ALL: Self = Self {
         bump: true,
         frame: FrameSystem::MainDirection,
@@ -186,7 +186,7 @@ impl Effects {
         horizon: HorizonKind::Correlated,
     };
 
-    /// What a datapath cannot do without.
+    /// No optional block.
     pub const NONE: Self = Self {
         bump: false,
         frame: FrameSystem::MainDirection,
@@ -196,7 +196,7 @@ impl Effects {
         horizon: HorizonKind::None,
     };
 
-    /// Those that a datapath has; the others are off.
+    /// Effects that a datapath has; the others are off.
     pub fn of(&self, datapath: Datapath) -> Self {
         match datapath {
             Datapath::Reflection => self.reflection().into(),
@@ -205,18 +205,18 @@ impl Effects {
         }
     }
 
-    /// Those of the reflection datapath.
+    /// Effects of the reflection datapath.
     pub const fn reflection(&self) -> ReflectionPlan {
         let Self { bump, frame, roughness, curvature, footprint, .. } = *self;
         ReflectionPlan { bump, frame, roughness, curvature, footprint }
     }
 
-    /// Those of a highlight: its roughness needs no footprint.
+    /// Effects of a highlight. Its roughness needs no footprint.
     pub const fn highlight(&self) -> SurfacePlan {
         SurfacePlan { bump: self.bump, frame: self.frame, roughness: self.roughness, local: false }
     }
 
-    /// Those of a peak.
+    /// Effects of a peak.
     pub const fn peak(&self) -> PeakPlan {
         PeakPlan { frame: self.frame, horizon: self.horizon }
     }

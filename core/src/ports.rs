@@ -1,12 +1,12 @@
-//! Ports of the datapath: everything that enters or leaves it, each declared once.
+//! Ports of the datapath: all inputs and outputs, each declared once.
 //!
-//! A declaration gives the bundle of wires ([`SurfaceInput`]), the same in `fixed` types for a soft core or a host ([`SurfaceIn`]),
-//! the paths of the hardware's ports, the columns of the vectors with their rows in FORMAT.md, and the ranges that the proof starts
-//! from. Only these files of the datapath name `fixed`. Every bit pattern of every input port has one
-//! documented result. A direction or a derivative is a [`BlockVector`]: three mantissas and one exponent, so that
-//! neither tiny nor huge values lose bits. A profile keeps `fraction_bits` of the fraction of the largest component; lower
-//! bits are rounded away on entry. Where its words have 16 bits, the hardware's ports have as many: of a `fixed` port it reads the upper half,
-//! rounded to nearest ([`crate::width`]).
+//! A declaration gives the bundle of wires ([`SurfaceInput`]) and the same in `fixed` types for a soft core or a host ([`SurfaceIn`]). It also gives
+//! the paths of the hardware's ports, the columns of the vectors with their rows in FORMAT.md, and the ranges from which the proof starts. Only these
+//! files of the datapath name `fixed`. Every bit pattern of every input port has one documented result.
+//!
+//! A direction or a derivative is a [`BlockVector`]: three mantissas and one exponent, so that neither tiny nor huge values lose bits. A profile
+//! keeps `fraction_bits` of the fraction of the largest component; lower bits are rounded away on entry. If its words have 16 bits, so have the
+//! hardware's ports: they read the upper half of a `fixed` port, rounded to nearest ([`crate::width`]).
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I6F26, I8F24, I16F16, U0F32};
 
@@ -33,18 +33,18 @@ pub const SLOPE: u32 = 6;
 pub const SHARE: u32 = 16;
 /// Bits before the point of a reflectance in [0, 1]: I16F16.
 pub const REFLECTANCE: u32 = 16;
-/// Bits before the point of a component of a stored normal, I1F15 on a word of 32 bits.
+/// Bits before the point of a component of a stored normal, I1F15 on a 32-bit word.
 pub const STORED_NORMAL: u32 = 17;
-/// Bits before the point of a stored slope, I4F12 on a word of 32 bits.
+/// Bits before the point of a stored slope, I4F12 on a 32-bit word.
 pub const STORED_SLOPE: u32 = 20;
 
 /// A scalar port: the `fixed` types of a structure of wires.
 pub trait Port: Copy {
     /// The wires.
     type Wires: Copy;
-    /// The port on wires.
+    /// Converts the port to wires.
     fn wires(&self) -> Self::Wires;
-    /// The wires as a port.
+    /// Converts wires to a port.
     fn of(wires: &Self::Wires) -> Self;
 }
 
@@ -117,10 +117,9 @@ impl<P: Port, const N: usize> Port for [P; N] {
 }
 
 bundle! {
-    /// A vector as it comes through a port: any alignment, any exponent. Component i is `mantissa[i] · 2^exponent`.
+    /// A vector at a port: any alignment, any exponent. Component i is `mantissa[i] · 2^exponent`.
     ///
-    /// What leaves has its largest component in [½, 1] by size; all-zero
-    /// outputs have exponent 0, and an exponent beyond 16 bits is saturated.
+    /// Outputs have their largest component in [½, 1] by size. All-zero outputs have exponent 0, and an exponent beyond 16 bits is saturated.
     pub struct PortBlock<W, const N: usize> {
         /// mantissa
         mantissa: [Mantissa<W>; N],
@@ -132,8 +131,8 @@ bundle! {
 
 /// Components with one shared exponent; component `i` is `mantissa[i] · 2^exponent`.
 ///
-/// Units: those of the quantity. Range: any; what enters with an exponent beyond ±2^11 is read as with that one. Outputs have their
-/// largest component in [½, 1] by size; all-zero outputs have exponent 0, and an exponent beyond 16 bits is saturated.
+/// Units: those of the quantity. Range: any; an input with an exponent beyond ±2^11 is read with that exponent. Outputs have their largest component
+/// in [½, 1] by size. All-zero outputs have exponent 0, and an exponent beyond 16 bits is saturated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockPort<const N: usize> {
     /// Components, I2F30.
@@ -168,7 +167,7 @@ impl<const N: usize> Port for BlockPort<N> {
 }
 
 bundle! {
-    /// What the surface of a fragment is made of, the same for its reflection and its lights.
+    /// Inputs of the surface of a fragment, the same for its reflection and its lights.
     #[ports(SurfaceIn: Default)]
     pub struct SurfaceInput<W> {
         /// surface normal n, any length
@@ -216,7 +215,7 @@ bundle! {
         edge_texels: Int<W>,
     }
 
-    /// What every stage of the reflection datapath makes of one fragment, in the order of the pipeline.
+    /// Outcomes of all stages of the reflection datapath for one fragment, in the order of the pipeline.
     #[ports(ReflectionOut: Default)]
     pub struct ReflectionOutput<W> {
         /// tangents E₁ and E₂, scaled by |n|
@@ -342,29 +341,29 @@ bundle! {
     }
 }
 
-/// A probe of a footprint on an environment: where it reads, and how much that counts.
+/// A probe of a footprint on an environment: its place and weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CubeProbe {
     /// Face 0 to 5: +x, −x, +y, −y, +z, −z.
     pub face: u8,
-    /// s (to the right) and t (down) on it, −1 to 1, half faces.
+    /// s (to the right) and t (down) on the face, −1 to 1, half faces.
     pub st: [I4F28; 2],
-    /// Share of the footprint; those of one footprint sum to exactly 1.
+    /// Share of the footprint; the shares of one footprint sum to exactly 1.
     pub weight: I16F16,
 }
 
-/// A probe of a footprint in a repeated map: where it reads, and how much that counts.
+/// A probe of a footprint in a wrapped map: its place and weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapProbe {
     /// Texture coordinates in repeats, modulo 1.
     pub uv: [U0F32; 2],
-    /// Share of the footprint; those of one footprint sum to exactly 1.
+    /// Share of the footprint; the shares of one footprint sum to exactly 1.
     pub weight: I16F16,
 }
 
 /// Linear light of three channels.
 pub type Light = [I8F24; 3];
-/// A place on a face of an environment, s and t.
+/// Place on a face of an environment, s and t.
 pub type FacePlace = [I2F30; 2];
-/// A level of detail.
+/// Level of detail.
 pub type Level = I16F16;

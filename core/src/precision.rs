@@ -1,10 +1,10 @@
 //! Precision as data: every accuracy knob of the datapath in one plain value.
 //!
-//! A narrower profile is the same datapath with low bits rounded away, from 14 kept bits down on words of 16 bits. Multiplier operands
-//! are mantissas of `fraction_bits + 2` bits (sign, one integer bit, fraction), so with `fraction_bits = 16` the reflection datapath and
-//! the texture footprint fit 18×18 multipliers, with 14 16×16 (`roughxel cost`); texels, weights and addresses have widths of their own.
+//! A narrower profile is the same datapath with low bits rounded away; with 14 kept bits or fewer it runs on 16-bit words. Multiplier operands are
+//! mantissas of `fraction_bits + 2` bits (sign, one integer bit, fraction). With `fraction_bits = 16` the reflection datapath and the texture
+//! footprint fit 18×18 multipliers, with 14 they fit 16×16 (`roughxel cost`). Texels, weights and addresses have widths of their own.
 
-/// How the direction of the major axis is found.
+/// Method that finds the direction of the major axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisDirection {
     /// Half-angle formula with the branch that does not cancel, and one inverse root.
@@ -16,7 +16,7 @@ pub enum AxisDirection {
     },
 }
 
-/// How many probes cover an ellipse of aspect λ₁/λ₂.
+/// Rule for the probe count of an ellipse with the aspect λ₁/λ₂.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProbeRule {
     /// The next power of two.
@@ -34,10 +34,10 @@ pub enum ProbeWeights {
     Gaussian,
 }
 
-/// What the roughness pyramid stores.
+/// Quantities that the roughness pyramid stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RoughnessKind {
-    /// Nothing: lost detail is lost.
+    /// Nothing: lost detail stays lost.
     None,
     /// I₁, the standard deviation along the widest direction (S97 §8).
     Isotropic,
@@ -50,7 +50,7 @@ pub enum RoughnessKind {
 pub struct Newton {
     /// Index bits of the seed table, 6…10.
     pub seed_bits: u32,
-    /// Iterations, 0…2; each doubles the number of good bits.
+    /// Number of iterations, 0…2; each doubles the number of good bits.
     pub steps: u32,
 }
 
@@ -65,7 +65,7 @@ pub struct Precision {
     pub inverse_root: Newton,
     /// Direction of the major axis.
     pub direction: AxisDirection,
-    /// Most probes along the major axis, 1…16.
+    /// Maximum number of probes along the major axis, 1…16.
     pub max_probes: u32,
     /// Probe count from the aspect.
     pub probe_rule: ProbeRule,
@@ -75,7 +75,7 @@ pub struct Precision {
     pub lod_bits: u32,
     /// Fraction bits of a bilinear weight, 2…10.
     pub weight_bits: u32,
-    /// What roughness is stored.
+    /// Stored roughness.
     pub roughness: RoughnessKind,
     /// Bits of a stored roughness number, 4…16.
     pub roughness_bits: u32,
@@ -97,18 +97,18 @@ pub enum Profile {
 }
 
 impl Profile {
-    /// Every one.
+    /// Every profile.
     pub const ALL: [Self; 5] = [Self::Narrow, Self::Paper, Self::Compact, Self::Standard, Self::Precise];
 
-    /// Their names.
+    /// Names of the profiles.
     pub const NAMES: [&'static str; 5] = ["narrow", "paper", "compact", "standard", "precise"];
 
-    /// Its name in manifests and on the command line.
+    /// Name in manifests and on the command line.
     pub const fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 
-    /// Its knobs.
+    /// Knobs of the profile.
     pub const fn precision(self) -> Precision {
         match self {
             Self::Narrow => Precision::NARROW,
@@ -119,14 +119,14 @@ impl Profile {
         }
     }
 
-    /// The profile of that name.
+    /// Finds a profile by its name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|profile| profile.name() == name)
     }
 }
 
 impl Precision {
-    /// As W97 and S97 describe: ten-step angle table, power-of-two probes, 8-bit roughness.
+    /// Profile of W97 and S97: ten-step angle table, power-of-two probes, 8-bit roughness.
     pub const PAPER: Self = Self {
         fraction_bits: 16,
         reciprocal: Newton { seed_bits: 8, steps: 1 },
@@ -150,11 +150,14 @@ impl Precision {
         ..Self::PAPER
     };
 
-    /// Words of 16 bits, whose every bit a multiplier operand has. The other knobs by what they change of a frame's distance from the same
-    /// filter in float64, 58 to 74 dB (four scenes, 160×120): a table of ten directions costs 8 to 24 dB and saves an inverse root;
-    /// powers of two as probe counts cost nothing but a quarter more texels; 4 bits of a weight cost 6 to 11 dB, 6 up to 2, 10 gain 0.2;
-    /// 5 bits of a level cost up to 6, 8 gain up to 9 where nothing else is left, beyond the 2^−6 to which a level is right. Seeds of 8
-    /// bits with one step are within the last place; of 10 without a step they cost up to 0.7.
+    /// 16-bit words, every bit of which is in a multiplier operand.
+    ///
+    /// The other knobs are chosen by the distance of a frame from the same filter in float64, 58 to 74 dB (four scenes, 160×120):
+    /// - A table of ten directions costs 8 to 24 dB and saves an inverse root.
+    /// - Powers of two as probe counts cost nothing but a quarter more texels.
+    /// - 4 bits of a weight cost 6 to 11 dB, 6 cost up to 2, 10 gain 0.2.
+    /// - 5 bits of a level cost up to 6 dB. 8 gain up to 9 if no other error is left, beyond the 2^−6 to which a level is right.
+    /// - 8-bit seeds with one step are within the last place; 10-bit seeds without a step cost up to 0.7 dB.
     pub const NARROW: Self = Self { fraction_bits: 14, ..Self::COMPACT };
 
     /// The default.
@@ -167,7 +170,7 @@ impl Precision {
         ..Self::COMPACT
     };
 
-    /// Errors below what a picture or a 16-bit texel can show.
+    /// Profile with errors below what a picture or a 16-bit texel can show.
     pub const PRECISE: Self = Self {
         fraction_bits: 26,
         reciprocal: Newton { seed_bits: 8, steps: 2 },
@@ -178,7 +181,7 @@ impl Precision {
         ..Self::STANDARD
     };
 
-    /// Bits of a word: 16 where no operand keeps more than 14 fraction bits, which with sign and integer bit is such a word, else 32.
+    /// Bits of a word. It is 16 if no operand keeps more than 14 fraction bits, which with sign and integer bit is such a word, else 32.
     pub const fn word_bits(&self) -> u32 {
         if self.fraction_bits <= 14 { 16 } else { 32 }
     }

@@ -1,7 +1,7 @@
-//! The probes of one footprint as a bounded list, scalar reading.
+//! The probes of one footprint as a bounded list, on the scalar backend.
 //!
-//! In hardware a small state machine steps through them; here the steps are unrolled into a list without
-//! allocation, which a soft core or the emulator walks while it fetches.
+//! In hardware a small state machine steps through them. Here the steps are unrolled into a list without allocation, which a soft core or the
+//! emulator walks while it fetches.
 
 use heapless::Vec;
 
@@ -16,7 +16,7 @@ use crate::soft_core;
 use crate::stage::texture::TextureScale;
 use crate::width::on_words;
 
-/// At most [`MAX_PROBES`] probes.
+/// List of at most [`MAX_PROBES`] probes.
 pub type ProbeList<P> = Vec<P, MAX_PROBES>;
 
 fn list<P>(count: Int<Scalar>, probe: impl Fn(Int<Scalar>) -> P) -> ProbeList<P> {
@@ -48,7 +48,7 @@ pub fn sphere_probes(sweep: &Sweep<Scalar>, last_level: u32, p: &Precision) -> P
     list(sweep.count, |index| soft_core::sphere_probe(sweep, index, last_level, p))
 }
 
-/// Probes in a repeated map.
+/// Probes in a wrapped map.
 pub fn texture_probes(
     centre: &TexturePosition<Scalar>,
     probes: &Probes<Scalar>,

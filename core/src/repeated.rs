@@ -1,6 +1,4 @@
-//! From the probes of a footprint to what a repeated map holds there: frames fetch colours, bumps and the places of peaks by it.
-//!
-//! As in [`sampler`](crate::sampler), arithmetic is that of the composer ([`texel`]); here are the loops around it and the fetches.
+//! Sampling of a wrapped map: from the probes of a footprint to the contents of the map. Frames fetch colours, bumps and the places of peaks with it.
 
 use core::mem::ManuallyDrop;
 
@@ -16,57 +14,57 @@ use crate::stage::filter::{LEVEL_WEIGHT, LevelPair, ProbeSum, WEIGHT};
 use crate::stage::texture::TextureScale;
 use crate::word::Word;
 
-/// A level of a repeated map in memory.
+/// A level of a wrapped map in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Level {
     /// Columns and rows, 1…16384.
     pub size: [i32; 2],
     /// Places from one row to the next.
     pub stride: i32,
-    /// Places of the levels before.
+    /// Number of places of the levels before it.
     pub start: i32,
 }
 
-/// Where a fragment looks in a repeated map.
+/// View of a fragment into a wrapped map.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a, W: Word> {
-    /// The middle.
+    /// Centre of the footprint.
     pub centre: &'a TexturePosition<W>,
-    /// Around it, with the scale of the map; without it there is one probe, of the finest level.
+    /// Footprint around the centre, with the scale of the map. Without one there is a single probe, on the finest level.
     pub footprint: Option<(&'a RepeatedFootprint<W>, &'a TextureScale<W>)>,
-    /// Of the map, the finest first, at least one; texels are in rows.
+    /// Levels of the map, the finest first, at least one; texels are in rows.
     pub levels: &'a [Level],
-    /// What a level has lost is roughness: the footprint looks at finer ones, as that of a rough reflection does.
+    /// True if the lost detail of a level is stored as roughness. The footprint then reads finer levels, as that of a rough reflection does.
     pub rough: bool,
 }
 
 /// Four neighbours on one level.
 #[derive(Clone, Copy, Debug)]
 pub struct Tap<W: Word> {
-    /// Their places in all levels: (0,0), (1,0), (0,1), (1,1).
+    /// Places of the texels in all levels: (0,0), (1,0), (0,1), (1,1).
     pub texels: [Int<W>; 4],
-    /// Weights of the right and of the lower ones, [0, 1).
+    /// Weights of the right and of the lower texels, [0, 1).
     pub weight: [Control<W, WEIGHT>; 2],
 }
 
-/// What a probe reads.
+/// Read of one probe.
 #[derive(Clone, Copy, Debug)]
 pub struct Read<W: Word> {
-    /// Which probe it is, from 0.
+    /// Number of the probe, from 0.
     pub turn: i32,
-    /// Whether it is one of the fragment's own.
+    /// True if it is one of the fragment's own probes.
     pub counts: W::Flag,
-    /// Its weight, 0 if it does not count; those of a footprint sum to 1.
+    /// Weight of the probe, 0 if it does not count; the weights of a footprint sum to 1.
     pub weight: Control<W, SHARE>,
-    /// On the finer level.
+    /// Tap on the finer level.
     pub fine: Tap<W>,
-    /// On the coarser one, unless its weight is 0 for all fragments.
+    /// Tap on the coarser level, unless its weight is 0 for all fragments.
     pub coarse: Option<Tap<W>>,
     /// Weight of the coarser level.
     pub level_weight: Control<W, LEVEL_WEIGHT>,
 }
 
-/// Hands what each probe of a fragment reads to `take`, in their order.
+/// Hands the read of each probe of a fragment to `take`, in the order of the probes.
 #[inline(always)]
 pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, take: impl FnMut(Read<W>)) {
     // As in `each`.
@@ -94,17 +92,17 @@ pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, take: impl FnMut(Read<
     }
 }
 
-/// What a footprint holds of a map, and the bilinear samples read for it.
+/// Mean of a map over a footprint, and the bilinear samples read for it.
 #[derive(Clone, Copy, Debug)]
 pub struct Mean<W: Word, const CHANNELS: usize> {
     /// The mean of each channel.
     pub channels: [Int<W>; CHANNELS],
-    /// Bilinear samples.
+    /// Number of bilinear samples.
     pub taps: Int<W>,
 }
 
-/// Averages channels of texels over the probes: `quad` finds those of a tap, given the turn of its probe and 0 for the finer level or 1 for the coarser;
-/// `filter` interpolates them, `probe` turns them into what is averaged.
+/// Averages channels of texels over the probes. `quad` finds the texels of a tap, given the turn of its probe and 0 for the finer level or 1 for the
+/// coarser. `filter` interpolates them. `probe` turns the result into the averaged quantities.
 #[inline(always)]
 pub fn mean<W: Fetch, const CHANNELS: usize>(
     view: &View<'_, W>,
@@ -142,14 +140,14 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
 /// Columns, rows, stride and start of a level.
 type Place<W> = [Int<W>; 4];
 
-/// What is read without a footprint: the middle, on the finest level.
+/// Tap without a footprint: the centre, on the finest level.
 #[inline(always)]
 fn point<W: Fetch>(view: &View<'_, W>, p: &Precision) -> Tap<W> {
     let Level { size: [width, height], stride, start } = view.levels[0];
     tap::<W>(view.centre, each!(number in [width, height, stride, start] => int::<W>(number)), p)
 }
 
-/// Of every fragment; beyond the last one the last.
+/// Level of every fragment; beyond the last level it is the last.
 #[inline(always)]
 fn level_of<W: Fetch>(level: Int<W>, levels: &[Level]) -> Place<W> {
     let last = levels.len() - 1;
@@ -164,7 +162,7 @@ fn level_of<W: Fetch>(level: Int<W>, levels: &[Level]) -> Place<W> {
     each!(number in read => Fx::from_raw(number))
 }
 
-/// What a bilinear sample of a level reads.
+/// Tap of a bilinear sample on a level.
 #[inline(always)]
 fn tap<W: Fetch>(place: &TexturePosition<W>, [width, height, stride, start]: Place<W>, p: &Precision) -> Tap<W> {
     let address = texel::repeat_address(place, [width, height], p);

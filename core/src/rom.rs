@@ -3,8 +3,8 @@
 //! Every entry is the exact value rounded to nearest in the stated format; the series below run in 2^−60 units
 //! and are good to better than 2^−50.
 
-/// The upper `bits` of an entry of 32 bits, rounded to nearest, ties up: the same number with fewer fraction bits. Range: `bits` from 2
-/// to 32; no entry below is so large that it would round up beyond the word.
+/// Upper `bits` of a 32-bit entry, rounded to nearest, ties up: the same number with fewer fraction bits. Range: `bits` from 2 to 32; no entry below
+/// is so large that it would round up beyond the word.
 pub const fn upper(entry: i32, bits: u32) -> i32 {
     if bits >= 32 { entry } else { ((entry >> (31 - bits)) + 1) >> 1 }
 }
@@ -169,7 +169,7 @@ pub static EXP2: [i32; 257] = {
 };
 
 /// −log₂(1 − y)/(2y) at y = i/512, i = 0…256, from 1/(2 ln 2) to 1, 26 fraction bits: a rise between knots has 17. Linear
-/// interpolation errs by at most h²/8 · max|f″| = 2^−19.8, beside 2^−28 a knot.
+/// interpolation errs by at most h²/8 · max|f″| = 2^−19.8, plus 2^−28 a knot.
 pub static HALF_LOG2_ONE_MINUS_RATIO: [i32; 257] = {
     let mut table = [round((ONE << 59) / LN2, 26); 257];
     let mut i = 1;
@@ -183,7 +183,7 @@ pub static HALF_LOG2_ONE_MINUS_RATIO: [i32; 257] = {
 };
 
 /// log₂(1 + x)/(2x) at x = i/256, i = 0…256 (1/(2 ln 2) at 0), 26 fraction bits: a fall between knots has 17. Linear
-/// interpolation errs by at most h²/8 · max|f″| = 2^−20.05 of values in [½, 0.7214], beside 2^−28 a knot.
+/// interpolation errs by at most h²/8 · max|f″| = 2^−20.05 of values in [½, 0.7214], plus 2^−28 a knot.
 pub static HALF_LOG2_ONE_PLUS_RATIO: [i32; 257] = {
     let mut table = [round((ONE << 59) / LN2, 26); 257];
     let mut i = 1;
@@ -196,7 +196,7 @@ pub static HALF_LOG2_ONE_PLUS_RATIO: [i32; 257] = {
     table
 };
 
-/// The most steps over 90° of an angle table.
+/// Largest number of steps over 90° of an angle table.
 const MAX_ANGLE_STEPS: usize = 64;
 
 /// sin and cos of `column/(2·row)` · 90°, I2F30; a row holds as many columns as it has steps.
@@ -215,14 +215,14 @@ static SIN_COS: [[(i32, i32); MAX_ANGLE_STEPS + 1]; MAX_ANGLE_STEPS / 2 + 1] = {
     table
 };
 
-/// sin and cos of `numerator/denominator` · 90°, I2F30; the denominator is even, at most 64. Both are known when the
-/// datapath is built: what leaves the ROM there is a constant.
+/// sin and cos of `numerator/denominator` · 90°, I2F30. The denominator is even, at most 64. Both numbers are known when the datapath is built, so
+/// the result is a constant there.
 pub fn sin_cos_of_right_angle(numerator: u32, denominator: u32) -> (i32, i32) {
     let row = SIN_COS.get(denominator as usize >> 1);
     row.and_then(|row| row.get(numerator as usize)).copied().unwrap_or((0, 1 << 30))
 }
 
-/// The most probes of any profile.
+/// Largest probe count of any profile.
 pub const MAX_PROBES: usize = 16;
 
 /// 2√3/N · 2^28 for N probes at index N: the step along the major axis in units of λ₁. Entry 0 repeats entry 1.
@@ -237,7 +237,7 @@ pub static STEP_PER_SIGMA: [i32; MAX_PROBES + 1] = {
     table
 };
 
-/// √(1 − 1/N²) · 2^30 at index N: how far N probes of standard deviation λ₁/N may spread, in units of λ₁. Entry 0 repeats entry 1.
+/// √(1 − 1/N²) · 2^30 at index N: the spread of N probes of standard deviation λ₁/N, in units of λ₁. Entry 0 repeats entry 1.
 pub static SPREAD_LIMIT: [i32; MAX_PROBES + 1] = {
     let mut table = [0; MAX_PROBES + 1];
     let mut n = 2;
@@ -251,12 +251,12 @@ pub static SPREAD_LIMIT: [i32; MAX_PROBES + 1] = {
 /// 1/√(2π).
 const NORMAL_DENSITY_AT_ZERO: i128 = isqrt(((ONE << 59) / PI) << 60);
 
-/// Density of the normal law.
+/// Density of the normal distribution.
 const fn normal_density(x: i128) -> i128 {
     mul(NORMAL_DENSITY_AT_ZERO, exp(-mul(x, x) / 2))
 }
 
-/// Where the normal law has the share `numerator/denominator` at least ½ below it, by Newton's method from 0.
+/// Point with the share `numerator/denominator` (at least ½) of the normal distribution below it, by Newton's method from 0.
 const fn normal_quantile(numerator: usize, denominator: usize) -> i128 {
     let above_half = ONE * numerator as i128 / denominator as i128 - ONE / 2;
     let mut x = 0;
@@ -275,9 +275,9 @@ const fn normal_quantile(numerator: usize, denominator: usize) -> i128 {
     x
 }
 
-/// The normal law in N parts of equal weight: their means, and what variance those outside have more than that in the middle, three fifths of it: as
-/// much as probes there are wider (more is better for the plane and worse for the sphere in `host-tests/tests/pictures/lobes.rs`). Means are
-/// stretched until both have the variance 1. From the middle on, for N ≥ 2.
+/// Normal distribution in N parts of equal weight: the means of the parts, and three fifths of the variance that an outer part has more than the
+/// middle one. Probes are wider by that much. (A larger share is better for the plane and worse for the sphere in
+/// `host-tests/tests/pictures/lobes.rs`.) Means are stretched until both together have the variance 1. Entries start from the middle, for N ≥ 2.
 const fn normal_parts(n: usize) -> [[i128; MAX_PROBES]; 2] {
     let (mut means, mut variances) = ([0; MAX_PROBES], [0; MAX_PROBES]);
     let count = n as i128;
@@ -314,11 +314,11 @@ const fn normal_parts(n: usize) -> [[i128; MAX_PROBES]; 2] {
     [means, variances]
 }
 
-/// Where the probes of a sweep are, in standard deviations, or by how many levels they are wider than its λ₂: at index 16·(N − 1) + i.
+/// Table of the probes of a sweep, at index 16·(N − 1) + i: their places in standard deviations, or by how many levels they are wider than its λ₂.
 pub type SweepTable = [i32; MAX_PROBES * MAX_PROBES];
 
-/// The normal law in N points of equal weight, 28 fraction bits: the means of its N equally likely parts, stretched until they and the widths of
-/// [`NORMAL_WIDENINGS`] have standard deviation 1 (one point, of no extent, stays at 0).
+/// Normal distribution in N points of equal weight, 28 fraction bits: the means of its N equally likely parts. They are stretched until they and the
+/// widths of [`NORMAL_WIDENINGS`] have standard deviation 1; a single point, which has no extent, stays at 0.
 pub static NORMAL_PLACES: SweepTable = {
     let mut table = [0; MAX_PROBES * MAX_PROBES];
     let mut n = 2;
@@ -336,8 +336,8 @@ pub static NORMAL_PLACES: SweepTable = {
     table
 };
 
-/// How many levels coarser a probe is because its part of the law is wider than that in the middle, 16 fraction bits: log₂√(1 + R²·v) with the variance v of
-/// the part and N − 5/4 for R = √(λ₁² − λ₂²)/λ₂, which is between N − 2 and N − 1.
+/// Number of levels by which a probe is coarser because its part of the distribution is wider than the middle part, 16 fraction bits: log₂√(1 +
+/// R²·v). v is the variance of the part. N − 5/4 stands for R = √(λ₁² − λ₂²)/λ₂, which is between N − 2 and N − 1.
 pub static NORMAL_WIDENINGS: SweepTable = {
     let mut table = [0; MAX_PROBES * MAX_PROBES];
     let mut n = 3;
@@ -356,8 +356,8 @@ pub static NORMAL_WIDENINGS: SweepTable = {
     table
 };
 
-/// What the probes of a table come from as their number grows from N − 1, at the same index: those of N − 1, and for the new one the middle, where a table
-/// has 0. Two come from their own.
+/// Entries from which the probes of a table start as their number grows from N − 1, at the same index. These are the entries of N − 1, and for the
+/// new probe the middle, which is 0 in a table. A count of two starts from its own entries.
 const fn of_one_less(of: &SweepTable) -> SweepTable {
     let mut table = *of;
     let mut n = 3;
@@ -374,10 +374,10 @@ const fn of_one_less(of: &SweepTable) -> SweepTable {
     table
 }
 
-/// Where the probes of [`NORMAL_PLACES`] come from as their number grows.
+/// Starts of the probes of [`NORMAL_PLACES`] as their number grows.
 pub static NORMAL_PLACES_OF_ONE_LESS: SweepTable = of_one_less(&NORMAL_PLACES);
 
-/// How wide those of [`NORMAL_WIDENINGS`] are before.
+/// Starts of the widths of [`NORMAL_WIDENINGS`] as their number grows.
 pub static NORMAL_WIDENINGS_OF_ONE_LESS: SweepTable = of_one_less(&NORMAL_WIDENINGS);
 
 /// 1/N · 2^16 at index N. Entry 0 repeats entry 1.
@@ -391,8 +391,8 @@ pub static ONE_OVER_COUNT: [i32; MAX_PROBES + 1] = {
     table
 };
 
-/// log₂(1.8·√3) · 2^16: a texel on the sphere in units of λ₂, √3 for the bias of rough reflections. A trilinear probe on texels of size t that are means
-/// by a kernel of deviation 0.35 t has 0.54 t, and between two levels a little more: 0.55 t.
+/// log₂(1.8·√3) · 2^16: a texel on the sphere in units of λ₂, √3 for the bias of rough reflections. A trilinear probe on texels of size t that are
+/// means by a kernel of deviation 0.35 t has the deviation 0.54 t, and between two levels a little more: 0.55 t.
 pub const LOG2_TEXEL_ON_SPHERE: i32 = round(((ln(243 * ONE / 200) << 60) / LN2 + 3 * ONE) / 2, 16);
 
 /// 1/√12 · 2^30: the standard deviation of a box of width one (errata 4 and 5).
@@ -415,8 +415,7 @@ pub static LOG2_OF_COUNT: [i32; MAX_PROBES + 1] = {
     table
 };
 
-/// Probe weights in 2^−16 units at index 16·(N − 1) + i: those of one N sum to exactly 2^16, so a constant map
-/// stays constant.
+/// Probe weights in 2^−16 units at index 16·(N − 1) + i. The weights of one N sum to exactly 2^16, so a constant map stays constant.
 pub type ProbeWeightTable = [i32; MAX_PROBES * MAX_PROBES];
 
 const fn probe_weights(gaussian: bool) -> ProbeWeightTable {

@@ -1,6 +1,5 @@
-//! From the probes of a footprint to its colour, on a processor with a memory: frames of the emulator and pixels of firmware alike.
-//!
-//! Arithmetic is that of the composer ([`texel`], [`pixel`]); here are the loops around it and the fetches.
+//! Sampling of an environment: from the probes of a footprint to its colour, on a processor with a memory. Frames of the emulator and pixels of
+//! firmware use it.
 
 use core::ops::RangeInclusive;
 
@@ -20,14 +19,14 @@ use crate::word::Word;
 
 /// Exponents of linear codes: an environment of at most 2^6 × white.
 pub const LINEAR_EXPONENTS: RangeInclusive<i32> = 0..=6;
-/// Exponents of bright codes: one of at most 2^20 × white, whose darkest codes are still twice as fine as linear ones of 2^6.
+/// Exponents of bright codes: an environment of at most 2^20 × white. Its darkest codes are still twice as fine as linear codes of 2^6.
 pub const BRIGHT_EXPONENTS: RangeInclusive<i32> = 7..=20;
 
-/// Texels along the edge of a face below which levels of an environment do not become smaller, only more blurred: between fewer of them a wide lobe is the
-/// gradient of a bilinear patch, whose edges show.
+/// Face edge, in texels, below which levels of an environment are only more blurred, not smaller. With fewer texels a wide lobe is the gradient of a
+/// bilinear patch, whose edges show.
 pub const COARSEST_EDGE: u32 = 16;
 
-/// Texels along the edge of a face of a level, of `edge` at level 0.
+/// Texels along a face edge of a level, for `edge` texels at level 0.
 #[inline(always)]
 pub fn level_edge(edge: u32, level: u32) -> u32 {
     (edge >> level.min(31)).max(edge.min(COARSEST_EDGE)).max(1)
@@ -35,17 +34,17 @@ pub fn level_edge(edge: u32, level: u32) -> u32 {
 
 /// The texels of an environment: six faces in Vulkan's order, level by level.
 pub trait CubeMemory {
-    /// Three channels at a place of a face, codes of 16 bits: of [`level_edge`] columns and rows, 0 … 5 faces.
+    /// Three channels at a place of a face, as 16-bit codes. There are [`level_edge`] columns and rows, and faces 0 … 5.
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3];
 
-    /// Whether codes have an exponent each ([`texel::bright_texel`]), for environments brighter than 64 × white. A memory that says so without
-    /// looking costs those that are not so bright nothing.
+    /// Returns true if each code has an exponent ([`texel::bright_texel`]), for environments brighter than 64 × white. If a memory answers with a
+    /// constant, environments that are not so bright cost nothing extra.
     #[inline(always)]
     fn is_bright(&self) -> bool {
         false
     }
 
-    /// [`patches`], for a memory in which the texels of a bilinear sample are found faster together.
+    /// Implements [`patches`]; a memory overrides it if it finds the texels of a bilinear sample faster together.
     #[inline(always)]
     fn patches<W: Fetch>(&self, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4]
     where
@@ -55,14 +54,14 @@ pub trait CubeMemory {
     }
 }
 
-/// Where a bilinear sample of every fragment reads.
+/// Place that a bilinear sample of every fragment reads.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPlace<W: Word> {
-    /// The level.
+    /// Level of the sample.
     pub level: Int<W>,
-    /// Texels along the edge of a face there.
+    /// Texels along a face edge on that level.
     pub edge: Int<W>,
-    /// 0 … 5.
+    /// Face, 0 … 5.
     pub face: Int<W>,
     /// Column and row of the first texel, −1 … edge − 1.
     pub index: [Int<W>; 2],
@@ -71,17 +70,18 @@ pub struct PatchPlace<W: Word> {
 /// An environment in a memory.
 #[derive(Debug)]
 pub struct Cube<'a, M> {
-    /// Its texels.
+    /// Memory with its texels.
     pub memory: &'a M,
     /// Texels along the edge of a face at level 0, 1…16384.
     pub edge: u32,
-    /// The last level that the memory has: 0 where nothing is filtered.
+    /// Last level of the memory; 0 if nothing is filtered.
     pub last_level: u32,
-    /// log₂ of the unit in linear light. A code is code/65536 of it, 0…6; that of a bright memory what it decodes to, over 2^31, 7…20.
+    /// log₂ of the unit in linear light. A code is code/65536 of the unit, with exponents 0…6. A code of a bright memory is its decoded number over
+    /// 2^31, with exponents 7…20.
     pub exponent: i32,
 }
 
-// A cube is a reference and three numbers whatever the memory is.
+// A cube is a reference and three numbers for any memory.
 impl<M> Clone for Cube<'_, M> {
     fn clone(&self) -> Self {
         *self
@@ -90,19 +90,19 @@ impl<M> Clone for Cube<'_, M> {
 impl<M> Copy for Cube<'_, M> {}
 
 bundle! {
-    /// What a footprint sees of an environment, before its unit.
+    /// Sample of an environment over a footprint, before the unit is applied.
     pub struct Seen<W> {
-        /// The mean of each channel, as the stages of pixels take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright,
-        /// which cuts what is brighter than 64 × white after the reflectance of a surface and not before.
+        /// Mean of each channel as the pixel stages take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright. The latter clamps
+        /// light above 64 × white after the reflectance of a surface, not before.
         mean: [Int<W>; 3],
-        /// Bilinear samples read: one of each probe, and another of the coarser level unless its weight is 0.
+        /// Number of bilinear samples: one for each probe, and another on the coarser level unless its weight is 0.
         #[range(0..=32)]
         taps: Int<W>,
     }
 }
 
-/// The mean colour of a footprint, I8F24: trilinear probes along its major axis; a rough one is sampled with the roughness bias. Of a
-/// bright environment it is cut to the largest number below 64.
+/// Mean colour of a footprint, I8F24: trilinear probes along its major axis. A rough footprint is sampled with the roughness bias. The colour of a
+/// bright environment is clamped to the largest number below 64.
 #[inline(always)]
 pub fn environment<W: Fetch, M: CubeMemory>(
     point: &CubePoint<W>,
@@ -114,7 +114,7 @@ pub fn environment<W: Fetch, M: CubeMemory>(
     light::<W, M>(&means::<W, M>(point, probes, rough, cube, p), cube)
 }
 
-/// The mean colour of a footprint on the sphere, in the same way: trilinear probes, each with its own level.
+/// Mean colour of a footprint on the sphere, I8F24: trilinear probes, each with its own level, and the same bias and clamp as [`environment`].
 #[inline(always)]
 pub fn swept_environment<W: Fetch, M: CubeMemory>(
     sweep: &Sweep<W>,
@@ -135,7 +135,7 @@ fn light<W: Fetch, M: CubeMemory>(seen: &Seen<W>, cube: &Cube<'_, M>) -> [Value<
     }))
 }
 
-/// What a surface shows that reflects an environment: its own colour and what it sees, by its reflectance.
+/// Colour of a surface that reflects an environment: its own colour and its sample, blended by its reflectance.
 #[inline(always)]
 pub fn blended<W: Fetch, M: CubeMemory>(
     surface: &[Control<W, LIGHT>; 3],
@@ -151,7 +151,7 @@ pub fn blended<W: Fetch, M: CubeMemory>(
     }
 }
 
-/// What a point of the cube sees without a footprint: one bilinear sample of the finest level.
+/// Sample of a point of the cube without a footprint: one bilinear sample of the finest level.
 #[inline(always)]
 pub fn point_means<W: Fetch, M: CubeMemory>(point: &CubePoint<W>, cube: &Cube<'_, M>, p: &Precision) -> Seen<W> {
     // The mean of one sample of one level is the sample.
@@ -159,7 +159,7 @@ pub fn point_means<W: Fetch, M: CubeMemory>(point: &CubePoint<W>, cube: &Cube<'_
     Seen { mean: trilinear::<W, M>(&cube_place(point), &pair, cube, p), taps: Fx::int(1) }
 }
 
-/// What a footprint on its face sees.
+/// Sample of a footprint on its face.
 #[inline(always)]
 pub fn means<W: Fetch, M: CubeMemory>(
     point: &CubePoint<W>,
@@ -178,7 +178,7 @@ pub fn means<W: Fetch, M: CubeMemory>(
     sum.seen()
 }
 
-/// What a footprint on the sphere sees.
+/// Sample of a footprint on the sphere.
 #[inline(always)]
 pub fn swept_means<W: Fetch, M: CubeMemory>(
     sweep: &Sweep<W>,
@@ -197,7 +197,7 @@ pub fn swept_means<W: Fetch, M: CubeMemory>(
     sum.seen()
 }
 
-/// Probes of a footprint so far.
+/// Sum of the probes of a footprint so far.
 struct Sum<W: Word> {
     channels: [ProbeSum<W>; 3],
     taps: Int<W>,
@@ -209,7 +209,7 @@ impl<W: Fetch> Sum<W> {
         Self { channels: [ProbeSum::zero(); 3], taps: Fx::zero() }
     }
 
-    /// With a probe, if it counts.
+    /// Adds a probe, if it counts.
     #[inline(always)]
     fn add<M: CubeMemory>(
         &mut self,
@@ -253,14 +253,14 @@ fn trilinear<W: Fetch, M: CubeMemory>(
     }
 }
 
-/// [`level_edge`] of every fragment.
+/// [`level_edge`] for every fragment.
 #[inline(always)]
 fn edge_of<W: Fetch>(edge: u32, level: Int<W>) -> Int<W> {
     let edge = int::<W>(edge as i32);
     edge.floor_shr_by(level).max(edge.min(int::<W>(COARSEST_EDGE as i32))).max(Fx::int(1))
 }
 
-/// What a bilinear sample of a level reads; what lies beyond the face comes from its neighbours.
+/// Texels and weights of a bilinear sample of a level. Texels beyond the face come from its neighbours.
 #[inline(always)]
 fn face_quad<W: Fetch, M: CubeMemory>(
     level: Int<W>,
@@ -273,8 +273,7 @@ fn face_quad<W: Fetch, M: CubeMemory>(
     Quad { texels: cube.memory.patches(&PatchPlace::<W> { level, edge, face: place.face, index }), weight }
 }
 
-/// The texels (0,0), (1,0), (0,1), (1,1) of bilinear samples, one by one, what bright codes stand for in place of them; what lies beyond a face comes from
-/// its neighbours.
+/// Texels (0,0), (1,0), (0,1), (1,1) of bilinear samples, read one by one; bright codes are decoded. Texels beyond a face come from its neighbours.
 #[inline(always)]
 pub fn patches<W: Fetch, M: CubeMemory>(memory: &M, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4] {
     let &PatchPlace { level, edge, face, index: [column, row] } = at;
@@ -296,7 +295,7 @@ pub fn patches<W: Fetch, M: CubeMemory>(memory: &M, at: &PatchPlace<W>) -> [[Int
     each!(i in [0, 1, 2, 3] => each!(channel in [0, 1, 2] => Fx::from_raw(texels[3 * i + channel])))
 }
 
-/// What codes of a texel stand for.
+/// Decodes the channels of a texel.
 #[inline(always)]
 fn decoded<M: CubeMemory>(codes: [u16; 3], memory: &M) -> [i32; 3] {
     each!(code in codes => {
@@ -305,14 +304,14 @@ fn decoded<M: CubeMemory>(codes: [u16; 3], memory: &M) -> [i32; 3] {
     })
 }
 
-/// Channels of a patch one after the other.
+/// Channels of a patch in one array, texel by texel.
 #[inline(always)]
 fn flat([[a, b, c], [d, e, f], [g, h, i], [j, k, l]]: [[i32; 3]; 4]) -> [i32; 12] {
     [a, b, c, d, e, f, g, h, i, j, k, l]
 }
 
-/// The same beside an edge. A call of its own: few probes come here, and inlined it leaves no registers for all others. What it works
-/// out controls alone, so words of any width have the same.
+/// Texels of a bilinear sample next to an edge. It is a separate call: few probes come here, and inlined it leaves no registers for all others. It
+/// computes control values only, so words of any width share it.
 #[inline(never)]
 fn seam_texels<M: CubeMemory>(level: u32, face: i32, index: [i32; 2], edge: u32, memory: &M) -> [i32; 12] {
     let corner =

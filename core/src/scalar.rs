@@ -1,17 +1,17 @@
-//! The scalar reading: one integer per wire. This is the meaning of the design; every other reading equals it.
+//! The scalar backend: one integer per wire. It is the meaning of the design; every other backend equals it.
 //!
-//! A word has 32 or 16 bits; its wide companion is the integer of twice as many, and what controls is an `i32` beside each. Words of 8
-//! bits are for tests alone: few enough inputs to try them all.
+//! A word has 32 or 16 bits. Its wide companion is the integer of twice as many bits. Control words are an `i32` with either. 8-bit words are for
+//! tests alone: they have few enough inputs to try them all.
 //!
-//! No stage lets a value leave its word, so the wrapping operations below never wrap; they are written so
-//! that no build of any kind contains a panic path.
+//! No stage lets a value leave its word, so the wrapping operations below never wrap. They are written so that no build of any kind contains a panic
+//! path.
 
 use crate::bundle::Bundle;
 use crate::rom::upper;
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
 
-/// The word of the scalar reading that ports are made for; its wide companion is `i64`.
+/// Word of the scalar backend for which ports are made; its wide companion is `i64`.
 pub type Scalar = i32;
 
 macro_rules! wire {
@@ -124,7 +124,8 @@ macro_rules! word {
             }
         }
 
-        /// A stage is a function of its own, which the optimiser inlines where it is small: always inlined, whoever runs a datapath had all stages once more.
+        /// A stage is a function of its own, which the optimiser inlines if it is small. If stages were always inlined, every caller of a datapath
+        /// would hold all of them once more.
         impl Staged for $word {
             #[inline]
             fn stage<B: Bundle<Self>>(_: &'static str, body: impl Fn() -> B + Copy) -> B {

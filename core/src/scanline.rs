@@ -1,22 +1,26 @@
 //! Fragments of a triangle, row by row, for processors without floats: integers, no division.
 //!
 //! Set up a [`Triangle`] from three [`ScreenVertex`], give its corners [`Attributes`], walk the rows of its [`Fragments`];
-//! `core/examples/scanline.rs` is a whole program. `setup` makes ports of floating-point numbers for whoever has them.
+//! `core/examples/scanline.rs` is a whole program. The module `setup` makes ports from floating-point numbers.
 //!
-//! An attribute a is perspective-correct as A/W with A = Σ eᵢqᵢaᵢ and W = Σ eᵢqᵢ: eᵢ is the edge function opposite to corner i, qᵢ its
-//! 1/w, and both sums are linear in x and y, so that a pixel costs additions. Where a length means nothing nobody divides:
-//! - view: V with its constant derivatives, for a footprint ignores what of dv is along v;
+//! An attribute a is perspective-correct as A/W with A = Σ eᵢqᵢaᵢ and W = Σ eᵢqᵢ. eᵢ is the edge function opposite to corner i and qᵢ its 1/w. Both
+//! sums are linear in x and y, so a pixel costs additions. If a length has no meaning, the division is left out:
+//! - view: V with its constant derivatives, for a footprint ignores the part of dv along v;
 //! - main direction: H;
 //! - normal: N·W with dN·W − N·dW, which are n and dn times W², so that bump offsets meet a dn without a part along n;
 //! - texture coordinates alone need 1/W, by [`half_reciprocal`].
 //!
-//! Errors. Corners are rounded to 2^−39 of the largest qᵢ|aᵢ|; a pixel where W|a| is `loss` times less than that has lost as many times as much:
-//! where it is farther away than the nearest corner, and where corners point away from each other. Directions: 2^−28 + 2^−37·loss rad, so 2^−27
-//! for ratios of w up to 2^8. dn: (2^−27 + 2^−36·loss)·(|dn| + |n|·|dW|/W), and 2^−38 of the largest terms it is a sum of. u and v:
-//! (2^−27 + 2^−36·loss)·max(1, |(u, v)|) repeats, so keep them near 0; du and dv: twice that of |d(u, v)| + |(u, v)|·|dW|/W.
-//! `host-tests/tests/datapath/scanline.rs` holds all to that.
+//! Errors:
+//! - Corners are rounded to 2^−39 of the largest qᵢ|aᵢ|. A pixel whose W|a| is `loss` times smaller has an error `loss` times larger relative to it.
+//!   This happens at pixels that are farther away than the nearest corner, and if corners point away from each other.
+//! - Directions: 2^−28 + 2^−37·loss rad, so 2^−27 for ratios of w up to 2^8.
+//! - dn: (2^−27 + 2^−36·loss)·(|dn| + |n|·|dW|/W), and 2^−38 of the largest terms of its sum.
+//! - u and v: (2^−27 + 2^−36·loss)·max(1, |(u, v)|) repeats, so keep them near 0.
+//! - du and dv: twice that of |d(u, v)| + |(u, v)|·|dW|/W.
 //!
-//! Cost on RV32IM, instructions: 1200 a fragment and 650 for texture coordinates, 600 a row, 6600 to 7900 a triangle.
+//! `host-tests/tests/datapath/scanline.rs` holds all of them to these bounds.
+//!
+//! Cost on RV32IM, in instructions: 1200 a fragment and 650 for texture coordinates, 600 a row, 6600 to 7900 a triangle.
 
 use core::ops::Range;
 
@@ -29,39 +33,39 @@ use crate::precision::Precision;
 use crate::stage::leave::leave;
 use crate::width::{IntegerCount, Whole, of_ports, to_ports};
 
-/// Bits of a position behind the point: 1/256 pixel.
+/// Bits of a position after the point: 1/256 pixel.
 pub const SUBPIXEL_BITS: u32 = 8;
-/// Largest coordinate of a vertex either way, in 1/256 pixel: 4096 pixels.
+/// Largest coordinate of a vertex in either direction, in 1/256 pixel: 4096 pixels.
 pub const MAX_POSITION: i32 = 1 << 20;
 /// Largest `inverse_w`.
 pub const MAX_INVERSE_W: u32 = i32::MAX as u32;
 
-/// Bits of the qᵢaᵢ of corners, brought to one scale.
+/// Bits of qᵢaᵢ at the corners, brought to one scale.
 const CORNER_BITS: i32 = 40;
-/// Bits of a plane's value inside the triangle, without its sign: rounding, below 2^15, has room above.
+/// Bits of a plane's value inside the triangle, without its sign. Rounding, below 2^15, has room above.
 const VALUE_BITS: u32 = 62;
-/// What blocks keep here: all fraction bits of a mantissa.
+/// Kept bits of a block here: all fraction bits of a mantissa.
 const KEEP: u32 = 30;
-/// The reciprocal of W: as many bits as a [`Precision`] may keep, two Newton steps. Error: 2^−28.5.
+/// Knobs of the reciprocal of W: as many bits as a [`Precision`] may keep, two Newton steps. Error: 2^−28.5.
 const RECIPROCAL: Precision = Precision { fraction_bits: 28, ..Precision::PRECISE };
 
 /// A corner on the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ScreenVertex {
-    /// To the right, in 1/256 pixel: pixel x has its centre at 256x + 128. At most [`MAX_POSITION`] either way.
+    /// Position to the right, in 1/256 pixel: pixel x has its centre at 256x + 128. At most [`MAX_POSITION`] in either direction.
     pub x: i32,
-    /// Down, likewise.
+    /// Position down, in the same unit and range.
     pub y: i32,
-    /// 1/w in any unit that the three share, from 1 to [`MAX_INVERSE_W`]; what they are rounded to is the caller's error.
+    /// 1/w in any unit that the three vertices share, from 1 to [`MAX_INVERSE_W`]. The caller's rounding of it adds to the error.
     pub inverse_w: u32,
 }
 
 /// The side of an edge: not negative inside, for an edge that runs clockwise on the screen (y down).
 #[derive(Clone, Copy, Debug)]
 struct Edge {
-    /// In square sub-pixels at the corner of pixel (0, 0); one less for an edge that does not own its points. Below 2^42 + 2.
+    /// Value at the corner of pixel (0, 0), in square sub-pixels, below 2^42 + 2. It is one less for an edge that does not own its points.
     constant: i64,
-    /// Per sub-pixel to the right and down, at most 2^21.
+    /// Gradient per sub-pixel to the right and down, at most 2^21.
     gradient: [i64; 2],
 }
 
@@ -74,24 +78,24 @@ impl Edge {
         Self { constant: constant - i64::from(!owns_points), gradient: [-down, right] }
     }
 
-    /// At a pixel's centre. Range: within [`MAX_POSITION`]; below 2^43 + 2.
+    /// Value at a pixel's centre. Range: within [`MAX_POSITION`]; below 2^43 + 2.
     fn at(&self, x: i32, y: i32) -> i64 {
         let [across, down] = self.gradient;
         self.constant + across * i64::from(centre(x)) + down * i64::from(centre(y))
     }
 }
 
-/// The centre of a pixel in sub-pixels.
+/// Centre of a pixel in sub-pixels.
 fn centre(pixel: i32) -> i32 {
     (pixel << SUBPIXEL_BITS) + (1 << (SUBPIXEL_BITS - 1))
 }
 
-/// The first pixel whose centre is at a position or beyond it.
+/// First pixel whose centre is at a position or beyond it.
 fn first_centre(position: i32) -> i32 {
     (position + (1 << (SUBPIXEL_BITS - 1)) - 1) >> SUBPIXEL_BITS
 }
 
-/// The first of `columns` from which on something holds; their end where it never does.
+/// First of `columns` from which `holds` is true; their end if it is never true.
 fn first_column(columns: Range<i32>, holds: impl Fn(i32) -> bool) -> i32 {
     let Range { mut start, mut end } = columns;
     while start < end {
@@ -114,13 +118,13 @@ fn shifted(x: i64, places: i32) -> i64 {
     }
 }
 
-/// Where [`scaled`] splits a factor.
+/// Bit at which [`scaled`] splits a factor.
 const SPLIT: u32 = 21;
 
 /// `⌊a·b / 2^shift⌋` modulo 2^64. Range: |b| ≤ 2^40, `shift` ≤ [`SPLIT`].
 fn scaled(a: i64, b: i64, shift: u32) -> i64 {
     let low = a & ((1 << SPLIT) - 1);
-    // The lower part is below 2^61; the upper one may wrap, as whoever calls says.
+    // The lower part is below 2^61; the upper part may wrap, as the caller states.
     ((a >> SPLIT).wrapping_mul(b) << (SPLIT - shift)).wrapping_add((low * b) >> shift)
 }
 
@@ -129,23 +133,23 @@ fn scaled(a: i64, b: i64, shift: u32) -> i64 {
 pub struct Triangle {
     /// Edge i is opposite to vertex i.
     edges: [Edge; 3],
-    /// Twice its area in square sub-pixels, from 1 to 2^42: what the edge functions add up to.
+    /// Twice the area in square sub-pixels, from 1 to 2^42: the sum of the edge functions.
     area: i64,
-    /// Places by which planes are shifted down: their values are below 2^42 · 2^40 before, below 2^62 after.
+    /// Places by which planes are shifted down. Their values are below 2^42 · 2^40 before the shift and below 2^62 after it.
     shift: u32,
     /// Position of vertex 0.
     origin: [i32; 2],
     inverse_w: [u32; 3],
-    /// First pixel and the one behind the last whose centres are within the bounds.
+    /// First pixel whose centre is within the bounds, and the one after the last.
     columns: [i32; 2],
     rows: [i32; 2],
 }
 
 impl Triangle {
-    /// A triangle whose corners run clockwise on the screen (y down).
+    /// Sets up a triangle whose corners run clockwise on the screen (y down).
     ///
-    /// `None`: no area or the other way round (seen from behind), a position or an `inverse_w` out of its range. A near plane and ±4096
-    /// pixels are the caller's to cut at; smaller windows are what `columns` of [`Self::span`] are for.
+    /// `None`: no area, the other orientation (seen from the back), or a position or an `inverse_w` out of its range. The caller clips at a near
+    /// plane and at ±4096 pixels; for smaller windows use `columns` of [`Self::span`].
     pub fn new(vertices: &[ScreenVertex; 3]) -> Option<Self> {
         let in_range = |position: i32| (-MAX_POSITION..=MAX_POSITION).contains(&position);
         let valid = |v: &ScreenVertex| in_range(v.x) && in_range(v.y) && (1..=MAX_INVERSE_W).contains(&v.inverse_w);
@@ -175,16 +179,16 @@ impl Triangle {
         })
     }
 
-    /// The rows of pixels that may have a centre inside.
+    /// Rows of pixels that may have a centre inside.
     pub fn rows(&self) -> Range<i32> {
         let [start, end] = self.rows;
         start..end
     }
 
-    /// The pixels of row `y` among `columns` whose centres are inside. On an edge a centre is inside where that edge is a top or a left
-    /// one, so that of two triangles that share it one has the pixel.
+    /// Pixels of row `y` among `columns` whose centres are inside. A centre on an edge is inside if that edge is a top or a left one, so of two
+    /// triangles that share an edge exactly one has the pixel.
     ///
-    /// Any arguments. At most 14 steps for each edge.
+    /// Any arguments are allowed. At most 14 steps for each edge.
     pub fn span(&self, y: i32, columns: Range<i32>) -> Range<i32> {
         let [first, behind] = self.columns;
         let (mut start, mut end) = (first.max(columns.start), behind.min(columns.end));
@@ -202,7 +206,7 @@ impl Triangle {
         start..end
     }
 
-    /// An attribute over the triangle, from its values at the corners. Exponents beyond ±2^11 are read as those.
+    /// Attribute over the triangle, from its values at the corners. Exponents beyond ±2^11 are clamped to it.
     pub fn plane<const N: usize>(&self, corners: &[BlockPort<N>; 3]) -> Plane<N> {
         let blocks: [Block<Whole, N>; 3] = each!(corner in *corners => {
             let PortBlock { mantissa, exponent } = of_ports::<Whole, _>(&corner.wires());
@@ -212,19 +216,19 @@ impl Triangle {
         // |qᵢaᵢ| ≤ 2^top: mantissas are at most 1.
         let magnitude = |i: usize| blocks[i].e.raw().integer() + (u32::BITS - self.inverse_w[i].leading_zeros()) as i32;
         let top = magnitude(0).max(magnitude(1)).max(magnitude(2));
-        // qᵢaᵢ in units of 2^(top − 40): at most 2^40, the largest at least 2^38. The product before is below 2^61.
+        // qᵢaᵢ in units of 2^(top − 40): at most 2^40, the largest at least 2^38. The product before the shift is below 2^61.
         let corners = each!(i in [0, 1, 2] => {
             let q = i64::from(self.inverse_w[i]);
             let places = blocks[i].e.raw().integer() - top + CORNER_BITS - KEEP as i32;
             each!(m in blocks[i].m => shifted(i64::from(m.raw().integer()) * q, places))
         });
-        // Per sub-pixel: the gradients of edges add up to 2^22 at most by size, so these are at most 2^62.
+        // Per sub-pixel: the gradients of the edges sum to at most 2^22 by size, so these are at most 2^62.
         let gradient = each!(axis in [0, 1] => each!(k in places::<N>() => {
             let [a, b, c] = each!(i in [0, 1, 2] => self.edges[i].gradient[axis] * corners[i][k]);
             a + b + c
         }));
-        // At vertex 0 its own edge function is the area, the others vanish; from there to the centre of a pixel. Steps and sums may wrap
-        // on the way: modulo 2^64 they are right, and inside the triangle |A| ≤ area·2^40/2^shift < 2^62.
+        // At vertex 0 its own edge function is the area and the others vanish; from there to the centre of a pixel. Steps and sums may wrap on the
+        // way. Modulo 2^64 they are right, and inside the triangle |A| ≤ area·2^40/2^shift < 2^62.
         let pixel = each!(position in self.origin => position >> SUBPIXEL_BITS);
         let [right, down] = each!(axis in [0, 1] => i64::from(centre(pixel[axis]) - self.origin[axis]));
         let value = each!(k in places::<N>() => {
@@ -232,7 +236,7 @@ impl Triangle {
             let across = scaled(gradient[0][k], right, self.shift);
             corner.wrapping_add(across).wrapping_add(scaled(gradient[1][k], down, self.shift))
         });
-        // One unit for all attributes of the triangle, so that A/W is a.
+        // One unit for all attributes of the triangle, so A/W is a.
         let exponent = top - u32::BITS as i32;
         let per_pixel = exponent + SUBPIXEL_BITS as i32 - self.shift as i32;
         Plane {
@@ -258,18 +262,18 @@ fn port<const N: usize>(block: &Block<Whole, N>) -> BlockPort<N> {
 /// A = Σ eᵢqᵢaᵢ of one attribute, linear over a triangle, in a unit that all attributes of the triangle share.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane<const N: usize> {
-    /// Where `value` is: the pixel of vertex 0.
+    /// Pixel of vertex 0, at which `value` holds.
     pixel: [i32; 2],
-    /// In units of 2^(exponent − 62), as `step`, modulo 2^64.
+    /// Value in units of 2^(exponent − 62), as `step`, modulo 2^64.
     value: [i64; N],
-    /// To the next pixel, and to the next row.
+    /// Step to the next pixel, and to the next row.
     step: [[i64; N]; 2],
     derivative: [Block<Whole, N>; 2],
     exponent: i32,
 }
 
 impl<const N: usize> Plane<N> {
-    /// A from the centre of a pixel on. Range: pixels whose centres are inside the triangle; elsewhere it is some number.
+    /// A from the centre of a pixel on. Range: pixels whose centres are inside the triangle; elsewhere the number has no meaning.
     pub fn line(&self, x: i32, y: i32) -> Line<N> {
         let [right, down] = [x.wrapping_sub(self.pixel[0]), y.wrapping_sub(self.pixel[1])].map(i64::from);
         let [across, below] = &self.step;
@@ -299,15 +303,15 @@ pub struct Line<const N: usize> {
 }
 
 impl<const N: usize> Line<N> {
-    /// One pixel to the right; the same bits as [`Plane::line`] there.
+    /// Steps one pixel to the right; the bits are those of [`Plane::line`] there.
     pub fn step(&mut self) {
         for (value, step) in self.value.iter_mut().zip(&self.step) {
-            // Behind the last pixel of the triangle the sum may wrap; nobody looks at it there.
+            // After the last pixel of the triangle the sum may wrap; it is not read there.
             *value = value.wrapping_add(*step);
         }
     }
 
-    /// A here. The largest mantissa is in [½, 1] by size.
+    /// A at this pixel. The largest mantissa is in [½, 1] by size.
     pub fn block(&self) -> BlockPort<N> {
         port(&self.value())
     }
@@ -317,7 +321,7 @@ impl<const N: usize> Line<N> {
     }
 }
 
-/// A block times a number. Both have mantissas from ½ on: the largest product keeps 28 bits without a shift of its own.
+/// Block times a number. Both have mantissas of at least ½, so the largest product keeps 28 bits without a shift of its own.
 fn times<const N: usize>(a: &Block<Whole, N>, k: &Number<Whole>) -> Block<Whole, N> {
     Block { m: each!(m in a.m => m.mul::<MANTISSA, PRODUCT>(k.m[0]).round_to(KEEP)), e: a.e + k.e }
 }
@@ -335,21 +339,21 @@ fn derivative<const N: usize>(
     normalise(terms, e, KEEP)
 }
 
-/// What the corners of a triangle are made of. A direction's length counts where it differs from corner to corner: give all normals
-/// one length, and views as they are, from the corner to the eye.
+/// Attributes at the corners of a triangle. A direction's length counts if it differs between corners. Give all normals one length, and views their
+/// true length from the corner to the eye.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Attributes {
     /// Surface normal n.
     pub normal: [BlockVector; 3],
     /// Vector v from the surface to the eye.
     pub view: [BlockVector; 3],
-    /// Main direction h (system 3); leave it zero where the plan has no frame.
+    /// Main direction h (system 3); leave it zero if the plan has no tangent basis.
     pub main_direction: [BlockVector; 3],
-    /// Texture coordinates in repeats; without them fragments have no [`TextureIn`].
+    /// Texture coordinates in repeats. Without them fragments have no [`TextureIn`].
     pub uv: Option<[BlockPair; 3]>,
 }
 
-/// All fragments of a triangle.
+/// Fragments of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Fragments {
     triangle: Triangle,
@@ -362,7 +366,7 @@ pub struct Fragments {
 }
 
 impl Fragments {
-    /// Set-up, once a triangle. Of `template` fragments have the edge of the environment, offsets and roughness, and frame vector 1.
+    /// Sets up the fragments, once a triangle. They take the edge of the environment, offsets and roughness, and frame vector 1 from `template`.
     pub fn new(triangle: &Triangle, corners: &Attributes, template: &ReflectionIn) -> Self {
         let one = port(&Number::one());
         let view = triangle.plane(&corners.view);
@@ -377,7 +381,7 @@ impl Fragments {
         }
     }
 
-    /// The fragments of row `y` among `columns`, from left to right; none where the triangle is not.
+    /// Fragments of row `y` among `columns`, from left to right; none outside the triangle.
     pub fn row(&self, y: i32, columns: Range<i32>) -> Scanline<'_> {
         let columns = self.triangle.span(y, columns);
         let x = columns.start;
@@ -396,16 +400,16 @@ impl Fragments {
 /// One pixel of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Fragment {
-    /// Its column.
+    /// Column of the pixel.
     pub x: i32,
-    /// What its reflection, and as [`ReflectionIn::surface`] its lights, take in: n and dn times W², v and h times W, on which nothing
-    /// depends. Offsets and roughness are of the template until the caller writes those of the pixel.
+    /// Input of its reflection and, as [`ReflectionIn::surface`], of its lights: n and dn times W², v and h times W. Nothing depends on these
+    /// factors. Offsets and roughness are those of the template until the caller writes those of the pixel.
     pub reflection: ReflectionIn,
-    /// What its maps take in, if the triangle has texture coordinates.
+    /// Input of its maps, if the triangle has texture coordinates.
     pub texture: Option<TextureIn>,
 }
 
-/// The fragments of one row of a triangle.
+/// Fragments of one row of a triangle.
 #[derive(Clone, Debug)]
 pub struct Scanline<'a> {
     fragments: &'a Fragments,
@@ -422,7 +426,7 @@ impl Scanline<'_> {
     fn reflection(&self, w: &Number<Whole>) -> ReflectionIn {
         let Fragments { normal, weight, template, .. } = self.fragments;
         let n = self.normal.value();
-        // A literal, each field once: a copy of the template that is changed after would be moved twice.
+        // A literal, each field once: a changed copy of the template would be moved twice.
         ReflectionIn {
             surface: SurfaceIn {
                 normal: port(&times(&n, w)),
@@ -447,7 +451,7 @@ impl Scanline<'_> {
         let weight = &self.fragments.weight;
         TextureIn {
             uv: Port::of(&each!(m in uv.m => {
-                // 60 fraction bits at the exponent; what is left above 32 of them are whole repeats.
+                // 60 fraction bits at the exponent. After the shift there are 32; bits above them are whole repeats.
                 let repeats: Wide<Whole, PRODUCT> = m.mul(inverse.m[0]);
                 let places = (uv.e + inverse.e).raw().integer() + 32 - 60;
                 Fx::from_raw(shifted(Whole::wide_integer(repeats.raw()), places) & 0xffff_ffff)

@@ -1,9 +1,9 @@
 //! Per-object and per-fragment set-up in floating point, on the host or a soft core. The datapath never calls it.
 //!
-//! Real numbers become ports: a vector's largest component goes to [½, 1) and is rounded, ties towards +∞, to the
-//! profile's `fraction_bits`, which is what the datapath would keep of it anyway.
+//! Real numbers become ports. A vector's largest component goes to [½, 1) and is rounded, ties towards +∞, to the profile's `fraction_bits`. The
+//! datapath would keep no more bits of it.
 //!
-//! What random vectors are made with chooses values, not ways, and is inlined: a loop over many numbers becomes vectors.
+//! Functions that random vectors are made with choose values instead of branches, and are inlined: a loop over many numbers becomes vectors.
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16};
 use glam::{DVec2, DVec3};
@@ -29,14 +29,14 @@ fn power_of_two(exponent: i32) -> f64 {
     }
 }
 
-/// 2^exponent as two factors, which f64 holds where it does not hold their product.
+/// 2^exponent as two factors, each of which f64 holds even if it does not hold their product.
 #[inline(always)]
 fn factors(exponent: i32) -> [f64; 2] {
     let half = exponent / 2;
     [power_of_two(half), power_of_two(exponent - half)]
 }
 
-/// `x · 2^exponent`, exact where the result is a normal number.
+/// `x · 2^exponent`, exact if the result is a normal number.
 #[inline(always)]
 pub fn scale_by_power_of_two(x: f64, exponent: i32) -> f64 {
     let [first, second] = factors(exponent);
@@ -50,7 +50,7 @@ fn exponent_above(x: f64) -> i32 {
     if normal > 0 { normal - 1022 } else { biased_exponent(x * normal_power_of_two(64)) - (1022 + 64) }
 }
 
-/// The exponent as f64 has it: 0 below 2^−1022.
+/// Exponent as f64 stores it: 0 below 2^−1022.
 #[inline(always)]
 fn biased_exponent(x: f64) -> i32 {
     (x.to_bits() >> 52 & 0x7ff) as i32
@@ -63,10 +63,10 @@ fn mantissa(x: f64, bits: u32) -> I2F30 {
     I2F30::from_bits(floor(x * normal_power_of_two(bits as i32) + 0.5) << (30 - bits))
 }
 
-/// `⌊x⌋` for |x| ≤ 2^31 − 1, without the standard library; 0 of what is no number.
+/// `⌊x⌋` for |x| ≤ 2^31 − 1, without the standard library; 0 for a value that is not a number.
 #[inline(always)]
 fn floor(x: f64) -> i32 {
-    // Where the last place is 1, a sum is rounded to an integer and ends in its bits.
+    // If the last place is 1, a sum is rounded to an integer and ends in its bits.
     const ONES: f64 = 1.5 * (1_u64 << 52) as f64;
     let x = if x.is_nan() { 0.0 } else { x };
     let nearest = x + ONES;
@@ -90,14 +90,14 @@ fn block<const N: usize>(components: [f64; N], p: &Precision) -> ([I2F30; N], i1
     (mantissas, if is_zero { 0 } else { exponent as i16 })
 }
 
-/// A vector as a port. Not a number or infinite reads as the zero vector; callers refuse those earlier.
+/// Vector as a port. A component that is infinite or not a number reads as the zero vector; callers refuse those earlier.
 #[inline(always)]
 pub fn block_vector(v: DVec3, p: &Precision) -> BlockVector {
     let (mantissa, exponent) = block(v.to_array(), p);
     BlockVector { mantissa, exponent }
 }
 
-/// An offset or a roughness as a port: `offset_bits` fraction bits, saturated to ±8.
+/// Offset or roughness as a port: `offset_bits` fraction bits, saturated to ±8.
 #[inline(always)]
 pub fn offset(x: f64, p: &Precision) -> I4F28 {
     let bits = p.offset_bits();
@@ -105,8 +105,7 @@ pub fn offset(x: f64, p: &Precision) -> I4F28 {
     I4F28::from_bits(floor(scaled.clamp(i32::MIN.into(), f64::from(i32::MAX >> (28 - bits)))) << (28 - bits))
 }
 
-/// The exponent m of a highlight as a port: m and √m, rounded to their last bits. Below 1 and not a number read as 1, above
-/// 8192 as 8192.
+/// Exponent m of a highlight as a port: m and √m, rounded to their last bits. Values below 1 and not a number read as 1, above 8192 as 8192.
 #[inline(always)]
 pub fn shininess(m: f64) -> Shininess {
     let m = if m >= 1.0 { m.min(8192.0) } else { 1.0 };
@@ -119,7 +118,7 @@ pub fn shininess(m: f64) -> Shininess {
 /// √x to the nearest integer, for x from 1 to below 2^62.
 #[inline(always)]
 fn nearest_root(x: u64) -> u64 {
-    // 1/√x by its exponent, then by Newton's rule; integers make the root exact that is one too small or too large.
+    // 1/√x by its exponent, then by Newton's rule. Integers make exact a root that is one too small or too large.
     let real = x as f64;
     let mut inverse = f64::from_bits(0x5fe6_eb50_c7b5_37a9 - (real.to_bits() >> 1));
     for _ in 0..4 {
@@ -130,17 +129,17 @@ fn nearest_root(x: u64) -> u64 {
     root + u64::from(x - root * root > root)
 }
 
-/// The real numbers of a port, exponent undone.
+/// Real numbers of a port, exponent applied.
 pub fn real_vector(v: &BlockVector) -> DVec3 {
     DVec3::from_array(v.mantissa.map(|m| real(m, v.exponent)))
 }
 
-/// The real numbers of a pair.
+/// Real numbers of a pair.
 pub fn real_pair(v: &BlockPair) -> DVec2 {
     DVec2::from_array(v.mantissa.map(|m| real(m, v.exponent)))
 }
 
-/// The real value of a number.
+/// Real value of a number.
 pub fn real_number(x: &BlockNumber) -> f64 {
     real(x.mantissa[0], x.exponent)
 }
@@ -149,12 +148,12 @@ fn real(mantissa: I2F30, exponent: i16) -> f64 {
     scale_by_power_of_two(f64::from(mantissa.to_bits()), i32::from(exponent) - 30)
 }
 
-/// The real value of a number with 28 fraction bits.
+/// Real value of a number with 28 fraction bits.
 pub fn real_offset(x: I4F28) -> f64 {
     f64::from(x.to_bits()) * power_of_two(-28)
 }
 
-/// The code of 16 bits nearest to `x` ≥ 0 in units of 2^`unit`; saturates, and reads what is no number as 0.
+/// 16-bit code nearest to `x` ≥ 0 in units of 2^`unit`. It saturates, and reads a value that is not a number as 0.
 #[inline(always)]
 fn code(x: f64, unit: i32) -> u16 {
     let units = scale_by_power_of_two(x, -unit);
@@ -166,7 +165,7 @@ fn code(x: f64, unit: i32) -> u16 {
     (below + significand).min(u16::MAX.into()) as u16
 }
 
-/// The number of a code in units of 2^`unit`.
+/// Number of a code in units of 2^`unit`.
 fn real_code(code: u16, unit: i32) -> f64 {
     let (c, f) = (i32::from(code >> 12), f64::from(code & 0xfff));
     scale_by_power_of_two(if c == 0 { f } else { f + 4096.0 }, unit + (c - 1).max(0))
@@ -175,25 +174,24 @@ fn real_code(code: u16, unit: i32) -> f64 {
 /// Units of the codes of an amplitude, an exponent and an inverse width, as powers of two.
 const UNITS: [i32; 3] = [-21, -13, -14];
 
-/// Rounds `x` to `bits` fraction bits of a word of 16, saturated.
+/// Rounds `x` to `bits` fraction bits of a 16-bit word, saturated.
 #[inline(always)]
 fn word_of_16(x: f64, bits: i32) -> i16 {
     floor((x * normal_power_of_two(bits) + 0.5).clamp(i16::MIN.into(), i16::MAX.into())) as i16
 }
 
-/// The least amplitude that a stored peak does not hold.
+/// Least amplitude that a stored peak does not hold.
 pub const AMPLITUDE_LIMIT: f64 = 64.0;
 
-/// A peak as a port: N brought to unit length, the amplitude saturated below [`AMPLITUDE_LIMIT`], the exponent to 1…8192.
+/// Peak as a port: N brought to unit length, the amplitude saturated below [`AMPLITUDE_LIMIT`], the exponent to 1…8192.
 ///
-/// A vector that has no direction (zero, infinite, not a number) and a negative amplitude give a peak without light;
-/// callers refuse those earlier.
+/// A vector without a direction (zero, infinite, not a number) and a negative amplitude give a peak without light; callers refuse those earlier.
 pub fn stored_peak(normal: DVec3, amplitude: f64, exponent: f64) -> StoredPeak {
-    // The squares of no vector overflow or vanish that is scaled by its largest component.
+    // After scaling by the largest component, no square overflows or vanishes.
     stored_unit_peak((normal / normal.abs().max_element()).normalize_or_zero(), amplitude, exponent)
 }
 
-/// The same of N of unit length already, or zero.
+/// Peak as a port, from N that has unit length or is zero.
 #[inline(always)]
 pub fn stored_unit_peak(unit: DVec3, amplitude: f64, exponent: f64) -> StoredPeak {
     let amplitude = if unit == DVec3::ZERO { 0.0 } else { amplitude };
@@ -204,9 +202,9 @@ pub fn stored_unit_peak(unit: DVec3, amplitude: f64, exponent: f64) -> StoredPea
     }
 }
 
-/// A horizon as a port, from the least slope of its law and the width of that, towards −x, +x, −y, +y; a width ≤ 0 is a step.
+/// Horizon as a port, from the least slope and the width of its law, towards −x, +x, −y, +y. A width ≤ 0 is a step.
 ///
-/// Where the plan takes the product of shares the law is uniform ([`uniform_law`]), else it falls: the density 2(1 − t)/width.
+/// If the plan takes the product of shares, the law is uniform ([`uniform_law`]); else it falls, with the density 2(1 − t)/width.
 #[inline(always)]
 pub fn stored_horizon(low: [f64; 4], width: [f64; 4]) -> StoredHorizon {
     let mut stored = StoredHorizon::OPEN;
@@ -218,7 +216,7 @@ pub fn stored_horizon(low: [f64; 4], width: [f64; 4]) -> StoredHorizon {
     stored
 }
 
-/// Least slope and width of the uniform law of a mean and a standard deviation: ±√3σ (erratum 22).
+/// Least slope and width of the uniform law with a mean and a standard deviation: ±√3σ (erratum 22).
 #[inline(always)]
 pub fn uniform_law(mean: f64, sigma: f64) -> [f64; 2] {
     const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -231,7 +229,7 @@ pub fn real_peak(stored: &StoredPeak) -> (DVec3, f64, f64) {
     (normal, real_code(stored.amplitude, UNITS[0]), real_code(stored.exponent, UNITS[1]))
 }
 
-/// Where each ramp of a stored horizon begins, and its inverse width; `None` for a step.
+/// Least slope of each ramp of a stored horizon, and its inverse width; `None` for a step.
 pub fn real_horizon(stored: &StoredHorizon) -> ([f64; 4], [Option<f64>; 4]) {
     let low = stored.low.map(|low| f64::from(low.to_bits()) * power_of_two(-12));
     (low, stored.inverse_width.map(|code| (code > 0).then(|| real_code(code, UNITS[2]))))

@@ -1,6 +1,6 @@
-//! Signals between stages: what one stage hands to the next.
+//! Signals between stages: the bundles that one stage hands to the next.
 //!
-//! Stages never import each other; they import these bundles and those of [`crate::ports`], and [`crate::datapath`] passes them on.
+//! Stages never import each other. They import these bundles and those of [`crate::ports`]; [`crate::datapath`] passes them on.
 
 use crate::block::{Block, Mantissa, Number};
 use crate::bundle::bundle;
@@ -19,7 +19,7 @@ bundle! {
         pole: W::Flag,
     }
 
-    /// Reflected vector and the scalars the footprint needs again.
+    /// Reflected vector, and the scalars that the footprint needs again.
     pub struct Reflected<W> {
         /// r, exponent included.
         r: Block<W, 3>,
@@ -80,7 +80,7 @@ impl<W: Word> FaceSelect<W> {
         axis + Fx::select(self.negative, Fx::int(1), Fx::int(0))
     }
 
-    /// The decisions of face number 0…5.
+    /// Decisions of face number 0…5.
     #[inline(always)]
     pub fn of_index(face: Int<W>) -> Self {
         let is_z = face.ge(Fx::int(4));
@@ -128,59 +128,59 @@ bundle! {
         /// N, 1…16.
         #[range(1..=16)]
         count: Int<W>,
-        /// From one probe to the next, map units: |step| ≤ 2√3·λ₁ < 7 with λ₁ ≤ 2.
+        /// Step from one probe to the next, map units: |step| ≤ 2√3·λ₁ < 7 with λ₁ ≤ 2.
         #[range(-7..=7)]
         step: [Control<W, POSITION>; 2],
         /// Level of detail, 0 … the last level of the map, `lod_bits` kept fraction bits.
         #[range(0..=14)]
         lod: Control<W, LOD>,
-        /// No footprint at all.
+        /// True if there is no footprint.
         empty: W::Flag,
-        /// λ₁ was cut to 2 map units.
+        /// λ₁ was clamped to 2 map units.
         saturated: W::Flag,
         /// λ₂ was raised.
         capped: W::Flag,
     }
 
-    /// What a fragment sees of a repeated map.
+    /// Footprint of a fragment in a wrapped map.
     pub struct RepeatedFootprint<W> {
-        /// Its probes.
+        /// Probes of the footprint.
         probes: Probes<W>,
-        /// How much of a texel of level 0 each spans across: 2λ₂, 1 where it is more; 0 where no rough bumps are read.
+        /// Part of a texel of level 0 that each probe spans across: 2λ₂, but 1 if it is more, and 0 if no rough bumps are read.
         #[range(0..=1)]
         reach: Control<W, SHARE>,
     }
 
-    /// How many probes a footprint has, and how wide they are.
+    /// Probe count of a footprint, and the width of its probes.
     pub struct CountAndLevel<W> {
         /// N, 1…16.
         #[range(1..=16)]
         count: Int<W>,
-        /// How far the probes have gone from where one less would stand to their own places.
+        /// Share of the way that the probes have gone, from the places for one probe less to their own places.
         #[range(0..=1)]
         share: Control<W, SHARE>,
-        /// log₂ of the minor diameter in texels of level 0; −2^13 and less where there is no footprint.
+        /// log₂ of the minor diameter in texels of level 0; −2^13 and less if there is no footprint.
         #[range(-8300..=8300)]
         level: Control<W, LOD>,
         /// λ₂ was raised.
         capped: W::Flag,
-        /// No footprint at all.
+        /// True if there is no footprint.
         empty: W::Flag,
     }
 
-    /// The directions that a normal's reflection sweeps as the normal moves along the major axis of its lobe: centre + x·first + x²·second at x
-    /// standard deviations, all three of one exponent.
+    /// Directions that a normal's reflection sweeps as the normal moves along the major axis of its lobe: centre + x·first + x²·second at x standard
+    /// deviations, all three of one exponent.
     pub struct Sweep<W> {
-        /// r, where the mean of the lobe takes it.
+        /// r, moved to the mean of the lobe.
         centre: [Mantissa<W>; 3],
-        /// How r begins to move.
+        /// First derivative of r along the sweep.
         first: [Mantissa<W>; 3],
-        /// How it bends.
+        /// Bend of r along the sweep.
         second: [Mantissa<W>; 3],
         /// N, 1…16.
         #[range(1..=16)]
         count: Int<W>,
-        /// How far the probes have gone from where one less would stand to their own places.
+        /// Share of the way that the probes have gone, from the places for one probe less to their own places.
         #[range(0..=1)]
         share: Control<W, SHARE>,
         /// Level of detail of a probe in the middle of a face, for a direction of length 1 in units of these mantissas; not saturated.
@@ -188,7 +188,7 @@ bundle! {
         level: Control<W, LOD>,
     }
 
-    /// A probe on the sphere: where it reads, how finely, and how much it counts.
+    /// A probe on the sphere: its place, level of detail and weight.
     pub struct SphereProbe<W> {
         /// Place on the cube.
         place: FacePosition<W>,
@@ -200,7 +200,7 @@ bundle! {
         weight: Control<W, SHARE>,
     }
 
-    /// Where a probe lies relative to the centre of its footprint, map units.
+    /// Place of a probe relative to the centre of its footprint, map units.
     pub struct MapOffset<W> {
         /// |·| ≤ 3.5.
         #[range(-4..=4)]
@@ -209,7 +209,7 @@ bundle! {
 
     /// Map constants of the level of detail. Faces of 1 to 16 384 texels: 2 map units across.
     pub struct MapScale<W> {
-        /// log₂ of the texels of level 0 in one map unit.
+        /// log₂ of the number of level-0 texels in one map unit.
         #[range(-1..=13)]
         log2_texels: Control<W, LOD>,
         /// The last (coarsest) level.
@@ -217,35 +217,35 @@ bundle! {
         last_level: Int<W>,
     }
 
-    /// Where a probe of an environment footprint reads: face number, and s, t in [−1, 1] on it.
+    /// Place of a probe of an environment footprint: face number, and s, t in [−1, 1] on the face.
     pub struct FacePosition<W> {
         /// Face 0…5.
         #[range(0..=5)]
         face: Int<W>,
-        /// Position on it.
+        /// Position on the face.
         #[range(-1..=1)]
         st: [Control<W, POSITION>; 2],
     }
 
-    /// Where a probe of a texture footprint reads: repeats of the map modulo 1, unsigned.
+    /// Place of a probe of a texture footprint: repeats of the map modulo 1, unsigned.
     pub struct TexturePosition<W> {
         /// u, v in [0, 1).
         #[range(0..1)]
         uv: [WideControl<W, 32>; 2],
     }
 
-    /// A direction in the frame of a surface: along E₁, E₂ and n.
+    /// Direction in the tangent basis of a surface: along E₁, E₂ and n.
     pub struct LocalDirection<W> {
-        /// Unit length, or zero where there is none.
+        /// Unit vector, or zero if there is none.
         #[range(-1..=1)]
         unit: [Mantissa<W>; 3],
-        /// The direction or the frame is zero.
+        /// The direction or the tangent basis is zero.
         none: W::Flag,
     }
 
-    /// On which side of a surface a light stands.
+    /// Side of a surface on which a light stands.
     pub struct LightSide<W> {
-        /// n·l ≤ 0: it lights nothing.
+        /// n·l ≤ 0: the light reaches no facet.
         below: W::Flag,
         /// l = 0.
         none: W::Flag,
@@ -253,27 +253,27 @@ bundle! {
 
     /// Light of the peaks so far.
     pub struct PeakSum<W> {
-        /// Their sum, below 64.
+        /// Sum of the light, below 64.
         #[range(0..64)]
         light: Control<W, LIGHT>,
-        /// It was cut to the largest number below 64.
+        /// The sum was clamped to the largest number below 64.
         saturated: W::Flag,
     }
 
     /// Slope of a direction over one axis of its surface.
     pub struct AxisSlope<W> {
-        /// z/|x|, cut to ±8.
+        /// z/|x|, clamped to ±8.
         #[range(-8..=8)]
         slope: Fx<W, SLOPE>,
-        /// It points to the negative side.
+        /// The direction points to the negative side.
         negative: W::Flag,
-        /// x = 0: to neither side.
+        /// x = 0: the direction points to neither side.
         upright: W::Flag,
     }
 
-    /// How far a direction climbs the horizons of a peak on the sides that it points to.
+    /// Ramps that a direction climbs on the horizons of a peak, on the sides that it points to.
     pub struct Ramps<W> {
-        /// Over x and over y, 0 at the least slope of the law and 1 at its end.
+        /// Ramp over x and over y, 0 at the least slope of the law and 1 at its end.
         #[range(0..=1)]
         axes: [Control<W, SHARE>; 2],
     }
@@ -286,7 +286,7 @@ bundle! {
         root: Number<W>,
     }
 
-    /// What roughness does to a highlight, whatever the light: everything relative to |n_mod| and to the base deviation 1/√m.
+    /// Effect of roughness on a highlight, for any light. Everything is relative to |n_mod| and to the base deviation 1/√m.
     pub struct Spread<W> {
         /// √m·d₁E₁/|n_mod| and √m·(d₂E₁ + d₃E₂)/|n_mod|.
         rough: [Block<W, 3>; 2],
@@ -296,7 +296,7 @@ bundle! {
         reciprocal: Number<W>,
     }
 
-    /// How much of a highlight a fragment shows.
+    /// Share of a highlight that a fragment shows.
     pub struct Lobe<W> {
         /// f in [0, 1].
         #[range(0..=1)]
@@ -307,7 +307,7 @@ bundle! {
         half_below: W::Flag,
     }
 
-    /// A probe of an environment footprint: where it reads and how much it counts.
+    /// A probe of an environment footprint: its place and weight.
     pub struct FaceProbe<W> {
         /// Place on the cube.
         place: FacePosition<W>,
@@ -316,7 +316,7 @@ bundle! {
         weight: Control<W, SHARE>,
     }
 
-    /// A probe of a texture footprint: where it reads and how much it counts.
+    /// A probe of a texture footprint: its place and weight.
     pub struct TextureProbe<W> {
         /// Place on the map.
         place: TexturePosition<W>,

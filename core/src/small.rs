@@ -1,16 +1,18 @@
-//! The scalar reading on a small processor: registers of 32 bits, no leading zeros, no vectors, branches that are cheap.
+//! The scalar backend on a small processor: 32-bit registers, no instruction for leading zeros, no vectors, cheap branches.
 //!
-//! The same bits as [`crate::scalar`], in fewer instructions: a narrow word lies in a whole register, so that nothing has to bring its
-//! sign back after every operation; leading zeros come from a table; what is shifted by as many places as others beside it decides
-//! once where it lies; what is not used is not worked out. Where there is no multiplier, products of narrow words come from a table
-//! of quarters of squares, and those of wide words from adds.
+//! The bits are those of [`crate::scalar`], in fewer instructions:
+//! - A narrow word lies in a whole register, so no instruction has to restore its sign after an operation.
+//! - Leading zeros come from a table.
+//! - Numbers that are shifted by one count decide once where the result lies.
+//! - Unused results are not computed.
+//! - Without a multiplier, products of narrow words come from a table of quarter squares, and products of wide words from adds.
 
 use crate::each::each;
 use crate::rom::upper;
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
 
-/// The leading zeros of 8 bits; 8 of 0.
+/// Leading zeros of 8 bits; 8 for 0.
 static LEADING_ZEROS: [u8; 256] = {
     let mut table = [0; 256];
     let mut byte = 0;
@@ -21,13 +23,13 @@ static LEADING_ZEROS: [u8; 256] = {
     table
 };
 
-/// The leading zeros of 32 bits by a table; 32 of 0.
+/// Leading zeros of 32 bits by a table; 32 for 0.
 #[inline(always)]
 pub fn leading_zeros_by_table(x: u32) -> u32 {
     if x >> 24 != 0 { u32::from(LEADING_ZEROS[(x >> 24) as u8 as usize]) } else { leading_zeros_below(x) }
 }
 
-/// The same below 2^24.
+/// Leading zeros of a number below 2^24.
 #[inline(never)]
 #[cold]
 fn leading_zeros_below(x: u32) -> u32 {
@@ -41,7 +43,7 @@ fn leading_zeros_below(x: u32) -> u32 {
     places + u32::from(LEADING_ZEROS[byte as u8 as usize])
 }
 
-/// The leading zeros of 32 bits; 32 of 0. An instruction where there is one.
+/// Leading zeros of 32 bits; 32 for 0. It is an instruction if the processor has one.
 #[inline(always)]
 fn leading_zeros(x: u32) -> u32 {
     if cfg!(all(target_arch = "riscv32", not(target_feature = "zbb"))) {
@@ -51,7 +53,7 @@ fn leading_zeros(x: u32) -> u32 {
     }
 }
 
-/// ⌊n²/4⌋ at the place n + 1024: x·y is the difference of those of x + y and x − y.
+/// ⌊n²/4⌋ at the place n + 1024: x·y is the difference between the entries for x + y and x − y.
 static QUARTERS_OF_SQUARES: [u32; 2048] = {
     let mut table = [0; 2048];
     let mut place = 0;
@@ -63,7 +65,7 @@ static QUARTERS_OF_SQUARES: [u32; 2048] = {
     table
 };
 
-/// The product of two numbers of 16 bits with sign, three products of their halves by a table of quarters of squares (Karatsuba).
+/// Product of two signed 16-bit numbers: three products of their halves by a table of quarter squares (Karatsuba).
 #[inline(never)]
 pub fn product_by_table(a: i32, b: i32) -> i32 {
     // Both factors within ±383: their sum and difference are inside the table.
@@ -78,12 +80,12 @@ pub fn product_by_table(a: i32, b: i32) -> i32 {
     (highs << 16).wrapping_add(across << 8).wrapping_add(lows)
 }
 
-/// The product of two numbers of 32 bits, by as many adds as one of them has bits.
+/// Product of two 32-bit numbers, by as many adds as one of them has bits.
 #[inline(never)]
 pub fn product_by_adds(a: i32, b: i32) -> i64 {
     let factor = a.unsigned_abs();
-    // Bits of the other factor leave below as those of the product come in above; those that it has not (of a texel, of the number of a
-    // probe) come to the same by a shift at the end.
+    // Bits of the other factor leave at the bottom as those of the product enter at the top. A shift at the end stands for the bits that a short
+    // factor (a texel, a probe number) does not have.
     let (mut top, mut bottom) = (0_u32, b.unsigned_abs());
     let bits = match bottom {
         0..=0xff => 8,
@@ -100,26 +102,26 @@ pub fn product_by_adds(a: i32, b: i32) -> i64 {
     if (a ^ b) < 0 { product.wrapping_neg() } else { product }
 }
 
-/// Whether products are made by an instruction.
+/// True if an instruction makes products.
 const MULTIPLIER: bool = !cfg!(all(target_arch = "riscv32", not(target_feature = "m")));
 
-/// The upper half of a register pair.
+/// Upper half of a register pair.
 #[inline(always)]
 fn high(x: i64) -> i32 {
     (x >> 32) as i32
 }
 
-/// The lower half.
+/// Lower half of a register pair.
 #[inline(always)]
 fn low(x: i64) -> u32 {
     x as u32
 }
 
-/// A word of 16 bits in a register.
+/// A 16-bit word in a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Half(pub i32);
 
-/// A word of 32 bits, or what controls.
+/// A 32-bit word, or a control word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Full(pub i32);
 
@@ -272,7 +274,7 @@ fn half_up(x: i32) -> i32 {
 }
 
 impl WideHalf {
-    /// `⌊self / 2^(drop + up) + ½⌋`, a word: far inside the register.
+    /// `⌊self / 2^(drop + up) + ½⌋`, a word; it is far inside the register.
     #[inline(always)]
     fn rounded(self, drop: u32, up: u32) -> i32 {
         ((self.0 >> (drop + up - 1)) + 1) >> 1
@@ -280,7 +282,7 @@ impl WideHalf {
 }
 
 impl WideFull {
-    /// `⌊self / 2^(drop + up) + ½⌋`, a word with `up` bits to spare: where that is none, twice the word is no register's.
+    /// `⌊self / 2^(drop + up) + ½⌋`, a word with `up` bits to spare. With none to spare, twice the word does not fit a register.
     #[inline(always)]
     fn rounded(self, drop: u32, up: u32) -> i32 {
         let k = drop + up - 1;
@@ -292,7 +294,7 @@ impl WideFull {
     }
 }
 
-/// [`WideWire::normalised`].
+/// Implements [`WideWire::normalised`].
 #[cfg_attr(not(feature = "small-code"), inline(always))]
 #[cfg_attr(feature = "small-code", inline(never))]
 fn normalised_half<const N: usize>(wires: [WideHalf; N], drop: u32, up: u32) -> ([Half; N], Full, bool) {
@@ -301,14 +303,14 @@ fn normalised_half<const N: usize>(wires: [WideHalf; N], drop: u32, up: u32) -> 
         magnitude |= wire.0 ^ (wire.0 >> 31);
     }
     let zeros = leading_zeros(magnitude as u32);
-    // Left and right in one shift, unless left is further.
+    // Left and right in one shift, unless the left shift is larger.
     let Some(right) = (drop + up).checked_sub(zeros) else { return far_left(wires, zeros, drop, up) };
     let words = each!(wire in wires => Half(((wire.0 >> right) + 1) >> 1).shl(up));
     (words, Full(zeros as i32), false)
 }
 
-/// [`WideWire::normalised`] where a shift to the left leaves nothing to be rounded. A call of its own: products of mantissas come
-/// here where half of their bits or more are lost.
+/// Implements [`WideWire::normalised`] if a shift to the left leaves nothing to be rounded. It is a separate call: products of mantissas come here if
+/// half of their bits or more are lost.
 #[cold]
 #[inline(never)]
 fn far_left<const N: usize>(wires: [WideHalf; N], zeros: u32, drop: u32, up: u32) -> ([Half; N], Full, bool) {
@@ -316,7 +318,7 @@ fn far_left<const N: usize>(wires: [WideHalf; N], zeros: u32, drop: u32, up: u32
     (each!(wire in wires => Half(wire.0 << (zeros - 1 - drop - up)).shl(up)), Full(zeros as i32), all_zero)
 }
 
-/// [`WideWire::normalised`].
+/// Implements [`WideWire::normalised`].
 #[cfg_attr(not(feature = "small-code"), inline(always))]
 #[cfg_attr(feature = "small-code", inline(never))]
 fn normalised_full<const N: usize>(wires: [WideFull; N], drop: u32, up: u32) -> ([Full; N], Full, bool) {
@@ -328,17 +330,17 @@ fn normalised_full<const N: usize>(wires: [WideFull; N], drop: u32, up: u32) -> 
     if up < FEW_TO_SPARE && zeros < 32 {
         return from_pairs(wires, zeros, drop, up);
     }
-    // Where the upper registers hold all that is kept: left and right in one shift.
+    // The upper registers hold all kept bits: left and right in one shift.
     let Some(right) = (drop + up - 32).checked_sub(zeros) else { return from_both(wires, zeros, drop, up) };
-    // With bits to spare, for without any the other ways were taken: at most 31 − up and a sign.
+    // There are bits to spare, for without any the other branches were taken: at most 31 − up and a sign.
     let words = each!(wire in wires => Full(((high(wire.0) >> right) + 1) >> 1).shl(up));
     (words, Full(zeros as i32), false)
 }
 
-/// Bits to spare below which a kept number reaches into the lower register as often as not: more than 24 kept bits.
+/// Bits to spare below which a kept number reaches into the lower register half of the time: more than 24 kept bits.
 const FEW_TO_SPARE: u32 = 6;
 
-/// [`WideWire::normalised`] where neither half is empty: what is kept lies in the upper register behind the shift.
+/// Implements [`WideWire::normalised`] if neither half is empty: the kept bits lie in the upper register after the shift.
 #[inline(always)]
 fn from_pairs<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u32) -> ([Full; N], Full, bool) {
     let (shift, back) = (zeros - 1, 32 - zeros);
@@ -349,8 +351,8 @@ fn from_pairs<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u
     (words, Full(zeros as i32), false)
 }
 
-/// [`WideWire::normalised`] where the lower registers count, too. A call of its own: products of mantissas come here where a third of
-/// their bits or more are lost, and inlined it would be most of the code.
+/// Implements [`WideWire::normalised`] if the lower registers count, too. It is a separate call: products of mantissas come here if a third of their
+/// bits or more are lost, and inlined it would be most of the code.
 #[cold]
 #[inline(never)]
 fn from_both<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u32) -> ([Full; N], Full, bool) {
@@ -364,7 +366,7 @@ fn from_both<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u3
     }
     let zeros = leading_zeros(magnitude);
     let all_zero = magnitude == 0 && wires.iter().all(|wire| wire.0 == 0);
-    // One place less than all of them may lie between both registers.
+    // The shift is one place less than `zeros`, to keep the sign. With no zeros the word therefore lies across both registers.
     let words = each!(wire in wires => {
         let top = if zeros == 0 { (wire.0 >> 1) as i32 } else { (low(wire.0) << (zeros - 1)) as i32 };
         Full(half_up(top >> (drop + up - 33))).shl(up)

@@ -1,5 +1,5 @@
-//! The datapaths in the scalar reading, from `fixed` ports to `fixed` ports: what a soft core or a host calls. Each is compiled once,
-//! here, for all who call it.
+//! The scalar API: the datapaths on the scalar backend, from `fixed` ports to `fixed` ports. A soft core or a host calls it. Each datapath is
+//! compiled once, here, for all callers.
 
 use crate::bundle::Value;
 use crate::datapath;
@@ -37,18 +37,18 @@ pub fn texture_scale(size: [u16; 2]) -> (TextureScale<Scalar>, MapScale<Scalar>)
     (texture, map)
 }
 
-/// The scale of an environment whose faces have `edge` texels, read as 1…16384.
+/// Scale of an environment whose faces have `edge` texels, read as 1…16384.
 pub fn environment_scale(edge: u16, p: &Precision) -> MapScale<Scalar> {
     map_scale(Fx::from_raw(i32::from(edge)), p)
 }
 
-/// The scale of an environment from its port.
+/// Scale of an environment from its port.
 fn map_scale(edge: Int<Scalar>, p: &Precision) -> MapScale<Scalar> {
     let edge = &Value(edge);
     on_words!(p, |edge| datapath::map_scale(edge.0, p))
 }
 
-/// The reflection datapath with the outcomes of all its stages, on an environment of that scale.
+/// Reflection datapath with the outcomes of all its stages, on an environment of that scale.
 pub fn reflection(
     input: &ReflectionInput<Scalar>,
     map: &MapScale<Scalar>,
@@ -58,7 +58,7 @@ pub fn reflection(
     reflection_of(&surface(&input.surface, &plan.surface(), p), [&input.dview, &input.dnormal], map, plan, p)
 }
 
-/// The same of a surface that is made, with the derivatives ∂v and ∂n over the pixel.
+/// Reflection datapath of a finished surface, with the derivatives ∂v and ∂n over the pixel.
 pub fn reflection_of(
     surface: &datapath::Surface<Scalar>,
     [dview, dnormal]: [&[PortBlock<Scalar, 3>; 2]; 2],
@@ -69,17 +69,17 @@ pub fn reflection_of(
     on_words!(p, |surface, dview, dnormal, map| datapath::reflection_of(surface, [dview, dnormal], map, plan, p))
 }
 
-/// The perturbed and rough surface of a fragment.
+/// Perturbed and rough surface of a fragment.
 pub fn surface(input: &SurfaceInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> datapath::Surface<Scalar> {
     on_words!(p, |input| datapath::surface(input, plan, p))
 }
 
-/// A normal and its frame, of a fragment whose surface has them in common with others.
+/// Normal and tangent basis that the fragments of a surface share.
 pub fn framed(input: &SurfaceInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> datapath::Framed<Scalar> {
     on_words!(p, |input| datapath::framed(&input.normal, &input.frame_vectors, plan, p))
 }
 
-/// The surface of a fragment whose normal and frame are made.
+/// Surface of a fragment whose normal and tangent basis are given.
 pub fn surface_in_frame(
     framed: &datapath::Framed<Scalar>,
     input: &SurfaceInput<Scalar>,
@@ -89,7 +89,7 @@ pub fn surface_in_frame(
     on_words!(p, |framed, input| datapath::surface_in_frame(framed, input, plan, p))
 }
 
-/// The reflection datapath from ports to ports.
+/// Reflection datapath from ports to ports.
 pub fn fragment(input: &ReflectionInput<Scalar>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<Scalar> {
     let stages = &reflection(input, &map_scale(input.edge_texels, p), plan, p);
     on_words!(p, |stages| datapath::reflection::leave(stages))
@@ -106,7 +106,7 @@ pub fn sphere_probe(
     on_words!(p, |sweep, index, last_level| datapath::sphere_probe(sweep, index.0, last_level.0, p))
 }
 
-/// The footprint of a pixel in a repeated map of that scale.
+/// Footprint of a pixel in a wrapped map of that scale.
 pub fn texture_footprint(
     duv: &[PortBlock<Scalar, 2>; 2],
     texture: &TextureScale<Scalar>,
@@ -116,18 +116,18 @@ pub fn texture_footprint(
     on_words!(p, |duv, texture, map| datapath::texture_footprint(duv, texture, map, p))
 }
 
-/// The highlight datapath from ports to ports.
+/// Highlight datapath from ports to ports.
 pub fn highlight(input: &HighlightInput<Scalar>, plan: &SurfacePlan, p: &Precision) -> HighlightOutput<Scalar> {
     on_words!(p, |input| datapath::leave_highlight(&datapath::lit_surface(input, plan, p)))
 }
 
-/// One light on one peak from ports to ports.
+/// One light on one peak, from ports to ports.
 pub fn lit_peak(input: &PeakInput<Scalar>, plan: &PeakPlan, p: &Precision) -> PeakOutput<Scalar> {
     on_words!(p, |input| datapath::lit_peak(input, plan, p))
 }
 
 impl ReflectionIn {
-    /// Runs the scalar datapath.
+    /// Runs the scalar reflection datapath.
     pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
         Port::of(&fragment(&self.wires(), plan, p))
     }
@@ -145,14 +145,14 @@ impl TextureIn {
 }
 
 impl HighlightIn {
-    /// Runs the scalar datapath.
+    /// Runs the scalar highlight datapath.
     pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
         Port::of(&highlight(&self.wires(), plan, p))
     }
 }
 
 impl PeakIn {
-    /// Runs the scalar datapath.
+    /// Runs the scalar peak datapath.
     pub fn shine(&self, plan: &PeakPlan, p: &Precision) -> PeakOut {
         Port::of(&lit_peak(&self.wires(), plan, p))
     }

@@ -1,5 +1,5 @@
-//! The hardware blocks, one file each, in pipeline order. Stages never import each other; what one hands to the
-//! next is a bundle of [`crate::signals`] or of the stage that makes it, passed on by [`crate::datapath`].
+//! The hardware blocks, one file each, in pipeline order. Stages never import each other. A stage hands the next one a bundle of [`crate::signals`],
+//! or of the stage that makes it; [`crate::datapath`] passes the bundle on.
 
 // From ports to a perturbed, rough surface.
 pub mod enter;
@@ -12,7 +12,7 @@ pub mod reflect;
 pub mod cube_face;
 pub mod columns;
 
-// The footprint in a repeated map, and what both kinds share.
+// The footprint in a wrapped map, and blocks that both kinds share.
 pub mod texture;
 pub mod ellipse;
 pub mod axes;

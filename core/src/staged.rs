@@ -1,18 +1,18 @@
-//! Where a stage of the datapath begins and ends.
+//! Start and end of a stage of the datapath.
 
 use crate::bundle::Bundle;
 use crate::word::Word;
 
-/// A word whose reading runs the datapath stage by stage.
+/// A word whose backend runs the datapath stage by stage.
 pub trait Staged: Word {
-    /// Runs one stage of the datapath, which a reading may compile, name or record on its own.
+    /// Runs one stage of the datapath. A backend may compile, name or record the stage on its own.
     #[inline(always)]
     fn stage<B: Bundle<Self>>(_name: &'static str, body: impl Fn() -> B + Copy) -> B {
         body()
     }
 }
 
-/// `stage!("name", expression)`: one stage as a function of its own in the reading of `W`, whatever the optimiser thinks of its size.
+/// `stage!("name", expression)`: one stage as a separate function on the backend of `W`, whatever the optimiser makes of its size.
 #[macro_export]
 macro_rules! stage {
     ($name:literal, $stage:expr) => {
@@ -25,7 +25,7 @@ macro_rules! stage {
 }
 pub use crate::stage;
 
-/// The same for a stage whose outcome is one number that controls.
+/// `control_stage!("name", expression)`: a stage whose outcome is one control number.
 #[macro_export]
 macro_rules! control_stage {
     ($name:literal, $stage:expr) => {

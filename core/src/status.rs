@@ -1,4 +1,4 @@
-//! Sticky status bits: a degenerate input raises a bit beside the documented result of its fragment.
+//! Sticky status bits: a degenerate input raises a bit in addition to the documented result of its fragment.
 
 use crate::fx::{Fx, Int};
 use crate::plan::Datapath;
@@ -16,21 +16,21 @@ macro_rules! status_bits {
             /// Every bit, lowest first.
             pub const ALL: &[Self] = &[$(Self::$name),*];
 
-            /// Its bit in the word.
+            /// Mask of the bit in the word.
             pub const fn mask(self) -> u32 {
                 match self {
                     $(Self::$name => 1 << $bit,)*
                 }
             }
 
-            /// Its name in vectors and reports.
+            /// Name in vectors and reports.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$name => $label,)*
                 }
             }
 
-            /// The datapaths that raise it.
+            /// Datapaths that raise it.
             pub const fn datapaths(self) -> &'static [Datapath] {
                 match self {
                     $(Self::$name => $datapaths,)*
@@ -46,20 +46,20 @@ const PEAK: &[Datapath] = &[Datapath::Peak];
 const LIGHTS: &[Datapath] = &[Datapath::Highlight, Datapath::Peak];
 
 status_bits! {
-    /// n = 0: no frame and no reflection; r = 0, face +z, s = t = 0, empty footprint.
+    /// n = 0: no tangent basis and no reflection; r = 0, face +z, s = t = 0, empty footprint.
     NormalZero = 0, "normal_zero", &Datapath::ALL;
     /// v = 0: r = 0, face +z, s = t = 0.
     ViewZero = 1, "view_zero", &Datapath::ALL;
-    /// n ∥ h (system 3: the axis on which |n| is smallest stands in for h), or p_u, p_v span nothing (systems 1
-    /// and 2: the frame is zero, the surface is unperturbed).
+    /// n ∥ h (system 3: the axis on which |n| is smallest stands in for h), or p_u, p_v span nothing (systems 1 and 2: the tangent basis is zero, the
+    /// surface is unperturbed).
     FramePole = 2, "frame_pole", &Datapath::ALL;
-    /// v·n_mod ≤ 0: the perturbed surface is seen from behind.
+    /// v·n_mod ≤ 0: the perturbed surface is seen from the back.
     ViewBelowSurface = 3, "view_below_surface", REFLECTION;
     /// Two or three components of r tie for the largest: z wins over y, y over x.
     FaceTie = 4, "face_tie", REFLECTION;
     /// The footprint is empty: one probe at the finest level.
     FootprintZero = 5, "footprint_zero", REFLECTION;
-    /// λ₁ was cut to 2 map units for the step.
+    /// λ₁ was clamped to 2 map units for the step.
     FootprintSaturated = 6, "footprint_saturated", REFLECTION;
     /// The aspect asks for more probes than the profile has: λ₂ is raised to λ₁/N.
     ProbesCapped = 7, "probes_capped", REFLECTION;
@@ -71,31 +71,31 @@ status_bits! {
     LightBelowSurface = 10, "light_below_surface", LIGHTS;
     /// n_mod·h ≤ 0: the perturbed surface faces away from the half vector, f = 0.
     HalfBelowSurface = 11, "half_below_surface", HIGHLIGHT;
-    /// The half vector or the frame is zero: no peak is lit.
+    /// The half vector or the tangent basis is zero: no peak is lit.
     LocalZero = 12, "local_zero", PEAK;
-    /// The light of the peaks was cut to the largest number below 64.
+    /// The light of the peaks was clamped to the largest number below 64.
     PeaksSaturated = 13, "peaks_saturated", PEAK;
 }
 
 impl StatusBit {
-    /// The bits that a datapath raises, lowest first.
+    /// Bits that a datapath raises, lowest first.
     pub fn of(datapath: Datapath) -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(move |bit| bit.datapaths().contains(&datapath))
     }
 }
 
-/// The sticky bits of one fragment, being raised.
+/// Sticky bits of one fragment, under construction.
 #[derive(Clone, Copy, Debug)]
 pub struct Status<W: Word>(Int<W>);
 
 impl<W: Word> Status<W> {
-    /// No bit raised.
+    /// Word without a raised bit.
     #[inline(always)]
     pub fn clear() -> Self {
         Self(Fx::int(0))
     }
 
-    /// Raises `bit` where the flag is set.
+    /// Raises `bit` if the flag is set.
     #[inline(always)]
     #[track_caller]
     pub fn raise(self, bit: StatusBit, flag: W::Flag) -> Self {
@@ -103,7 +103,7 @@ impl<W: Word> Status<W> {
         Self(Fx::from_raw(Wire::select(flag, raised, self.0.raw())))
     }
 
-    /// The word of bits.
+    /// Word of bits.
     #[inline(always)]
     pub fn word(self) -> Int<W> {
         self.0

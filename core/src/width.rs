@@ -1,8 +1,8 @@
-//! Words as wide as the accuracy needs: a profile of at most 14 kept bits runs on words of 16 bits, any other on words of 32.
+//! Words as wide as the accuracy needs: a profile of at most 14 kept bits runs on 16-bit words, any other on 32-bit words.
 //!
-//! Ports, maps and frames hold mantissas on words of 32 bits whatever the profile. [`on_words!`](crate::on_words!) calls a function of
-//! the composer on words of the profile's width with those as its input, and gives back what it makes of them as words of 32
-//! bits; who calls does not know which. What controls is the same on both. On a small processor they are the words of [`mod@crate::small`].
+//! Ports, maps and frames hold mantissas on 32-bit words in every profile. [`on_words!`](crate::on_words!) takes them as input and calls a function
+//! of the composer on words of the profile's width. It returns the result on 32-bit words, so a caller does not know the width. Control words are the
+//! same in both. On a small processor the words are those of [`mod@crate::small`].
 
 use crate::bundle::{Bundle, Rewire};
 use crate::rom::upper;
@@ -11,23 +11,24 @@ use crate::small::{Full, Half, WideFull};
 use crate::staged::Staged;
 use crate::word::Word;
 
-/// What controls in a reading that is integers of the processor which runs it: it finds texels by them.
+/// Control word of a backend whose words are integers of the processor that runs it; the processor finds texels with it.
 pub trait IntegerCount: Word<Flag = bool> {
-    /// That integer.
+    /// Word from an integer.
     fn of_integer(integer: i32) -> Self;
-    /// The integer.
+    /// Integer of a word.
     fn integer(self) -> i32;
-    /// That integer of 64 bits.
+    /// Wide word from a 64-bit integer.
     fn wide_of_integer(integer: i64) -> Self::Wide;
-    /// The integer.
+    /// Integer of a wide word.
     fn wide_integer(wide: Self::Wide) -> i64;
 }
 
-/// A word of such a reading.
+/// A word of such a backend.
 pub trait IntegerWord: Staged<Flag = bool, Count: IntegerCount> {
-    /// A word of 32 bits on this one: its upper bits, rounded to nearest, ties up; what would round up beyond the largest word stays that.
+    /// Word from a 32-bit word: its upper bits, rounded to nearest, ties up. A value that would round up beyond the largest word stays the largest
+    /// word.
     fn of_port(word: Scalar) -> Self;
-    /// The same number on a word of 32 bits, zeros behind it.
+    /// Converts to a 32-bit word: the same number, zeros in its low bits.
     fn to_port(self) -> Scalar;
 }
 
@@ -76,7 +77,7 @@ macro_rules! integer_words {
     };
 }
 
-/// The largest word of 32 bits whose rounded upper half is a word.
+/// Largest 32-bit word whose rounded upper half is a word.
 const LARGEST: i32 = i32::MAX - (1 << 15);
 
 integer_words! {
@@ -86,36 +87,36 @@ integer_words! {
     Half, |port| Half(upper(port.min(LARGEST), 16)), |own| own.0 << 16;
 }
 
-/// A bundle on words of 32 bits in another reading of integers. Numbers that words of 16 bits have made, and [`to_ports`], are exact.
+/// Converts a bundle on 32-bit words to another integer backend. Numbers that 16-bit words have made, and [`to_ports`], are exact.
 #[inline(always)]
 pub fn of_ports<W: IntegerWord, B: Bundle<Scalar>>(bundle: &B) -> B::In<W> {
     bundle.rewire(&mut OfPorts)
 }
 
-/// The same numbers on words of 32 bits: of narrower ones with zeros behind each.
+/// Converts a bundle to 32-bit words, the same numbers. Narrower words get zeros in their low bits.
 #[inline(always)]
 pub fn to_ports<W: IntegerWord, B: Bundle<W>>(bundle: &B) -> B::In<Scalar> {
     bundle.rewire(&mut ToPorts)
 }
 
-/// The upper half of every word: [`of_ports`] on words of 16 bits.
+/// Upper half of every word: [`of_ports`] on 16-bit words.
 #[inline(always)]
 pub fn narrowed<B: Bundle<Scalar>>(bundle: &B) -> B::In<i16> {
     of_ports::<i16, B>(bundle)
 }
 
-/// The same numbers on words of 32 bits: [`to_ports`] of words of 16 bits.
+/// Converts to 32-bit words, the same numbers: [`to_ports`] of 16-bit words.
 #[inline(always)]
 pub fn widened<B: Bundle<i16>>(bundle: &B) -> B::In<Scalar> {
     to_ports::<i16, B>(bundle)
 }
 
-/// The words of 16 and of 32 bits that suit the processor.
+/// The 16-bit and 32-bit words that suit the processor.
 #[cfg(not(any(target_arch = "riscv32", target_arch = "arm")))]
 mod suitable {
     pub use core::primitive::{i16 as Narrow, i32 as Whole};
 
-    /// The same bundles, untouched: a copy of a reflection is a few percent of making one.
+    /// Passes the same bundles, untouched: a copy of a reflection costs a few per cent of making one.
     #[macro_export]
     macro_rules! on_whole_words {
         (|$($input:ident),*| $body:expr) => {
@@ -127,7 +128,7 @@ mod suitable {
 mod suitable {
     pub use crate::small::{Full as Whole, Half as Narrow};
 
-    /// In the reading of the processor.
+    /// Converts bundles to the backend of the processor and back.
     #[macro_export]
     macro_rules! on_whole_words {
         (|$($input:ident),*| $body:expr) => {{
@@ -138,8 +139,8 @@ mod suitable {
 }
 pub use suitable::{Narrow, Whole};
 
-/// `on_words!(p, |input, …| body)`: the bundle that `body`, a function of the composer, makes of bundles of the scalar reading, on words of
-/// the profile's width and in the reading that suits the processor.
+/// `on_words!(p, |input, …| body)`: runs `body`, a function of the composer, on bundles of the scalar backend and returns the bundle that it makes.
+/// The words have the profile's width and are those of the backend that suits the processor.
 #[macro_export]
 macro_rules! on_words {
     ($p:expr, |$($input:ident),*| $body:expr) => {
@@ -153,7 +154,7 @@ macro_rules! on_words {
 }
 pub use crate::on_words;
 
-/// From words of 32 bits.
+/// Conversion from 32-bit words.
 struct OfPorts;
 
 impl<W: IntegerWord> Rewire<Scalar, W> for OfPorts {
@@ -175,7 +176,7 @@ impl<W: IntegerWord> Rewire<Scalar, W> for OfPorts {
     }
 }
 
-/// To words of 32 bits.
+/// Conversion to 32-bit words.
 struct ToPorts;
 
 impl<W: IntegerWord> Rewire<W, Scalar> for ToPorts {

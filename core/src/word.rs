@@ -1,6 +1,6 @@
-//! The algebra every stage is written in: signed integers on *wires*. A *word* carries mantissas; its *wide* companion has twice the
-//! bits and holds sums of products exactly; a *count* controls (exponents, indices, levels) and has 32 bits whatever a word has.
-//! A *reading* implements these traits; [`crate::scalar`] is the meaning. No operation may leave its wire: `roughxel ranges`.
+//! The algebra in which every stage is written: signed integers on *wires*. A *word* carries mantissas. Its *wide* companion has twice the bits and
+//! holds sums of products exactly. A *count* controls (exponents, indices, levels) and has 32 bits for words of any width. A *backend* implements
+//! these traits; [`crate::scalar`] is the meaning. No operation may leave its wire: `roughxel ranges`.
 
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
@@ -11,7 +11,7 @@ use crate::each::each;
 pub trait Wire: Copy + Debug {
     /// One-bit wire, the outcome of a comparison.
     type Flag: Copy + Debug + Not<Output = Self::Flag> + BitAnd<Output = Self::Flag> + BitOr<Output = Self::Flag>;
-    /// The word that controls.
+    /// Control word.
     type Count: Word<Flag = Self::Flag, Count = Self::Count>;
     /// Bits of the wire.
     const BITS: u32;
@@ -41,56 +41,56 @@ pub trait Wire: Copy + Debug {
     fn select(flag: Self::Flag, a: Self, b: Self) -> Self;
     /// Leading zero bits; the width of the wire for 0.
     fn leading_zeros(self) -> Self::Count;
-    /// The outcome of `body`, which is `instead` or of no use where the flag is set: a reading that branches leaves the work.
+    /// Runs `body`. Its outcome is `instead`, or has no use, if the flag is set; a backend that branches skips the work.
     #[inline(always)]
     fn unless<T>(_flag: Self::Flag, _instead: T, body: impl FnOnce() -> T) -> T {
         body()
     }
-    /// `self`, with a fact that intervals cannot find: `low ≤ self ≤ high` by the lemma of that name, a test.
+    /// `self`, with a fact that intervals cannot find: `low ≤ self ≤ high` by the named lemma, a test.
     #[inline(always)]
     fn claim(self, _low: i64, _high: i64, _lemma: &'static str) -> Self {
         self
     }
 }
-/// A wire for mantissas, or, where it is its own [`Wire::Count`], for what controls.
+/// A wire for mantissas or, if it is its own [`Wire::Count`], a control wire.
 pub trait Word: Wire {
-    /// Whether every profile that is read with these words keeps all their bits: then no rounding need look how many.
+    /// True if every profile that runs on these words keeps all their bits; no rounding then needs to ask how many.
     const WHOLE: bool = false;
     /// The companion of twice the bits.
     type Wide: WideWire<Flag = Self::Flag, Count = Self::Count, Word = Self>;
     /// Exact product.
     fn mul(self, other: Self) -> Self::Wide;
-    /// The same integer on the wide wire.
+    /// Integer of the word on the wide wire.
     fn widen(self) -> Self::Wide;
-    /// The same integer on a word. It fits.
+    /// Integer of the wide wire on a word. It fits.
     fn narrow(wide: Self::Wide) -> Self;
-    /// `⌊wide/2^(drop + up) + ½⌋·2^up`, `drop ≥ 1`, or a reading's shorter way. The value fits.
+    /// `⌊wide/2^(drop + up) + ½⌋·2^up`, `drop ≥ 1`. A backend may compute it in a shorter way. The value fits.
     #[inline(always)]
     #[track_caller]
     fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
         Self::narrow(wide.sar(drop + up - 1).add(Self::Wide::lit(1)).sar(1)).shl(up)
     }
-    /// `table[index]`, of which a word keeps the [`upper`](crate::rom::upper) bits; the index is inside the table.
+    /// `table[index]`, of which a word keeps the [`upper`](crate::rom::upper) bits. The index is inside the table.
     fn lookup(index: Self::Count, table: &'static [i32]) -> Self;
-    /// The same integer as a count.
+    /// Integer of the word as a count.
     fn to_count(self) -> Self::Count;
-    /// The same integer on a word. It fits.
+    /// Integer of the count on a word. It fits.
     fn of_count(count: Self::Count) -> Self;
 }
 /// The wide companion of a word.
 pub trait WideWire: Wire {
-    /// The word.
+    /// Word of the wide companion.
     type Word: Word<Wide = Self, Flag = Self::Flag, Count = Self::Count>;
-    /// The same integer as a count. It fits.
+    /// Integer of the wide wire as a count. It fits.
     fn wide_to_count(self) -> Self::Count;
-    /// The same integer on a wide wire. It fits.
+    /// Integer of the count on a wide wire. It fits.
     fn wide_of_count(count: Self::Count) -> Self;
-    /// `wires` shifted left until the highest bit of one of them is behind the sign, each rounded as by [`Word::round`], their common
-    /// leading bits, and whether all are zero; or a reading's shorter way. `drop + up` is more than the bits of a word.
+    /// `wires` shifted left until the highest bit of one of them is next to the sign, each rounded as by [`Word::round`]; their common leading bits;
+    /// and whether all are zero. A backend may compute it in a shorter way. `drop + up` is more than the bits of a word.
     #[inline(always)]
     fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
-        // One's complement magnitude: −2^k counts as the octave below, which is what lets −1 occur.
-        // As many leading zeros as there are bits are not enough for a block of zeros: −1 has them, too, but is negative.
+        // One's complement magnitude: −2^k counts as the octave below, so −1 can occur. As many leading zeros as there are bits do not identify a
+        // block of zeros: −1 has them, too, but is negative.
         let (mut magnitude, mut bits) = (Self::lit(0), Self::lit(0));
         for &wire in &wires {
             (magnitude, bits) = (magnitude.or(wire.xor(wire.sar(Self::BITS - 1))), bits.or(wire));

@@ -1,12 +1,12 @@
-//! The scalar datapaths behind a C ABI: what C, C++ and, by DPI-C, a simulator compute expected values with.
+//! The scalar datapaths with a C ABI: C, C++ and, by DPI-C, a simulator compute expected values with them.
 //!
-//! A structure of C is one number of 32 bits a field of a vector word, in the order of the declared bundle, so it is an array here;
-//! `roughxel vectors c` writes the header with its names, and a SystemVerilog package. A field holds what the profile keeps, as in a
-//! vector word: `vectors/FORMAT.md`. Nothing here allocates, panics or keeps state; every function can be called from any thread.
+//! A C structure is an array here: one 32-bit number for each field of a vector word, in the order of the declared bundle. `roughxel vectors c`
+//! writes the header with the names of the fields, and a SystemVerilog package. A field holds the bits that the profile keeps, as in a vector word:
+//! `vectors/FORMAT.md`. Nothing here allocates, panics or keeps state. Every function can be called from any thread.
 //!
-//! Every function returns [`OK`] or an error: its kind in the lowest 8 bits, one of `ERROR_…`, and above them the place of the
-//! number that is wrong, where there is one. With an error nothing is written. Pointers of arrays may be null, which is an error, and
-//! otherwise have to hold as many numbers as the type says; what is written may not overlap what is read.
+//! Every function returns [`OK`] or an error. The lowest 8 bits of an error are its kind, one of `ERROR_…`; the bits above them are the place of the
+//! wrong number, if there is one. A function that returns an error writes nothing. A null pointer to an array is an error. Any other pointer has to
+//! hold as many numbers as its type says. Outputs may not overlap inputs.
 
 #![no_std]
 
@@ -24,23 +24,23 @@ use roughxel_core::soft_core;
 
 use numbers::{Numbers, numbers_of, range, wires_of};
 
-/// Version of the interface: it changes where a program would have to be compiled anew.
+/// Version of the interface. It changes if programs have to be compiled again.
 pub const VERSION: i32 = 1;
 
-/// It is done.
+/// Success.
 pub const OK: i32 = 0;
 /// A pointer is null.
 pub const ERROR_NULL: i32 = 1;
-/// No profile has that name.
+/// No profile has this name.
 pub const ERROR_PROFILE: i32 = 2;
-/// A knob is out of its range; its place is in the upper bits.
+/// A knob is out of its range; the upper bits hold its place.
 pub const ERROR_KNOB: i32 = 3;
 /// A bit of the effects is unknown, or two kinds of one effect are on.
 pub const ERROR_EFFECTS: i32 = 4;
-/// An input is out of the range of its field; its place is in the upper bits.
+/// An input is out of the range of its field; the upper bits hold its place.
 pub const ERROR_INPUT: i32 = 5;
 
-/// The errors: name and text of each, in the order of their numbers.
+/// Errors by number: name and text of each.
 pub const ERRORS: [(&str, &CStr); 6] = [
     ("OK", c"done"),
     ("ERROR_NULL", c"a pointer is null"),
@@ -50,10 +50,11 @@ pub const ERRORS: [(&str, &CStr); 6] = [
     ("ERROR_INPUT", c"an input is out of the range of its field"),
 ];
 
-/// Bits of an error below the place of what is wrong.
+/// Bits of an error below the place of the wrong number.
 pub const ERROR_BITS: u32 = 8;
 
-/// The effects: name, bit and what each does. Of the two kinds of one effect one may be on; of the frame none is the main direction.
+/// Effects: name, bit and description of each. At most one of the two kinds of an effect may be on. With neither bit of the tangent basis, it has the
+/// main direction.
 pub const EFFECTS: [(&str, u32, &str); 10] = [
     ("BUMP", 1, "bump: reflection and highlight"),
     ("ROUGHNESS", 1 << 1, "anisotropic roughness: reflection and highlight"),
@@ -70,19 +71,19 @@ pub const EFFECTS: [(&str, u32, &str); 10] = [
 /// Knobs of a profile, in the order of [`Knob::ALL`].
 pub type Knobs = [i32; Knob::ALL.len()];
 
-/// The knobs as C has them.
+/// Knobs of a precision as C has them.
 pub fn knobs_of(p: &Precision) -> Knobs {
     Knob::ALL.map(|knob| knob.of(p) as i32)
 }
 
-/// The accuracy of these knobs.
+/// Precision with these knobs.
 ///
 /// Errors: [`ERROR_KNOB`].
 pub fn precision_of(knobs: &Knobs) -> Result<Precision, i32> {
     let mut p = Precision::STANDARD;
     for (place, (knob, &value)) in Knob::ALL.into_iter().zip(knobs).enumerate() {
         p = knob.with(value as u32, p);
-        // A choice is the last one where the value is beyond it.
+        // A value beyond the last choice would read as that choice.
         if knob.of(&p) != value as u32 {
             return Err(at(ERROR_KNOB, place));
         }
@@ -90,7 +91,7 @@ pub fn precision_of(knobs: &Knobs) -> Result<Precision, i32> {
     p.checked().map_err(|knob| at(ERROR_KNOB, knob as usize))
 }
 
-/// The effects as C has them.
+/// Bits of the effects as C has them.
 pub fn bits_of(effects: &Effects) -> u32 {
     let roughness = [0, 1 << 2, 1 << 1][effects.roughness as usize];
     let footprint = [0, 1 << 4, 1 << 5][effects.footprint as usize];
@@ -99,11 +100,11 @@ pub fn bits_of(effects: &Effects) -> u32 {
     u32::from(effects.bump) | roughness | u32::from(effects.curvature) << 3 | footprint | horizon | frame
 }
 
-/// The effects of these bits.
+/// Effects of these bits.
 ///
 /// Errors: [`ERROR_EFFECTS`].
 pub fn effects_of(bits: u32) -> Result<Effects, i32> {
-    // Of a pair of bits neither, the lower one or the upper one.
+    // Neither, the lower one or the upper one of a pair of bits.
     fn kind<T>(bits: u32, lower: u32, [neither, low, high]: [T; 3]) -> Result<T, i32> {
         match bits >> lower & 3 {
             0 => Ok(neither),
@@ -127,17 +128,17 @@ pub fn effects_of(bits: u32) -> Result<Effects, i32> {
     })
 }
 
-/// An error with the place of what is wrong.
+/// Error with the place of the wrong number.
 const fn at(error: i32, place: usize) -> i32 {
     error | (place as i32) << ERROR_BITS
 }
 
-/// A result as C sees it.
+/// Result as C sees it.
 fn code(result: Result<(), i32>) -> i32 {
     result.err().unwrap_or(OK)
 }
 
-/// Places a result of several numbers, or an error.
+/// Places the numbers of a result, or returns its error.
 fn put<T>(result: Result<T, i32>, into: Option<&mut MaybeUninit<T>>) -> i32 {
     code(into.ok_or(ERROR_NULL).and_then(|into| {
         into.write(result?);
@@ -145,7 +146,7 @@ fn put<T>(result: Result<T, i32>, into: Option<&mut MaybeUninit<T>>) -> i32 {
     }))
 }
 
-/// A datapath from numbers to numbers.
+/// Runs a datapath from numbers to numbers.
 fn run<I: Bundle<i32, In<i32> = I>, O: Bundle<i32>, const INPUTS: usize, const OUTPUTS: usize>(
     profile: Option<&Knobs>,
     effects: u32,
@@ -162,7 +163,7 @@ fn run<I: Bundle<i32, In<i32> = I>, O: Bundle<i32>, const INPUTS: usize, const O
     put(result(), outputs)
 }
 
-/// What the inputs of a datapath may be.
+/// Range of the inputs of a datapath.
 fn input_range<I: Bundle<i32>, const INPUTS: usize>(
     profile: Option<&Knobs>,
     low: Option<&mut MaybeUninit<Numbers<INPUTS>>>,
@@ -176,15 +177,15 @@ fn input_range<I: Bundle<i32>, const INPUTS: usize>(
     }))
 }
 
-/// [`VERSION`] of the library.
-// SAFETY (of all these names): nothing else is called so.
+/// Returns the [`VERSION`] of the library.
+// SAFETY (of all these names): nothing else has them.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub extern "C" fn roughxel_version() -> i32 {
     VERSION
 }
 
-/// The text of an error, one line without its end; of an unknown one an empty text. It is never freed.
+/// Text of an error, one line without a line end; empty for an unknown error. The text is never freed.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub extern "C" fn roughxel_error_text(error: i32) -> *const c_char {
@@ -192,7 +193,7 @@ pub extern "C" fn roughxel_error_text(error: i32) -> *const c_char {
     ERRORS.get(kind as usize).map_or(c"", |(_, text)| text).as_ptr()
 }
 
-/// The knobs of a named profile.
+/// Knobs of a named profile.
 ///
 /// Errors: [`ERROR_NULL`], [`ERROR_PROFILE`].
 ///
@@ -204,7 +205,7 @@ pub unsafe extern "C" fn roughxel_profile_named(name: *const c_char, profile: Op
     if name.is_null() {
         return ERROR_NULL;
     }
-    // SAFETY: it is not null, and the caller promises the rest.
+    // SAFETY: the pointer is not null, and the caller promises the rest.
     let name = unsafe { CStr::from_ptr(name) };
     let is_it = |known: &Profile| known.name().as_bytes() == name.to_bytes();
     let found = Profile::ALL.into_iter().find(is_it).ok_or(ERROR_PROFILE);
@@ -231,7 +232,7 @@ macro_rules! datapaths {
                 run::<$input<i32>, $output<i32>, _, _>(profile, effects, inputs, outputs, |$of, $effects, $p| $call)
             }
 
-            /// The lowest and the highest number of each of its inputs under a profile.
+            /// Lowest and highest number of each input under a profile.
             ///
             /// Errors: [`ERROR_NULL`], [`ERROR_KNOB`].
             #[allow(unsafe_code)]
@@ -259,7 +260,7 @@ datapaths! {
         |inputs, effects, p| soft_core::lit_peak(inputs, &effects.peak(), p);
 }
 
-/// A library without the standard one has to say what a panic does. None is called: no function of the library has a path to one.
+/// Defines a panic, as a library without the standard library has to. No function of the library has a path to it.
 #[cfg(panic = "abort")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

@@ -1,17 +1,17 @@
-//! The wires of ports as numbers of fields: without the low bits that a profile drops.
+//! Wires of ports as numbers of fields, without the low bits that a profile drops.
 
 use core::slice::Iter;
 
 use roughxel_core::bundle::{Bundle, End, Keeps, Rewire, Step};
 use roughxel_core::precision::Precision;
 
-/// A number a wire of a bundle, in the order of its walk.
+/// One number for each wire of a bundle, in the order of its walk.
 pub(crate) type Numbers<const COUNT: usize> = [i32; COUNT];
 
-/// Fraction bits of a mantissa's port; a word with more bits before its point keeps as many fewer behind it.
+/// Fraction bits of a mantissa's port. A word with more bits before its point keeps that many fewer after it.
 const MANTISSA_FRACTION: u32 = 30;
 
-/// The wires of a bundle that holds these numbers, or the place of the first that is out of range.
+/// Wires of a bundle with these numbers, or the place of the first number that is out of range.
 pub(crate) fn wires_of<B: Bundle<i32, In<i32> = B>, const COUNT: usize>(
     numbers: &Numbers<COUNT>,
     p: &Precision,
@@ -25,14 +25,14 @@ pub(crate) fn wires_of<B: Bundle<i32, In<i32> = B>, const COUNT: usize>(
     }
 }
 
-/// The numbers of a bundle's wires; the low bits that drop are zeros.
+/// Numbers of a bundle's wires. The dropped low bits are zeros.
 pub(crate) fn numbers_of<B: Bundle<i32>, const COUNT: usize>(bundle: &B, p: &Precision) -> Numbers<COUNT> {
     let mut numbers = [0; COUNT];
     bundle.rewire(&mut ToNumbers { drop: Drop::new(p), numbers: numbers.iter_mut() });
     numbers
 }
 
-/// The lowest and the highest numbers of a bundle's wires.
+/// Lowest and highest numbers of a bundle's wires.
 pub(crate) fn range<B: Bundle<i32>, const COUNT: usize>(p: &Precision) -> (Numbers<COUNT>, Numbers<COUNT>) {
     let limits = |end| numbers_of(&B::limit::<i32>(end), p);
     (limits(End::Low), limits(End::High))
@@ -41,7 +41,7 @@ pub(crate) fn range<B: Bundle<i32>, const COUNT: usize>(p: &Precision) -> (Numbe
 /// Low bits of a wire that a profile drops.
 struct Drop<'a> {
     p: &'a Precision,
-    /// Of the innermost field with a unit.
+    /// Bits kept of the innermost field with a unit.
     keeps: Keeps,
 }
 

@@ -14,32 +14,32 @@ use crate::stage::texture::TextureScale;
 use crate::stage::{axes, cube_face, ellipse, enter, probes, sweep, texture};
 use crate::staged::{Staged, control_stage, stage};
 
-/// The ellipse of a pixel's two columns.
+/// Ellipse of a pixel's two columns.
 #[inline(always)]
 pub(super) fn pixel_ellipse<W: Staged>(pixel: &[Block<W, 2>; 2], p: &Precision) -> Ellipse<W> {
     stage!("ellipse", ellipse::ellipse(ellipse::pixel_columns(pixel, p), p))
 }
 
-/// The axes of an ellipse.
+/// Axes of an ellipse.
 #[inline(always)]
 pub(super) fn principal<W: Staged>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
     stage!("axes", axes::axes(ellipse, p))
 }
 
-/// The probes that cover an ellipse on a map.
+/// Probes that cover an ellipse on a map.
 #[inline(always)]
 pub(super) fn assemble<W: Staged>(ellipse: &Ellipse<W>, map: &MapScale<W>, p: &Precision) -> (Axes<W>, Probes<W>) {
     let axes = principal(ellipse, p);
     (axes, stage!("probes", probes::probes(&axes, map, p)))
 }
 
-/// Where a point of the cube is read: the place of an environment footprint's only probe.
+/// Place of a point of the cube, which is that of an environment footprint's only probe.
 #[inline(always)]
 pub fn cube_place<W: Staged>(point: &CubePoint<W>) -> FacePosition<W> {
     stage!("place", cube_face::position(point))
 }
 
-/// Probe `index` of an environment footprint: on its face, or across the edge where it leaves the face.
+/// Probe `index` of an environment footprint: on its face, or across the edge if it leaves the face.
 #[inline(always)]
 pub fn environment_probe<W: Staged>(
     point: &CubePoint<W>,
@@ -63,7 +63,7 @@ pub fn sphere_probe<W: Staged>(path: &Sweep<W>, index: Int<W>, last_level: Int<W
     SphereProbe { place, lod, weight }
 }
 
-/// Probe `index` of a footprint in a repeated map.
+/// Probe `index` of a footprint in a wrapped map.
 #[inline(always)]
 pub fn texture_probe<W: Staged>(
     centre: &TexturePosition<W>,
@@ -79,7 +79,7 @@ pub fn texture_probe<W: Staged>(
 }
 
 bundle! {
-    /// The footprint of a fragment in a repeated map.
+    /// Footprint of a fragment in a wrapped map.
     pub struct TextureFootprint<W> {
         /// Columns of ∂x and ∂y in map units.
         columns: [Block<W, 2>; 2],
@@ -92,7 +92,7 @@ bundle! {
     }
 }
 
-/// Footprint of a pixel in a colour or bump map: the environment's ellipse, axes and probes, other columns.
+/// Footprint of a pixel in a colour or bump map: ellipse, axes and probes as for the environment, from other columns.
 #[inline(always)]
 pub fn texture_footprint<W: Staged>(
     derivatives: &[PortBlock<W, 2>; 2],
@@ -109,7 +109,7 @@ pub fn texture_footprint<W: Staged>(
     TextureFootprint { columns, ellipse, axes, probes }
 }
 
-/// How much of a texel of level 0 a probe of a footprint in a repeated map spans across, at most 1: for the ramps of rough bumps. Of λ₁ and λ₂.
+/// Part of a texel of level 0 that a probe of a footprint in a wrapped map spans across, at most 1, from λ₁ and λ₂. The ramps of rough bumps need it.
 #[inline(always)]
 pub fn probe_reach<W: Staged>(
     sigmas: [&Number<W>; 2],

@@ -17,7 +17,7 @@ use crate::word::Word;
 
 use super::surface::{Surface, surface};
 
-/// A direction in the frame of the surface, at any length: of the light and of the eye, for [`horizon_slopes`].
+/// Direction of light or eye in the tangent basis of the surface, at any length: for [`horizon_slopes`].
 #[inline(always)]
 pub fn local_components<W: Staged>(
     d: &Block<W, 3>,
@@ -28,7 +28,7 @@ pub fn local_components<W: Staged>(
     stage!("local.components", local::components(d, frame, normal, p))
 }
 
-/// A direction in the frame of the surface, at unit length: of the half vector, for [`packed_peak`].
+/// Direction of the half vector in the tangent basis of the surface, at unit length: for [`packed_peak`].
 #[inline(always)]
 pub fn local_direction<W: Staged>(
     d: &Block<W, 3>,
@@ -41,20 +41,20 @@ pub fn local_direction<W: Staged>(
 }
 
 bundle! {
-    /// What a light is to the peaks of a fragment.
+    /// A light as the peaks of a fragment see it.
     pub struct PeakLight<W> {
-        /// The half vector.
+        /// Half vector.
         half: Block<W, 3>,
-        /// The half vector in the frame of the surface.
+        /// Half vector in the tangent basis of the surface.
         direction: LocalDirection<W>,
-        /// The light in the frame of the surface, at any length: for [`horizon_slopes`].
+        /// Light in the tangent basis of the surface, at any length: for [`horizon_slopes`].
         light: Block<W, 3>,
-        /// Whether it lights any.
+        /// Side of the surface on which the light stands.
         side: LightSide<W>,
     }
 }
 
-/// The half vector of a light for the peaks of a fragment. `light` points from the surface to the light.
+/// Half vector of a light for the peaks of a fragment. `light` points from the surface to the light.
 #[inline(always)]
 pub fn peak_light<W: Staged>(surface: &Surface<W>, light: &PortBlock<W, 3>, p: &Precision) -> PeakLight<W> {
     let Surface { normal, view, frame, .. } = surface;
@@ -66,7 +66,7 @@ pub fn peak_light<W: Staged>(surface: &Surface<W>, light: &PortBlock<W, 3>, p: &
     PeakLight { half, direction, light: local, side }
 }
 
-/// The light of one stored peak. `weight` is its share of the fragment, times its visibility where there is a horizon.
+/// Light of one stored peak. `weight` is its share of the fragment, times its visibility if there is a horizon.
 #[inline(always)]
 pub fn peak<W: Staged>(
     h: &LocalDirection<W>,
@@ -77,7 +77,7 @@ pub fn peak<W: Staged>(
     control_stage!("peaks.peak", peaks::peak(h, stored, weight, p))
 }
 
-/// The light of one peak as a memory holds it, in three words.
+/// Light of one peak as a memory holds it, in three words.
 #[inline(always)]
 pub fn packed_peak<W: Staged>(
     h: &LocalDirection<W>,
@@ -88,19 +88,19 @@ pub fn packed_peak<W: Staged>(
     control_stage!("peaks.packed", peaks::peak::<W>(h, &peaks::unpack(words), weight, p))
 }
 
-/// A sum of peaks with one more.
+/// Sum of peaks with one more.
 #[inline(always)]
 pub fn peak_sum<W: Staged>(sum: &PeakSum<W>, light: Control<W, LIGHT>) -> PeakSum<W> {
     stage!("peaks.sum", peaks::add(sum, light))
 }
 
-/// The slopes of a local direction over both axes, once for the light and once for the eye.
+/// Slopes of a local direction over both axes, once for the light and once for the eye.
 #[inline(always)]
 pub fn horizon_slopes<W: Staged>(local: &Block<W, 3>, p: &Precision) -> [AxisSlope<W>; 2] {
     stage!("horizon.slopes", horizon::slopes(local, p))
 }
 
-/// The share of a peak's facets that light and eye both clear; 1 where the plan has no horizon.
+/// Share of a peak's facets that light and eye both clear; 1 if the plan has no horizon.
 #[inline(always)]
 pub fn horizon<W: Staged>(
     light: &[AxisSlope<W>; 2],
@@ -122,16 +122,16 @@ pub fn horizon<W: Staged>(
 }
 
 bundle! {
-    /// What all highlights of a fragment share: the exponent of its material and the spread of its surface.
+    /// Quantities that all highlights of a fragment share: the exponent of its material and the spread of its surface.
     pub struct Gloss<W> {
         /// m.
         shininess: Shininess<W>,
-        /// `None` where the plan has no roughness.
+        /// Spread of the surface; `None` if the plan has no roughness.
         spread: Option<Spread<W>>,
     }
 }
 
-/// The material of one fragment, made once for all its lights.
+/// Material of one fragment, made once for all its lights.
 #[inline(always)]
 pub fn gloss<W: Staged>(
     surface: &Surface<W>,
@@ -151,11 +151,11 @@ pub fn gloss<W: Staged>(
 }
 
 bundle! {
-    /// Every stage's outcome for one light on one fragment.
+    /// Outcomes of all stages for one light on one fragment.
     pub struct Highlight<W> {
         /// h.
         half: Block<W, 3>,
-        /// The share of the light that the highlight returns, [0, 1].
+        /// Share of the light that the highlight returns, [0, 1].
         #[range(0..=1)]
         f: Control<W, LIGHT>,
         /// Sticky bits.
@@ -164,7 +164,7 @@ bundle! {
     }
 }
 
-/// The highlight of one light: modified Blinn-Phong. `light` points from the surface to the light.
+/// Highlight of one light: modified Blinn-Phong. `light` points from the surface to the light.
 #[inline(always)]
 pub fn highlight<W: Staged>(
     surface: &Surface<W>,
@@ -193,18 +193,18 @@ pub fn highlight<W: Staged>(
     Highlight { half, f: lobe.f, status }
 }
 
-/// Every stage's outcome of the highlight datapath for one fragment with one light.
+/// Outcomes of all stages of the highlight datapath for one fragment with one light.
 #[derive(Clone, Copy, Debug)]
 pub struct LitSurface<W: Word> {
-    /// The surface.
+    /// Surface of the fragment.
     pub surface: Surface<W>,
-    /// Its material.
+    /// Material of the fragment.
     pub gloss: Gloss<W>,
-    /// The light on it.
+    /// Light on the fragment.
     pub highlight: Highlight<W>,
 }
 
-/// The highlight datapath of one fragment with one light: surface, material, light.
+/// Highlight datapath of one fragment with one light: surface, material, light.
 #[inline(always)]
 pub fn lit_surface<W: Staged>(input: &HighlightInput<W>, plan: &SurfacePlan, p: &Precision) -> LitSurface<W> {
     let surface = surface(&input.surface, plan, p);
@@ -212,7 +212,7 @@ pub fn lit_surface<W: Staged>(input: &HighlightInput<W>, plan: &SurfacePlan, p: 
     LitSurface { surface, gloss, highlight: highlight(&surface, &gloss, &input.light, p) }
 }
 
-/// The outcomes of the highlight's stages in the form of ports; without roughness its spread stands at zero, its amplitude at 1.
+/// Outcomes of the highlight's stages in the form of ports. Without roughness the spread is zero and the amplitude 1.
 #[inline(always)]
 pub fn leave_highlight<W: Staged>(stages: &LitSurface<W>) -> HighlightOutput<W> {
     let LitSurface { surface: Surface { normal, frame, normal_mod, rough, .. }, gloss, highlight } = stages;
@@ -235,9 +235,9 @@ pub fn leave_highlight<W: Staged>(stages: &LitSurface<W>) -> HighlightOutput<W> 
     )
 }
 
-/// One light on one peak of a fragment: frame, half vector, horizon, peak; every stage's outcome in the form of ports.
+/// One light on one peak of a fragment: tangent basis, half vector, horizon, peak. Every stage's outcome is in the form of ports.
 ///
-/// A fragment with several peaks has what comes before [`horizon`](horizon()) once for all of them.
+/// A fragment with several peaks makes the results before [`horizon`](horizon()) once for all of them.
 #[inline(always)]
 pub fn lit_peak<W: Staged>(input: &PeakInput<W>, plan: &PeakPlan, p: &Precision) -> PeakOutput<W> {
     let surface = surface(&input.surface, &plan.surface(), p);

@@ -1,4 +1,4 @@
-//! From samples to the colour of a pixel, one channel at a time.
+//! Pixels: from samples to colour, one channel at a time.
 
 use crate::bundle::{Value, bundle};
 use crate::each::each;
@@ -7,19 +7,19 @@ use crate::ports::{LIGHT, REFLECTANCE};
 use crate::stage::{blend, pixel};
 use crate::staged::{Staged, control_stage, stage};
 
-/// A mean of 16-bit texels, with 8 more fraction bits, in units of 2^`exponent`, as a colour.
+/// Mean of 16-bit texels, with 8 more fraction bits, in units of 2^`exponent`, as a colour.
 #[inline(always)]
 pub fn colour<W: Staged>(sample: Int<W>, exponent: Int<W>) -> Control<W, LIGHT> {
     control_stage!("pixel.colour", pixel::colour::<W>(sample, exponent))
 }
 
-/// The product of two colours: of a colour map and its object, or of what a light returns and its own.
+/// Product of two colours: of a colour map and its object, or of returned light and the light's own colour.
 #[inline(always)]
 pub fn modulated<W: Staged>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
     control_stage!("pixel.modulated", pixel::modulated::<W>(a, b))
 }
 
-/// Surface and reflection by the reflectance of the material.
+/// Blend of surface and reflection by the reflectance of the material.
 #[inline(always)]
 pub fn blend<W: Staged>(
     surface: Control<W, LIGHT>,
@@ -29,7 +29,7 @@ pub fn blend<W: Staged>(
     control_stage!("blend", blend::blend::<W>(surface, reflection, reflectance))
 }
 
-/// The same with a mean of bright texels, in units of 2^(`exponent` − 31); with reflectance 1, that mean as a colour.
+/// [`blend`](fn@blend) with a mean of bright texels, in units of 2^(`exponent` − 31); with reflectance 1, that mean as a colour.
 #[inline(always)]
 pub fn bright_blend<W: Staged>(
     surface: Control<W, LIGHT>,
@@ -72,28 +72,28 @@ pub fn bright_reflected<W: Staged>(
     )
 }
 
-/// The mean of what two lobes of a surface show.
+/// Mean of the colours of two lobes of a surface.
 #[inline(always)]
 pub fn lobes<W: Staged>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
     control_stage!("pixel.lobes", pixel::lobes::<W>(a, b))
 }
 
 bundle! {
-    /// All light of a pixel so far.
+    /// Light of a pixel so far.
     pub struct PixelSum<W> {
-        /// A sum of colours below 64; as many as a scene has lights and a pixel samples.
+        /// Sum of colours below 64, with room for the lights of a scene and the samples of a pixel.
         #[range(0..=1073741824)]
         sum: WideControl<W, 40>,
     }
 }
 
-/// The light of a pixel with one more colour.
+/// Light of a pixel with one more colour.
 #[inline(always)]
 pub fn sum<W: Staged>(sum: &PixelSum<W>, colour: Control<W, LIGHT>) -> PixelSum<W> {
     stage!("pixel.sum", PixelSum { sum: pixel::sum::<W>(sum.sum, colour) })
 }
 
-/// The channel of a pixel: all its light, cut to the brightest.
+/// Channel of a pixel: all its light, clamped to the brightest.
 #[inline(always)]
 pub fn pixel<W: Staged>(sum: &PixelSum<W>) -> Control<W, LIGHT> {
     control_stage!("pixel", pixel::pixel::<W>(sum.sum))

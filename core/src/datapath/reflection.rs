@@ -1,4 +1,4 @@
-//! From the surface to the probes on the environment that it reflects.
+//! Reflections: from the surface to the probes on the environment that it reflects.
 
 use crate::block::{Block, Mantissa};
 use crate::bundle::{bundle, never};
@@ -17,7 +17,7 @@ use super::footprint::{assemble, pixel_ellipse, principal};
 use super::surface::{Surface, surface};
 
 bundle! {
-    /// Every stage's outcome for one fragment. Stages the plan leaves out stand at their neutral value.
+    /// Outcomes of all stages for one fragment. Stages that the plan leaves out have their neutral value.
     pub struct Reflection<W> {
         /// The surface.
         surface: Surface<W>,
@@ -33,7 +33,7 @@ bundle! {
         axes: Axes<W>,
         /// N, step, level of detail; on the sphere N alone.
         probes: Probes<W>,
-        /// What the probes on the sphere step along.
+        /// Path of the probes on the sphere.
         sweep: Sweep<W>,
         /// Sticky bits.
         #[range(0..256)]
@@ -41,14 +41,13 @@ bundle! {
     }
 }
 
-/// The scale of an environment whose faces have `edge` texels, any number of 16 bits.
+/// Scale of an environment whose faces have `edge` texels, any 16-bit number.
 #[inline(always)]
 pub fn map_scale<W: Staged>(edge: Int<W>, p: &Precision) -> MapScale<W> {
     stage!("map_scale", probes::face_scale(edge, p))
 }
 
-/// The reflection datapath of one fragment on an environment of that scale: from n, v, bumps and roughness to the probes on the
-/// cube map.
+/// Reflection datapath of one fragment on an environment of that scale: from n, v, bumps and roughness to the probes on the cube map.
 #[inline(always)]
 pub fn reflection<W: Staged>(
     input: &ReflectionInput<W>,
@@ -60,7 +59,7 @@ pub fn reflection<W: Staged>(
     reflection_of(&surface, [&input.dview, &input.dnormal], map, plan, p)
 }
 
-/// What a surface mirrors that was made: its reflection, and where that meets the cube.
+/// Reflection of a finished surface, and the point where it meets the cube.
 #[inline(always)]
 pub fn mirrored<W: Staged>(surface: &Surface<W>, p: &Precision) -> (Reflected<W>, CubePoint<W>) {
     let reflected = stage!("reflect", reflect::reflect(&surface.normal_mod, &surface.view, p));
@@ -68,8 +67,8 @@ pub fn mirrored<W: Staged>(surface: &Surface<W>, p: &Precision) -> (Reflected<W>
     (reflected, point)
 }
 
-/// What comes after the surface, which was made with the stages of [`ReflectionPlan::surface`] at least: `dview` and `dnormal` are
-/// the derivatives over the pixel.
+/// Stages after the surface, which was made with at least the stages of [`ReflectionPlan::surface`]. `dview` and `dnormal` are the derivatives over
+/// the pixel.
 #[inline(always)]
 pub fn reflection_of<W: Staged>(
     surface: &Surface<W>,
@@ -103,7 +102,7 @@ pub fn reflection_of<W: Staged>(
     Reflection { surface: *surface, reflected, point, columns, ellipse, axes, probes, sweep, status }
 }
 
-/// From columns to probes, of either kind; what the other one has stands at its neutral value.
+/// Results from columns to probes, for either kind of footprint; fields of the other kind have their neutral value.
 struct Footprint<W: Staged> {
     columns: [Block<W, 2>; 4],
     ellipse: Ellipse<W>,
@@ -113,7 +112,7 @@ struct Footprint<W: Staged> {
 }
 
 impl<W: Staged> Footprint<W> {
-    /// A point.
+    /// Footprint of a point.
     #[inline(always)]
     fn none() -> Self {
         let number = Block::zero();
@@ -143,7 +142,7 @@ impl<W: Staged> Footprint<W> {
     }
 }
 
-/// The derivatives of v and n over one side of the pixel.
+/// Derivatives of v and n over one side of the pixel.
 #[inline(always)]
 fn pixel_side<W: Staged>(
     [dview, dnormal]: [&[PortBlock<W, 3>; 2]; 2],
@@ -151,14 +150,14 @@ fn pixel_side<W: Staged>(
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> [Block<W, 3>; 2] {
-    // Picked here, where it is known which: a stage is a function of its own.
+    // Picked here, where the side is known: a stage is a function of its own.
     let (dview, dnormal) = (&dview[i], &dnormal[i]);
     let dv = stage!("enter.dview", enter::enter(dview, p));
     let dn = if plan.curvature { stage!("enter.dnormal", enter::enter(dnormal, p)) } else { Block::zero() };
     [dv, dn]
 }
 
-/// The footprint on the plane of the face (W97).
+/// Footprint on the plane of the face (W97).
 #[inline(always)]
 fn on_face<W: Staged>(
     Surface { normal, rough, .. }: &Surface<W>,
@@ -190,7 +189,7 @@ fn on_face<W: Staged>(
     Footprint { columns, ellipse, axes, probes, ..Footprint::none() }
 }
 
-/// The footprint on the tangent plane of the sphere, with normals as probes.
+/// Footprint on the tangent plane of the sphere, with normals as probes.
 #[inline(always)]
 fn on_sphere<W: Staged>(
     Surface { normal, rough, .. }: &Surface<W>,
@@ -210,8 +209,8 @@ fn on_sphere<W: Staged>(
     }
 }
 
-/// The lobe of pairs (dv, dn), the first two of them the sides of a pixel. A stage that does not depend on how many there are is a function
-/// of its own: here it would be compiled for every number.
+/// Lobe of pairs (dv, dn), the first two of them the sides of a pixel. A stage that does not depend on the number of pairs is a function of its own;
+/// here it would be compiled for every number.
 #[inline(always)]
 fn lobe<W: Staged, const COLUMNS: usize>(
     mirror: &Mirror<'_, W>,
@@ -262,7 +261,7 @@ fn column_on_sphere<W: Staged>(
     stage!("columns.sphere", columns::on_sphere(mirror, plane, dr, p))
 }
 
-/// The axes of a lobe, how far probes spread over the longer one, and how many there are.
+/// Axes of a lobe, the spread of the probes over the longer one, and their number.
 #[inline(always)]
 fn spread_probes<W: Staged>(
     ellipse: &Ellipse<W>,
@@ -274,7 +273,7 @@ fn spread_probes<W: Staged>(
     (axes, spread, stage!("probes", probes::count_and_level(&axes, spread, map, p)))
 }
 
-/// The sweep of columns that are mixed: dr, dn, and how far the mean of the lobe lies from r.
+/// Sweep of mixed columns: dr, dn, and the distance of the lobe's mean from r.
 #[inline(always)]
 fn swept<W: Staged>(
     mirror: &Mirror<'_, W>,
@@ -289,7 +288,7 @@ fn swept<W: Staged>(
     stage!("sweep", sweep::sweep(r, [&centre, first, &second.r], probes, p))
 }
 
-/// The outcomes of the stages in the form of ports.
+/// Outcomes of the stages in the form of ports.
 #[inline(always)]
 pub fn leave<W: Staged>(stages: &Reflection<W>) -> ReflectionOutput<W> {
     let Surface { normal, frame, normal_mod, .. } = &stages.surface;
@@ -318,7 +317,7 @@ pub fn leave<W: Staged>(stages: &Reflection<W>) -> ReflectionOutput<W> {
     )
 }
 
-/// The reflection datapath from ports to ports.
+/// Reflection datapath from ports to ports.
 #[inline(always)]
 pub fn fragment<W: Staged>(input: &ReflectionInput<W>, plan: &ReflectionPlan, p: &Precision) -> ReflectionOutput<W> {
     let map = map_scale(input.edge_texels, p);

@@ -1,4 +1,4 @@
-//! From the ports to the surface of a fragment, made once for its reflection and all its lights.
+//! Surfaces: from the ports to the surface of a fragment, made once for its reflection and all its lights.
 
 use crate::block::Block;
 use crate::bundle::{bundle, never};
@@ -21,28 +21,28 @@ bundle! {
         frame: TangentFrame<W>,
         /// n_mod.
         normal_mod: Block<W, 3>,
-        /// d₁E₁ and d₂E₁ + d₃E₂ in units of the mantissas of n; zero where the plan has no roughness.
+        /// d₁E₁ and d₂E₁ + d₃E₂ in units of the mantissas of n; zero if the plan has no roughness.
         rough: [Block<W, 3>; 2],
     }
 }
 
-/// The core of a rough surface's lobe, for surfaces with two: its roughness tangents.
+/// Core of a rough surface's lobe, for surfaces with two lobes: its roughness tangents.
 #[inline(always)]
 pub fn lobe_core<W: Staged>(rough: &[Block<W, 3>; 2]) -> [Block<W, 3>; 2] {
     stage!("roughness.core", roughness::core(rough))
 }
 
 bundle! {
-    /// A normal and the frame that stands on it: what the fragments of a flat triangle have in common.
+    /// A normal and its tangent basis, which the fragments of a flat triangle share.
     pub struct Framed<W> {
         /// n, normalised.
         normal: Block<W, 3>,
-        /// E₁, E₂ in units of the mantissas of n; zero where the plan needs none.
+        /// E₁, E₂ in units of the mantissas of n; zero if the plan needs none.
         frame: TangentFrame<W>,
     }
 }
 
-/// The perturbed and rough surface of one fragment.
+/// Perturbed and rough surface of one fragment.
 #[inline(always)]
 pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Precision) -> Surface<W> {
     let normal = normal(&input.normal, p);
@@ -51,7 +51,7 @@ pub fn surface<W: Staged>(input: &SurfaceInput<W>, plan: &SurfacePlan, p: &Preci
     bumpy(&Framed { normal, frame }, &view, input, plan, p)
 }
 
-/// What a normal and the vectors of its frame are made into.
+/// Normal and tangent basis of a surface, from its normal and its frame vectors.
 #[inline(always)]
 pub fn framed<W: Staged>(
     normal_port: &PortBlock<W, 3>,
@@ -63,7 +63,7 @@ pub fn framed<W: Staged>(
     Framed { normal, frame: tangent_frame(&normal, frame_vectors, plan, p) }
 }
 
-/// The same surface as [`surface`] of an input whose normal and frame are made.
+/// Surface as [`surface`] makes it, for an input whose normal and tangent basis are made.
 #[inline(always)]
 pub fn surface_in_frame<W: Staged>(
     framed: &Framed<W>,
@@ -84,7 +84,7 @@ fn view<W: Staged>(port: &PortBlock<W, 3>, p: &Precision) -> Block<W, 3> {
     stage!("enter.view", enter::enter(port, p))
 }
 
-/// The frame, zero where the plan needs none.
+/// Tangent basis, zero if the plan needs none.
 #[inline(always)]
 fn tangent_frame<W: Staged>(
     normal: &Block<W, 3>,
@@ -108,7 +108,7 @@ fn tangent_frame<W: Staged>(
     }
 }
 
-/// Bumps and roughness on a normal with its frame.
+/// Surface with bumps and roughness, from a normal with its tangent basis.
 #[inline(always)]
 fn bumpy<W: Staged>(
     &Framed { normal, frame }: &Framed<W>,

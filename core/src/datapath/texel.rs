@@ -1,4 +1,4 @@
-//! From a probe to the sample of a map: addresses, then, behind the memory, filters, sums and means. One channel at a time.
+//! Texels: from a probe to the sample of a map, one channel at a time. Addresses come before the memory; filters, sums and means come after it.
 
 use crate::block::{Block, of_control};
 use crate::bundle::{Value, bundle};
@@ -14,25 +14,25 @@ use crate::stage::{axes, pixel};
 use crate::staged::{Staged, control_stage, stage};
 use crate::word::Word;
 
-/// The two levels of a footprint; a rough surface's looks at finer ones.
+/// Two levels of a footprint; the footprint of a rough surface reads finer ones.
 #[inline(always)]
 pub fn levels<W: Staged>(lod: Control<W, LOD>, rough: W::Flag, p: &Precision) -> LevelPair<W> {
     stage!("filter.levels", filter::levels(Fx::select(rough, filter::biased(lod, p), lod)))
 }
 
-/// What a bilinear sample of a level of a cube face reads; texels outside of the face are [`cube_texel`]s.
+/// Address of a bilinear sample on a level of a cube face. Texels outside of the face are [`cube_texel`]s.
 #[inline(always)]
 pub fn face_address<W: Staged>(place: &FacePosition<W>, edge: Int<W>, p: &Precision) -> Address<W> {
     stage!("filter.face_address", filter::face_address(&place.st, edge, p))
 }
 
-/// The texel at a column and a row of a face that may be one step outside of it.
+/// Texel at a column and a row of a face; it may be one step outside of the face.
 #[inline(always)]
 pub fn cube_texel<W: Staged>(face: Int<W>, index: [Int<W>; 2], edge: Int<W>) -> CubeTexel<W> {
     stage!("seam.texel", seam::texel(face, index, edge))
 }
 
-/// The texels of a bilinear sample of a level of a cube face: (0,0), (1,0), (0,1), (1,1).
+/// Texels of a bilinear sample on a level of a cube face: (0,0), (1,0), (0,1), (1,1).
 #[inline(always)]
 pub fn face_texels<W: Staged>(face: Int<W>, address: &Address<W>, edge: Int<W>) -> [CubeTexel<W>; 4] {
     let neighbours = stage!("seam.neighbours", seam::neighbours(address.index));
@@ -58,12 +58,12 @@ pub fn bright_corner<W: Staged>(three: &[Int<W>; 3]) -> Int<W> {
 }
 
 bundle! {
-    /// What a bilinear sample of a level of a repeated map reads.
+    /// Address of a bilinear sample on a level of a wrapped map.
     pub struct RepeatAddress<W> {
-        /// The left and the right column.
+        /// Left and right column.
         #[range(0..=16383)]
         columns: [Int<W>; 2],
-        /// The upper and the lower row.
+        /// Upper and lower row.
         #[range(0..=16383)]
         rows: [Int<W>; 2],
         /// Weights of the right column and of the lower row, [0, 1).
@@ -72,7 +72,7 @@ bundle! {
     }
 }
 
-/// What a bilinear sample of a level of a repeated map reads.
+/// Address of a bilinear sample on a level of a wrapped map.
 #[inline(always)]
 pub fn repeat_address<W: Staged>(place: &TexturePosition<W>, size: [Int<W>; 2], p: &Precision) -> RepeatAddress<W> {
     stage!("filter.repeat_address", {
@@ -88,7 +88,7 @@ pub fn colour_sample<W: Staged>(fine: &Patch<W>, coarse: &Patch<W>, level_weight
     control_stage!("filter.trilinear", filter::trilinear(fine, coarse, level_weight, 8))
 }
 
-/// A channel of texels of a word each at one probe.
+/// One channel of one-word texels at one probe.
 #[inline(always)]
 pub fn word_sample<W: Staged>(fine: &Patch<W>, coarse: &Patch<W>, level_weight: Control<W, LEVEL_WEIGHT>) -> Int<W> {
     control_stage!("filter.trilinear", filter::trilinear(fine, coarse, level_weight, 0))
@@ -99,14 +99,14 @@ bundle! {
     pub struct Quad<W, const CHANNELS: usize> {
         /// The texels (0,0), (1,0), (0,1), (1,1).
         texels: [[Int<W>; CHANNELS]; 4],
-        /// Weights of the right and of the lower ones, [0, 1).
+        /// Weights of the right and of the lower texels, [0, 1).
         #[range(0..1)]
         weight: [Control<W, WEIGHT>; 2],
     }
 }
 
-/// [`colour_sample`] of every channel, as one stage: what their weights have in common is worked out once. Without a coarser level, as where its weight is 0, it is
-/// bilinear.
+/// [`colour_sample`] of every channel, as one stage: the common part of their weights is computed once. Without a coarser level, as if its weight
+/// were 0, it is bilinear.
 #[inline(always)]
 pub fn colour_samples<W: Staged, const CHANNELS: usize>(
     fine: &Quad<W, CHANNELS>,
@@ -116,7 +116,7 @@ pub fn colour_samples<W: Staged, const CHANNELS: usize>(
     samples(fine, coarse, level_weight, 8)
 }
 
-/// The same as [`colour_samples`] of [`word_sample`].
+/// [`word_sample`] of every channel, as one stage, like [`colour_samples`].
 #[inline(always)]
 pub fn word_samples<W: Staged, const CHANNELS: usize>(
     fine: &Quad<W, CHANNELS>,
@@ -165,13 +165,13 @@ pub fn probe_means<W: Staged, const CHANNELS: usize>(sums: &[ProbeSum<W>; CHANNE
     each!(Value(mean) in means => mean)
 }
 
-/// A sum over probes with one more.
+/// Sum over probes with one more.
 #[inline(always)]
 pub fn probe_sum<W: Staged>(sum: &ProbeSum<W>, sample: Int<W>, weight: Control<W, SHARE>) -> ProbeSum<W> {
     stage!("filter.sum", sum.add(sample, weight))
 }
 
-/// The mean over the probes of a footprint.
+/// Mean over the probes of a footprint.
 #[inline(always)]
 pub fn probe_mean<W: Staged>(sum: &ProbeSum<W>) -> Int<W> {
     control_stage!("filter.mean", sum.mean())
@@ -183,17 +183,17 @@ bundle! {
         /// Codes of b₁, b₂.
         #[range(-32767..=32767)]
         offset: [Int<W>; 2],
-        /// Codes of d₁, d₂, d₃, or of I₁; of fewer than 16 bits in the upper ones of 16.
+        /// Codes of d₁, d₂, d₃, or of I₁. Codes of fewer than 16 bits are in the upper bits of 16.
         #[range(-65535..=65535)]
         roughness: [Int<W>; 3],
     }
 
     /// Scales of a bump map: its numbers are in units of 2^`exponent`.
     pub struct BumpScale<W> {
-        /// How many powers of two the codes of offsets are below the unit.
+        /// Powers of two by which the codes of offsets are below the unit.
         #[range(0..=16)]
         offset_down: Int<W>,
-        /// The same of roughness.
+        /// Powers of two by which the codes of roughness are below the unit.
         #[range(0..=27)]
         roughness_down: Int<W>,
         /// The unit.
@@ -201,7 +201,7 @@ bundle! {
         exponent: Int<W>,
     }
 
-    /// The channels of a bump map that are filtered, of a texel or of the sample of a probe, in units of the map.
+    /// Filtered channels of a bump map, of a texel or of the sample of a probe, in units of the map.
     pub struct BumpSample<W> {
         /// b₁, b₂.
         #[range(-1..=1)]
@@ -220,7 +220,7 @@ impl<W: Word> BumpSample<W> {
         [b1.reread(), b2.reread(), k11.reread(), k12.reread(), k22.reread()]
     }
 
-    /// The channels in these words.
+    /// Channels from these words.
     #[inline(always)]
     pub fn of_words([b1, b2, k11, k12, k22]: [Int<W>; 5]) -> Self {
         Self {
@@ -231,7 +231,7 @@ impl<W: Word> BumpSample<W> {
 }
 
 bundle! {
-    /// The channels that are averaged over probes, in units of the map.
+    /// Channels that are averaged over probes, in units of the map.
     pub struct BumpMoments<W> {
         /// b₁, b₂.
         #[range(-1..=1)]
@@ -249,7 +249,7 @@ impl<W: Word> BumpMoments<W> {
         BumpSample::<W> { offset: self.offset, covariance: self.moments }.words()
     }
 
-    /// The channels in these words.
+    /// Channels from these words.
     #[inline(always)]
     pub fn of_words(words: [Int<W>; 5]) -> Self {
         let BumpSample { offset, covariance: moments } = BumpSample::<W>::of_words(words);
@@ -257,7 +257,7 @@ impl<W: Word> BumpMoments<W> {
     }
 }
 
-/// The channels of one texel.
+/// Channels of one texel.
 #[inline(always)]
 pub fn bump_texel<W: Staged>(codes: &BumpCodes<W>, scale: &BumpScale<W>, kind: RoughnessKind) -> BumpSample<W> {
     stage!("moments.texel", {
@@ -271,7 +271,7 @@ pub fn bump_texel<W: Staged>(codes: &BumpCodes<W>, scale: &BumpScale<W>, kind: R
     })
 }
 
-/// The sample of a probe that spans `reach` of a texel with the ramp between the texels that it reads: b₁, b₂ of (0,0), (1,0), (0,1), (1,1) on both
+/// Sample of a probe that spans `reach` of a texel, with the ramp between the texels that it reads: b₁, b₂ of (0,0), (1,0), (0,1), (1,1) on both
 /// levels.
 #[inline(always)]
 pub fn bump_ramp<W: Staged>(
@@ -291,13 +291,13 @@ pub fn bump_ramp<W: Staged>(
     })
 }
 
-/// The offsets of texels whose first two channels they are.
+/// Offsets of texels; they are the first two channels.
 #[inline(always)]
 pub fn bump_offsets<W: Word, const CHANNELS: usize>(quad: &Quad<W, CHANNELS>) -> [[Control<W, 2>; 2]; 4] {
     each!(texel in quad.texels => each!(channel in [0, 1] => texel[channel].reread()))
 }
 
-/// What is averaged of the sample of one probe: second moments in place of K.
+/// Averaged channels of the sample of one probe: second moments in place of K.
 #[inline(always)]
 pub fn bump_probe<W: Staged>(sample: &BumpSample<W>) -> BumpMoments<W> {
     stage!("moments.probe", {
@@ -316,7 +316,7 @@ bundle! {
     }
 }
 
-/// The mean over a footprint as ports. Without roughness that is zero.
+/// Mean over a footprint as ports; zero roughness if the plan has none.
 #[inline(always)]
 pub fn bump<W: Staged>(mean: &BumpMoments<W>, scale: &BumpScale<W>, kind: RoughnessKind, p: &Precision) -> Bump<W> {
     let d = match kind {
@@ -337,7 +337,7 @@ pub fn bump<W: Staged>(mean: &BumpMoments<W>, scale: &BumpScale<W>, kind: Roughn
     };
     stage!("pixel.bump", {
         let keep = Fx::<W, OFFSET>::FRACTION;
-        // A mantissa has two fraction bits more than a port.
+        // A mantissa has two more fraction bits than a port.
         let e = scale.exponent - Fx::int(2);
         let offset = each!(b in mean.offset => Fx::of_control::<OFFSET>(pixel::bump(b, e, keep)));
         let roughness = match d {

@@ -29,7 +29,7 @@ bundle! {
         map: MapScale<W>,
     }
 
-    /// λ of an ellipse as a port: where it is zero its exponent may be that of a zero over a zero, beyond that of other blocks.
+    /// λ of an ellipse as a port. If λ is zero, its exponent may be that of a zero over a zero, beyond that of other blocks.
     pub struct Deviation<W> {
         /// Mantissa.
         #[range(-1..=1)]
@@ -65,7 +65,7 @@ bundle! {
         point: CubePoint<W>,
         /// The footprint.
         probes: Probes<W>,
-        /// Which probe, below the count.
+        /// Number of the probe, below the count.
         #[range(0..=15)]
         index: Int<W>,
     }
@@ -74,7 +74,7 @@ bundle! {
     pub struct SphereProbeInput<W> {
         /// The footprint.
         sweep: Sweep<W>,
-        /// Which probe, below the count.
+        /// Number of the probe, below the count.
         #[range(0..=15)]
         index: Int<W>,
         /// The last (coarsest) level of the environment.
@@ -88,7 +88,7 @@ bundle! {
         centre: TexturePosition<W>,
         /// The footprint.
         probes: Probes<W>,
-        /// Which probe, below the count.
+        /// Number of the probe, below the count.
         #[range(0..=15)]
         index: Int<W>,
         /// Constants of the map.
@@ -118,7 +118,7 @@ bundle! {
         /// Face 0…5.
         #[range(0..=5)]
         face: Int<W>,
-        /// What the sample reads.
+        /// Address of the sample.
         address: Address<W>,
         /// Edge of the level, texels.
         #[range(1..=16384)]
@@ -170,9 +170,9 @@ bundle! {
 
     /// Ports of `word_sample`.
     pub struct WordSampleInput<W> {
-        /// Of the finer level.
+        /// Texels and weights of the finer level.
         fine: Patch<W>,
-        /// Of the coarser level.
+        /// Texels and weights of the coarser level.
         coarse: Patch<W>,
         /// Weight of the coarser level, [0, 1).
         #[range(0..1)]
@@ -205,13 +205,13 @@ bundle! {
         /// b₁, b₂ of the texels (0,0), (1,0), (0,1), (1,1) on the finer level.
         #[range(-1..=1)]
         fine: [[Control<W, 2>; 2]; 4],
-        /// The same on the coarser level.
+        /// b₁, b₂ of the texels (0,0), (1,0), (0,1), (1,1) on the coarser level.
         #[range(-1..=1)]
         coarse: [[Control<W, 2>; 2]; 4],
         /// Weight of the coarser level.
         #[range(0..1)]
         level_weight: Control<W, LEVEL_WEIGHT>,
-        /// How much of a texel of level 0 the probe spans across.
+        /// Part of a texel of level 0 that the probe spans across.
         #[range(0..=1)]
         reach: Control<W, SHARE>,
     }
@@ -236,7 +236,7 @@ bundle! {
 
     /// Ports of `modulated`.
     pub struct ModulatedInput<W> {
-        /// Both below 64, or a peak's 64.
+        /// Colours below 64, or 64 from a peak.
         #[range(0..=64)]
         colours: [Control<W, LIGHT>; 2],
     }
@@ -249,7 +249,7 @@ bundle! {
 
     /// Ports of `lobes`.
     pub struct LobesInput<W> {
-        /// What each lobe shows.
+        /// Colour of each lobe.
         #[range(0..64)]
         colours: [Control<W, LIGHT>; 2],
     }
@@ -295,9 +295,9 @@ bundle! {
 
     /// Ports of `peak`.
     pub struct StoredPeakInput<W> {
-        /// Half vector in the frame of the surface.
+        /// Half vector in the tangent basis of the surface.
         half: LocalDirection<W>,
-        /// The peak as a memory holds it.
+        /// Peak as a memory holds it.
         words: [Int<W>; 3],
         /// Its share of the fragment, [0, 1].
         #[range(0..=1)]
@@ -308,11 +308,11 @@ bundle! {
 
     /// Ports of `horizon`.
     pub struct HorizonInput<W> {
-        /// Direction of the light in the frame of the surface, any length.
+        /// Direction of the light in the tangent basis of the surface, any length.
         light: Block<W, 3>,
-        /// Direction of the eye.
+        /// Direction of the eye, likewise.
         eye: Block<W, 3>,
-        /// The horizon of a peak as it is stored.
+        /// Horizon of a peak as it is stored.
         horizon: Horizon<W>,
     }
 

@@ -12,8 +12,8 @@ use crate::fx::Fx;
 bundle! {
     /// One peak of a distribution of normals as maps store it: a·max(0, N·H)ⁿ, in 10 bytes.
     ///
-    /// A code of 16 bits holds an exponent c in its upper 4 bits and a fraction f in its lower 12: f units where c = 0, else
-    /// (4096 + f)·2^(c − 1) units. It is monotone, and a number of at least 4096 units is within 2^−13 of what was stored.
+    /// A 16-bit code holds an exponent c in its upper 4 bits and a fraction f in its lower 12: f units if c = 0, else (4096 + f)·2^(c − 1) units. It
+    /// is monotone, and a number of at least 4096 units is within 2^−13 of the stored one.
     #[ports(StoredPeak: Default)]
     pub struct Peak<W> {
         /// stored peak: N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
@@ -37,10 +37,10 @@ bundle! {
         exponent: Int<W>,
     }
 
-    /// The horizon of a peak as maps store it, towards −x, +x, −y, +y of the local frame, in 16 bytes.
+    /// Horizon of a peak as maps store it, towards −x, +x, −y, +y of the local tangent basis, in 16 bytes.
     ///
-    /// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width: as a straight line
-    /// where the plan takes the product, else as 1 − (1 − t)². `setup::stored_horizon` makes one for either.
+    /// The share of facets that a direction of slope s = z/|x| clears rises from 0 at `low` to 1 over the width. It rises as a straight line if the
+    /// plan takes the product, else as 1 − (1 − t)². `setup::stored_horizon` makes a horizon for either.
     #[ports(StoredHorizon)]
     pub struct Horizon<W> {
         /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, cut to ±8
@@ -99,8 +99,8 @@ bundle! {
         shininess: ShininessPort<W>,
     }
 
-    /// What every stage of the highlight of one light makes of one fragment. What belongs to roughness is zero, and the amplitude 1,
-    /// where the plan has none.
+    /// Outcomes of all stages of the highlight of one light on one fragment. If the plan has no roughness, its outcomes are zero and the amplitude is
+    /// 1.
     #[ports(HighlightOut: Default)]
     pub struct HighlightOutput<W> {
         /// tangents E₁ and E₂, scaled by |n|
@@ -171,8 +171,7 @@ bundle! {
         weight: Control<W, SHARE>,
     }
 
-    /// What every stage of one light on one peak makes of one fragment. What belongs to the horizon is zero, and the visibility 1,
-    /// where the plan has none.
+    /// Outcomes of all stages of one light on one peak of a fragment. If the plan has no horizon, its outcomes are zero and the visibility is 1.
     #[ports(PeakOut: Default)]
     pub struct PeakOutput<W> {
         /// tangents E₁ and E₂, scaled by |n|

@@ -1,10 +1,9 @@
 //! Axes: standard deviations λ₁ ≥ λ₂ and the unit direction of λ₁.
 //!
-//! λ₁² = ½(a + c + √((c − a)² + 4b²)) (W97 (16)); λ₂² = det/λ₁² (erratum 12). The direction belongs to λ₁ for
-//! r₁ = (cos α, −sin α) where c − a < 0 (erratum 2), tan 2α = 2b/(c − a), |α| ≤ 45° (W97 (18)–(20)): exactly by
-//! (h + |a − c|, 2b), the branch that does not cancel, or by a table of a few angles (erratum 18).
-//! Sign: the larger component is positive; at 45° downwards, where the two differ by roundings alone, it may be the smaller one by 7 last
-//! places at most. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
+//! λ₁² = ½(a + c + √((c − a)² + 4b²)) (W97 (16)); λ₂² = det/λ₁² (erratum 12). For r₁ = (cos α, −sin α) the direction belongs to λ₁ if c − a < 0
+//! (erratum 2), tan 2α = 2b/(c − a), |α| ≤ 45° (W97 (18)–(20)). It is found exactly by (h + |a − c|, 2b), the branch that does not cancel, or by a
+//! table of a few angles (erratum 18). Sign: the larger component is positive. At 45° downwards, where the two differ by roundings alone, the
+//! positive one may be smaller by 7 last places at most. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number, places_below};
 use crate::each::each;
@@ -15,7 +14,7 @@ use crate::rom;
 use crate::signals::{Axes, Ellipse};
 use crate::word::{Wire, Word};
 
-/// Bits before the point of numbers below 4 that come of a mantissa with an exponent of 2 at most.
+/// Bits before the point of numbers below 4 that come from a mantissa with an exponent of at most 2.
 const WITHIN_FOUR: u32 = PRODUCT + 2;
 
 /// Main axes of an ellipse. K = 0 gives λ₁ = λ₂ = 0 and direction (1, 0).
@@ -77,8 +76,7 @@ fn half_angle<W: Word>(double: &Block<W, 2>, h: &Number<W>, p: &Precision) -> (M
     (cos, sin)
 }
 
-/// (cos, sin) of the entry nearest to |α|, 0 ≤ |α| ≤ 45°, from tan 2|α| = y/x: as many steps as there are
-/// boundaries below it.
+/// (cos, sin) of the entry nearest to |α|, 0 ≤ |α| ≤ 45°, from tan 2|α| = y/x. The number of steps is the number of boundaries below it.
 #[inline(always)]
 fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precision) -> (Mantissa<W>, Mantissa<W>) {
     let [mut cos, mut sin] = angle(0, steps, p);

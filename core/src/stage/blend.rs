@@ -1,7 +1,7 @@
 //! Blend: (1 − ρ)·surface + ρ·reflection per channel, ρ the reflectance of the material.
 //!
-//! Exact up to one rounding: ρ = 0 gives the surface, ρ = 1 the reflection, to the bit. What is reflected of a bright environment
-//! keeps its range until it is blended: a few per cent of a sun are no few per cent of 64 × white.
+//! Exact up to one rounding: ρ = 0 gives the surface, ρ = 1 the reflection, to the bit. The reflection of a bright environment keeps its range until
+//! it is blended: a few per cent of a sun are more than a few per cent of 64 × white.
 
 use crate::fx::{Control, Fx, Int, WideControl};
 use crate::ports::{LIGHT, REFLECTANCE};
@@ -18,8 +18,8 @@ pub fn blend<W: Word>(
     (sum + reflection.mul(reflectance)).round_to(24)
 }
 
-/// Blends one channel with a mean of bright texels in units of 2^(`exponent` − 31); cut to the largest number below 64.
-/// Range: mean in [0, 2^31), exponent 7…20.
+/// Blends one channel with a mean of bright texels in units of 2^(`exponent` − 31). The result is clamped to the largest number below 64. Range: mean
+/// in [0, 2^31), exponent 7…20.
 #[inline(always)]
 pub fn bright<W: Word>(
     surface: Control<W, LIGHT>,

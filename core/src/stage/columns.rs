@@ -1,10 +1,9 @@
 //! Footprint columns: how the point on the face moves with the pixel, and with the surface normal.
 //!
-//! dr = [2nnᵀ − |n|²I]dv + 2[⟨n·v⟩I + nvᵀ − vnᵀ]dn (W97 (8), (9) with n = n_mod, erratum 10), in the order
-//! 2n(n·dv + v·dn) − |n|²dv + 2⟨n·v⟩dn − 2v(n·dn): aperture and curvature meet before anything is rounded away.
-//! q = (ds_c − s·dm, dt_c − t·dm)/m (W97 (6)). Error: 2^−(p−5) relative to the size of the terms; a footprint in
-//! which they cancel (the parabolic mirror seen from its focus) keeps that absolute error. A footprint on the sphere takes the same dr to the
-//! tangent plane at r instead of that of the face.
+//! dr = [2nnᵀ − |n|²I]dv + 2[⟨n·v⟩I + nvᵀ − vnᵀ]dn (W97 (8), (9) with n = n_mod, erratum 10), in the order 2n(n·dv + v·dn) − |n|²dv + 2⟨n·v⟩dn −
+//! 2v(n·dn): aperture and curvature meet before anything is rounded away. q = (ds_c − s·dm, dt_c − t·dm)/m (W97 (6)). Error: 2^−(p−5) relative to the
+//! size of the terms. A footprint whose terms cancel (the parabolic mirror seen from its focus) keeps that absolute error. A footprint on the sphere
+//! takes the same dr to the tangent plane at r instead of the plane of the face.
 
 use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, Product, align, dot, normalise};
 use crate::bundle::bundle;
@@ -15,7 +14,7 @@ use crate::precision::Precision;
 use crate::signals::{CubePoint, Reflected};
 use crate::word::Word;
 
-/// What all columns of a fragment share.
+/// Quantities that all columns of a fragment share.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirror<'a, W: Word> {
     /// n_mod.
@@ -28,7 +27,7 @@ pub struct Mirror<'a, W: Word> {
     pub point: &'a CubePoint<W>,
 }
 
-/// The column of one pair (dv, dn): d(s, t) on the face plane per unit of the pair.
+/// Column of one pair (dv, dn): d(s, t) on the face plane per unit of the pair.
 #[inline(always)]
 pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3>, p: &Precision) -> Block<W, 2> {
     let numerator = across(mirror.point, &derivative(mirror, dv, dn, p), p);
@@ -43,7 +42,7 @@ pub fn derivative<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<
     let Mirror { normal, view, reflected, .. } = mirror;
     let ([u, w], e_pair) = align([dv.scaled(normal.e), dn.scaled(view.e)], keep);
 
-    // ⟨v·n⟩ and |n|² come back to the scale of the exact products; all four with 6 bits before the point, below 8.
+    // ⟨v·n⟩ and |n|² come back to the scale of the exact products; all four have 6 bits before the point and are below 8.
     let products = [dot(&normal.m, &u) + dot(&view.m, &w), dot(&normal.m, &w)];
     let products = each!(x in products => x.floor_shr(2).reread::<6>());
     let up = (reflected.scalars.e + Fx::int(2)).saturate(Fx::int(0), Fx::int(4));
@@ -53,11 +52,11 @@ pub fn derivative<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<
     let [n_dv_v_dn, n_dn, n_v, n_n] = four.m;
 
     let dr = each!(i in [0, 1, 2] => {
-        // At most 7 with its doubling: inside the 4 bits before the point.
+        // At most 7 when doubled: inside the 4 bits before the point.
         let half: Product<W> = normal.m[i].mul(n_dv_v_dn) - view.m[i].mul(n_dn) + w[i].mul(n_v);
         half.shl(1) - u[i].mul(n_n)
     });
-    // One n of the pair's was taken to both.
+    // The alignment has already applied one exponent, of n or of v, to each member of the pair.
     normalise(dr, e_pair + four.e + normal.e, keep)
 }
 
@@ -70,15 +69,15 @@ fn across<W: Word>(point: &CubePoint<W>, dr: &Block<W, 3>, p: &Precision) -> Blo
     normalise(across, dr.e, p.fraction_bits)
 }
 
-/// A column, or none without a reflected direction.
+/// A column, or zero without a reflected direction.
 #[inline(always)]
 fn over<W: Word>(reflected: &Reflected<W>, column: Block<W, 2>) -> Block<W, 2> {
     Block::select(reflected.r.is_zero(), Block::zero(), column)
 }
 
 bundle! {
-    /// From the plane of a face to the tangent plane of the sphere, at one point: with ρ² = 1 + s² + t² a change q of (s, t) turns the
-    /// direction by (q − (s, t)·⟨(s, t)·q⟩/(ρ(ρ + 1)))/ρ radians, in axes that the face's become without turning on the way from its centre.
+    /// Map from the plane of a face to the tangent plane of the sphere, at one point. With ρ² = 1 + s² + t² a change q of (s, t) turns the direction
+    /// by (q − (s, t)·⟨(s, t)·q⟩/(ρ(ρ + 1)))/ρ radians. The axes are those of the face, carried from its centre without turning.
     pub struct TangentPlane<W> {
         /// 1/(2mρ) for the major mantissa m.
         #[range(0..=1)]
@@ -89,7 +88,7 @@ bundle! {
     }
 }
 
-/// The tangent plane at a point of the cube.
+/// Tangent plane at a point of the cube.
 #[inline(always)]
 pub fn tangent_plane<W: Word>(point: &CubePoint<W>, p: &Precision) -> TangentPlane<W> {
     let keep = p.fraction_bits;
@@ -105,7 +104,7 @@ pub fn tangent_plane<W: Word>(point: &CubePoint<W>, p: &Precision) -> TangentPla
     }
 }
 
-/// The column of one dr in radians on the tangent plane.
+/// Column of one dr in radians on the tangent plane.
 #[inline(always)]
 pub fn on_sphere<W: Word>(
     mirror: &Mirror<'_, W>,
@@ -115,7 +114,7 @@ pub fn on_sphere<W: Word>(
 ) -> Block<W, 2> {
     let keep = p.fraction_bits;
     let numerator = across(mirror.point, dr, p);
-    // At most 2, of which half fits.
+    // At most 2; half of it fits.
     let half_outwards: Mantissa<W> = dot(&mirror.point.st, &numerator.m).floor_shr(1).round_to(keep);
     let turned = each!((m, pull) in [(numerator.m[0], plane.pull[0]), (numerator.m[1], plane.pull[1])] => {
         let half_pulled: Product<W> = pull.mul(half_outwards);

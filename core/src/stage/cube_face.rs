@@ -1,7 +1,7 @@
-//! Cube face: the largest component of r selects the face, the other two over it are (s, t) (W97 (6)).
+//! Cube face: the largest component of r selects the face; the other two, divided by it, are (s, t) (W97 (6)).
 //!
-//! Face order and (s_c, t_c) are Vulkan's table. Ties: z wins over y, y over x; ±0 is positive; the zero vector
-//! gives face +z with s = t = 0. Error of s, t: 2^−p from the quotient, beside that of r.
+//! Face order and (s_c, t_c) are Vulkan's table. Ties: z wins over y, y over x; ±0 is positive; the zero vector gives face +z with s = t = 0. Error
+//! of s, t: 2^−p from the quotient, plus that of r.
 
 use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, normalise, of_control};
 use crate::each::each;
@@ -35,14 +35,14 @@ pub fn cube_face<W: Word>(r: &Block<W, 3>, p: &Precision) -> CubePoint<W> {
     CubePoint { select, st, half_reciprocal, tie: second.ge(m) }
 }
 
-/// Where a point of the cube is read.
+/// Place of a point of the cube.
 #[inline(always)]
 pub fn position<W: Word>(point: &CubePoint<W>) -> FacePosition<W> {
     FacePosition { face: point.select.index(), st: each!(s in point.st => s.to_control::<POSITION>()) }
 }
 
-/// The point `offset` away from `point` on the plane of its face: there, or, beyond the edge, on the face which
-/// the ray to it meets (a footprint is a piece of that plane; errors as for [`cube_face`]).
+/// Point at `offset` from `point` on the plane of its face. Beyond the edge it is on the face that the ray to it meets: a footprint is a piece of the
+/// plane. Errors as for [`cube_face`].
 #[inline(always)]
 pub fn continuation<W: Word>(point: &CubePoint<W>, offset: &MapOffset<W>, p: &Precision) -> FacePosition<W> {
     // |s + offset| ≤ 1 + 3.5: inside I4F28.

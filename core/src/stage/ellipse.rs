@@ -11,7 +11,7 @@ use crate::rom;
 use crate::signals::Ellipse;
 use crate::word::Word;
 
-/// Columns as standard deviations, of which the first two are those of a pixel: a box of one pixel has variance 1/12.
+/// Columns as standard deviations. The first two are those of a pixel: a box of one pixel has variance 1/12.
 #[inline(always)]
 pub fn pixel_columns<W: Word, const N: usize, const COLUMNS: usize>(
     columns: &[Block<W, N>; COLUMNS],
@@ -28,7 +28,7 @@ pub fn pixel_columns<W: Word, const N: usize, const COLUMNS: usize>(
     })
 }
 
-/// The ellipse of `COLUMNS` columns (2 or 4), each a covariance's square root.
+/// Ellipse of `COLUMNS` columns (2 or 4), each a covariance's square root.
 #[inline(always)]
 pub fn ellipse<W: Word, const COLUMNS: usize>(columns: [Block<W, 2>; COLUMNS], p: &Precision) -> Ellipse<W> {
     let keep = p.fraction_bits;

@@ -1,8 +1,7 @@
-//! Enter: what comes through a port is brought to the form the datapath works in.
+//! Enter: brings port values to the form in which the datapath works.
 //!
-//! A vector's largest component comes to [½, 1] by an exact shift and is rounded to `fraction_bits`, exactly if the
-//! port carries no more significant bits; its exponent saturates at ±2^11, beyond every float64. An offset is rounded to the bits
-//! the profile keeps.
+//! An exact shift brings a vector's largest component to [½, 1]. It is then rounded to `fraction_bits`, exactly if the port carries no more
+//! significant bits. The exponent saturates at ±2^11, beyond every float64. An offset is rounded to the bits that the profile keeps.
 
 use crate::block::{Block, MAX_EXPONENT, PRODUCT, normalise};
 use crate::each::each;
@@ -11,15 +10,14 @@ use crate::ports::{OFFSET, PortBlock};
 use crate::precision::Precision;
 use crate::word::Word;
 
-/// A vector or a derivative, normalised. Range: any mantissas, any exponent of 16 bits.
+/// Normalises a vector or a derivative. Range: any mantissas, any 16-bit exponent.
 #[inline(always)]
 pub fn enter<W: Word, const N: usize>(port: &PortBlock<W, N>, p: &Precision) -> Block<W, N> {
     let e = port.exponent.saturate(Fx::int(-MAX_EXPONENT), Fx::int(MAX_EXPONENT));
     normalise(each!(m in port.mantissa => m.widen::<PRODUCT>()), e, p.fraction_bits)
 }
 
-/// An offset or a roughness with the bits the profile keeps. What would round up to 8 saturates to the largest number
-/// below it.
+/// Rounds an offset or a roughness to the bits that the profile keeps. A value that would round up to 8 saturates to the largest number below it.
 #[inline(always)]
 pub fn enter_offset<W: Word>(x: Fx<W, OFFSET>, p: &Precision) -> Fx<W, OFFSET> {
     let dropped = Fx::<W, OFFSET>::FRACTION.saturating_sub(p.offset_bits());

@@ -1,9 +1,8 @@
 //! Filter: texel addresses and weights, bilinear and trilinear interpolation, probe sums.
 //!
-//! Products of texels and weights are exact; each level is rounded to a word, then their mean, so equal texels give
-//! that value. The memory between address and texel is not part of the datapath. Addresses, weights and texels control: they have
-//! 32 bits whatever a mantissa has.
-//! Error: one last place of the sample (2^−24 of full scale for 24 fraction bits), beside that of the weights.
+//! Products of texels and weights are exact. Each level is rounded to a word, then their mean, so equal texels give that value. The memory between
+//! address and texel is not part of the datapath. Addresses, weights and texels are control words: 32 bits for a mantissa of any width. Error: one
+//! last place of the sample (2^−24 of full scale for 24 fraction bits), plus that of the weights.
 
 use crate::bundle::bundle;
 use crate::each::{each, places};
@@ -13,11 +12,11 @@ use crate::precision::Precision;
 use crate::signals::TexturePosition;
 use crate::word::{Wire, Word};
 
-/// Bits before the point of a weight; behind it are 10, of which `weight_bits` are kept.
+/// Bits before the point of a weight; 10 bits follow it, of which `weight_bits` are kept.
 pub const WEIGHT: u32 = 22;
 
 bundle! {
-    /// Where a bilinear sample reads: texels `index` and `index + 1` in both directions.
+    /// Address of a bilinear sample: texels `index` and `index + 1` in both directions.
     pub struct Address<W> {
         /// The lower texel, −1 … edge − 1.
         #[range(-1..=16383)]
@@ -47,11 +46,11 @@ pub fn face_address<W: Word>(st: &[Control<W, POSITION>; 2], edge: Int<W>, p: &P
     Address { index: each!(part in parts => part.0), weight: each!(part in parts => part.1) }
 }
 
-/// Address on a level of a repeated map: texel coordinate u·width − ½, u in [0, 1) with 32 fraction bits.
+/// Address on a level of a wrapped map: texel coordinate u·width − ½, u in [0, 1) with 32 fraction bits.
 #[inline(always)]
 pub fn repeat_address<W: Word>(place: &TexturePosition<W>, size: [Int<W>; 2], p: &Precision) -> Address<W> {
     let parts = each!(i in [0, 1] => {
-        // A 32-bit fraction times a 14-bit edge in two halves of 16 bits; the product is exact.
+        // A 32-bit fraction times a 14-bit edge in two 16-bit halves; the product is exact.
         let halves = [place.uv[i].raw().sar(16), place.uv[i].raw().and(Wire::lit(0xffff))];
         let [high, low] = each!(half in halves => W::Count::narrow(half).mul(size[i].raw()));
         let scaled: WideControl<W, 32> = Fx::from_raw(high.shl(16).add(low));
@@ -60,7 +59,7 @@ pub fn repeat_address<W: Word>(place: &TexturePosition<W>, size: [Int<W>; 2], p:
     Address { index: each!(part in parts => part.0), weight: each!(part in parts => part.1) }
 }
 
-/// The columns, or the rows, of a bilinear sample of a repeated map: `index` and `index + 1` modulo `edge`.
+/// Columns, or rows, of a bilinear sample of a wrapped map: `index` and `index + 1` modulo `edge`.
 #[inline(always)]
 pub fn wrapped<C: Word<Count = C>>(index: Fx<C, 32>, edge: Fx<C, 32>) -> [Fx<C, 32>; 2] {
     each!(i in [index, index + Fx::int(1)] => {
@@ -84,7 +83,7 @@ fn weights<C: Word<Count = C>>(weight: &[Fx<C, WEIGHT>; 2]) -> [C; 4] {
 /// Range: |texel| < 2^31.
 #[inline(always)]
 fn bilinear<C: Word<Count = C>>(texels: &[Fx<C, 32>; 4], weights: &[C; 4], extra: u32) -> Fx<C, 32> {
-    // Written out: the closure of a fold is not compiled for the lanes' instruction set where it is not inlined, and takes vectors through memory.
+    // Written out: the closure of a fold is not compiled for the lanes' instruction set unless it is inlined, and it takes vectors through memory.
     let [a, b, c, d] = each!(i in [0, 1, 2, 3] => texels[i].raw().mul(weights[i]));
     let sum = a.add(b).add(c).add(d);
     Fx::from_raw(C::narrow(sum.sar(20 - extra - 1).add(Wire::lit(1)).sar(1)))
@@ -96,25 +95,24 @@ bundle! {
         /// The finer level.
         #[range(0..=14)]
         level: Int<W>,
-        /// Weight of the coarser one, [0, 1), `lod_bits` kept.
+        /// Weight of the coarser level, [0, 1), `lod_bits` kept.
         #[range(0..1)]
         weight: Control<W, LEVEL_WEIGHT>,
     }
 }
 
-/// Bits before the point of the weight between levels; behind it are 12.
+/// Bits before the point of the weight between levels; 12 bits follow it.
 pub const LEVEL_WEIGHT: u32 = 20;
 
-/// Bias of the level of detail where a footprint is a surface's roughness: −½·log₂3, in 2^−16.
+/// Bias of the level of detail for a footprint that is a surface's roughness: −½·log₂3, in 2^−16.
 ///
-/// A trilinear probe on texels of size t has the variance t²/12 (box) + t²/6 (tent) = t²/4. At the pixel's level,
-/// t = 2√3·λ₂, that is 3λ₂²: what a pixel's box needs against aliasing, for its neighbours see other texels. Roughness needs no
-/// such reserve (neighbouring lobes overlap), and t = 2λ₂ gives exactly λ₂². Measured where all bumps are below a pixel: 9 dB. A bump map whose lost
-/// detail is roughness is read with it, too: what lies between the texels of the pixel's level is neither in the mean nor in K (1 to 2 dB where
-/// bumps are a few pixels wide).
+/// A trilinear probe on texels of size t has the variance t²/12 (box) + t²/6 (tent) = t²/4. At the pixel's level, t = 2√3·λ₂, that is 3λ₂². A pixel's
+/// box needs that much against aliasing, for its neighbours see other texels. Roughness needs no such reserve (neighbouring lobes overlap), and t =
+/// 2λ₂ gives exactly λ₂². Measured with all bumps below a pixel, the gain is 9 dB. A bump map whose lost detail is roughness is read with the bias,
+/// too. Detail between the texels of the pixel's level is neither in the mean nor in K (1 to 2 dB with bumps a few pixels wide).
 pub const ROUGHNESS_LOD_BIAS: i32 = -51_936;
 
-/// A level of detail moved by the bias of rough footprints, not below the finest level.
+/// Level of detail moved by the bias of rough footprints, not below the finest level.
 #[inline(always)]
 pub fn biased<C: Word<Count = C>>(lod: Fx<C, LOD>, p: &Precision) -> Fx<C, LOD> {
     (lod + Fx::entry(ROUGHNESS_LOD_BIAS)).max(Fx::zero()).keep(p.lod_bits)
@@ -127,8 +125,8 @@ pub fn levels<W: Word>(lod: Control<W, LOD>) -> LevelPair<W> {
     LevelPair { level, weight: (lod - Fx::of_index(level, 0)).to_control() }
 }
 
-/// Weights of the finer and of the coarser level in what differs between texels, for a probe that spans `reach` of a texel of the finest level;
-/// their sum is the reach.
+/// Weights of the finer and of the coarser level for differences between texels, for a probe that spans `reach` of a texel of the finest level. Their
+/// sum is the reach.
 #[inline(always)]
 pub fn ramp_weights<C: Word<Count = C>>(level_weight: Fx<C, LEVEL_WEIGHT>, reach: Fx<C, SHARE>) -> [Fx<C, SHARE>; 2] {
     let coarse = level_weight.mul::<SHARE, { LEVEL_WEIGHT + SHARE }>(reach).round_to(16);
@@ -140,19 +138,19 @@ bundle! {
     pub struct Patch<W> {
         /// One channel of the texels (0,0), (1,0), (0,1), (1,1).
         texels: [Int<W>; 4],
-        /// Weights of the right and of the lower ones, [0, 1).
+        /// Weights of the right and of the lower texels, [0, 1).
         #[range(0..1)]
         weight: [Control<W, WEIGHT>; 2],
     }
 }
 
-/// Bilinear interpolation of one channel: what [`trilinear`] is of one level, in the same range.
+/// Bilinear interpolation of one channel: one level of [`trilinear`], in the same range.
 #[inline(always)]
 pub fn of_level<W: Word>(patch: &Patch<W>, extra: u32) -> Int<W> {
     bilinear(&patch.texels, &weights(&patch.weight), extra)
 }
 
-/// [`of_level`] of every channel of four texels: their weights are worked out once.
+/// [`of_level`] for every channel of four texels; their weights are computed once.
 #[inline(always)]
 pub fn channels_of_level<W: Word, const CHANNELS: usize>(
     texels: &[[Int<W>; CHANNELS]; 4],
@@ -178,7 +176,7 @@ pub fn trilinear<W: Word>(
     between(fine, coarse, level_weight)
 }
 
-/// A sample between those of two levels.
+/// Sample between those of two levels.
 #[inline(always)]
 pub fn between<C: Word<Count = C>>(fine: Fx<C, 32>, coarse: Fx<C, 32>, level_weight: Fx<C, LEVEL_WEIGHT>) -> Fx<C, 32> {
     // The weights sum to one, so equal levels give exactly the sample.
@@ -187,7 +185,7 @@ pub fn between<C: Word<Count = C>>(fine: Fx<C, 32>, coarse: Fx<C, 32>, level_wei
     Fx::from_raw(C::narrow(sum.add(Wire::lit(1 << 11)).sar(12)))
 }
 
-/// The texel that does not exist at a corner of the cube: the mean of the three that meet there.
+/// Value for the texel that does not exist at a corner of the cube: the mean of the three that meet there.
 ///
 /// 174 763/2^19 = 1/3 + 2^−20.6: the nearest integer to the mean of any three 16-bit texels.
 #[inline(always)]
@@ -199,10 +197,10 @@ pub fn corner<C: Word<Count = C>>(three: &[Fx<C, 32>; 3]) -> Fx<C, 32> {
 /// The largest code of a bright texel: 4095 · 2^19, the last number of 12 significant bits below 2^31.
 pub const LAST_BRIGHT_CODE: u16 = 21 * 2048 - 1;
 
-/// A channel of a bright texel from its code, exponent c in the upper 5 bits, fraction f in the lower 11: f where c = 0, else
-/// (2048 + f) · 2^(c − 1), in 2^−31 of the unit of the map.
+/// Channel of a bright texel from its code, exponent c in the upper 5 bits, fraction f in the lower 11: f if c = 0, else (2048 + f) · 2^(c − 1), in
+/// 2^−31 of the unit of the map.
 ///
-/// Range: any code of 16 bits; those above [`LAST_BRIGHT_CODE`] read as that one.
+/// Range: any 16-bit code; codes above [`LAST_BRIGHT_CODE`] read as that one.
 #[inline(always)]
 pub fn bright_texel<C: Word<Count = C>>(code: Fx<C, 32>) -> Fx<C, 32> {
     let code = code.min(Fx::int(LAST_BRIGHT_CODE.into()));
@@ -212,9 +210,9 @@ pub fn bright_texel<C: Word<Count = C>>(code: Fx<C, 32>) -> Fx<C, 32> {
     Fx::from_raw(m.raw().shl_by((c - Fx::int(1)).max(Fx::zero()).raw()))
 }
 
-/// The same as [`corner`] for bright texels: sums of three of them need more than a word.
+/// [`corner`] for bright texels: a sum of three needs more than a word.
 ///
-/// Relative error 2^−19, a 128th of what the codes of these texels have.
+/// Relative error 2^−19, a 128th of the error of these texels' codes.
 #[inline(always)]
 pub fn bright_corner<C: Word<Count = C>>(three: &[Fx<C, 32>; 3]) -> Fx<C, 32> {
     let [a, b, c] = each!(texel in *three => texel.raw().mul(C::lit(174_763)));
@@ -243,7 +241,7 @@ impl<W: Word> ProbeSum<W> {
         Self { sum: self.sum + sample.mul(weight) }
     }
 
-    /// The mean, rounded to nearest. The weights sum to 1.
+    /// Mean, rounded to nearest. The weights sum to 1.
     #[inline(always)]
     pub fn mean(self) -> Int<W> {
         Fx::from_raw(W::Count::narrow(self.sum.raw().add(Wire::lit(1 << 15)).sar(16)))

@@ -1,10 +1,9 @@
-//! Frame: the two tangents in which bump offsets and roughness are given.
+//! Frame: the tangent basis, two tangents in which bump offsets and roughness are given.
 //!
-//! S97 §7.3 (W97 App. A): E₁ = h×n/|h×n|·|n|, E₂ = n×E₁/…; both scaled by |n| so that offsets keep their meaning
-//! for an unnormalised n (errata 9, 16, 17). S97 §7.1 and §7.2: s_u = n̂×p_v, s_v = p_u×n̂, here relative to
-//! |p_u×p_v|, so that n + f_u·s_u + f_v·s_v has the direction of the print for a normal of any length.
-//! Cross products of p-bit mantissas are exact, then brought to a common exponent: the frame stays orthogonal
-//! down to one last bit between n and h. Error: 2^−(p−3) relative to |n|.
+//! S97 §7.3 (W97 App. A): E₁ = h×n/|h×n|·|n|, E₂ = n×E₁/…; both scaled by |n| so that offsets keep their meaning for an unnormalised n (errata 9, 16,
+//! 17). S97 §7.1 and §7.2: s_u = n̂×p_v, s_v = p_u×n̂, here relative to |p_u×p_v|, so that n + f_u·s_u + f_v·s_v has the direction of the print for a
+//! normal of any length. Cross products of p-bit mantissas are exact, then brought to a common exponent: the basis stays orthogonal down to one last
+//! bit between n and h. Error: 2^−(p−3) relative to |n|.
 
 use crate::block::{Block, Mantissa, PRODUCT, Product, cross, normalise};
 use crate::each::each;
@@ -16,8 +15,7 @@ use crate::word::Word;
 
 /// System 3: the main direction h.
 ///
-/// Pole (n ∥ h, or either zero): the unit axis on which |n| is smallest stands in for h; ties take x before y
-/// before z. n = 0 gives a zero frame.
+/// Pole (n ∥ h, or either zero): the unit axis on which |n| is smallest stands in for h; ties take x before y before z. n = 0 gives a zero basis.
 #[inline(always)]
 pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
@@ -39,7 +37,7 @@ pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) 
     TangentFrame { e1: c.times(&ratio, keep), e2: d.times(&inverse_length, keep), pole }
 }
 
-/// System 1: E₁ = (n×p_v)/|p_u×p_v|, E₂ = (p_u×n)/|p_u×p_v|. Pole (p_u ∥ p_v): zero frame.
+/// System 1: E₁ = (n×p_v)/|p_u×p_v|, E₂ = (p_u×n)/|p_u×p_v|. Pole (p_u ∥ p_v): zero basis.
 #[inline(always)]
 pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
@@ -54,7 +52,7 @@ pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precis
     TangentFrame { e1, e2, pole }
 }
 
-/// System 2: the directions of system 1, both of length |n|. Pole (n ∥ p_u or n ∥ p_v): zero frame.
+/// System 2: the directions of system 1, both of length |n|. Pole (n ∥ p_u or n ∥ p_v): zero basis.
 #[inline(always)]
 pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> TangentFrame<W> {
     let keep = p.fraction_bits;
@@ -70,7 +68,7 @@ pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2],
     TangentFrame { e1, e2, pole }
 }
 
-/// The cross product of the unit axis on which |n| is smallest with n, exact.
+/// Cross product of the unit axis on which |n| is smallest with n, exact.
 #[inline(always)]
 fn axis_cross_n<W: Word>(n: &[Mantissa<W>; 3]) -> [Product<W>; 3] {
     let [x, y, z] = each!(x in *n => x.abs());

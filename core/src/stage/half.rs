@@ -10,7 +10,7 @@ use crate::fx::Fx;
 use crate::precision::Precision;
 use crate::word::{Wire, Word};
 
-/// The half vector of l and v, both of any length. Where either is zero, or l = −v, it is zero.
+/// Half vector of l and v, both of any length. It is zero if either is zero, or if l = −v.
 #[inline(always)]
 pub fn half<W: Word>(light: &Block<W, 3>, view: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
     let keep = p.fraction_bits;

@@ -1,12 +1,11 @@
 //! Highlight: modified Blinn-Phong (S97 App. A; errata 6, 7, 8), isotropic and anisotropic.
 //!
-//! Facets are n_mod + δ; δ has the covariance of the roughness plus a base I/m. With g = n_mod × h, c = n_mod·h and
-//! the tangents q₁, q₂ of the roughness in units of the base deviation 1/√m, all relative to |n_mod|:
-//! D = 1 + |n̂×q₁|² + |n̂×q₂|² + (n̂·(q₁×q₂))², x = (|g|² + (g·q₁)² + (g·q₂)²)/(c²·D), f = (1 + x)^(−m/2)/√D.
-//! Every term is positive: nothing cancels, D and x are the determinant and the quadratic form of the inverse without a
-//! division. A smooth surface has D = 1, f = cos^m; 1/√D keeps the energy over the slopes. A Gaussian tail instead of the
-//! power fits the one-pixel bars worse (noise by 1 dB, the others by 0 to 0.2 dB).
-//! Error of f: 2^−(p−3)·√m from the angle between n_mod and h (the steepest slope of cos^m is 0.61·√m), and 2^−19.5.
+//! Facets are n_mod + δ; δ has the covariance of the roughness plus a base I/m. With g = n_mod × h, c = n_mod·h and the tangents q₁, q₂ of the
+//! roughness in units of the base deviation 1/√m, all relative to |n_mod|: D = 1 + |n̂×q₁|² + |n̂×q₂|² + (n̂·(q₁×q₂))², x = (|g|² + (g·q₁)² +
+//! (g·q₂)²)/(c²·D), f = (1 + x)^(−m/2)/√D. Every term is positive: nothing cancels. D and x are the determinant and the quadratic form of the
+//! inverse, without a division. A smooth surface has D = 1, f = cos^m; 1/√D keeps the energy over the slopes. A Gaussian tail instead of the power
+//! fits the one-pixel bars worse (noise by 1 dB, the others by 0 to 0.2 dB). Error of f: 2^−(p−3)·√m from the angle between n_mod and h (the steepest
+//! slope of cos^m is 0.61·√m), and 2^−19.5.
 
 use crate::block::{Block, MANTISSA, Number, PRODUCT, Product, cross, dot, normalise, number, of_control};
 use crate::each::each;
@@ -17,7 +16,7 @@ use crate::precision::Precision;
 use crate::signals::{Lobe, Shininess, Spread};
 use crate::word::Word;
 
-/// The exponent of a material. m is saturated to 1…8192, √m to 1…91.
+/// Exponent of a material. m is saturated to 1…8192, √m to 1…91.
 #[inline(always)]
 pub fn enter_shininess<W: Word>(port: &ShininessPort<W>, p: &Precision) -> Shininess<W> {
     let exponent = port.exponent.saturate(Fx::int(1), Fx::int(8192));
@@ -28,8 +27,8 @@ pub fn enter_shininess<W: Word>(port: &ShininessPort<W>, p: &Precision) -> Shini
     }
 }
 
-/// What the tangents d₁E₁ and d₂E₁ + d₃E₂ (or I₁E₁ and I₁E₂) of a fragment do to its highlights; exponents included.
-/// Without roughness the amplitude is exactly 1.
+/// Effect of the tangents d₁E₁ and d₂E₁ + d₃E₂ (or I₁E₁ and I₁E₂) of a fragment on its highlights; exponents included. Without roughness the
+/// amplitude is exactly 1.
 #[inline(always)]
 pub fn spread<W: Word>(
     normal: &Block<W, 3>,
@@ -63,7 +62,7 @@ pub fn spread<W: Word>(
 
 /// f of one light. A smooth surface has no spread.
 ///
-/// Range: f in [0, 1]. 0 where n·l ≤ 0 or n_mod·h ≤ 0, so also where any of n, l, h is zero.
+/// Range: f in [0, 1]. f is 0 if n·l ≤ 0 or n_mod·h ≤ 0, so also if any of n, l, h is zero.
 #[inline(always)]
 pub fn lobe<W: Word>(
     [normal, normal_mod]: [&Block<W, 3>; 2],
@@ -95,7 +94,7 @@ pub fn lobe<W: Word>(
         }
     };
 
-    // m/2·log₂(1 + x), below 2^8, or cut to 63: f has no bits there.
+    // m/2·log₂(1 + x), below 2^8, or clamped to 63: f has no bits there.
     let log = log2_one_plus(x, p);
     let e = shininess.exponent.e + log.e - Fx::int(1);
     let fall: Product<W> = shininess.exponent.m[0].mul(log.m[0]);
@@ -114,7 +113,7 @@ pub fn lobe<W: Word>(
     Lobe { f: Fx::select(light_below | half_below, Fx::zero(), f), light_below, half_below }
 }
 
-/// The sum of the squares of a block's mantissas at the exponent `top`, at most `N`.
+/// Sum of the squares of a block's mantissas at the exponent `top`, at most `N`.
 #[inline(always)]
 fn square<W: Word, const N: usize>(a: &Block<W, N>, top: Int<W>, keep: u32) -> Product<W> {
     let m = a.mantissas_at(top, keep);

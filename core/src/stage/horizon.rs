@@ -1,14 +1,14 @@
-//! Horizon: which share of a peak's facets light and eye both clear (F92 §5, erratum 22).
+//! Horizon: the share of a peak's facets that light and eye both clear (F92 §5, erratum 22).
 //!
-//! For the axis x of a local direction (x, y, z): ramp = (slope − low)·inverse width, cut to [0, 1], with slope = z/|x| and
-//! the stored horizon on the side to which the direction points. A step is visible from its slope on; x = 0 is visible. Slopes are cut to ±8, so a
-//! stored step at −8 hides nothing. Four ramps, of light and eye over both axes, become one share, as the plan says:
+//! For the axis x of a local direction (x, y, z): ramp = (slope − low)·inverse width, clamped to [0, 1], with slope = z/|x| and the stored horizon on
+//! the side to which the direction points. A step is visible from its slope on; x = 0 is visible. Slopes are clamped to ±8, so a stored step at −8
+//! hides nothing. Four ramps, of light and eye over both axes, become one share, as the plan says:
 //!
-//! * correlated: a ramp t clears 1 − (1 − t)², a law whose density falls linearly from its low end; of the two smallest shares a ≤ b the
-//!   result is a·(3 + b)/4 = a − a(1 − b)/4, between a, where who lies in a hole lies in it for every direction, and a·b;
+//! * correlated: a ramp t clears 1 − (1 − t)², a law whose density falls linearly from its low end. Of the two smallest shares a ≤ b the result is
+//!   a·(3 + b)/4 = a − a(1 − b)/4. It lies between a·b and a; a alone would mean that a facet in a hole is hidden in every direction.
 //! * product: a ramp is the share, a uniform law, and all four are multiplied.
 //!
-//! Where every share is 0 or 1 both are the same. Error of a slope s: 2^−(p−3.2)·max(1, |s|); of a ramp, beside that: 2^−17.
+//! If every share is 0 or 1, both give the same result. Error of a slope s: 2^−(p−3.2)·max(1, |s|); of a ramp, in addition: 2^−17.
 
 use crate::block::{Block, MANTISSA, PRODUCT, Product, number};
 use crate::each::each;
@@ -50,7 +50,7 @@ const fn slope_bits(p: &Precision) -> u32 {
     p.fraction_bits - 4
 }
 
-/// The ramps that a direction climbs over both axes.
+/// Ramps that a direction climbs over both axes.
 #[inline(always)]
 pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Precision) -> Ramps<W> {
     let one: Control<W, SHARE> = Fx::int(1);
@@ -58,7 +58,7 @@ pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Prec
         let AxisSlope { slope, negative, upright } = slopes[axis];
         let low = Fx::select(negative, horizon.low[2 * axis], horizon.low[2 * axis + 1]);
         let code = Fx::select(negative, horizon.inverse_width[2 * axis], horizon.inverse_width[2 * axis + 1]);
-        // In counts: on a narrow word a stored slope would lose places, and a ramp, up to 2^13 times as steep, all of them.
+        // In counts: on a narrow word a stored slope would lose places, and a ramp, up to 2^13 times as steep, would lose all of them.
         let above = slope.to_control::<SLOPE>() - Fx::<W::Count, SLOPE>::of_control(low);
         // Codes count in 2^−14: 1/width = m·2^(e − 1), e ≤ 14.
         let inverse = short_number::<W::Count>(code);
@@ -71,7 +71,7 @@ pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Prec
     Ramps { axes }
 }
 
-/// The share of facets that clear both directions, of falling laws that are correlated, in [0, 1].
+/// Share of facets that clear both directions, for falling laws that are correlated, in [0, 1].
 #[inline(always)]
 pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE> {
     let one: Control<W, SHARE> = Fx::int(1);
@@ -81,7 +81,7 @@ pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE
         [x.min(y), x.max(y)]
     });
     let next = lit[0].max(seen[0]).min(lit[1].min(seen[1]));
-    // What the smaller one hides stays exact: factors of 18 bits alone meet.
+    // The part that the smaller share hides stays exact: only 18-bit factors meet.
     let [most, more]: [WideControl<W, { 2 * SHARE }>; 2] = each!(t in [lit[0].min(seen[0]), next] => {
         let hidden = one - t;
         hidden.mul::<SHARE, { 2 * SHARE }>(hidden)
@@ -91,14 +91,14 @@ pub fn correlated<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE
     (Fx::int(1) - most - taken).saturate(Fx::zero(), Fx::int(1)).round_to(16)
 }
 
-/// The share of facets that clear both directions, of uniform laws that are independent, in [0, 1].
+/// Share of facets that clear both directions, for uniform laws that are independent, in [0, 1].
 #[inline(always)]
 pub fn independent<W: Word>(light: &Ramps<W>, eye: &Ramps<W>) -> Control<W, SHARE> {
     let [lit, seen] = each!(ramps in [light, eye] => product::<W>(ramps.axes[0], ramps.axes[1]));
     product::<W>(lit, seen)
 }
 
-/// The product of two shares, rounded to nearest; 1 changes nothing.
+/// Product of two shares, rounded to nearest; a factor 1 changes nothing.
 #[inline(always)]
 pub fn product<W: Word>(a: Control<W, SHARE>, b: Control<W, SHARE>) -> Control<W, SHARE> {
     a.mul::<SHARE, { 2 * SHARE }>(b).round_to(16)

@@ -1,8 +1,8 @@
-//! Local: a direction in the frame of its surface, (d·E₁, d·E₂, d·n) with E₁, E₂ in units of |n|.
+//! Local: a direction in the tangent basis of its surface, (d·E₁, d·E₂, d·n) with E₁, E₂ in units of |n|.
 //!
-//! The dot products of p-bit mantissas are exact, then brought to a common exponent and rounded once; unit length by one
-//! inverse root. A zero direction and a zero frame (n = 0, or the pole of systems 1 and 2) have no local direction: all
-//! components are zero. Error of the unit vector: 2^−(p−1.1) rad in direction, 2^−(p−2.1) in all.
+//! The dot products of p-bit mantissas are exact, then brought to a common exponent and rounded once; one inverse root gives unit length. A zero
+//! direction and a zero basis (n = 0, or the pole of systems 1 and 2) have no local direction: all components are zero. Error of the unit vector:
+//! 2^−(p−1.1) rad in direction, 2^−(p−2.1) in all.
 
 use crate::block::{Block, Product, ZERO_EXPONENT, dot, normalise, places_below};
 use crate::each::each;
@@ -12,7 +12,7 @@ use crate::precision::Precision;
 use crate::signals::{LightSide, LocalDirection, TangentFrame};
 use crate::word::{Wire, Word};
 
-/// d·E₁, d·E₂ and d·n, of any length. Range: any blocks; the frame is in units of the mantissas of n.
+/// d·E₁, d·E₂ and d·n, of any length. Range: any blocks; the tangent basis is in units of the mantissas of n.
 #[inline(always)]
 pub fn components<W: Word>(d: &Block<W, 3>, frame: &TangentFrame<W>, n: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
     let zero = Fx::int(ZERO_EXPONENT);
@@ -28,7 +28,7 @@ pub fn components<W: Word>(d: &Block<W, 3>, frame: &TangentFrame<W>, n: &Block<W
     Block::select(frame.e1.is_zero() | frame.e2.is_zero(), Block::zero(), local)
 }
 
-/// A local direction at unit length. `local` comes from [`components`].
+/// Local direction at unit length. `local` comes from [`components`].
 #[inline(always)]
 pub fn unit<W: Word>(local: &Block<W, 3>, p: &Precision) -> LocalDirection<W> {
     let one = Fx::int(1);
@@ -36,7 +36,7 @@ pub fn unit<W: Word>(local: &Block<W, 3>, p: &Precision) -> LocalDirection<W> {
     LocalDirection { unit, none: local.is_zero() }
 }
 
-/// On which side of the surface a light stands. `local` is what [`components`] makes of it.
+/// Side of the surface on which a light stands. `local` comes from [`components`].
 #[inline(always)]
 pub fn side<W: Word>(light: &Block<W, 3>, local: &Block<W, 3>) -> LightSide<W> {
     LightSide { below: !Fx::zero().lt(local.m[2]), none: light.is_zero() }

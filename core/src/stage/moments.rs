@@ -1,14 +1,15 @@
-//! Moments: what a footprint sees of a bumpy surface, mean offset and the covariance around it.
+//! Moments: mean offset of a bumpy surface over a footprint, and the covariance around it.
 //!
-//! Interpolated within a probe are b and K = D Dᵀ, never D (erratum 15). Averaged over the probes are b and the
-//! second moments K + b bᵀ, so the variance of the *means* between probes is kept, as S97's recursion keeps it
-//! between levels (erratum 14). Between the texels of one bilinear patch the surface is a ramp; half of its variance
-//! within the probe is added to K, that of a probe no wider than a texel (of standard deviation ½ texel, or of the pixel's
-//! where the map is magnified). Counting the corners of a patch as a distribution would blur a magnified map
-//! (measured on resolved bumps: 3.7 dB). The result becomes D again, K = D Dᵀ: d₃ = √c, d₂ = b/√c,
-//! d₁ = √(a − b²/c); c = 0 gives d₂ = 0, d₁ = √a (erratum 13). Numbers are in units of the map's scale: |b|, |d| ≤ 1.
-//! A square is rounded alike on both ways, so that equal probes give back their K to the bit, none where offsets do not differ.
-//! Error: K 2^−28 absolute, D the root of it.
+//! Within a probe b and K = D Dᵀ are interpolated, never D (erratum 15). Over the probes b and the second moments K + b bᵀ are averaged. This keeps
+//! the variance of the *means* between probes, as S97's recursion keeps it between levels (erratum 14).
+//!
+//! Between the texels of one bilinear patch the surface is a ramp. Half of the ramp's variance within the probe is added to K, for a probe no wider
+//! than a texel (of standard deviation ½ texel, or the pixel's if the map is magnified). To count the corners of a patch as a distribution would blur
+//! a magnified map (measured on resolved bumps: 3.7 dB).
+//!
+//! The result becomes D again, K = D Dᵀ: d₃ = √c, d₂ = b/√c, d₁ = √(a − b²/c); c = 0 gives d₂ = 0, d₁ = √a (erratum 13). Numbers are in units of the
+//! map's scale: |b|, |d| ≤ 1. A square is rounded alike on both ways, so equal probes give back their K to the bit, and K = 0 if offsets do not
+//! differ. Error: K 2^−28 absolute, D the root of it.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number};
 use crate::each::each;
@@ -24,20 +25,19 @@ pub const MOMENT: u32 = 3;
 /// b₁, b₂ and three elements of a symmetric matrix (11, 12, 22): five channels.
 pub type Moments<W> = ([Mantissa<W>; 2], [Fx<W, MOMENT>; 3]);
 
-/// A stored code of 16 bits as a number in units of the map's scale, |·| ≤ 1, floored to its last place: an offset is
-/// code/2^15 · 2^−`down`.
+/// Stored 16-bit code as a number in units of the map's scale, |·| ≤ 1, floored to its last place: an offset is code/2^15 · 2^−`down`.
 #[inline(always)]
 pub fn decode_offset<C: Word<Count = C>>(code: Fx<C, 32>, down: Fx<C, 32>) -> Mantissa<C> {
     Fx::from_raw(code.raw().shl(15).sar_by(down.raw()))
 }
 
-/// The same of a roughness, without a sign of its own: code/2^16 · 2^−`down`.
+/// Stored 16-bit code of a roughness, which is unsigned, in the same units: code/2^16 · 2^−`down`.
 #[inline(always)]
 pub fn decode_roughness<C: Word<Count = C>>(code: Fx<C, 32>, down: Fx<C, 32>) -> Mantissa<C> {
     Fx::from_raw(code.raw().shl(14).sar_by(down.raw()))
 }
 
-/// K = D Dᵀ of one texel, the channels that are interpolated beside b.
+/// K = D Dᵀ of one texel: the channels that are interpolated together with b.
 #[inline(always)]
 pub fn of_texel<W: Word>(d: &[Mantissa<W>; 3]) -> [Fx<W, MOMENT>; 3] {
     let [d1, d2, d3] = *d;
@@ -52,9 +52,9 @@ pub fn of_isotropic_texel<W: Word>(i1: Mantissa<W>) -> [Fx<W, MOMENT>; 3] {
     of_texel(&[i1, Fx::zero(), i1])
 }
 
-/// Half the variance of the ramp of b within a probe, |·| ≤ 1: ⅛·(d_u d_uᵀ + d_v d_vᵀ), d the mean differences of the texels (0,0), (1,0), (0,1), (1,1)
-/// along each axis, those of a finer and of a coarser level weighed with [`ramp_weights`](super::filter::ramp_weights).
-/// Error: 2^−15 of the root of the trace, from the weights, and 2^−28.
+/// Half the variance of the ramp of b within a probe, |·| ≤ 1: ⅛·(d_u d_uᵀ + d_v d_vᵀ). d are the mean differences of the texels (0,0), (1,0), (0,1),
+/// (1,1) along each axis. [`ramp_weights`](super::filter::ramp_weights) weigh those of a finer and of a coarser level. Error: 2^−15 of the root of
+/// the trace, from the weights, and 2^−28.
 #[inline(always)]
 pub fn ramp<W: Word>(offsets: &[[[Mantissa<W>; 2]; 4]; 2], weights: &[Fx<W, SHARE>; 2]) -> [Fx<W, MOMENT>; 3] {
     // A quarter of each texel, so that half a mean difference is at most 1.
@@ -74,7 +74,7 @@ pub fn ramp<W: Word>(offsets: &[[[Mantissa<W>; 2]; 4]; 2], weights: &[Fx<W, SHAR
     each!(i in [0, 1, 2] => (u[i] + v[i]).reread::<{ PRODUCT - 1 }>().round_to(Fx::<W, MOMENT>::FRACTION))
 }
 
-/// K with the ramp of its probe, each element within ±2 as that of a texel.
+/// K with the ramp of its probe, each element within ±2 like that of a texel.
 #[inline(always)]
 pub fn with_ramp<W: Word>(k: &[Fx<W, MOMENT>; 3], ramp: &[Fx<W, MOMENT>; 3]) -> [Fx<W, MOMENT>; 3] {
     each!(i in [0, 1, 2] => (k[i] + ramp[i]).saturate(Fx::int(-2), Fx::int(2)))
@@ -86,7 +86,7 @@ fn products<W: Word>(b: &[Mantissa<W>; 2]) -> [Product<W>; 3] {
     each!((x, y) in [(0, 0), (0, 1), (1, 1)] => b[x].mul(b[y]))
 }
 
-/// Second moments K + b bᵀ of one probe, the channels that are averaged over probes beside b. |·| ≤ 3.
+/// Second moments K + b bᵀ of one probe: the channels that are averaged over probes together with b. |·| ≤ 3.
 #[inline(always)]
 pub fn of_probe<W: Word>(b: &[Mantissa<W>; 2], k: &[Fx<W, MOMENT>; 3]) -> [Fx<W, MOMENT>; 3] {
     let squares = squares(b);
@@ -126,7 +126,7 @@ pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Control<W, OFFSET>
     each!(d in [d1, d2, root_c] => to_roughness(d))
 }
 
-/// A number of size ≤ 4 as a roughness, saturated to ±4 (noise of b/√c where c is one last bit).
+/// Number of size ≤ 4 as a roughness, saturated to ±4 (noise of b/√c if c is one last bit).
 #[inline(always)]
 pub fn to_roughness<W: Word>(x: Number<W>) -> Control<W, OFFSET> {
     let above = Fx::int(2).lt(x.e);

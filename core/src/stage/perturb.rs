@@ -12,9 +12,9 @@ use crate::word::{Wire, Word};
 /// Bits before the point of a term.
 const TERM: u32 = OFFSET + MANTISSA + 1;
 
-/// n + b₁E₁ + b₂E₂. The frame is in units of the mantissas of n; the result carries the exponent of n.
+/// n + b₁E₁ + b₂E₂. The tangent basis is in units of the mantissas of n; the result carries the exponent of n.
 ///
-/// Range: |b| < 8 with `offset_bits` kept fraction bits. n = 0 gives 0 where the frame is zero too.
+/// Range: |b| < 8 with `offset_bits` kept fraction bits. n = 0 gives 0 if the basis is zero too.
 #[inline(always)]
 pub fn perturb<W: Word>(
     n: &Block<W, 3>,
@@ -36,7 +36,7 @@ pub fn perturb<W: Word>(
         }
         sum
     });
-    // Without an offset n stays as it came: its largest mantissa may be 1, which normalising again would halve.
+    // Without an offset n is passed on unchanged: its largest mantissa may be 1, which normalising again would halve.
     let flat = offset[0].is_zero() & offset[1].is_zero();
     Block::select(flat, *n, normalise(sum, top + n.e, p.fraction_bits))
 }

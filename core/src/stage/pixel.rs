@@ -1,27 +1,27 @@
 //! Pixel: from samples of maps to the colour of a pixel.
 //!
-//! Stored channels come in units of their map's power of two; a colour map is multiplied by the colour of its object, what a light
-//! returns by that of the light, and all light of a pixel is summed. Error: half a last place (2^−25) for each product.
+//! Stored channels come in units of their map's power of two. A colour map is multiplied by the colour of its object, and returned light by that of
+//! its light; all light of a pixel is summed. Error: half a last place (2^−25) for each product.
 
 use crate::fx::{Control, Fx, Int, WideControl};
 use crate::ports::{LIGHT, OFFSET};
 use crate::word::{Wire, Word};
 
-/// A sample of 16-bit texels with 8 more fraction bits, in units of 2^`exponent`, as a colour. Range: exponent 0…6.
+/// Sample of 16-bit texels with 8 more fraction bits, in units of 2^`exponent`, as a colour. Range: exponent 0…6.
 #[inline(always)]
 pub fn colour<W: Word>(sample: Int<W>, exponent: Int<W>) -> Control<W, LIGHT> {
     Fx::from_raw(sample.raw().shl_by(exponent.raw()))
 }
 
-/// The product of two colours, cut to the largest number below 64.
+/// Product of two colours, clamped to the largest number below 64.
 #[inline(always)]
 pub fn modulated<W: Word>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
     let product: WideControl<W, { 2 * LIGHT }> = a.mul(b);
     product.min(Fx::below(64)).round_to::<LIGHT>(24).min(Fx::below(64))
 }
 
-/// A number in units of 2^`exponent` as a port of the datapath with `keep` fraction bits takes it, ±8: rounded to nearest, saturated.
-/// Range: exponent −15…3.
+/// Number in units of 2^`exponent` as a port of the datapath with `keep` fraction bits takes it, ±8: rounded to nearest, saturated. Range: exponent
+/// −15…3.
 #[inline(always)]
 pub fn bump<C: Word<Count = C>, const INT: u32>(number: Fx<C, INT>, exponent: Fx<C, 32>, keep: u32) -> Fx<C, OFFSET> {
     // Four places above, so that one count of places down serves both ways.
@@ -34,22 +34,22 @@ pub fn bump<C: Word<Count = C>, const INT: u32>(number: Fx<C, INT>, exponent: Fx
     Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).keep(keep)
 }
 
-/// What a surface with two lobes shows: the mean of both, floored; equal ones give themselves.
+/// Colour of a surface with two lobes: the mean of both, floored. Equal lobes give their own colour.
 #[inline(always)]
 pub fn lobes<W: Word>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
     (a + b).floor_shr(1)
 }
 
-/// All light of a pixel so far, and one more.
+/// Light of a pixel so far, and one more colour.
 #[inline(always)]
 pub fn sum<W: Word>(sum: WideControl<W, 40>, colour: Control<W, LIGHT>) -> WideControl<W, 40> {
     sum + colour.widen()
 }
 
-/// The brightest channel of a picture.
+/// Brightest channel of a picture.
 pub const BRIGHTEST: i64 = 63;
 
-/// The channel of a pixel: all its light, cut to [`BRIGHTEST`].
+/// Channel of a pixel: all its light, clamped to [`BRIGHTEST`].
 #[inline(always)]
 pub fn pixel<W: Word>(sum: WideControl<W, 40>) -> Control<W, LIGHT> {
     Fx::from_raw(W::Count::narrow(sum.min(Fx::int(BRIGHTEST)).raw()))

@@ -16,8 +16,8 @@ use crate::rom::{self, MAX_PROBES};
 use crate::signals::{Axes, CountAndLevel, MapOffset, MapScale, Probes};
 use crate::word::{Wire, Word};
 
-/// Cuts λ₁ to 2 map units, a major diameter of 6.9: probes further out would all look along the same edge of the
-/// plane. Count and level of detail keep the uncut λ.
+/// Clamps λ₁ to 2 map units, a major diameter of 6.9: probes further out would all look along the same edge of the plane. Probe count and level of
+/// detail keep the unclamped λ.
 #[inline(always)]
 fn cut<W: Word>(sigma: &Number<W>) -> (Number<W>, W::Flag) {
     let above = Fx::int(1).lt(sigma.e);
@@ -25,7 +25,7 @@ fn cut<W: Word>(sigma: &Number<W>) -> (Number<W>, W::Flag) {
     (Block::select(above, limit, *sigma), above)
 }
 
-/// The scale of a cube face of `edge` texels, read as 1…16384: 2 map units across.
+/// Scale of a cube face of `edge` texels, read as 1…16384: 2 map units across.
 #[inline(always)]
 pub fn face_scale<W: Word>(edge: Int<W>, p: &Precision) -> MapScale<W> {
     let edge = edge.saturate(Fx::int(1), Fx::int(16384));
@@ -55,8 +55,8 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
     }
 }
 
-/// Probe count, and the level of detail before it is saturated, of probes with a standard deviation of λ₂ each whose centres have one of `spread`·λ₁:
-/// N ≥ 1 + spread·λ₁/λ₂ − 1/16.
+/// Probe count, and the level of detail before it is saturated. Each probe has a standard deviation of λ₂, and the probe centres have one of
+/// `spread`·λ₁: N ≥ 1 + spread·λ₁/λ₂ − 1/16.
 #[inline(always)]
 pub fn count_and_level<W: Word>(
     axes: &Axes<W>,
@@ -66,7 +66,7 @@ pub fn count_and_level<W: Word>(
 ) -> CountAndLevel<W> {
     let Rule { count, capped, beyond } = rule::<W>(axes, Some(spread), p);
     let level = level_of_detail(axes, (count, capped), Fx::entry(rom::LOG2_TEXEL_ON_SPHERE), map, p);
-    // Twice what is beyond the last count, over λ₂.
+    // Twice the part beyond the last count, over λ₂.
     let beyond = number(beyond, axes.major.e, p.fraction_bits);
     let quotient = beyond.m[0].mul::<MANTISSA, PRODUCT>(half_reciprocal(axes.minor.m[0], p));
     let e = (beyond.e - axes.minor.e).saturate(Fx::int(-64), Fx::int(0)) + Fx::int(2);
@@ -80,8 +80,8 @@ pub fn count_and_level<W: Word>(
     CountAndLevel { count, share, level, capped, empty: axes.major.is_zero() }
 }
 
-/// How much of a texel of level 0 a probe spans across: 2λ₂ where that is below 1, on a map of 2^`log2_unit` texels in a map unit.
-/// Error: 2^−(p−4) of what λ₁ would be on a square map of the longer edge, for both derivatives of a column share their last place, and 2^−17.
+/// Part of a texel of level 0 that a probe spans across: 2λ₂ if it is below 1, on a map of 2^`log2_unit` texels in a map unit. Error: 2^−17, and
+/// 2^−(p−4) of the λ₁ on a square map of the longer edge, for both derivatives of a column share their last place.
 #[inline(always)]
 pub fn reach<W: Word>(
     [major, minor]: [&Number<W>; 2],
@@ -96,21 +96,21 @@ pub fn reach<W: Word>(
     let diameter: Wide<W, { OFFSET + MANTISSA }> = per_sigma.keep(p.offset_bits()).mul(sigma.m[0]);
     let diameter = number(diameter, sigma.e + log2_unit, p.fraction_bits);
     let twice_sigma = diameter.m[0].mul::<MANTISSA, PRODUCT>(Fx::entry(rom::INVERSE_ROOT_THREE).keep(p.fraction_bits));
-    // Of an exponent above 2 it is above 1.
+    // With an exponent above 2 it is above 1.
     let reach: Wide<W, { PRODUCT + 2 }> = twice_sigma.at_exponent(diameter.e.min(Fx::int(2)));
     reach.max(Fx::zero()).min(Fx::int(1)).round_to_control(16)
 }
 
-/// What the rule asks for.
+/// Outcome of the rule for the probe count.
 struct Rule<W: Word> {
     count: Int<W>,
-    /// It asks for more than the profile has.
+    /// The rule asks for more probes than the profile has.
     capped: W::Flag,
-    /// By how much the threshold is above what one probe less would do for, at the exponent of λ₁.
+    /// Excess of the threshold over the value for which one probe less suffices, at the exponent of λ₁.
     beyond: Wide<W, MULTIPLE>,
 }
 
-/// N ≥ λ₁/λ₂, or where centres spread N ≥ 1 + spread·λ₁/λ₂ − 1/16.
+/// N ≥ λ₁/λ₂ or, if centres spread, N ≥ 1 + spread·λ₁/λ₂ − 1/16.
 #[inline(always)]
 fn rule<W: Word>(axes: &Axes<W>, spread: Option<Mantissa<W>>, p: &Precision) -> Rule<W> {
     let Axes { major, minor, .. } = axes;
@@ -120,7 +120,7 @@ fn rule<W: Word>(axes: &Axes<W>, spread: Option<Mantissa<W>>, p: &Precision) -> 
     let [major_wide, minor_wide] =
         each!(sigma in [major, minor] => sigma.m[0].widen::<PRODUCT>().reread::<MULTIPLE>().floor_shr(2));
     let minor_at_major = minor_wide.floor_shr_by(places);
-    // How many there are besides those that the multiples count.
+    // Number of probes besides those that the multiples count.
     let (threshold, more) = match spread {
         None => (major_wide - major_wide.floor_shr(p.fraction_bits - 4), 0),
         Some(spread) => {
@@ -138,8 +138,8 @@ fn rule<W: Word>(axes: &Axes<W>, spread: Option<Mantissa<W>>, p: &Precision) -> 
     Rule { count, capped, beyond }
 }
 
-/// The least N for which N − `more` times λ₂ reach the threshold, whether it would be more than the profile has, and how far the threshold is above
-/// the multiple before.
+/// Least N for which N − `more` times λ₂ reaches the threshold; whether it is more than the profile has; and how far the threshold is above the
+/// multiple before it.
 #[inline(always)]
 fn count<W: Word>(
     minor: Wide<W, MULTIPLE>,
@@ -175,14 +175,14 @@ fn count<W: Word>(
     (count, capped, threshold - before)
 }
 
-/// The n-th multiple, n ≤ 16.
+/// Multiple n of λ₂, n ≤ 16.
 #[inline(always)]
 fn multiple<W: Word>(multiples: &[Wide<W, MULTIPLE>; MAX_PROBES + 1], n: u32) -> Wide<W, MULTIPLE> {
-    // The cut is never taken; it leaves no panic path.
+    // The clamp never acts; it leaves no panic path.
     multiples[(n as usize).min(MAX_PROBES)]
 }
 
-/// Whether the threshold is above the n-th multiple.
+/// Returns true if the threshold is above the n-th multiple.
 #[inline(always)]
 fn exceeds<W: Word>(multiples: &[Wide<W, MULTIPLE>; MAX_PROBES + 1], n: u32, threshold: Wide<W, MULTIPLE>) -> W::Flag {
     multiple::<W>(multiples, n).lt(threshold)
@@ -208,7 +208,7 @@ fn step<W: Word>(
     })
 }
 
-/// log₂ of λ₂ in texels and of so many of them.
+/// log₂ of λ₂ in texels, and of the number of texels.
 #[inline(always)]
 fn level_of_detail<W: Word>(
     axes: &Axes<W>,
@@ -218,7 +218,7 @@ fn level_of_detail<W: Word>(
     p: &Precision,
 ) -> Control<W, LOD> {
     let sigma = Block::select(raised, axes.major, axes.minor);
-    // ±2^13 levels are beyond every map; the saturated exponent fits beside 16 fraction bits.
+    // ±2^13 levels are beyond every map; the saturated exponent fits next to 16 fraction bits.
     let whole = sigma.e.saturate(Fx::int(-(1 << 13)), Fx::int(1 << 13)).to_control::<LOD>();
     let fraction: Control<W, LOGARITHM> = log2(sigma.m[0], p);
     let divided: Control<W, LOD> = Fx::lookup(count, &rom::LOG2_OF_COUNT);

@@ -40,10 +40,10 @@ pub fn anisotropic<W: Word>(
     [times(d[0], e1, p.fraction_bits), normalise(sum, top, p.fraction_bits)]
 }
 
-/// log₂ of how many times narrower the core of two lobes is.
+/// log₂ of the ratio between the widths of a lobe and of its core, for surfaces with two lobes.
 const LOG2_CORE: i64 = 2;
 
-/// The same lobe at a quarter of its deviations: a change of the exponent. That of the facets that most of a surface is made of, where a few are
+/// Lobe at a quarter of its deviations: a change of the exponent. It is the lobe of the facets that make up most of a surface, if a few facets are
 /// steep.
 #[inline(always)]
 pub fn core<W: Word>(rough: &[Block<W, 3>; 2]) -> [Block<W, 3>; 2] {

@@ -1,9 +1,9 @@
 //! Edge: the texel that lies one step outside of a face of the cube, on the face across its edge.
 //!
-//! With the cube's centre at the origin and units of half a texel, the centre of a texel is (s, t, m) = (2i + 1 − edge,
-//! 2j + 1 − edge, edge). Folding it over the edge makes the component that is outside the new major one, ±edge, and the old major
-//! one edge − 1, the centre of the first row of texels behind the edge: an involution on every edge. Diagonally outside, where
-//! no texel is, three meet: the filter takes their mean ([`corner`](super::filter::corner)). Exact.
+//! With the cube's centre at the origin and units of half a texel, the centre of a texel is (s, t, m) = (2i + 1 − edge, 2j + 1 − edge, edge). A texel
+//! outside is folded over the edge. Its outside component becomes the new major one, ±edge. The old major one becomes edge − 1, the centre of the
+//! first row of texels after the edge. This is an involution on every edge. Diagonally outside there is no texel, but three meet; the filter takes
+//! their mean ([`corner`](super::filter::corner)). Exact.
 
 use crate::bundle::bundle;
 use crate::each::each;
@@ -22,32 +22,32 @@ bundle! {
         index: [Int<W>; 2],
     }
 
-    /// What lies at a texel address of a face that may be one step outside of it.
+    /// Texels at an address of a face that may be one step outside of it.
     pub struct CubeTexel<W> {
-        /// The texel of this face or of the one across an edge; at a corner that of this face.
+        /// Texel of this face or of the one across an edge; at a corner the texel of this face.
         texel: FaceTexel<W>,
-        /// At a corner those across the s and the t edge.
+        /// Texels across the s and the t edge, at a corner.
         across: [FaceTexel<W>; 2],
-        /// Diagonally outside.
+        /// True diagonally outside of the face.
         corner: W::Flag,
     }
 
     /// Columns and rows of the texels of a bilinear sample.
     pub struct Neighbours<W> {
-        /// Of (0,0), (1,0), (0,1), (1,1).
+        /// Column and row of (0,0), (1,0), (0,1), (1,1).
         #[range(-1..=16384)]
         index: [[Int<W>; 2]; 4],
     }
 }
 
-/// The texels of a bilinear sample whose first one is given.
+/// Texels of a bilinear sample whose first one is given.
 #[inline(always)]
 pub fn neighbours<W: Word>([i, j]: [Int<W>; 2]) -> Neighbours<W> {
     let (right, down) = (i + Fx::int(1), j + Fx::int(1));
     Neighbours { index: [[i, j], [right, j], [i, down], [right, down]] }
 }
 
-/// The texel at a column and a row in −1…edge of a face of `edge` × `edge` texels. Range: edge 1…16384, face 0…5.
+/// Texel at a column and a row in −1…edge of a face of `edge` × `edge` texels. Range: edge 1…16384, face 0…5.
 #[inline(always)]
 pub fn texel<W: Word>(face: Int<W>, index: [Int<W>; 2], edge: Int<W>) -> CubeTexel<W> {
     let select = FaceSelect::of_index(face);
@@ -63,7 +63,7 @@ pub fn texel<W: Word>(face: Int<W>, index: [Int<W>; 2], edge: Int<W>) -> CubeTex
     }
 }
 
-/// The texel behind the edge that one of the two places is beyond, or the one at the place.
+/// Texel after the edge that one of the two indices is beyond, or the texel at the place.
 #[inline(always)]
 fn folded<W: Word>(select: &FaceSelect<W>, index: [Int<W>; 2], edge: Int<W>) -> FaceTexel<W> {
     let last = edge - Fx::int(1);
@@ -71,7 +71,7 @@ fn folded<W: Word>(select: &FaceSelect<W>, index: [Int<W>; 2], edge: Int<W>) -> 
     let outside = last.lt(centre[0].abs()) | last.lt(centre[1].abs());
     let [s, t] = each!(place in centre => place.saturate(-edge, edge));
     let [x, y, z] = select.from_face([s, t, Fx::select(outside, last, edge)]);
-    // One component alone is as large as the edge.
+    // Only one component is as large as the edge.
     let is_z = z.abs().ge(edge);
     let is_y = !is_z & y.abs().ge(edge);
     let major = Fx::select(is_z, z, Fx::select(is_y, y, x));

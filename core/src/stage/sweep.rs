@@ -1,14 +1,18 @@
-//! Sweep: probes are normals. A normal moves along the major axis of the lobe, and each of its places is reflected exactly, where footprint
-//! assembly steps over the plane of a cube face, which cannot hold a lobe of tens of degrees.
+//! Sweep: probes are normals. A normal moves along the major axis of the lobe, and each of its places is reflected exactly. Footprint assembly
+//! instead steps over the plane of a cube face, which cannot hold a lobe of tens of degrees.
 //!
-//! With columns q_j of dr_j and dn_j, unit deviations all, and e₁ the direction of λ₁: w_j = ⟨q_j·e₁⟩/λ₁ is how far column j goes, in the mean,
-//! per deviation along e₁, Σw² = 1. So at x deviations n has moved by x·a, a = Σ w_j·dn_j, and r by x·Σ w_j·dr_j + x²·(2a⟨v·a⟩ − v|a|²), for r is
-//! a polynomial of degree two in n. Probes of deviation λ₂ stand for λ₁ if their centres have √(λ₁² − λ₂²): nothing where lobes are round, so no direction of
-//! an axis that is not there decides; and one probe more begins where those before stand, in the middle with no weight or as half of the one that
-//! was there, so no count steps. Where λ₂ was raised to λ₁/N it is that one. What probes are in themselves moves the mean of their
-//! reflections, too: it is r + 2Cv − v·tr C.
-//! Parts of equal weight are wider far out: probes there have coarser levels, or the tails of a lobe are spots with gaps between them.
-//! A texel at (s, t) is as large as one in the middle of its face over ρ³, ρ² = 1 + s² + t²: LOD = LOD₀ + log₂(|r₀|/|r|) + 1.5·log₂ρ.
+//! With columns q_j of dr_j and dn_j, unit deviations all, and e₁ the direction of λ₁: w_j = ⟨q_j·e₁⟩/λ₁ is the mean movement of column j per
+//! deviation along e₁, Σw² = 1. At x deviations n has moved by x·a, a = Σ w_j·dn_j, and r by x·Σ w_j·dr_j + x²·(2a⟨v·a⟩ − v|a|²), for r is a
+//! polynomial of degree two in n.
+//!
+//! Probes of deviation λ₂ stand for λ₁ if their centres have the deviation √(λ₁² − λ₂²). It is zero for a round lobe, so the direction of an axis
+//! that does not exist decides nothing. If λ₂ was raised to λ₁/N, the raised value is used. A new probe begins at the places of those before it: in
+//! the middle, with no weight or as half of the probe that stood there. No count therefore makes a jump.
+//!
+//! The extent of the probes moves the mean of their reflections, too: it is r + 2Cv − v·tr C. Parts of equal weight are wider far out. Probes there
+//! have coarser levels; otherwise the tails of a lobe would be spots with gaps between them. A texel at (s, t) has the size of a texel in the middle
+//! of its face, divided by ρ³, ρ² = 1 + s² + t²: LOD = LOD₀ + log₂(|r₀|/|r|) + 1.5·log₂ρ.
+//!
 //! Errors of the mean of the probes and of their level, for each profile: `host-tests/tests/datapath/sphere.rs`.
 
 use crate::block::{Block, MANTISSA, Mantissa, PRODUCT, Product, align, dot, normalise, number, places_below};
@@ -21,7 +25,7 @@ use crate::rom::{self, SweepTable};
 use crate::signals::{Axes, CountAndLevel, Sweep};
 use crate::word::Word;
 
-/// Standard deviations that each column goes per unit of the sweep, |·| ≤ 1; the first two are those of a pixel's box.
+/// Standard deviations that each column moves per unit of the sweep, |·| ≤ 1; the first two are those of a pixel's box.
 #[inline(always)]
 pub fn shares<W: Word, const COLUMNS: usize>(
     columns: [Block<W, 2>; COLUMNS],
@@ -32,7 +36,7 @@ pub fn shares<W: Word, const COLUMNS: usize>(
     let keep = p.fraction_bits;
     let (q, _) = align(columns, keep);
     let along = normalise(each!(q in q => dot(&q, &axes.direction)), Fx::int(0), keep);
-    // As many probes as reach λ₁ with λ₂ raised; one alone does not spread.
+    // Spread with which so many probes reach λ₁ if λ₂ is raised; a single probe does not spread.
     let spread = spread.min(Fx::lookup(count, &rom::SPREAD_LIMIT).keep(keep));
     let mut shares = each!(w in over_length(&along, p) => w.mul::<MANTISSA, PRODUCT>(spread).round_to(keep));
     let sigma = Fx::entry(rom::BOX_SIGMA).keep(keep);
@@ -56,7 +60,7 @@ pub fn spread<W: Word>(axes: &Axes<W>, p: &Precision) -> Mantissa<W> {
     quotient.max(Fx::zero()).min(Fx::int(1)).round_to(keep)
 }
 
-/// Columns, each by its share.
+/// Columns, each weighted by its share.
 #[inline(always)]
 pub fn mixed<W: Word, const COLUMNS: usize>(
     shares: &[Mantissa<W>; COLUMNS],
@@ -74,7 +78,7 @@ pub fn mixed<W: Word, const COLUMNS: usize>(
     normalise(sum, e, p.fraction_bits)
 }
 
-/// How far the mean of the reflections lies from r: 2Cv − v·tr C with the covariance C = Σ dn_j dn_jᵀ, exact, for r is a polynomial of degree two. The
+/// Distance of the mean of the reflections from r: 2Cv − v·tr C with the covariance C = Σ dn_j dn_jᵀ, exact, for r is a polynomial of degree two. The
 /// turns are standard deviations.
 #[inline(always)]
 pub fn mean_shift<W: Word, const COLUMNS: usize>(
@@ -102,8 +106,8 @@ pub fn mean_shift<W: Word, const COLUMNS: usize>(
     normalise(half, covariance.e + view.e + Fx::int(1), keep)
 }
 
-/// r moved by what the probes, which are points of the major axis, leave out of the mean: all of it less the mean of their own bend. Over 1 + λ₂², for
-/// directions have a length of 1 and the reflections of a wide lobe have not.
+/// r, moved by the part of the mean that the probes, which are points of the major axis, leave out: the whole mean less the mean of their own bend.
+/// It is over 1 + λ₂², for directions have length 1 and the reflections of a wide lobe do not.
 #[inline(always)]
 pub fn centre<W: Word>(
     r: &Block<W, 3>,
@@ -131,7 +135,7 @@ fn difference<W: Word>(a: &Block<W, 3>, b: &Block<W, 3>, p: &Precision) -> Block
     normalise(difference, e, p.fraction_bits)
 }
 
-/// r, the moved r, its beginning and its bend as one sweep.
+/// r, the moved r, its first derivative and its bend as one sweep.
 #[inline(always)]
 pub fn sweep<W: Word>(
     r: &Block<W, 3>,
@@ -156,13 +160,13 @@ pub fn sweep<W: Word>(
 /// ½·log₂ of a number.
 #[inline(always)]
 fn half_log2<W: Word>(x: &Block<W, 1>, p: &Precision) -> Control<W, LOD> {
-    // Of products of mantissas: |e| ≤ 64; that of zero counts as −64.
+    // From products of mantissas: |e| ≤ 64; that of zero counts as −64.
     let whole = x.e.saturate(Fx::int(-64), Fx::int(64)).to_control::<LOD>();
     let fraction: Control<W, LOGARITHM> = log2(x.m[0], p);
     (whole + fraction.to_control()).floor_shr(1)
 }
 
-/// What two tables have for probe `index`, of one probe less and of all, by how far it has gone.
+/// Entry for probe `index` between two tables, of one probe less and of all probes, by the share of the way it has gone.
 #[inline(always)]
 fn on_its_way<W: Word, const F: u32, const WIDE: u32>(
     [from, to]: [&'static SweepTable; 2],
@@ -179,12 +183,12 @@ fn on_its_way<W: Word, const F: u32, const WIDE: u32>(
     from + way.round_to::<F>(keep)
 }
 
-/// The direction of probe `index`: its exponent is that of the sweep's mantissas.
+/// Direction of probe `index`; its exponent is that of the sweep's mantissas.
 #[inline(always)]
 pub fn direction<W: Word>(sweep: &Sweep<W>, index: Int<W>, p: &Precision) -> Block<W, 3> {
     let tables = [&rom::NORMAL_PLACES_OF_ONE_LESS, &rom::NORMAL_PLACES];
     let place = on_its_way::<W, OFFSET, { OFFSET + SHARE }>(tables, sweep, index, p.offset_bits());
-    // Places of the tables, and what is between them, are below 2.
+    // Places of the tables, and differences between them, are below 2.
     let x: Fx<W, OFFSET> = Fx::of_control(place.saturate(Fx::int(-2), Fx::int(2)));
     let square: Fx<W, OFFSET> = x.mul::<OFFSET, { 2 * OFFSET }>(x).round_to(p.offset_bits());
     let r = each!(i in [0, 1, 2] => {
@@ -218,7 +222,7 @@ pub fn level<W: Word>(
 
 /// Weight of probe `index`, in 2^−16 units; the weights of one footprint sum to exactly 2^16.
 ///
-/// The one in the middle, or the two, come from what one probe less has there, none or one; all others are alike.
+/// The weights of one or two middle probes start from those of one probe less, none or one; all other weights are equal.
 #[inline(always)]
 pub fn weight<W: Word>(sweep: &Sweep<W>, index: Int<W>) -> Control<W, SHARE> {
     let count = sweep.count;

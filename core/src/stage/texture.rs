@@ -1,8 +1,8 @@
 //! Texture footprint: the columns of a colour or bump map, in map units of 2^k texels.
 //!
-//! d(u, v) in repeats per pixel times the size of the map is exact; the power of two 2^k ≥ half the longer edge
-//! keeps the unit isotropic for every shape of map and the numbers those of a cube face, so that ellipse, axes and
-//! probes are the same blocks that serve the environment (S97 §2, footprint assembly).
+//! d(u, v) in repeats per pixel times the size of the map is exact. The power of two 2^k ≥ half the longer edge keeps the unit isotropic for every
+//! shape of map, and the numbers are those of a cube face. Ellipse, axes and probes are therefore the blocks that serve the environment (S97 §2,
+//! footprint assembly).
 
 use crate::block::{Block, MANTISSA, normalise, of_control};
 use crate::bundle::bundle;
@@ -31,7 +31,7 @@ bundle! {
     }
 }
 
-/// The footprint column of one derivative d(u, v), repeats per pixel.
+/// Footprint column of one derivative d(u, v), repeats per pixel.
 #[inline(always)]
 pub fn texture_column<W: Word>(duv: &Block<W, 2>, map: &TextureScale<W>, p: &Precision) -> Block<W, 2> {
     // |du·width| ≤ 2^14.
@@ -50,7 +50,7 @@ pub fn texture_position<W: Word>(
     let uv = each!(i in [0, 1] => {
         let repeats: WideControl<W, { POSITION + REPEATS }> = offset.offset[i].mul(map.repeats_per_unit[i]);
         let moved = centre.uv[i] + repeats.floor_shr(32 - (POSITION + REPEATS)).reread();
-        // Repeat addressing wraps on purpose.
+        // Wrapped addressing is intended.
         Fx::from_raw(moved.raw().and(Wire::lit(0xffff_ffff)))
     });
     TexturePosition { uv }
