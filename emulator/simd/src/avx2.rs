@@ -1,5 +1,5 @@
-//! AVX2: a word is two vectors; a wide wire is four, the even and the odd lanes of each. A flag is as wide as a word.
-//! What the instruction set lacks, arithmetic shifts of 64 bits and leading zeros, is made of what it has.
+//! AVX2: a word is two vectors; a wide wire is four, the even and the odd lanes of each. A flag is as wide as a word. The instruction set lacks
+//! arithmetic shifts of 64 bits and leading zeros; they are made of other instructions.
 
 use core::arch::x86_64::*;
 
@@ -84,8 +84,8 @@ vectors! {
     fn select(t, f: Flag, a: Word, b: Word) -> Word { _mm256_blendv_epi8(b, a, f) }
     fn leading_zeros(t, a: Word) -> Word { zeros(t, a) }
 
-    // Through memory, one store: taken out of the vector one by one, places and values compete for the same port. In a table of
-    // 256 entries, or of 256 intervals between its entries, no place has to be compared with its end.
+    // Through memory, with one store: if they were taken out of the vector one by one, places and values would compete for the same port. In a table
+    // of 256 entries, or of 256 intervals between its entries, no place has to be compared with the end.
     fn lookup(t, places: Word, table: Table) -> Word {
         let lanes = std::hint::black_box(word_lanes(t, places));
         let ([page], rest @ ([] | [_])) = table.as_chunks::<256>() else {
@@ -202,7 +202,7 @@ vectors! {
     fn even_flags(t, f: ShortFlag) -> Flag { even(t, f) }
     fn odd_flags(t, f: ShortFlag) -> Flag { odd(t, f) }
     fn short_flags(t, even: Flag, odd: Flag) -> ShortFlag { _mm256_blend_epi16::<0xaa>(even, odd) }
-    // Beside a zero a product is alone in its sum.
+    // Paired with a zero, a product is alone in its sum.
     fn mul_even(t, a: Short, b: Short) -> Word { _mm256_madd_epi16(_mm256_and_si256(a, _mm256_set1_epi32(0xffff)), b) }
     fn mul_odd(t, a: Short, b: Short) -> Word { _mm256_madd_epi16(odd_high(t, a), b) }
     fn even(t, a: Short) -> Word { _mm256_srai_epi32::<16>(_mm256_slli_epi32::<16>(a)) }
@@ -240,7 +240,7 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// A lane that was shifted right with zeros, given where its sign bit came to.
+    /// Sign-extends a lane that was shifted right with zeros, given the place of its sign bit.
     #[inline(always)]
     fn signed(t: Avx2, shifted: __m256i, sign: __m256i) -> __m256i {
         _mm256_sub_epi64(_mm256_xor_si256(shifted, sign), sign)
@@ -248,8 +248,8 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// Leading zeros from the exponent of a float. Without the bit below its highest a word does not round up to the
-    /// next power of two; 0 has the exponent 0, a negative word a sign above the exponent.
+    /// Leading zeros from the exponent of a float. A word without the bit below its highest does not round up to the next power of two. 0 has the
+    /// exponent 0; a negative word has a sign above the exponent.
     #[inline(always)]
     fn zeros(t: Avx2, a: Word) -> Word {
         let highest = _mm256_andnot_si256(_mm256_srli_epi32::<1>(a), a);

@@ -1,5 +1,5 @@
-//! AVX-512: a word is one vector; a wide wire is two, its even and its odd lanes, so that products need no sign
-//! extension and rounding no packing. A flag is three masks, of which the optimiser keeps those that are asked for.
+//! AVX-512: a word is one vector; a wide wire is two, its even and its odd lanes, so products need no sign extension and rounding no packing. A flag
+//! is three masks, of which the optimiser keeps the used ones.
 
 use core::arch::x86_64::*;
 
@@ -17,8 +17,8 @@ type Wide = [__m512i; 2];
 type Short = __m512i;
 type ShortFlag = __mmask32;
 
-/// All lanes of a flag, and its even and its odd lanes. Were it a few bytes, it would be taken for one integer and
-/// packed and unpacked at every use.
+/// All lanes of a flag, and its even and its odd lanes. If it were a few bytes, the compiler would treat it as one integer and pack and unpack it at
+/// every use.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 pub struct Flag {
@@ -27,8 +27,8 @@ pub struct Flag {
     odd: __mmask8,
 }
 
-/// Entries of a table at the places of a vector. Every 32 entries are one permutation of two vectors, 16 of one; among the eight of 256
-/// entries three bits of the place choose.
+/// Entries of a table at the places of a vector. 32 entries are one permutation of two vectors, 16 entries one of a single vector. Among the eight
+/// permutations for 256 entries three bits of the place choose.
 macro_rules! look_up {
     (
         $places:ident in $table:ident, $int:ty, $test:ident, $splat:ident, $blend:ident, $mov:ident, $equal:ident, $srl:ident,
@@ -92,7 +92,7 @@ vectors! {
         fn flag_lanes(t, a: Flag) -> [bool; 16] { core::array::from_fn(|i| a.all >> i & 1 != 0) }
     }
     memory {
-        // Lanes 0, 4, 8, 12 in one, 1, 5, 9, 13 in the next: what is left is to exchange inside of quarters of vectors.
+        // Lanes 0, 4, 8, 12 in one, 1, 5, 9, 13 in the next: only an exchange inside quarters of vectors is left.
         fn row(t, quarters: [[u64; 2]; 4]) -> Word {
             let [a, b, c, d] = each!([first, second] in quarters => _mm_set_epi64x(second.cast_signed(), first.cast_signed()));
             let low = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(a), b);
@@ -111,8 +111,8 @@ vectors! {
         }
     }
     inline {
-        // From four pages on, permutations of all of them take longer than reading lane by lane. One page without a knot behind it is rows of sixteen by
-        // the count of probes, which most groups of lanes have in common: a permutation of one vector in place of sixteen.
+        // From four pages on, permutations of all of them take longer than reading lane by lane. One page without a knot after it is rows of sixteen
+        // by probe count, which most groups of lanes have in common. It takes a permutation of one vector in place of sixteen.
         fn lookup(t, places: Word, table: Table) -> Word {
             if table.len() == 256
                 && let Some(row) = common_row(t, places, table.as_chunks().0)
@@ -220,7 +220,7 @@ vectors! {
         let (even, odd) = (_mm512_movm_epi32(even.all), _mm512_movm_epi32(odd.all));
         _mm512_movepi16_mask(_mm512_mask_blend_epi16(0xaaaa_aaaa, even, odd))
     }
-    // Beside a zero a product is alone in its sum.
+    // Paired with a zero, a product is alone in its sum.
     fn mul_even(t, a: Short, b: Short) -> Word { _mm512_madd_epi16(_mm512_and_si512(a, _mm512_set1_epi32(0xffff)), b) }
     fn mul_odd(t, a: Short, b: Short) -> Word { _mm512_madd_epi16(odd_high(t, a), b) }
     fn even(t, a: Short) -> Word { _mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(a)) }
@@ -258,7 +258,7 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// Shift counts of words of 16 bits.
+    /// Shift counts of 16-bit words.
     #[inline(always)]
     fn short_counts(t: Avx512, even: Word, odd: Word) -> Short {
         _mm512_and_si512(short(t, even, odd), _mm512_set1_epi16(15))
@@ -275,7 +275,7 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// The entries at the places modulo 32.
+    /// Entries at the places modulo 32.
     #[inline(always)]
     fn of_part(t: Avx512, places: Word, part: &[i32; 32]) -> Word {
         let [low, high] = each!(half in [0, 1] => words(t, part.as_chunks().0[half]));
@@ -284,13 +284,13 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// The entries at the places modulo 16.
+    /// Entries at the places modulo 16.
     #[inline(always)]
     fn of_half_part(t: Avx512, places: Word, part: &[i32; 16]) -> Word { entries(t, places, part) }
 }
 
 fearless_simd::kernel! {
-    /// The row in which all places are, if it is one.
+    /// Row that holds all places, if there is one.
     #[inline(always)]
     fn common_row(t: Avx512, places: Word, rows: &'static [[i32; 16]]) -> Option<&'static [i32; 16]> {
         let of_lanes = _mm512_srli_epi32::<4>(places);
@@ -301,7 +301,7 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// The entries at the places modulo 32, rounded to their upper halves: every second word of two vectors.
+    /// Entries at the places modulo 32, rounded to their upper halves: every second word of two vectors.
     #[inline(always)]
     fn of_short_part(t: Avx512, places: Short, part: &[i32; 32]) -> Short {
         let half = _mm512_set1_epi32(1 << 15);
@@ -312,7 +312,7 @@ fearless_simd::kernel! {
 }
 
 fearless_simd::kernel! {
-    /// The same of sixteen entries, at the places modulo 16.
+    /// Entries of sixteen at the places modulo 16, rounded to their upper halves.
     #[inline(always)]
     fn of_half_short_part(t: Avx512, places: Short, part: &[i32; 16]) -> Short {
         let part = _mm512_add_epi32(words(t, *part), _mm512_set1_epi32(1 << 15));

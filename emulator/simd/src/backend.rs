@@ -1,4 +1,4 @@
-//! Backends: the words that a pass runs on. The bits are the same, the time is not.
+//! Backends: the words that a pass runs on. The bits are the same for all; the time differs.
 
 use std::fmt;
 use std::str::FromStr;
@@ -30,13 +30,13 @@ pub trait Kernel {
 }
 
 impl Backend {
-    /// The fastest on this machine.
+    /// Fastest backend on this machine.
     pub fn best() -> Self {
         InstructionSet::best().map_or(Self::Scalar, Self::Simd)
     }
 
-    /// Runs a kernel on words of the profile's width. Profiles of 12 and 13 kept bits, which no named one has, have no vectors: the scalar
-    /// backend runs them.
+    /// Runs a kernel on words of the profile's width. Profiles of 12 and 13 kept bits, of which none is named, have no vectors; the scalar backend
+    /// runs them.
     pub fn dispatch<K: Kernel>(self, p: &Precision, kernel: K) -> K::Outcome {
         if p.word_bits() != 16 {
             return self.dispatch_words(kernel);
@@ -50,7 +50,7 @@ impl Backend {
         }
     }
 
-    /// Runs a kernel on words of 32 bits.
+    /// Runs a kernel on 32-bit words.
     pub fn dispatch_words<K: Kernel>(self, kernel: K) -> K::Outcome {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -61,7 +61,7 @@ impl Backend {
         }
     }
 
-    /// Fragments of a group.
+    /// Number of fragments in a group.
     pub fn group(self, p: &Precision) -> usize {
         /// Counts the fragments of a group.
         struct Fragments;
@@ -74,8 +74,8 @@ impl Backend {
         self.dispatch(p, Fragments)
     }
 
-    /// Runs `body`, compiled for the instruction set if it is inlined: the compiler makes vectors of its loops over arrays whose elements all
-    /// go the same way. Of +, −, ×, ÷, √, rounding and comparisons the bits are those of one number after the other.
+    /// Runs `body`, compiled for the instruction set if it is inlined. The compiler makes vectors of its loops over arrays whose elements all take
+    /// the same path. The bits of +, −, ×, ÷, √, rounding and comparisons are those of one number after the other.
     #[inline(always)]
     pub fn run<R>(self, body: impl FnOnce() -> R) -> R {
         match self {
@@ -105,7 +105,7 @@ impl FromStr for Backend {
         let backends: Vec<Self> = std::iter::once(Self::Scalar).chain(simd).collect();
         backends.iter().copied().find(|backend| backend.to_string() == text).ok_or_else(|| {
             let names: Vec<String> = backends.iter().map(Self::to_string).collect();
-            format!("'{text}' is no reading of this machine: use {}", names.join(", "))
+            format!("'{text}' is no backend of this machine: use {}", names.join(", "))
         })
     }
 }
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use crate::LANES;
 
-    /// Every operation that loops here are made of.
+    /// Mixture of all operations that such loops use here.
     #[inline(always)]
     fn mixture(x: f64) -> f64 {
         let folded = if x.abs() > 2.0 { 0.5_f64.copysign(x) - x } else { x };

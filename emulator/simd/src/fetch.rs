@@ -1,4 +1,4 @@
-//! Fetches of fragments side by side: each has an address, a level and a number of probes of its own.
+//! Fetches of fragments in lanes; each fragment has its own address, level and probe count.
 
 use std::cell::Cell;
 
@@ -15,14 +15,14 @@ fn most<T: Target>(count: Lanes<T>) -> i32 {
     count.lanes().iter().fold(0, |most, &count| most.max(count))
 }
 
-/// The place of a turn, and whether the fragment has so many.
+/// Place of a turn, and whether the fragment has that many turns.
 #[inline(always)]
 fn turn<C: Wire>(turn: i32, count: Fx<C, 32>) -> (Fx<C, 32>, C::Flag) {
     let turn = Fx::int(turn.into());
     (turn.min(count - Fx::int(1)).max(Fx::zero()), turn.lt(count))
 }
 
-/// By a loop over the lanes: vectors that address a memory are not safe.
+/// Gathers by a loop over the lanes: vectors that address a memory are not safe.
 #[inline(always)]
 fn gather<T: Target, const IN: usize, const OUT: usize>(
     address: [Lanes<T>; IN],
@@ -34,7 +34,7 @@ fn gather<T: Target, const IN: usize, const OUT: usize>(
     each!(row in rows => Lanes(proof.words(row), proof))
 }
 
-/// A function of its own: the same for every instruction set.
+/// Separate function, the same for every instruction set.
 #[inline(never)]
 fn read_all<const IN: usize, const OUT: usize>(
     address: &[[i32; LANES]; IN],
@@ -49,7 +49,7 @@ fn read_all<const IN: usize, const OUT: usize>(
     }
 }
 
-/// The cells of a row from the place of the first fragment on: the others follow it.
+/// Cells of a row from the place of the first fragment on; the places of the others follow it.
 #[inline(always)]
 fn cells<T: Target>(place: Lanes<T>, row: &[Cell<i32>]) -> Option<&[Cell<i32>; LANES]> {
     row.get(place.lanes()[0] as u32 as usize..)?.first_chunk()

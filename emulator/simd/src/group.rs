@@ -10,9 +10,9 @@ use super::{LANES, Lanes, Target};
 
 /// A word of every fragment of a group. A batch holds each wire as a row of 32-bit words; narrower mantissas are their upper halves.
 pub trait BatchWord: Fetch {
-    /// Fragments of a group.
+    /// Number of fragments in a group.
     const FRAGMENTS: usize;
-    /// Words of a row that are read at once.
+    /// Words of a row that are read together.
     type Vector;
     /// The 32-bit words of one wire of a group.
     type Row: Copy;
@@ -23,27 +23,27 @@ pub trait BatchWord: Fetch {
 
     /// Runs `body`, compiled for the instruction set if it is inlined.
     fn run<R>(body: impl FnOnce() -> R) -> R;
-    /// The proof, inside of [`Self::run`].
+    /// Proof inside of [`Self::run`].
     fn proof() -> Self::Proof;
-    /// Rows as vectors; what is left over behind the last whole one is not among them.
+    /// Rows as vectors, without the words after the last whole vector.
     fn vectors(words: &[i32]) -> &[Self::Vector];
-    /// Rows as vectors to be written.
+    /// Rows as writable vectors.
     fn vectors_mut(words: &mut [i32]) -> &mut [Self::Vector];
-    /// The words of the group whose first vector is that one.
+    /// Loads the words of the group whose first vector is `first`.
     fn load(proof: Self::Proof, vectors: &[Self::Vector], first: usize) -> Self::Row;
-    /// Puts the words of a group.
+    /// Stores the words of a group.
     fn store(row: Self::Row, vectors: &mut [Self::Vector], first: usize);
     /// Repeats a word for every fragment.
     fn splat(proof: Self::Proof, word: i32) -> Self::Row;
-    /// The first places of a slice, which holds those of a group at least.
+    /// First places of a slice that holds at least those of a group.
     fn places(proof: Self::Proof, places: &[i32]) -> Self::Places;
-    /// The words of a row at places; 0 beyond its end.
+    /// Words of a row at places; 0 beyond its end.
     fn pick(proof: Self::Proof, row: &[i32], places: &Self::Places) -> Self::Row;
-    /// Mantissas, rounded to the width of this word as [`roughxel_core::on_words!`] does.
+    /// Word from mantissas, rounded to the width of this word as [`roughxel_core::on_words!`] does.
     fn of_mantissas(row: Self::Row) -> Self;
     /// Mantissas as 32-bit words.
     fn mantissas(self) -> Self::Row;
-    /// Counts.
+    /// Count word from 32-bit words.
     fn of_counts(row: Self::Row) -> Self::Count;
     /// Counts as 32-bit words.
     fn counts(count: Self::Count) -> Self::Row;
@@ -114,7 +114,7 @@ macro_rules! scalar {
 
 scalar!(i32 i16);
 
-/// Places of a vector of fragments, and how far each lies behind the first one if all are within one vector from there on.
+/// Places of a vector of fragments. If all places are within one vector from the first on, their distances from it are kept, too.
 #[derive(Clone, Copy)]
 pub struct LanePlaces<T: Target> {
     places: [i32; LANES],
@@ -129,7 +129,7 @@ impl<T: Target> LanePlaces<T> {
         Self { places, behind_first: is_near.then_some(proof.sub(proof.words(places), proof.splat(first))) }
     }
 
-    /// Takes words that are near each other by one permutation of a vector.
+    /// Picks words that are near each other with one permutation of a vector.
     #[inline(always)]
     fn pick(&self, proof: T, row: &[i32]) -> Lanes<T> {
         let vector = row.get(self.places[0] as usize..).and_then(<[i32]>::first_chunk);
@@ -213,7 +213,7 @@ impl<T: Target> BatchWord for NarrowLanes<T> {
     lanes!(2, NARROW_LANES);
     #[inline(always)]
     fn of_mantissas(row: [Lanes<T>; 2]) -> Self {
-        // What would round up beyond the largest word stays that.
+        // A value that would round up beyond the largest word stays the largest word.
         let largest = Halves::lit(i64::from(i32::MAX) - (1 << 15));
         let words = Halves(row);
         Self::of_high(Halves::select(words.lt(largest), words, largest).add(Wire::lit(1 << 15)))

@@ -2,23 +2,22 @@
 //!
 //! Words of [`LANES`] fragments at once, or of [`NARROW_LANES`] on 16 bits, with the bits of the scalar words.
 //!
-//! [`Backend`] chooses words at run time: [`Backend::dispatch`] is the one place where a computation, a [`Kernel`], is compiled for every
-//! instruction set. [`BatchWord`] is how words of any backend meet the rows of a batch.
+//! [`Backend`] chooses words at run time. [`Backend::dispatch`] is the one place where a computation, a [`Kernel`], is compiled for every instruction
+//! set. [`BatchWord`] connects words of any backend with the rows of a batch.
 //!
-//! Explicit vectors, the even and the odd lanes of a wide wire apart: a product is one instruction and rounding packs
-//! nothing. The candidates when that was chosen, the whole datapath in times of the scalar reading in one run of each, on one
-//! core with AVX-512:
+//! Vectors are explicit. The even and the odd lanes of a wide wire are apart: a product is one instruction and rounding packs nothing. This table
+//! ranks the candidates for that choice. It gives the speed of the whole datapath relative to the scalar backend, from one run of each on one core
+//! with AVX-512:
 //!
 //! | candidate                                             | 128 bits | AVX2 | AVX-512 |
 //! |-------------------------------------------------------|----------|------|---------|
 //! | crate `wide`, 8 lanes, way in not counted             | 0.9      | 1.4  | 1.9     |
 //! | arrays of 16 that the compiler turns into vectors     | 0.6      | 2.4  | 3.3     |
 //! | `fearless_simd`, 8 and 16 lanes, way in not counted   |          | 2.4  | 4.4     |
-//! | `fearless_simd`, 16 lanes, even and odd apart: this   |          | 2.9  | 5.5     |
+//! | `fearless_simd`, 16 lanes, even and odd apart: chosen |          | 2.9  | 5.5     |
 //!
-//! The table ranks them: datapath and build have changed since. The figures of what is kept are those of
-//! `cargo bench -p roughxel-benches --bench readings`, as a renderer calls it, in the README. With 128 bits the scalar
-//! reading is the fastest, and [`Backend::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
+//! The table is of an older datapath and build. `cargo bench -p roughxel-benches --bench readings` gives current figures, as a renderer calls the
+//! datapath. With 128 bits the scalar backend is the fastest, and [`Backend::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -47,7 +46,7 @@ pub use narrow::{Halves, KEPT, NARROW_LANES, NarrowFlags, NarrowLanes};
 pub use target::{InstructionSet, Target};
 pub use vectors::Vectors;
 
-/// Fragments side by side on words of 32 bits, whatever the instruction set.
+/// Fragments in lanes on 32-bit words, for every instruction set.
 pub const LANES: usize = 16;
 
 macro_rules! carrier {
@@ -57,14 +56,14 @@ macro_rules! carrier {
         pub struct $name<T: Target>(T::$vectors, T);
 
         impl<T: Target> $name<T> {
-            /// The wire with these values, lane 0 first.
+            /// Wire with these values, lane 0 first.
             #[inline]
             pub fn of(lanes: [$lane; LANES]) -> Self {
                 let proof = T::detect();
                 Self(proof.$of(lanes), proof)
             }
 
-            /// The values, lane 0 first.
+            /// Values, lane 0 first.
             #[inline]
             pub fn lanes(self) -> [$lane; LANES] {
                 self.1.$lanes(self.0)
@@ -180,7 +179,7 @@ macro_rules! wire {
     };
 }
 
-/// Whether any lane has the flag.
+/// Returns true if any lane has the flag.
 #[inline(always)]
 fn any<T: Target>(flag: FlagLanes<T>) -> bool {
     let [one, zero] = [flag.1.splat(1), flag.1.splat(0)];
@@ -223,15 +222,15 @@ impl<T: Target> Word for Lanes<T> {
     #[inline(always)]
     fn round(wide: WideLanes<T>, drop: u32, up: u32) -> Self {
         let proof = wide.1;
-        // Where a sum wraps, the shift up or the narrowing drops what differs from the exact one.
+        // If a sum wraps, the shift up or the narrowing drops its difference from the exact sum.
         let multiple = |word: Self| word.and(Self::lit(-1 << up));
         if drop <= 32 {
             return multiple(Self(proof.round_low(wide.0, drop, up), proof));
         }
-        // The lower half is dropped whole: the rest is done on words, of which a vector holds twice as many.
+        // The lower half is dropped whole. The rest is done on words, of which a vector holds twice as many.
         let high = Self(proof.high(wide.0), proof);
         if up == 0 {
-            // Of 33 places the upper half loses the one that is rounded: the sum would need a bit more.
+            // For 33 places the upper half loses the rounding bit: the sum would need one more bit.
             return match drop {
                 33 => Self::narrow(wide.sar(32).add(Wire::lit(1)).sar(1)),
                 _ => high.sar(drop - 33).add(Self::lit(1)).sar(1),
@@ -241,7 +240,7 @@ impl<T: Target> Word for Lanes<T> {
     }
     #[inline(always)]
     fn lookup(index: Self, table: &'static [i32]) -> Self {
-        // A stage never asks outside the table; 0 keeps the function total, as in the scalar reading.
+        // A stage never asks outside the table; 0 keeps the function total, as on the scalar backend.
         Self(index.1.lookup(index.0, table), index.1)
     }
     #[inline]
@@ -273,8 +272,8 @@ impl<T: Target> Staged for Lanes<T> {
     }
 }
 
-/// One stage of the datapath as a function of its own, compiled for the instruction set `T`. The body goes on by
-/// reference: copied, its captures would be read in other sizes than they were just written in, which stalls.
+/// One stage of the datapath as a separate function, compiled for the instruction set `T`. The body is passed by reference. If it were copied, its
+/// captures would be read in other sizes than they were just written in, which stalls.
 #[inline(never)]
 #[expect(clippy::redundant_closure, reason = "only a closure can say that it is always inlined")]
 fn stage<T: Target, B>(body: impl Fn() -> B + Copy) -> B {

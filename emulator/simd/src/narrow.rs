@@ -1,8 +1,8 @@
-//! Words of 16 bits, for [`NARROW_LANES`] fragments at once: twice as many as of 32 bits in the same vectors.
+//! 16-bit words, for [`NARROW_LANES`] fragments at once: twice as many as 32-bit words in the same vectors.
 //!
-//! What has 32 bits, a wide wire of such words as well as a count, is two wires of [`LANES`] fragments, the even and the odd ones, so
-//! that the operations are those that there are, and a count that comes of a wide wire needs no conversion. A flag is kept
-//! for words and for both halves; the optimiser drops what nobody asks for.
+//! A 32-bit value, be it a wide wire of such words or a count, is two wires of [`LANES`] fragments: the even and the odd ones. The operations are
+//! then those of 32-bit words, and a count that comes from a wide wire needs no conversion. A flag is kept for words and for both halves; the
+//! optimiser drops the unused ones.
 
 use std::ops::{BitAnd, BitOr, Not};
 
@@ -13,17 +13,17 @@ use roughxel_core::word::{WideWire, Wire, Word};
 
 use super::{FlagLanes, LANES, Lanes, Target, WideLanes, any, stage};
 
-/// Kept fraction bits of the profiles that run in narrow lanes: all that a word of 16 bits has.
+/// Kept fraction bits of the profiles that run in narrow lanes: all that a 16-bit word has.
 pub const KEPT: u32 = 14;
 
-/// Fragments side by side on words of 16 bits.
+/// Fragments in lanes on 16-bit words.
 pub const NARROW_LANES: usize = 2 * LANES;
 
-/// A word of 16 bits of [`NARROW_LANES`] fragments, for the instruction set `T`, of profiles that keep [`KEPT`] bits.
+/// A 16-bit word of [`NARROW_LANES`] fragments, for the instruction set `T`, of profiles that keep [`KEPT`] bits.
 #[derive(Clone, Copy, Debug)]
 pub struct NarrowLanes<T: Target>(T::Shorts, T);
 
-/// A wire of [`NARROW_LANES`] fragments as two, of the even and of the odd ones.
+/// A wire of [`NARROW_LANES`] fragments as two wires: the even and the odd fragments.
 #[derive(Clone, Copy, Debug)]
 pub struct Halves<X>(pub(super) [X; 2]);
 
@@ -35,25 +35,25 @@ pub struct NarrowFlags<T: Target> {
 }
 
 impl<T: Target> NarrowLanes<T> {
-    /// The wire with these values, lane 0 first.
+    /// Wire with these values, lane 0 first.
     #[inline]
     pub fn of(lanes: [i16; NARROW_LANES]) -> Self {
         Self::narrow(Halves::<Lanes<T>>::of(lanes.map(i32::from)))
     }
 
-    /// The values, lane 0 first.
+    /// Values, lane 0 first.
     #[inline]
     pub fn lanes(self) -> [i16; NARROW_LANES] {
         self.widen().lanes().map(|lane| lane as i16)
     }
 
-    /// The upper halves of words of 32 bits.
+    /// Upper halves of 32-bit words.
     #[inline]
     pub(super) fn of_high(Halves([even, odd]): Halves<Lanes<T>>) -> Self {
         Self(even.1.short_high(even.0, odd.0), even.1)
     }
 
-    /// The words of 32 bits with these upper halves, zeros behind.
+    /// 32-bit words with these upper halves, zeros below.
     #[inline]
     pub(super) fn high(self) -> Halves<Lanes<T>> {
         Halves([Lanes(self.1.even_high(self.0), self.1), Lanes(self.1.odd_high(self.0), self.1)])
@@ -63,13 +63,13 @@ impl<T: Target> NarrowLanes<T> {
 macro_rules! halves {
     ($lanes:ident, $int:ty) => {
         impl<T: Target> Halves<$lanes<T>> {
-            /// The wire with these values, lane 0 first.
+            /// Wire with these values, lane 0 first.
             #[inline]
             pub fn of(lanes: [$int; NARROW_LANES]) -> Self {
                 Self(each!(half in [0, 1] => $lanes::of(each!(i in places() => lanes[2 * i + half]))))
             }
 
-            /// The values, lane 0 first.
+            /// Values, lane 0 first.
             #[inline]
             pub fn lanes(self) -> [$int; NARROW_LANES] {
                 let halves = [self.0[0].lanes(), self.0[1].lanes()];
@@ -83,18 +83,18 @@ halves!(Lanes, i32);
 halves!(WideLanes, i64);
 
 impl<T: Target> NarrowFlags<T> {
-    /// The flag with these values, lane 0 first.
+    /// Flag with these values, lane 0 first.
     pub fn of(lanes: [bool; NARROW_LANES]) -> Self {
         Self::of_halves([0, 1].map(|half| FlagLanes::of(core::array::from_fn(|i| lanes[2 * i + half]))))
     }
 
-    /// The values, lane 0 first.
+    /// Values, lane 0 first.
     pub fn lanes(self) -> [bool; NARROW_LANES] {
         let halves = self.halves.map(FlagLanes::lanes);
         core::array::from_fn(|i| halves[i % 2][i / 2])
     }
 
-    /// Whether any lane has it.
+    /// Returns true if any lane has it.
     #[inline(always)]
     pub(super) fn is_any(self) -> bool {
         let [even, odd] = self.halves;
@@ -311,13 +311,13 @@ impl<T: Target> Wire for NarrowLanes<T> {
     }
     #[inline]
     fn leading_zeros(self) -> Self::Count {
-        // In the upper half of a word of 32 bits, with a one behind it.
+        // In the upper half of a 32-bit word, with a one after it.
         self.high().or(Wire::lit(1 << 15)).leading_zeros()
     }
 }
 
 impl<T: Target> Word for NarrowLanes<T> {
-    // So all counts of places but those of tables are known when a stage is compiled, and roundings need no mask.
+    // All shift counts but those of tables are thus known when a stage is compiled, and roundings need no mask.
     const WHOLE: bool = true;
     type Wide = Halves<Lanes<T>>;
     #[inline]
@@ -336,11 +336,11 @@ impl<T: Target> Word for NarrowLanes<T> {
     #[inline(always)]
     fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
         if drop > 16 {
-            // The lower half is dropped whole: the rest is done on words, of which a vector holds twice as many.
+            // The lower half is dropped whole. The rest is done on words, of which a vector holds twice as many.
             let high = Self::of_high(wide);
             return Self(high.1.round_short(high.0, drop + up - 16), high.1).shl(up);
         }
-        // Where a sum wraps, the shift up or the narrowing drops what differs from the exact one.
+        // If a sum wraps, the shift up or the narrowing drops its difference from the exact sum.
         let Halves([even, odd]) = wide;
         Self(even.1.round_short_low(even.0, odd.0, drop, up), even.1).and(Self::lit(-1 << up))
     }

@@ -1,7 +1,7 @@
 //! Instruction sets: chosen at run time, compiled for at compile time.
 //!
-//! `fearless_simd` holds the proof that the machine has an instruction set and the one call into functions compiled
-//! for it, so that nothing here is unsafe. Whatever is inlined into that call is compiled for the instruction set.
+//! `fearless_simd` holds the proof that the machine has an instruction set, and the one call into functions compiled for it, so nothing here is
+//! unsafe. All code that is inlined into that call is compiled for the instruction set.
 
 use std::fmt;
 
@@ -14,14 +14,14 @@ use super::vectors::Vectors;
 pub trait Target: Vectors {
     /// Runs `body`, which is inlined, compiled for the instruction set.
     ///
-    /// Panics where the machine does not have it; [`InstructionSet::available`] says what it has.
+    /// Panics if the machine does not have it; [`InstructionSet::is_available`] tells.
     fn run<R>(body: impl FnOnce() -> R) -> R;
 }
 
 /// An instruction set to run lanes with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionSet {
-    /// x86-64-v3, with vectors of 256 bits.
+    /// x86-64-v3, with 256-bit vectors.
     Avx2,
     /// AVX-512 as of Ice Lake.
     Avx512,
@@ -31,7 +31,7 @@ impl InstructionSet {
     /// Every instruction set, narrowest first.
     pub const ALL: [Self; 2] = [Self::Avx2, Self::Avx512];
 
-    /// Whether this machine has it.
+    /// Returns true if this machine has it.
     pub fn is_available(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -43,12 +43,12 @@ impl InstructionSet {
         }
     }
 
-    /// Those this machine has, narrowest first.
+    /// Instruction sets of this machine, narrowest first.
     pub fn available() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(|set| set.is_available())
     }
 
-    /// The widest this machine has.
+    /// Widest instruction set of this machine.
     pub fn best() -> Option<Self> {
         Self::available().last()
     }

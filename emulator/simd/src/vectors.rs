@@ -1,22 +1,22 @@
-//! What an instruction set computes, for [`LANES`](super::LANES) lanes in as many vectors as that takes.
+//! Operations of an instruction set, on [`LANES`](super::LANES) lanes in as many vectors as they take.
 
 use std::fmt::Debug;
 
 use super::LANES;
 
-/// A table of the datapath; what is not in it reads as 0.
+/// A table of the datapath; places beyond it read as 0.
 pub(crate) type Table = &'static [i32];
 
 /// A table of sixteen entries.
 pub(crate) type Entries<'a> = &'a [i32; 16];
 
-/// Words of 64 bits, two at least.
+/// 64-bit words, at least two.
 pub(crate) type Memory<'a> = &'a [u64];
 
 macro_rules! vectors_trait {
     ($($name:ident($($a:ident: $ty:ident),*) -> $out:ident;)*) => {
-        /// The operations of [`Wire`](roughxel_core::word::Wire) and [`Word`](roughxel_core::word::Word); those of wide wires
-        /// are called `_wide`, those of words of 16 bits `_short`. A value proves that the machine has the instruction set.
+        /// Operations of [`Wire`](roughxel_core::word::Wire) and [`Word`](roughxel_core::word::Word). Those of wide wires have the suffix `_wide`,
+        /// those of 16-bit words `_short`. A value proves that the machine has the instruction set.
         pub trait Vectors: Copy + Debug + Send + Sync + 'static {
             /// Words.
             type Words: Copy + Debug;
@@ -24,16 +24,16 @@ macro_rules! vectors_trait {
             type Wides: Copy + Debug;
             /// Flags.
             type Flags: Copy + Debug;
-            /// Words of 16 bits, two in the place of each of [`Self::Words`]: the even and the odd lanes of twice as many fragments.
+            /// 16-bit words, two in the place of each of [`Self::Words`]: the even and the odd lanes of twice as many fragments.
             type Shorts: Copy + Debug;
-            /// Flags of them.
+            /// Flags of 16-bit words.
             type ShortFlags: Copy + Debug;
 
-            /// The proof. Panics where the machine does not have the instruction set.
+            /// Proof of the instruction set. Panics if the machine does not have it.
             fn detect() -> Self;
-            /// The proof, in a thread that has found it before. Panics in any other.
+            /// Proof in a thread that has found it earlier. Panics in any other.
             fn proof() -> Self;
-            /// Both halves of the word at each place and of the next one, the lower first.
+            /// Halves of the word at each place and of the next word, the lower half first.
             fn pairs(self, places: Self::Words, memory: Memory) -> [Self::Words; 4];
             $(
                 #[doc = concat!("`", stringify!($name), "` of every lane.")]
@@ -126,8 +126,8 @@ vectors_trait! {
     lookup_short(even: Words, odd: Words, table: Table) -> Shorts;
 }
 
-/// Implements [`Vectors`] and [`Target`](super::Target) with the vectors of an instruction set: what is written for one
-/// vector of words is done for all of them.
+/// Implements [`Vectors`] and [`Target`](super::Target) with the vectors of an instruction set. Code written for one vector of words runs for all of
+/// them.
 #[cfg(target_arch = "x86_64")]
 macro_rules! vectors {
     (
@@ -144,7 +144,7 @@ macro_rules! vectors {
         $(fearless_simd::kernel! { #[inline(always)] fn $from($t1: $target, $a1: $ty1) -> $lanes1 { $body1 } })*
         $(fearless_simd::kernel! { #[inline(always)] fn $part($t3: $target, $a3: $ty3) -> $out3 { $body3 } })*
 
-        // No kernels: of their size those would be calls, and vectors go to a call and come back through memory.
+        // No kernels: at their size those would be calls, and vectors go to a call and come back through memory.
         $(
             #[inline(always)]
             fn $inline($t4: $proof $(, $a4: $ty4)*) -> $out4 { $body4 }
@@ -177,18 +177,18 @@ macro_rules! vectors {
         pub struct $target($proof);
 
         thread_local! {
-            /// The proof, for the literals: they have no operand that carries it. Where a function compiled for the
-            /// instruction set begins, it is put here, so that asking costs a compare at most.
+            /// Proof for literals, which have no operand that carries it. It is stored at the start of a function compiled for the instruction set,
+            /// so asking costs a compare at most.
             static PROOF: core::cell::Cell<Option<$proof>> = const { core::cell::Cell::new(None) };
         }
 
-        /// The proof of this thread. By `try_with`, for that is the one access that the standard library marks to be inlined.
+        /// Proof of this thread. It uses `try_with`, the one access that the standard library marks to be inlined.
         #[inline]
         fn found() -> Option<$proof> {
             PROOF.try_with(core::cell::Cell::get).ok().flatten()
         }
 
-        /// Keeps the proof for this thread. Where it cannot be kept, it is not found.
+        /// Keeps the proof for this thread. If it cannot be kept, it is not found.
         #[inline]
         fn keep(proof: $proof) {
             let _ = PROOF.try_with(#[inline(always)] |kept| kept.set(Some(proof)));
@@ -208,7 +208,7 @@ macro_rules! vectors {
         impl $crate::Target for $target {
             #[inline(always)]
             fn run<R>(body: impl FnOnce() -> R) -> R {
-                // Never dropped, which it would be where a call unwinds: as in `each`.
+                // Never dropped. A drop would run if a call unwinds, as in `each`.
                 let body = core::mem::ManuallyDrop::new(body);
                 let Self(proof) = $crate::vectors::Vectors::detect();
                 fearless_simd::Simd::vectorize(
@@ -235,7 +235,7 @@ macro_rules! vectors {
             }
             #[inline]
             fn proof() -> Self {
-                // Not `detect`: around a call that may return every vector would have to go to memory.
+                // Not `detect`: around a call that may return, every vector would have to go to memory.
                 let Some(proof) = found() else { $crate::vectors::outside() };
                 Self(proof)
             }
@@ -271,7 +271,7 @@ macro_rules! vectors {
                     vectors!(@same $vectors, $all(self.0, value))
                 }
             )*
-            // One call for all vectors: the optimiser has it in its last form before it is put anywhere.
+            // One call for all vectors: the optimiser has it in its last form before it inlines it anywhere.
             $(
                 #[inline]
                 fn $name(self $(, $a: vectors!(@vectors $ty))*) -> vectors!(@vectors $out) {
@@ -311,7 +311,7 @@ macro_rules! vectors {
         let value = $value;
         [value, value]
     }};
-    // Written out: as a loop every operation is ten blocks, of which a stage has ten thousands before the optimiser sees it whole.
+    // Written out: as a loop every operation is ten blocks. A stage has ten thousands of operations before the optimiser sees it whole.
     (@each 1, $name:ident, $proof:expr $(, ($a:ident: $ty:ident))*) => {
         [$name($proof $(, vectors!(@vector $ty, $a, 0))*)]
     };
@@ -327,7 +327,7 @@ macro_rules! vectors {
 #[cfg(target_arch = "x86_64")]
 pub(crate) use vectors;
 
-/// Ends the program where a thread makes a literal before any other wire.
+/// Ends the program if a thread makes a literal before any other wire.
 #[cfg(target_arch = "x86_64")]
 #[cold]
 #[inline(never)]
@@ -335,7 +335,7 @@ pub(crate) fn outside() -> ! {
     unreachable!("the first wire of a thread is made inside `Target::run`, or of values")
 }
 
-/// The lanes of two vectors, one after the other.
+/// Lanes of two vectors, one after the other.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 pub(crate) fn joined<T: Copy>([first, second]: [[T; LANES / 2]; 2]) -> [T; LANES] {
