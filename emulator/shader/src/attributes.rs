@@ -1,4 +1,4 @@
-//! What the rasteriser knows of a fragment: one by one as ports, or a vector of fragments as rows.
+//! Attributes of fragments from the rasteriser: one by one as ports, or a vector of fragments as rows.
 
 use fixed::types::U0F32;
 use roughxel_core::ports::{BlockPair, BlockVector};
@@ -9,8 +9,8 @@ use crate::batch::{BlockRows, Row};
 /// Attributes of one fragment as ports; vectors in world space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FragmentAttributes {
-    /// Unnormalised normal: Σ βᵢ nᵢ / w of unit vertex normals, times one power of two per triangle; of equal ones that one, its
-    /// largest component 1 − 2⁻¹².
+    /// Unnormalised normal: Σ βᵢ nᵢ / w of unit vertex normals, times one power of two per triangle. If all vertex normals are equal it is that
+    /// normal, its largest component 1 − 2⁻¹².
     pub normal: BlockVector,
     /// Vector v from the surface to the eye, in pixels of the picture plane; x right, y down.
     pub view: BlockVector,
@@ -26,23 +26,23 @@ pub struct FragmentAttributes {
     pub duv: [BlockPair; 2],
 }
 
-/// Attributes that not every object reads; those that are not read are zero.
+/// Attributes that not every object reads; unread attributes are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// p_u and p_v: S97 systems 1 and 2.
+    /// Needs p_u and p_v: S97 systems 1 and 2.
     pub tangents: bool,
-    /// u and v: maps.
+    /// Needs u and v: maps.
     pub uv: bool,
-    /// Their derivatives: maps with footprints. Not without u and v.
+    /// Needs derivatives of u and v: maps with footprints. Only together with u and v.
     pub duv: bool,
 }
 
 impl Needs {
-    /// All.
+    /// Every attribute.
     pub const ALL: Self = Self { tangents: true, uv: true, duv: true };
 }
 
-/// The attributes of [`LANES`] fragments side by side, with the names of [`FragmentAttributes`]. A row is a cache line.
+/// Attributes of [`LANES`] fragments in lanes, with the names of [`FragmentAttributes`]. A row is a cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub struct AttributeRows {
@@ -50,11 +50,11 @@ pub struct AttributeRows {
     pub normal: BlockRows<3>,
     /// Vectors from the surface to the eye.
     pub view: BlockRows<3>,
-    /// p_u and p_v, or the main direction and nothing.
+    /// p_u and p_v, or the main direction and zeros.
     pub frame_vectors: [BlockRows<3>; 2],
     /// Texture coordinates with 32 fraction bits.
     pub uv: [Row; 2],
-    /// Their derivatives.
+    /// Derivatives of the texture coordinates.
     pub duv: [BlockRows<2>; 2],
 }
 

@@ -1,4 +1,4 @@
-//! Batches: bundles of many fragments, a row for each word, which a backend loads and stores a vector at a time.
+//! Batches: bundles of many fragments, one row for each word. A backend loads and stores rows a vector at a time.
 
 use core::slice::{ChunksExact, ChunksExactMut};
 
@@ -14,20 +14,20 @@ mod append;
 
 pub use append::{Appended, BlockRows, Row};
 
-/// Fragments of the larger group of lanes: rows have room for whole ones.
+/// Fragments of the larger lane group; rows have room for whole groups.
 pub(crate) const GROUP: usize = 2 * LANES;
 
-/// A bundle of each of many fragments; a row holds one word of all.
+/// A bundle for each of many fragments; a row holds one word of all.
 #[derive(Clone, Debug)]
 pub struct Batch<B> {
-    /// Which of its parts there are: a plan leaves some out.
+    /// Bundle that shows which parts exist: a plan leaves some out.
     form: Option<B>,
-    /// The numbers of its rows.
+    /// Bundle with the numbers of the rows.
     numbers: Option<B>,
     memory: Vec<i32>,
-    /// Where the rows begin in it: with a cache line, so that no vector of a group lies in two.
+    /// Start of the rows in the memory. They begin with a cache line, so no vector of a group lies in two lines.
     start: usize,
-    /// Words of a row, with room behind the last fragment for a whole vector.
+    /// Words of a row, with room after the last fragment for a whole vector.
     stride: usize,
     len: usize,
 }
@@ -49,22 +49,22 @@ impl<B: Form> FromIterator<B> for Batch<B> {
 }
 
 impl<B: Form> Batch<B> {
-    /// Fragments.
+    /// Number of fragments.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there is none.
+    /// Returns true if there is no fragment.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Leaves no fragment; the memory is kept.
+    /// Removes all fragments; the memory is kept.
     pub fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Adds a fragment. It has the parts that all others have.
+    /// Adds a fragment. It has the parts that all other fragments have.
     pub fn push(&mut self, bundle: &B) {
         self.form = Some(*bundle);
         self.grow(self.len + 1);
@@ -73,7 +73,7 @@ impl<B: Form> Batch<B> {
         self.len += 1;
     }
 
-    /// So many fragments that are all the same, in place of what there was.
+    /// Replaces the content by `len` equal fragments.
     pub fn fill(&mut self, len: usize, bundle: &B) {
         self.clear();
         if len == 0 {
@@ -88,46 +88,46 @@ impl<B: Form> Batch<B> {
         self.len = len;
     }
 
-    /// That of a fragment.
+    /// Bundle of a fragment.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If `index` is not below the number of fragments.
     pub fn get(&self, index: usize) -> B {
         assert!(index < self.len, "fragment {index} of {}", self.len);
         self.form().rewire::<i32, _>(&mut Take { words: self.words(), stride: self.stride, place: index })
     }
 
-    /// Those of all fragments, in their order.
+    /// Bundles of all fragments, in their order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = B> + '_ {
         (0..self.len).map(|index| self.get(index))
     }
 
-    /// One word of every fragment: the words of a bundle are those of a walk, a wide wire is two, the lower half first.
+    /// One word of every fragment. The words of a bundle are those of a walk; a wide wire is two words, the lower half first.
     ///
     /// # Panics
-    /// If the bundle has not so many words.
+    /// If the bundle has no such word.
     pub fn row(&self, word: usize) -> &[i32] {
         &self.words()[word * self.stride..][..self.len]
     }
 
-    /// The row of one of the wires: `row_of(|seen| seen.taps)`.
+    /// Row of one of the wires: `row_of(|seen| seen.taps)`.
     pub fn row_of<const INT: u32>(&self, wire: impl Fn(&B) -> Fx<i32, INT>) -> &[i32] {
         self.row(wire(&numbered::<B>()).raw() as usize)
     }
 
-    /// The rows of a part of the bundle, in the order of its walk: `rows_of(|bare| bare.normal)`.
+    /// Rows of a part of the bundle, in the order of its walk: `rows_of(|bare| bare.normal)`.
     pub fn rows_of<P: Bundle<i32>>(&self, part: impl Fn(&B) -> P) -> impl Iterator<Item = &[i32]> {
         let mut first = First(None);
         part(&numbered::<B>()).rewire::<i32, _>(&mut first);
         (first.0.unwrap_or(0) as usize..).take(P::WORDS).map(|word| self.row(word))
     }
 
-    /// Adds `count` fragments, at most a vector of them: `write` puts the rows of each part that anybody reads.
+    /// Adds `count` fragments, at most a vector of them. `write` stores the rows of each part that is read later.
     ///
     /// # Panics
-    /// More than [`LANES`] fragments.
+    /// If there are more than [`LANES`] fragments.
     pub fn append(&mut self, count: usize, write: impl FnOnce(&mut Appended<'_, B>)) {
-        assert!(count <= LANES, "a vector of them");
+        assert!(count <= LANES, "at most a vector of fragments");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
         let numbers = *self.numbers.get_or_insert_with(numbered);
@@ -136,12 +136,12 @@ impl<B: Form> Batch<B> {
         self.len += count;
     }
 
-    /// Adds `count` fragments that are all the same, at most a vector of them.
+    /// Adds `count` equal fragments, at most a vector of them.
     ///
     /// # Panics
-    /// More than [`LANES`] fragments.
+    /// If there are more than [`LANES`] fragments.
     pub fn append_same(&mut self, count: usize, bundle: &B) {
-        assert!(count <= LANES, "a vector of them");
+        assert!(count <= LANES, "at most a vector of fragments");
         self.form.get_or_insert_with(|| B::limit::<i32>(End::Low));
         self.grow(self.len + count);
         let (stride, place) = (self.stride, self.len);
@@ -149,7 +149,7 @@ impl<B: Form> Batch<B> {
         self.len += count;
     }
 
-    /// The fragments in another order, in place of what `ordered` held.
+    /// Puts the fragments into `ordered`, in a different order, in place of its content.
     pub(crate) fn reorder(&self, Order(order): &Order, ordered: &mut Self) {
         ordered.form = self.form;
         ordered.resize(order.len());
@@ -160,7 +160,7 @@ impl<B: Form> Batch<B> {
         }
     }
 
-    /// Fragments in another order back in their own, in place of what `own` held.
+    /// Puts reordered fragments back into `own`, in their own order, in place of its content.
     pub(crate) fn restore(&self, Order(order): &Order, own: &mut Self) {
         own.form = self.form;
         own.resize(order.len());
@@ -171,7 +171,7 @@ impl<B: Form> Batch<B> {
         }
     }
 
-    /// Any bundle of them: what parts there are.
+    /// Any bundle of the batch; it shows which parts exist.
     pub(crate) fn form(&self) -> &B {
         self.form.as_ref().unwrap_or_else(|| unreachable!("fragments have a form"))
     }
@@ -180,7 +180,7 @@ impl<B: Form> Batch<B> {
         self.form = Some(form);
     }
 
-    /// One word of all after the other, with the room behind them.
+    /// Rows, one word of all fragments each, with the room after them.
     pub(crate) fn rows(&self) -> ChunksExact<'_, i32> {
         self.words().chunks_exact(self.stride)
     }
@@ -200,26 +200,26 @@ impl<B: Form> Batch<B> {
         &mut self.memory[self.start..][..self.stride * B::WORDS]
     }
 
-    /// Words from one row to the next.
+    /// Number of words from one row to the next.
     #[inline(always)]
     pub(crate) fn stride(&self) -> usize {
         self.stride
     }
 
-    /// So many fragments, in place of what there was; whoever asks writes all of them.
+    /// Sets the number of fragments. The content is undefined; the caller writes all of them.
     pub(crate) fn resize(&mut self, len: usize) {
         self.len = 0;
         self.grow(len);
         self.len = len;
     }
 
-    /// Room for so many.
+    /// Makes room for `len` fragments.
     fn grow(&mut self, len: usize) {
         let needed = len.next_multiple_of(GROUP) + LANES;
         if needed <= self.stride {
             return;
         }
-        // An odd number of cache lines: the places of one fragment in all rows lie in as many sets of a cache as it has.
+        // An odd number of cache lines: the places of one fragment in all rows then lie in all the sets of a cache.
         let stride = (needed.max(2 * self.stride).div_ceil(LANES) | 1) * LANES;
         let memory = vec![0; stride * B::WORDS + LANES];
         let start = memory.as_ptr().align_offset(size_of::<[i32; LANES]>()).min(LANES);
@@ -254,11 +254,11 @@ impl Rewire<i32, i32> for First {
     }
 }
 
-/// Takes the words of a place in the order of a walk.
+/// Takes the words at a place in the order of a walk.
 struct Take<'a> {
     words: &'a [i32],
     stride: usize,
-    /// Of the next word.
+    /// Place of the next word.
     place: usize,
 }
 

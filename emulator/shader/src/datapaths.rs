@@ -1,4 +1,4 @@
-//! Whole datapaths, from ports to ports with all that is looked at on the way: what vectors are made of.
+//! Whole datapaths from ports to ports, with the outcomes of all stages: vectors are made from them.
 
 use roughxel_core::datapath;
 use roughxel_core::plan::{PeakPlan, ReflectionPlan, SurfacePlan};

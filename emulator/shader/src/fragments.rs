@@ -15,18 +15,18 @@ use crate::texels::RepeatedMap;
 /// Pixel in which a colour counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Place {
-    /// The pixel in its tile.
+    /// Index of the pixel in its tile.
     pub pixel: u32,
-    /// Number of the pixel's samples that it stands for.
+    /// Number of the pixel's samples that the fragment stands for.
     pub times: u32,
 }
 
 /// Fragments of one object that wait to be shaded. Batches that its plan does not read stay empty.
 #[derive(Debug)]
 pub struct Fragments {
-    /// Whether they reflect or shine.
+    /// True if they reflect or shine.
     pub(crate) has_surface: bool,
-    /// Whether they reflect over footprints.
+    /// True if they reflect over footprints.
     has_derivatives: bool,
     needs: Needs,
     /// Main direction, in place of p_u and p_v.
@@ -37,16 +37,16 @@ pub struct Fragments {
     pub(crate) duv: Batch<TextureDerivatives>,
     /// Pixel of each fragment.
     pub(crate) places: Vec<Place>,
-    /// Directions from each fragment to the lights that stand in the scene, in their order.
+    /// Directions from each fragment to the local lights of the scene, in their order.
     pub(crate) directions: Vec<Batch<PortBlock<i32, 3>>>,
     pub(crate) footprints: MapFootprints,
 }
 
 impl Fragments {
-    /// Fragments that wait, at most, if they are to stay in a second-level cache.
+    /// Maximum number of waiting fragments that stay in a second-level cache.
     pub const MANY: usize = 128;
 
-    /// No fragments yet.
+    /// Empty list of fragments.
     pub fn new(material: &Material) -> Self {
         let (plan, needs) = (&material.plan, material.needs());
         let maps = material.maps().filter(|_| plan.texture_footprint);
@@ -70,12 +70,12 @@ impl Fragments {
         self.places.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there is no fragment.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
 
-    /// Rows for [`Self::append`]: what no triangle has of its own is in them.
+    /// Rows for [`Self::append`]. They hold the attributes that do not depend on the triangle.
     pub fn rows(&self) -> AttributeRows {
         let mut rows = AttributeRows::default();
         if let Some(main) = self.main_direction {
@@ -84,7 +84,7 @@ impl Fragments {
         rows
     }
 
-    /// Lets fragments wait that have their derivatives in common, a vector of them at most.
+    /// Adds waiting fragments that share their derivatives, at most a vector of them.
     pub fn append(&mut self, places: &[Place], rows: &AttributeRows, derivatives: &Derivatives<i32>) {
         let count = places.len();
         if self.has_surface {
@@ -113,7 +113,7 @@ impl Fragments {
         self.places.extend_from_slice(places);
     }
 
-    /// Adds the directions from the next fragment to the lights that stand in the scene.
+    /// Adds the directions from the next fragment to the local lights of the scene.
     pub fn append_directions(&mut self, directions: impl ExactSizeIterator<Item = BlockVector>) {
         self.directions.resize_with(directions.len(), Batch::default);
         for (batch, direction) in self.directions.iter_mut().zip(directions) {
@@ -126,7 +126,7 @@ impl Fragments {
         Places { centres: &self.centres, footprints: self.footprints.of(map) }
     }
 
-    /// Leaves no fragment; the memory is kept.
+    /// Removes all fragments; the memory is kept.
     pub(crate) fn clear(&mut self) {
         self.bare.clear();
         self.derivatives.clear();
@@ -142,17 +142,17 @@ impl Fragments {
 struct SizedFootprints {
     size: [i32; 2],
     scale: (TextureScale<i32>, MapScale<i32>),
-    /// Bumps with roughness are among the maps.
+    /// True if bumps with roughness are among the maps.
     is_rough: bool,
     footprints: Batch<RepeatedFootprint<i32>>,
 }
 
-/// Footprints of fragments in the maps that they read; none where nothing is filtered.
+/// Footprints of fragments in the maps that they read; none if nothing is filtered.
 #[derive(Debug)]
 pub struct MapFootprints(Vec<SizedFootprints>);
 
 impl MapFootprints {
-    /// Footprints of no fragments yet; of a size that `rough` bumps have they know the reach of their probes.
+    /// Footprints of no fragments yet. Footprints of the size of `rough` bumps hold the reach of their probes.
     pub fn new<'a>(maps: impl Iterator<Item = &'a RepeatedMap>, rough: Option<&RepeatedMap>) -> Self {
         let mut sizes: Vec<SizedFootprints> = Vec::new();
         for map in maps {
@@ -165,7 +165,7 @@ impl MapFootprints {
         Self(sizes)
     }
 
-    /// Makes the footprints of these fragments in place of all others.
+    /// Makes the footprints of these fragments, in place of all others.
     pub fn make(&mut self, shader: Shader<'_>, derivatives: &Batch<TextureDerivatives>) {
         for SizedFootprints { scale, is_rough, footprints, .. } in &mut self.0 {
             TextureFootprints { derivatives, scale, is_rough: *is_rough }.run(shader, footprints);

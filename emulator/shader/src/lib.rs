@@ -4,13 +4,13 @@
 //!
 //! [`Shader::shade`] is the block diagram as code: every pass by its name, in order.
 //!
-//! - A **batch** ([`Batch`]) holds a bundle of each of many fragments, a row for each word. Rows have the names of their declarations.
+//! - A **batch** ([`Batch`]) holds a bundle for each of many fragments, one row for each word. Rows have the names of their declarations.
 //! - A **pass** ([`Surfaces`], [`Colours`], …) is a structure of the batches that it reads. Its body is generic over words. It loads a group of
-//!   fragments, calls the composer of `roughxel-core`, and the group that comes of it is stored.
-//! - A [`Material`] is what an object brings: its plan, constants and maps. [`Fragments`] of one object wait until they are a batch; [`Sums`] hold
+//!   fragments, calls the composer of `roughxel-core`, and stores the resulting group.
+//! - A [`Material`] is the part of an object: its plan, constants and maps. [`Fragments`] of one object wait until they fill a batch; [`Sums`] hold
 //!   the light of pixels.
 //!
-//! The bits do not depend on the backend, nor on how fragments are put into batches.
+//! The bits depend neither on the backend nor on how fragments are put into batches.
 
 mod attributes;
 mod batch;

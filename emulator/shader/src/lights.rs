@@ -1,4 +1,4 @@
-//! Lights on fragments: highlights, and the half vectors and slopes that peaks look at.
+//! Lights on fragments: highlights, and the half vectors and slopes that peaks need.
 
 use roughxel_core::bundle::{Value, never};
 use roughxel_core::datapath::{self, Surface, pixel};
@@ -65,7 +65,7 @@ impl Pass for Highlights<'_> {
     }
 }
 
-/// Half vectors in the frames of surfaces: half, local. There is none if the light is below the surface.
+/// Half vectors in the tangent bases of surfaces: half, local. A half vector is zero if the light is below the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Halves<'a>(pub Lit<'a>);
 
@@ -81,7 +81,7 @@ impl Pass for Halves<'_> {
     }
 }
 
-/// Slopes of the light and of the eye, which horizons are compared with.
+/// Slopes of the light and of the eye, for comparison with horizons.
 #[derive(Clone, Copy, Debug)]
 pub struct HorizonSlopes<'a>(pub Lit<'a>);
 
@@ -105,7 +105,7 @@ impl Pass for HorizonSlopes<'_> {
 pub struct GivenPeaks<'a> {
     /// Half vectors.
     pub halves: &'a Batch<LocalDirection<i32>>,
-    /// The peaks of the material.
+    /// Peaks of the material.
     pub peaks: &'a [PackedPeak],
     /// The colour of the light times that of the peaks.
     pub colour: &'a [Control<i32, LIGHT>; 3],
@@ -122,7 +122,7 @@ impl Pass for GivenPeaks<'_> {
     }
 }
 
-/// The light of a list of peaks.
+/// Light of a list of peaks.
 #[inline(always)]
 fn given<W: Fetch>(half: &LocalDirection<W>, peaks: &[PackedPeak], p: &Precision) -> Control<W, LIGHT> {
     let mut sum = PeakSum::<W> { light: Fx::zero(), saturated: never::<W>() };

@@ -1,4 +1,4 @@
-//! Repeated maps: the footprints of fragments in them, colours, and bumps with their second moments.
+//! Wrapped maps: the footprints of fragments in them, colours, and bumps with their second moments.
 
 use roughxel_core::bundle::{Bundle, Value};
 use roughxel_core::datapath::texel::{self, BumpMoments, BumpSample, BumpScale};
@@ -46,9 +46,9 @@ pub type TextureDerivatives = [PortBlock<i32, 2>; 2];
 pub struct TextureFootprints<'a> {
     /// Derivatives of texture coordinates over a pixel.
     pub derivatives: &'a Batch<TextureDerivatives>,
-    /// Their scale.
+    /// Scale of the maps.
     pub scale: &'a (TextureScale<i32>, MapScale<i32>),
-    /// Bumps with roughness are among the maps: they need the reach of probes.
+    /// True if bumps with roughness are among the maps: they need the reach of probes.
     pub is_rough: bool,
 }
 
@@ -75,7 +75,7 @@ impl Pass for TextureFootprints<'_> {
 pub struct Places<'a> {
     /// Texture coordinates.
     pub centres: &'a Batch<TexturePosition<i32>>,
-    /// Footprints around them; none where nothing is filtered.
+    /// Footprints around the centres; none if nothing is filtered.
     pub footprints: Option<&'a Batch<RepeatedFootprint<i32>>>,
 }
 
@@ -150,7 +150,7 @@ impl Pass for Colours<'_> {
     }
 }
 
-/// The texels of a tap by a function of its own, as a stage is one: a pass reads them in several places.
+/// Reads the texels of a tap in a separate function, like a stage: a pass reads them in several places.
 #[inline(always)]
 fn fetched<W: BatchWord, B: Bundle<W>>(texels: impl Fn() -> B + Copy) -> B {
     W::stage("memory", texels)
@@ -168,7 +168,7 @@ pub struct Bumps<'a> {
     pub places: Places<'a>,
     /// The map.
     pub map: &'a BumpMap,
-    /// The roughness that is asked for.
+    /// Requested roughness.
     pub kind: RoughnessKind,
 }
 

@@ -1,4 +1,4 @@
-//! What the fragments of an object are shaded with, beside their attributes.
+//! Materials: constants and maps with which the fragments of an object are shaded, in addition to their attributes.
 
 use std::fmt;
 
@@ -22,13 +22,13 @@ pub type Channel = Control<i32, LIGHT>;
 pub struct Material {
     /// Plan of its stages.
     pub plan: ObjectPlan,
-    /// Colour of its own.
+    /// Colour of the object.
     pub colour: [Channel; 3],
-    /// The share of the environment in each channel.
+    /// Share of the environment in each channel.
     pub reflectance: [Control<i32, REFLECTANCE>; 3],
-    /// The direction that frames of system 3 are built on.
+    /// Direction on which tangent bases of system 3 are built.
     pub main_direction: BlockVector,
-    /// Colours that vary over it.
+    /// Colours that vary over the object.
     pub colour_map: Option<ColourMap>,
     /// Bumps and roughness.
     pub bump_map: Option<BumpMap>,
@@ -37,7 +37,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// A smooth mirror without colour: what rays that hit nothing show.
+    /// Material of rays that hit nothing: a smooth mirror without colour.
     pub fn mirror(filters: bool) -> Self {
         let reflection = ReflectionPlan {
             bump: false,
@@ -67,39 +67,39 @@ impl Material {
         }
     }
 
-    /// The maps that a fragment reads.
+    /// Maps that a fragment reads.
     pub fn maps(&self) -> impl Iterator<Item = &RepeatedMap> {
         let colour = self.colour_map.as_ref().map(|map| &map.texels.map);
         let bump = self.bump_map.as_ref().map(|map| map.texels.map());
         [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
     }
 
-    /// The bump map, if that is read with its roughness.
+    /// Bump map, if it is read with its roughness.
     pub(crate) fn rough_map(&self) -> Option<&RepeatedMap> {
         let is_rough = self.plan.roughness() != RoughnessKind::None;
         self.bump_map.as_ref().filter(|_| is_rough).map(|map| map.texels.map())
     }
 
-    /// The attributes that its fragments read.
+    /// Attributes that its fragments read.
     pub fn needs(&self) -> Needs {
         let uv = self.maps().next().is_some();
         Needs { tangents: self.plan.needs_tangents(), uv, duv: uv && self.plan.texture_footprint }
     }
 }
 
-/// Lights, and what returns them.
+/// Lights, and the lobe or peaks that return them.
 #[derive(Debug)]
 pub struct Lighting {
     /// Effects of the surface.
     pub plan: SurfacePlan,
-    /// Each light.
+    /// Lights on the object.
     pub lights: Vec<Light>,
-    /// Lobe or peaks that return them.
+    /// Lobe or peaks that return the light.
     pub shine: Shine,
 }
 
 impl Lighting {
-    /// The map of the peaks, if they come from one.
+    /// Map of the peaks, if they come from one.
     fn map(&self) -> Option<&RepeatedMap> {
         match &self.shine {
             Shine::Map(map) => Some(&map.map),
@@ -108,12 +108,12 @@ impl Lighting {
     }
 }
 
-/// A light as an object shows it.
+/// A light as an object returns it.
 #[derive(Clone, Copy, Debug)]
 pub struct Light {
-    /// Direction to it, if it is infinitely far away; otherwise each fragment has its own.
+    /// Direction to the light, if it is infinitely far away; otherwise each fragment has its own.
     pub direction: Option<BlockVector>,
-    /// Its colour times that of the highlight or the peaks.
+    /// Colour of the light times that of the highlight or the peaks.
     pub colour: [Channel; 3],
 }
 
@@ -121,7 +121,7 @@ pub struct Light {
 pub enum Shine {
     /// One lobe around the normal.
     Highlight(ShininessPort<i32>),
-    /// A formula that no datapath has, of a surface, its ports and the direction to the light: for comparison.
+    /// A formula that no datapath has, for comparison. Its arguments are a surface, the ports of the surface and the direction to the light.
     Formula(Formula),
     /// Peaks that are the same everywhere.
     Given(Vec<PackedPeak>),
@@ -129,7 +129,7 @@ pub enum Shine {
     Map(PeakTexels),
 }
 
-/// The share of a light that a surface returns.
+/// Share of a light that a surface returns.
 pub type Formula = Box<dyn Fn(&Surface<i32>, &SurfaceInput<i32>, &BlockVector) -> Channel + Send + Sync>;
 
 impl fmt::Debug for Shine {

@@ -1,22 +1,23 @@
-//! Fragments by how many probes they have: a group of lanes takes as many turns as the longest footprint in it.
+//! Order of fragments by probe count. A lane group takes as many turns as its longest footprint has probes.
 
 use roughxel_core::rom::MAX_PROBES;
 
-/// The fragment at each place of another order.
+/// Index of the fragment at each place of the order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Order(pub(super) Vec<u32>);
 
-/// Fragments to which moving one to a place among its like and back, 20 words, is worth a turn of their group: measured.
+/// Number of fragments whose reordering costs as much as one turn of their group: measured. To reorder a fragment is to move its 20 words to a place
+/// among its like and back.
 const MOVES_OF_A_TURN: usize = 32;
 
 impl Order {
-    /// Orders fragments by these counts, the most probes first, so that no other order takes fewer turns: but the i-th, no group's longest is shorter than
-    /// what stands at `lanes`·i. (The fewest first takes more where a group that is not full then has the longest.) False, with no order, where it does
-    /// not spare groups of `lanes` more than it costs.
+    /// Orders fragments by these counts, the most probes first, so that no other order takes fewer turns. Among the counts in this order, the longest
+    /// of group i is never below the one at `lanes`·i. (The fewest first takes more turns if a group that is not full then has the longest
+    /// footprint.) Returns false, without an order, if groups of `lanes` save less than the order costs.
     pub(crate) fn by(&mut self, counts: &[i32], lanes: usize) -> bool {
         let most = |group: &[i32]| group.iter().copied().max().unwrap_or(0).unsigned_abs() as usize;
         let turns: usize = counts.chunks(lanes).map(most).sum();
-        // Where the fragments of each count begin; no profile has more than so many probes.
+        // Places where the fragments of each count begin; no profile has more than `MAX_PROBES` probes.
         let place = |count: i32| MAX_PROBES - (count.unsigned_abs() as usize).min(MAX_PROBES);
         let mut ends = [0; MAX_PROBES + 2];
         for &count in counts {
@@ -25,7 +26,7 @@ impl Order {
         for place in 1..ends.len() {
             ends[place] += ends[place - 1];
         }
-        // The first of each group has the most.
+        // The first fragment of each group has the most probes.
         let count_at = |index: usize| MAX_PROBES + 1 - ends.partition_point(|&end| end <= index);
         let ordered: usize = (0..counts.len()).step_by(lanes).map(count_at).sum();
         if (turns - ordered) * MOVES_OF_A_TURN <= counts.len() {
@@ -56,16 +57,16 @@ mod tests {
         assert_eq!(order.0, expected);
     }
 
-    /// The fewest first took 18 turns for these in place of 10, and the difference went below zero.
+    /// Order with the fewest probes first: it takes 18 turns for these counts instead of 10, a difference below zero.
     #[test]
     fn a_group_that_is_not_full_is_no_reason_for_more_turns() {
         let mut order = Order::default();
-        assert!(!order.by(&[9, 9, 9, 9, 1], 4), "they stand as well as they can");
+        assert!(!order.by(&[9, 9, 9, 9, 1], 4), "the order is already the best");
         assert!(order.by(&[1, 9, 9, 9, 9], 4));
         assert_eq!(order.0, [1, 2, 3, 4, 0]);
     }
 
-    /// Every arrangement of few counts, against the turns of all others.
+    /// All arrangements of few counts, compared with the turns of every other order.
     #[test]
     fn no_arrangement_takes_fewer_turns() {
         let turns =
@@ -90,7 +91,7 @@ mod tests {
                 let ordered: Vec<i32> = order.0.iter().map(|&fragment| counts[fragment as usize]).collect();
                 assert_eq!(turns(&ordered), best, "{counts:?}");
             } else {
-                // A turn is worth 32 fragments: whatever there is to spare among seven is spared.
+                // A turn is worth 32 fragments, so any turn that seven fragments can save is saved.
                 assert_eq!(turns(counts), best, "{counts:?}");
             }
         }

@@ -1,4 +1,4 @@
-//! A pass: one body, generic over words, that reads the rows of a group of fragments, calls the composer, and hands over what it made.
+//! Passes: one body, generic over words, that reads the rows of a group of fragments, calls the composer, and hands over the result.
 
 use core::slice::ChunksExact;
 
@@ -14,13 +14,13 @@ use crate::batch::Batch;
 use crate::peaks::PeakPairs;
 use crate::texels::CubeTexels;
 
-/// A part of the way of a fragment. Its fields are the batches that it reads and what is the same for all fragments.
+/// A part of the way of a fragment. Its fields are the batches that it reads and the values that all fragments share.
 pub trait Pass {
-    /// Bundle that it makes of each fragment.
+    /// Bundle that the pass makes for each fragment.
     type Output: Form;
-    /// Fragments.
+    /// Number of fragments.
     fn len(&self) -> usize;
-    /// Makes the bundles of a group. Lanes after the last fragment hold fragments of other batches, or zeros: it takes any.
+    /// Makes the bundles of a group. Unused lanes of the last group hold stale or zero data; the pass accepts any.
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> In<Self::Output, W>;
 }
 
@@ -40,7 +40,7 @@ pub struct Shader<'a> {
 pub struct Environment<'a> {
     /// Texels of the map.
     pub texels: &'a CubeTexels,
-    /// The scale of footprints in it.
+    /// Scale of footprints in the environment.
     pub scale: &'a MapScale<i32>,
 }
 
@@ -50,17 +50,17 @@ impl<'a> Shader<'a> {
         Self { backend, precision, environment: None }
     }
 
-    /// Puts what a pass makes of every fragment into `results`, in place of what they held.
+    /// Puts the results of a pass for every fragment into `results`, in place of its content.
     pub(crate) fn run<P: Pass>(self, pass: &P, results: &mut Batch<P::Output>) {
         self.backend.dispatch(self.precision, Run { pass, precision: self.precision, results });
     }
 }
 
-/// Passes that anybody may run, compiled here once.
+/// Public `run` of passes, compiled here once.
 macro_rules! runs {
     ($($pass:ident)*) => {
         $(impl $pass<'_> {
-            /// Puts what the pass makes of every fragment into `results`, in place of what they held.
+            /// Puts the results of the pass for every fragment into `results`, in place of its content.
             pub fn run(&self, shader: $crate::Shader<'_>, results: &mut $crate::Batch<<Self as $crate::pass::Pass>::Output>) {
                 shader.run(self, results);
             }
@@ -83,7 +83,7 @@ impl<P: Pass> Kernel for Run<'_, P> {
         let Self { pass, precision, results } = self;
         let len = pass.len();
         results.resize(len);
-        // The composer and both walks are compiled for the instruction set, as the stages are.
+        // The composer and both walks are compiled for the instruction set, like the stages.
         W::run(
             #[inline(always)]
             || {
@@ -92,7 +92,7 @@ impl<P: Pass> Kernel for Run<'_, P> {
                     let walk = Walk::new::<W, P::Output>(results, first);
                     let form =
                         made.rewire::<i32, _>(&mut Unload::<W> { vectors: W::vectors_mut(results.words_mut()), walk });
-                    // That of all: one more copy of a bundle costs as much as a stage.
+                    // Set by the first group, for the whole batch: one more copy of a bundle costs as much as a stage.
                     if first == 0 {
                         results.set_form(form);
                     }
@@ -102,34 +102,34 @@ impl<P: Pass> Kernel for Run<'_, P> {
     }
 }
 
-/// The place of a group in its batch.
+/// Place of a group in its batch.
 pub struct Group<W: BatchWord> {
     first: usize,
     proof: W::Proof,
 }
 
 impl<W: BatchWord> Group<W> {
-    /// The bundles of the group's fragments.
+    /// Bundles of the group's fragments.
     #[inline(always)]
     pub(crate) fn of<B: Form>(&self, batch: &Batch<B>) -> In<B, W> {
         let walk = Walk::new::<W, B>(batch, self.first);
         batch.form().rewire::<W, _>(&mut Load::<W> { vectors: W::vectors(batch.words()), walk, proof: self.proof })
     }
 
-    /// A bundle that all fragments have.
+    /// Bundle that all fragments share.
     #[inline(always)]
     pub(crate) fn all<B: Form>(&self, bundle: &B) -> In<B, W> {
         bundle.rewire::<W, _>(&mut Spread::<W>(self.proof))
     }
 
-    /// The peaks of a group of pairs.
+    /// Peaks of a group of pairs.
     #[inline(always)]
     pub(crate) fn peaks(&self, pairs: &PeakPairs) -> Value<W, 32> {
         let row = W::load(self.proof, W::vectors(&pairs.peaks[self.first..]), 0);
         Value(Fx::from_raw(W::of_counts(row)))
     }
 
-    /// The bundles of their fragments: most groups are of one.
+    /// Bundles of the fragments of pairs; most groups are of one fragment.
     #[inline(always)]
     pub(crate) fn of_pairs<B: Form>(&self, pairs: &PeakPairs, batch: &Batch<B>) -> In<B, W> {
         let fragments = &pairs.fragments[self.first..][..W::FRAGMENTS];
@@ -142,7 +142,7 @@ impl<W: BatchWord> Group<W> {
     }
 }
 
-/// The place of the next word of a group, among the vectors of a batch.
+/// Place of the next word of a group, among the vectors of a batch.
 struct Walk {
     place: usize,
     stride: usize,
@@ -190,7 +190,7 @@ impl<W: BatchWord> Pick<'_, W> {
     }
 }
 
-/// Wires of rows, one after the other.
+/// Rewires the wires of rows, one after the other.
 macro_rules! rewire_rows {
     ($rows:ident) => {
         impl<W: BatchWord> Rewire<i32, W> for $rows<'_, W> {
@@ -240,7 +240,7 @@ impl<W: BatchWord> Rewire<i32, W> for Spread<W> {
     }
 }
 
-/// Puts the wires of a walk into rows; a wide wire is two words, a flag is 0 or 1.
+/// Stores the wires of a walk in rows; a wide wire is two words, a flag is 0 or 1.
 struct Unload<'a, W: BatchWord> {
     vectors: &'a mut [W::Vector],
     walk: Walk,

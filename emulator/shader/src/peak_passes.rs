@@ -1,4 +1,4 @@
-//! Passes over the peaks of a map: which texels a fragment reads, what each peak returns, and the mean over a footprint.
+//! Passes over the peaks of a map: the texels that a fragment reads, the light of each peak, and the mean over a footprint.
 
 use roughxel_core::bundle::{Value, bundle};
 use roughxel_core::datapath::texel::Quad;
@@ -21,12 +21,12 @@ use crate::signals::{Shown, Slopes};
 use crate::texels::RepeatedMap;
 
 bundle! {
-    /// Patches that a fragment reads of a map: of each level one for each turn.
+    /// Patches that a fragment reads of a map: one on each level for each turn.
     pub struct PatchesRead<W> {
-        /// Its probes.
+        /// Number of probes.
         #[range(1..=16)]
         turns: Int<W>,
-        /// Levels that it reads.
+        /// Number of levels.
         #[range(1..=2)]
         levels: Int<W>,
     }
@@ -36,7 +36,7 @@ bundle! {
 pub(crate) struct PeakPatches<'a> {
     pub(crate) places: Places<'a>,
     pub(crate) map: &'a RepeatedMap,
-    /// Counts the fragments.
+    /// Number of each fragment.
     pub(crate) numbers: &'a Batch<Value<i32, 32>>,
     pub(crate) patches: &'a Patches<'a>,
 }
@@ -60,12 +60,12 @@ impl Pass for PeakPatches<'_> {
     }
 }
 
-/// The light of the peak of every pair: horizon, peaks.
+/// Light of the peak of every pair: horizon, peaks.
 pub(crate) struct PeakLights<'a> {
     pub(crate) pairs: &'a PeakPairs,
     /// Half vectors of fragments.
     pub(crate) halves: &'a Batch<LocalDirection<i32>>,
-    /// Slopes of fragments, of a map with horizons.
+    /// Slopes of fragments, for a map with horizons.
     pub(crate) slopes: Option<&'a Batch<Slopes<i32>>>,
     pub(crate) map: &'a PeakTexels,
 }
@@ -119,7 +119,7 @@ impl Pass for PeakMeans<'_> {
     }
 }
 
-/// The share of a peak above its horizon.
+/// Share of a peak above its horizon.
 #[inline(always)]
 fn above_horizon<W: Fetch>(peak: Int<W>, slopes: &Slopes<W>, map: &PeakTexels, p: &Precision) -> Control<W, SHARE> {
     let low = peak.shl(2);
@@ -153,7 +153,7 @@ fn patches_of<W: Fetch>(view: &View<'_, W>, number: Int<W>, patches: &Patches<'_
     PatchesRead { turns, levels }
 }
 
-/// The mean of what stands for the texels of a fragment's patches.
+/// Mean of the sums for the texels of a fragment's patches.
 #[inline(always)]
 fn mean_of<W: Fetch>(
     view: &View<'_, W>,
@@ -170,7 +170,7 @@ fn mean_of<W: Fetch>(
                 each!(row in patches.rows(slot(turn, level)) => W::take(number, row).raw()),
                 #[inline(always)]
                 |places| {
-                    // A patch of another turn or level, with the weight 0, may name any place.
+                    // A patch of another turn or level, with weight 0, may name any place.
                     each!(place in places => sums.get(place as u32 as usize).copied().unwrap_or(0))
                 },
             );

@@ -1,4 +1,4 @@
-//! Peaks of maps as a memory holds them, and which of them fragments read.
+//! Peaks of maps as a memory holds them, and the peaks that fragments read.
 
 use std::cell::Cell;
 
@@ -10,15 +10,15 @@ use roughxel_core::ports::{Horizon, Peak};
 use crate::batch::GROUP;
 use crate::texels::{RepeatedMap, wide};
 
-/// Words of a [`PackedPeak`].
+/// Number of words of a [`PackedPeak`].
 pub(crate) const WORDS: usize = 3;
 
-/// A peak as a memory holds it: its five numbers of 16 bits in three words.
+/// A peak as a memory holds it: its five 16-bit numbers in three words.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedPeak(pub(crate) [i32; WORDS]);
 
 impl From<&Peak<i32>> for PackedPeak {
-    /// Range: what [`StoredPeak`](roughxel_core::ports::StoredPeak) holds.
+    /// Range: the range of [`StoredPeak`](roughxel_core::ports::StoredPeak).
     fn from(peak: &Peak<i32>) -> Self {
         let pair = |low: i32, high: i32| low & 0xffff | high << 16;
         let [x, y, z] = peak.normal.map(Fx::raw);
@@ -27,32 +27,32 @@ impl From<&Peak<i32>> for PackedPeak {
 }
 
 impl PackedPeak {
-    /// Its words.
+    /// Words of the peak.
     pub fn words(&self) -> [Int<i32>; WORDS] {
         self.0.map(Fx::from_raw)
     }
 }
 
-/// The peaks of every texel of a repeated map.
+/// Peaks of every texel of a wrapped map.
 #[derive(Clone, Debug)]
 pub struct PeakTexels {
-    /// Its levels.
+    /// Levels of the map.
     pub map: RepeatedMap,
-    /// Where the peaks of each texel begin, of all levels, the finest first; and where the last end. No texel has more than [`MOST_PEAKS`].
+    /// Index of the first peak of each texel, over all levels, the finest first; then the end of the last. No texel has more than [`MOST_PEAKS`].
     pub begins: Vec<u32>,
-    /// Of all texels: the words of each, and a 0.
+    /// Peaks of all texels: the words of each, and a 0.
     pub(crate) peaks: Vec<[u64; 2]>,
-    /// As many as peaks, or none: the beginnings of each, then what its widths are the reciprocals of.
+    /// Horizons, one for each peak, or none: least slopes, then the inverse widths.
     pub(crate) horizons: Vec<[u64; 4]>,
-    /// How horizons are joined.
+    /// Rule that joins horizons.
     pub kind: HorizonKind,
 }
 
 impl PeakTexels {
-    /// Of a map's texels; a horizon for each peak, or none.
+    /// Packs the peaks of the texels of one map; horizons are optional.
     ///
     /// # Panics
-    /// If there are other numbers of them, or a texel has more than [`MOST_PEAKS`].
+    /// If there are other numbers of peaks or horizons, or a texel has more than [`MOST_PEAKS`].
     pub fn new(
         map: RepeatedMap,
         begins: Vec<u32>,
@@ -71,44 +71,43 @@ impl PeakTexels {
         Self { map, begins, peaks, horizons, kind }
     }
 
-    /// Peaks of all texels.
+    /// Number of peaks of all texels.
     pub fn count(&self) -> usize {
         self.peaks.len()
     }
 
-    /// Whether peaks have horizons.
+    /// Returns true if peaks have horizons.
     pub fn has_horizons(&self) -> bool {
         !self.horizons.is_empty()
     }
 
-    /// The same without horizons.
+    /// Drops the horizons.
     pub fn without_horizons(self) -> Self {
         Self { horizons: Vec::new(), ..self }
     }
 }
 
-/// Peaks of a texel, at most.
+/// Maximum number of peaks of a texel.
 pub const MOST_PEAKS: usize = 8;
 
-/// Patches that a fragment reads, at most: of two levels for each probe.
+/// Maximum number of patches that a fragment reads: two levels for each probe.
 const PATCHES: usize = 32;
 
-/// The slot of a patch of a fragment.
+/// Slot of a patch of a fragment.
 pub(crate) fn slot(turn: i32, level: i32) -> i32 {
     2 * turn + level
 }
 
-/// The patches of a batch of fragments: of each slot four rows, with a word of every fragment, which are the texels of its patch or the places of what stands
-/// for them.
+/// Patches of a batch of fragments. Each slot has four rows, with a word for every fragment: the texels of its patch, or the places of their sums.
 #[derive(Clone, Copy)]
 pub(crate) struct Patches<'a> {
     cells: &'a [Cell<i32>],
-    /// As many as there is room for.
+    /// Number of fragments for which there is room.
     fragments: usize,
 }
 
 impl<'a> Patches<'a> {
-    /// Words for so many fragments.
+    /// Number of words for `fragments` fragments.
     pub(crate) const fn words(fragments: usize) -> usize {
         4 * PATCHES * fragments
     }
@@ -118,30 +117,30 @@ impl<'a> Patches<'a> {
         Self { cells: Cell::from_mut(words).as_slice_of_cells(), fragments }
     }
 
-    /// The rows of a [`slot`].
+    /// Rows of a [`slot`].
     #[inline(always)]
     pub(crate) fn rows(&self, slot: i32) -> [&'a [Cell<i32>]; 4] {
         each!(texel in [0, 1, 2, 3] => &self.cells[(4 * slot as usize + texel) * self.fragments..][..self.fragments])
     }
 }
 
-/// Fragments with peaks that they read, by fragment.
+/// Pairs of a fragment and a peak that it reads, by fragment.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PeakPairs {
-    /// The fragment of each, the last one again up to a whole group of lanes.
+    /// Fragment of each pair, the last one repeated to fill a lane group.
     pub(crate) fragments: Vec<i32>,
-    /// The peak of each in its map, and any up to a whole group of lanes.
+    /// Peak of each pair in its map, and any peak to fill a lane group.
     pub(crate) peaks: Vec<i32>,
     len: usize,
 }
 
 impl PeakPairs {
-    /// Number of fragments.
+    /// Number of pairs.
     pub(crate) fn len(&self) -> usize {
         self.len
     }
 
-    /// Room for so many and a whole group of lanes.
+    /// Makes room for `pairs` pairs and a whole lane group.
     pub(crate) fn reserve(&mut self, pairs: usize) {
         let room = (pairs + MOST_PEAKS).next_multiple_of(GROUP) + GROUP;
         if self.peaks.len() < room {
@@ -150,7 +149,7 @@ impl PeakPairs {
         }
     }
 
-    /// That there are so many.
+    /// Sets the number of pairs.
     pub(crate) fn end(&mut self, len: usize) {
         self.len = len;
         let last = len.checked_sub(1).map_or(0, |last| self.fragments[last]);

@@ -1,7 +1,8 @@
-//! The peaks of a map that a batch of fragments reads.
+//! Peaks of a map that a batch of fragments reads.
 //!
-//! A fragment reads up to 32 patches of four texels with a few peaks each, and two texels of five twice. So light is computed of pairs, a fragment and a peak of a
-//! texel that it reads, once each, side by side whatever fragments they are of; then it is summed by texel, and texels are filtered like any other.
+//! A fragment reads up to 32 patches of four texels with a few peaks each. On average it reads two of five texels twice. Light is therefore computed
+//! once for each pair, a fragment and a peak of a texel that it reads, in lanes of any fragments. It is then summed by texel, and texels are filtered
+//! like any other.
 
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath;
@@ -17,52 +18,53 @@ use crate::peak_passes::{PatchesRead, PeakLights, PeakMeans, PeakPatches};
 use crate::peaks::{MOST_PEAKS, Patches, PeakPairs, PeakTexels, slot};
 use crate::signals::{Shown, Slopes};
 
-/// Room for the peaks of a texel.
+/// Array of the room for the peaks of a texel.
 #[inline(always)]
 fn run<T>(peaks: &mut [T]) -> &mut [T; MOST_PEAKS] {
     peaks.first_chunk_mut().unwrap_or_else(|| unreachable!("room was made for a whole run"))
 }
 
-/// No map has this texel.
+/// Number that no texel of a map has.
 const NO_TEXEL: u32 = u32::MAX;
 
-/// No batch reads this many texels.
+/// Place that no texel of a batch has.
 const NO_PLACE: u32 = u32::MAX;
 
-/// A light as fragments see it whose peaks were read of a map.
+/// A light on fragments whose peaks were read of a map.
 #[derive(Clone, Copy)]
 pub struct LightOnPeaks<'a> {
-    /// The map.
+    /// Map of the peaks.
     pub map: &'a PeakTexels,
-    /// Places of the fragments in it.
+    /// Places of the fragments in the map.
     pub places: Places<'a>,
     /// Half vectors of the light.
     pub halves: &'a Batch<LocalDirection<i32>>,
     /// Slopes of the light and the eye, if the map has horizons.
     pub slopes: Option<&'a Batch<Slopes<i32>>>,
-    /// The colour of the light times that of the peaks.
+    /// Colour of the light times that of the peaks.
     pub colour: &'a [Control<i32, LIGHT>; 3],
 }
 
-/// The peaks that a batch of fragments reads of a map; its memory is kept for the next one.
+/// Peaks that a batch of fragments reads of a map; the memory is kept for the next batch.
 #[derive(Debug, Default)]
 pub struct PeaksRead {
-    /// 0, 1, 2, … of the fragments, and of as many more as a group of lanes.
+    /// Numbers 0, 1, 2, … of the fragments, and of as many more as a lane group.
     numbers: Batch<Value<i32, 32>>,
-    /// How many patches each fragment reads.
+    /// Number of patches that each fragment reads.
     read: Batch<PatchesRead<i32>>,
-    /// Their texels; then the places of those in `sums`.
+    /// Texels of the patches; later the places of those in `sums`.
     patches: Vec<i32>,
     pairs: PeakPairs,
-    /// Where the pairs of each texel end, in the order of `sums`, and room for more.
+    /// End of the pairs of each texel, in the order of `sums`, and room for more.
     ends: Vec<u32>,
     lights: Batch<Value<i32, LIGHT>>,
-    /// The light of each texel.
+    /// Light of each texel.
     sums: Vec<i32>,
 }
 
 impl PeaksRead {
-    /// Reads the peaks of a batch of fragments, once what a probe shares with the one before. Returns the bilinear samples.
+    /// Reads the peaks of a batch of fragments, and only once the peaks that a probe shares with the one before it. Returns the number of bilinear
+    /// samples.
     pub fn read(&mut self, map: &PeakTexels, places: Places<'_>, shader: Shader<'_>) -> u64 {
         let fragments = places.centres.len();
         let room = fragments + GROUP;
@@ -107,7 +109,8 @@ impl PeaksRead {
                         let shared = before.iter().fold(NO_PLACE, same);
                         let is_new = shared == NO_PLACE;
                         let [begin, end] = each!(i in [0, 1] => begins[texel as usize + i]);
-                        // Written in any case and kept if new: whether a texel is shared cannot be predicted, nor how many peaks it has.
+                        // Written in any case and kept if new: branches on whether a texel is shared, and on its number of peaks, cannot be
+                        // predicted.
                         run(&mut pairs.peaks[peaks..]).iter_mut().zip(begin as i32..).for_each(|(at, peak)| *at = peak);
                         let place = if is_new { texels } else { shared };
                         peaks += if is_new { end - begin } else { 0 } as usize;

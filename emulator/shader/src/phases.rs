@@ -1,16 +1,16 @@
-//! Where the time of a frame goes.
+//! Phases of a frame, and their times.
 
 use std::time::{Duration, Instant};
 
 /// A part of the work on a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Set-up of triangles (as long as the frame waits for it), what is visible, attributes of the fragments and of rays that hit nothing, means of
+    /// Set-up of triangles (as long as the frame waits for it), visibility, attributes of the fragments and of rays that hit nothing, means of
     /// samples.
     FrontEnd,
-    /// The datapath from ports to footprints and surfaces, of maps and of reflections.
+    /// Datapath from ports to footprints and surfaces, of maps and of reflections.
     Footprints,
-    /// Fetches and filters of an object's own maps, and what they make ports of.
+    /// Fetches and filters of an object's own maps, and the ports made from them.
     Maps,
     /// Lights, with the peaks that they read.
     Lights,
@@ -22,7 +22,7 @@ impl Phase {
     /// Every phase, in the order of a fragment.
     pub const ALL: [Self; 5] = [Self::FrontEnd, Self::Footprints, Self::Maps, Self::Lights, Self::Environment];
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::FrontEnd => "front end",
@@ -34,22 +34,22 @@ impl Phase {
     }
 }
 
-/// The time of each phase, of all threads together.
+/// Time of each phase, summed over all threads.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PhaseTimes([Duration; Phase::ALL.len()]);
 
 impl PhaseTimes {
-    /// Of one of them.
+    /// Time of one phase.
     pub fn of(&self, phase: Phase) -> Duration {
         self.0[phase as usize]
     }
 
-    /// Of all.
+    /// Time of all phases.
     pub fn sum(&self) -> Duration {
         self.0.iter().sum()
     }
 
-    /// Adds those of another piece of the frame.
+    /// Adds the times of another piece of the frame.
     pub fn add(&mut self, other: &Self) {
         for (own, other) in self.0.iter_mut().zip(&other.0) {
             *own += *other;
@@ -57,7 +57,7 @@ impl PhaseTimes {
     }
 }
 
-/// Says which phase a thread is in. It is read a few times a batch: 20 ns each for some 128 fragments.
+/// Clock of the phase that a thread is in. It is read a few times a batch: 20 ns each, for some 128 fragments.
 pub struct PhaseClock {
     times: PhaseTimes,
     phase: Phase,
@@ -65,12 +65,12 @@ pub struct PhaseClock {
 }
 
 impl PhaseClock {
-    /// In the front end.
+    /// Starts the clock in the front end.
     pub fn start() -> Self {
         Self { times: PhaseTimes::default(), phase: Phase::FrontEnd, since: Instant::now() }
     }
 
-    /// Enters a phase; the one that it leaves.
+    /// Enters a phase and returns the phase that it leaves.
     pub fn enter(&mut self, phase: Phase) -> Phase {
         let now = Instant::now();
         self.times.0[self.phase as usize] += now - self.since;
@@ -78,7 +78,7 @@ impl PhaseClock {
         std::mem::replace(&mut self.phase, phase)
     }
 
-    /// What each took until now.
+    /// Stops the clock and returns the time of each phase.
     pub fn stop(mut self) -> PhaseTimes {
         self.enter(Phase::FrontEnd);
         self.times

@@ -1,4 +1,4 @@
-//! The plan of an object: which blocks of the datapath its fragments go through.
+//! The plan of an object: the blocks of the datapath that its fragments go through.
 
 use roughxel_core::plan::{
     Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
@@ -8,26 +8,26 @@ use roughxel_core::precision::RoughnessKind;
 /// Blocks of one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObjectPlan {
-    /// A colour map is sampled.
+    /// True if a colour map is sampled.
     pub colour_map: bool,
-    /// Colour and bump maps have a footprint.
+    /// True if colour and bump maps have a footprint.
     pub texture_footprint: bool,
-    /// Edge filter: the share that the object covers of a pixel counts.
+    /// Edge filter: true if the share of a pixel that the object covers counts.
     pub edges: bool,
-    /// The reflection datapath; `None` where nothing is reflected.
+    /// Reflection datapath; `None` if nothing is reflected.
     pub reflection: Option<ReflectionPlan>,
-    /// A rough reflection has two lobes, the narrower one a quarter as wide.
+    /// True if a rough reflection has two lobes, the narrower one a quarter as wide.
     pub two_lobes: bool,
-    /// The surface of a highlight.
+    /// Surface of a highlight.
     pub highlight: Option<SurfacePlan>,
-    /// The surface that peaks stand on.
+    /// Surface on which peaks stand.
     pub peaks: Option<SurfacePlan>,
-    /// Peaks have horizons.
+    /// Rule for the horizons of peaks.
     pub horizon: HorizonKind,
 }
 
 impl ObjectPlan {
-    /// The surface that a fragment's reflection and its lights share.
+    /// Surface that a fragment's reflection and its lights share.
     pub fn surface(&self) -> SurfacePlan {
         let none = SurfacePlan {
             bump: false,
@@ -44,7 +44,7 @@ impl ObjectPlan {
         })
     }
 
-    /// The roughness that a fragment needs of its maps.
+    /// Roughness that a fragment needs of its maps.
     pub fn roughness(&self) -> RoughnessKind {
         let reflection = self.reflection.map_or(RoughnessKind::None, |plan| plan.roughness);
         match (reflection, self.highlight) {
@@ -53,7 +53,7 @@ impl ObjectPlan {
         }
     }
 
-    /// The datapaths the object calls for and the blocks of each: what its vectors and its hardware are made for.
+    /// Datapaths of the object and the blocks of each, for which its vectors and its hardware are made.
     pub fn datapaths(&self) -> impl Iterator<Item = (Datapath, Effects)> {
         let reflection = self.reflection.map(|plan| (Datapath::Reflection, plan.into()));
         let highlight = self.highlight.map(|plan| (Datapath::Highlight, plan.into()));
@@ -62,12 +62,12 @@ impl ObjectPlan {
         [reflection, highlight, peaks].into_iter().flatten()
     }
 
-    /// Whether a bump map, or a roughness map, is sampled.
+    /// Returns true if a bump map, or a roughness map, is sampled.
     pub fn bump_map(&self) -> bool {
         self.has(Effect::Bump) || self.has(Effect::Roughness)
     }
 
-    /// The frame system, where any block needs p_u and p_v.
+    /// System of the tangent basis, if any block needs p_u and p_v.
     pub fn needs_tangents(&self) -> bool {
         let surfaces = [self.reflection.map(|plan| plan.surface()), self.highlight, self.peaks];
         surfaces.iter().flatten().any(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
@@ -81,23 +81,23 @@ pub enum Effect {
     ColourTexture,
     /// Bumps: the normal is moved.
     Bump,
-    /// The detail that a bump map's level has lost.
+    /// Lost detail of a bump map's level, as roughness.
     Roughness,
-    /// An environment is reflected.
+    /// Reflection of an environment.
     Environment,
-    /// A lobe for most facets and one for all.
+    /// One lobe for most facets and one for all.
     TwoLobes,
-    /// Samples have footprints.
+    /// Footprints of samples.
     Footprint,
-    /// A pixel shows every object by the share that it covers.
+    /// Share of a pixel that each object covers.
     Edges,
-    /// Normals that vary over a triangle widen the footprint.
+    /// Normals that vary over a triangle and widen the footprint.
     Curvature,
-    /// A lobe around the normal.
+    /// One lobe around the normal.
     Highlight,
     /// Several normals at a point.
     Peaks,
-    /// Bumps hide each other from lights and eye.
+    /// Bumps that hide each other from lights and eye.
     Horizon,
 }
 
@@ -117,7 +117,7 @@ impl Effect {
         Self::Horizon,
     ];
 
-    /// Its name in reports.
+    /// Name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ColourTexture => "colour texture",
@@ -136,7 +136,7 @@ impl Effect {
 }
 
 impl ObjectPlan {
-    /// Whether an effect is on.
+    /// Returns true if an effect is on.
     pub fn has(&self, effect: Effect) -> bool {
         let reflection = |on: fn(&ReflectionPlan) -> bool| self.reflection.as_ref().is_some_and(on);
         match effect {
@@ -154,7 +154,7 @@ impl ObjectPlan {
         }
     }
 
-    /// The plan without an effect, and without what needs it; roughness goes with the bumps and with the footprints.
+    /// Plan without an effect and without the effects that need it. Roughness goes with the bumps and with the footprints.
     pub fn without(mut self, effect: Effect) -> Self {
         match effect {
             Effect::ColourTexture => self.colour_map = false,
@@ -200,7 +200,7 @@ impl ObjectPlan {
     }
 }
 
-/// A plan without roughness, and so without lobes that a face does not hold.
+/// Plan without roughness, and so without lobes that are too wide for a face.
 const fn smooth(plan: ReflectionPlan) -> ReflectionPlan {
     ReflectionPlan { roughness: RoughnessKind::None, ..plan.on_face() }
 }

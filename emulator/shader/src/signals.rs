@@ -1,4 +1,4 @@
-//! Bundles that pass from one pass to the next, and what their rows say of a whole batch.
+//! Bundles that one pass hands to the next, and questions about the rows of a whole batch.
 
 use roughxel_core::bundle::bundle;
 use roughxel_core::datapath::Reflection;
@@ -17,7 +17,7 @@ bundle! {
         normal: PortBlock<W, 3>,
         /// Vector from the surface to the eye.
         view: PortBlock<W, 3>,
-        /// p_u and p_v, or the main direction and nothing.
+        /// p_u and p_v, or the main direction and zeros.
         frame_vectors: [PortBlock<W, 3>; 2],
     }
 
@@ -29,26 +29,26 @@ bundle! {
         dnormal: [PortBlock<W, 3>; 2],
     }
 
-    /// Bumps and roughness of a fragment, and what was read for them.
+    /// Bumps and roughness of a fragment, and the number of samples read for them.
     pub struct Bumped<W> {
         /// Offset and roughness as the ports of the surface take them.
         bump: Bump<W>,
-        /// Bilinear samples.
+        /// Number of bilinear samples.
         #[range(0..=32)]
         taps: Int<W>,
     }
 
-    /// A colour, and what was read for it.
+    /// A colour, and the number of samples read for it.
     pub struct Shown<W> {
         /// Linear light.
         #[range(0..64)]
         channels: [Control<W, LIGHT>; 3],
-        /// Bilinear samples, those of two lobes at most.
+        /// Number of bilinear samples, at most those of two lobes.
         #[range(0..=64)]
         taps: Int<W>,
     }
 
-    /// Point and probes of a reflection: what fetching needs.
+    /// Point and probes of a reflection: the input of a fetch.
     pub struct Footprint<W> {
         /// Face, s, t.
         point: CubePoint<W>,
@@ -56,7 +56,7 @@ bundle! {
         probes: Probes<W>,
     }
 
-    /// Slopes of a light and of the eye, which horizons are compared with.
+    /// Slopes of a light and of the eye, for comparison with horizons.
     pub struct Slopes<W> {
         /// Slopes of the light over both axes of the surface.
         light: [AxisSlope<W>; 2],
@@ -73,7 +73,7 @@ impl<W: Word> Footprint<W> {
     }
 }
 
-/// The ports of a surface.
+/// Ports of a surface.
 #[inline(always)]
 pub(crate) fn ports<W: Word>(bare: &Bare<W>, bump: &Bump<W>) -> SurfaceInput<W> {
     let Bare { normal, view, frame_vectors } = *bare;
@@ -81,25 +81,25 @@ pub(crate) fn ports<W: Word>(bare: &Bare<W>, bump: &Bump<W>) -> SurfaceInput<W> 
 }
 
 impl Batch<Bumped<i32>> {
-    /// Whether no fragment is rough.
+    /// Returns true if no fragment is rough.
     pub fn is_smooth(&self) -> bool {
         self.rows_of(|bumped| bumped.bump.roughness).all(|row| row.iter().all(|&d| d == 0))
     }
 
-    /// Bilinear samples of all.
+    /// Number of bilinear samples of all fragments.
     pub fn taps(&self) -> u64 {
         sum(self.row_of(|bumped| bumped.taps))
     }
 }
 
 impl Batch<Shown<i32>> {
-    /// The colour of each.
+    /// Colour of each fragment.
     pub fn colours(&self) -> impl Iterator<Item = [Control<i32, LIGHT>; 3]> + '_ {
         let [red, green, blue] = [0, 1, 2].map(|channel| self.row_of(|shown| shown.channels[channel]));
         red.iter().zip(green).zip(blue).map(|((&red, &green), &blue)| [red, green, blue].map(Fx::from_raw))
     }
 
-    /// Bilinear samples of all.
+    /// Number of bilinear samples of all fragments.
     pub fn taps(&self) -> u64 {
         sum(self.row_of(|shown| shown.taps))
     }
@@ -110,7 +110,7 @@ fn sum(taps: &[i32]) -> u64 {
 }
 
 impl Batch<Bare<i32>> {
-    /// Whether there are fragments, all of one normal and frame.
+    /// Returns true if there are fragments and all share one normal and tangent basis.
     #[inline(always)]
     pub(crate) fn is_in_one_frame(&self) -> bool {
         let mut rows = self.rows_of(|bare| bare.normal).chain(self.rows_of(|bare| bare.frame_vectors));
@@ -133,19 +133,19 @@ impl Batch<Sweep<i32>> {
 }
 
 impl Batch<Derivatives<i32>> {
-    /// Whether no fragment's surface is curved.
+    /// Returns true if no fragment's surface is curved.
     pub fn is_flat(&self) -> bool {
         let [x, y] = [0, 1].map(|side| self.rows_of(move |derivatives| derivatives.dnormal[side].mantissa));
         x.chain(y).all(|row| row.iter().all(|&m| m == 0))
     }
 }
 
-/// Fragments as ports, taken apart: for who has them one by one.
+/// Fragments as ports, taken apart, for callers that have them one by one.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
     /// Attributes without bumps.
     pub bare: Batch<Bare<i32>>,
-    /// Bumps and roughness; nothing was read for them.
+    /// Bumps and roughness, with no samples read.
     pub bumps: Batch<Bumped<i32>>,
     /// Derivatives over the pixel.
     pub derivatives: Batch<Derivatives<i32>>,
@@ -171,7 +171,7 @@ impl FromIterator<ReflectionInput<i32>> for Ports {
 }
 
 impl Ports {
-    /// Leaves no fragment; the memory is kept.
+    /// Removes all fragments; the memory is kept.
     pub fn clear(&mut self) {
         self.bare.clear();
         self.bumps.clear();

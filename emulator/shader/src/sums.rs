@@ -1,4 +1,4 @@
-//! The light of pixels, and what it took.
+//! Light of pixels, and the cost of making it.
 
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
@@ -9,29 +9,29 @@ use crate::material::Channel;
 use crate::phases::PhaseClock;
 use crate::signals::Shown;
 
-/// The light of a tile's pixels, summed over objects, lights and samples, and what was read for it.
+/// Light of a tile's pixels, summed over objects, lights and samples, and the number of samples read for it.
 pub struct Sums {
     /// The light of each pixel.
     pub pixels: Vec<[PixelSum<i32>; 3]>,
-    /// Bilinear samples, of four texels each.
+    /// Number of bilinear samples, of four texels each.
     pub taps: u64,
     /// Clock of the phases.
     pub clock: PhaseClock,
 }
 
 impl Sums {
-    /// No light in so many pixels.
+    /// Sums without light for `pixels` pixels.
     pub fn new(pixels: usize) -> Self {
         Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0, clock: PhaseClock::start() }
     }
 
-    /// Adds a colour to a pixel, as often as it counts there.
+    /// Adds a colour to a pixel, as many times as it counts there.
     pub fn add(&mut self, place: Place, colour: [Channel; 3]) {
         let sums = &mut self.pixels[place.pixel as usize];
         *sums = with_colour(*sums, place.times, colour);
     }
 
-    /// Adds the colours of a batch. Samples of a pixel mostly follow each other: their sum does not go through memory.
+    /// Adds the colours of a batch. Samples of a pixel mostly follow each other, and their sum does not go through memory.
     pub(crate) fn add_all(&mut self, places: &[Place], colours: &Batch<Shown<i32>>) {
         let mut colours = colours.colours();
         for of_pixel in places.chunk_by(|a, b| a.pixel == b.pixel) {
@@ -44,7 +44,7 @@ impl Sums {
     }
 }
 
-/// Sums with a colour that counts so often.
+/// Sums with a colour that counts `times` times.
 #[inline(always)]
 fn with_colour(mut sums: [PixelSum<i32>; 3], times: u32, colour: [Channel; 3]) -> [PixelSum<i32>; 3] {
     for _ in 0..times {

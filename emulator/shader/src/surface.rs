@@ -1,4 +1,4 @@
-//! The surface of every fragment, and where it reflects to.
+//! Surface of every fragment, and the direction of its reflection.
 
 use roughxel_core::datapath::{self, Framed, Surface};
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
@@ -19,12 +19,12 @@ pub struct Surfaces<'a> {
     bare: &'a Batch<Bare<i32>>,
     bumps: &'a Batch<Bumped<i32>>,
     plan: &'a SurfacePlan,
-    /// The frame that all of them have.
+    /// Tangent basis that all of them share.
     framed: Option<Framed<i32>>,
 }
 
 impl<'a> Surfaces<'a> {
-    /// Surfaces of these; a frame that all fragments have is made once.
+    /// Surfaces of these fragments; a tangent basis that all fragments share is made once.
     pub fn new(
         shader: Shader<'_>,
         bare: &'a Batch<Bare<i32>>,
@@ -73,7 +73,7 @@ impl Pass for Cores<'_> {
     }
 }
 
-/// Points where surfaces look without a footprint: reflect, cube face.
+/// Points that surfaces reflect without a footprint: reflect, cube face.
 #[derive(Clone, Copy, Debug)]
 pub struct Points<'a>(pub &'a Batch<Surface<i32>>);
 

@@ -1,4 +1,4 @@
-//! Maps as a reading fetches from them: the texels of all levels in one piece.
+//! Maps as a backend fetches from them: the texels of all levels in one piece.
 
 use std::marker::PhantomData;
 
@@ -18,34 +18,34 @@ use roughxel_core::word::{Wire, Word};
 /// Faces of a cube.
 const FACES: u32 = 6;
 
-/// Two words of 32 bits in one of 64.
+/// Packs two 32-bit words into one of 64.
 pub(crate) fn wide([low, high]: [i32; 2]) -> u64 {
     u64::from(low.cast_unsigned()) | u64::from(high.cast_unsigned()) << 32
 }
 
-/// Levels of a map, at most: of 2^14 texels along an edge, and room for one more.
+/// Maximum number of levels of a map: 2^14 texels along an edge, and room for one more.
 const LEVELS: usize = 16;
 
-/// Three channels in a word of 64 bits, of which the upper quarter is 0.
+/// Packs three channels into a 64-bit word, of which the upper quarter is 0.
 fn colour_word([red, green, blue]: [u16; 3]) -> u64 {
     u64::from(red) | u64::from(green) << 16 | u64::from(blue) << 32
 }
 
-/// The channels in the halves of such a word.
+/// Unpacks the channels from the halves of such a word.
 #[inline(always)]
 fn channels<W: Word>([low, high]: [Int<W>; 2]) -> [Int<W>; 3] {
     let lower = W::Count::lit(0xffff);
     [Fx::from_raw(low.raw().and(lower)), Fx::from_raw(low.raw().sar(16).and(lower)), high]
 }
 
-/// An environment: levels of [`level_edge`] texels along an edge, the finest first, six faces each, texels in rows. Around each face lie those that
-/// a bilinear sample reads beyond its edges, so that it is two pairs of neighbours wherever it is: a frame is full of coarse levels, which are
-/// sixteen texels wide.
+/// An environment: levels of [`level_edge`] texels along an edge, the finest first, six faces each, texels in rows. Each face is surrounded by the
+/// texels that a bilinear sample reads beyond its edges, so a sample is two pairs of neighbours at any place. A frame reads many coarse levels, which
+/// are sixteen texels wide.
 #[derive(Clone, Debug)]
 pub struct CubeTexels {
-    /// A texel is a word: [`colour_word`].
+    /// Texels, one [`colour_word`] each.
     texels: Vec<u64>,
-    /// Where each level begins.
+    /// Start of each level.
     starts: [i32; LEVELS],
     levels: u32,
     edge: u32,
@@ -54,8 +54,8 @@ pub struct CubeTexels {
 }
 
 impl CubeTexels {
-    /// Of faces with `edge` texels along an edge, level by level, and a unit of 2^`exponent` in linear light; `is_bright` if codes have an exponent
-    /// each.
+    /// Environment of faces with `edge` texels along an edge, level by level, and a unit of 2^`exponent` in linear light. `is_bright` states that
+    /// codes have an exponent each.
     ///
     /// # Panics
     /// If the texels are not those of whole levels, at least one and at most sixteen.
@@ -74,7 +74,7 @@ impl CubeTexels {
         cube
     }
 
-    /// Adds a level, with what lies around its faces. A corner of bright codes, whose mean no code stands for, is left out.
+    /// Adds a level, with the texels around its faces. A corner of bright codes, whose mean no code stands for, is left out.
     fn add_level(&mut self, level: &[[u16; 3]]) {
         let edge = level_edge(self.edge, self.levels) as i32;
         let at = |texel: &FaceTexel<i32>| {
@@ -109,34 +109,34 @@ impl CubeTexels {
         self.texels.append(&mut words);
     }
 
-    /// Texels along the edge of a face of level 0.
+    /// Number of texels along the edge of a face of level 0.
     pub fn edge(&self) -> u32 {
         self.edge
     }
 
-    /// Texels of all levels.
+    /// Number of texels of all levels.
     pub fn len(&self) -> usize {
         (0..self.levels).map(|level| FACES as usize * (level_edge(self.edge, level) as usize).pow(2)).sum()
     }
 
-    /// Whether there are none, which is never so.
+    /// Returns true if there are no texels, which never happens.
     pub fn is_empty(&self) -> bool {
         self.texels.is_empty()
     }
 
-    /// Whether codes have an exponent each.
+    /// Returns true if each code has an exponent.
     pub fn is_bright(&self) -> bool {
         self.is_bright
     }
 
-    /// As the sampler takes it.
+    /// View that the sampler takes.
     pub(crate) fn cube(&self) -> Cube<'_, Self> {
         Cube { memory: self, edge: self.edge, last_level: self.levels - 1, exponent: self.exponent }
     }
 }
 
 impl CubeMemory for CubeTexels {
-    /// A lane without a fragment may ask for one that there is not.
+    /// A lane without a fragment may ask for a texel that does not exist.
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
         let stride = level_edge(self.edge, level) as usize + 2;
         let place = (face as usize * stride + row as usize + 1) * stride + column as usize + 1;
@@ -154,7 +154,7 @@ impl CubeMemory for CubeTexels {
         let &PatchPlace { level, edge, face, index: [column, row] } = at;
         let stride = edge + Fx::int(2);
         let by_stride = |number: Int<W>| -> Int<W> { Fx::from_raw(W::Count::narrow(number.raw().mul(stride.raw()))) };
-        // From the corner outside of the face.
+        // Counted from the corner outside of the face.
         let [column, row] = each!(index in [column, row] => index + Fx::int(1));
         let place = W::entry(level, &self.starts) + by_stride(by_stride(face) + row) + column;
         let [[a, b, c, d], [e, f, g, h]] = each!(place in [place, place + stride] => W::pair(place, &self.texels));
@@ -169,20 +169,20 @@ impl CubeMemory for CubeTexels {
     }
 }
 
-/// Geometry of a repeated map.
+/// Geometry of a wrapped map.
 #[derive(Clone, Debug)]
 pub struct RepeatedMap {
-    /// Its levels, the finest first, at least one.
+    /// Levels, the finest first, at least one.
     pub levels: Vec<Level>,
-    /// For footprints.
+    /// Scale, for footprints.
     pub scale: (TextureScale<i32>, MapScale<i32>),
 }
 
 impl RepeatedMap {
-    /// With levels of these widths and heights.
+    /// Map with levels of these widths and heights.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no level.
     pub fn new(sizes: impl Iterator<Item = (u32, u32)>) -> Self {
         let levels = levels(sizes.map(|(width, height)| [width as i32, height as i32]), 0);
         Self { scale: texture_scale(levels[0].size.map(|edge| edge as u16)), levels }
@@ -194,7 +194,7 @@ impl RepeatedMap {
     }
 }
 
-/// Levels of these sizes, in rows with so many places behind the last column.
+/// Levels of these sizes, in rows with `behind` more places after the last column.
 fn levels(sizes: impl Iterator<Item = [i32; 2]>, behind: i32) -> Vec<Level> {
     let levels = sizes.scan(0, |next, size| {
         let (stride, start) = (size[0] + behind, *next);
@@ -204,11 +204,11 @@ fn levels(sizes: impl Iterator<Item = [i32; 2]>, behind: i32) -> Vec<Level> {
     levels.collect()
 }
 
-/// A texel of a repeated map as a memory holds it.
+/// A texel of a wrapped map as a memory holds it.
 pub trait Texel: Copy {
-    /// Words of 64 bits.
+    /// 64-bit words of the texel.
     type Words: AsRef<[u64]>;
-    /// Itself in them.
+    /// Packs the texel into words.
     fn words(self) -> Self::Words;
 }
 
@@ -220,7 +220,7 @@ impl Texel for [u16; 3] {
     }
 }
 
-/// The offset of a bump in the halves of a word.
+/// Offset of a bump, in the halves of a word.
 impl Texel for [i32; 2] {
     type Words = [u64; 1];
     fn words(self) -> [u64; 1] {
@@ -237,7 +237,7 @@ pub struct RoughBump {
     pub covariance: [i32; 3],
 }
 
-/// The codes of the offset in a half of a word, the elements of K in three more.
+/// Codes of the offset in a half of a word, elements of K in three more.
 impl Texel for RoughBump {
     type Words = [u64; 2];
     fn words(self) -> [u64; 2] {
@@ -247,20 +247,20 @@ impl Texel for RoughBump {
     }
 }
 
-/// A repeated map with its texels.
+/// A wrapped map with its texels.
 #[derive(Clone, Debug)]
 pub struct MapTexels<T> {
-    /// Its levels as they lie in memory: behind the last texel of a row stands the first one again.
+    /// Levels as they lie in memory: the first texel of a row is repeated after the last one.
     pub map: RepeatedMap,
     words: Vec<u64>,
     texel: PhantomData<T>,
 }
 
 impl<T: Texel> MapTexels<T> {
-    /// Of all levels, in rows.
+    /// Map of the texels of all levels, in rows.
     ///
     /// # Panics
-    /// If there are not as many texels as the levels have.
+    /// If the number of texels is not that of the levels.
     pub fn new(map: RepeatedMap, texels: impl IntoIterator<Item = T>) -> Self {
         let mut texels = texels.into_iter();
         let mut words = Vec::new();
@@ -290,7 +290,7 @@ impl MapTexels<[u16; 3]> {
         size_of::<[u16; 3]>() as u64 * self.map.levels.iter().map(texels).sum::<u64>()
     }
 
-    /// The colours of a tap.
+    /// Colours of a tap.
     #[inline(always)]
     pub(crate) fn quad<W: Fetch>(&self, tap: &Tap<W>) -> Quad<W, 3> {
         let [left, _, lower, _] = tap.texels;
@@ -299,17 +299,17 @@ impl MapTexels<[u16; 3]> {
     }
 }
 
-/// The texels of a bump map.
+/// Texels of a bump map.
 #[derive(Clone, Debug)]
 pub enum BumpTexels {
-    /// Without roughness, on no level: offsets in units of the map.
+    /// Offsets in units of the map, without roughness on any level.
     Smooth(MapTexels<[i32; 2]>),
-    /// With it.
+    /// Offsets with roughness.
     Rough(MapTexels<RoughBump>),
 }
 
 impl BumpTexels {
-    /// The offsets alone, in half the memory, which take half the fetches.
+    /// Offsets alone, in half the memory, which take half the fetches.
     pub fn without_roughness(self, scale: &BumpScale<i32>) -> Self {
         match self {
             Self::Smooth(_) => self,
@@ -324,7 +324,7 @@ impl BumpTexels {
         }
     }
 
-    /// The first channels of the bumps of a tap, in units of the map.
+    /// First channels of the bumps of a tap, in units of the map.
     #[inline(always)]
     pub(crate) fn quad<W: Fetch, const CHANNELS: usize>(
         &self,
@@ -337,7 +337,7 @@ impl BumpTexels {
         }
     }
 
-    /// Its levels as they lie in memory.
+    /// Levels as they lie in memory.
     pub fn map(&self) -> &RepeatedMap {
         match self {
             Self::Smooth(texels) => &texels.map,
@@ -369,7 +369,7 @@ impl MapTexels<RoughBump> {
     ) -> Quad<W, CHANNELS> {
         let [left, _, lower, _] = tap.texels;
         let [left, lower] = each!(texel in [left, lower] => texel.shl(1));
-        // `decode_offset` of a code that is in the upper half of its word already.
+        // `decode_offset` of a code that is already in the upper half of its word.
         let down = scale.offset_down + Fx::int(1);
         let texels = each!(place in [left, left + Fx::int(2), lower, lower + Fx::int(2)] => {
             let [codes, k11, k12, k22] = W::pair(place, &self.words);

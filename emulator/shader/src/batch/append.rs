@@ -1,4 +1,4 @@
-//! Rows of neighbouring fragments that are added to a batch by the names of its wires.
+//! Rows of neighbouring fragments, added to a batch by the names of its wires.
 
 use roughxel_core::bundle::Rewire;
 use roughxel_core::design::Form;
@@ -6,10 +6,10 @@ use roughxel_core::fx::WideControl;
 use roughxel_core::ports::PortBlock;
 use roughxel_simd::LANES;
 
-/// A word of each of [`LANES`] fragments.
+/// A word for each of [`LANES`] fragments.
 pub type Row = [i32; LANES];
 
-/// The words of a block of each of [`LANES`] fragments.
+/// Words of a block for each of [`LANES`] fragments.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct BlockRows<const N: usize> {
@@ -35,10 +35,10 @@ pub struct Appended<'a, B> {
 }
 
 impl<B: Form> Appended<'_, B> {
-    /// The rows of all words, in the order of a walk.
+    /// Writes the rows of all words, in the order of a walk.
     ///
     /// # Panics
-    /// Another number of rows than the bundle has words.
+    /// If the number of rows is not the number of words of the bundle.
     pub fn words(&mut self, rows: &[Row]) {
         assert_eq!(rows.len(), B::WORDS, "a row of each word");
         for (number, row) in (0..).zip(rows) {
@@ -46,7 +46,7 @@ impl<B: Form> Appended<'_, B> {
         }
     }
 
-    /// The rows of a block.
+    /// Writes the rows of a block.
     #[inline(always)]
     pub fn block<const N: usize>(&mut self, block: impl Fn(&B) -> PortBlock<i32, N>, rows: &BlockRows<N>) {
         let PortBlock { mantissa, exponent } = block(&self.numbers);
@@ -56,7 +56,7 @@ impl<B: Form> Appended<'_, B> {
         self.put(exponent.raw(), &rows.exponent);
     }
 
-    /// The lower words of a wide number in [0, 2^32), and zeros above them.
+    /// Writes the lower words of a wide number in [0, 2^32), and zeros above them.
     #[inline(always)]
     pub fn low<const INT: u32>(&mut self, wide: impl Fn(&B) -> WideControl<i32, INT>, row: &Row) {
         let number = wide(&self.numbers).raw() as i32;
@@ -70,11 +70,11 @@ impl<B: Form> Appended<'_, B> {
     }
 }
 
-/// Puts the words of a walk into so many places of each row; a wide wire is two of them, a flag is 0 or 1.
+/// Stores the words of a walk at `PLACES` places of each row; a wide wire is two words, a flag is 0 or 1.
 pub(super) struct Store<'a, const PLACES: usize> {
     pub(super) words: &'a mut [i32],
     pub(super) stride: usize,
-    /// Of the next word.
+    /// Place of the next word.
     pub(super) place: usize,
 }
 
