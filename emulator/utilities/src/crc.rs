@@ -1,9 +1,9 @@
 //! Check values: CRC-32 with polynomial 04c11db7, not reflected, most significant bit first, no final inversion.
 //!
-//! The polynomial is primitive, so in words below 2^32 bits every single flipped bit leaves another remainder and can be located.
+//! The polynomial is primitive, so in words below 2^32 bits every single flipped bit leaves a different remainder and can be located.
 //!
-//! Of many words at once a step is by digits of four bits: the table of a digit is one permutation of a vector. By bytes it would be half the steps,
-//! each a gather, which reads one lane after the other.
+//! Many words at once are processed by four-bit digits: the table of a digit is one permutation of a vector. Bytes would take half the steps, but
+//! each step would be a gather, which reads one lane after the other.
 
 use roughxel_core::each::each;
 use roughxel_core::fetch::Fetch;
@@ -13,16 +13,16 @@ use roughxel_simd::{Backend, BatchWord, Kernel, LANES};
 
 /// Bits of a check value.
 pub const BITS: u32 = 32;
-/// Words side by side in [`remainders`].
+/// Number of columns in [`remainders`].
 pub const COLUMNS: usize = 64;
 
 /// x³² modulo the polynomial.
 const POLYNOMIAL: u32 = 0x04c1_1db7;
 
-/// Bytes that are taken in at once.
+/// Bytes processed at once.
 const SLICES: usize = 8;
 
-/// The remainder of a byte that so many bytes follow.
+/// Remainder of a byte, by the number of bytes that follow it.
 const BY_BYTE: [[u32; 256]; SLICES] = {
     let mut tables = [[0; 256]; SLICES];
     let mut byte = 0;
@@ -43,7 +43,7 @@ const BY_BYTE: [[u32; 256]; SLICES] = {
     tables
 };
 
-/// Remainders after four more bytes, by digits of four bits, the lowest first.
+/// Remainders after four more bytes, by four-bit digits, the lowest first.
 const BY_DIGIT: [[i32; 16]; 8] = {
     let mut digits = [[0; 16]; 8];
     let mut place = 0;
@@ -63,17 +63,17 @@ const fn next(remainder: u32) -> u32 {
     remainder << 1 ^ if remainder >> 31 == 1 { POLYNOMIAL } else { 0 }
 }
 
-/// The remainder that so many zeros bring to this one.
+/// Remainder that `zeros` more zero bits bring to this one.
 pub const fn before_zeros(mut remainder: u32, mut zeros: u32) -> u32 {
     while zeros > 0 {
-        // Backwards: the polynomial is odd, so the last bit says whether it was taken off.
+        // Backwards: the polynomial is odd, so the last bit shows whether it was subtracted.
         remainder = if remainder & 1 == 1 { (remainder ^ POLYNOMIAL) >> 1 | 1 << 31 } else { remainder >> 1 };
         zeros -= 1;
     }
     remainder
 }
 
-/// The remainder after so many bytes more, the last ones of `bytes`.
+/// Remainder after `count` more bytes, the last ones of `bytes`.
 #[inline(always)]
 fn after(bytes: u64, count: usize) -> u32 {
     (0..count).fold(0, |sum, followers| sum ^ BY_BYTE[followers][(bytes >> (8 * followers) & 255) as usize])
@@ -99,7 +99,7 @@ fn remainders_by(backend: Backend, rows: &[[u32; COLUMNS]], sums: &mut [u32; COL
     backend.dispatch_words(Columns { rows, sums });
 }
 
-/// Columns side by side, two vectors at once, for a step waits for the one before.
+/// Columns that are processed together, two vectors at once, for a step waits for the one before it.
 struct Columns<'a> {
     rows: &'a [[u32; COLUMNS]],
     sums: &'a mut [u32; COLUMNS],
@@ -129,14 +129,14 @@ impl Kernel for Columns<'_> {
     }
 }
 
-/// Words of a row that begin with a vector.
+/// Words of a row from a vector on.
 #[inline(always)]
 fn loaded<W: BatchWord>(row: &[u32; COLUMNS], vector: usize) -> W::Count {
     let words = row.map(u32::cast_signed);
     W::of_counts(W::load(W::proof(), W::vectors(&words), vector))
 }
 
-/// The remainder after four bytes more, which are in it.
+/// Remainder after four more bytes, which are already added to it.
 #[inline(always)]
 fn after_word<W: Fetch>(word: W::Count) -> W::Count {
     let digits = each!(digit in [0, 1, 2, 3, 4, 5, 6, 7] => {
@@ -146,8 +146,8 @@ fn after_word<W: Fetch>(word: W::Count) -> W::Count {
     pairs[0].xor(pairs[1]).xor(pairs[2].xor(pairs[3]))
 }
 
-/// Which bit of a word of so many bits, check value included, was flipped, if one was: the place whose remainder is `syndrome`, the exclusive
-/// or of the check value found and the one computed.
+/// Place of the single flipped bit in a word of `bits` bits, check value included, if one was flipped. It is the place whose remainder is `syndrome`,
+/// the exclusive or of the found and the computed check value.
 pub fn flipped_bit(syndrome: u32, bits: u32) -> Option<u32> {
     if syndrome.count_ones() == 1 {
         return Some(syndrome.trailing_zeros());
@@ -170,7 +170,7 @@ mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
-    /// Bit by bit, as the polynomial says.
+    /// Remainder bit by bit, as the polynomial defines it.
     fn slowly(begun: u32, words: &[u32]) -> u32 {
         words.iter().fold(begun, |remainder, word| (0..32).fold(remainder ^ word, |remainder, _| next(remainder)))
     }

@@ -1,4 +1,5 @@
-//! Powers of two that are the same on every machine: by operations that IEEE 754 fixes to the last bit, without a branch, so that loops become vectors.
+//! Powers of two that are the same on every machine. They use operations that IEEE 754 fixes to the last bit, without a branch, so loops become
+//! vectors.
 
 use std::f64::consts::LN_2;
 
@@ -16,7 +17,7 @@ pub fn exp2(x: f64) -> f64 {
         inverse
     };
     let whole = (x + 0.5).floor();
-    // e^t = 1 + t(1 + t/2(1 + t/3(…))), |t| ≤ ln 2/2: what is left out is below 2⁻⁵⁷.
+    // e^t = 1 + t(1 + t/2(1 + t/3(…))), |t| ≤ ln 2/2: the omitted terms are below 2⁻⁵⁷.
     let t = (x - whole) * LN_2;
     let mut series = 1.0;
     for n in (1..14).rev() {
@@ -27,7 +28,7 @@ pub fn exp2(x: f64) -> f64 {
     f64::from_bits(exponent) * series
 }
 
-/// 2^exponent in float64, exact for exponents −1022…1023 (outside, the nearest of the two ends).
+/// 2^exponent in float64, exact for exponents −1022…1023. An exponent outside counts as the nearest end.
 #[inline(always)]
 pub fn power_of_two(exponent: i32) -> f64 {
     let biased = (exponent.clamp(-1022, 1023) + 1023).unsigned_abs();

@@ -1,4 +1,4 @@
-//! Files that are read: regular ones only, and text without its byte order mark.
+//! Files to read: regular ones only, and text without its byte order mark.
 
 use std::fs::{self, File};
 use std::io;
@@ -6,8 +6,8 @@ use std::path::Path;
 
 /// Opens a file to read.
 ///
-/// Errors: what the system says, or that it is no regular file. That is known before it is opened, for to open a pipe is to wait
-/// for its writer.
+/// Errors: those of the system, or that it is no regular file. The kind is checked before the file is opened, for opening a pipe waits for its
+/// writer.
 pub fn open_file(path: &Path) -> io::Result<File> {
     let kind = fs::metadata(path)?.file_type();
     if !kind.is_file() {
@@ -17,7 +17,7 @@ pub fn open_file(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Text without the byte order mark that some editors put before it.
+/// Text without the byte order mark that some editors put at its start.
 pub fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }

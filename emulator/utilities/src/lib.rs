@@ -1,8 +1,13 @@
 //! # roughxel-utilities
 //!
-//! What knows nothing of the datapath: files that are read ([`input`]) and those that appear whole ([`output`]), check values ([`crc`]), seeded
-//! random numbers ([`random`]), powers of two with the same bits everywhere ([`mod@exp2`]), words that somebody may have meant ([`spelling`]),
-//! bounds of what is read and drawn ([`limits`]).
+//! Helpers that do not depend on the datapath:
+//! - [`input`]: files to read;
+//! - [`output`]: files that appear whole;
+//! - [`crc`]: check values;
+//! - [`random`]: seeded random numbers;
+//! - [`mod@exp2`]: powers of two with the same bits everywhere;
+//! - [`spelling`]: suggestions for misspelt words;
+//! - [`limits`]: bounds of input and pictures.
 
 pub mod crc;
 pub mod exp2;

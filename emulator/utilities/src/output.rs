@@ -1,7 +1,7 @@
-//! Files that appear whole or not at all: written beside their place, then renamed.
+//! Files that appear whole or not at all: written next to their place, then renamed.
 //!
-//! A file on its way is locked by who writes it, and the system ends a lock with its process: one that nobody has locked was left by
-//! a process that is gone.
+//! The writer locks its temporary file, and the system ends a lock with its process. A temporary file without a lock was therefore left by a process
+//! that is gone.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -10,12 +10,12 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
-/// How the names of files on their way begin and end, with [`RANDOM_CHARACTERS`] between.
+/// Start of the names of temporary files; [`RANDOM_CHARACTERS`] random characters and [`SUFFIX`] follow.
 const PREFIX: &str = ".roughxel-";
 const SUFFIX: &str = ".tmp";
 const RANDOM_CHARACTERS: usize = 6;
 
-/// A file on its way to `path`; nothing is at `path` before [`OutputFile::commit`], and dropping leaves no trace.
+/// A temporary file for `path`. Nothing is at `path` before [`OutputFile::commit`], and dropping leaves no trace.
 ///
 /// A path that exists and is no regular file (a pipe, a device) is written to directly.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ enum Target {
 }
 
 impl OutputFile {
-    /// Opens a file beside `path`. Symbolic links are followed, so that the file behind them is replaced.
+    /// Opens a temporary file next to `path`. Symbolic links are followed, so the file that they name is replaced.
     ///
     /// Errors: the directory is missing or not writable, or `path` is a directory.
     pub fn create(path: &Path) -> io::Result<Self> {
@@ -44,13 +44,13 @@ impl OutputFile {
             Err(_) => path.to_path_buf(),
         };
         let directory = path.parent().ok_or(io::ErrorKind::InvalidInput)?;
-        // Larger pieces, as the words of vectors are, go past it.
+        // Larger pieces, such as the words of vectors, bypass the buffer.
         let file = BufWriter::with_capacity(1 << 15, temporary_in(directory)?);
         Ok(Self { target: Target::Beside { file, path } })
     }
 
-    /// Whether [`OutputFile::create`] would succeed now; leaves no trace, and does not open what is no regular file, for that may
-    /// be a pipe that waits.
+    /// Checks that [`OutputFile::create`] would succeed now. It leaves no trace. It does not open a file that is not regular, for that may be a pipe
+    /// that waits.
     pub fn check(path: &Path) -> io::Result<()> {
         match fs::metadata(path) {
             Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => Ok(()),
@@ -58,7 +58,8 @@ impl OutputFile {
         }
     }
 
-    /// Takes room for so many bytes in all, where the system has that: what is too much is said before it is made, and writing takes less time.
+    /// Reserves room for `bytes` bytes in all, if the system can. A file that is too large is then refused before it is made, and writing takes less
+    /// time.
     ///
     /// Errors: there is not so much room, or no file may be so large.
     pub fn reserve(&self, bytes: u64) -> io::Result<()> {
@@ -67,7 +68,7 @@ impl OutputFile {
             use rustix::fs::{FallocateFlags, fallocate};
             use rustix::io::Errno;
             let reserved = fallocate(file.get_ref().as_file(), FallocateFlags::KEEP_SIZE, 0, bytes);
-            // Not every file system can.
+            // Not every file system can reserve room.
             if let Err(error @ (Errno::NOSPC | Errno::DQUOT | Errno::FBIG)) = reserved {
                 return Err(error.into());
             }
@@ -75,7 +76,7 @@ impl OutputFile {
         Ok(())
     }
 
-    /// Flushes and puts the file in its place.
+    /// Flushes the file and puts it in its place.
     pub fn commit(self) -> io::Result<()> {
         match self.target {
             Target::Beside { file, path } => {
@@ -103,20 +104,20 @@ impl Write for OutputFile {
     }
 }
 
-/// Whether files can be written below a directory that may still have to be made; leaves no trace.
+/// Checks that files can be written below a directory that may not exist yet; leaves no trace.
 pub fn check_directory(directory: &Path) -> io::Result<()> {
     let there = |ancestor: &&Path| ancestor.as_os_str().is_empty() || ancestor.exists();
     temporary_in(directory.ancestors().find(there).unwrap_or(directory)).map(drop)
 }
 
-/// A file that is gone when it is dropped, in a directory; the empty path is the current one.
+/// Temporary file in a directory, deleted when it is dropped. The empty path is the current directory.
 fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
     let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX).rand_bytes(RANDOM_CHARACTERS);
     #[cfg(unix)]
     {
-        // Temporary files are private by default; this one becomes an ordinary file, so the umask decides.
+        // Temporary files are private by default. This one becomes an ordinary file, so the umask decides.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
@@ -124,11 +125,11 @@ fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
         return Err(io::Error::new(io::ErrorKind::NotFound, format!("no directory {}", directory.display())));
     }
     loop {
-        // The kind alone: the name of the temporary file would puzzle whoever gave another one.
+        // The kind alone: the name of the temporary file would puzzle a user who gave a different name.
         let file = builder.tempfile_in(directory).map_err(|refused| io::Error::from(refused.kind()))?;
-        // Where files cannot be locked nothing is taken for left behind either.
+        // If files cannot be locked, none is taken for abandoned either.
         let locked = file.as_file().lock().is_ok();
-        // Between the two it was nobody's, and may have been removed.
+        // Between creation and lock the file belonged to nobody, and may have been removed.
         if !locked || file.path().exists() {
             return Ok(file);
         }
@@ -138,14 +139,14 @@ fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
 /// Files that were removed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Removed {
-    /// How many.
+    /// Number of files.
     pub files: u64,
-    /// Their size together.
+    /// Total size in bytes.
     pub bytes: u64,
 }
 
-/// Removes the files in `directory` that were on their way when their process was killed: those with the names of [`OutputFile`]
-/// that no process has locked. What cannot be read, locked or removed stays, as does everything where files cannot be locked.
+/// Removes temporary files in `directory` whose process was killed: those with the names of [`OutputFile`] that no process has locked. A file that
+/// cannot be read, locked or removed stays. All files stay if files cannot be locked.
 pub fn remove_abandoned(directory: &Path) -> Removed {
     let directory = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
     let entries = fs::read_dir(directory).into_iter().flatten().flatten();
@@ -153,7 +154,7 @@ pub fn remove_abandoned(directory: &Path) -> Removed {
         let name = entry.file_name();
         let random = name.to_str()?.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?;
         let is_ours = random.len() == RANDOM_CHARACTERS && random.bytes().all(|c| c.is_ascii_alphanumeric());
-        // Of the entry itself: a link is none of ours, and to open a pipe is to wait.
+        // Metadata of the entry itself: a link is never ours, and opening a pipe would wait.
         let metadata = entry.metadata().ok().filter(|metadata| is_ours && metadata.is_file())?;
         let file = File::options().write(true).open(entry.path()).ok()?;
         file.try_lock().ok()?;
@@ -167,15 +168,15 @@ pub fn remove_abandoned(directory: &Path) -> Removed {
 #[derive(Debug, Error)]
 #[error("cannot write {}", path.display())]
 pub struct WriteError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Why.
+    /// Cause of the failure.
     pub source: io::Error,
 }
 
-/// Writes files, each a path below `directory` and its content, in this order. Directories are made as needed.
+/// Writes files in this order, each a path below `directory` and its content. Missing directories are made.
 ///
-/// Errors: the first file that cannot be written; those before it stay.
+/// Errors: the first file that cannot be written; the files before it stay.
 pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(
     directory: &Path,
     files: impl IntoIterator<Item = (P, C)>,
@@ -207,7 +208,7 @@ mod tests {
         let path = folder.path().join("result");
         let mut written = OutputFile::create(&path).unwrap();
         assert!(written.reserve(1 << 62).is_err());
-        // What is reserved and not written is no part of the file.
+        // Reserved bytes that are not written are no part of the file.
         written.reserve(1 << 16).unwrap();
         written.write_all(b"short").unwrap();
         written.commit().unwrap();
@@ -220,7 +221,7 @@ mod tests {
         let name = |name: &str| folder.path().join(name);
         let mut written = OutputFile::create(&name("result")).unwrap();
         written.write_all(b"on its way").unwrap();
-        // As a killed process leaves it: nobody has it open.
+        // State that a killed process leaves: nobody has the file open.
         fs::write(name(".roughxel-a1B2c3.tmp"), "1234").unwrap();
         let others = [".roughxel-a1B2c.tmp", ".roughxel-a1B2c3", ".roughxel-a1 2c3.tmp", "x.roughxel-a1B2c3.tmp"];
         others.iter().for_each(|other| fs::write(name(other), "").unwrap());

@@ -1,8 +1,8 @@
 //! Seeded random numbers for generated maps, vectors and studies: SplitMix64 (Steele, Lea, Flood 2014).
 //!
-//! The same sequence on every machine; never used where quality against an adversary matters.
+//! The sequence is the same on every machine. It is never used if quality against an adversary matters.
 
-/// What the state grows by with each number.
+/// Increment of the state for each number.
 const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Generator state.
@@ -10,24 +10,24 @@ const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 pub struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// A generator; equal seeds give equal sequences.
+    /// Generator from a seed; equal seeds give equal sequences.
     #[inline(always)]
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// A generator for element `index` of the set `name`: what one element is does not depend on how many there are.
+    /// Generator for element `index` of the set `name`. An element does not depend on the size of its set.
     pub fn for_element(name: &str, index: u64) -> Self {
         Self::for_element_of(Self::hash_of(name), index)
     }
 
-    /// What the name of a set is to its elements: FNV-1a.
+    /// Hash of the name of a set, for its elements: FNV-1a.
     pub fn hash_of(name: &str) -> u64 {
         name.bytes()
             .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
-    /// The generator of an element of the set whose name has this [hash](Self::hash_of).
+    /// Generator of an element of the set whose name has this [hash](Self::hash_of).
     #[inline(always)]
     pub const fn for_element_of(hash: u64, index: u64) -> Self {
         // One scramble with the index.
@@ -35,7 +35,7 @@ impl SplitMix64 {
         Self(mixer.next_u64())
     }
 
-    /// The generator behind `count` numbers more.
+    /// Generator after `count` more numbers.
     #[inline(always)]
     pub const fn after(self, count: u64) -> Self {
         Self(self.0.wrapping_add(count.wrapping_mul(GAMMA)))
@@ -54,7 +54,7 @@ impl SplitMix64 {
     /// A uniform integer in `0..bound`; `bound` 0 gives 0. The bias is below `bound`/2^64.
     #[inline(always)]
     pub const fn below(&mut self, bound: u64) -> u64 {
-        // The upper half of a product of 128 bits, by halves: those become vectors where many are drawn.
+        // The upper half of a 128-bit product, from halves of its factors: loops over these become vectors.
         let (number, half) = (self.next_u64(), u32::MAX as u64);
         let ([high, low], [bound_high, bound_low]) = ([number >> 32, number & half], [bound >> 32, bound & half]);
         let middle = [high * bound_low, low * bound_high];

@@ -1,12 +1,12 @@
-//! What somebody may have meant who wrote a word that is not known.
+//! Suggestions for misspelt words.
 
-/// The known word that is most like another, where one is like it.
+/// Known word that is most like another, if one is like it.
 pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = |known: &&str| strsim::jaro_winkler(word, known);
     known.into_iter().filter(|known| likeness(known) > 0.8).max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
 }
 
-/// The start of a remedy that names [`closest`]; nothing where no word is like it.
+/// Start of a remedy that names [`closest`]; empty if no word is like it.
 pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     closest(word, known).map_or_else(String::new, |meant| format!("did you mean `{meant}`? "))
 }
