@@ -1,4 +1,4 @@
-//! What the programs are linked with: the memory of their machine, the golden vectors as tables, and the plan that is priced.
+//! Inputs of linking: the memory of the machine, the golden vectors as tables, and the plan that is priced.
 
 mod plan;
 mod samples;
@@ -37,7 +37,7 @@ fn main() {
         }
         println!("cargo:rustc-link-arg=-Tlink.x");
     } else {
-        // Without the standard library nobody else names that of C.
+        // Without the standard library nothing else names the C library.
         println!("cargo:rustc-link-arg=-lc");
     }
     sets::write(&out);

@@ -1,5 +1,5 @@
-//! The plan that the programs have, by the environment: `ROUGHXEL_PLAN`, `ROUGHXEL_PROFILE`, and `ROUGHXEL_KNOBS` for what differs from
-//! that profile (`fraction_bits=18 direction=10`).
+//! Plan of the programs, from the environment: `ROUGHXEL_PLAN`, `ROUGHXEL_PROFILE`, and `ROUGHXEL_KNOBS` with differences from that profile
+//! (`fraction_bits=18 direction=10`).
 
 use std::env;
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::Path;
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::{Precision, Profile};
 
-/// What a plan runs, by the first part of its name: the type of what it prepares once, that, and what it does with a sample.
+/// Work of a plan, by the first part of its name: the type of the value that it prepares once, the preparation, and the work on a sample.
 const WORK: [(&str, [&str; 3]); 7] = [
     ("empty", ["()", "()", "(sample, prepared)"]),
     ("reflection", ["Environment<Plan>", "Plan::environment(SKY_EDGE)", "Plan::reflect(&sample.reflection, prepared)"]),
@@ -26,13 +26,13 @@ const WORK: [(&str, [&str; 3]); 7] = [
     ("texture", ["Texture<Plan>", "Plan::texture([256; 2])", "Plan::texture_footprint(&sample.texture, prepared)"]),
 ];
 
-/// A variable of the environment that the build depends on.
+/// Variable of the environment on which the build depends.
 fn variable(name: &str, otherwise: &str) -> String {
     println!("cargo:rerun-if-env-changed={name}");
     env::var(name).unwrap_or_else(|_| otherwise.into())
 }
 
-/// The accuracy that the environment asks for.
+/// Accuracy from the environment.
 fn precision() -> Precision {
     let (profile, knobs) = (variable("ROUGHXEL_PROFILE", "standard"), variable("ROUGHXEL_KNOBS", ""));
     let named = Profile::by_name(&profile);
@@ -49,13 +49,13 @@ fn precision() -> Precision {
     knobs.split_whitespace().fold(named.precision(), set)
 }
 
-/// Writes `plan.rs`: the type `Plan` and its accuracy, what it prepares and what of it is run.
+/// Writes `plan.rs`: the type `Plan` and its accuracy, its preparation, and its work on a sample.
 pub fn write(out: &Path) {
     let (plan, precision) = (variable("ROUGHXEL_PLAN", "reflection"), precision());
     let mut parts = plan.split('+');
     let name = parts.next().unwrap_or_default();
     let (_, [prepared, prepare, work]) =
-        WORK.iter().find(|(known, ..)| *known == name).unwrap_or_else(|| panic!("ROUGHXEL_PLAN: what is {name}?"));
+        WORK.iter().find(|(known, ..)| *known == name).unwrap_or_else(|| panic!("ROUGHXEL_PLAN: no plan {name}"));
     let mut effects = String::new();
     for effect in parts {
         effects += &match effect {
@@ -76,8 +76,8 @@ pub fn write(out: &Path) {
          {value};\n}}\n\
          /// The plan that is priced.\nstruct Plan;\nimpl Firmware for Plan {{\n    type Accuracy = Knobs;\n    const EFFECTS: Effects = \
          Effects {{ {effects}..Effects::NONE }};\n}}\n\
-         /// The type of what it prepares once.\ntype Prepared = {prepared};\n/// That.\nmacro_rules! prepare {{ () => {{ {prepare} }}; }}\n\
-         /// What it does with a sample.\nmacro_rules! work {{ ($sample:ident, $prepared:ident) => {{ {{ let (sample, prepared) = \
+         /// Type of the value that it prepares once.\ntype Prepared = {prepared};\n/// Prepares it.\nmacro_rules! prepare {{ () => {{ {prepare} }}; }}\n\
+         /// Work on a sample.\nmacro_rules! work {{ ($sample:ident, $prepared:ident) => {{ {{ let (sample, prepared) = \
          ($sample, $prepared); {work} }} }}; }}\n"
     );
     fs::write(out.join("plan.rs"), text).expect("it can be written");

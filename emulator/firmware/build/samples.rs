@@ -1,4 +1,4 @@
-//! Fragments of the tile as constants: what is priced does no set-up of its own.
+//! Fragments of the tile as constants, so that a priced program does no set-up.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -10,7 +10,7 @@ use roughxel_core::ports::{BlockPort, ReflectionIn, TextureIn};
 #[expect(dead_code, reason = "the programs draw it, too")]
 mod tile;
 
-/// How many: instructions are means over them.
+/// Number of samples: instructions are means over them.
 const SAMPLES: usize = 64;
 
 /// Writes `samples.rs`, the lists of both kinds of fragments.
@@ -28,7 +28,7 @@ pub fn write(out: &Path) {
         let texture = fragment.texture.expect("the tile has texture coordinates");
         writeln!(text, "{},", self::texture(&texture)).expect("a text grows");
     }
-    write!(text, "];\n/// How many fragments.\npub const SAMPLES: usize = {SAMPLES};\n").expect("a text grows");
+    write!(text, "];\n/// Number of fragments.\npub const SAMPLES: usize = {SAMPLES};\n").expect("a text grows");
     fs::write(out.join("samples.rs"), text).expect("it can be written");
 }
 

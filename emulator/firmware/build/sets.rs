@@ -1,4 +1,4 @@
-//! The golden vectors of `vectors/smoke` as tables: of each set its integers, and where they belong among those of its ports.
+//! Golden vectors of `vectors/smoke` as tables: the integers of each set, and their places among those of its ports.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -9,10 +9,10 @@ use roughxel_core::ports::{HighlightInput, HighlightOutput, PeakInput, PeakOutpu
 use roughxel_oracle::walk::limits;
 use serde_json::Value;
 
-/// Where the vectors are.
+/// Folder of the vectors.
 const FOLDER: &str = "../../vectors/smoke";
 
-/// A field of a set: its place among the numbers of its bundle, and how its digits become that number.
+/// A field of a set: its place among the numbers of its bundle, and the format of its digits.
 struct Column {
     place: usize,
     width: u32,
@@ -24,17 +24,17 @@ struct Column {
 pub fn write(out: &Path) {
     println!("cargo:rerun-if-changed={FOLDER}");
     let mut names: Vec<_> = fs::read_dir(FOLDER)
-        .expect("the vectors are beside the core")
+        .expect("the vectors are next to the core")
         .map(|entry| entry.expect("a folder can be read").path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
         .collect();
     names.sort();
     let mut text = String::from("&[\n");
     for path in names {
-        let name = path.file_stem().expect("it has a name").to_string_lossy().into_owned();
+        let name = path.file_stem().expect("a manifest has a name").to_string_lossy().into_owned();
         let manifest = fs::read_to_string(&path).expect("a manifest can be read");
         let manifest: Value = serde_json::from_str(&manifest).unwrap_or_else(|error| panic!("{name}.json: {error}"));
-        let words = fs::read_to_string(path.with_extension("hex")).expect("its words are beside it");
+        let words = fs::read_to_string(path.with_extension("hex")).expect("its words are next to the manifest");
         set(&name, &manifest, &words, out, &mut text);
     }
     text.push(']');
@@ -67,7 +67,7 @@ fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String)
         })
         .collect();
 
-    // Row by row the integers of the fields, little end first.
+    // Integers of the fields row by row, least significant byte first.
     let mut integers = Vec::new();
     let mut count = 0;
     for line in words.lines().filter(|line| !line.starts_with("//")) {
@@ -79,7 +79,7 @@ fn set(name: &str, manifest: &Value, words: &str, out: &Path, text: &mut String)
             integers.extend((integer << column.up).to_le_bytes());
         }
     }
-    assert_eq!(manifest["count"], count, "{name}: another number of words than its manifest says");
+    assert_eq!(manifest["count"], count, "{name}: the number of words differs from the manifest");
     fs::write(out.join(format!("{name}.bin")), integers).expect("it can be written");
 
     let list = |input: bool| {

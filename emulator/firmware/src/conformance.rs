@@ -7,13 +7,13 @@ use roughxel_core::soft_core;
 use crate::machine::println;
 use crate::sets::Set;
 
-/// Most numbers of an input or an output.
+/// Maximum number of integers of an input or an output.
 const MOST: usize = 128;
 
-/// Mismatches that are printed of a set.
+/// Maximum number of printed mismatches of a set.
 const PRINTED: u32 = 3;
 
-/// Vectors of a set, and fields of them that differ; the first are printed.
+/// Runs a set and returns the number of its vectors, and of their fields that differ; the first are printed.
 pub fn run(set: &Set) -> (u32, u32) {
     let precision = set.profile.precision();
     let (mut vectors, mut differ) = (0, 0);
@@ -47,12 +47,12 @@ pub fn run(set: &Set) -> (u32, u32) {
     (vectors, differ)
 }
 
-/// A bundle of these integers, in the order of its walk.
+/// Bundle of these integers, in the order of its walk.
 fn bundle<B: Bundle<i32, In<i32> = B>>(integers: &[i32; MOST]) -> B {
     B::limit::<i32>(End::Low).rewire(&mut Numbers { integers: *integers, next: 0, read: true })
 }
 
-/// The integers of a bundle, in the order of its walk.
+/// Integers of a bundle, in the order of its walk.
 fn integers<B: Bundle<i32>>(bundle: &B) -> [i32; MOST] {
     let mut numbers = Numbers { integers: [0; MOST], next: 0, read: false };
     bundle.rewire::<i32, _>(&mut numbers);
@@ -78,7 +78,7 @@ impl Rewire<i32, i32> for Numbers {
     fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
         self.word(wire, fraction_bits)
     }
-    // No datapath with vectors has either at its ports.
+    // No datapath with vectors has a wide wire or a flag at its ports.
     fn wide(&mut self, wire: i64, _: u32) -> i64 {
         wire
     }

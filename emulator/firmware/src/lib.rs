@@ -1,7 +1,7 @@
-//! The datapath on small processors: golden vectors, a tile of a picture, and what both cost there.
+//! The datapath on small processors: golden vectors, a tile of a picture, and the cost of both.
 //!
-//! The programs run in QEMU (`riscv32imac`, `riscv32i`, `thumbv7m`, all `unknown-none`) and, with a C library, under user-mode
-//! emulation (`aarch64`, `s390x`). `board` builds and runs them.
+//! The programs run in QEMU (`riscv32imac`, `riscv32i`, `thumbv7m`, all `unknown-none`) and, with a C library, under user-mode emulation (`aarch64`,
+//! `s390x`). `board` builds and runs them.
 #![no_std]
 
 pub mod conformance;
@@ -11,7 +11,7 @@ pub mod machine;
 pub mod metered;
 pub mod samples;
 pub mod sets;
-/// The tile that every machine draws, kept by the oracle of the core.
+/// Tile that every machine draws, kept by the oracle of the core.
 #[path = "../../../core/oracle/tests/oracle/tile/drawn.rs"]
 pub mod tile;
 

@@ -1,4 +1,4 @@
-//! An operating system below: its C library has the way out. The standard library would be minutes of compiling for every target.
+//! Machine with an operating system, whose C library has the way out. The standard library would take minutes of compiling for every target.
 
 use core::ffi::c_void;
 use core::fmt;
@@ -13,7 +13,7 @@ mod c {
     }
 }
 
-/// The standard output.
+/// Standard output.
 #[derive(Debug)]
 pub struct Output;
 
@@ -29,7 +29,7 @@ impl fmt::Write for Output {
     }
 }
 
-/// A line on the standard output.
+/// Prints a line on the standard output.
 #[macro_export]
 macro_rules! line {
     ($($text:tt)*) => {{

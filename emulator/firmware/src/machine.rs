@@ -1,4 +1,4 @@
-//! What differs between machines: the way in and out, the counter of instructions, the stack.
+//! Differences between machines: the way in and out, the instruction counter, the stack.
 
 #[cfg(not(target_os = "none"))]
 pub use crate::libc::println;
@@ -13,7 +13,7 @@ pub fn exit(code: i32) -> ! {
     crate::libc::exit(code);
 }
 
-/// `entry!(run)`: the program calls `run`, which gives its exit code.
+/// `entry!(run)`: the program calls `run`, which returns its exit code.
 #[macro_export]
 macro_rules! entry {
     ($run:ident) => {
@@ -37,10 +37,10 @@ macro_rules! entry {
 }
 pub use crate::entry;
 
-/// Instructions since some moment.
+/// Instruction counter, from an arbitrary start.
 ///
-/// RISC-V counts them. The Cortex-M of QEMU has a timer at 25 MHz, and with `-icount shift=0` every instruction takes 1 ns of its time:
-/// it counts in steps of 40, up to 2^24 of them. On a host there is nothing to count with.
+/// RISC-V counts instructions. The Cortex-M of QEMU has a timer at 25 MHz, and with `-icount shift=0` every instruction takes 1 ns of its time. It
+/// counts in steps of 40 instructions, up to 2^24 steps. A host has no counter.
 #[inline(always)]
 pub fn instructions() -> u32 {
     #[cfg(all(target_os = "none", target_arch = "riscv32"))]
@@ -51,11 +51,11 @@ pub fn instructions() -> u32 {
     return 0;
 }
 
-/// Instructions between two readings of the counter, the second one later by less than it holds.
+/// Instructions between two counts, the second one later by less than the counter's range.
 #[inline(always)]
 pub fn between(before: u32, after: u32) -> u32 {
     if cfg!(all(target_os = "none", target_arch = "arm")) && after < before {
-        // It starts again from 0 after its last tick.
+        // It restarts from 0 after its last tick.
         return after + (TICKS + 1) * INSTRUCTIONS_PER_TICK - before;
     }
     after.wrapping_sub(before)
@@ -63,7 +63,7 @@ pub fn between(before: u32, after: u32) -> u32 {
 
 /// The last tick of the timer of a Cortex-M.
 const TICKS: u32 = 0xff_ffff;
-/// At 25 MHz, of a nanosecond each.
+/// Ticks at 25 MHz, in instructions of a nanosecond each.
 const INSTRUCTIONS_PER_TICK: u32 = 40;
 
 /// Starts the timer.
@@ -78,7 +78,7 @@ pub fn start_counter() {
     }
 }
 
-/// Bytes of stack that a call takes, those of what it calls among them; 0 on a host.
+/// Bytes of stack that a call takes, including those of the functions that it calls; 0 on a host.
 #[inline(never)]
 pub fn stack_of(call: impl FnOnce()) -> u32 {
     #[cfg(target_os = "none")]
@@ -86,8 +86,8 @@ pub fn stack_of(call: impl FnOnce()) -> u32 {
         let top = stack_pointer();
         let first = top - PAINTED;
         for address in (first..top).step_by(4) {
-            // SAFETY: below the stack pointer, where nothing is in use, and above everything linked: the memories of both machines leave
-            // more than that free. No interrupt is on.
+            // SAFETY: the address is below the stack pointer, where nothing is in use, and above everything linked: the memories of both machines
+            // leave more than that free. No interrupt is on.
             unsafe { core::ptr::write_volatile(address as *mut u32, PAINT) };
         }
         call();
@@ -104,7 +104,7 @@ pub fn stack_of(call: impl FnOnce()) -> u32 {
     }
 }
 
-/// The lowest byte of the stack that is in use.
+/// Lowest byte of the stack that is in use.
 #[cfg(target_os = "none")]
 #[inline(always)]
 fn stack_pointer() -> usize {
@@ -114,7 +114,7 @@ fn stack_pointer() -> usize {
     unsafe {
         core::arch::asm!("mv {}, sp", out(reg) pointer, options(nomem, nostack, preserves_flags));
     };
-    // SAFETY: the same.
+    // SAFETY: copies a register.
     #[cfg(target_arch = "arm")]
     unsafe {
         core::arch::asm!("mov {}, sp", out(reg) pointer, options(nomem, nostack, preserves_flags))
@@ -122,7 +122,7 @@ fn stack_pointer() -> usize {
     pointer
 }
 
-/// Bytes that are looked at.
+/// Number of inspected bytes.
 #[cfg(target_os = "none")]
 const PAINTED: usize = 1 << 16;
 #[cfg(target_os = "none")]

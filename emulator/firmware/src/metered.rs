@@ -1,4 +1,4 @@
-//! A reading that reads the instruction counter where stages begin and end: any other reading, each stage a call of its own.
+//! A backend that reads the instruction counter where stages begin and end. It wraps any other backend, each stage a call of its own.
 
 use core::marker::PhantomData;
 use roughxel_core::bundle::{Bundle, Rewire};
@@ -6,15 +6,15 @@ use roughxel_core::each::each;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
-/// A counter of instructions, and a list of what stages took.
+/// Instruction counter, with a list of the instructions of stages.
 pub trait Meter: Copy + core::fmt::Debug + PartialEq + 'static {
     /// Instructions so far.
     fn now() -> u32;
-    /// A stage has run between two readings of the counter.
+    /// Records a stage that ran between two readings of the counter.
     fn took(stage: &'static str, before: u32, after: u32);
 }
 
-/// A wire of another reading.
+/// A wire of another backend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metered<X, M>(pub X, PhantomData<M>);
 
@@ -147,7 +147,7 @@ impl<W: Word, M: Meter> Staged for Metered<W, M> {
     }
 }
 
-/// A walk into the metered reading.
+/// A walk into the metered backend.
 struct Enter<M>(PhantomData<M>);
 
 impl<W: Word, M: Meter> Rewire<W, Metered<W, M>> for Enter<M> {
@@ -168,7 +168,7 @@ impl<W: Word, M: Meter> Rewire<W, Metered<W, M>> for Enter<M> {
         wire
     }
 }
-/// A bundle in the metered reading.
+/// Converts a bundle to the metered backend.
 pub fn metered<W: Word, M: Meter, B: Bundle<W>>(bundle: &B) -> B::In<Metered<W, M>> {
     bundle.rewire(&mut Enter::<M>(PhantomData))
 }

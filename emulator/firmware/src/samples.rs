@@ -1,4 +1,4 @@
-//! The fragments that are priced: some of the tile, with a light and a peak.
+//! Priced fragments: some of the tile, with a light and a peak.
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16, U0F32};
 use roughxel_core::ports::{
@@ -8,7 +8,7 @@ use roughxel_core::ports::{
 
 include!(concat!(env!("OUT_DIR"), "/samples.rs"));
 
-/// Above, to the left, in front.
+/// Light above, to the left, in front.
 const LIGHT: BlockVector = BlockPort {
     mantissa: [I2F30::from_bits(-0x2000_0000), I2F30::from_bits(0x3000_0000), I2F30::from_bits(0x3800_0000)],
     exponent: 1,
@@ -20,7 +20,7 @@ pub const fn highlight(surface: SurfaceIn) -> HighlightIn {
     HighlightIn { surface, light: LIGHT, shininess }
 }
 
-/// The same light on a peak that leans to the right, with a horizon on all sides.
+/// Light on a peak that leans to the right, with a horizon on all sides.
 pub fn peak(surface: SurfaceIn) -> PeakIn {
     PeakIn {
         surface,

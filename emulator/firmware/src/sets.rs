@@ -1,4 +1,4 @@
-//! The golden vectors that are linked in.
+//! Golden vectors that are linked in.
 
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Profile, RoughnessKind};
@@ -6,26 +6,26 @@ use roughxel_core::precision::{Profile, RoughnessKind};
 /// A set of vectors.
 #[derive(Debug)]
 pub struct Set {
-    /// Its name.
+    /// Name of the set.
     pub name: &'static str,
-    /// What it is of.
+    /// Datapath of the vectors.
     pub datapath: Datapath,
-    /// How accurate.
+    /// Accuracy of the vectors.
     pub profile: Profile,
-    /// The effects that are on.
+    /// Effects that are on.
     pub effects: Effects,
-    /// Places of its inputs among the numbers of the datapath's input, in the order of a walk.
+    /// Places of the inputs among the numbers of the datapath's input, in the order of a walk.
     pub inputs: &'static [u16],
-    /// Places of its outcomes among those of the output.
+    /// Places of the outcomes among the numbers of the output.
     pub outputs: &'static [u16],
     /// Paths of the numbers of the output.
     pub names: &'static [&'static str],
-    /// Row by row inputs and outcomes as integers of the ports, 32 bits, little end first.
+    /// Inputs and outcomes row by row as integers of the ports, 32 bits, least significant byte first.
     pub integers: &'static [u8],
 }
 
 impl Set {
-    /// The vectors: each the integers of its inputs, then those of its outcomes.
+    /// Vectors: for each the integers of its inputs, then those of its outcomes.
     pub fn vectors(&self) -> impl Iterator<Item = impl Iterator<Item = i32> + use<>> + use<> {
         let row = 4 * (self.inputs.len() + self.outputs.len());
         self.integers.chunks_exact(row).map(|row| {
@@ -34,5 +34,5 @@ impl Set {
     }
 }
 
-/// All of them.
+/// All sets.
 pub static SETS: &[Set] = include!(concat!(env!("OUT_DIR"), "/sets.rs"));

@@ -1,4 +1,4 @@
-//! The same bits on every processor, that a wrong one would be seen, and that the prices which are kept are those of this datapath.
+//! Checks on every processor: the bits are the same, a wrong table entry is noticed, and the kept prices are those of this datapath.
 
 use std::path::Path;
 
@@ -8,16 +8,16 @@ use crate::measure::ALL_EFFECTS;
 use crate::price;
 use crate::target::Target;
 
-/// The table of which one entry is made wrong: every reflection reads it.
+/// Table with one entry made wrong; every reflection reads it.
 const WRONG_TABLE: &str = "reciprocal::T10";
 
-/// Tables that a program with environment mapping alone may hold: the seeds of a reciprocal, and what finds leading zeros.
+/// Tables that a program with environment mapping alone may hold: the seeds of a reciprocal, and the table for leading zeros.
 const SMALLEST: [&str; 2] = [WRONG_TABLE, "LEADING_ZEROS"];
 
 /// Runs everything on these targets.
 pub fn run(targets: &[Target]) -> Result<(), Failure> {
     let names: Vec<&str> = targets.iter().map(|target| target.name()).collect();
-    eprintln!("building for {}: minutes, the first time", names.join(", "));
+    eprintln!("building for {}: the first time takes minutes", names.join(", "));
     Target::build_each(targets, "check", "empty", "standard")?;
     for &target in targets {
         let program = target.place("check");
@@ -38,15 +38,15 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A program in whose table one entry is wrong has to say so.
+/// Checks that a program whose table has one wrong entry says so.
 fn wrong_entry(target: Target, program: &Path) -> Result<(), Failure> {
     let image = Image::read(program)?;
     let Some(&(place, bytes)) = image.tables.get(WRONG_TABLE) else {
         return Err(Failure::trouble(format!("{}: no table {WRONG_TABLE}", program.display())));
     };
     let mut file = std::fs::read(program).map_err(Failure::trouble)?;
-    // An entry of 32 bits in the middle, wrong by 2^−8: the Newton step behind it leaves the square of that, 2^−16, which shows. It leaves
-    // nothing that shows of an error as small as a seed's own.
+    // A 32-bit entry in the middle, wrong by 2^−8. The Newton step after it leaves the square of that, 2^−16, which shows. Of an error as small as a
+    // seed's own it leaves nothing that shows.
     let entry = (place + bytes / 2 / 4 * 4) as usize;
     let byte = if target.big_endian() { entry + 1 } else { entry + 2 };
     file[byte] ^= 0x40;
@@ -59,7 +59,7 @@ fn wrong_entry(target: Target, program: &Path) -> Result<(), Failure> {
     if code == 3 {
         return Ok(());
     }
-    Err(Failure::broken(format!("on {} nobody notices (exit code {code})", target.name())))
+    Err(Failure::broken(format!("on {} nothing notices the wrong entry (exit code {code})", target.name())))
 }
 
 fn make_executable(like: &Path, path: &Path) -> Result<(), Failure> {
@@ -67,7 +67,7 @@ fn make_executable(like: &Path, path: &Path) -> Result<(), Failure> {
     std::fs::set_permissions(path, permissions).map_err(Failure::trouble)
 }
 
-/// Environment mapping alone holds no table of an effect that is off.
+/// Checks that environment mapping alone holds no table of an effect that is off.
 fn smallest(targets: &[Target]) -> Result<(), Failure> {
     let images = |plan: &str| {
         Target::build_each(targets, "plan", plan, "standard")?;

@@ -5,14 +5,14 @@ use std::ffi::OsStr;
 use crate::Failure;
 use crate::target::{Target, root};
 
-/// Their frames have colour textures, bumps with roughness, environments, curvature, footprints of both kinds, edges, highlights and peaks
-/// from a map between them. Peaks that are fitted and skies of many waves would take minutes.
+/// Scenes to draw. Together they have colour textures, bumps with roughness, environments, curvature, footprints of both kinds, edges, highlights and
+/// peaks from a map. Fitted peaks and skies of many waves would take minutes.
 const SCENES: [&str; 7] = ["highlight", "mesh", "shapes", "silk", "spheres-sphere", "three-normals", "velvet"];
 
-/// One of so many frames of a scene, three of 20: unfiltered in `narrow`, 4 samples in `paper`, footprints in `standard`.
+/// Part of the frames of a scene, three of 20: unfiltered in `narrow`, 4 samples in `paper`, footprints in `standard`.
 const PART: &str = "7";
 
-/// Draws frames and compares their digests with those of the host, which are committed.
+/// Draws frames and compares their digests with the committed digests of the host.
 pub fn run(target: Target) -> Result<(), Failure> {
     let Some(program) =
         target.build_hosted(&["--package", "roughxel-frame", "--example", "golden"], "examples/golden")?

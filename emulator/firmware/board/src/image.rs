@@ -1,4 +1,4 @@
-//! A linked program: how many bytes it takes, which tables it holds.
+//! Linked programs: their size in bytes and the tables that they hold.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf}
 
 use crate::Failure;
 
-/// What matters of a linked program.
+/// Measures of a linked program.
 #[derive(Clone, Debug)]
 pub struct Image {
     /// Bytes of code, constants and initial data.

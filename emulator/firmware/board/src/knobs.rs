@@ -1,4 +1,4 @@
-//! What the accuracy knobs cost on every processor, one setting after the other: `knobs.json`.
+//! Cost of the accuracy knobs on every processor, one setting after the other: `knobs.json`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -18,10 +18,10 @@ use crate::target::{self, Target};
 /// Processors, in the order of the runs.
 const TARGETS: [Target; 3] = [Target::Riscv32Imac, Target::ThumbV7M, Target::Riscv32I];
 
-/// Knobs of probes, maps and texels, of which the plan has none. Each is priced at one other value, which must change nothing.
+/// Knobs of probes, maps and texels, none of which is in the plan. Each is priced at one other value, which must change nothing.
 const NO_EFFECT: [Knob; 4] = [Knob::ProbeWeights, Knob::WeightBits, Knob::Roughness, Knob::RoughnessBits];
 
-/// About what a program takes to be built and run, in seconds, on a machine that does nothing else.
+/// Approximate time in seconds to build and run a program, on an otherwise idle machine.
 const SECONDS: f64 = 2.0;
 
 /// A program at an accuracy on a processor.
@@ -34,19 +34,19 @@ struct Run {
 }
 
 impl Run {
-    /// What it is called where finished runs are kept.
+    /// Name under which a finished run is kept.
     fn name(&self) -> String {
         let Self { target, program, plan, precision } = self;
         format!("{} {program} {plan} {}", target.name(), settings(precision))
     }
 }
 
-/// All knobs as `ROUGHXEL_KNOBS` has them.
+/// All knobs in the form of `ROUGHXEL_KNOBS`.
 fn settings(p: &Precision) -> String {
     Knob::ALL.map(|knob| format!("{knob}={}", knob.text(knob.of(p)))).join(" ")
 }
 
-/// What is priced: the named profiles, every knob alone at each of its values, the grid; each once.
+/// Priced settings, each once: the named profiles, every knob alone at each of its values, the grid.
 fn points() -> Vec<Precision> {
     let named = Profile::ALL.into_iter().map(Profile::precision);
     let alone = Knob::ALL
@@ -55,7 +55,7 @@ fn points() -> Vec<Precision> {
         .flat_map(|knob| knob.values().iter().map(move |value| knob.with(*value, Precision::STANDARD)));
     let mut points: Vec<Precision> = Vec::new();
     for p in named.chain(alone).chain(Precision::grid()) {
-        // Profiles differ in knobs without effect; they may stand for others, not others for them.
+        // Profiles differ in knobs without effect. A profile may stand for other settings, but no other setting for a profile.
         let same = |known: &Precision| NO_EFFECT.iter().fold(p, |p, knob| knob.with(knob.of(known), p)) == *known;
         if !points.iter().any(same) {
             points.push(p);
@@ -64,7 +64,7 @@ fn points() -> Vec<Precision> {
     points
 }
 
-/// What is priced of probes: every width, all else as in the named profile that is as wide or wider.
+/// Settings at which probes are priced: every width, all else as in the named profile that is as wide or wider.
 fn widths() -> impl Iterator<Item = Precision> {
     Knob::FractionBits.values().iter().map(|p| Precision::of_width(*p))
 }
@@ -87,7 +87,7 @@ fn runs(target: Target) -> impl Iterator<Item = Run> {
         .chain(widths().map(move |p| run("around", "empty", p)))
 }
 
-/// Writes the table.
+/// Measures all settings and writes the table.
 pub fn run(file: Option<PathBuf>) -> Result<(), Failure> {
     let compiler = compiler()?;
     let mut kept = Kept::open(&compiler)?;
@@ -116,7 +116,7 @@ pub fn run(file: Option<PathBuf>) -> Result<(), Failure> {
     kept.forget()
 }
 
-/// The compiler of all programs.
+/// Compiler of all programs.
 fn compiler() -> Result<String, Failure> {
     let [first, others @ ..] = TARGETS.map(Target::compiler);
     match others.into_iter().find(|other| *other != first) {
@@ -191,7 +191,7 @@ fn numbers_of(p: &Precision) -> BTreeMap<&'static str, u32> {
     Knob::ALL.map(|knob| (knob.name(), knob.of(p))).into()
 }
 
-/// Finished runs, in a file beside what is built: those of the same sources and the same compiler hold.
+/// Finished runs, in a file next to the built programs. Runs of the same sources and the same compiler are reused.
 struct Kept {
     path: PathBuf,
     file: File,
@@ -199,12 +199,12 @@ struct Kept {
 }
 
 impl Kept {
-    /// What there is.
+    /// Opens the file with its finished runs.
     fn open(compiler: &str) -> Result<Self, Failure> {
         let path = target::built().join("knobs.runs");
         let origin = format!("{:016x}", origin(compiler).map_err(Failure::trouble)?);
         let text = std::fs::read_to_string(&path).unwrap_or_default();
-        // A run that was interrupted while it wrote has no end of line.
+        // A run that was interrupted while it wrote has no line end.
         let mut lines = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
         let numbers = match lines.next() {
             Some(of) if of == origin => lines.filter_map(Self::read).collect(),
@@ -229,7 +229,7 @@ impl Kept {
         format!("{name}{numbers}\n")
     }
 
-    /// One more.
+    /// Keeps one more run.
     fn keep(&mut self, name: String, numbers: Numbers) -> Result<(), Failure> {
         let line = Self::line(&name, &numbers);
         self.file
@@ -239,18 +239,18 @@ impl Kept {
         Ok(())
     }
 
-    /// A run's.
+    /// Numbers of a run.
     fn of(&self, run: Run) -> &Numbers {
         &self.numbers[&run.name()]
     }
 
-    /// The table is written: the next one starts anew.
+    /// Deletes the file after the table is written; the next table starts anew.
     fn forget(self) -> Result<(), Failure> {
         std::fs::remove_file(&self.path).map_err(|error| Failure::trouble(format!("{}: {error}", self.path.display())))
     }
 }
 
-/// A hash of what programs are made from: sources, packages, compiler.
+/// Hash of the inputs of programs: sources, packages, compiler.
 fn origin(compiler: &str) -> std::io::Result<u64> {
     let firmware = target::firmware();
     let mut hasher = DefaultHasher::new();

@@ -1,4 +1,4 @@
-//! Builds the firmware for small processors, runs it in QEMU, and tabulates what it costs. `cargo firmware --help` from the project's root.
+//! Builds the firmware for small processors, runs it in QEMU, and tabulates its cost. `cargo firmware --help` from the project's root.
 
 mod check;
 mod frames;
@@ -15,39 +15,39 @@ use std::process::ExitCode;
 use target::Target;
 
 const HELP: &str = "\
-The datapath on small processors: the same bits, and what it costs.
+The datapath on small processors: the same bits, and their cost.
 
 cargo firmware check [TARGET…]
-    Golden vectors, a tile of a picture, and a table with one wrong entry that both must notice, on every target or on those named;
-    on riscv32imac some prices of PRICE.md, too.
+    Checks golden vectors and a tile of a picture, on every target or on the named ones. Both must also notice a table with one wrong
+    entry. On riscv32imac some prices of PRICE.md are checked, too.
 cargo firmware frames
-    Golden frames of the emulator on s390x, whose words begin with their highest byte. Two minutes.
+    Draws golden frames of the emulator on s390x, whose words begin with their highest byte. Two minutes.
 cargo firmware vectors
-    The sets of vectors/smoke, written by the program on s390x, compared byte for byte. Two minutes, nearly all of it building.
+    Writes the sets of vectors/smoke with the program on s390x and compares them byte for byte. Two minutes, most of it building.
 cargo firmware price [--quick] [-o FILE]
-    Instructions, bytes and stack of every plan, as one table: emulator/firmware/PRICE.md. The same numbers every time with one compiler.
-    --quick: two profiles on one target, to standard output.
+    Writes instructions, bytes and stack of every plan as one table: emulator/firmware/PRICE.md. One compiler always gives the same
+    numbers. --quick: two profiles on one target, to standard output.
 cargo firmware price --knobs [-o FILE]
-    Instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width, on the
-    three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run goes on where it was.
+    Writes instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width,
+    on the three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run resumes.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
-Rust's targets come from rustup, or, where it has none to give, from the sources of the distribution's compiler (Debian: rustc-web
+Rust's targets come from rustup. If it has none, they are built from the sources of the distribution's compiler (Debian: rustc-web
 rust-web-src). Emulators: Debian packages qemu-system-misc, qemu-system-arm, qemu-user; linkers gcc-aarch64-linux-gnu, gcc-s390x-linux-gnu.
 
-Exit codes: 0 all is right; 1 something is missing or cannot be built; 2 flags; 3 bits differ, a program holds what it should not, or takes
-other instructions than PRICE.md says.";
+Exit codes: 0 success; 1 something is missing or cannot be built; 2 wrong arguments; 3 bits differ, a program holds a table that it should
+not hold, or its instructions differ from PRICE.md.";
 
-/// What went wrong, with its exit code.
+/// Failure, with its exit code.
 #[derive(Debug)]
 pub struct Failure(u8, String);
 
 impl Failure {
-    /// Something is missing, cannot be built or cannot be read.
+    /// Failure of the environment: something is missing, cannot be built or cannot be read.
     pub fn trouble(what: impl std::fmt::Display) -> Self {
         Self(1, what.to_string())
     }
-    /// A promise does not hold.
+    /// Failure of a promise.
     pub fn broken(what: impl std::fmt::Display) -> Self {
         Self(3, what.to_string())
     }
@@ -89,7 +89,7 @@ fn run() -> Result<(), Failure> {
             println!("{HELP}");
             Ok(())
         }
-        other => Err(usage(other.map_or("what shall it do?".into(), |other| format!("no command is named {other}")))),
+        other => Err(usage(other.map_or("no command is given".into(), |other| format!("no command is named {other}")))),
     }
 }
 

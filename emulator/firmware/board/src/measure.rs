@@ -1,4 +1,4 @@
-//! A program built, run and weighed.
+//! Measurement of a program: built, run and weighed.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,15 +9,15 @@ use crate::Failure;
 use crate::image::Image;
 use crate::target::Target;
 
-/// The plan whose price is that of an accuracy.
+/// Plan for which the price of an accuracy is measured.
 pub const ALL_EFFECTS: &str = "reflection+bump+curvature+footprint+anisotropic";
 
-/// Lines of a program that say `NAME NUMBER`.
+/// Numbers of the lines `NAME NUMBER` of a program.
 pub type Numbers = BTreeMap<String, u64>;
 
-/// What a program says, and what it is.
+/// Output of a program, and its image.
 pub struct Measured {
-    /// What it printed.
+    /// Numbers that it printed.
     pub numbers: Numbers,
     /// The program.
     pub image: Image,
@@ -33,7 +33,7 @@ pub fn measure(target: Target, program: &str, plan: &str, accuracy: &str) -> Res
     Ok(Measured { numbers: numbers(&output), image: Image::read(&built)? })
 }
 
-/// The numbers of lines that end in one.
+/// Numbers of the lines that end in one.
 pub fn numbers(output: &str) -> Numbers {
     output
         .lines()
@@ -44,13 +44,13 @@ pub fn numbers(output: &str) -> Numbers {
         .collect()
 }
 
-/// A bar over so many programs.
+/// Progress bar over `programs` programs.
 pub fn progress(programs: usize) -> Result<ProgressBar, Failure> {
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} programs, {eta} left: {msg}");
     Ok(ProgressBar::new(programs as u64).with_style(style.map_err(Failure::trouble)?))
 }
 
-/// Writes a file whole or not at all, and says where it is.
+/// Writes a file whole or not at all, and prints its path.
 pub fn write_whole(file: &Path, text: &str) -> Result<(), Failure> {
     let trouble = |path: &Path, error| Failure::trouble(format!("{}: {error}", path.display()));
     let mut beside = file.as_os_str().to_owned();

@@ -1,4 +1,4 @@
-//! What every plan costs on every processor, as one table.
+//! Price of every plan on every processor, as one table.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use crate::Failure;
 use crate::measure::{self, ALL_EFFECTS, Measured, Numbers};
 use crate::target::{self, Target};
 
-/// Plans, as [`Target::build`] reads them, with what they are.
+/// Plans, as [`Target::build`] reads them, with a description.
 const PLANS: [(&str, &str); 18] = [
     ("reflection", "environment"),
     ("reflection+bump", "environment, bump"),
@@ -36,7 +36,7 @@ const PLANS: [(&str, &str); 18] = [
 const PROFILES: [(&str, f64); 5] =
     [("narrow", 14.0), ("paper", 16.0), ("compact", 16.0), ("standard", 20.0), ("precise", 26.0)];
 
-/// What there is around a plan: as the program prints it, and what it is.
+/// Work around a plan: its name in the output of the program, with a description.
 const AROUND: [(&str, &str); 7] = [
     ("probe", "a probe of an environment: its place and weight"),
     ("colour", "the same with eight texels and their filter"),
@@ -47,11 +47,11 @@ const AROUND: [(&str, &str); 7] = [
     ("float micromath", "the same with micromath"),
 ];
 
-/// Plans that tell whether the table that is kept is still that of the datapath.
+/// Plans whose prices show whether the kept table is still that of the datapath.
 const HELD: [&str; 4] =
     [ALL_EFFECTS, "pixel+bump+curvature+footprint+anisotropic", "highlight+bump+anisotropic", "peak+horizon"];
 
-/// What one plan costs.
+/// Price of one plan.
 #[derive(Clone, Copy, Debug)]
 struct Cost {
     instructions: u64,
@@ -59,23 +59,23 @@ struct Cost {
     bytes: u64,
 }
 
-/// The table that is kept, from the project's root.
+/// Kept table, from the project's root.
 const KEPT: &str = "emulator/firmware/PRICE.md";
 
 fn kept() -> PathBuf {
     target::root().join(KEPT)
 }
 
-/// Prices some plans in `standard` again: what the table that is kept says of them must be so within a thirtieth. A change of a few instructions
-/// is no reason for another table, which takes ten minutes; one that nobody made again was wrong by a third (a probe with eight texels).
+/// Prices some plans in `standard` again and compares them with the kept table, which must be right within a thirtieth. A change of a few
+/// instructions is no reason for a new table, which takes ten minutes. A missed update is: it can be wrong by a third (a probe with eight texels).
 ///
-/// Nothing is compared that another compiler made.
+/// Numbers of another compiler are not compared.
 pub fn hold(target: Target) -> Result<(), Failure> {
     let table = std::fs::read_to_string(kept()).map_err(|error| Failure::trouble(format!("{KEPT}: {error}")))?;
     let name = target.name();
-    let part = Part::of(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has nothing of {name}")))?;
+    let part = Part::of(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has no part for {name}")))?;
     if !part.has_line(&format!("{}.", target.compiler())) {
-        println!("{name:12} {KEPT} is of another compiler: not compared");
+        println!("{name:12} {KEPT} was made by another compiler: not compared");
         return Ok(());
     }
     let mut now: Vec<(&str, u64)> = Vec::new();
@@ -87,7 +87,7 @@ pub fn hold(target: Target) -> Result<(), Failure> {
     let mut most = 0.0_f64;
     for (what, now) in now {
         let Some(before) = part.number(what, "standard") else {
-            return Err(Failure::trouble(format!("{KEPT} has no `{what}` of {name} in standard")));
+            return Err(Failure::trouble(format!("{KEPT} has no `{what}` for {name} in standard")));
         };
         let moved = (now as f64 / before as f64 - 1.0).abs();
         if moved > 1.0 / 30.0 {
@@ -102,7 +102,7 @@ pub fn hold(target: Target) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a table says of a processor.
+/// Part of a table for one processor.
 struct Part<'a>(&'a str);
 
 impl<'a> Part<'a> {
@@ -115,7 +115,7 @@ impl<'a> Part<'a> {
         self.0.lines().any(|of| of == line)
     }
 
-    /// The first number in a row and the column of a profile.
+    /// First number in a row and the column of a profile.
     fn number(&self, row: &str, profile: &str) -> Option<u64> {
         let cells = |line: &'a str| line.trim_matches('|').split('|').map(str::trim);
         let column = cells(self.0.lines().find(|line| line.starts_with('|'))?).position(|name| name == profile)?;

@@ -1,4 +1,4 @@
-//! Processors: how programs are built for them and run on them.
+//! Processors: building and running programs for them.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -17,28 +17,28 @@ pub enum Target {
     Riscv32I,
     /// Cortex-M3.
     ThumbV7M,
-    /// 64 bits.
+    /// AArch64, 64 bits.
     Aarch64,
-    /// 64 bits, big end first.
+    /// IBM Z, 64 bits, most significant byte first.
     S390X,
 }
 
-/// Where the crate of the programs is.
+/// Folder of the crate of the programs.
 pub fn firmware() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the board is inside of it").to_path_buf()
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the board is inside the firmware folder").to_path_buf()
 }
 
-/// The root of the project, whose workspace has the emulator.
+/// Root of the project, whose workspace has the emulator.
 pub fn root() -> PathBuf {
     firmware().join("../..")
 }
 
-/// Where what is built is put.
+/// Folder for built programs.
 pub fn built() -> PathBuf {
     firmware().join("target")
 }
 
-/// Whether rustup gives a target. Asked once for each.
+/// Returns true if rustup has a target. Asked once for each.
 fn rustup_has(triple: &'static str) -> bool {
     static ASKED: Mutex<BTreeMap<&str, bool>> = Mutex::new(BTreeMap::new());
     let mut asked = ASKED.lock().unwrap_or_else(PoisonError::into_inner);
@@ -47,9 +47,9 @@ fn rustup_has(triple: &'static str) -> bool {
     })
 }
 
-/// How programs of the emulator are optimised: libraries hardly, for they read scenes and little more; what every texel and pixel goes
-/// through as in a release. That of the frames takes two minutes of one core to build for a processor, and its frames 48 s on s390x; with everything at
-/// the first level they take about twice as long.
+/// Optimisation of programs of the emulator. Libraries are hardly optimised, for they only read scenes and the like. The code of every texel and
+/// pixel is optimised as in a release. The program of the frames takes two minutes of one core to build for a processor, and its frames 48 s on
+/// s390x. With everything at the first level both take about twice as long.
 const HOSTED_PROFILE: [&str; 7] = [
     "profile.release.opt-level=1",
     "profile.release.package.roughxel-core.opt-level=3",
@@ -61,10 +61,10 @@ const HOSTED_PROFILE: [&str; 7] = [
 ];
 
 impl Target {
-    /// Every one.
+    /// Every processor.
     pub const ALL: [Self; 5] = [Self::Riscv32Imac, Self::Riscv32I, Self::ThumbV7M, Self::Aarch64, Self::S390X];
 
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Riscv32Imac => "riscv32imac",
@@ -75,12 +75,12 @@ impl Target {
         }
     }
 
-    /// The target of that name.
+    /// Finds a target by its name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|target| target.name() == name)
     }
 
-    /// Rust's name.
+    /// Rust's name of the target.
     fn triple(self) -> &'static str {
         match self {
             Self::Riscv32Imac => "riscv32imac-unknown-none-elf",
@@ -91,17 +91,17 @@ impl Target {
         }
     }
 
-    /// Whether it has no operating system, and its own reading.
+    /// Returns true if it has no operating system and runs its own backend.
     pub fn is_small(self) -> bool {
         matches!(self, Self::Riscv32Imac | Self::Riscv32I | Self::ThumbV7M)
     }
 
-    /// Whether the highest byte of a word comes first.
+    /// Returns true if the highest byte of a word comes first.
     pub fn big_endian(self) -> bool {
         self == Self::S390X
     }
 
-    /// What runs its programs, with the Debian package it is in.
+    /// Command that runs its programs, with the Debian package that has it.
     fn emulator(self) -> (&'static [&'static str], &'static str) {
         const RISCV: &[&str] = &[
             "qemu-system-riscv32",
@@ -146,15 +146,15 @@ impl Target {
         }
     }
 
-    /// Builds a program of the firmware for a plan, as `build/plan.rs` reads it, behind a feature of the core and `/` where it has one, and
-    /// for an accuracy: a profile, behind it the knobs that differ; where it is.
+    /// Builds a program of the firmware for a plan and an accuracy, and returns its path. `build/plan.rs` reads the plan; a feature of the core and
+    /// `/` may stand before it. An accuracy is a profile, followed by the knobs that differ from it.
     pub fn build(self, program: &str, plan: &str, accuracy: &str) -> Result<PathBuf, Failure> {
         Self::build_each(&[self], program, plan, accuracy)?;
         Ok(self.place(program))
     }
 
-    /// The same for several targets, side by side: a program is one unit of one compiler, which has one processor to itself. Each is at its
-    /// [`place`](Self::place).
+    /// Builds a program for several targets in parallel. A program is one unit of one compiler, which keeps one processor busy. Each program is at
+    /// its [`place`](Self::place).
     pub fn build_each(targets: &[Self], program: &str, plan: &str, accuracy: &str) -> Result<(), Failure> {
         let (given, made): (Vec<Self>, Vec<Self>) = targets.iter().partition(|target| rustup_has(target.triple()));
         let (profile, knobs) = accuracy.split_once(' ').unwrap_or((accuracy, ""));
@@ -195,29 +195,30 @@ impl Target {
         Ok(())
     }
 
-    /// Where a program of the firmware is once it is built.
+    /// Path of a built program of the firmware.
     pub fn place(self, program: &str) -> PathBuf {
         built().join(self.triple()).join("release").join(program)
     }
 
-    /// The variable by which cargo is told what links its programs.
+    /// Variable that names cargo the linker of its programs.
     fn linker_key(self) -> String {
         format!("CARGO_TARGET_{}_LINKER", self.triple().replace('-', "_").to_uppercase())
     }
 
-    /// What links its programs where it has an operating system.
+    /// Linker of its programs, if it has an operating system.
     fn hosted_linker(self) -> String {
         format!("{}-linux-gnu-gcc", self.name())
     }
 
-    /// Builds a program of the project that needs a standard library, by cargo's words for it; where it is, below the folder of a release. `None` where there is no
-    /// standard library for the processor: the sources that a distribution ships with its compiler are enough for `core` alone.
+    /// Builds a program of the project that needs a standard library, from cargo's arguments for it. Returns its path, which is below the folder of a
+    /// release. `None` means that there is no standard library for the processor: the sources that a distribution ships with its compiler suffice for
+    /// `core` alone.
     pub fn build_hosted(self, program: &[&str], place: &str) -> Result<Option<PathBuf>, Failure> {
         let triple = self.triple();
         if !rustup_has(triple) {
             return Ok(None);
         }
-        // That of the project: what runs in the compiler is there for all of its builds.
+        // Target folder of the project: procedural macros and build scripts are shared by all of its builds.
         let folder = root().join("target");
         let mut cargo = Command::new("cargo");
         cargo
@@ -236,12 +237,12 @@ impl Target {
         Ok(Some(folder.join(triple).join("release").join(place)))
     }
 
-    /// Runs a program: its exit code and what it printed.
+    /// Runs a program and returns its exit code and output.
     pub fn run(self, program: &Path) -> Result<(i32, String), Failure> {
         self.run_with(program, &[])
     }
 
-    /// The same with arguments, where it has an operating system that hands them on.
+    /// Runs a program with arguments, if its processor has an operating system that passes them on.
     pub fn run_with(self, program: &Path, arguments: &[&OsStr]) -> Result<(i32, String), Failure> {
         let (words, package) = self.emulator();
         let mut command = Command::new(words[0]);
@@ -253,7 +254,7 @@ impl Target {
         Ok((output.status.code().unwrap_or(-1), text))
     }
 
-    /// The compiler of its programs.
+    /// Compiler of its programs.
     pub fn compiler(self) -> String {
         let rustup = rustup_has(self.triple());
         let version = Command::new(if rustup { "rustc" } else { "/usr/bin/rustc" }).arg("--version").output();
@@ -261,7 +262,7 @@ impl Target {
     }
 }
 
-/// The linker that comes with the toolchain.
+/// Linker of the toolchain.
 fn linker() -> Result<PathBuf, Failure> {
     let rustc = |arguments: &[&str]| {
         let output = Command::new("rustc").args(arguments).output().map_err(Failure::trouble)?;

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::Failure;
 use crate::target::{Target, root};
 
-/// The words of sets in a folder and of those of stages in it, by the names of their files.
+/// Words of the sets in a folder and of the sets of stages in it, by file name.
 fn words(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Failure> {
     let mut words = BTreeMap::new();
     for folder in [folder, &folder.join("stages")] {
@@ -23,13 +23,13 @@ fn words(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Failure> {
     Ok(words)
 }
 
-/// Exports the sets of `vectors/smoke` and compares them with those.
+/// Exports the sets of `vectors/smoke` and compares them with the committed ones.
 pub fn run(target: Target) -> Result<(), Failure> {
     let Some(program) = target.build_hosted(&["--bin", "roughxel"], "roughxel")? else {
         println!("{:12} vectors SKIPPED: rustup has no standard library for {}", "", target.name());
         return Ok(());
     };
-    // A folder of its own, which nothing that was there before can be taken for.
+    // A new folder, so that no earlier file can be taken for a result.
     let folder = root().join("target/firmware-vectors");
     if folder.exists() {
         std::fs::remove_dir_all(&folder).map_err(Failure::trouble)?;

@@ -1,5 +1,4 @@
-//! What there is around the stages at one accuracy, all effects on: instructions of a probe, of the set-up of a fragment; and of the same
-//! reflection in f32.
+//! Cost around the stages at one accuracy, all effects on, in instructions: a probe, the set-up of a fragment, and the same reflection in f32.
 #![no_std]
 #![no_main]
 #![allow(unused_imports, unused_macros, dead_code, reason = "of the plan only the accuracy counts")]
@@ -21,7 +20,7 @@ use roughxel_float::math::{Libm, Math, Micromath};
 
 include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
-/// That accuracy with all effects.
+/// All effects at that accuracy.
 struct Whole;
 impl Firmware for Whole {
     type Accuracy = Knobs;
@@ -36,7 +35,7 @@ fn run() -> i32 {
     0
 }
 
-/// The probes of all samples, one by one.
+/// Probes of all samples, one by one.
 fn probes() {
     let environment = Whole::environment(SKY_EDGE);
     let cube = Cube { memory: &Sky, edge: SKY_EDGE.into(), last_level: SKY_EDGE.ilog2(), exponent: 0 };
@@ -82,7 +81,7 @@ fn set_up() {
     }
 }
 
-/// The reflection in f32.
+/// Reflection in f32.
 fn float<M: Math>(name: &str) {
     let environment = roughxel_float::Environment::new(SKY_EDGE.into());
     let mut taken = 0;

@@ -1,5 +1,5 @@
-//! The same bits on this machine: every field of every golden vector, and a tile of a picture in every profile.
-//! Exit code 0: all equal; 3: some differ.
+//! Comparison of bits on this machine: every field of every golden vector, and a tile of a picture in every profile. Exit code 0: all equal; 3: some
+//! differ.
 #![no_std]
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! What one plan costs at one accuracy: instructions a fragment and stack. Its bytes are those of this program without those of the plan
-//! `empty`, which has the same samples and does nothing with them.
+//! Cost of one plan at one accuracy: instructions per fragment and stack. Its bytes are those of this program less those of the plan `empty`, which
+//! has the same samples and does nothing with them.
 #![no_std]
 #![no_main]
 #![allow(unused_imports, reason = "a plan names what it needs")]
@@ -19,7 +19,7 @@ use roughxel_firmware::tile::{SKY_EDGE, Sky};
 
 include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
-/// What goes in.
+/// Input of the plan.
 #[allow(dead_code, reason = "a plan reads what it needs")]
 struct Sample {
     reflection: ReflectionIn,
@@ -28,11 +28,11 @@ struct Sample {
     texture: TextureIn,
 }
 
-/// The sky of the tile.
+/// Sky of the tile.
 #[allow(dead_code, reason = "a plan names what it needs")]
 const SKY: Cube<'_, Sky> = Cube { memory: &Sky, edge: SKY_EDGE as u32, last_level: SKY_EDGE.ilog2(), exponent: 0 };
 
-/// One sample: instructions that it took.
+/// Runs one sample and returns its instructions.
 #[inline(never)]
 fn measured(sample: &Sample, prepared: &Prepared) -> u32 {
     let (sample, prepared) = (black_box(sample), black_box(prepared));

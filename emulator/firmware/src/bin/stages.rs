@@ -1,4 +1,4 @@
-//! What stages cost at one accuracy, all effects on: instructions of each.
+//! Cost of each stage in instructions, at one accuracy, all effects on.
 #![no_std]
 #![no_main]
 #![allow(unused_imports, unused_macros, dead_code, reason = "of the plan only the accuracy counts")]
@@ -27,11 +27,11 @@ type Word = <Knobs as Accuracy>::Word;
 type MeteredWord = Metered<Word, Clock>;
 const KNOBS: &Precision = &Knobs::PRECISION;
 
-/// The counter, and what stages have taken by it, in the order in which they first ran.
+/// Instruction counter, and the instructions of stages in the order in which they first ran.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Clock;
 
-/// Stages there may be.
+/// Maximum number of stages.
 const MOST: usize = 64;
 
 /// Names and instructions.
@@ -47,7 +47,7 @@ impl Meter for Clock {
     }
     #[inline(never)]
     fn took(stage: &'static str, before: u32, after: u32) {
-        // SAFETY: nobody holds a reference to the table beyond this call.
+        // SAFETY: nothing holds a reference to the table beyond this call.
         let table = unsafe { &mut *TABLE.0.get() };
         if let Some(entry) = table.iter_mut().find(|(name, _)| *name == stage || name.is_empty()) {
             *entry = (stage, entry.1 + between(before, after));
@@ -55,11 +55,11 @@ impl Meter for Clock {
     }
 }
 
-/// Prints a mean over the samples of what stages have taken since the last call.
+/// Prints a mean over the samples of the instructions of stages since the last call.
 fn print_stages(datapath: &str) {
     // SAFETY: as above.
     let table = unsafe { &mut *TABLE.0.get() };
-    // A stage that does nothing: what reading the counter and handing on a number take.
+    // A stage that does nothing: the cost of reading the counter and passing a number on.
     let nothing = table.iter().find(|(name, _)| *name == "nothing").map_or(0, |(_, taken)| *taken);
     for (name, taken) in table.iter().filter(|(name, _)| !name.is_empty() && *name != "nothing") {
         println!("stage {datapath} {name} {}", taken.saturating_sub(nothing) / SAMPLES as u32);
