@@ -11,33 +11,33 @@ use crate::word::Wire;
 /// A word whose backend finds texels.
 pub trait Fetch: Staged {
     /// Largest count of a fragment: the number of turns of a loop over the probes of all fragments.
-    fn most(count: Int<Self>) -> i32;
+    fn max_over_lanes(count: Int<Self>) -> i32;
 
     /// Place of turn `turn` in a fragment's own loop of `count` turns, and whether the fragment has such a turn. A fragment that is done repeats its
     /// last place, which must not count.
-    fn turn(turn: i32, count: Int<Self>) -> (Int<Self>, Self::Flag);
+    fn loop_index(turn: i32, count: Int<Self>) -> (Int<Self>, Self::Flag);
 
     /// Returns true if the flag is set for any fragment.
     fn any(flag: Self::Flag) -> bool;
 
     /// Result of `read` at the address of each fragment.
-    fn gather<const IN: usize, const OUT: usize>(
+    fn per_lane<const IN: usize, const OUT: usize>(
         address: [Self::Count; IN],
         read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Self::Count; OUT];
 
     /// The 64-bit word at a place of a memory and the next one: lower half, upper half, and those of the next word. The memory has at least two
     /// words; beyond its end the last two are read.
-    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4];
+    fn load_pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4];
 
     /// Entry of a 16-entry table for every fragment, by the lowest four bits of the index.
     fn entry(index: Int<Self>, table: &[i32; 16]) -> Int<Self>;
 
     /// Scatters a word of every fragment into a row. Neighbouring fragments have neighbouring places. Words beyond the row are lost.
-    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]);
+    fn scatter(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]);
 
-    /// Gathers the words of a row at the places of all fragments, as [`Self::put`] scattered them; 0 beyond the row.
-    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self>;
+    /// Gathers the words of a row at the places of all fragments, as [`Self::scatter`] scattered them; 0 beyond the row.
+    fn gather(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self>;
 
     /// Flag of a decision that is known beforehand.
     #[inline(always)]
@@ -48,12 +48,12 @@ pub trait Fetch: Staged {
 
 impl<W: IntegerWord> Fetch for W {
     #[inline(always)]
-    fn most(count: Int<Self>) -> i32 {
+    fn max_over_lanes(count: Int<Self>) -> i32 {
         count.raw().integer()
     }
 
     #[inline(always)]
-    fn turn(turn: i32, _: Int<Self>) -> (Int<Self>, bool) {
+    fn loop_index(turn: i32, _: Int<Self>) -> (Int<Self>, bool) {
         (Fx::from_raw(W::Count::of_integer(turn)), true)
     }
 
@@ -63,7 +63,7 @@ impl<W: IntegerWord> Fetch for W {
     }
 
     #[inline(always)]
-    fn gather<const IN: usize, const OUT: usize>(
+    fn per_lane<const IN: usize, const OUT: usize>(
         address: [W::Count; IN],
         read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [W::Count; OUT] {
@@ -71,7 +71,7 @@ impl<W: IntegerWord> Fetch for W {
     }
 
     #[inline(always)]
-    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
+    fn load_pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
         if memory.len() < 2 {
             return [Fx::zero(); 4];
         }
@@ -86,14 +86,14 @@ impl<W: IntegerWord> Fetch for W {
     }
 
     #[inline(always)]
-    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
+    fn scatter(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
         if let Some(cell) = row.get(place.raw().integer() as u32 as usize) {
             cell.set(word.raw().integer());
         }
     }
 
     #[inline(always)]
-    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
+    fn gather(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
         Fx::from_raw(W::Count::of_integer(row.get(place.raw().integer() as u32 as usize).map_or(0, Cell::get)))
     }
 

@@ -31,8 +31,8 @@ use crate::ports::{
 };
 use crate::precision::{Precision, RoughnessKind};
 use crate::sampler::{self, Cube, CubeMemory};
+use crate::scalar_api::texture_scale;
 use crate::signals::{CubePoint, FacePosition, MapScale, Probes, Sweep, TexturePosition};
-use crate::soft_core::texture_scale;
 use crate::stage::texture::TextureScale;
 use crate::width::{self, IntegerCount, IntegerWord, Whole, of_ports, to_ports};
 use crate::word::{self, Wire};

@@ -16,7 +16,7 @@
 //! [`firmware`] is the way in for a program on a small processor: effects and accuracy as a type, footprints with their probes, a pixel from start to
 //! end ([`sampler`]). [`scanline`] sets its fragments up in integers; [`small`] is the backend that it runs on. `examples` has one of each.
 //!
-//! [`soft_core`], the scalar API, runs the datapaths from ports to ports on the scalar backend, with plan and accuracy as values; [`probe_list`] is a
+//! [`scalar_api`], the scalar API, runs the datapaths from ports to ports on the scalar backend, with plan and accuracy as values; [`probe_list`] is a
 //! footprint unrolled for it. [`precision`] holds the accuracy knobs and the five named profiles, [`width`] the words that each profile runs on.
 //! [`rom`] holds the tables and [`status`] the sticky bits of degenerate inputs. With the feature `setup`, the module `setup` makes ports from
 //! floating-point numbers.
@@ -48,7 +48,7 @@ pub mod plan;
 pub mod ports;
 pub mod precision;
 pub mod probe_list;
-pub mod repeated;
+pub mod wrapped;
 pub mod rom;
 pub mod sampler;
 pub mod scalar;
@@ -57,7 +57,7 @@ pub mod scanline;
 pub mod setup;
 pub mod signals;
 pub mod small;
-pub mod soft_core;
+pub mod scalar_api;
 pub mod staged;
 pub mod stage;
 pub mod status;

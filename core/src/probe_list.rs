@@ -11,8 +11,8 @@ use crate::fx::{Fx, Int};
 use crate::precision::Precision;
 use crate::rom::MAX_PROBES;
 use crate::scalar::Scalar;
+use crate::scalar_api;
 use crate::signals::{CubePoint, FaceProbe, Probes, SphereProbe, Sweep, TexturePosition, TextureProbe};
-use crate::soft_core;
 use crate::stage::texture::TextureScale;
 use crate::width::on_words;
 
@@ -45,7 +45,7 @@ pub fn environment_probes(
 /// Probes on the sphere, of an environment with levels up to `last_level`.
 pub fn sphere_probes(sweep: &Sweep<Scalar>, last_level: u32, p: &Precision) -> ProbeList<SphereProbe<Scalar>> {
     let last_level = Fx::from_raw(last_level as i32);
-    list(sweep.count, |index| soft_core::sphere_probe(sweep, index, last_level, p))
+    list(sweep.count, |index| scalar_api::sphere_probe(sweep, index, last_level, p))
 }
 
 /// Probes in a wrapped map.

@@ -91,7 +91,7 @@ impl<M> Copy for Cube<'_, M> {}
 
 bundle! {
     /// Sample of an environment over a footprint, before the unit is applied.
-    pub struct Seen<W> {
+    pub struct EnvironmentSample<W> {
         /// Mean of each channel as the pixel stages take it: [`pixel::colour`], or [`pixel::bright_blend`] if the memory is bright. The latter clamps
         /// light above 64 × white after the reflectance of a surface, not before.
         mean: [Int<W>; 3],
@@ -126,7 +126,7 @@ pub fn swept_environment<W: Fetch, M: CubeMemory>(
 }
 
 #[inline(always)]
-fn light<W: Fetch, M: CubeMemory>(seen: &Seen<W>, cube: &Cube<'_, M>) -> [Value<W, LIGHT>; 3] {
+fn light<W: Fetch, M: CubeMemory>(seen: &EnvironmentSample<W>, cube: &Cube<'_, M>) -> [Value<W, LIGHT>; 3] {
     let (unit, is_bright) = (int::<W>(cube.exponent), cube.memory.is_bright());
     each!(mean in seen.mean => Value(if is_bright {
         pixel::bright_blend::<W>(Fx::zero(), mean, unit, Fx::int(1))
@@ -139,7 +139,7 @@ fn light<W: Fetch, M: CubeMemory>(seen: &Seen<W>, cube: &Cube<'_, M>) -> [Value<
 #[inline(always)]
 pub fn blended<W: Fetch, M: CubeMemory>(
     surface: &[Control<W, LIGHT>; 3],
-    seen: &Seen<W>,
+    seen: &EnvironmentSample<W>,
     reflectance: &[Control<W, REFLECTANCE>; 3],
     cube: &Cube<'_, M>,
 ) -> [Value<W, LIGHT>; 3] {
@@ -153,10 +153,14 @@ pub fn blended<W: Fetch, M: CubeMemory>(
 
 /// Sample of a point of the cube without a footprint: one bilinear sample of the finest level.
 #[inline(always)]
-pub fn point_means<W: Fetch, M: CubeMemory>(point: &CubePoint<W>, cube: &Cube<'_, M>, p: &Precision) -> Seen<W> {
+pub fn point_means<W: Fetch, M: CubeMemory>(
+    point: &CubePoint<W>,
+    cube: &Cube<'_, M>,
+    p: &Precision,
+) -> EnvironmentSample<W> {
     // The mean of one sample of one level is the sample.
     let pair = LevelPair { level: Fx::zero(), weight: Fx::zero() };
-    Seen { mean: trilinear::<W, M>(&cube_place(point), &pair, cube, p), taps: Fx::int(1) }
+    EnvironmentSample { mean: trilinear::<W, M>(&cube_place(point), &pair, cube, p), taps: Fx::int(1) }
 }
 
 /// Sample of a footprint on its face.
@@ -167,11 +171,11 @@ pub fn means<W: Fetch, M: CubeMemory>(
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
-) -> Seen<W> {
+) -> EnvironmentSample<W> {
     let pair = texel::levels::<W>(probes.lod, W::known(rough), p);
     let mut sum = Sum::none();
-    for turn in 0..W::most(probes.count) {
-        let (index, counts) = W::turn(turn, probes.count);
+    for turn in 0..W::max_over_lanes(probes.count) {
+        let (index, counts) = W::loop_index(turn, probes.count);
         let probe = environment_probe(point, probes, index, p);
         sum.add::<M>((&probe.place, probe.weight), &pair, counts, cube, p);
     }
@@ -185,11 +189,11 @@ pub fn swept_means<W: Fetch, M: CubeMemory>(
     rough: bool,
     cube: &Cube<'_, M>,
     p: &Precision,
-) -> Seen<W> {
+) -> EnvironmentSample<W> {
     let last_level = int::<W>(cube.last_level as i32);
     let mut sum = Sum::none();
-    for turn in 0..W::most(sweep.count) {
-        let (index, counts) = W::turn(turn, sweep.count);
+    for turn in 0..W::max_over_lanes(sweep.count) {
+        let (index, counts) = W::loop_index(turn, sweep.count);
         let probe = sphere_probe(sweep, index, last_level, p);
         let pair = texel::levels::<W>(probe.lod, W::known(rough), p);
         sum.add::<M>((&probe.place, probe.weight), &pair, counts, cube, p);
@@ -227,8 +231,8 @@ impl<W: Fetch> Sum<W> {
     }
 
     #[inline(always)]
-    fn seen(self) -> Seen<W> {
-        Seen { mean: texel::probe_means(&self.channels), taps: self.taps }
+    fn seen(self) -> EnvironmentSample<W> {
+        EnvironmentSample { mean: texel::probe_means(&self.channels), taps: self.taps }
     }
 }
 
@@ -277,7 +281,7 @@ fn face_quad<W: Fetch, M: CubeMemory>(
 #[inline(always)]
 pub fn patches<W: Fetch, M: CubeMemory>(memory: &M, at: &PatchPlace<W>) -> [[Int<W>; 3]; 4] {
     let &PatchPlace { level, edge, face, index: [column, row] } = at;
-    let texels = W::gather(
+    let texels = W::per_lane(
         each!(number in [level, edge, face, column, row] => number.raw()),
         #[inline(always)]
         |[level, edge, face, column, row]| {

@@ -143,7 +143,7 @@ bundle! {
     }
 
     /// Footprint of a fragment in a wrapped map.
-    pub struct RepeatedFootprint<W> {
+    pub struct WrappedFootprint<W> {
         /// Probes of the footprint.
         probes: Probes<W>,
         /// Part of a texel of level 0 that each probe spans across: 2λ₂, but 1 if it is more, and 0 if no rough bumps are read.

@@ -1,7 +1,7 @@
 //! The picture bars: what is measured, how, and what it has to reach.
 //!
 //! PSNR is against a range of 1, linear light, all channels, colours cut to [0, 1] as a display cuts them. The truth of
-//! a scene is its float64 picture with `edge`² samples a pixel of the unfiltered maps ([`real_frame`]); what is judged
+//! a scene is its float64 picture with `edge`² samples a pixel of the unfiltered maps ([`reference_renderer`]); what is judged
 //! are frames of the integer datapath. Tests hold the bars at reduced sizes, `picture-bars` prints them at full size.
 
 mod environment;
@@ -21,7 +21,7 @@ use roughxel_frame::raster::RasterError;
 use roughxel_scene::Scene;
 pub use roughxel_study::accuracy::{LIT_PEAK_BARS, ShadingBars, shading_bars};
 
-use roughxel_real_frame::{self as real_frame, RealPicture};
+use roughxel_reference_renderer::{self as reference_renderer, RealPicture};
 
 /// Scenes whose frames are compared with float64.
 pub const SCENES: [&str; 4] = ["lake", "zebra", "globe", "puzzle"];
@@ -97,7 +97,7 @@ pub fn holds(what: &str, found: f64, bound: f64, slack: f64) {
 /// PSNR in dB of a frame in a mode against the same filter in float64.
 pub fn psnr_against_float(scene: &Scene, mode: Mode, profile: &Precision) -> Result<f64, RasterError> {
     let frame = Prepared::new(scene, mode, profile)?.render(&|| ())?;
-    Ok(RealPicture::from(&frame).psnr(&real_frame::render(scene, mode, profile, &|| ())?))
+    Ok(RealPicture::from(&frame).psnr(&reference_renderer::render(scene, mode, profile, &|| ())?))
 }
 
 /// PSNR in dB of the four ways to draw a scene, against its truth.
@@ -126,14 +126,14 @@ impl SceneFigures {
 }
 
 /// Draws a scene in its modes and against `edge`² samples a pixel, 1…64 along an edge; `progress` as for
-/// [`real_frame::render`], which takes nearly all of the time.
+/// [`reference_renderer::render`], which takes nearly all of the time.
 pub fn scene_figures(
     scene: &Scene,
     profile: &Precision,
     edge: u32,
     progress: &(dyn Fn() + Sync),
 ) -> Result<SceneFigures, RasterError> {
-    let truth = real_frame::render(scene, Mode::Supersampled { edge }, profile, progress)?;
+    let truth = reference_renderer::render(scene, Mode::Supersampled { edge }, profile, progress)?;
     let psnr = |mode| -> Result<f64, RasterError> {
         Ok(RealPicture::from(&Prepared::new(scene, mode, profile)?.render(&|| ())?).psnr(&truth))
     };

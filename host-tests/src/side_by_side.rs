@@ -8,7 +8,7 @@ use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::width::narrowed;
 use roughxel_core::word::{Wire, Word};
-use roughxel_net::integers::{integers, integers_at};
+use roughxel_netlist::integers::{integers, integers_at};
 use roughxel_simd::{Backend, BatchWord, InstructionSet, Kernel, NARROW_LANES};
 
 use crate::checked::{Integers, first_difference};
@@ -19,7 +19,7 @@ use crate::designs::same_when_checked;
 ///
 /// # Panics
 /// If two readings differ, with the first wire that does.
-pub fn same_in_every_reading<const DESIGN: usize>(inputs: &[<Of<DESIGN> as Recorded>::Input], p: &Precision)
+pub fn same_in_every_backend<const DESIGN: usize>(inputs: &[<Of<DESIGN> as Recorded>::Input], p: &Precision)
 where
     Of<DESIGN>: Recorded,
 {

@@ -47,7 +47,7 @@ fn keep_objects(command: &mut Command) {
 }
 
 /// Builds the Verilator model of a module that stands in a directory with its bench
-/// ([`Bench::files`](roughxel_net::bench::Bench::files)), below `directory/obj`, and returns the program.
+/// ([`Bench::files`](roughxel_netlist::bench::Bench::files)), below `directory/obj`, and returns the program.
 ///
 /// `make` are variables of Verilator's makefile: `OPT_FAST=-O3` for a model that runs long, and for one that does not
 /// `OPT_FAST=-O0 VM_PARALLEL_BUILDS=0`, which compiles it as one file. Panics where Verilator or the compiler fails.

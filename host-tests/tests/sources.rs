@@ -92,7 +92,7 @@ fn datapath_names_no_float() {
 /// Where a division may stand, and why it is none of the datapath's: file, item, reason.
 const DIVISIONS: [(&str, &str, &str); 2] = [
     ("rom.rs", "", "generators of tables, evaluated at compile time"),
-    ("soft_core.rs", "texture_scale", "set-up once per map, by a number that cannot be zero"),
+    ("scalar_api.rs", "texture_scale", "set-up once per map, by a number that cannot be zero"),
 ];
 
 #[test]
@@ -157,7 +157,7 @@ fn stages_do_not_import_each_other() {
             assert!(!named("super"), "{name}:{}: a stage reaches for its neighbours", window[0].line);
             assert!(!named("stage"), "{name}:{}: a stage imports another", window[0].line);
             // Ports are declarations, which stages may use; what runs a datapath on them is above.
-            for above in ["datapath", "design", "soft_core", "probe_list", "staged"] {
+            for above in ["datapath", "design", "scalar_api", "probe_list", "staged"] {
                 assert!(!named(above), "{name}:{}: a stage imports {above}", window[0].line);
             }
             assert!(!named("scalar"), "{name}:{}: a stage knows its reading", window[0].line);
@@ -241,7 +241,7 @@ const MEMORY: [&str; 6] = ["batch.rs", "batch/append.rs", "order.rs", "peaks.rs"
 /// Files through which a value goes from texel to pixel, beside the rest of the shader.
 const SHADING: [&str; 6] = [
     "core/src/sampler.rs",
-    "core/src/repeated.rs",
+    "core/src/wrapped.rs",
     "emulator/frame/src/environment.rs",
     "emulator/frame/src/lighting.rs",
     "emulator/frame/src/texture.rs",
@@ -253,7 +253,7 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 15] = [
     ("core/src/sampler.rs", "level_edge", "memory: the edge of a level"),
     ("core/src/sampler.rs", "edge_of", "memory: the same of every fragment"),
     ("core/src/sampler.rs", "patches", "memory: the channels of four texels"),
-    ("core/src/repeated.rs", "tap", "memory: the place of a row in a level"),
+    ("core/src/wrapped.rs", "tap", "memory: the place of a row in a level"),
     ("emulator/frame/src/environment.rs", "bytes", "bytes of what is stored"),
     ("emulator/frame/src/lighting.rs", "bytes", "bytes of what is stored"),
     ("emulator/frame/src/lighting.rs", "shown", "set-up from floats: the colour of a light"),
@@ -449,7 +449,7 @@ fn functions(assembly: &str) -> Vec<(&str, Vec<&str>)> {
 fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
     let assembly = release_assembly();
     // The scalar datapath is in there: these entry points are not generic.
-    let soft_core = [
+    let scalar_api = [
         "surface",
         "reflection_of",
         "fragment",
@@ -460,7 +460,7 @@ fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
         "texture_scale",
     ];
     let probe_list = ["environment_probes", "sphere_probes", "texture_probes"];
-    for (file, entries) in [("soft_core", &soft_core[..]), ("probe_list", &probe_list)] {
+    for (file, entries) in [("scalar_api", &scalar_api[..]), ("probe_list", &probe_list)] {
         for entry in entries {
             let is_entry = |symbol: &str| symbol.contains(file) && symbol.contains(entry);
             let present = functions(&assembly).iter().any(|(symbol, lines)| is_entry(symbol) && lines.len() > 20);

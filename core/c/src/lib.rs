@@ -20,7 +20,7 @@ use roughxel_core::knob::Knob;
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::ports::{HighlightInput, HighlightOutput, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
-use roughxel_core::soft_core;
+use roughxel_core::scalar_api;
 
 use numbers::{Numbers, numbers_of, range, wires_of};
 
@@ -251,13 +251,13 @@ macro_rules! datapaths {
 datapaths! {
     /// The reflection datapath with the outcomes of all its stages.
     roughxel_reflection, roughxel_reflection_input_range: ReflectionInput -> ReflectionOutput,
-        |inputs, effects, p| soft_core::fragment(inputs, &effects.reflection(), p);
+        |inputs, effects, p| scalar_api::fragment(inputs, &effects.reflection(), p);
     /// The highlight datapath with the outcomes of all its stages.
     roughxel_highlight, roughxel_highlight_input_range: HighlightInput -> HighlightOutput,
-        |inputs, effects, p| soft_core::highlight(inputs, &effects.highlight(), p);
+        |inputs, effects, p| scalar_api::highlight(inputs, &effects.highlight(), p);
     /// The peak datapath with the outcomes of all its stages.
     roughxel_peak, roughxel_peak_input_range: PeakInput -> PeakOutput,
-        |inputs, effects, p| soft_core::lit_peak(inputs, &effects.peak(), p);
+        |inputs, effects, p| scalar_api::lit_peak(inputs, &effects.peak(), p);
 }
 
 /// Defines a panic, as a library without the standard library has to. No function of the library has a path to it.

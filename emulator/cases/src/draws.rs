@@ -12,7 +12,7 @@ use roughxel_core::design::Form;
 use roughxel_core::each::{each, places};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, offset};
-use roughxel_net::integers::filled;
+use roughxel_netlist::integers::filled;
 use roughxel_shader::Batch;
 use roughxel_simd::{Backend, LANES};
 use roughxel_utilities::random::SplitMix64;

@@ -10,8 +10,8 @@ use roughxel_core::ports::{LOD, ReflectionIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::rom::{LOG_BITS, LOG2_DIAMETER};
 use roughxel_core::scalar::Scalar;
+use roughxel_core::scalar_api::environment_scale;
 use roughxel_core::setup::offset;
-use roughxel_core::soft_core::environment_scale;
 
 use super::cube::reflecting_to;
 use super::fragment::{RealFragment, bit, moved};

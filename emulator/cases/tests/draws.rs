@@ -9,7 +9,7 @@ use roughxel_core::bundle::Bundle;
 use roughxel_core::design::Form;
 use roughxel_core::ports::Port;
 use roughxel_core::precision::Precision;
-use roughxel_net::integers::integers;
+use roughxel_netlist::integers::integers;
 use roughxel_shader::Batch;
 
 /// Draws elements of a set alone, and many of them.

@@ -8,12 +8,12 @@ use roughxel_core::precision::Profile;
 use roughxel_scene::Scene;
 use roughxel_study::profile_file::{NamedPrecision, read_profile};
 use roughxel_utilities::output::{self, OutputFile, Removed, WriteError};
-use roughxel_utilities::spelling::closest;
+use roughxel_utilities::suggestions::closest;
 
 use super::console::{complain, map_progress};
 use super::failure::{Failure, profile_failure, scene_failure};
 
-/// Shown at the end of every command's help.
+/// ShadedColour at the end of every command's help.
 pub(super) const CONVENTIONS: &str = "\
 Units and formats:
   vectors      n, v, h, p_u, p_v may have any length; v points from the surface to the eye

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Profile;
-use roughxel_net::verilog::knobs;
+use roughxel_netlist::verilog::knobs;
 use roughxel_study::Subject;
 use roughxel_study::choose::{Aim, Candidate, Clock, Meter, NoChoice, candidates, choose, measure, next_cheaper};
 use roughxel_study::frame_meter::{Against, FrameMeter};

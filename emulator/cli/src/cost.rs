@@ -6,10 +6,10 @@ use std::io::{self, Write};
 use clap::Args;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
-use roughxel_net::census::{Census, Cost, Units};
-use roughxel_net::delay::{arrival, arrival_in_block, critical_path, levels};
-use roughxel_net::graph::Net;
-use roughxel_net::interval::Ranges;
+use roughxel_netlist::census::{Census, Cost, Units};
+use roughxel_netlist::delay::{arrival, arrival_in_block, critical_path, levels};
+use roughxel_netlist::graph::Net;
+use roughxel_netlist::interval::Ranges;
 use roughxel_record as record;
 use serde_json::{Value, json};
 

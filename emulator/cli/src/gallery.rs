@@ -22,7 +22,7 @@ use clap::Args;
 use roughxel_frame::plan::Mode;
 use roughxel_study::profile_file::NamedPrecision;
 use roughxel_utilities::output::WriteError;
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 use serde_json::json;
 
 use super::cache::CacheArgs;

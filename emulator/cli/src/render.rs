@@ -46,10 +46,9 @@ pub(super) struct RenderArgs {
     /// Threads, at most one for each core; the picture is the same for any number.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
-    /// How the datapath is computed: scalar, or in lanes of avx2 or avx512; the fastest of the machine if nothing
-    /// is given. The picture is the same for each.
-    #[arg(long, value_name = "NAME")]
-    pub(super) reading: Option<Backend>,
+    /// Backend of the datapath: scalar, avx2 or avx512. The default is the fastest of the machine. The picture is the same for each.
+    #[arg(long, alias = "reading", value_name = "NAME")]
+    pub(super) backend: Option<Backend>,
     /// Export a set of vectors made of the frame's fragments into this directory.
     #[arg(long, value_name = "DIR")]
     pub(super) capture: Option<PathBuf>,
@@ -69,7 +68,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let scene = open_scene(&args.scene, args.size)?;
 
     let start = Instant::now();
-    let backend = args.reading.unwrap_or_else(Backend::best);
+    let backend = args.backend.unwrap_or_else(Backend::best);
     let peaks = args.cache.peaks(&scene, args.mode.filters())?;
     let prepared = Prepared::with_peaks(&scene, args.mode, &profile.precision, &peaks)?.with_backend(backend);
     let preparation = start.elapsed().as_secs_f64();

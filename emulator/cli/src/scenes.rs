@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 use roughxel_scene::{builtin_names, builtin_text};
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 use serde_json::json;
 
 use super::Failure;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
-use roughxel_net::verilog::{Options, Verilog, VerilogError};
+use roughxel_netlist::verilog::{Options, Verilog, VerilogError};
 use roughxel_record as record;
 use roughxel_study::plan::fetches;
 use roughxel_study::profile_file::NamedPrecision;

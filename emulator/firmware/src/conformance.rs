@@ -2,7 +2,7 @@
 
 use roughxel_core::bundle::{Bundle, End, Rewire};
 use roughxel_core::plan::Datapath;
-use roughxel_core::soft_core;
+use roughxel_core::scalar_api;
 
 use crate::machine::println;
 use crate::sets::Set;
@@ -25,12 +25,12 @@ pub fn run(set: &Set) -> (u32, u32) {
         }
         let outputs = match set.datapath {
             Datapath::Reflection => {
-                integers(&soft_core::fragment(&bundle(&inputs), &set.effects.reflection(), &precision))
+                integers(&scalar_api::fragment(&bundle(&inputs), &set.effects.reflection(), &precision))
             }
             Datapath::Highlight => {
-                integers(&soft_core::highlight(&bundle(&inputs), &set.effects.highlight(), &precision))
+                integers(&scalar_api::highlight(&bundle(&inputs), &set.effects.highlight(), &precision))
             }
-            Datapath::Peak => integers(&soft_core::lit_peak(&bundle(&inputs), &set.effects.peak(), &precision)),
+            Datapath::Peak => integers(&scalar_api::lit_peak(&bundle(&inputs), &set.effects.peak(), &precision)),
         };
         for (place, expected) in set.outputs.iter().zip(row) {
             let (place, name) = (usize::from(*place), set.names[usize::from(*place)]);

@@ -5,7 +5,9 @@ use roughxel_core::precision::Precision;
 use roughxel_core::signals::Sweep;
 use roughxel_maps::environment::CubePyramid;
 use roughxel_scene::picture::Picture;
-use roughxel_shader::{Batch, Channel, CubeTexels, EnvironmentColours, Footprint, Ordered, Reflector, Shader, Shown};
+use roughxel_shader::{
+    Batch, Channel, CubeTexels, EnvironmentColours, Footprint, Ordered, Reflector, ShadedColour, Shader,
+};
 use roughxel_simd::Backend;
 
 /// The environment of a scene.
@@ -65,8 +67,8 @@ impl EnvironmentMap {
     }
 
     /// What a perfect mirror shows of it.
-    fn mirror(&self, is_rough: bool, look: impl FnOnce(Reflector<'_>, &mut Batch<Shown<i32>>)) -> [Channel; 3] {
-        let own = &Batch::from_iter([Shown { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
+    fn mirror(&self, is_rough: bool, look: impl FnOnce(Reflector<'_>, &mut Batch<ShadedColour<i32>>)) -> [Channel; 3] {
+        let own = &Batch::from_iter([ShadedColour { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
         let mut shown = Batch::default();
         look(Reflector { own, map: &self.texels, is_rough, reflectance: &[Fx::int(1); 3] }, &mut shown);
         shown.get(0).channels

@@ -9,7 +9,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, shininess, stored_horizon, stored_peak, uniform_law};
 use roughxel_peaks::{self as pyramid, MAX_PEAKS, PeakPyramid};
 use roughxel_scene::{Highlight, HighlightForm, Light, LightPlace, Material, PeakSource, Peaks};
-use roughxel_shader::{self as shader, Lighting, MOST_PEAKS, ObjectPlan, PackedPeak, PeakTexels, RepeatedMap, Shine};
+use roughxel_shader::{self as shader, Lighting, MOST_PEAKS, ObjectPlan, PackedPeak, PeakTexels, Shine, WrappedMap};
 
 use super::colour::colour_word;
 use super::printed;
@@ -104,7 +104,7 @@ fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> PeakT
     });
     let peaks = || kept.iter().flat_map(pyramid::PeakLevel::peaks);
     let horizons = peaks().filter_map(|peak| peak.horizon.filter(|_| kind != HorizonKind::None)).map(horizon);
-    let map = RepeatedMap::new(kept.iter().map(|level| (level.width, level.height)));
+    let map = WrappedMap::new(kept.iter().map(|level| (level.width, level.height)));
     PeakTexels::new(map, std::iter::once(0).chain(ends).collect(), peaks().map(stored), (horizons, kind))
 }
 

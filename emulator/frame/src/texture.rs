@@ -6,7 +6,7 @@ use roughxel_core::precision::RoughnessKind;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::mip::{ColourPyramid, smallest_exponent};
 use roughxel_scene::picture::Picture;
-use roughxel_shader::{BumpMap, BumpTexels, ColourMap, MapTexels, ObjectPlan, RepeatedMap, RoughBump};
+use roughxel_shader::{BumpMap, BumpTexels, ColourMap, MapTexels, ObjectPlan, RoughBump, WrappedMap};
 
 use super::MAX_MAP_EXPONENT;
 
@@ -17,7 +17,7 @@ pub fn colour_map(picture: &Picture, filters: bool) -> ColourMap {
     if !filters {
         pyramid.levels.truncate(1);
     }
-    let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
+    let map = WrappedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
     let texels = pyramid.levels.into_iter().flat_map(|level| level.texels);
     ColourMap { texels: MapTexels::new(map, texels), exponent }
 }
@@ -38,7 +38,7 @@ impl StoredBumps {
         let kind = pyramid.format.roughness.kind();
         let codes = pyramid.levels.iter().flat_map(|level| level.codes(&pyramid.format));
         let decoded = codes.map(|codes| (codes, texel::bump_texel(&codes, &scale, kind)));
-        let map = RepeatedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
+        let map = WrappedMap::new(pyramid.levels.iter().map(|level| (level.width, level.height)));
         let texels = if pyramid.levels.iter().all(|level| level.roughness.is_empty()) {
             BumpTexels::Smooth(MapTexels::new(map, decoded.map(|(_, texel)| texel.offset.map(Fx::raw))))
         } else {

@@ -1,4 +1,4 @@
-//! The recorded reading: its words are nodes of a graph under construction ([`roughxel_net::builder`]).
+//! The recorded reading: its words are nodes of a graph under construction ([`roughxel_netlist::builder`]).
 //!
 //! Every stage of every design is compiled here, for words of 16 and of 32 bits, and each runs once a recording: this package is
 //! built without optimisation, which takes an eighth of the time.
@@ -14,10 +14,10 @@ use roughxel_core::precision::Precision;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
-use roughxel_net::builder::{self, NamedWire, node};
-use roughxel_net::graph::{Kind, Net, NodeId, Op, Table};
-use roughxel_net::integers::integers_on;
-use roughxel_net::verilog::{Options, Stages, Verilog, VerilogError};
+use roughxel_netlist::builder::{self, NamedWire, node};
+use roughxel_netlist::graph::{Kind, Net, NodeId, Op, Table};
+use roughxel_netlist::integers::integers_on;
+use roughxel_netlist::verilog::{Options, Stages, Verilog, VerilogError};
 
 /// A wire of so many bits in the recorded reading: 16 or 32 are words, of which twice the bits are the wide companion.
 #[derive(Clone, Copy, Debug)]

@@ -24,7 +24,7 @@ pub(super) use self::roughness::uniform_roughness;
 use crate::error::SceneError;
 use crate::picture::Picture;
 use crate::source::Arguments;
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 
 /// Name of the one generated roughness that is no picture.
 pub(super) const UNIFORM_ROUGHNESS: &str = "uniform";

@@ -24,7 +24,7 @@ use roughxel_utilities::input::open_file;
 use roughxel_utilities::limits::{
     LENGTHS, MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
 };
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 
 /// Most objects of a scene.
 const MAX_OBJECTS: usize = 1000;

@@ -16,7 +16,7 @@ use toml::Spanned;
 
 use crate::error::{Fault, SceneError};
 use roughxel_utilities::input::without_mark;
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 
 /// Most elements of an array in a generator's table.
 const MAX_LIST: usize = 64;

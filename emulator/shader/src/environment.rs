@@ -7,48 +7,63 @@ use roughxel_core::each::each;
 use roughxel_core::fx::Control;
 use roughxel_core::ports::REFLECTANCE;
 use roughxel_core::precision::Precision;
-use roughxel_core::sampler::{self, Cube, Seen};
+use roughxel_core::sampler::{self, Cube, EnvironmentSample};
 use roughxel_core::signals::{CubePoint, Sweep};
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
 use crate::order::Order;
 use crate::pass::{Group, Pass, Shader, runs};
-use crate::signals::{Footprint, Shown};
+use crate::signals::{Footprint, ShadedColour};
 use crate::texels::CubeTexels;
 
 runs!(Lobes);
 
 /// A look at an environment: a point, or a footprint around one.
-pub trait Look: Form {
+pub trait EnvironmentLookup: Form {
     /// What a group sees; a rough footprint looks at finer levels.
-    fn seen<W: BatchWord>(look: &In<Self, W>, is_rough: bool, cube: &Cube<'_, CubeTexels>, p: &Precision) -> Seen<W>;
+    fn seen<W: BatchWord>(
+        look: &In<Self, W>,
+        is_rough: bool,
+        cube: &Cube<'_, CubeTexels>,
+        p: &Precision,
+    ) -> EnvironmentSample<W>;
 }
 
-impl Look for CubePoint<i32> {
+impl EnvironmentLookup for CubePoint<i32> {
     #[inline(always)]
-    fn seen<W: BatchWord>(point: &CubePoint<W>, _: bool, cube: &Cube<'_, CubeTexels>, p: &Precision) -> Seen<W> {
+    fn seen<W: BatchWord>(
+        point: &CubePoint<W>,
+        _: bool,
+        cube: &Cube<'_, CubeTexels>,
+        p: &Precision,
+    ) -> EnvironmentSample<W> {
         sampler::point_means(point, cube, p)
     }
 }
 
 /// A footprint on the plane of a face.
-impl Look for Footprint<i32> {
+impl EnvironmentLookup for Footprint<i32> {
     #[inline(always)]
     fn seen<W: BatchWord>(
         footprint: &Footprint<W>,
         is_rough: bool,
         cube: &Cube<'_, CubeTexels>,
         p: &Precision,
-    ) -> Seen<W> {
+    ) -> EnvironmentSample<W> {
         sampler::means(&footprint.point, &footprint.probes, is_rough, cube, p)
     }
 }
 
 /// A footprint on the sphere.
-impl Look for Sweep<i32> {
+impl EnvironmentLookup for Sweep<i32> {
     #[inline(always)]
-    fn seen<W: BatchWord>(sweep: &Sweep<W>, is_rough: bool, cube: &Cube<'_, CubeTexels>, p: &Precision) -> Seen<W> {
+    fn seen<W: BatchWord>(
+        sweep: &Sweep<W>,
+        is_rough: bool,
+        cube: &Cube<'_, CubeTexels>,
+        p: &Precision,
+    ) -> EnvironmentSample<W> {
         sampler::swept_means(sweep, is_rough, cube, p)
     }
 }
@@ -66,7 +81,7 @@ pub struct EnvironmentColours<'a, L> {
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector<'a> {
     /// Their own colours.
-    pub own: &'a Batch<Shown<i32>>,
+    pub own: &'a Batch<ShadedColour<i32>>,
     /// The environment.
     pub map: &'a CubeTexels,
     /// The object is rough: its footprints look at finer levels.
@@ -75,39 +90,39 @@ pub struct Reflector<'a> {
     pub reflectance: &'a [Control<i32, REFLECTANCE>; 3],
 }
 
-impl<L: Look> Pass for EnvironmentColours<'_, L> {
-    type Output = Shown<i32>;
+impl<L: EnvironmentLookup> Pass for EnvironmentColours<'_, L> {
+    type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
         self.looks.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
         let Reflector { own, map, is_rough, reflectance } = self.reflector;
         let cube = &map.cube();
         let seen = L::seen(&group.of(self.looks), is_rough, cube, p);
         let reflectance = each!(share in *reflectance => group.all(&Value(share)).0);
         let channels = sampler::blended::<W, _>(&group.of(own).channels, &seen, &reflectance, cube);
-        Shown { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
+        ShadedColour { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
     }
 }
 
 impl EnvironmentColours<'_, CubePoint<i32>> {
     /// Puts what fragments show into `shown`, in place of what it held.
-    pub fn run(&self, shader: Shader<'_>, shown: &mut Batch<Shown<i32>>) {
+    pub fn run(&self, shader: Shader<'_>, shown: &mut Batch<ShadedColour<i32>>) {
         shader.run(self, shown);
     }
 }
 
 impl EnvironmentColours<'_, Footprint<i32>> {
     /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
-    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Footprint<i32>>, shown: &mut Batch<Shown<i32>>) {
+    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Footprint<i32>>, shown: &mut Batch<ShadedColour<i32>>) {
         ordered.run(self, self.looks.counts(), shader, shown);
     }
 }
 
 impl EnvironmentColours<'_, Sweep<i32>> {
     /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
-    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Sweep<i32>>, shown: &mut Batch<Shown<i32>>) {
+    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Sweep<i32>>, shown: &mut Batch<ShadedColour<i32>>) {
         ordered.run(self, self.looks.counts(), shader, shown);
     }
 }
@@ -117,8 +132,8 @@ impl EnvironmentColours<'_, Sweep<i32>> {
 pub struct Ordered<L> {
     order: Order,
     looks: Batch<L>,
-    own: Batch<Shown<i32>>,
-    shown: Batch<Shown<i32>>,
+    own: Batch<ShadedColour<i32>>,
+    shown: Batch<ShadedColour<i32>>,
 }
 
 impl<L> Default for Ordered<L> {
@@ -127,14 +142,14 @@ impl<L> Default for Ordered<L> {
     }
 }
 
-impl<L: Look> Ordered<L> {
+impl<L: EnvironmentLookup> Ordered<L> {
     /// Runs a pass on fragments with so many probes each.
     fn run(
         &mut self,
         pass: &EnvironmentColours<'_, L>,
         counts: &[i32],
         shader: Shader<'_>,
-        all_shown: &mut Batch<Shown<i32>>,
+        all_shown: &mut Batch<ShadedColour<i32>>,
     ) {
         let Self { order, looks, own, shown } = self;
         let group = shader.backend.group(shader.precision);
@@ -150,17 +165,17 @@ impl<L: Look> Ordered<L> {
 
 /// The mean of what two lobes show.
 #[derive(Clone, Copy, Debug)]
-pub struct Lobes<'a>(pub [&'a Batch<Shown<i32>>; 2]);
+pub struct Lobes<'a>(pub [&'a Batch<ShadedColour<i32>>; 2]);
 
 impl Pass for Lobes<'_> {
-    type Output = Shown<i32>;
+    type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
         self.0[0].len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> Shown<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> ShadedColour<W> {
         let [a, b] = [group.of(self.0[0]), group.of(self.0[1])];
         let channels = each!(i in [0, 1, 2] => pixel::lobes::<W>(a.channels[i], b.channels[i]));
-        Shown { channels, taps: a.taps + b.taps }
+        ShadedColour { channels, taps: a.taps + b.taps }
     }
 }

@@ -1,7 +1,7 @@
 //! Fragments of one object that wait to be shaded together.
 
 use roughxel_core::ports::{BlockVector, Port, PortBlock};
-use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
+use roughxel_core::signals::{MapScale, TexturePosition, WrappedFootprint};
 use roughxel_core::stage::texture::TextureScale;
 
 use crate::attributes::{AttributeRows, Needs, same_rows};
@@ -9,8 +9,8 @@ use crate::batch::Batch;
 use crate::maps::{Places, TextureDerivatives, TextureFootprints};
 use crate::material::Material;
 use crate::pass::Shader;
-use crate::signals::{Bare, Derivatives};
-use crate::texels::RepeatedMap;
+use crate::signals::{Derivatives, SurfaceAttributes};
+use crate::texels::WrappedMap;
 
 /// Pixel in which a colour counts.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,7 +31,7 @@ pub struct Fragments {
     needs: Needs,
     /// Main direction, in place of p_u and p_v.
     main_direction: Option<BlockVector>,
-    pub(crate) bare: Batch<Bare<i32>>,
+    pub(crate) bare: Batch<SurfaceAttributes<i32>>,
     pub(crate) derivatives: Batch<Derivatives<i32>>,
     pub(crate) centres: Batch<TexturePosition<i32>>,
     pub(crate) duv: Batch<TextureDerivatives>,
@@ -122,7 +122,7 @@ impl Fragments {
     }
 
     /// Places in a map.
-    pub(crate) fn places_in(&self, map: &RepeatedMap) -> Places<'_> {
+    pub(crate) fn places_in(&self, map: &WrappedMap) -> Places<'_> {
         Places { centres: &self.centres, footprints: self.footprints.of(map) }
     }
 
@@ -144,7 +144,7 @@ struct SizedFootprints {
     scale: (TextureScale<i32>, MapScale<i32>),
     /// True if bumps with roughness are among the maps.
     is_rough: bool,
-    footprints: Batch<RepeatedFootprint<i32>>,
+    footprints: Batch<WrappedFootprint<i32>>,
 }
 
 /// Footprints of fragments in the maps that they read; none if nothing is filtered.
@@ -153,7 +153,7 @@ pub struct MapFootprints(Vec<SizedFootprints>);
 
 impl MapFootprints {
     /// Footprints of no fragments yet. Footprints of the size of `rough` bumps hold the reach of their probes.
-    pub fn new<'a>(maps: impl Iterator<Item = &'a RepeatedMap>, rough: Option<&RepeatedMap>) -> Self {
+    pub fn new<'a>(maps: impl Iterator<Item = &'a WrappedMap>, rough: Option<&WrappedMap>) -> Self {
         let mut sizes: Vec<SizedFootprints> = Vec::new();
         for map in maps {
             let (size, scale) = (map.size(), map.scale);
@@ -173,7 +173,7 @@ impl MapFootprints {
     }
 
     /// Footprints in a map.
-    pub fn of(&self, map: &RepeatedMap) -> Option<&Batch<RepeatedFootprint<i32>>> {
+    pub fn of(&self, map: &WrappedMap) -> Option<&Batch<WrappedFootprint<i32>>> {
         self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.footprints)
     }
 }

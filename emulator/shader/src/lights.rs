@@ -15,7 +15,7 @@ use roughxel_simd::BatchWord;
 use crate::batch::Batch;
 use crate::pass::{Group, Pass, runs};
 use crate::peaks::PackedPeak;
-use crate::signals::{Shown, Slopes};
+use crate::signals::{ShadedColour, Slopes};
 
 runs!(Highlights Halves HorizonSlopes GivenPeaks);
 
@@ -25,9 +25,9 @@ pub(crate) fn shown_of<W: BatchWord>(
     group: &Group<W>,
     returned: Control<W, LIGHT>,
     colour: &[Control<i32, LIGHT>; 3],
-) -> Shown<W> {
+) -> ShadedColour<W> {
     let channels = each!(channel in *colour => pixel::modulated::<W>(returned, group.all(&Value(channel)).0));
-    Shown { channels, taps: Fx::zero() }
+    ShadedColour { channels, taps: Fx::zero() }
 }
 
 /// Surfaces, and the directions from them to a light.
@@ -53,12 +53,12 @@ pub struct Highlights<'a> {
 }
 
 impl Pass for Highlights<'_> {
-    type Output = Shown<i32>;
+    type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
         self.lit.surfaces.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
         let (surface, light) = (group.of(self.lit.surfaces), group.of(self.lit.directions));
         let gloss = datapath::gloss(&surface, &group.all(self.shininess), self.plan, p);
         shown_of(group, datapath::highlight(&surface, &gloss, &light, p).f, self.colour)
@@ -112,12 +112,12 @@ pub struct GivenPeaks<'a> {
 }
 
 impl Pass for GivenPeaks<'_> {
-    type Output = Shown<i32>;
+    type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
         self.halves.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
         shown_of(group, given(&group.of(self.halves), self.peaks, p), self.colour)
     }
 }

@@ -7,16 +7,16 @@ use roughxel_core::each::each;
 use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::ports::{LIGHT, PortBlock};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::repeated::{self, Mean, Tap, View};
-use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
+use roughxel_core::signals::{MapScale, TexturePosition, WrappedFootprint};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::word::Word;
+use roughxel_core::wrapped::{self, Mean, Tap, View};
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
 use crate::pass::{Group, Pass, runs};
-use crate::signals::{Bumped, Shown};
-use crate::texels::{BumpTexels, MapTexels, RepeatedMap};
+use crate::signals::{FilteredBump, ShadedColour};
+use crate::texels::{BumpTexels, MapTexels, WrappedMap};
 
 runs!(TextureFootprints Colours Bumps);
 
@@ -53,12 +53,12 @@ pub struct TextureFootprints<'a> {
 }
 
 impl Pass for TextureFootprints<'_> {
-    type Output = RepeatedFootprint<i32>;
+    type Output = WrappedFootprint<i32>;
     fn len(&self) -> usize {
         self.derivatives.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> RepeatedFootprint<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> WrappedFootprint<W> {
         let (duv, texture, scale) = (group.of(self.derivatives), group.all(&self.scale.0), group.all(&self.scale.1));
         let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(&duv, &texture, &scale, p);
         let reach = if self.is_rough {
@@ -66,7 +66,7 @@ impl Pass for TextureFootprints<'_> {
         } else {
             Fx::zero()
         };
-        RepeatedFootprint { probes, reach }
+        WrappedFootprint { probes, reach }
     }
 }
 
@@ -76,7 +76,7 @@ pub struct Places<'a> {
     /// Texture coordinates.
     pub centres: &'a Batch<TexturePosition<i32>>,
     /// Footprints around the centres; none if nothing is filtered.
-    pub footprints: Option<&'a Batch<RepeatedFootprint<i32>>>,
+    pub footprints: Option<&'a Batch<WrappedFootprint<i32>>>,
 }
 
 /// Calls `body` with the views of a group.
@@ -84,7 +84,7 @@ pub struct Places<'a> {
 pub(crate) fn viewed<W: BatchWord, R>(
     group: &Group<W>,
     places: Places<'_>,
-    map: &RepeatedMap,
+    map: &WrappedMap,
     is_rough: bool,
     body: impl FnOnce(&View<'_, W>) -> R,
 ) -> R {
@@ -112,12 +112,12 @@ pub struct Colours<'a> {
 }
 
 impl Pass for Colours<'_> {
-    type Output = Shown<i32>;
+    type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
         self.places.centres.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
         let ColourMap { texels, exponent } = self.map;
         let mean = viewed(
             group,
@@ -126,7 +126,7 @@ impl Pass for Colours<'_> {
             false,
             #[inline(always)]
             |view| {
-                repeated::mean(
+                wrapped::mean(
                     view,
                     #[inline(always)]
                     |tap: &Tap<W>, _| {
@@ -146,7 +146,7 @@ impl Pass for Colours<'_> {
             let own = group.all(&Value(self.own[i])).0;
             pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own)
         });
-        Shown { channels, taps: mean.taps }
+        ShadedColour { channels, taps: mean.taps }
     }
 }
 
@@ -173,12 +173,12 @@ pub struct Bumps<'a> {
 }
 
 impl Pass for Bumps<'_> {
-    type Output = Bumped<i32>;
+    type Output = FilteredBump<i32>;
     fn len(&self) -> usize {
         self.places.centres.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Bumped<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> FilteredBump<W> {
         let BumpMap { texels, scale } = self.map;
         let (is_rough, scale) = (self.kind != RoughnessKind::None, &group.all(scale));
         let Mean { channels, taps } = viewed(
@@ -189,14 +189,14 @@ impl Pass for Bumps<'_> {
             #[inline(always)]
             |view| if is_rough { rough_moments(view, texels, scale, p) } else { offsets(view, texels, scale, p) },
         );
-        Bumped { bump: texel::bump(&BumpMoments::<W>::of_words(channels), scale, self.kind, p), taps }
+        FilteredBump { bump: texel::bump(&BumpMoments::<W>::of_words(channels), scale, self.kind, p), taps }
     }
 }
 
 /// Offsets alone.
 #[inline(always)]
 fn offsets<W: BatchWord>(view: &View<'_, W>, texels: &BumpTexels, scale: &BumpScale<W>, p: &Precision) -> Mean<W, 5> {
-    let Mean { channels: [b1, b2], taps } = repeated::mean(
+    let Mean { channels: [b1, b2], taps } = wrapped::mean(
         view,
         #[inline(always)]
         |tap: &Tap<W>, _| {
@@ -224,7 +224,7 @@ fn rough_moments<W: BatchWord>(
         #[inline(always)]
         |(footprint, _)| footprint.reach,
     );
-    repeated::mean(
+    wrapped::mean(
         view,
         #[inline(always)]
         |tap: &Tap<W>, _| {

@@ -12,7 +12,7 @@ use crate::attributes::Needs;
 use crate::maps::{BumpMap, ColourMap};
 use crate::peaks::{PackedPeak, PeakTexels};
 use crate::plan::ObjectPlan;
-use crate::texels::RepeatedMap;
+use crate::texels::WrappedMap;
 
 /// A channel of a colour on its wire, I8F24.
 pub type Channel = Control<i32, LIGHT>;
@@ -68,14 +68,14 @@ impl Material {
     }
 
     /// Maps that a fragment reads.
-    pub fn maps(&self) -> impl Iterator<Item = &RepeatedMap> {
+    pub fn maps(&self) -> impl Iterator<Item = &WrappedMap> {
         let colour = self.colour_map.as_ref().map(|map| &map.texels.map);
         let bump = self.bump_map.as_ref().map(|map| map.texels.map());
         [colour, bump, self.lighting.as_ref().and_then(Lighting::map)].into_iter().flatten()
     }
 
     /// Bump map, if it is read with its roughness.
-    pub(crate) fn rough_map(&self) -> Option<&RepeatedMap> {
+    pub(crate) fn rough_map(&self) -> Option<&WrappedMap> {
         let is_rough = self.plan.roughness() != RoughnessKind::None;
         self.bump_map.as_ref().filter(|_| is_rough).map(|map| map.texels.map())
     }
@@ -100,7 +100,7 @@ pub struct Lighting {
 
 impl Lighting {
     /// Map of the peaks, if they come from one.
-    fn map(&self) -> Option<&RepeatedMap> {
+    fn map(&self) -> Option<&WrappedMap> {
         match &self.shine {
             Shine::Map(map) => Some(&map.map),
             _ => None,

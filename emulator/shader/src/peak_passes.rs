@@ -8,8 +8,8 @@ use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::ports::{Horizon, LIGHT, SHARE};
 use roughxel_core::precision::Precision;
-use roughxel_core::repeated::{self, Tap, View};
 use roughxel_core::signals::LocalDirection;
+use roughxel_core::wrapped::{self, Tap, View};
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
@@ -17,8 +17,8 @@ use crate::lights::shown_of;
 use crate::maps::{Places, viewed};
 use crate::pass::{Group, Pass};
 use crate::peaks::{Patches, PeakPairs, PeakTexels, slot};
-use crate::signals::{Shown, Slopes};
-use crate::texels::RepeatedMap;
+use crate::signals::{ShadedColour, Slopes};
+use crate::texels::WrappedMap;
 
 bundle! {
     /// Patches that a fragment reads of a map: one on each level for each turn.
@@ -35,7 +35,7 @@ bundle! {
 /// Keeps the texels of all patches that fragments read of a map of peaks.
 pub(crate) struct PeakPatches<'a> {
     pub(crate) places: Places<'a>,
-    pub(crate) map: &'a RepeatedMap,
+    pub(crate) map: &'a WrappedMap,
     /// Number of each fragment.
     pub(crate) numbers: &'a Batch<Value<i32, 32>>,
     pub(crate) patches: &'a Patches<'a>,
@@ -83,7 +83,7 @@ impl Pass for PeakLights<'_> {
             Some(slopes) => above_horizon(peak, &group.of_pairs(self.pairs, slopes), self.map, p),
             None => Fx::int(1),
         };
-        let [xy, z_amplitude, exponent, _] = W::pair(peak.shl(1), self.map.peaks.as_flattened());
+        let [xy, z_amplitude, exponent, _] = W::load_pair(peak.shl(1), self.map.peaks.as_flattened());
         Value(datapath::packed_peak(&half, [xy, z_amplitude, exponent], weight, p))
     }
 }
@@ -91,7 +91,7 @@ impl Pass for PeakLights<'_> {
 /// Colours returned by the peaks of a map, from the sums of texels: filter, pixel (modulated).
 pub(crate) struct PeakMeans<'a> {
     pub(crate) places: Places<'a>,
-    pub(crate) map: &'a RepeatedMap,
+    pub(crate) map: &'a WrappedMap,
     pub(crate) numbers: &'a Batch<Value<i32, 32>>,
     pub(crate) patches: &'a Patches<'a>,
     pub(crate) sums: &'a [i32],
@@ -100,12 +100,12 @@ pub(crate) struct PeakMeans<'a> {
 }
 
 impl Pass for PeakMeans<'_> {
-    type Output = Shown<i32>;
+    type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
         self.places.centres.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Shown<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
         let Value(number) = group.of(self.numbers);
         let returned = viewed(
             group,
@@ -123,7 +123,8 @@ impl Pass for PeakMeans<'_> {
 #[inline(always)]
 fn above_horizon<W: Fetch>(peak: Int<W>, slopes: &Slopes<W>, map: &PeakTexels, p: &Precision) -> Control<W, SHARE> {
     let low = peak.shl(2);
-    let [low, inverse_width] = each!(place in [low, low + Fx::int(2)] => W::pair(place, map.horizons.as_flattened()));
+    let [low, inverse_width] =
+        each!(place in [low, low + Fx::int(2)] => W::load_pair(place, map.horizons.as_flattened()));
     let horizon = Horizon::<W> { low: each!(side in low => side.reread()), inverse_width };
     datapath::horizon(&slopes.light, &slopes.eye, &horizon, map.kind, p)
 }
@@ -132,14 +133,14 @@ fn above_horizon<W: Fetch>(peak: Int<W>, slopes: &Slopes<W>, map: &PeakTexels, p
 #[inline(always)]
 fn patches_of<W: Fetch>(view: &View<'_, W>, number: Int<W>, patches: &Patches<'_>, p: &Precision) -> PatchesRead<W> {
     let (mut turns, mut levels) = (Fx::zero(), Fx::int(1));
-    repeated::reads(
+    wrapped::reads(
         view,
         p,
         #[inline(always)]
         |read| {
             let keep = |tap: &Tap<W>, level| {
                 for (texel, row) in tap.texels.into_iter().zip(patches.rows(slot(read.turn, level))) {
-                    W::put(texel, number, row);
+                    W::scatter(texel, number, row);
                 }
             };
             keep(&read.fine, 0);
@@ -162,12 +163,12 @@ fn mean_of<W: Fetch>(
     sums: &[i32],
     p: &Precision,
 ) -> Control<W, LIGHT> {
-    let mean = repeated::mean(
+    let mean = wrapped::mean(
         view,
         #[inline(always)]
         |tap: &Tap<W>, [turn, level]| {
-            let texels = W::gather(
-                each!(row in patches.rows(slot(turn, level)) => W::take(number, row).raw()),
+            let texels = W::per_lane(
+                each!(row in patches.rows(slot(turn, level)) => W::gather(number, row).raw()),
                 #[inline(always)]
                 |places| {
                     // A patch of another turn or level, with weight 0, may name any place.

@@ -8,7 +8,7 @@ use roughxel_core::plan::HorizonKind;
 use roughxel_core::ports::{Horizon, Peak};
 
 use crate::batch::GROUP;
-use crate::texels::{RepeatedMap, wide};
+use crate::texels::{WrappedMap, wide};
 
 /// Number of words of a [`PackedPeak`].
 pub(crate) const WORDS: usize = 3;
@@ -37,7 +37,7 @@ impl PackedPeak {
 #[derive(Clone, Debug)]
 pub struct PeakTexels {
     /// Levels of the map.
-    pub map: RepeatedMap,
+    pub map: WrappedMap,
     /// Index of the first peak of each texel, over all levels, the finest first; then the end of the last. No texel has more than [`MOST_PEAKS`].
     pub begins: Vec<u32>,
     /// Peaks of all texels: the words of each, and a 0.
@@ -54,7 +54,7 @@ impl PeakTexels {
     /// # Panics
     /// If there are other numbers of peaks or horizons, or a texel has more than [`MOST_PEAKS`].
     pub fn new(
-        map: RepeatedMap,
+        map: WrappedMap,
         begins: Vec<u32>,
         peaks: impl Iterator<Item = PackedPeak>,
         (horizons, kind): (impl Iterator<Item = Horizon<i32>>, HorizonKind),

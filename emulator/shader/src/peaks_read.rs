@@ -16,7 +16,7 @@ use crate::maps::Places;
 use crate::pass::Shader;
 use crate::peak_passes::{PatchesRead, PeakLights, PeakMeans, PeakPatches};
 use crate::peaks::{MOST_PEAKS, Patches, PeakPairs, PeakTexels, slot};
-use crate::signals::{Shown, Slopes};
+use crate::signals::{ShadedColour, Slopes};
 
 /// Array of the room for the peaks of a texel.
 #[inline(always)]
@@ -129,7 +129,7 @@ impl PeaksRead {
     }
 
     /// Makes the colour that each fragment returns of a light by the peaks that were read.
-    pub fn shine(&mut self, light: &LightOnPeaks<'_>, shader: Shader<'_>, shown: &mut Batch<Shown<i32>>) {
+    pub fn shine(&mut self, light: &LightOnPeaks<'_>, shader: Shader<'_>, shown: &mut Batch<ShadedColour<i32>>) {
         let &LightOnPeaks { map, places, halves, slopes, colour } = light;
         let Self { numbers, patches, pairs, ends, lights, sums, .. } = self;
         shader.run(&PeakLights { pairs, halves, slopes, map }, lights);

@@ -18,15 +18,15 @@ use crate::material::{Channel, Formula, Light, Material, Shine};
 use crate::pass::{Environment, Shader};
 use crate::peaks_read::{LightOnPeaks, PeaksRead};
 use crate::phases::Phase;
-use crate::signals::{Bare, Bumped, Derivatives, Footprint, Shown, Slopes, ports};
+use crate::signals::{Derivatives, FilteredBump, Footprint, ShadedColour, Slopes, SurfaceAttributes, ports};
 use crate::sums::Sums;
 use crate::surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
 
 /// Batches between the passes; their memory is kept for the next fragments.
 #[derive(Debug, Default)]
 pub struct Work {
-    colours: Batch<Shown<i32>>,
-    bumps: Batch<Bumped<i32>>,
+    colours: Batch<ShadedColour<i32>>,
+    bumps: Batch<FilteredBump<i32>>,
     surfaces: Batch<Surface<i32>>,
     lit: LitWork,
     seen: SeenWork,
@@ -39,7 +39,7 @@ struct LitWork {
     halves: Batch<LocalDirection<i32>>,
     slopes: Batch<Slopes<i32>>,
     peaks: PeaksRead,
-    shown: Batch<Shown<i32>>,
+    shown: Batch<ShadedColour<i32>>,
 }
 
 /// Batches of the reflection.
@@ -50,10 +50,10 @@ struct SeenWork {
     ordered_footprints: Ordered<Footprint<i32>>,
     sweeps: Batch<Sweep<i32>>,
     ordered_sweeps: Ordered<Sweep<i32>>,
-    shown: Batch<Shown<i32>>,
+    shown: Batch<ShadedColour<i32>>,
     cores: Batch<Surface<i32>>,
-    of_cores: Batch<Shown<i32>>,
-    of_both: Batch<Shown<i32>>,
+    of_cores: Batch<ShadedColour<i32>>,
+    of_both: Batch<ShadedColour<i32>>,
 }
 
 /// The plan of a batch: stages are left out that every one of its fragments would feed with zeros, which changes no bit.
@@ -67,7 +67,7 @@ struct BatchPlan {
 }
 
 impl BatchPlan {
-    fn new(material: &Material, fragments: &Fragments, bumps: &Batch<Bumped<i32>>) -> Self {
+    fn new(material: &Material, fragments: &Fragments, bumps: &Batch<FilteredBump<i32>>) -> Self {
         let plan = &material.plan;
         let reflection = plan.reflection.map(|plan| {
             let is_smooth = plan.roughness == RoughnessKind::None || bumps.is_smooth();
@@ -131,19 +131,19 @@ impl Shader<'_> {
     }
 
     /// The colour of the object at every fragment.
-    fn colours(self, material: &Material, fragments: &Fragments, colours: &mut Batch<Shown<i32>>) {
+    fn colours(self, material: &Material, fragments: &Fragments, colours: &mut Batch<ShadedColour<i32>>) {
         let own = &material.colour;
         match &material.colour_map {
-            None => colours.fill(fragments.len(), &Shown { channels: *own, taps: Fx::zero() }),
+            None => colours.fill(fragments.len(), &ShadedColour { channels: *own, taps: Fx::zero() }),
             Some(map) => Colours { places: fragments.places_in(&map.texels.map), map, own }.run(self, colours),
         }
     }
 
     /// Bumps and roughness of the object at every fragment.
-    fn bumps(self, material: &Material, fragments: &Fragments, bumps: &mut Batch<Bumped<i32>>) {
+    fn bumps(self, material: &Material, fragments: &Fragments, bumps: &mut Batch<FilteredBump<i32>>) {
         let flat = Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] };
         match &material.bump_map {
-            None => bumps.fill(fragments.len(), &Bumped { bump: flat, taps: Fx::zero() }),
+            None => bumps.fill(fragments.len(), &FilteredBump { bump: flat, taps: Fx::zero() }),
             Some(map) => {
                 let (places, kind) = (fragments.places_in(map.texels.map()), material.plan.roughness());
                 Bumps { places, map, kind }.run(self, bumps);
@@ -219,7 +219,7 @@ impl Shader<'_> {
             of_cores,
             of_both,
         } = seen;
-        let mut look = |surfaces: &Batch<Surface<i32>>, shown: &mut Batch<Shown<i32>>, sums: &mut Sums| {
+        let mut look = |surfaces: &Batch<Surface<i32>>, shown: &mut Batch<ShadedColour<i32>>, sums: &mut Sums| {
             sums.clock.enter(Phase::Footprints);
             let reflected = Reflected { surfaces, derivatives: &fragments.derivatives, scale, plan: reflection };
             match reflection.footprint {
@@ -270,14 +270,14 @@ impl Shader<'_> {
 fn by_formula(
     formula: &Formula,
     Lit { surfaces, directions }: Lit<'_>,
-    bare: &Batch<Bare<i32>>,
-    bumps: &Batch<Bumped<i32>>,
+    bare: &Batch<SurfaceAttributes<i32>>,
+    bumps: &Batch<FilteredBump<i32>>,
     colour: &[Channel; 3],
-) -> impl Iterator<Item = Shown<i32>> {
+) -> impl Iterator<Item = ShadedColour<i32>> {
     let inputs = bare.iter().zip(bumps.iter()).map(|(bare, bumped)| ports(&bare, &bumped.bump));
     let lit = surfaces.iter().zip(directions.iter());
     lit.zip(inputs).map(|((surface, light), input)| {
         let share = formula(&surface, &input, &BlockVector::of(&light));
-        Shown { channels: colour.map(|channel| pixel::modulated::<i32>(share, channel)), taps: Fx::zero() }
+        ShadedColour { channels: colour.map(|channel| pixel::modulated::<i32>(share, channel)), taps: Fx::zero() }
     })
 }

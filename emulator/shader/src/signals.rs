@@ -12,7 +12,7 @@ use crate::batch::Batch;
 
 bundle! {
     /// Attributes of a surface, without its bumps.
-    pub struct Bare<W> {
+    pub struct SurfaceAttributes<W> {
         /// Unnormalised normal.
         normal: PortBlock<W, 3>,
         /// Vector from the surface to the eye.
@@ -30,7 +30,7 @@ bundle! {
     }
 
     /// Bumps and roughness of a fragment, and the number of samples read for them.
-    pub struct Bumped<W> {
+    pub struct FilteredBump<W> {
         /// Offset and roughness as the ports of the surface take them.
         bump: Bump<W>,
         /// Number of bilinear samples.
@@ -39,7 +39,7 @@ bundle! {
     }
 
     /// A colour, and the number of samples read for it.
-    pub struct Shown<W> {
+    pub struct ShadedColour<W> {
         /// Linear light.
         #[range(0..64)]
         channels: [Control<W, LIGHT>; 3],
@@ -75,12 +75,12 @@ impl<W: Word> Footprint<W> {
 
 /// Ports of a surface.
 #[inline(always)]
-pub(crate) fn ports<W: Word>(bare: &Bare<W>, bump: &Bump<W>) -> SurfaceInput<W> {
-    let Bare { normal, view, frame_vectors } = *bare;
+pub(crate) fn ports<W: Word>(bare: &SurfaceAttributes<W>, bump: &Bump<W>) -> SurfaceInput<W> {
+    let SurfaceAttributes { normal, view, frame_vectors } = *bare;
     SurfaceInput { normal, view, frame_vectors, offset: bump.offset, roughness: bump.roughness }
 }
 
-impl Batch<Bumped<i32>> {
+impl Batch<FilteredBump<i32>> {
     /// Returns true if no fragment is rough.
     pub fn is_smooth(&self) -> bool {
         self.rows_of(|bumped| bumped.bump.roughness).all(|row| row.iter().all(|&d| d == 0))
@@ -92,7 +92,7 @@ impl Batch<Bumped<i32>> {
     }
 }
 
-impl Batch<Shown<i32>> {
+impl Batch<ShadedColour<i32>> {
     /// Colour of each fragment.
     pub fn colours(&self) -> impl Iterator<Item = [Control<i32, LIGHT>; 3]> + '_ {
         let [red, green, blue] = [0, 1, 2].map(|channel| self.row_of(|shown| shown.channels[channel]));
@@ -109,7 +109,7 @@ fn sum(taps: &[i32]) -> u64 {
     taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
 }
 
-impl Batch<Bare<i32>> {
+impl Batch<SurfaceAttributes<i32>> {
     /// Returns true if there are fragments and all share one normal and tangent basis.
     #[inline(always)]
     pub(crate) fn is_in_one_frame(&self) -> bool {
@@ -144,9 +144,9 @@ impl Batch<Derivatives<i32>> {
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
     /// Attributes without bumps.
-    pub bare: Batch<Bare<i32>>,
+    pub bare: Batch<SurfaceAttributes<i32>>,
     /// Bumps and roughness, with no samples read.
-    pub bumps: Batch<Bumped<i32>>,
+    pub bumps: Batch<FilteredBump<i32>>,
     /// Derivatives over the pixel.
     pub derivatives: Batch<Derivatives<i32>>,
 }
@@ -155,8 +155,8 @@ impl Extend<ReflectionInput<i32>> for Ports {
     fn extend<I: IntoIterator<Item = ReflectionInput<i32>>>(&mut self, inputs: I) {
         for ReflectionInput { surface, dview, dnormal, .. } in inputs {
             let SurfaceInput { normal, view, frame_vectors, offset, roughness } = surface;
-            self.bare.push(&Bare { normal, view, frame_vectors });
-            self.bumps.push(&Bumped { bump: Bump { offset, roughness }, taps: Fx::zero() });
+            self.bare.push(&SurfaceAttributes { normal, view, frame_vectors });
+            self.bumps.push(&FilteredBump { bump: Bump { offset, roughness }, taps: Fx::zero() });
             self.derivatives.push(&Derivatives { dview, dnormal });
         }
     }

@@ -7,7 +7,7 @@ use crate::batch::Batch;
 use crate::fragments::Place;
 use crate::material::Channel;
 use crate::phases::PhaseClock;
-use crate::signals::Shown;
+use crate::signals::ShadedColour;
 
 /// Light of a tile's pixels, summed over objects, lights and samples, and the number of samples read for it.
 pub struct Sums {
@@ -32,7 +32,7 @@ impl Sums {
     }
 
     /// Adds the colours of a batch. Samples of a pixel mostly follow each other, and their sum does not go through memory.
-    pub(crate) fn add_all(&mut self, places: &[Place], colours: &Batch<Shown<i32>>) {
+    pub(crate) fn add_all(&mut self, places: &[Place], colours: &Batch<ShadedColour<i32>>) {
         let mut colours = colours.colours();
         for of_pixel in places.chunk_by(|a, b| a.pixel == b.pixel) {
             let sums = &mut self.pixels[of_pixel[0].pixel as usize];

@@ -3,21 +3,21 @@
 use roughxel_core::datapath::{self, Framed, Surface};
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::Precision;
+use roughxel_core::scalar_api;
 use roughxel_core::signals::{CubePoint, MapScale, Sweep};
-use roughxel_core::soft_core;
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
 use crate::pass::{Group, Pass, Shader, runs};
-use crate::signals::{Bare, Bumped, Derivatives, Footprint, Ports, ports};
+use crate::signals::{Derivatives, FilteredBump, Footprint, Ports, SurfaceAttributes, ports};
 
 runs!(Surfaces Cores Points Footprints Sweeps);
 
 /// Surfaces with their bumps: enter, frame, perturb, roughness.
 #[derive(Clone, Copy, Debug)]
 pub struct Surfaces<'a> {
-    bare: &'a Batch<Bare<i32>>,
-    bumps: &'a Batch<Bumped<i32>>,
+    bare: &'a Batch<SurfaceAttributes<i32>>,
+    bumps: &'a Batch<FilteredBump<i32>>,
     plan: &'a SurfacePlan,
     /// Tangent basis that all of them share.
     framed: Option<Framed<i32>>,
@@ -27,8 +27,8 @@ impl<'a> Surfaces<'a> {
     /// Surfaces of these fragments; a tangent basis that all fragments share is made once.
     pub fn new(
         shader: Shader<'_>,
-        bare: &'a Batch<Bare<i32>>,
-        bumps: &'a Batch<Bumped<i32>>,
+        bare: &'a Batch<SurfaceAttributes<i32>>,
+        bumps: &'a Batch<FilteredBump<i32>>,
         plan: &'a SurfacePlan,
     ) -> Self {
         let in_one_frame = plan.needs_frame()
@@ -37,7 +37,7 @@ impl<'a> Surfaces<'a> {
                 || bare.is_in_one_frame(),
             );
         let framed =
-            in_one_frame.then(|| soft_core::framed(&ports(&bare.get(0), &bumps.get(0).bump), plan, shader.precision));
+            in_one_frame.then(|| scalar_api::framed(&ports(&bare.get(0), &bumps.get(0).bump), plan, shader.precision));
         Self { bare, bumps, plan, framed }
     }
 }

@@ -6,14 +6,14 @@ use roughxel_core::datapath::texel::{self, BumpScale, Quad};
 use roughxel_core::each::{each, places};
 use roughxel_core::fetch::Fetch;
 use roughxel_core::fx::{Fx, Int};
-use roughxel_core::repeated::{Level, Tap};
 use roughxel_core::sampler::{self, Cube, CubeMemory, PatchPlace, level_edge};
+use roughxel_core::scalar_api::texture_scale;
 use roughxel_core::signals::MapScale;
-use roughxel_core::soft_core::texture_scale;
 use roughxel_core::stage::moments;
 use roughxel_core::stage::seam::{CubeTexel, FaceTexel};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::word::{Wire, Word};
+use roughxel_core::wrapped::{Level, Tap};
 
 /// Faces of a cube.
 const FACES: u32 = 6;
@@ -157,7 +157,7 @@ impl CubeMemory for CubeTexels {
         // Counted from the corner outside of the face.
         let [column, row] = each!(index in [column, row] => index + Fx::int(1));
         let place = W::entry(level, &self.starts) + by_stride(by_stride(face) + row) + column;
-        let [[a, b, c, d], [e, f, g, h]] = each!(place in [place, place + stride] => W::pair(place, &self.texels));
+        let [[a, b, c, d], [e, f, g, h]] = each!(place in [place, place + stride] => W::load_pair(place, &self.texels));
         let codes = each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves));
         if !self.is_bright {
             return codes;
@@ -171,14 +171,14 @@ impl CubeMemory for CubeTexels {
 
 /// Geometry of a wrapped map.
 #[derive(Clone, Debug)]
-pub struct RepeatedMap {
+pub struct WrappedMap {
     /// Levels, the finest first, at least one.
     pub levels: Vec<Level>,
     /// Scale, for footprints.
     pub scale: (TextureScale<i32>, MapScale<i32>),
 }
 
-impl RepeatedMap {
+impl WrappedMap {
     /// Map with levels of these widths and heights.
     ///
     /// # Panics
@@ -251,7 +251,7 @@ impl Texel for RoughBump {
 #[derive(Clone, Debug)]
 pub struct MapTexels<T> {
     /// Levels as they lie in memory: the first texel of a row is repeated after the last one.
-    pub map: RepeatedMap,
+    pub map: WrappedMap,
     words: Vec<u64>,
     texel: PhantomData<T>,
 }
@@ -261,7 +261,7 @@ impl<T: Texel> MapTexels<T> {
     ///
     /// # Panics
     /// If the number of texels is not that of the levels.
-    pub fn new(map: RepeatedMap, texels: impl IntoIterator<Item = T>) -> Self {
+    pub fn new(map: WrappedMap, texels: impl IntoIterator<Item = T>) -> Self {
         let mut texels = texels.into_iter();
         let mut words = Vec::new();
         for level in &map.levels {
@@ -279,7 +279,7 @@ impl<T: Texel> MapTexels<T> {
             texels.next().is_none() && words.len() * size_of::<u64>() == rows * size_of::<T::Words>(),
             "texels of all levels"
         );
-        Self { map: RepeatedMap { levels, ..map }, words, texel: PhantomData }
+        Self { map: WrappedMap { levels, ..map }, words, texel: PhantomData }
     }
 }
 
@@ -294,7 +294,7 @@ impl MapTexels<[u16; 3]> {
     #[inline(always)]
     pub(crate) fn quad<W: Fetch>(&self, tap: &Tap<W>) -> Quad<W, 3> {
         let [left, _, lower, _] = tap.texels;
-        let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::pair(place, &self.words));
+        let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::load_pair(place, &self.words));
         Quad { texels: each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves)), weight: tap.weight }
     }
 }
@@ -338,7 +338,7 @@ impl BumpTexels {
     }
 
     /// Levels as they lie in memory.
-    pub fn map(&self) -> &RepeatedMap {
+    pub fn map(&self) -> &WrappedMap {
         match self {
             Self::Smooth(texels) => &texels.map,
             Self::Rough(texels) => &texels.map,
@@ -350,7 +350,7 @@ impl MapTexels<[i32; 2]> {
     #[inline(always)]
     fn quad_of_offsets<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>) -> Quad<W, CHANNELS> {
         let [left, _, lower, _] = tap.texels;
-        let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::pair(place, &self.words));
+        let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::load_pair(place, &self.words));
         let zero = Fx::zero();
         let texels = each!([b1, b2] in [[a, b], [c, d], [e, f], [g, h]] => {
             let channels = [b1, b2, zero, zero, zero];
@@ -372,7 +372,7 @@ impl MapTexels<RoughBump> {
         // `decode_offset` of a code that is already in the upper half of its word.
         let down = scale.offset_down + Fx::int(1);
         let texels = each!(place in [left, left + Fx::int(2), lower, lower + Fx::int(2)] => {
-            let [codes, k11, k12, k22] = W::pair(place, &self.words);
+            let [codes, k11, k12, k22] = W::load_pair(place, &self.words);
             let [b1, b2] = each!(upper in [codes.raw().shl(16), codes.raw().and(Wire::lit(-1 << 16))] => {
                 Fx::from_raw(upper.sar_by(down.raw()))
             });

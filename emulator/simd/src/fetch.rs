@@ -57,11 +57,11 @@ fn cells<T: Target>(place: Lanes<T>, row: &[Cell<i32>]) -> Option<&[Cell<i32>; L
 
 impl<T: Target> Fetch for Lanes<T> {
     #[inline(always)]
-    fn most(count: Int<Self>) -> i32 {
+    fn max_over_lanes(count: Int<Self>) -> i32 {
         most(count.raw())
     }
     #[inline(always)]
-    fn turn(index: i32, count: Int<Self>) -> (Int<Self>, FlagLanes<T>) {
+    fn loop_index(index: i32, count: Int<Self>) -> (Int<Self>, FlagLanes<T>) {
         turn(index, count)
     }
     #[inline(always)]
@@ -69,14 +69,14 @@ impl<T: Target> Fetch for Lanes<T> {
         any(flag)
     }
     #[inline(always)]
-    fn gather<const IN: usize, const OUT: usize>(
+    fn per_lane<const IN: usize, const OUT: usize>(
         address: [Self; IN],
         read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Self; OUT] {
         gather(address, &read)
     }
     #[inline(always)]
-    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
+    fn load_pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
         let Lanes(places, proof) = place.raw();
         each!(words in proof.pairs(places, memory) => Fx::from_raw(Lanes(words, proof)))
     }
@@ -86,13 +86,13 @@ impl<T: Target> Fetch for Lanes<T> {
         Fx::from_raw(Lanes(proof.entries(places, table), proof))
     }
     #[inline(always)]
-    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
+    fn scatter(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
         if let Some(cells) = cells(place.raw(), row) {
             cells.iter().zip(word.raw().lanes()).for_each(|(cell, word)| cell.set(word));
         }
     }
     #[inline(always)]
-    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
+    fn gather(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
         let place = place.raw();
         let words = cells(place, row)
             .map_or([0; LANES], |cells| each!(cell in each!(i in places() => &cells[i]) => cell.get()));
@@ -102,12 +102,12 @@ impl<T: Target> Fetch for Lanes<T> {
 
 impl<T: Target> Fetch for NarrowLanes<T> {
     #[inline(always)]
-    fn most(count: Int<Self>) -> i32 {
+    fn max_over_lanes(count: Int<Self>) -> i32 {
         let Halves([even, odd]) = count.raw();
         most(even).max(most(odd))
     }
     #[inline(always)]
-    fn turn(index: i32, count: Int<Self>) -> (Int<Self>, NarrowFlags<T>) {
+    fn loop_index(index: i32, count: Int<Self>) -> (Int<Self>, NarrowFlags<T>) {
         turn(index, count)
     }
     #[inline(always)]
@@ -115,7 +115,7 @@ impl<T: Target> Fetch for NarrowLanes<T> {
         flag.is_any()
     }
     #[inline(always)]
-    fn gather<const IN: usize, const OUT: usize>(
+    fn per_lane<const IN: usize, const OUT: usize>(
         address: [Halves<Lanes<T>>; IN],
         read: impl Fn([i32; IN]) -> [i32; OUT] + Copy,
     ) -> [Halves<Lanes<T>>; OUT] {
@@ -123,8 +123,8 @@ impl<T: Target> Fetch for NarrowLanes<T> {
         each!(word in places() => Halves([even[word], odd[word]]))
     }
     #[inline(always)]
-    fn pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
-        let [even, odd] = each!(half in place.raw().0 => <Lanes<T> as Fetch>::pair(Fx::from_raw(half), memory));
+    fn load_pair(place: Int<Self>, memory: &[u64]) -> [Int<Self>; 4] {
+        let [even, odd] = each!(half in place.raw().0 => <Lanes<T> as Fetch>::load_pair(Fx::from_raw(half), memory));
         each!(word in places() => Fx::from_raw(Halves([even[word].raw(), odd[word].raw()])))
     }
     #[inline(always)]
@@ -133,15 +133,15 @@ impl<T: Target> Fetch for NarrowLanes<T> {
         Fx::from_raw(Halves(halves))
     }
     #[inline(always)]
-    fn put(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
+    fn scatter(word: Int<Self>, place: Int<Self>, row: &[Cell<i32>]) {
         let (word, place) = (word.raw().0, place.raw().0);
         for half in [0, 1] {
-            <Lanes<T> as Fetch>::put(Fx::from_raw(word[half]), Fx::from_raw(place[half]), row);
+            <Lanes<T> as Fetch>::scatter(Fx::from_raw(word[half]), Fx::from_raw(place[half]), row);
         }
     }
     #[inline(always)]
-    fn take(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
-        let halves = each!(half in place.raw().0 => <Lanes<T> as Fetch>::take(Fx::from_raw(half), row).raw());
+    fn gather(place: Int<Self>, row: &[Cell<i32>]) -> Int<Self> {
+        let halves = each!(half in place.raw().0 => <Lanes<T> as Fetch>::gather(Fx::from_raw(half), row).raw());
         Fx::from_raw(Halves(halves))
     }
 }

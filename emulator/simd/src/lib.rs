@@ -16,7 +16,7 @@
 //! | `fearless_simd`, 8 and 16 lanes, way in not counted   |          | 2.4  | 4.4     |
 //! | `fearless_simd`, 16 lanes, even and odd apart: chosen |          | 2.9  | 5.5     |
 //!
-//! The table is of an older datapath and build. `cargo bench -p roughxel-benches --bench readings` gives current figures, as a renderer calls the
+//! The table is of an older datapath and build. `cargo bench -p roughxel-benches --bench backends` gives current figures, as a renderer calls the
 //! datapath. With 128 bits the scalar backend is the fastest, and [`Backend::best`] takes it. Vectors begin where a stage begins ([`Staged::stage`]).
 
 #[cfg(target_arch = "x86_64")]

@@ -13,9 +13,9 @@ use roughxel_core::ports::{BlockVector, ReflectionIn, ReflectionOut, SurfaceIn};
 use roughxel_core::precision::{Precision, ProbeRule, Profile, RoughnessKind};
 use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power_of_two};
 use roughxel_core::status::StatusBit;
-use roughxel_float::formulas::Formulas;
-use roughxel_float::math::Math;
-use roughxel_float::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::formulas::Formulas;
+use roughxel_f32_baseline::math::Math;
+use roughxel_f32_baseline::{Environment, Footprint, Fragment};
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
 

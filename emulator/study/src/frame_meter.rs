@@ -13,7 +13,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::RasterError;
-use roughxel_real_frame::RealPicture;
+use roughxel_reference_renderer::RealPicture;
 use roughxel_shader::ObjectPlan;
 
 use crate::Subject;
@@ -102,7 +102,8 @@ impl<'a> FrameMeter<'a> {
     pub fn new(subjects: &'a [Subject], against: Against, progress: &(dyn Fn() + Sync)) -> Result<Self, RasterError> {
         let (mut scenes, mut plans) = (Vec::new(), Vec::new());
         for subject in subjects {
-            let truth = roughxel_real_frame::render(&subject.scene, against.mode(), &Precision::STANDARD, progress)?;
+            let truth =
+                roughxel_reference_renderer::render(&subject.scene, against.mode(), &Precision::STANDARD, progress)?;
             let standard = subject.prepare(Mode::Footprint, &Precision::STANDARD)?;
             for plan in standard.plans() {
                 let planned = (*plan, standard.has_bright_environment());
@@ -117,7 +118,7 @@ impl<'a> FrameMeter<'a> {
 
     /// Number of progress steps of [`FrameMeter::new`].
     pub fn work(subjects: &[Subject]) -> u64 {
-        subjects.iter().map(|subject| roughxel_real_frame::work(&subject.scene)).sum()
+        subjects.iter().map(|subject| roughxel_reference_renderer::work(&subject.scene)).sum()
     }
 
     fn seen(&self, p: &Precision) -> Result<Seen, RasterError> {

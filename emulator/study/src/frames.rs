@@ -8,7 +8,7 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
-use roughxel_real_frame::{self as real_frame, RealPicture};
+use roughxel_reference_renderer::{self as reference_renderer, RealPicture};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{Picture, ssim};
 use serde::{Deserialize, Serialize};
@@ -60,7 +60,7 @@ impl Judge {
     /// Errors: a scene that cannot be read or drawn.
     pub fn new(name: &str, size: [u32; 2], edge: u32, progress: &(dyn Fn() + Sync)) -> Result<Self, StudyError> {
         let subject = Subject::open(name, size)?;
-        let truth = real_frame::render(&subject.scene, Mode::Supersampled { edge }, &FILTER, progress)?;
+        let truth = reference_renderer::render(&subject.scene, Mode::Supersampled { edge }, &FILTER, progress)?;
         let truth_shown = truth.picture();
         Ok(Self { subject, truth, truth_shown, filtered: Mutex::default() })
     }
@@ -78,14 +78,14 @@ impl Judge {
         if let Some(picture) = known {
             return Ok(picture);
         }
-        let picture = Arc::new(real_frame::render(self.scene(), Mode::Footprint, p, &|| ())?);
+        let picture = Arc::new(reference_renderer::render(self.scene(), Mode::Footprint, p, &|| ())?);
         self.filtered.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&picture));
         Ok(picture)
     }
 
     /// PSNR of a frame with the footprints of f32, everything else in float64, against the filter of [`FILTER`], dB.
     pub fn float(&self, float: &Float) -> Result<Option<f64>, StudyError> {
-        let drawn = real_frame::render_with(self.scene(), Mode::Footprint, &FILTER, float, &|| ())?;
+        let drawn = reference_renderer::render_with(self.scene(), Mode::Footprint, &FILTER, float, &|| ())?;
         let psnr = drawn.psnr(self.filtered(&FILTER)?.as_ref());
         Ok(psnr.is_finite().then_some(psnr))
     }

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
-use roughxel_net::census::{Census, Cost};
-use roughxel_net::delay::levels;
-use roughxel_net::interval::Ranges;
+use roughxel_netlist::census::{Census, Cost};
+use roughxel_netlist::delay::levels;
+use roughxel_netlist::interval::Ranges;
 use roughxel_record as record;
 use serde::{Deserialize, Serialize};
 

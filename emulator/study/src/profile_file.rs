@@ -14,7 +14,7 @@ use roughxel_core::precision::{Precision, Profile};
 use roughxel_scene::Fault;
 use roughxel_utilities::input::{open_file, without_mark};
 use roughxel_utilities::output::{OutputFile, WriteError};
-use roughxel_utilities::spelling::closest;
+use roughxel_utilities::suggestions::closest;
 use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

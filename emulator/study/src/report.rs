@@ -9,7 +9,7 @@ mod verdict;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use roughxel_page::html::{Page, Text};
+use roughxel_html_report::html::{Page, Text};
 use roughxel_utilities::output::OutputFile;
 
 use crate::StudyError;

@@ -15,4 +15,4 @@ pub mod input;
 pub mod limits;
 pub mod output;
 pub mod random;
-pub mod spelling;
+pub mod suggestions;

@@ -14,7 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
-use roughxel_net::verilog::{Interface, Options, Stage, Verilog, VerilogError, filled};
+use roughxel_netlist::verilog::{Interface, Options, Stage, Verilog, VerilogError, filled};
 use roughxel_record as record;
 use roughxel_utilities::input::open_file;
 use roughxel_utilities::output::{OutputFile, WriteError, write_files};

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use roughxel_net::rounding::{Change, Moves, Roundings};
+use roughxel_netlist::rounding::{Change, Moves, Roundings};
 
 use super::outcomes::Outcomes;
 

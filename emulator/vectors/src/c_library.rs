@@ -5,7 +5,7 @@ use std::ffi::CStr;
 use roughxel_c::{EFFECTS, ERROR_BITS, ERRORS, VERSION};
 use roughxel_core::knob::Knob;
 use roughxel_core::plan::Datapath;
-use roughxel_net::verilog::filled;
+use roughxel_netlist::verilog::filled;
 
 use super::field::Direction;
 use super::format::{Declared, declared, number_format};

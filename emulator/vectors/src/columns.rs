@@ -6,7 +6,7 @@ use roughxel_core::bundle::{self, Keeps, Step};
 use roughxel_core::plan::Datapath;
 use roughxel_core::precision::Precision;
 use roughxel_core::status::StatusBit;
-use roughxel_net::graph::Net;
+use roughxel_netlist::graph::Net;
 
 use super::field::{Direction, Field, Source, below, fields};
 

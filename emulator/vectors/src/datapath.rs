@@ -10,8 +10,8 @@ use roughxel_core::ports::{
     ReflectionOutput,
 };
 use roughxel_core::precision::Precision;
-use roughxel_core::soft_core;
-use roughxel_net::integers::{filled, integers, integers_at};
+use roughxel_core::scalar_api;
+use roughxel_netlist::integers::{filled, integers, integers_at};
 use roughxel_shader::{Batch, LitPeaks, LitSurfaces, Reflections, Shader};
 use roughxel_simd::Backend;
 
@@ -77,12 +77,12 @@ impl From<&PeakIn> for Inputs {
 pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
     match datapath {
         Datapath::Reflection => {
-            integers(&soft_core::fragment(&wires::<ReflectionInput<i32>>(inputs), &effects.reflection(), p))
+            integers(&scalar_api::fragment(&wires::<ReflectionInput<i32>>(inputs), &effects.reflection(), p))
         }
         Datapath::Highlight => {
-            integers(&soft_core::highlight(&wires::<HighlightInput<i32>>(inputs), &effects.highlight(), p))
+            integers(&scalar_api::highlight(&wires::<HighlightInput<i32>>(inputs), &effects.highlight(), p))
         }
-        Datapath::Peak => integers(&soft_core::lit_peak(&wires::<PeakInput<i32>>(inputs), &effects.peak(), p)),
+        Datapath::Peak => integers(&scalar_api::lit_peak(&wires::<PeakInput<i32>>(inputs), &effects.peak(), p)),
     }
 }
 

@@ -9,9 +9,9 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use roughxel_net::bins::Bins;
-use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_net::interval::Ranges;
+use roughxel_netlist::bins::Bins;
+use roughxel_netlist::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_netlist::interval::Ranges;
 use serde::Serialize;
 
 use super::VectorError;
@@ -37,7 +37,7 @@ impl Mistake {
 
     fn of(fault: &Fault) -> Self {
         match fault {
-            Fault::Slip { .. } => Self::Operation,
+            Fault::OperatorFault { .. } => Self::Operation,
             Fault::Entry { .. } => Self::Entry,
             Fault::Stuck { .. } => Self::Stuck,
         }
@@ -167,7 +167,7 @@ pub fn distil(
         || Simulator::new(&faults),
         |simulator, &place| still.shown(simulator, &has_to, &met_beside, &wires(&candidates[place].bits)),
     );
-    let is_operation = |number: usize| matches!(has_to.get(number), Some(Fault::Slip { .. }));
+    let is_operation = |number: usize| matches!(has_to.get(number), Some(Fault::OperatorFault { .. }));
     let mut chosen: Vec<usize> =
         cover(&shown.collect::<Vec<_>>(), &is_operation, most).into_iter().map(|place| needed[place]).collect();
 

@@ -11,7 +11,7 @@ use std::path::Path;
 use roughxel_core::plan::Datapath;
 use roughxel_core::ports::{HighlightIn, HighlightInput, PeakIn, PeakInput, Port, ReflectionIn, ReflectionInput};
 use roughxel_core::status::StatusBit;
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 use serde::Serialize;
 use thiserror::Error;
 

@@ -1,5 +1,5 @@
-//! Grade: how good sets are. Every fault of the recorded design ([`roughxel_net::fault`]) is tried on every vector until a field shows it,
-//! every bin ([`roughxel_net::bins`]) is counted, and what fields and wires attain is held against what is proven.
+//! Grade: how good sets are. Every fault of the recorded design ([`roughxel_netlist::fault`]) is tried on every vector until a field shows it,
+//! every bin ([`roughxel_netlist::bins`]) is counted, and what fields and wires attain is held against what is proven.
 //!
 //! Sets of the same datapath, effects, profile and columns are graded together: a folder is as good as all that is in it.
 
@@ -8,12 +8,12 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use roughxel_net::bins::{Bin, Bins};
-use roughxel_net::equal::Prover;
-use roughxel_net::exhaust::{Exhaustion, Task};
-use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_net::interval::Ranges;
-use roughxel_net::observe::Observed;
+use roughxel_netlist::bins::{Bin, Bins};
+use roughxel_netlist::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_netlist::interval::Ranges;
+use roughxel_netlist::observe::Observed;
+use roughxel_netlist::redundant_faults::Prover;
+use roughxel_netlist::table_check::{Exhaustion, Task};
 use serde::Serialize;
 
 use super::VectorError;
@@ -384,7 +384,7 @@ impl<'a> Tally<'a> {
             let stage = stages.iter_mut().find(|known| known.stage == stage);
             match (fault, stage) {
                 (Fault::Stuck { .. }, Some(stage)) => stage.stuck.count(is_seen),
-                (Fault::Slip { .. }, Some(stage)) => stage.slips.count(is_seen),
+                (Fault::OperatorFault { .. }, Some(stage)) => stage.slips.count(is_seen),
                 (Fault::Entry { table, .. }, _) => tables[table as usize].entries.count(is_seen),
                 (_, None) => {}
             }

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use std::path::Path;
 
 use rayon::prelude::*;
-use roughxel_net::neighbour::{MOST_CHOICES, Neighbours, Verdict};
+use roughxel_netlist::faithful_rounding::{MOST_CHOICES, Neighbours, Verdict};
 use serde::Serialize;
 
 use super::VectorError;

@@ -11,8 +11,8 @@ use std::collections::HashMap;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use roughxel_net::graph::{Net, NodeId};
-use roughxel_net::verilog::{Stage, StagePort, VerilogError};
+use roughxel_netlist::graph::{Net, NodeId};
+use roughxel_netlist::verilog::{Stage, StagePort, VerilogError};
 use roughxel_record as record;
 
 use super::columns::{Column, columns};

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use roughxel_core::design::Design;
-use roughxel_net::graph::{Net, NodeId};
+use roughxel_netlist::graph::{Net, NodeId};
 use roughxel_record as record;
 
 use super::datapath::Inputs;

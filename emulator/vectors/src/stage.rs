@@ -9,8 +9,8 @@ use std::sync::Arc;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
-use roughxel_net::graph::Net;
-use roughxel_net::verilog::{Options, Stage, Stages, VerilogError};
+use roughxel_netlist::graph::Net;
+use roughxel_netlist::verilog::{Options, Stage, Stages, VerilogError};
 use roughxel_record as record;
 
 use super::layout::Layout;

@@ -5,9 +5,9 @@ use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::scalar_api::{self, environment_scale};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
-use roughxel_core::soft_core::{self, environment_scale};
 use roughxel_frame::EnvironmentMap;
 use roughxel_scene::picture::Picture;
 use roughxel_shader as shader;
@@ -109,7 +109,7 @@ impl Sampler<'_> {
         let plan = ReflectionPlan { bump: false, roughness, footprint: kind, ..ReflectionPlan::FULL };
         let input = fragment(direction, radius, aspect, self.p).wires();
         let scale = environment_scale(EDGE as u16, self.p);
-        let stages = soft_core::reflection(&input, &scale, &plan, self.p);
+        let stages = scalar_api::reflection(&input, &scale, &plan, self.p);
         let probes = Probes { lod: lod.map_or(stages.probes.lod, Fx::from_raw), ..stages.probes };
         let sample = match kind {
             FootprintKind::Sphere => self.map.sample_sphere(&stages.sweep, rough, self.p),

@@ -17,7 +17,7 @@ use roughxel_host_tests::bars;
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
 use roughxel_host_tests::space::profiles;
 use roughxel_host_tests::table::table;
-use roughxel_real_frame as real_frame;
+use roughxel_reference_renderer as reference_renderer;
 use roughxel_scene::Scene;
 
 const USAGE: &str = "picture-bars [--size WxH] [--samples EDGE] | --bless
@@ -152,7 +152,7 @@ fn scene(report: &mut Report, name: &str, [width, height]: [u32; 2], edge: u32) 
     let failed = |error: &dyn std::fmt::Display| format!("scene {name}: {error}");
     let scene = Scene::builtin(name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
     let scene = scene.with_size(width, height).map_err(|error| failed(&error))?;
-    let progress = bar(&format!("{name}: {} samples a pixel", edge * edge), real_frame::work(&scene));
+    let progress = bar(&format!("{name}: {} samples a pixel", edge * edge), reference_renderer::work(&scene));
     let figures = bars::scene_figures(&scene, &Precision::STANDARD, edge, &|| progress.inc(1));
     progress.finish_and_clear();
     let figures = figures.map_err(|error| failed(&error))?;
@@ -177,7 +177,7 @@ fn scene(report: &mut Report, name: &str, [width, height]: [u32; 2], edge: u32) 
 fn real_scene(report: &mut Report, real: bars::RealScene, [width, height]: [u32; 2], edge: u32) -> Result<(), String> {
     let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", real.name);
     let scene = real.scene.with_size(width, height).map_err(|error| failed(&error))?;
-    let progress = bar(&format!("{}: {} samples a pixel", real.name, edge * edge), real_frame::work(&scene));
+    let progress = bar(&format!("{}: {} samples a pixel", real.name, edge * edge), reference_renderer::work(&scene));
     let figures = bars::scene_figures(&scene, &Precision::STANDARD, edge, &|| progress.inc(1));
     progress.finish_and_clear();
     let figures = figures.map_err(|error| failed(&error))?;

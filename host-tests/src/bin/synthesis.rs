@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
-use roughxel_net::verilog::Options;
+use roughxel_netlist::verilog::Options;
 use roughxel_record as record;
 use roughxel_utilities::output::write_files;
 use serde_json::Value;

@@ -5,7 +5,7 @@ use roughxel_core::datapath::texel::Bump;
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::PortBlock;
 use roughxel_core::signals::{Probes, Sweep, TexturePosition};
-use roughxel_shader::{Batch, BlockRows, Bumped, Derivatives, Footprint};
+use roughxel_shader::{Batch, BlockRows, Derivatives, FilteredBump, Footprint};
 use roughxel_simd::LANES;
 
 use super::lanes::same_wires;
@@ -83,6 +83,6 @@ fn columns_know_their_words() {
         [([1, 1], [0; 3], true), ([0, 0], [0, 0, 1], false), ([0, 0], [1, 0, 0], false)]
     {
         let bump = Bump { offset: offset.map(Fx::from_raw), roughness: roughness.map(Fx::from_raw) };
-        assert_eq!(Batch::from_iter([Bumped { bump, taps: Fx::from_raw(9) }]).is_smooth(), is_smooth);
+        assert_eq!(Batch::from_iter([FilteredBump { bump, taps: Fx::from_raw(9) }]).is_smooth(), is_smooth);
     }
 }

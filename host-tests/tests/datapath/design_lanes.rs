@@ -8,7 +8,7 @@ use roughxel_core::design::Form;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::Port;
 use roughxel_core::precision::Precision;
-use roughxel_core::soft_core;
+use roughxel_core::scalar_api;
 use roughxel_host_tests::space::{effects, in_turn, whole_or};
 use roughxel_shader::{Batch, LitPeaks, LitSurfaces, Reflections, Shader};
 
@@ -52,21 +52,21 @@ fn whole_datapaths_in_lanes_give_the_scalar_bits_on_every_tap() {
             |inputs, effects, shader, outputs| {
                 Reflections { inputs, plan: &effects.reflection() }.run(shader, outputs);
             },
-            |input, effects| soft_core::fragment(input, &effects.reflection(), &p),
+            |input, effects| scalar_api::fragment(input, &effects.reflection(), &p),
         );
         hold(
             (Datapath::Highlight, profile, &p),
             random_light,
             highlight_sets(&p),
             |inputs, effects, shader, outputs| LitSurfaces { inputs, plan: &effects.highlight() }.run(shader, outputs),
-            |input, effects| soft_core::highlight(input, &effects.highlight(), &p),
+            |input, effects| scalar_api::highlight(input, &effects.highlight(), &p),
         );
         hold(
             (Datapath::Peak, profile, &p),
             random_lit_peak,
             lit_peak_sets(&p),
             |inputs, effects, shader, outputs| LitPeaks { inputs, plan: &effects.peak() }.run(shader, outputs),
-            |input, effects| soft_core::lit_peak(input, &effects.peak(), &p),
+            |input, effects| scalar_api::lit_peak(input, &effects.peak(), &p),
         );
     }
 }

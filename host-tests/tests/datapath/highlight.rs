@@ -22,7 +22,7 @@ use roughxel_host_tests::reference::linear::{Vector2, Vector3, cross, dot, norm}
 use roughxel_host_tests::reference::perturb::perturb;
 use roughxel_host_tests::reference::roughness::{decompose, isotropic_tangents, tangents};
 use roughxel_host_tests::space::{any_fragment, any_word, effects, profiles};
-use roughxel_net::integers::integers_at;
+use roughxel_netlist::integers::integers_at;
 use roughxel_utilities::random::SplitMix64;
 
 fn raised(out: &HighlightOut, bit: StatusBit) -> bool {
@@ -351,7 +351,7 @@ fn any_highlight(random: &mut SplitMix64) -> HighlightIn {
 }
 
 #[test]
-fn readings_agree_for_any_bits_at_the_ports_under_every_plan() {
+fn backends_agree_for_any_bits_at_the_ports_under_every_plan() {
     let plans = effects(Some(Datapath::Highlight));
     for (name, p) in profiles() {
         let hard: Vec<_> = highlight_sets(&p).into_iter().flat_map(|set| set.cases).collect();

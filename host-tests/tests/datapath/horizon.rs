@@ -17,7 +17,7 @@ use roughxel_core::stage::horizon::{self, product};
 use roughxel_core::width::on_words;
 use roughxel_host_tests::bars::{holds, shading_bars};
 use roughxel_host_tests::reference::horizon::{self as reference, Side};
-use roughxel_host_tests::side_by_side::same_in_every_reading;
+use roughxel_host_tests::side_by_side::same_in_every_backend;
 use roughxel_host_tests::space::profiles;
 use roughxel_utilities::random::SplitMix64;
 
@@ -268,7 +268,7 @@ fn every_reading_gives_the_same_bits() {
                 let [light, eye] = [&case.light, &case.eye].map(|direction| block(direction, &p));
                 HorizonInput { light, eye, horizon: case.horizon.wires() }
             };
-            same_in_every_reading::<{ Design::Horizon as usize }>(&cases.iter().map(input).collect::<Vec<_>>(), &p);
+            same_in_every_backend::<{ Design::Horizon as usize }>(&cases.iter().map(input).collect::<Vec<_>>(), &p);
         });
     }
 }

@@ -14,17 +14,17 @@ use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Peak, Port, PortBlock, ReflectionIn, ReflectionInput, SurfaceInput};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::level_edge;
-use roughxel_core::signals::{MapScale, RepeatedFootprint, TexturePosition};
-use roughxel_core::soft_core::{self, environment_scale, texture_scale};
+use roughxel_core::scalar_api::{self, environment_scale, texture_scale};
+use roughxel_core::signals::{MapScale, TexturePosition, WrappedFootprint};
 use roughxel_core::stage::moments;
 use roughxel_core::width::on_words;
 use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::plans;
-use roughxel_net::integers::integers;
+use roughxel_netlist::integers::integers;
 use roughxel_shader::{
     Batch, BumpMap, BumpTexels, Bumps, ColourMap, Colours, CubeTexels, EnvironmentColours, Footprint, Footprints,
-    MapTexels, Ordered, Places, Points, Ports, Reflected, Reflector, RepeatedMap, RoughBump, Shader, Shown, Surfaces,
-    Sweeps, TextureFootprints,
+    MapTexels, Ordered, Places, Points, Ports, Reflected, Reflector, RoughBump, ShadedColour, Shader, Surfaces, Sweeps,
+    TextureFootprints, WrappedMap,
 };
 use roughxel_simd::{Backend, InstructionSet, LANES};
 use roughxel_utilities::random::SplitMix64;
@@ -77,7 +77,7 @@ fn same_in_lanes<B: Form>(p: &Precision, context: &dyn Fn() -> String, make: imp
 ///
 /// The surface is made on its own, too, and the reflection of what was made.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
-    let scalar: Vec<_> = inputs.iter().map(|input| soft_core::reflection(input, scale, plan, p)).collect();
+    let scalar: Vec<_> = inputs.iter().map(|input| scalar_api::reflection(input, scale, plan, p)).collect();
     let (ports, surfaces) = (Ports::from_iter(inputs.iter().copied()), scalar.iter().map(|stages| stages.surface));
     let (surfaces, context) = (Batch::from_iter(surfaces), &|| format!("{plan:?}"));
     made_by_all(&surfaces, p, context, |shader, got| {
@@ -122,7 +122,7 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             let reflected = Reflected { surfaces: &surfaces, derivatives: &ports.derivatives, scale: &scale, plan };
             Footprints(reflected).run(scalar, &mut footprints);
             Sweeps(reflected).run(scalar, &mut sweeps);
-            let own = Batch::from_iter(surfaces.iter().map(|_| Shown {
+            let own = Batch::from_iter(surfaces.iter().map(|_| ShadedColour {
                 channels: [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32)),
                 taps: Fx::from_raw(0),
             }));
@@ -155,14 +155,14 @@ pub(super) fn random_views(
     name: &str,
     index: u64,
     p: &Precision,
-) -> (RepeatedMap, Batch<TexturePosition<i32>>, Batch<RepeatedFootprint<i32>>) {
+) -> (WrappedMap, Batch<TexturePosition<i32>>, Batch<WrappedFootprint<i32>>) {
     let mut bits = AnyBits(SplitMix64::for_element(name, !index));
     let size = [(); 2].map(|()| {
         let log2 = bits.0.below(7);
         1 + bits.0.below(1 << log2) as u32
     });
     let last = size[0].max(size[1]).ilog2();
-    let map = RepeatedMap::new((0..=last).map(|level| size.map(|edge| (edge >> level).max(1)).into()));
+    let map = WrappedMap::new((0..=last).map(|level| size.map(|edge| (edge >> level).max(1)).into()));
     let count = 1 + index % 70;
     let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
     let derivatives = Batch::from_iter((0..count).map(|_| {
@@ -325,7 +325,7 @@ fn fragments_of_one_frame_have_the_surface_that_each_has_alone() {
             let scalar = Shader::new(Backend::Scalar, &p);
             Surfaces::new(scalar, &ports.bare, &ports.bumps, &plan.surface()).run(scalar, &mut surfaces);
             for (input, surface) in inputs.iter().zip(surfaces.iter()) {
-                same_wires(&soft_core::surface(&input.surface, &plan.surface(), &p), &surface).unwrap();
+                same_wires(&scalar_api::surface(&input.surface, &plan.surface(), &p), &surface).unwrap();
             }
             // Of all but one, by one word of its normal or of a vector of its frame.
             let last = inputs.len() - 1;
@@ -411,7 +411,7 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
                     } else {
                         Fx::zero()
                     };
-                    RepeatedFootprint { probes, reach }
+                    WrappedFootprint { probes, reach }
                 })
             });
             let (scalar, context) = (Batch::from_iter(scalar), &|| format!("{name}, {size:?}, {derivatives:?}"));

@@ -10,13 +10,13 @@ use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FrameSystem, HorizonKind, SurfacePlan};
 use roughxel_core::ports::{Horizon, LIGHT, Port, PortBlock, StoredHorizon};
 use roughxel_core::precision::{Precision, RoughnessKind};
-use roughxel_core::repeated::{self, Tap, View};
 use roughxel_core::setup::shininess;
-use roughxel_core::signals::{LocalDirection, PeakSum, RepeatedFootprint, TexturePosition};
+use roughxel_core::signals::{LocalDirection, PeakSum, TexturePosition, WrappedFootprint};
 use roughxel_core::width::on_words;
+use roughxel_core::wrapped::{self, Tap, View};
 use roughxel_shader::{
     Batch, GivenPeaks, Halves, Highlights, HorizonSlopes, LightOnPeaks, Lit, MOST_PEAKS, PackedPeak, PeakTexels,
-    PeaksRead, Places, Ports, RepeatedMap, Shader, Shown, Slopes, Surfaces,
+    PeaksRead, Places, Ports, ShadedColour, Shader, Slopes, Surfaces, WrappedMap,
 };
 use roughxel_simd::{Backend, InstructionSet};
 use roughxel_utilities::random::SplitMix64;
@@ -43,9 +43,9 @@ const PLAN: SurfacePlan =
     SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic, local: true };
 
 /// What a light of this colour adds where so much of it returns.
-fn shown(returned: Control<i32, LIGHT>, colour: &[Control<i32, LIGHT>; 3]) -> Shown<i32> {
+fn shown(returned: Control<i32, LIGHT>, colour: &[Control<i32, LIGHT>; 3]) -> ShadedColour<i32> {
     let channels = colour.map(|channel| datapath::pixel::modulated::<i32>(returned, channel));
-    Shown { channels, taps: Fx::from_raw(0) }
+    ShadedColour { channels, taps: Fx::from_raw(0) }
 }
 
 fn any_colour(random: &mut SplitMix64) -> [Control<i32, LIGHT>; 3] {
@@ -130,7 +130,7 @@ struct RandomPeaks {
 
 /// Up to seven peaks in every texel, in a third of the maps in few of them, so that a group of lanes is of fragments far apart; half of the maps with
 /// horizons.
-fn random_peaks(map: RepeatedMap, index: u64, bits: &mut AnyBits) -> RandomPeaks {
+fn random_peaks(map: WrappedMap, index: u64, bits: &mut AnyBits) -> RandomPeaks {
     let texels: i32 = map.levels.iter().map(|level| level.size[0] * level.size[1]).sum();
     let ends = (0..texels).scan(0, |end, _| {
         let is_empty = index.is_multiple_of(3) && bits.0.below(16) > 0;
@@ -168,22 +168,22 @@ fn texel_light(texel: i32, of: &RandomPeaks, half: &LocalDirection<i32>, slopes:
 }
 
 /// What the texels of a map are to a fragment, averaged over its footprint, and the bilinear samples read.
-fn mean<W: Fetch>(view: &View<'_, W>, light: &dyn Fn(i32) -> i32, p: &Precision) -> Shown<W> {
+fn mean<W: Fetch>(view: &View<'_, W>, light: &dyn Fn(i32) -> i32, p: &Precision) -> ShadedColour<W> {
     let quad = |tap: &Tap<W>, _| {
-        let texels = tap.texels.map(|texel| W::gather([texel.raw()], |[texel]| [light(texel)]).map(Fx::from_raw));
+        let texels = tap.texels.map(|texel| W::per_lane([texel.raw()], |[texel]| [light(texel)]).map(Fx::from_raw));
         texel::Quad { texels, weight: tap.weight }
     };
-    let mean = repeated::mean(view, quad, texel::word_samples::<W, 1>, |sample| sample, p);
-    Shown { channels: [mean.channels[0].reread(); 3], taps: mean.taps }
+    let mean = wrapped::mean(view, quad, texel::word_samples::<W, 1>, |sample| sample, p);
+    ShadedColour { channels: [mean.channels[0].reread(); 3], taps: mean.taps }
 }
 
 fn averaged(
     centre: &TexturePosition<i32>,
-    probes: Option<&RepeatedFootprint<i32>>,
+    probes: Option<&WrappedFootprint<i32>>,
     map: &PeakTexels,
     light: &dyn Fn(i32) -> i32,
     p: &Precision,
-) -> Shown<i32> {
+) -> ShadedColour<i32> {
     let (levels, texture) = (&map.map.levels[..], &map.map.scale.0);
     match probes {
         None => on_words!(p, |centre| mean(&View { centre, footprint: None, levels, rough: false }, light, p)),

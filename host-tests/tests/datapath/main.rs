@@ -20,7 +20,7 @@ mod lit_peak;
 mod moments;
 mod peaks;
 mod properties;
-mod readings;
+mod backends;
 mod scanline;
 mod seam;
 mod small;

@@ -7,7 +7,7 @@ use roughxel_core::datapath::{TextureFootprint, probe_reach};
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockPair, TextureIn};
 use roughxel_core::precision::{Precision, ProbeRule};
-use roughxel_core::soft_core::texture_scale;
+use roughxel_core::scalar_api::texture_scale;
 use roughxel_core::stage::filter::{self, LEVEL_WEIGHT, ProbeSum};
 use roughxel_core::stage::moments::{
     Moments, covariance, decompose, of_isotropic_texel, of_probe, of_texel, ramp, with_ramp,

@@ -22,7 +22,7 @@ use roughxel_core::width::on_words;
 use roughxel_host_tests::bars::{holds, shading_bars};
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::reference::peaks as reference;
-use roughxel_host_tests::side_by_side::same_in_every_reading;
+use roughxel_host_tests::side_by_side::same_in_every_backend;
 use roughxel_host_tests::space::{profiles, wide_profiles};
 use roughxel_shader::PackedPeak;
 use roughxel_utilities::random::SplitMix64;
@@ -380,7 +380,7 @@ fn every_reading_gives_the_same_bits() {
         let cases: Vec<PeakCase> = sets.chain((0..2000).map(|index| random_peak_case(name, index, &p))).collect();
         cases.par_chunks(64).for_each(|cases| {
             let halves: Vec<_> = cases.iter().map(|case| case.half.wires(&p)).collect();
-            same_in_every_reading::<{ Design::Local as usize }>(&halves, &p);
+            same_in_every_backend::<{ Design::Local as usize }>(&halves, &p);
             let mut inputs = Vec::new();
             for case in cases {
                 let h = local(&case.half, &p);
@@ -392,7 +392,7 @@ fn every_reading_gives_the_same_bits() {
                     sum = datapath::peak_sum(&sum, datapath::peak(&h, &peak, weight, &p));
                 }
             }
-            same_in_every_reading::<{ Design::Peak as usize }>(&inputs, &p);
+            same_in_every_backend::<{ Design::Peak as usize }>(&inputs, &p);
         });
     }
 }

@@ -9,11 +9,11 @@ use roughxel_core::fx::Fx;
 use roughxel_core::plan::{Datapath, Effects, HorizonKind};
 use roughxel_core::ports::{Port, ReflectionIn};
 use roughxel_core::precision::Precision;
+use roughxel_core::scalar_api;
 use roughxel_core::small::{Full, Half};
-use roughxel_core::soft_core;
 use roughxel_core::width::{IntegerWord, of_ports, to_ports};
 use roughxel_host_tests::space::{effects, profiles, whole_or};
-use roughxel_net::integers::integers;
+use roughxel_netlist::integers::integers;
 
 /// What a reading makes of a design, from ports to ports.
 #[inline(never)]
@@ -36,10 +36,10 @@ where
 
 /// A fragment: every stage, the ports, every probe of either kind.
 fn same_reflection(fragment: &ReflectionIn, effects: &Effects, p: &Precision) {
-    let (fragment, map) = (fragment.wires(), soft_core::environment_scale(fragment.edge_texels, p));
+    let (fragment, map) = (fragment.wires(), scalar_api::environment_scale(fragment.edge_texels, p));
     same::<{ Design::Fragment as usize }>(&fragment, effects, p);
     same::<{ Design::Reflection as usize }>(&ScaledReflectionInput { fragment, map }, effects, p);
-    let stages = soft_core::reflection(&fragment, &map, &effects.reflection(), p);
+    let stages = scalar_api::reflection(&fragment, &map, &effects.reflection(), p);
     let (Reflection { point, probes, sweep, .. }, last_level) = (stages, map.last_level);
     for index in (0..probes.count.raw().min(16)).map(Fx::from_raw) {
         same::<{ Design::EnvironmentProbe as usize }>(&EnvironmentProbeInput { point, probes, index }, effects, p);

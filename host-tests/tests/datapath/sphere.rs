@@ -13,7 +13,7 @@ use roughxel_core::probe_list::sphere_probes;
 use roughxel_core::rom::{
     NORMAL_PLACES, NORMAL_PLACES_OF_ONE_LESS, NORMAL_WIDENINGS, NORMAL_WIDENINGS_OF_ONE_LESS, SPREAD_LIMIT,
 };
-use roughxel_core::soft_core::{environment_scale, reflection};
+use roughxel_core::scalar_api::{environment_scale, reflection};
 use roughxel_host_tests::space::{profiles, whole_or};
 use roughxel_reference::cube::direction_of;
 use roughxel_reference::linear::norm;

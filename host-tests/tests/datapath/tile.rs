@@ -4,7 +4,7 @@ use roughxel_core::bundle::Value;
 use roughxel_core::plan::Effects;
 use roughxel_core::ports::Port;
 use roughxel_core::sampler::{self, Cube};
-use roughxel_core::soft_core::environment_scale;
+use roughxel_core::scalar_api::environment_scale;
 use roughxel_core::width::on_words;
 use roughxel_shader::{Ports, Shader};
 use roughxel_simd::Backend;

@@ -12,7 +12,7 @@ use roughxel_vectors::{Bench, Device};
 
 /// What becomes of an operator.
 #[derive(Clone, Copy, Debug)]
-enum Slip {
+enum OperatorFault {
     /// A sum where a difference belongs, or a 1 taken off where rounding adds it.
     Less,
     /// A difference that is a sum.
@@ -27,7 +27,7 @@ enum Slip {
     Both,
 }
 
-impl Slip {
+impl OperatorFault {
     /// The operator, and what stands there instead.
     const fn texts(self) -> (&'static str, &'static str) {
         match self {
@@ -58,49 +58,49 @@ impl Slip {
 
 /// Module, operator with its place, and the first stage with a tap behind it. Where the Verilog changes a place may become one whose
 /// operator makes no difference (a sign that is known, a limit that nothing reaches): then it takes another place.
-const BROKEN: [(&str, Slip, usize, &str); 42] = [
-    ("enter_normal", Slip::Less, 3, "frame"),
-    ("enter_normal", Slip::Both, 2, "frame"),
-    ("enter_normal", Slip::Swapped, 2, "frame"),
-    ("enter_offset", Slip::Less, 0, "perturb"),
-    ("enter_offset", Slip::Less, 1, "perturb"),
-    ("frame", Slip::Less, 49, "frame"),
-    ("frame", Slip::More, 11, "frame"),
-    ("perturb", Slip::Swapped, 4, "perturb"),
-    ("perturb", Slip::Logical, 2, "perturb"),
-    ("perturb", Slip::More, 3, "perturb"),
-    ("roughness", Slip::Both, 0, "columns"),
-    ("roughness", Slip::More, 1, "columns"),
-    ("roughness", Slip::Swapped, 2, "columns"),
-    ("roughness", Slip::Less, 4, "columns"),
-    ("reflect", Slip::Less, 4, "reflect"),
-    ("reflect", Slip::Swapped, 1, "reflect"),
-    ("reflect", Slip::More, 3, "reflect"),
-    ("cube_face", Slip::Less, 3, "cube_face"),
-    ("cube_face", Slip::Swapped, 8, "cube_face"),
-    ("cube_face", Slip::More, 1, "cube_face"),
-    ("columns_pixel", Slip::Swapped, 8, "columns"),
-    ("columns_pixel", Slip::More, 11, "columns"),
-    ("columns_pixel", Slip::Less, 5, "columns"),
-    ("columns_roughness", Slip::Both, 2, "columns"),
-    ("columns_roughness", Slip::Less, 15, "columns"),
-    ("columns_roughness", Slip::Swapped, 4, "columns"),
-    ("ellipse", Slip::Logical, 0, "ellipse"),
-    ("ellipse", Slip::Less, 3, "ellipse"),
-    ("ellipse", Slip::Swapped, 2, "ellipse"),
-    ("ellipse", Slip::Both, 6, "ellipse"),
-    ("axes", Slip::Swapped, 46, "axes"),
-    ("axes", Slip::Less, 5, "axes"),
-    ("axes", Slip::More, 20, "axes"),
-    ("map_scale", Slip::Swapped, 4, "probes"),
-    ("probes", Slip::Swapped, 18, "probes"),
-    ("probes", Slip::OrEqual, 17, "probes"),
-    ("probes", Slip::More, 0, "probes"),
-    ("leave", Slip::Swapped, 26, "ellipse"),
-    ("leave", Slip::Less, 1, "frame"),
-    ("status", Slip::Swapped, 1, "status"),
-    ("status", Slip::Both, 5, "status"),
-    ("status", Slip::Swapped, 2, "status"),
+const BROKEN: [(&str, OperatorFault, usize, &str); 42] = [
+    ("enter_normal", OperatorFault::Less, 3, "frame"),
+    ("enter_normal", OperatorFault::Both, 2, "frame"),
+    ("enter_normal", OperatorFault::Swapped, 2, "frame"),
+    ("enter_offset", OperatorFault::Less, 0, "perturb"),
+    ("enter_offset", OperatorFault::Less, 1, "perturb"),
+    ("frame", OperatorFault::Less, 49, "frame"),
+    ("frame", OperatorFault::More, 11, "frame"),
+    ("perturb", OperatorFault::Swapped, 4, "perturb"),
+    ("perturb", OperatorFault::Logical, 2, "perturb"),
+    ("perturb", OperatorFault::More, 3, "perturb"),
+    ("roughness", OperatorFault::Both, 0, "columns"),
+    ("roughness", OperatorFault::More, 1, "columns"),
+    ("roughness", OperatorFault::Swapped, 2, "columns"),
+    ("roughness", OperatorFault::Less, 4, "columns"),
+    ("reflect", OperatorFault::Less, 4, "reflect"),
+    ("reflect", OperatorFault::Swapped, 1, "reflect"),
+    ("reflect", OperatorFault::More, 3, "reflect"),
+    ("cube_face", OperatorFault::Less, 3, "cube_face"),
+    ("cube_face", OperatorFault::Swapped, 8, "cube_face"),
+    ("cube_face", OperatorFault::More, 1, "cube_face"),
+    ("columns_pixel", OperatorFault::Swapped, 8, "columns"),
+    ("columns_pixel", OperatorFault::More, 11, "columns"),
+    ("columns_pixel", OperatorFault::Less, 5, "columns"),
+    ("columns_roughness", OperatorFault::Both, 2, "columns"),
+    ("columns_roughness", OperatorFault::Less, 15, "columns"),
+    ("columns_roughness", OperatorFault::Swapped, 4, "columns"),
+    ("ellipse", OperatorFault::Logical, 0, "ellipse"),
+    ("ellipse", OperatorFault::Less, 3, "ellipse"),
+    ("ellipse", OperatorFault::Swapped, 2, "ellipse"),
+    ("ellipse", OperatorFault::Both, 6, "ellipse"),
+    ("axes", OperatorFault::Swapped, 46, "axes"),
+    ("axes", OperatorFault::Less, 5, "axes"),
+    ("axes", OperatorFault::More, 20, "axes"),
+    ("map_scale", OperatorFault::Swapped, 4, "probes"),
+    ("probes", OperatorFault::Swapped, 18, "probes"),
+    ("probes", OperatorFault::OrEqual, 17, "probes"),
+    ("probes", OperatorFault::More, 0, "probes"),
+    ("leave", OperatorFault::Swapped, 26, "ellipse"),
+    ("leave", OperatorFault::Less, 1, "frame"),
+    ("status", OperatorFault::Swapped, 1, "status"),
+    ("status", OperatorFault::Both, 5, "status"),
+    ("status", OperatorFault::Swapped, 2, "status"),
 ];
 
 #[test]

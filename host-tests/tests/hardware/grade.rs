@@ -10,10 +10,10 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::ports::Port;
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::space::whole_or;
-use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_net::graph::Op;
-use roughxel_net::integers::integers_at;
-use roughxel_net::interval::Ranges;
+use roughxel_netlist::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_netlist::graph::Op;
+use roughxel_netlist::integers::integers_at;
+use roughxel_netlist::interval::Ranges;
 use roughxel_record as record;
 use roughxel_vectors::{
     Alarm, Distilled, Grade, Manifest, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, distil, entries_set,

@@ -9,10 +9,10 @@ use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Profile;
 use roughxel_host_tests::simulators::{bench_script, have};
 use roughxel_host_tests::space::whole_or;
-use roughxel_net::graph::{Net, NodeId, Op};
-use roughxel_net::neighbour::Primitive;
-use roughxel_net::rounding::{Roundings, scattered};
-use roughxel_net::verilog::{Options, StagePort};
+use roughxel_netlist::faithful_rounding::Primitive;
+use roughxel_netlist::graph::{Net, NodeId, Op};
+use roughxel_netlist::rounding::{Roundings, scattered};
+use roughxel_netlist::verilog::{Options, StagePort};
 use roughxel_record as record;
 use roughxel_vectors::{
     Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError, Words,

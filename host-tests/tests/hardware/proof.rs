@@ -13,11 +13,11 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights};
 use roughxel_host_tests::space::{effects, profiles};
-use roughxel_net::census::{Census, Cost};
-use roughxel_net::delay::{arrival_in_block, critical_path, levels};
-use roughxel_net::graph::{Net, Op};
-use roughxel_net::interval::{Range, Ranges};
-use roughxel_net::observe::Observed;
+use roughxel_netlist::census::{Census, Cost};
+use roughxel_netlist::delay::{arrival_in_block, critical_path, levels};
+use roughxel_netlist::graph::{Net, Op};
+use roughxel_netlist::interval::{Range, Ranges};
+use roughxel_netlist::observe::Observed;
 use roughxel_record as record;
 
 /// Looks at every design under all effects that make it a different one, in every profile.

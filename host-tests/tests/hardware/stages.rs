@@ -11,8 +11,8 @@ use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, Horizon
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_host_tests::simulators::{have, hdl};
 use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
-use roughxel_net::graph::{NodeId, Op};
-use roughxel_net::verilog::{Options, Stages};
+use roughxel_netlist::graph::{NodeId, Op};
+use roughxel_netlist::verilog::{Options, Stages};
 use roughxel_record as record;
 use roughxel_vectors::{
     Bench, Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, SetExport, SetInfo, StageSet, Vector,

@@ -14,7 +14,7 @@ use roughxel_frame::{Frame, Prepared};
 use roughxel_host_tests::bars::{self, MODES, two_shapes};
 use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTexture};
 use roughxel_host_tests::space::{profiles, whole_or};
-use roughxel_real_frame::RealPicture;
+use roughxel_reference_renderer::RealPicture;
 use roughxel_scene::Scene;
 use roughxel_scene::picture::{linear_to_srgb8, write_png_srgb};
 use roughxel_shader::Effect;

@@ -10,7 +10,7 @@ use roughxel_core::plan::{
 use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule, ProbeWeights, Profile, RoughnessKind};
 use roughxel_core::status::StatusBit;
 
-use crate::soft_core::{FOOTPRINTS, ROUGHNESS};
+use crate::scalar_api::{FOOTPRINTS, ROUGHNESS};
 
 /// Names that are names: none empty, none twice, and a reader finds each.
 fn are_names<T: PartialEq + std::fmt::Debug>(all: &[T], name: impl Fn(&T) -> &str, find: impl Fn(&str) -> Option<T>) {

@@ -8,7 +8,7 @@ mod maps;
 mod rom;
 mod scanline;
 mod setup;
-mod soft_core;
+mod scalar_api;
 mod stages;
 mod tile;
 mod vectors;
@@ -78,17 +78,17 @@ tests! {
     scanline::corners_out_of_range_and_backs_are_no_triangles,
     scanline::attributes_of_fragments_are_perspective_correct,
     scanline::a_plane_is_its_corners_at_its_corners,
-    soft_core::every_plan_hashes_to_what_it_did,
-    soft_core::an_effect_that_is_off_leaves_its_inputs_unread,
-    soft_core::a_reading_that_branches_has_the_probes_of_one_that_does_not,
-    soft_core::constants_of_a_map_are_those_of_its_longer_edge,
-    soft_core::firmware_has_the_bits_of_the_soft_core,
+    scalar_api::every_plan_hashes_to_what_it_did,
+    scalar_api::an_effect_that_is_off_leaves_its_inputs_unread,
+    scalar_api::a_reading_that_branches_has_the_probes_of_one_that_does_not,
+    scalar_api::constants_of_a_map_are_those_of_its_longer_edge,
+    scalar_api::firmware_has_the_bits_of_the_scalar_api,
     designs::what_a_design_makes_of_random_integers_hashes_to_what_it_did,
     maps::what_fragments_see_of_maps_hashes_to_what_it_did,
     maps::beyond_the_last_level_of_a_map_the_last_one_is_read,
     maps::levels_of_an_environment_halve_down_to_the_coarsest_edge,
     tile::the_tile_hashes_to_what_it_does_on_every_machine,
-    vectors::every_field_of_every_golden_vector_is_that_of_the_soft_core,
+    vectors::every_field_of_every_golden_vector_is_that_of_the_scalar_api,
 }
 
 fn main() {

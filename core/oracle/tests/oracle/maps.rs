@@ -9,11 +9,11 @@ use roughxel_core::plan::{Effects, FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, TextureIn};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_core::probe_list::{environment_probes, sphere_probes, texture_probes};
-use roughxel_core::repeated::{self, Level, Tap, View};
 use roughxel_core::sampler::{self, COARSEST_EDGE, Cube, CubeMemory, level_edge};
-use roughxel_core::signals::{RepeatedFootprint, TexturePosition};
-use roughxel_core::soft_core::{environment_scale, reflection, texture_footprint, texture_scale};
+use roughxel_core::scalar_api::{environment_scale, reflection, texture_footprint, texture_scale};
+use roughxel_core::signals::{TexturePosition, WrappedFootprint};
 use roughxel_core::width::on_words;
+use roughxel_core::wrapped::{self, Level, Tap, View};
 
 use crate::tile;
 use roughxel_oracle::random::Random;
@@ -105,8 +105,8 @@ fn environments(edge: u16, plan: &ReflectionPlan, p: &Precision) -> u64 {
 }
 
 /// Without a reach: no bumps are read.
-fn footprint_of(footprint: &TextureFootprint<i32>) -> RepeatedFootprint<i32> {
-    RepeatedFootprint { probes: footprint.probes, reach: Fx::zero() }
+fn footprint_of(footprint: &TextureFootprint<i32>) -> WrappedFootprint<i32> {
+    WrappedFootprint { probes: footprint.probes, reach: Fx::zero() }
 }
 
 fn textures(size: [u16; 2], p: &Precision) -> u64 {
@@ -138,11 +138,11 @@ fn textures(size: [u16; 2], p: &Precision) -> u64 {
         for rough in [false, true] {
             let view = &View { centre, footprint: Some((repeated, &scale)), levels: &levels, rough };
             let mut weights = 0;
-            repeated::reads::<i32>(view, p, |read| weights += read.weight.raw());
+            wrapped::reads::<i32>(view, p, |read| weights += read.weight.raw());
             // Each weight is rounded.
             assert!((weights - 0x10000).abs() <= 16, "{weights:#x}");
             for view in [view, &View { footprint: None, ..*view }] {
-                let mean = repeated::mean(view, texels, texel::colour_samples, |sample| sample, p);
+                let mean = wrapped::mean(view, texels, texel::colour_samples, |sample| sample, p);
                 hash.add(&mean.channels);
                 hash.add(&Value(mean.taps));
             }
@@ -178,7 +178,7 @@ pub(crate) fn beyond_the_last_level_of_a_map_the_last_one_is_read() {
         let read = |levels: &[Level]| {
             let mut texels = Vec::new();
             let view = &View { centre, footprint: Some((repeated, &scale)), levels, rough: false };
-            repeated::reads::<i32>(view, p, |read| {
+            wrapped::reads::<i32>(view, p, |read| {
                 let taps = [Some(read.fine), read.coarse].into_iter().flatten();
                 texels.extend(taps.flat_map(|tap| tap.texels.map(Fx::raw)));
             });

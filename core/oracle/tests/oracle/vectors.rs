@@ -6,14 +6,14 @@ use std::path::Path;
 use roughxel_core::bundle::{Bundle, End};
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
-use roughxel_core::soft_core;
+use roughxel_core::scalar_api;
 use serde_json::Value;
 
 use roughxel_oracle::walk::{Number, bundle, limits, numbers};
 
-use crate::soft_core::{FOOTPRINTS, FRAMES, HORIZONS, ROUGHNESS};
+use crate::scalar_api::{FOOTPRINTS, FRAMES, HORIZONS, ROUGHNESS};
 
-pub(crate) fn every_field_of_every_golden_vector_is_that_of_the_soft_core() {
+pub(crate) fn every_field_of_every_golden_vector_is_that_of_the_scalar_api() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/smoke");
     let mut sets = 0;
     for entry in fs::read_dir(folder).expect("the vectors are beside the core") {
@@ -34,12 +34,12 @@ fn set(manifest: &Value, words: &str, name: &str) {
     let (p, effects) = (&profile.precision(), effects(&manifest["effects"]));
     match manifest["datapath"].as_str() {
         Some("reflection") => {
-            check(manifest, words, name, |input| soft_core::fragment(input, &effects.reflection(), p));
+            check(manifest, words, name, |input| scalar_api::fragment(input, &effects.reflection(), p));
         }
         Some("highlight") => {
-            check(manifest, words, name, |input| soft_core::highlight(input, &effects.highlight(), p));
+            check(manifest, words, name, |input| scalar_api::highlight(input, &effects.highlight(), p));
         }
-        Some("peak") => check(manifest, words, name, |input| soft_core::lit_peak(input, &effects.peak(), p)),
+        Some("peak") => check(manifest, words, name, |input| scalar_api::lit_peak(input, &effects.peak(), p)),
         other => panic!("{name}: no datapath is named {other:?}"),
     }
 }

@@ -343,7 +343,7 @@ pub(crate) fn a_memory_is_read_at_its_end_where_a_place_is_beyond_it() {
     for place in [4, 5, 6, -1, i32::MAX, i32::MIN] {
         assert_eq!(two(memory, place), memory[3..]);
     }
-    let pair = |place: i32, memory: &[u64]| <i32 as Fetch>::pair(Fx::from_raw(place), memory).map(Fx::raw);
+    let pair = |place: i32, memory: &[u64]| <i32 as Fetch>::load_pair(Fx::from_raw(place), memory).map(Fx::raw);
     assert_eq!(pair(0, memory), [1, 0x1111_1111, 2, 0x2222_2222]);
     assert_eq!(pair(9, memory), [4, 0x4444_4444, 5, 0x5555_5555]);
     assert_eq!(pair(0, &memory[..2]), [1, 0x1111_1111, 2, 0x2222_2222]);
@@ -355,17 +355,17 @@ pub(crate) fn a_reading_of_one_fragment_takes_its_own_turns() {
     for index in [0, 7, 15, 16, -1] {
         assert_eq!(<i32 as Fetch>::entry(Fx::from_raw(index), table).raw(), 100 + (index & 15));
     }
-    assert_eq!(<i32 as Fetch>::most(Fx::from_raw(13)), 13);
-    let (index, counts) = <i32 as Fetch>::turn(4, Fx::from_raw(13));
+    assert_eq!(<i32 as Fetch>::max_over_lanes(Fx::from_raw(13)), 13);
+    let (index, counts) = <i32 as Fetch>::loop_index(4, Fx::from_raw(13));
     assert_eq!((index.raw(), counts), (4, true));
     assert_eq!([true, false].map(<i32 as Fetch>::any), [true, false]);
     assert_eq!([true, false].map(<i32 as Fetch>::known), [true, false]);
     let row: [Cell<i32>; 3] = Default::default();
     for (place, word) in [(0, 3), (2, -4), (3, 5), (-1, 6)] {
-        <Full as Fetch>::put(Fx::from_raw(Full(word)), Fx::from_raw(Full(place)), &row);
+        <Full as Fetch>::scatter(Fx::from_raw(Full(word)), Fx::from_raw(Full(place)), &row);
     }
     assert_eq!(row.each_ref().map(Cell::get), [3, 0, -4]);
-    let taken = [0, 1, 2, 3, -1].map(|place| <Full as Fetch>::take(Fx::from_raw(Full(place)), &row).raw());
+    let taken = [0, 1, 2, 3, -1].map(|place| <Full as Fetch>::gather(Fx::from_raw(Full(place)), &row).raw());
     assert_eq!(taken, [Full(3), Full(0), Full(-4), Full(0), Full(0)]);
-    assert_eq!(<Full as Fetch>::gather([Full(3), Full(-4)], |[a, b]| [a - b]), [Full(7)]);
+    assert_eq!(<Full as Fetch>::per_lane([Full(3), Full(-4)], |[a, b]| [a - b]), [Full(7)]);
 }

@@ -1,11 +1,11 @@
-//! The page: one HTML file that needs nothing beside it ([`roughxel_page`]).
+//! The page: one HTML file that needs nothing beside it ([`roughxel_html_report`]).
 
 use std::fmt::{self, Display};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use roughxel_page::html::{Page, Text};
+use roughxel_html_report::html::{Page, Text};
 use roughxel_scene::picture::{DIFFERENCE_GAIN, PictureError};
 use roughxel_utilities::output::write_files;
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem};
 use roughxel_core::precision::Profile;
-use roughxel_net::verilog::VerilogError;
+use roughxel_netlist::verilog::VerilogError;
 use roughxel_study::profile_file::NamedPrecision;
-use roughxel_utilities::spelling::did_you_mean;
+use roughxel_utilities::suggestions::did_you_mean;
 use roughxel_vectors::{
     Form, InputSource, MAX_VECTORS, Manifest, RANDOM_SETS, RandomSet, SetExport, SetInfo, Shard, StageSet, VectorSet,
     Words, entries_set, hard_sets,

@@ -35,6 +35,7 @@ fn usage_errors_end_with_2() {
         "ranges --size 0x3",
         "cost --effects fog",
         "cost --profile paper --path no_such_stage",
+        "render lake --backend fast",
         "render lake --reading fast",
         "render lake -o lake.jpg",
         "completions",

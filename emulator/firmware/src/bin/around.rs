@@ -15,8 +15,8 @@ use roughxel_core::width;
 use roughxel_firmware::machine::{between, entry, instructions, println};
 use roughxel_firmware::samples::{REFLECTIONS, SAMPLES};
 use roughxel_firmware::tile::{self, EDGE, SKY_EDGE, Sky};
-use roughxel_float::formulas::Careful;
-use roughxel_float::math::{Libm, Math, Micromath};
+use roughxel_f32_baseline::formulas::Careful;
+use roughxel_f32_baseline::math::{Libm, Math, Micromath};
 
 include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
@@ -83,10 +83,10 @@ fn set_up() {
 
 /// Reflection in f32.
 fn float<M: Math>(name: &str) {
-    let environment = roughxel_float::Environment::new(SKY_EDGE.into());
+    let environment = roughxel_f32_baseline::Environment::new(SKY_EDGE.into());
     let mut taken = 0;
     for fragment in &REFLECTIONS {
-        let fragment = roughxel_float::Fragment::from(fragment);
+        let fragment = roughxel_f32_baseline::Fragment::from(fragment);
         let before = instructions();
         black_box(black_box(&environment).reflect::<M, Careful>(black_box(&fragment)));
         taken += between(before, instructions());

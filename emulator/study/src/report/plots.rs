@@ -1,7 +1,7 @@
 //! Figures of a study as plots.
 
 use roughxel_core::knob::Knob;
-use roughxel_page::plot::{Axis, Mark, Plot, Point as Dot, Scale, Series, Style};
+use roughxel_html_report::plot::{Axis, Mark, Plot, Point as Dot, Scale, Series, Style};
 
 use super::figures::{CLOCKS, base_name, cost, mean, timed_scenes, worst_psnr};
 use super::tables::named;

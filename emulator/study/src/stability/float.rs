@@ -1,15 +1,15 @@
 //! Floating point as a method: formulas on a library, and its footprints in a frame.
 
 use glam::{DVec3, Vec2, Vec3};
-use roughxel_float::formulas::{Careful, Frame, Plain};
-use roughxel_float::math::{Micromath, Std};
-use roughxel_float::peak::LitPeak;
-use roughxel_float::{Environment, Footprint, Fragment};
-use roughxel_real_frame as real_frame;
+use roughxel_f32_baseline::formulas::{Careful, Frame, Plain};
+use roughxel_f32_baseline::math::{Micromath, Std};
+use roughxel_f32_baseline::peak::LitPeak;
+use roughxel_f32_baseline::{Environment, Footprint, Fragment};
 use roughxel_reference::cube::Selection;
 use roughxel_reference::frame::{self, FrameSystem};
 use roughxel_reference::linear::{Vector3, normalise_exponent, scale_exponent};
 use roughxel_reference::{Inputs, Options, Roughness};
+use roughxel_reference_renderer as reference_renderer;
 
 /// The datapath in `f32`. As footprints of a frame it has the probe rule and the most probes of `standard`, whatever the profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,8 +75,8 @@ fn single(v: Vector3) -> Vec3 {
 
 /// In units in which n and v have exponent 0, which leaves the range of `f32` to the footprint. The frame of systems 1 and 2, which it
 /// does not have, is that of the reference.
-impl real_frame::Footprints for Float {
-    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<real_frame::Footprint> {
+impl reference_renderer::Footprints for Float {
+    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<reference_renderer::Footprint> {
         let (normal, normal_exponent) = normalise_exponent(inputs.normal);
         let (view, view_exponent) = normalise_exponent(inputs.view);
         let (main_direction, _) = normalise_exponent(inputs.tangents[0]);
@@ -104,7 +104,7 @@ impl real_frame::Footprints for Float {
             let frame = Frame { e1: single(found.e1), e2: single(found.e2), pole: found.pole };
             self.reflect_on(&environment, &fragment, frame)
         };
-        Some(real_frame::Footprint {
+        Some(reference_renderer::Footprint {
             centre: place(&footprint)?,
             count: footprint.probes,
             step: footprint.step.to_array().map(f64::from),

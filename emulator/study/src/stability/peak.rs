@@ -7,7 +7,7 @@ use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, SurfaceIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::{block_vector, real_peak, real_vector, stored_peak};
-use roughxel_float::peak::LitPeak;
+use roughxel_f32_baseline::peak::LitPeak;
 use roughxel_reference::{frame, highlight, peaks};
 use roughxel_utilities::random::SplitMix64;
 

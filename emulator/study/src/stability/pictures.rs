@@ -4,7 +4,7 @@ use std::path::Path;
 
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
-use roughxel_real_frame::{render, render_with};
+use roughxel_reference_renderer::{render, render_with};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::Picture;
 

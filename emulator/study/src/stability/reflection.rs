@@ -4,7 +4,7 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::real_number;
-use roughxel_float::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::{Environment, Footprint, Fragment};
 use roughxel_reference::cube::{Selection, project};
 use roughxel_reference::linear::axis_angle;
 use roughxel_reference::{Inputs, Outputs, reflection};

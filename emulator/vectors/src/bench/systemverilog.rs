@@ -1,6 +1,6 @@
 //! Benches in SystemVerilog, for Icarus and Verilator, and the one that asks the C library by DPI-C.
 
-use roughxel_net::verilog::{Interface, PortDescription};
+use roughxel_netlist::verilog::{Interface, PortDescription};
 
 use super::fields::{Fields, column, in_comment, lines, note, numbered};
 use crate::c_library::place_name;

@@ -11,10 +11,10 @@ use roughxel_core::precision::Precision;
 use roughxel_host_tests::checked::{Integers, Trace, traced};
 use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::{any_vectors, any_word, whole_or};
-use roughxel_net::graph::{Net, Tap};
-use roughxel_net::integers::integers;
-use roughxel_net::interval::Ranges;
-use roughxel_net::observe::Observed;
+use roughxel_netlist::graph::{Net, Tap};
+use roughxel_netlist::integers::integers;
+use roughxel_netlist::interval::Ranges;
+use roughxel_netlist::observe::Observed;
 use roughxel_record as record;
 use roughxel_utilities::random::SplitMix64;
 

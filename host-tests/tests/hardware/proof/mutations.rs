@@ -11,9 +11,9 @@ use std::path::Path;
 
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
-use roughxel_net::census::Census;
-use roughxel_net::graph::{Kind, Net, NodeId, Op};
-use roughxel_net::interval::Ranges;
+use roughxel_netlist::census::Census;
+use roughxel_netlist::graph::{Kind, Net, NodeId, Op};
+use roughxel_netlist::interval::Ranges;
 use roughxel_record as record;
 
 use super::profiles;

@@ -6,12 +6,12 @@ use std::panic::Location;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 use roughxel_core::rom;
-use roughxel_net::equal::Prover;
-use roughxel_net::evaluate::apply_exactly;
-use roughxel_net::exhaust::{Exhaustion, Task};
-use roughxel_net::fault::{Effect, Fault, Faults, Simulator};
-use roughxel_net::graph::{Kind, Net, Node, NodeId, Op, Port, Table, Tap};
-use roughxel_net::interval::Ranges;
+use roughxel_netlist::evaluate::apply_exactly;
+use roughxel_netlist::fault::{Effect, Fault, Faults, Simulator};
+use roughxel_netlist::graph::{Kind, Net, Node, NodeId, Op, Port, Table, Tap};
+use roughxel_netlist::interval::Ranges;
+use roughxel_netlist::redundant_faults::Prover;
+use roughxel_netlist::table_check::{Exhaustion, Task};
 
 /// A small net under construction, with its wires by kind.
 #[derive(Default)]

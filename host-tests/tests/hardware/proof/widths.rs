@@ -9,8 +9,8 @@ use roughxel_core::precision::{AxisDirection, Newton, Precision, ProbeRule};
 use roughxel_host_tests::checked::Integers;
 use roughxel_host_tests::designs::{checked, scalar};
 use roughxel_host_tests::space::whole_or;
-use roughxel_net::interval::Ranges;
-use roughxel_net::observe::Observed;
+use roughxel_netlist::interval::Ranges;
+use roughxel_netlist::observe::Observed;
 use roughxel_record as record;
 use roughxel_utilities::random::SplitMix64;
 
@@ -37,7 +37,7 @@ fn no_wire_of_any_design_can_leave_words_of_16_bits() {
 }
 
 #[test]
-fn readings_of_16_bits_agree() {
+fn backends_of_16_bits_agree() {
     let count = whole_or(4000, 200);
     narrow_precisions().into_par_iter().for_each(|p| {
         for &design in Design::ALL {

@@ -1,6 +1,0 @@
-//! # roughxel-page
-//!
-//! Pages that need nothing beside them: [`html`] without script, [`plot`]s as SVG.
-
-pub mod html;
-pub mod plot;
