@@ -1,8 +1,7 @@
-//! Benches of generated Verilog: vectors as packed words, and the files the two committed benches read.
+//! Testbenches of generated Verilog: vectors as packed words, and the files that the two committed testbenches read.
 //!
-//! `vectors/hdl/bench.v` (Icarus and other event simulators) and `vectors/hdl/verilator_bench.cpp` (Verilator) drive any
-//! pipelined module through a wrapper with one vector in and one out. Fields are packed most significant first, each
-//! exactly as wide as its port.
+//! `vectors/hdl/bench.v` (Icarus and other event simulators) and `vectors/hdl/verilator_bench.cpp` (Verilator) drive any pipelined module through a
+//! wrapper with one vector in and one out. Fields are packed most significant first, each exactly as wide as its port.
 
 use std::fmt::Write as _;
 
@@ -18,7 +17,7 @@ pub struct Bench<'a> {
     outputs: Vec<Vec<u32>>,
 }
 
-/// Why there is no bench.
+/// Reasons why no testbench is made.
 #[derive(Debug, Error)]
 pub enum BenchError {
     /// An integer a port cannot hold.
@@ -41,7 +40,7 @@ pub enum BenchError {
     },
 }
 
-/// Bits of all ports side by side.
+/// Bits of all ports together.
 fn total_bits(ports: &[PortDescription]) -> u32 {
     ports.iter().map(|port| port.width).sum()
 }
@@ -75,8 +74,8 @@ fn pack_all(ports: &[PortDescription], vectors: &[Vec<i64>]) -> Result<Vec<Vec<u
 }
 
 impl<'a> Bench<'a> {
-    /// Packs integers of all ports of the design, one vector an input, and of all its outputs, one vector an outcome: those
-    /// that the module has.
+    /// Packs the integers of the module's ports. `inputs` holds one vector an input, over all inputs of the design; `outputs` one an outcome, over
+    /// all outputs.
     ///
     /// Errors: a vector has too few integers, or an integer leaves its port.
     pub fn new(interface: &'a Interface, inputs: &[Vec<i64>], outputs: &[Vec<i64>]) -> Result<Self, BenchError> {
@@ -84,13 +83,13 @@ impl<'a> Bench<'a> {
         Ok(Self { interface, inputs, outputs })
     }
 
-    /// The module it drives.
+    /// Returns the name of the driven module.
     pub fn module(&self) -> &str {
         &self.interface.module
     }
 
-    /// The files, name and content: the wrapper `MODULE_flat.v`, `bench.vh` for `bench.v`, `bench.txt` for
-    /// `verilator_bench.cpp`, and the words as `inputs.hex`, `expected.hex`, `inputs.bin`, `expected.bin`.
+    /// Files, name and content: the wrapper `MODULE_flat.v`, `bench.vh` for `bench.v`, `bench.txt` for `verilator_bench.cpp`, and the words as
+    /// `inputs.hex`, `expected.hex`, `inputs.bin`, `expected.bin`.
     pub fn files(&self) -> Vec<(String, Vec<u8>)> {
         let mut files = vec![
             (format!("{}_flat.v", self.interface.module), flat(self.interface).into_bytes()),
@@ -107,7 +106,7 @@ impl<'a> Bench<'a> {
         files
     }
 
-    /// Sizes and, for the first mismatch, the name of the wire.
+    /// Sizes, and the names of the wires for the report of the first mismatch.
     fn definitions(&self) -> String {
         let Interface { module, latency, inputs, outputs } = self.interface;
         let mut text = format!(
@@ -130,7 +129,7 @@ impl<'a> Bench<'a> {
         text + "\n"
     }
 
-    /// Sizes, then a line a field of the output: name, lowest bit, width.
+    /// Sizes, then one line an output field: name, lowest bit, width.
     fn description(&self) -> String {
         let Interface { inputs, outputs, .. } = self.interface;
         let mut text =
@@ -154,7 +153,7 @@ fn hex(words: &[Vec<u32>], bits: u32) -> String {
     text
 }
 
-/// The module with all inputs as one vector and all outputs as another, fields most significant first.
+/// Wrapper of a module with all inputs as one vector and all outputs as another, fields most significant first.
 pub fn flat(interface: &Interface) -> String {
     let Interface { module, inputs, outputs, .. } = interface;
     let mut connections: Vec<String> =

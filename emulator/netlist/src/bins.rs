@@ -1,53 +1,53 @@
-//! Bins: what vectors ought to have met in a design. Both values of every flag, the two integers at which every comparison turns over,
-//! every entry of every table, as far as proven ranges leave them possible.
+//! Coverage bins: events that vectors should meet in a design. They are both values of every flag, the two integers at which every comparison turns
+//! over, and every entry of every table. Proven ranges exclude impossible bins.
 
 use super::fault::ReadTable;
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 use super::verilog::wire_bits;
 
-/// Something that a vector meets or does not.
+/// An event that a vector meets or misses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Bin {
-    /// A flag is set, or not.
+    /// A flag is set, or clear.
     Flag {
         /// The flag.
         node: NodeId,
-        /// Set.
+        /// True for set.
         set: bool,
     },
-    /// a = b where a < b is asked.
+    /// a = b in a comparison a < b.
     Tie {
         /// The comparison.
         node: NodeId,
     },
-    /// a = b − 1 where a < b is asked.
+    /// a = b − 1 in a comparison a < b.
     Below {
         /// The comparison.
         node: NodeId,
     },
     /// An entry of a table is read.
     Entry {
-        /// Place of the table.
+        /// Index of the table.
         table: u32,
-        /// The entry.
+        /// Index of the entry.
         index: u32,
     },
 }
 
-/// The bins of a design.
+/// Coverage bins of a design.
 #[derive(Clone, Debug)]
 pub struct Bins<'a> {
     net: &'a Net,
     tables: &'a [ReadTable],
-    /// Flags and comparisons, then the entries of one table after the other.
+    /// Bins of flags and comparisons, then the entries of the tables, table by table.
     pub bins: Vec<Bin>,
     /// Place of the first entry of each table among the bins.
     entries: Vec<usize>,
 }
 
 impl<'a> Bins<'a> {
-    /// Of a net with its proven ranges and its tables.
+    /// Bins of a net with its proven ranges and its tables.
     pub fn new(net: &'a Net, ranges: &Ranges, tables: &'a [ReadTable]) -> Self {
         let wires = wire_bits(net, ranges);
         let mut bins = Vec::new();
@@ -76,7 +76,7 @@ impl<'a> Bins<'a> {
         Self { net, tables, bins, entries }
     }
 
-    /// Tells the place of every bin that a vector meets, whose wires hold `wires`; an entry as often as it is read.
+    /// Calls `bin` with the place of every bin that a vector meets; the vector's wires hold `wires`. An entry is reported once a read.
     pub fn met(&self, wires: &[i64], mut bin: impl FnMut(usize)) {
         let of = |id: NodeId| wires[id as usize];
         let first_entry = self.entries.first().copied().unwrap_or(self.bins.len());
@@ -101,7 +101,7 @@ impl<'a> Bins<'a> {
         }
     }
 
-    /// What a bin is: `core/src/stage/cube_face.rs:31 in cube_face: lt, operands equal`.
+    /// Text of a bin: `core/src/stage/cube_face.rs:31 in cube_face: lt, operands equal`.
     pub fn text(&self, bin: Bin) -> String {
         let of =
             |node: NodeId, what: &str| format!("{}: {} {what}", self.net.origin(node), self.net.node(node).op.name());

@@ -1,7 +1,7 @@
-//! A graph under construction: operations come one by one, from the recorded reading.
+//! A netlist under construction: the recorded backend adds operations one by one.
 //!
-//! Within a stage equal operations are one node; between stages nothing is shared, so that a stage is the same
-//! hardware wherever it is used. Operations on constants and those that change nothing are folded as they come.
+//! Within a stage equal operations are one node. Stages share nothing, so a stage is the same hardware wherever it is used. Operations on constants
+//! and those that change nothing are folded as they come.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ use super::graph::{Kind, Net, Node, NodeId, Op, Port, Run, Tap};
 /// Key under which equal operations are one node: operation, kind, stage.
 type Key = (Op, Kind, Option<u32>);
 
-/// A graph under construction.
+/// A netlist under construction.
 #[derive(Default)]
 struct Builder {
     net: Net,
@@ -27,9 +27,9 @@ thread_local! {
     static BUILDER: RefCell<Option<Builder>> = const { RefCell::new(None) };
 }
 
-/// Runs `work` on the graph that this thread builds.
+/// Runs `work` on the netlist that this thread builds.
 fn built<T>(work: impl FnOnce(&mut Builder) -> T) -> T {
-    BUILDER.with_borrow_mut(|builder| work(builder.as_mut().expect("a graph was begun before its nodes are made")))
+    BUILDER.with_borrow_mut(|builder| work(builder.as_mut().expect("a netlist was begun before its nodes are made")))
 }
 
 impl Builder {
@@ -40,7 +40,7 @@ impl Builder {
         }
     }
 
-    /// The node an operation comes down to, if it needs none of its own.
+    /// Node that an operation folds to, or the operation that needs a node.
     fn folded(&self, op: &Op, kind: Kind) -> Result<NodeId, Op> {
         let lit = |id| self.lit_of(id);
         let is = |id, value| lit(id) == Some(value);
@@ -53,7 +53,7 @@ impl Builder {
                 None => Err(*op),
             },
             _ if op.operands().all(|id| lit(id).is_some()) => {
-                // What would leave the wire stays an operation, for the interval walk to find.
+                // An operation that would leave its wire stays, so that the interval walk finds it.
                 let value = apply_exactly(*op, kind, |id| self.net.node(id).kind, |id| lit(id).unwrap_or(0));
                 Err(value.map_or(*op, Op::Lit))
             }
@@ -81,7 +81,7 @@ impl Builder {
                 Op::Not(inner) => Ok(inner),
                 _ => Err(*op),
             },
-            // A word that was a count in between.
+            // A word that is widened and narrowed again.
             Op::Narrow(a) => match self.net.node(a).op {
                 Op::Widen(inner) if self.net.node(inner).kind == kind => Ok(inner),
                 _ => Err(*op),
@@ -106,26 +106,26 @@ impl Builder {
     }
 }
 
-/// Begins a graph without nodes, in place of one that was not ended.
+/// Begins a netlist without nodes, in place of an unfinished one.
 pub fn begin() {
     BUILDER.set(Some(Builder::default()));
 }
 
-/// Ends the graph with its outputs, and drops what nobody reads.
+/// Ends the netlist with its outputs, and drops nodes that nobody reads.
 pub fn end(outputs: Vec<NamedWire>) -> Net {
     let mut net = BUILDER.take().unwrap_or_default().net;
     net.outputs = outputs.into_iter().map(|wire| wire.tap(None)).collect();
     net.without_dead_wires()
 }
 
-/// The node of an operation, at the caller's line of the source.
+/// Node of an operation, at the caller's line of the source.
 #[track_caller]
 pub fn node(op: Op, kind: Kind) -> NodeId {
     let at = Location::caller();
     built(|builder| builder.node(op, kind, at))
 }
 
-/// The node of an input that holds `low ..= high`.
+/// Node of an input that holds `low ..= high`.
 #[track_caller]
 pub fn port(path: Vec<Step>, kind: Kind, mantissa: bool, fraction_bits: u32, (low, high): (i64, i64)) -> NodeId {
     let at = Location::caller();
@@ -138,7 +138,7 @@ pub fn port(path: Vec<Step>, kind: Kind, mantissa: bool, fraction_bits: u32, (lo
     })
 }
 
-/// Begins a stage: nodes belong to it until it is left. Stages do not nest.
+/// Begins a stage: nodes belong to it until `leave`. Stages do not nest.
 pub fn enter(name: &'static str) {
     built(|builder| {
         let runs = &mut builder.net.runs;
@@ -157,7 +157,7 @@ pub fn leave(outcome: Vec<NamedWire>) {
     });
 }
 
-/// A path as text: `e1.m[0]`.
+/// Path as text: `e1.m[0]`.
 fn path_name(path: &[Step]) -> String {
     path.iter().fold(String::new(), |name, step| match step {
         Step::Field(field) if name.is_empty() => field.name.to_owned(),
@@ -166,15 +166,15 @@ fn path_name(path: &[Step]) -> String {
     })
 }
 
-/// A wire of a bundle.
+/// A wire of a bundle and its path.
 pub struct NamedWire {
-    /// The steps to it.
+    /// Steps to the wire.
     pub path: Vec<Step>,
     /// Node of the wire.
     pub node: NodeId,
-    /// Whether it carries a mantissa.
+    /// True if it carries a mantissa.
     pub mantissa: bool,
-    /// Bits behind its binary point.
+    /// Bits after its binary point.
     pub fraction_bits: u32,
 }
 

@@ -1,10 +1,9 @@
-//! The census: what each stage costs in hardware, counted on the recorded graph with the widths the interval walk proves.
+//! The census: the hardware cost of each stage, counted on the netlist with the widths that the interval walk proves.
 //!
-//! Widths leave out constant low zeros, so a mantissa of p fraction bits counts p + 2 bits whatever its wire. Operands of
-//! multipliers are in two's complement, as multiplier runs take them. A table is counted once a stage with the
-//! entries that can be read, however often it is. Fixed shifts, widening, narrowing, claims, sign tests, masks with a
-//! constant and inverters are wires; `delay` says what they and the rest take in time. Nothing is shared between runs of
-//! a run: this is the cost of a datapath that takes a fragment each cycle.
+//! Widths leave out constant low zeros, so a mantissa of p fraction bits counts p + 2 bits whatever its wire. Operands of multipliers are in two's
+//! complement, as multiplier blocks take them. A table is counted once a stage with the entries that can be read, however often it is read. Fixed
+//! shifts, widening, narrowing, claims, sign tests, masks with a constant and inverters are wires; `delay` says how long they and the rest take. Runs
+//! of a stage share nothing: this is the cost of a datapath that takes a fragment each cycle.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +15,7 @@ use super::unit::{Unit, signed_digits};
 /// Units of one sort and their bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Units {
-    /// How many.
+    /// Number of units.
     pub count: u32,
     /// Bits of all of them.
     pub bits: u64,
@@ -34,7 +33,7 @@ impl Units {
     }
 }
 
-/// What a run, a stage or a design costs.
+/// Cost of a run, a stage or a design.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// Multipliers by the widths of their operands, bits in two's complement, the wider first.
@@ -42,19 +41,19 @@ pub struct Cost {
     /// Multipliers by a constant: width of the operand, bits in two's complement, and non-zero signed digits of the
     /// constant, at least two (one is a shift).
     pub constant_multipliers: BTreeMap<[u32; 2], u32>,
-    /// Adders and subtracters of two wires; bits in which there is a carry.
+    /// Adders and subtracters of two wires, and their bits with a carry.
     pub adders: Units,
     /// Adders and subtracters with a constant: increments, complements, roundings.
     pub constant_adders: Units,
-    /// Comparators; bits in which there is a carry.
+    /// Comparators, and their bits with a carry.
     pub comparators: Units,
-    /// Selects; bits of their outcomes.
+    /// Selects, and the bits of their outcomes.
     pub selects: Units,
-    /// Shifters by a count; selects in them, bits times bits of the count.
+    /// Shifters by a count on a wire, and the selects in them: bits times bits of the count.
     pub shifters: Units,
-    /// Leading-zero counters; bits of their operands.
+    /// Leading-zero counters, and the bits of their operands.
     pub leading_zeros: Units,
-    /// And, or, exclusive or; bits.
+    /// And, or and exclusive or, and their bits.
     pub logic: Units,
     /// Tables by entries and bits of an entry.
     pub tables: BTreeMap<[u32; 2], u32>,
@@ -72,7 +71,7 @@ impl Cost {
         self.multipliers.values().sum()
     }
 
-    /// The widest operands of a multiplier, bits in two's complement: the wider and the narrower of each.
+    /// Widest operands of a multiplier, bits in two's complement: the largest of the wider and of the narrower ones.
     pub fn widest_multiplier(&self) -> [u32; 2] {
         self.multipliers.keys().fold([0; 2], |widest, widths| [0, 1].map(|i| widths[i].max(widest[i])))
     }
@@ -87,7 +86,7 @@ impl Cost {
         self.tables.iter().map(|([entries, width], count)| u64::from(entries * width * count)).sum()
     }
 
-    /// Adds what stands beside it; the critical path is the longer one.
+    /// Adds a parallel cost; the critical path is the longer one.
     fn merge(&mut self, other: &Self) {
         let maps = [
             (&mut self.multipliers, &other.multipliers),
@@ -116,7 +115,7 @@ impl Cost {
         self.levels = self.levels.max(other.levels);
     }
 
-    /// Counts one unit; tables are counted by the run.
+    /// Counts one unit; tables are counted once a run.
     fn count(&mut self, unit: Unit) {
         match unit {
             Unit::Nothing => {}
@@ -150,20 +149,20 @@ fn signed_width(range: Range) -> u32 {
 pub struct StageCost {
     /// Name of the stage.
     pub stage: &'static str,
-    /// Runs of it.
+    /// Number of its runs.
     pub runs: u32,
-    /// All of them together; the critical path of the slowest.
+    /// Cost of all runs together, with the critical path of the slowest.
     pub cost: Cost,
 }
 
-/// The census of a net.
+/// Census of a net.
 #[derive(Clone, Debug)]
 pub struct Census {
     /// Every run of a stage, in the order of [`Net::runs`].
     pub runs: Vec<Cost>,
     /// Every stage, in the order of its first run.
     pub stages: Vec<StageCost>,
-    /// The design; its critical path leads from ports to outputs without a register.
+    /// Cost of the design; its critical path leads from ports to outputs without a register.
     pub total: Cost,
 }
 

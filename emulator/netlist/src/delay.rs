@@ -58,12 +58,12 @@ pub fn levels(net: &Net, ranges: &Ranges, id: NodeId) -> u32 {
     }
 }
 
-/// When each wire is there, in levels from the ports.
+/// Arrival times of the wires, in levels from the ports.
 pub fn arrival(net: &Net, ranges: &Ranges) -> Vec<u32> {
     arrival_where(net, ranges, |_, _| true)
 }
 
-/// When each wire is there, in levels from the inputs of its stage: ports, and wires of other stages.
+/// Arrival times of the wires, in levels from the inputs of their stage: ports, and wires of other stages.
 pub fn arrival_in_block(net: &Net, ranges: &Ranges) -> Vec<u32> {
     arrival_where(net, ranges, |user, operand| net.node(user).stage == net.node(operand).stage)
 }
@@ -91,8 +91,8 @@ pub fn block_levels(net: &Net, ranges: &Ranges) -> Vec<u32> {
     levels
 }
 
-/// A critical path of a stage, from its inputs to its last outcome, or of the whole net from the ports: the nodes on it
-/// that take any time, first to last.
+/// Critical path of a stage from its inputs to its last outcome, or of the whole net from the ports. It lists the nodes that take any time, first to
+/// last.
 pub fn critical_path(net: &Net, ranges: &Ranges, stage: Option<u32>) -> Vec<NodeId> {
     let counts = |id: &NodeId| stage.is_none() || net.node(*id).stage == stage;
     let times = if stage.is_some() { arrival_in_block(net, ranges) } else { arrival(net, ranges) };

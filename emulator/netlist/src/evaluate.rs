@@ -1,16 +1,16 @@
-//! The graph evaluator: the meaning of a net, one node after the other.
+//! The netlist evaluator: the meaning of a net, node after node.
 //!
-//! Operations wrap as the scalar reading's do, so the two can be compared even on values outside the declared ranges.
+//! Operations wrap as those of the scalar backend do, so the two can be compared even on values outside the declared ranges.
 
 use super::graph::{Kind, Net, NodeId, Op};
 
-/// One operation on integers, cut to its wire. `operand` is the integer of a node, `kind` what the node itself may hold.
+/// One operation on integers, wrapped to its wire. `operand` returns the integer of a node, `kind` is the kind of the node itself.
 #[inline]
 fn apply(op: Op, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i64 {
     kind.cut(op.value(kind, kind_of, operand) as i64)
 }
 
-/// The integer of an operation where it fits the wire, the shift count its width and the index its table; else `None`.
+/// Integer of an operation, or `None` if it leaves the wire, a shift count its width or an index its table.
 pub fn apply_exactly(
     op: Op,
     kind: Kind,
@@ -25,7 +25,7 @@ pub fn apply_exactly(
 impl Net {
     /// Computes every wire from the integers of the ports, in the order of [`Net::ports`].
     ///
-    /// `wires` is overwritten and then holds one integer a node. Ports that are not given read 0.
+    /// `wires` is overwritten and then holds one integer a node. A port without an integer reads 0.
     pub fn evaluate(&self, ports: &[i64], wires: &mut Vec<i64>) {
         wires.clear();
         wires.reserve(self.nodes.len());
@@ -34,7 +34,7 @@ impl Net {
         }
     }
 
-    /// The integer of a node from those of the ports and of the nodes that it reads.
+    /// Integer of a node from those of the ports and of its operands.
     #[inline]
     pub fn value(&self, id: NodeId, ports: &[i64], wires: &[i64]) -> i64 {
         let node = self.node(id);

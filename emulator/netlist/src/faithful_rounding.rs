@@ -1,9 +1,9 @@
-//! Neighbours: what a design may give where its reciprocals and inverse roots come from a divider or a root of another make, each at most
+//! Faithful rounding: accepted values of a design whose reciprocals and inverse roots come from a different divider or root. Each of them is at most
 //! one last place away from the recorded one.
 //!
-//! Outcomes are asked in the order of the pipeline, each followed by whether a device's value is right. After each one only those choices are
-//! kept that lead to the device's value, and choices that later operations cannot tell apart are one. So with outcomes of every stage there are
-//! few at a time, and a device is judged exactly: some choice of neighbours gives all of its values, or none does.
+//! Outcomes are checked in the order of the pipeline, each with the answer if the device's value is right. After each outcome only the choices of
+//! neighbours that lead to the device's value are kept, and choices that later operations cannot tell apart are merged. So outcomes of every stage
+//! leave few choices at a time, and the check of a device is exact: some choice of neighbours gives all of its values, or none does.
 
 use std::collections::HashSet;
 
@@ -11,25 +11,25 @@ use roughxel_core::rom;
 
 use super::graph::{Kind, Net, NodeId, Op, Table};
 
-/// Most choices of neighbours that are followed at once: six independent ones.
+/// Most choices of neighbours that are followed at once: six independent ones (3⁶).
 pub const MOST_CHOICES: usize = 729;
 
 /// Bits of the smallest and the largest seed table.
 const SEED_BITS: std::ops::RangeInclusive<u32> = 6..=10;
 
-/// A reciprocal or an inverse root: its outcome 1/2x or 1/2√x in [½, 1].
+/// A reciprocal or an inverse root: its outcome is 1/2x or 1/2√x in [½, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Primitive {
-    /// The wire of the outcome.
+    /// Wire of the outcome.
     pub node: NodeId,
-    /// The integer of one.
+    /// Integer of one.
     pub one: i64,
-    /// The last place that the profile keeps.
+    /// Last place that the profile keeps.
     pub last_place: i64,
 }
 
 impl Primitive {
-    /// What another make may have: the value itself first, then its neighbours in [½, 1].
+    /// Accepted values of a primitive: the value itself first, then its neighbours in [½, 1].
     fn choices(self, value: i64) -> impl Iterator<Item = i64> {
         let neighbours = [value - self.last_place, value + self.last_place];
         [value].into_iter().chain(neighbours.into_iter().filter(move |y| (self.one / 2..=self.one).contains(y)))
@@ -37,7 +37,7 @@ impl Primitive {
 }
 
 impl Net {
-    /// Every reciprocal and inverse root, with `fraction_bits` of the profile, in the order of their outcomes.
+    /// Every reciprocal and inverse root under `fraction_bits` of the profile, in the order of their outcomes.
     ///
     /// Each begins with a seed from its table and ends with the minimum of its last step and 1.
     pub fn primitives(&self, fraction_bits: u32) -> Vec<Primitive> {
@@ -54,7 +54,7 @@ impl Net {
         primitives
     }
 
-    /// The one that begins with that seed.
+    /// Primitive that begins with this seed.
     fn primitive(&self, seed: NodeId, kind: Kind, fraction_bits: u32) -> Option<Primitive> {
         let fraction = kind.bits() - 2;
         let one = 1 << fraction;
@@ -78,26 +78,26 @@ impl Net {
     }
 }
 
-/// How a device's outcomes are judged.
+/// Verdict on a device's outcomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Some choice of neighbours gives all of them.
+    /// Some choice of neighbours gives all outcomes.
     Right,
-    /// None that gives those before gives this one.
+    /// No choice that gives the earlier outcomes gives this one.
     Wrong {
-        /// Place of the outcome in the list that was asked.
+        /// Place of the outcome in the list of outcomes.
         place: usize,
-        /// What it should be, with as few neighbours as the outcomes before it allow.
+        /// Expected value, with as few neighbours as the earlier outcomes allow.
         value: i64,
     },
     /// More choices than [`MOST_CHOICES`] are left before this outcome.
     TooMany {
-        /// Its place.
+        /// Place of the outcome.
         place: usize,
     },
 }
 
-/// A design and the order in which its outcomes are asked.
+/// A design and the order in which its outcomes are checked.
 #[derive(Clone, Debug)]
 pub struct Neighbours<'a> {
     net: &'a Net,
@@ -105,24 +105,24 @@ pub struct Neighbours<'a> {
     questions: Vec<Question>,
 }
 
-/// An outcome.
+/// One outcome.
 #[derive(Clone, Debug)]
 struct Question {
     node: NodeId,
-    /// Nodes that are computed for it and not before, in their order.
+    /// Nodes that this outcome needs and no earlier one does, in their order.
     needs: Vec<NodeId>,
-    /// Nodes before it or of it that depend on a choice and are read after it.
+    /// Nodes up to this outcome that depend on a choice and are read later.
     live: Vec<NodeId>,
 }
 
 impl<'a> Neighbours<'a> {
-    /// Of a design, whose outcomes are asked in the order of `outcomes`, with `fraction_bits` of its profile.
+    /// Checker of a design. Outcomes are checked in the order of `outcomes`; `fraction_bits` is that of the profile.
     pub fn new(net: &'a Net, outcomes: &[NodeId], fraction_bits: u32) -> Self {
         let mut primitives = vec![None; net.nodes.len()];
         for primitive in net.primitives(fraction_bits) {
             primitives[primitive.node as usize] = Some(primitive);
         }
-        // Which nodes depend on a choice, and by which question a node is computed and last read.
+        // Nodes that depend on a choice, and the questions by which a node is computed and last read.
         let mut varies = vec![false; net.nodes.len()];
         for (id, node) in net.iter() {
             let of_operands = node.op.operands().any(|operand| varies[operand as usize]);
@@ -156,7 +156,7 @@ impl<'a> Neighbours<'a> {
         Self { net, primitives, questions }
     }
 
-    /// Judges a device by the integers of its ports and by whether the integer of an outcome, of which the place is given, is its own.
+    /// Checks a device. `ports` are its integers, and `is_right` answers if an integer is the device's value of the outcome at that place.
     pub fn judge(&self, ports: &[i64], is_right: impl Fn(usize, i64) -> bool) -> Verdict {
         let mut choices = vec![vec![0; self.net.nodes.len()]];
         for (place, question) in self.questions.iter().enumerate() {

@@ -1,9 +1,9 @@
-//! Faults: what vectors are graded by. One thing in a recorded design is wrong at a time, and the question is whether some field shows it.
+//! Faults: the measure of vector coverage. One thing in a netlist is wrong at a time, and a vector detects it if some field differs.
 //!
-//! A fault is a bit of a wire that is stuck, an operation that is another one, or an entry of a table that is off by one last place.
-//! Wires and their bits are those of the hardware, of which nothing is written that nobody reads ([`super::verilog`]). What makes no
-//! difference by a proven range, because no field reads the bits that would differ, or because it is asked where both answers lead to the
-//! same, is no fault. The simulation follows from the place of a fault what differs, in the order of the graph, until a field does.
+//! A fault is a bit of a wire that is stuck, an operation that is replaced, or a table entry that is off by one last place. Wires and their bits are
+//! those of the hardware, which has no wire without a reader ([`super::verilog`]). A change is no fault if a proven range hides it, if no field reads
+//! the differing bits, or if both answers of a comparison lead to the same value. The simulation follows the differences from the place of a fault,
+//! in the order of the netlist, until a field differs.
 
 use std::ops::Range;
 
@@ -13,62 +13,62 @@ use super::operator_fault::{OperatorFault, Side};
 use super::verilog::wire_bits;
 use super::waiting::Waiting;
 
-/// One thing that is wrong.
+/// One wrong thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fault {
     /// A bit of a wire never changes.
     Stuck {
         /// The wire.
         node: NodeId,
-        /// Place of the bit in its integer.
+        /// Place of the bit in the wire's integer.
         bit: u32,
-        /// What it is.
+        /// Value at which it is stuck; true for 1.
         high: bool,
     },
-    /// An operation is another one.
+    /// An operation is replaced.
     OperatorFault {
-        /// Its wire.
+        /// Wire of the operation.
         node: NodeId,
-        /// What it is.
+        /// The replacement.
         slip: OperatorFault,
     },
-    /// An entry of a table, wherever it is read, is off by one last place that its table has.
+    /// An entry of a table is off by one of the table's last places, wherever it is read.
     Entry {
         /// Place of the table in [`Faults::tables`].
         table: u32,
-        /// The entry.
+        /// Index of the entry.
         index: u32,
-        /// One more, or one less.
+        /// True for one more, false for one less.
         more: bool,
     },
 }
 
-/// A design with everything that can be wrong in it, and the wires at which it is seen.
+/// A design with all its faults, and the wires at which they are seen.
 #[derive(Clone, Debug)]
 pub struct Faults<'a> {
     pub(crate) net: &'a Net,
     pub(crate) ranges: &'a Ranges,
-    /// Each of them.
+    /// All faults.
     pub faults: Vec<Fault>,
-    /// Its tables.
+    /// Tables of the design.
     pub tables: Vec<ReadTable>,
-    /// Who reads a node.
+    /// Readers of each node.
     pub(crate) readers: Vec<Vec<NodeId>>,
-    /// The bits of a node that fields show.
+    /// Bits of each node that fields show.
     pub(crate) shown: Vec<u64>,
 }
 
 /// A table of a design.
 #[derive(Clone, Debug)]
 pub struct ReadTable {
-    /// Name, as that of its ROM in the hardware.
+    /// Name, equal to that of its ROM in the hardware.
     pub name: String,
-    /// The entries that its indices can name.
+    /// Entries that its indices can name.
     pub indices: Range<u32>,
     table: Table,
-    /// The last place that its entries have.
+    /// Last place of its entries.
     last_place: i64,
-    /// Who reads it, and at which index.
+    /// Lookups of the table, each with its index.
     pub(super) lookups: Vec<(NodeId, NodeId)>,
 }
 
@@ -96,17 +96,17 @@ impl ReadTable {
         }
     }
 
-    /// An entry that is one last place more or less.
+    /// Entry that is one last place more or less.
     fn off_by_one(&self, entry: i64, more: bool) -> i64 {
         entry + if more { self.last_place } else { -self.last_place }
     }
 
-    /// What is read at an index, as it is wrong; `None` outside.
+    /// Wrong value that a lookup reads at an index; `None` outside the table.
     pub(super) fn wrong(&self, index: u32, more: bool) -> Option<i64> {
         Some(self.off_by_one(self.table.entry(index as usize)?.into(), more))
     }
 
-    /// The entries that lookups of the design read where its wires hold `wires`.
+    /// Entries that lookups of the design read if its wires hold `wires`.
     pub fn read<'a>(&'a self, wires: &'a [i64]) -> impl Iterator<Item = i64> + 'a {
         self.lookups.iter().map(|&(_, index)| wires[index as usize])
     }
@@ -117,19 +117,19 @@ const fn power(bits: u32) -> u64 {
     1 << bits
 }
 
-/// What became of a fault under some vector.
+/// Effect of a fault under some vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Effect {
-    /// The wire is as it would be without it.
+    /// The wire has the same value as without the fault.
     None,
-    /// The wire differs, no field does.
+    /// The wire differs, but no field does.
     Masked,
     /// A field differs.
     Seen,
 }
 
 impl<'a> Faults<'a> {
-    /// All faults of a net with its proven ranges; `shown` are the bits that a field shows, of the nodes that have one.
+    /// All faults of a net with its proven ranges. `shown` lists the nodes with bits that a field shows.
     pub fn new(net: &'a Net, ranges: &'a Ranges, shown: impl IntoIterator<Item = (NodeId, u64)>) -> Self {
         let mut readers = vec![Vec::new(); net.nodes.len()];
         let mut tables: Vec<ReadTable> = Vec::new();
@@ -163,7 +163,7 @@ impl<'a> Faults<'a> {
             };
             let places = (0..63).filter(|&bit| bits >> bit & 1 == 1 && reaches(bit));
             faults.extend(places.flat_map(|bit| [false, true].map(|high| Fault::Stuck { node: id, bit, high })));
-            // A shift by a constant is a choice of bits, all else a wire of its own.
+            // A shift by a constant only picks bits; any other operation has a wire.
             let is_written = match node.op {
                 Op::Shl(..) | Op::Sar(..) => range.constant().is_none(),
                 _ => bits != 0,
@@ -181,11 +181,11 @@ impl<'a> Faults<'a> {
         faults
     }
 
-    /// Of every node the bits of its integer, as one of 64 bits, that can make a difference to a bit that a field shows.
+    /// Bits of every node's 64-bit integer that can make a difference to a bit that a field shows.
     pub(super) fn wanted(&self) -> Vec<u64> {
         let mut wanted = self.shown.clone();
         for (id, node) in self.net.iter().rev() {
-            // Above a wire's bits are copies of its sign.
+            // Bits above the wire's own are copies of its sign.
             let (bits, width) = (wanted[id as usize], node.kind.bits());
             let own =
                 if width < 64 && bits >> width != 0 { bits & (power(width) - 1) | power(width - 1) } else { bits };
@@ -229,19 +229,19 @@ impl<'a> Faults<'a> {
         wanted
     }
 
-    /// Whether a slip leaves every field as it is, by ranges and by the bits of its wire that are wanted.
+    /// True if an operator fault leaves every field as it is, by ranges and by the wanted bits of its wire.
     fn makes_no_difference(&self, id: NodeId, slip: OperatorFault, wanted: u64) -> bool {
         let range = |id| self.ranges.of(id);
         let none_from = |bit: u32| bit >= 64 || wanted >> bit == 0;
         match (slip, self.net.node(id).op) {
-            // The sign as a bit more is 2^top more.
+            // A sign that is read as a value bit adds 2^top.
             (OperatorFault::Unsigned(_), Op::Sar(a, k)) => none_from(range(a).top() - k.min(range(a).top())),
             (OperatorFault::Unsigned(_), Op::SarBy(a, count)) => {
                 none_from(range(a).top() - (range(count).high as u32).min(range(a).top()))
             }
             (OperatorFault::Unsigned(Side::First), Op::Mul(a, b)) => none_from(range(a).top() + range(b).zeros),
             (OperatorFault::Unsigned(Side::Second), Op::Mul(a, b)) => none_from(range(b).top() + range(a).zeros),
-            // Nothing but signs is left.
+            // Only signs are left.
             (OperatorFault::Further, Op::Sar(a, k)) => range(a).signed() && k + 1 >= range(a).top(),
             (OperatorFault::Nearer, Op::Sar(a, k)) => range(a).signed() && k >= range(a).top(),
             (OperatorFault::OrEqual, Op::Lt(a, b)) => {
@@ -252,8 +252,8 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// Whether a reader of the comparison a < b has the same integer for either answer where a = b: a minimum, a maximum, a magnitude, a
-    /// value kept within limits.
+    /// True if a reader of the comparison a < b has the same integer for either answer at a = b. Examples are a minimum, a maximum, a magnitude and a
+    /// value clamped to limits.
     fn is_same_at_tie(&self, reader: NodeId, comparison: NodeId, [a, b]: [NodeId; 2]) -> bool {
         let op = |id: NodeId| self.net.node(id).op;
         let Op::Select(flag, x, y) = op(reader) else { return false };
@@ -265,7 +265,7 @@ impl<'a> Faults<'a> {
             Op::Lit(value) => Some(value),
             _ => None,
         };
-        // A constant is what both are where they are equal.
+        // At a tie both operands equal the constant.
         let at_tie = |id: NodeId| if id == a || id == b { constant(a).or(constant(b)) } else { constant(id) };
         let either = |id: NodeId| {
             let inner = match op(id) {
@@ -281,7 +281,7 @@ impl<'a> Faults<'a> {
         flag == comparison && (either(x) && either(y) || is_zero(b) && magnitude(a) || is_zero(a) && magnitude(b))
     }
 
-    /// Where a fault is and what it is: `core/src/stage/reflect.rs:84 in reflect: add without its constant`.
+    /// Place and kind of a fault: `core/src/stage/reflect.rs:84 in reflect: add without its constant`.
     pub fn text(&self, fault: Fault) -> String {
         match fault {
             Fault::Stuck { node, bit, high } => {
@@ -305,7 +305,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    /// The run of the stage that a fault is in, as an index of [`Net::runs`]: none of a port or a table.
+    /// Run of the stage that holds a fault, as an index of [`Net::runs`]; `None` for a port or a table.
     pub fn run(&self, fault: Fault) -> Option<u32> {
         match fault {
             Fault::Stuck { node, .. } | Fault::OperatorFault { node, .. } => self.net.node(node).stage,
@@ -314,7 +314,7 @@ impl<'a> Faults<'a> {
     }
 }
 
-/// Wires that differ under a fault; one serves any number of faults after each other.
+/// Wires that differ under a fault; one simulator serves any number of faults in turn.
 #[derive(Clone, Debug)]
 pub struct Simulator<'a> {
     faults: &'a Faults<'a>,
@@ -326,13 +326,13 @@ pub struct Simulator<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    /// Of the faults of a design.
+    /// Simulator of the faults of a design.
     pub fn new(faults: &'a Faults<'a>) -> Self {
         let nodes = faults.net.nodes.len();
         Self { faults, differs: vec![(0, 0); nodes], simulation: 0, waiting: Waiting::new(nodes) }
     }
 
-    /// What becomes of a fault where the wires of the right design hold `right`.
+    /// Effect of a fault if the wires of the right design hold `right`.
     pub fn effect(&mut self, fault: Fault, right: &[i64]) -> Effect {
         let Self { faults, differs, simulation, waiting } = self;
         *simulation += 1;
@@ -373,7 +373,7 @@ impl<'a> Simulator<'a> {
 }
 
 impl Faults<'_> {
-    /// The integer of a node under a fault, its operands given.
+    /// Integer of a node under a fault, from its operands.
     pub(super) fn value(&self, fault: Fault, id: NodeId, right: &[i64], of: impl Fn(NodeId) -> i64) -> i64 {
         let node = self.net.node(id);
         let as_is = || match node.op {
@@ -385,7 +385,7 @@ impl Faults<'_> {
                 let range = self.ranges.of(id);
                 let (value, place) = (as_is(), 1_i64 << bit);
                 let value = if high { value | place } else { value & !place };
-                // The sign is a bit like others; what is above it are copies.
+                // The sign is a bit like others; the bits above it are copies.
                 let spare = 64 - range.top();
                 if node.kind != Kind::Flag && range.signed() { value << spare >> spare } else { value }
             }

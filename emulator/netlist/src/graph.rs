@@ -1,4 +1,4 @@
-//! The graph: nodes in the order in which they were made, so every operand comes before its use.
+//! The netlist: nodes in the order of their making, so every operand comes before its use.
 
 use std::panic::Location;
 
@@ -8,12 +8,12 @@ use roughxel_core::rom::upper;
 /// Index of a node in [`Net::nodes`].
 pub type NodeId = u32;
 
-/// What a wire may hold.
+/// Set of values that a wire may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// One bit.
     Flag,
-    /// Two's complement of so many bits, 16 to 64.
+    /// Two's complement of this many bits, 16 to 64.
     Wire(u32),
 }
 
@@ -26,7 +26,7 @@ impl Kind {
         }
     }
 
-    /// The smallest and the largest integer it holds; a flag holds 0 and 1.
+    /// Smallest and largest integer it holds; a flag holds 0 and 1.
     pub const fn limits(self) -> (i64, i64) {
         match self {
             Self::Flag => (0, 1),
@@ -34,7 +34,7 @@ impl Kind {
         }
     }
 
-    /// What the wire holds of an integer: its lowest bits. A flag is 0 or 1 already.
+    /// Wraps an integer to the wire: keeps its lowest bits. A flag is 0 or 1 already.
     pub const fn cut(self, value: i64) -> i64 {
         match self {
             Self::Flag => value,
@@ -43,17 +43,17 @@ impl Kind {
     }
 }
 
-/// A table of the datapath as words of some width read it. Compared by its place in memory: tables are statics.
+/// A table of the datapath as words of some width read it. It is compared by its place in memory: tables are statics.
 #[derive(Clone, Copy, Debug)]
 pub struct Table {
-    /// Its entries on 32 bits.
+    /// Entries on 32 bits.
     pub entries: &'static [i32],
     /// Bits of the words.
     pub bits: u32,
 }
 
 impl Table {
-    /// An entry on a word; `None` outside.
+    /// Entry on a word; `None` outside.
     pub fn entry(&self, index: usize) -> Option<i32> {
         self.entries.get(index).map(|&entry| upper(entry, self.bits))
     }
@@ -100,9 +100,9 @@ pub enum Op {
     ShlBy(NodeId, NodeId),
     /// ⌊a / 2^count⌋.
     SarBy(NodeId, NodeId),
-    /// Bitwise and; of flags, too.
+    /// Bitwise and, also of flags.
     And(NodeId, NodeId),
-    /// Bitwise or; of flags, too.
+    /// Bitwise or, also of flags.
     Or(NodeId, NodeId),
     /// Bitwise exclusive or.
     Xor(NodeId, NodeId),
@@ -110,7 +110,7 @@ pub enum Op {
     Not(NodeId),
     /// a < b, signed; a flag.
     Lt(NodeId, NodeId),
-    /// Flag, value where it is set, value where it is not.
+    /// Flag, value if it is set, value if it is clear.
     Select(NodeId, NodeId, NodeId),
     /// Leading zero bits of a wire as wide as the operand's kind; a word.
     LeadingZeros(NodeId),
@@ -120,7 +120,7 @@ pub enum Op {
     Narrow(NodeId),
     /// Entry of a table.
     Lookup(NodeId, Table),
-    /// The operand, said to be in low ..= high by a lemma.
+    /// The operand, claimed to be in low ..= high by a lemma.
     Claim {
         /// The operand.
         of: NodeId,
@@ -134,7 +134,7 @@ pub enum Op {
 }
 
 impl Op {
-    /// The nodes it reads, in order.
+    /// Operands, in order.
     pub fn operands(&self) -> impl Iterator<Item = NodeId> {
         let (mut list, mut count) = ([0; 3], 0);
         self.map(|operand| {
@@ -145,7 +145,7 @@ impl Op {
         list.into_iter().take(count)
     }
 
-    /// The same operation on other nodes.
+    /// Replaces the operands.
     pub fn map(self, mut to: impl FnMut(NodeId) -> NodeId) -> Self {
         match self {
             Self::Port(_) | Self::Lit(_) => self,
@@ -197,37 +197,37 @@ impl Op {
     }
 }
 
-/// One wire and the operation that drives it.
+/// A wire and the operation that drives it.
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
     /// Operation.
     pub op: Op,
-    /// What the wire may hold.
+    /// Kind of the wire.
     pub kind: Kind,
     /// Index in [`Net::runs`] of the stage that made it; constants and ports belong to none.
     pub stage: Option<u32>,
-    /// Line of the source that asked for it.
+    /// Line of the source that makes it.
     pub at: &'static Location<'static>,
 }
 
-/// One run of a stage of the datapath, in the order in which they ran.
+/// One run of a stage of the datapath; runs are in the order of execution.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
     /// Name as the composer gives it: the stage, then after a dot what it is used for (`columns.pixel`).
     pub name: &'static str,
     /// Number among the runs of that name, from 0.
     pub run: u32,
-    /// Whether the name ran more than once.
+    /// True if the name runs more than once.
     pub repeated: bool,
 }
 
 impl Run {
-    /// The hardware stage: the name up to the first dot.
+    /// Hardware stage: the name up to the first dot.
     pub fn base(&self) -> &'static str {
         self.name.split('.').next().unwrap_or(self.name)
     }
 
-    /// A name unique in the net: `columns_pixel_1`.
+    /// Name unique in the net: `columns_pixel_1`.
     pub fn instance(&self) -> String {
         let name = self.name.replace('.', "_");
         if self.repeated { format!("{name}_{}", self.run) } else { name }
@@ -239,11 +239,11 @@ impl Run {
 pub struct Port {
     /// Path in the bundle: `surface.normal.mantissa[0]`.
     pub name: String,
-    /// The same with what its fields are declared to be.
+    /// Steps of the path, with the declarations of its fields.
     pub path: Vec<Step>,
-    /// What it may hold.
+    /// Kind of its wire.
     pub kind: Kind,
-    /// It carries a mantissa, of which a profile keeps some bits.
+    /// True if it carries a mantissa, of which a profile keeps some bits.
     pub mantissa: bool,
     /// Binary point; 0 for a flag.
     pub fraction_bits: u32,
@@ -253,24 +253,24 @@ pub struct Port {
     pub high: i64,
     /// Low bits that are always zero.
     pub zeros: u32,
-    /// Its node.
+    /// Node of the port.
     pub node: NodeId,
 }
 
 /// A named wire: an outcome of a stage (`stage` given) or of the whole design.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tap {
-    /// The stage whose outcome it is.
+    /// Stage whose outcome it is.
     pub stage: Option<u32>,
     /// Path in the bundle: `r.m[0]`.
     pub name: String,
-    /// The same with what its fields are declared to be.
+    /// Steps of the path, with the declarations of its fields.
     pub path: Vec<Step>,
-    /// It carries a mantissa, of which a profile keeps some bits.
+    /// True if it carries a mantissa, of which a profile keeps some bits.
     pub mantissa: bool,
     /// Binary point; 0 for a flag.
     pub fraction_bits: u32,
-    /// The wire.
+    /// Node of the wire.
     pub node: NodeId,
 }
 
@@ -283,16 +283,16 @@ pub struct Net {
     pub runs: Vec<Run>,
     /// Inputs in the order of their bundle.
     pub ports: Vec<Port>,
-    /// Outcomes of stages in the order in which they ran.
+    /// Outcomes of stages in the order of execution.
     pub taps: Vec<Tap>,
     /// Outputs in the order of their bundle.
     pub outputs: Vec<Tap>,
-    /// The lowest and the highest integer that each output is declared to hold; of a design, by its recording (`emulator/record`).
+    /// Lowest and highest integer that each output is declared to hold. The recording of a design fills them (`emulator/record`).
     pub limits: Vec<(i64, i64)>,
 }
 
 impl Net {
-    /// The node.
+    /// Node by its number.
     pub fn node(&self, id: NodeId) -> &Node {
         &self.nodes[id as usize]
     }
@@ -302,14 +302,14 @@ impl Net {
         (0..).zip(&self.nodes).collect::<Vec<_>>().into_iter()
     }
 
-    /// `frame.e1.m[0]`: the stage and the path of a tap; `blend` where the outcome is a single wire.
+    /// Stage and path of a tap: `frame.e1.m[0]`, or `blend` if the outcome is a single wire.
     pub fn tap_name(&self, tap: &Tap) -> String {
         let Some(stage) = tap.stage else { return tap.name.clone() };
         let point = if tap.name.is_empty() || tap.name.starts_with('[') { "" } else { "." };
         format!("{}{point}{}", self.runs[stage as usize].instance(), tap.name)
     }
 
-    /// Where a node comes from: `core/src/stage.rs:84 in columns_pixel_0`.
+    /// Origin of a node: `core/src/stage.rs:84 in columns_pixel_0`.
     pub fn origin(&self, id: NodeId) -> String {
         let node = self.node(id);
         let line = format!("{}:{}", node.at.file(), node.at.line());
@@ -319,7 +319,7 @@ impl Net {
         }
     }
 
-    /// For each port whether an operation or an output reads it: effects that are off leave ports unread.
+    /// Flag for each port, true if an operation or an output reads it. Effects that are off leave ports unread.
     pub fn ports_read(&self) -> Vec<bool> {
         let mut read = vec![false; self.nodes.len()];
         let operands = self.nodes.iter().flat_map(|node| node.op.operands());
@@ -329,7 +329,7 @@ impl Net {
         self.ports.iter().map(|port| read[port.node as usize]).collect()
     }
 
-    /// The integer of an output that is the same whatever the ports hold, as far as folding shows.
+    /// Integer of an output that is constant whatever the ports hold, as far as folding shows.
     pub fn constant(&self, output: &Tap) -> Option<i64> {
         match self.node(output.node).op {
             Op::Lit(value) => Some(value),

@@ -1,4 +1,4 @@
-//! Bundles of the scalar reading as integers, in the order of ports and outputs of a net.
+//! Bundles of the scalar backend as integers, in the order of ports and outputs of a net.
 
 use roughxel_core::bundle::{Bundle, Rewire};
 use roughxel_core::design::Form;
@@ -6,7 +6,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::width::narrowed;
 use roughxel_core::word::Word;
 
-/// The integers on the wires of a scalar bundle, in the order of its walk.
+/// Integers on the wires of a scalar bundle, in the order of its walk.
 #[derive(Default)]
 struct Values(Vec<i64>);
 
@@ -29,12 +29,12 @@ impl<S: Word<Count = i32, Flag = bool> + Into<i64>> Rewire<S, S> for Values {
     }
 }
 
-/// The integers on the wires of a scalar bundle, in the order of ports and outputs of a net.
+/// Integers on the wires of a scalar bundle, in the order of ports and outputs of a net.
 pub fn integers<B: Bundle<i32>>(bundle: &B) -> Vec<i64> {
     integers_on::<i32, B>(bundle)
 }
 
-/// Integers on the wires, on words of the profile's width: those on the ports of that profile's nets.
+/// Integers on the wires, on words of the profile's width, as on the ports of that profile's nets.
 pub fn integers_at<B: Form>(bundle: &B, p: &Precision) -> Vec<i64> {
     if p.word_bits() == 16 { integers_on::<i16, _>(&narrowed(bundle)) } else { integers(bundle) }
 }
@@ -70,8 +70,8 @@ impl Rewire<i32, i32> for Given<'_> {
     }
 }
 
-/// A scalar bundle of the same form with other integers on its wires: the inverse of [`integers`]. Wires beyond the integers
-/// keep what they hold; an integer is cut to the bits of its wire.
+/// A scalar bundle of the same form with other integers on its wires: the inverse of [`integers`]. Wires beyond the integers keep their values; an
+/// integer wraps to the bits of its wire.
 pub fn filled<B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<i32> {
     form.rewire(&mut Given(integers.iter()))
 }

@@ -1,8 +1,8 @@
-//! The interval walk: from the declared range of every port, the range of every wire, and with it a proof that no
-//! operation leaves its word for any input.
+//! The interval walk derives the range of every wire from the declared ranges of the ports. It proves that no operation leaves its word for any
+//! input.
 //!
-//! A range is an interval and a power of two that divides every value. What an operation does to ranges stands with the operation
-//! (the folder `op`); what is known of wires that depend on each other, in `known.rs`.
+//! A range is an interval and a power of two that divides every value. The range of an operation is defined with the operation (folder `op`); facts
+//! about dependent wires are in `relational_facts.rs`.
 
 use super::graph::{Net, NodeId};
 use super::range::Exact;
@@ -22,7 +22,7 @@ impl Ranges {
     }
 }
 
-/// The exact range as one of the wire; a violation where it is not.
+/// Exact range fitted to the wire; a violation if it does not fit.
 fn fitted(known: &mut RelationalFacts, id: NodeId, exact: Exact) -> Range {
     let (kind, name) = (known.net.node(id).kind, known.op(id).name());
     let (low, high) = kind.limits();

@@ -1,10 +1,14 @@
-//! The recorded reading: the datapath of `roughxel-core` as a graph, and the walks over it.
+//! The netlist of the datapath of `roughxel-core`, and the walks over it.
 //!
-//! [`builder`] keeps every operation of the recorded reading as a node ([`graph`]); what follows are walks:
-//! [`evaluate`] computes it for given ports (a reading like any other), [`interval`] proves that no wire can leave
-//! its word, [`observe`] holds that against what wires carry, [`census`] counts what each stage costs and [`delay`] how
-//! long it takes, [`verilog`] writes it down as hardware. What each of them makes of an operation, the operation says itself,
-//! in the folder `op`. What can be recorded is every [`Design`](roughxel_core::design::Design).
+//! [`builder`] keeps every operation of the recorded backend as a node ([`graph`]). Walks over the netlist:
+//!
+//! - [`evaluate`] computes it for given ports (a backend like any other).
+//! - [`interval`] proves that no wire can leave its word.
+//! - [`observe`] compares these ranges with the values of wires.
+//! - [`census`] counts the cost of each stage, [`delay`] its levels.
+//! - [`verilog`] writes it as hardware.
+//!
+//! Folder `op` defines each operation for all walks. Every [`Design`](roughxel_core::design::Design) can be recorded.
 
 pub mod bench;
 pub mod bins;

@@ -1,12 +1,12 @@
-//! Observation: what the wires of a net carry for given fragments, beside what the interval walk says they may.
+//! Observation: values that the wires of a net carry for given fragments, next to the ranges of the interval walk.
 //!
-//! An interval is proven for every pattern of bits at every port; what real fragments put on the wire shows how much of
-//! it is meant for cases that do not occur. A value outside the proven range would be an error of the walk.
+//! An interval is proven for every pattern of bits at every port. The observed values show how much of it serves cases that do not occur. A value
+//! outside the proven range would be an error of the walk.
 
 use super::graph::{Net, NodeId};
 use super::interval::{Range, Ranges};
 
-/// What one wire has carried.
+/// Values that one wire has carried.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     low: i64,
@@ -15,7 +15,7 @@ struct Seen {
     bits: i64,
 }
 
-/// What the wires of a net have carried so far.
+/// Values that the wires of a net have carried so far.
 #[derive(Clone, Debug)]
 pub struct Observed {
     /// Evaluations so far.
@@ -25,14 +25,13 @@ pub struct Observed {
 }
 
 impl Observed {
-    /// Nothing yet.
+    /// An observation without evaluations.
     pub fn new(net: &Net) -> Self {
         let seen = vec![Seen { low: i64::MAX, high: i64::MIN, bits: 0 }; net.nodes.len()];
         Self { evaluations: 0, seen, wires: Vec::new() }
     }
 
-    /// Computes every wire of `net`, the one it was made for, from the integers of the ports and keeps what they carry.
-    /// The wires are returned, one a node.
+    /// Computes every wire of `net` from the integers of the ports, and records the values. `net` is the one of `new`. Returns the wires, one a node.
     pub fn evaluate(&mut self, net: &Net, ports: &[i64]) -> &[i64] {
         net.evaluate(ports, &mut self.wires);
         self.evaluations += 1;
@@ -42,14 +41,14 @@ impl Observed {
         &self.wires
     }
 
-    /// The range of what a wire has carried; `None` before the first evaluation.
+    /// Range of the values of a wire; `None` before the first evaluation.
     pub fn of(&self, id: NodeId) -> Option<Range> {
         let Seen { low, high, bits } = *self.seen.get(id as usize)?;
         let range = Range { low, high, zeros: bits.trailing_zeros().min(62) };
         (low <= high).then_some(if low == high { Range::of(low) } else { range })
     }
 
-    /// The first wire that has left its proven range. There is none, or the interval walk is wrong.
+    /// First wire outside its proven range. There is none, unless the interval walk is wrong.
     pub fn first_outside(&self, ranges: &Ranges) -> Option<NodeId> {
         (0..self.seen.len() as NodeId).find(|&id| {
             let proven = ranges.of(id);

@@ -1,6 +1,6 @@
-//! What an operation is, in every respect, each in one place: its integer, its range, the unit of hardware that it takes, its text.
+//! Operations: integer, range, unit of hardware and text of each, in one place.
 //!
-//! The walks over a graph ask an [`Op`]; the answers are those of the [`Operation`]s in the files below.
+//! The walks over a netlist ask an [`Op`]; the [`Operation`]s in the files below answer.
 
 mod arithmetic;
 mod given;
@@ -26,7 +26,7 @@ use operation::Operation;
 use same::{Claim, Resized};
 use shift::{Sar, SarBy, Shl, ShlBy};
 
-/// Asks an operation, whichever it is.
+/// Asks an operation of any kind.
 macro_rules! ask {
     ($op:expr, $operation:ident => $question:expr) => {
         match $op {
@@ -59,28 +59,28 @@ macro_rules! ask {
 }
 
 impl Op {
-    /// The exact integer of an operation of the kind `kind`: [`Operation::value`], part of whoever asks, which often needs 64 of its bits.
+    /// Exact integer of an operation of the kind `kind`: [`Operation::value`]. It is inlined, for callers often need 64 of its bits.
     #[inline(always)]
     pub(crate) fn value(self, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         ask!(self, operation => operation.value(kind, kind_of, operand))
     }
 
-    /// Whether it means something: [`Operation::is_defined`].
+    /// True if it is defined for these operands: [`Operation::is_defined`].
     pub(crate) fn is_defined(self, kind: Kind, operand: impl Fn(NodeId) -> i64) -> bool {
         ask!(self, operation => operation.is_defined(kind, operand))
     }
 
-    /// What its wire, number `id`, can hold: [`Operation::range`].
+    /// Exact range of its wire, number `id`: [`Operation::range`].
     pub(crate) fn range(self, known: &mut RelationalFacts, id: NodeId) -> Exact {
         ask!(self, operation => operation.range(known, id))
     }
 
-    /// The hardware of node `id`: [`Operation::unit`].
+    /// Hardware of node `id`: [`Operation::unit`].
     pub(crate) fn unit(self, ranges: &Ranges, id: NodeId) -> Unit {
         ask!(self, operation => operation.unit(ranges, id))
     }
 
-    /// What stands for it where wires are enough: [`Operation::wiring`].
+    /// Value of node `id` in the text, if wires are enough: [`Operation::wiring`].
     pub(crate) fn wiring(self, body: &Body, id: NodeId) -> Option<Value> {
         ask!(self, operation => operation.wiring(body, id))
     }
@@ -90,12 +90,12 @@ impl Op {
         ask!(self, operation => operation.span(body, low, high))
     }
 
-    /// The bits of its operands that it reads: [`Operation::reads`].
+    /// Bits of its operands that it reads: [`Operation::reads`].
     pub(crate) fn reads(self, body: &Body, bits: u128, first: u32, last: u32) -> Vec<(NodeId, u128)> {
         ask!(self, operation => operation.reads(body, bits, first, last))
     }
 
-    /// Its right-hand side: [`Operation::expression`].
+    /// Right-hand side of its assignment: [`Operation::expression`].
     pub(crate) fn expression(self, body: &Body, first: u32, last: u32, rank: u32) -> String {
         ask!(self, operation => operation.expression(body, first, last, rank))
     }

@@ -1,26 +1,26 @@
-//! What an operation is instead, and what it makes then.
+//! Operator faults: replacements of operations, and their values.
 
 use std::fmt;
 
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 
-/// What an operation is instead.
+/// Replacement of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OperatorFault {
-    /// a − b for a + b and the other way round.
+    /// a − b for a + b, or a + b for a − b.
     Sign,
     /// b − a for a − b; b < a for a < b; the other value of a choice.
     Swapped,
     /// a for a + c with a constant c: no rounding.
     WithoutConstant,
-    /// The sign of a factor, or of what is shifted to the right, taken as one more bit.
+    /// A sign read as one more value bit, of a factor or of the operand of a right shift.
     Unsigned(Side),
     /// One place more.
     Further,
     /// One place less.
     Nearer,
-    /// a | b for a & b and the other way round; a | b for an exclusive or.
+    /// a | b for a & b, a & b for a | b, or a | b for an exclusive or.
     OtherGate,
     /// a ≤ b for a < b.
     OrEqual,
@@ -38,7 +38,7 @@ pub enum Side {
 }
 
 impl OperatorFault {
-    /// What can be wrong with an operation.
+    /// Faults that an operation can have.
     pub(super) fn of(net: &Net, ranges: &Ranges, op: Op) -> Vec<Self> {
         use Side::{First, Second};
         let signed = |id| ranges.of(id).signed();
@@ -70,7 +70,7 @@ impl OperatorFault {
         }
     }
 
-    /// The operation that is there instead, where there is one.
+    /// Replacing operation, if it is one of the algebra.
     pub(super) const fn instead(self, op: Op) -> Option<Op> {
         Some(match (self, op) {
             (Self::Sign, Op::Add(a, b)) | (Self::Swapped, Op::Sub(b, a)) => Op::Sub(a, b),
@@ -85,11 +85,11 @@ impl OperatorFault {
         })
     }
 
-    /// The integer of an operation that is wrong in this way, on its wire.
+    /// Integer of the wrong operation on its wire.
     pub(super) fn value(self, net: &Net, ranges: &Ranges, node: NodeId, of: impl Fn(NodeId) -> i64) -> i64 {
         let (op, kind) = (net.node(node).op, net.node(node).kind);
         let as_is = |op: Op| op.value(kind, |id| net.node(id).kind, &of);
-        // The bits of an operand without the meaning of the top one.
+        // Bits of an operand without the meaning of the top one.
         let natural = |id: NodeId| i128::from(of(id)) & ((1_i128 << ranges.of(id).top()) - 1);
         let by = |count: i64| (count as u32) & (kind.bits() - 1);
         let one = if self == Self::Further { 1 } else { -1 };

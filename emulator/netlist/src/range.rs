@@ -1,10 +1,10 @@
-//! What wires can hold: intervals of multiples of a power of two.
+//! Ranges of wires: intervals of multiples of a power of two.
 
 use std::fmt;
 
 use super::graph::NodeId;
 
-/// What a wire can hold: multiples of 2^`zeros` from `low` to `high`.
+/// Range of a wire: multiples of 2^`zeros` from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Range {
     /// Smallest value.
@@ -21,19 +21,18 @@ impl Range {
         Self { low: value, high: value, zeros: value.trailing_zeros().min(63) }
     }
 
-    /// Whether it is one value only.
+    /// Returns the value if it is the only one.
     pub fn constant(&self) -> Option<i64> {
         (self.low == self.high).then_some(self.low)
     }
 
-    /// Whether a value is in it.
+    /// True if a value is in the range.
     pub fn contains(&self, value: i64) -> bool {
         (self.low..=self.high).contains(&value) && value.trailing_zeros() >= self.zeros.min(63)
             || value == 0 && self.low <= 0 && self.high >= 0
     }
 
-    /// Bits of a two's complement word that holds every value without its constant low zeros; unsigned where nothing
-    /// is negative.
+    /// Bits of a two's complement word that holds every value without its constant low zeros; unsigned if nothing is negative.
     pub fn width(&self) -> u32 {
         let (low, high) = (self.low >> self.zeros, self.high >> self.zeros);
         if low >= 0 { (64 - high.leading_zeros()).max(1) } else { 65 - (high.max(-1 - low)).leading_zeros() }
@@ -44,7 +43,7 @@ impl Range {
         self.zeros + self.width()
     }
 
-    /// Whether negative values occur.
+    /// True if negative values occur.
     pub fn signed(&self) -> bool {
         self.low < 0
     }
@@ -56,7 +55,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// An exact interval before it is known to fit.
+/// Exact interval, before it is known to fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exact {
     pub(crate) low: i128,
@@ -86,17 +85,17 @@ impl Exact {
     }
 }
 
-/// A range for every wire of a net, or for as many as are sound, with every violation found.
+/// Ranges of the wires of a net, as far as they are sound, with every violation found.
 #[derive(Clone, Debug)]
 pub struct Ranges {
     /// One range a node. After a violation the wire is taken to hold anything.
     pub ranges: Vec<Range>,
-    /// Operations that could leave their word; empty is the proof.
+    /// Operations that could leave their word; an empty list is the proof.
     pub violations: Vec<Violation>,
 }
 
 impl Ranges {
-    /// The range of a node.
+    /// Range of a node.
     pub fn of(&self, id: NodeId) -> Range {
         self.ranges[id as usize]
     }
@@ -107,7 +106,7 @@ impl Ranges {
 pub struct Violation {
     /// The node.
     pub node: NodeId,
-    /// Operation and what it may come to.
+    /// Operation and its possible values.
     pub problem: String,
     /// Source line and stage.
     pub origin: String,
@@ -123,7 +122,7 @@ pub(crate) fn difference(a: Exact, b: Exact) -> Exact {
     Exact { low: a.low - b.high, high: a.high - b.low, zeros: a.zeros.min(b.zeros) }
 }
 
-/// The smallest power of two 2^n with every value in −2^n ..= 2^n − 1.
+/// Smallest power of two 2^n with every value in −2^n ..= 2^n − 1.
 pub(crate) fn power_above(range: Exact) -> i128 {
     let magnitude = range.high.max(-1 - range.low).max(0);
     1 << (128 - magnitude.leading_zeros())

@@ -1,15 +1,17 @@
-//! Proof that an operation may be another one, or an entry of a table that is read at one place: faults that no vector can show.
+//! Redundant faults: proof that no vector can show a replaced operation, or a wrong table entry that is read at one place.
 //!
-//! A fault makes a difference only where its wire does, and that is a condition on wires of the right design: a choice is always the first
-//! value, which matters where its flag is not set. From such a condition the ranges of the wires before and behind it are narrowed, as long as
-//! one follows from another. Where nothing is left of a range the condition never holds. Otherwise what differs is followed
-//! from the fault to the fields, with ranges of its own: behind a wire that is the same constant in both designs nothing differs.
+//! A fault makes a difference only if its wire does, which is a condition on wires of the right design. For example, "always the first value" matters
+//! only if the choice's flag is clear. The condition narrows the ranges of the wires before and after it, as long as one range follows from another.
+//! If nothing is left of a range, the condition never holds. Otherwise the proof follows the difference from the fault to the fields, with ranges of
+//! the wrong design. After a wire that is the same constant in both designs nothing differs.
 //!
-//! Backwards every rule is that of an integer operation without overflow, so a design whose ranges are not proven has no such proof; forwards
-//! ranges are those that operations give themselves (the folder `op`). Claims hold in the right design only, and what overflows in the wrong one may be anything. Four
-//! lemmas more than in `known.rs`: a normalisation keeps the sign; where all others of the wires that are normalised together are smaller than half of
-//! what a wire holds, the one left is 0 or at least that half; a maximum is no smaller than what it is the maximum of; and a rounding
-//! of what has no bits below its last place adds nothing.
+//! Backward rules assume integer operations without overflow, so a design whose ranges are not proven has no such proof. Forward ranges are those of
+//! the operations themselves (folder `op`). Claims hold in the right design only, and an operation that overflows in the wrong one may give anything.
+//! Four lemmas extend those of `relational_facts.rs`:
+//! - A normalisation keeps the sign.
+//! - If all other wires that are normalised together are smaller than half of a wire's limit, the one left is 0 or at least that half.
+//! - A maximum is no smaller than its operands.
+//! - A rounding of a value without bits below its last place adds nothing.
 
 mod narrow;
 
@@ -22,47 +24,47 @@ use super::operator_fault::{OperatorFault, Side};
 use super::range::{Exact, Range};
 use super::relational_facts::RelationalFacts;
 
-/// Revisions of one condition; behind them ranges are what they are, which is sound.
+/// Most revisions of one condition. After them the ranges stay as they are, which is sound.
 const MOST_REVISIONS: usize = 20_000;
-/// Flags on which a proof may depend one after the other, and how many are tried for each of them.
+/// Most flags on which a proof may depend one after the other, and most flags that are tried for each of them.
 const MOST_FLAGS: u32 = 2;
 const FLAGS_TRIED: usize = 3;
 
 /// Bounds of wires that hold together.
 type Condition = Vec<(NodeId, i128, i128)>;
 
-/// What is wrong at a node.
+/// Fault at a node.
 #[derive(Clone, Copy)]
 enum Wrong {
-    /// Its operation.
+    /// Its operation is replaced.
     OperatorFault(OperatorFault),
-    /// What it reads.
+    /// Its lookup reads this value.
     Value(i64),
 }
 
-/// Nothing is left of a range: the condition never holds.
+/// Error of an empty range: the condition never holds.
 struct Never;
 
-/// Proves faults of a design equal, one after the other.
+/// Prover of redundant faults of a design, one after the other.
 pub struct Prover<'a> {
     faults: &'a Faults<'a>,
-    /// What wires hold under the condition.
+    /// Facts about wires of the right design under the condition.
     right: RelationalFacts<'a>,
-    /// What they hold in the wrong design then.
+    /// Facts about the same wires in the wrong design.
     wrong: RelationalFacts<'a>,
-    /// Nodes whose ranges are not those of the proof.
+    /// Nodes whose ranges differ from the proven ones.
     moved: Vec<NodeId>,
 }
 
 impl<'a> Prover<'a> {
-    /// For the faults of a design.
+    /// Prover for the faults of a design.
     pub fn new(faults: &'a Faults<'a>) -> Self {
         let known = || RelationalFacts::new(faults.net, faults.ranges.ranges.clone());
         Self { faults, right: known(), wrong: known(), moved: Vec::new() }
     }
 
-    /// Whether an operation may be another one in this way, or an entry of a table that one lookup reads; `false` where that is not proven, and of
-    /// all other faults.
+    /// True if an operator fault, or a wrong entry of a table that one lookup reads, is proven redundant. It is `false` if that is not proven, and
+    /// for all other faults.
     pub fn is_equal(&mut self, fault: Fault) -> bool {
         let is_proven = self.faults.ranges.violations.is_empty();
         match fault {
@@ -80,7 +82,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Whether no field differs under a condition; where that is not seen at once, whether it is so with a flag set and without.
+    /// True if no field differs under a condition. If that is not seen at once, both values of a flag are tried.
     fn is_equal_under(&mut self, node: NodeId, wrong: Wrong, condition: &Condition, flags: u32) -> bool {
         let mut open = Vec::new();
         let is_equal = match self.narrow(condition) {
@@ -104,13 +106,13 @@ impl<'a> Prover<'a> {
                 })
     }
 
-    /// Conditions of which one holds wherever the wire differs.
+    /// Conditions, of which one holds if the wire differs.
     fn conditions(&self, node: NodeId, slip: OperatorFault) -> Vec<Condition> {
         let of = |id: NodeId| self.right.range(id);
         let is = |id: NodeId, value: i128| (id, value, value);
         let negative = |id: NodeId| (id, i128::MIN, -1);
         let not_negative = |id: NodeId| (id, 0, i128::MAX);
-        // Not zero, as far as an interval says so.
+        // Not zero, as far as an interval can say so.
         let not_zero = |id: NodeId| {
             let Exact { low, high, .. } = of(id);
             (id, if low == 0 { 1 } else { low }, if high == 0 { -1 } else { high })
@@ -136,10 +138,10 @@ impl<'a> Prover<'a> {
                 let sides = [negative, not_negative];
                 sides.iter().flat_map(|first| sides.iter().map(move |second| vec![first(a), second(b)])).collect()
             }
-            // Both have a bit that is set.
+            // Both operands have a set bit.
             (OperatorFault::OtherGate, Op::Xor(a, b)) => vec![vec![not_zero(a), not_zero(b)]],
             (OperatorFault::Sign, Op::Add(_, b) | Op::Sub(_, b)) => vec![vec![not_zero(b)]],
-            // The number with fewest leading zeros alone, for a power of two has no bits below it.
+            // Only the number with the fewest leading zeros matters: a power of two has no bits below it.
             (OperatorFault::WithoutConstant, Op::Add(a, _)) => {
                 let signs = [negative(a), is(a, 0), (a, 1, i128::MAX)];
                 let Some((_, count)) = self.shifted(a) else { return signs.map(|sign| vec![sign]).into() };
@@ -160,7 +162,7 @@ impl<'a> Prover<'a> {
         self.faults.net.node(id).kind
     }
 
-    /// Narrows the ranges of all wires that a condition says something of.
+    /// Narrows the ranges of all wires that a condition restricts.
     fn narrow(&mut self, condition: &Condition) -> Result<(), Never> {
         let mut waiting = BTreeSet::new();
         for &(id, low, high) in condition {
@@ -175,7 +177,7 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// A wire is known to be within bounds. Whatever touches it is looked at again where that is news.
+    /// Intersects the range of a wire with bounds. If that narrows the range, the wire and its readers wait for a new look.
     fn meet(&mut self, id: NodeId, low: i128, high: i128, waiting: &mut BTreeSet<NodeId>) -> Result<(), Never> {
         let old = self.right.ranges[id as usize];
         let exact = Exact::of(old).within(low, high);
@@ -192,7 +194,7 @@ impl<'a> Prover<'a> {
             self.moved.push(id);
             waiting.insert(id);
             waiting.extend(&self.faults.readers[id as usize]);
-            // Which of the wires that are normalised together is the largest follows from the others.
+            // The largest of the wires that are normalised together depends on all of them.
             if let Op::ShlBy(_, count) = self.right.op(id) {
                 waiting.extend(&self.faults.readers[count as usize]);
             }
@@ -200,7 +202,7 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// What a wire of the right design holds by what its operands hold.
+    /// Range of a wire of the right design from its operands.
     fn right_range(&mut self, id: NodeId) -> Exact {
         let op = self.right.op(id);
         let now = self.right.range(id);
@@ -231,7 +233,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Whether a wire is no smaller than another one because it is a maximum with it.
+    /// True if wire `a` is no smaller than `b` because it is a maximum with it.
     fn is_at_least(&self, a: NodeId, b: NodeId) -> bool {
         a == b
             || match self.right.op(a) {
@@ -243,7 +245,7 @@ impl<'a> Prover<'a> {
             }
     }
 
-    /// Whether of the wires that are normalised by `count` all but `x` hold less than half of what they could then, so that `x` has the highest bit.
+    /// True if `x` has the highest bit of the wires that `count` normalises: all others hold less than half of their limit after the shift.
     fn is_largest(&self, x: NodeId, count: NodeId) -> bool {
         let Op::Sub(zeros, _) = self.right.op(count) else { return false };
         let Op::LeadingZeros(of) = self.right.op(zeros) else { return false };
@@ -266,7 +268,7 @@ impl<'a> Prover<'a> {
         true
     }
 
-    /// The places by which `a` is shifted to the right, and the count on a wire by which it was shifted to the left before.
+    /// Places by which `a` is shifted to the right, and the count on a wire of the left shift before.
     fn shifted(&self, a: NodeId) -> Option<(u32, NodeId)> {
         let Op::Sar(of, places) = self.right.op(a) else { return None };
         let Op::ShlBy(_, count) = self.right.op(of) else { return None };
@@ -284,8 +286,7 @@ impl<'a> Prover<'a> {
         own.max(through)
     }
 
-    /// Whether a constant that is added makes no difference, because it is less than the last place of what it is added to and only bits from there on
-    /// are read.
+    /// True if an added constant makes no difference: it is less than the last place of the other operand, and only bits from that place on are read.
     fn rounds_nothing(&self, node: NodeId, wrong: Wrong) -> bool {
         let (Wrong::OperatorFault(OperatorFault::WithoutConstant), Op::Add(a, c)) = (wrong, self.right.op(node)) else {
             return false;
@@ -297,7 +298,7 @@ impl<'a> Prover<'a> {
             && self.faults.readers[node as usize].iter().all(reads_above)
     }
 
-    /// Whether some field may differ under the condition; `open` are flags that do not differ and choose behind the fault.
+    /// True if some field may differ under the condition. `open` are flags that do not differ and choose after the fault.
     fn is_shown(&mut self, node: NodeId, wrong: Wrong, open: &mut Vec<NodeId>) -> bool {
         for &id in &self.moved {
             self.wrong.ranges[id as usize] = self.right.ranges[id as usize];
@@ -330,7 +331,7 @@ impl<'a> Prover<'a> {
         false
     }
 
-    /// What a wire holds in the wrong design by what its operands hold there.
+    /// Range of a wire in the wrong design from its operands there.
     fn wrong_range(&mut self, id: NodeId) -> Range {
         match self.faults.net.node(id).op {
             Op::Claim { of, .. } => self.wrong.ranges[of as usize],
@@ -338,7 +339,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// What the wire of a fault holds.
+    /// Range of the faulty wire.
     fn wrong_value(&mut self, node: NodeId, wrong: Wrong) -> Range {
         let slip = match wrong {
             Wrong::OperatorFault(slip) => slip,
@@ -348,14 +349,14 @@ impl<'a> Prover<'a> {
         if let (OperatorFault::Unsigned(Side::First), Op::Sar(a, k)) = (slip, op)
             && self.wrong.range(a).high < 0
         {
-            // The sign is a bit like others, so what is negative is that much more.
+            // The sign is a bit like others, so a negative value is larger by that bit.
             let (Exact { low, high, .. }, bit) = (self.wrong.range(a), 1_i128 << self.faults.ranges.of(a).top());
             return self.wrapped(node, |_| Exact { low: (low + bit) >> k, high: (high + bit) >> k, zeros: 0 });
         }
         if let (OperatorFault::Nearer, Op::ShlBy(_, count)) = (slip, op)
             && self.right.range(count).low > 0
         {
-            // What is shifted by a place at least is even: half of it.
+            // A value that is shifted by at least one place is even, so half of it is exact.
             let Exact { low, high, .. } = self.right.range(node);
             return self.wrapped(node, |_| Exact { low: -(-low >> 1), high: high >> 1, zeros: 0 });
         }
@@ -373,7 +374,7 @@ impl<'a> Prover<'a> {
         self.wrapped(node, |known| forward(known, instead, node))
     }
 
-    /// A range of the wrong design on its wire: all that the wire holds where it overflows or is not defined, and then no lemma knows the node.
+    /// Range of the wrong design on its wire. If the operation overflows or is undefined, it is the full range, and no lemma applies to the node.
     fn wrapped(&mut self, id: NodeId, range: impl FnOnce(&mut RelationalFacts) -> Exact) -> Range {
         let exact = range(&mut self.wrong);
         let (low, high) = self.kind(id).limits();
@@ -388,7 +389,7 @@ impl<'a> Prover<'a> {
     }
 }
 
-/// What the wire of a node holds by what the operands of `op` hold: what it computes where each of them is constant.
+/// Range of a node's wire from the operands of `op`, or its exact value if each operand is constant.
 fn forward(known: &mut RelationalFacts, op: Op, id: NodeId) -> Exact {
     let constant = |id: NodeId| known.ranges[id as usize].constant();
     if op.operands().all(|id| constant(id).is_some()) {
@@ -401,7 +402,7 @@ fn forward(known: &mut RelationalFacts, op: Op, id: NodeId) -> Exact {
     op.range(known, id)
 }
 
-/// All that a wire holds.
+/// Full range of a wire.
 fn full(kind: Kind) -> Range {
     let (low, high) = kind.limits();
     Range { low, high, zeros: 0 }

@@ -1,48 +1,47 @@
-//! What the interval walk knows of a wire while it makes the next one: the ranges so far, and facts of which plain intervals
-//! know nothing, because they know nothing of correlation.
+//! Facts of the interval walk while it derives the next wire: the ranges so far, and facts that plain intervals miss because they ignore correlation.
 //!
 //! Five patterns are recognised, each an exact lemma about integers:
-//! `select(x < y, …)` knows the comparison in its branches (min, max, absolute value, |x| ≤ y);
-//! `x − ((x >> k) << k)` is the remainder, in [0, 2^k);
-//! `x ^ (x >> w − 1)` is the one's complement magnitude, in [0, max(high, −1 − low)];
-//! `x << (clz(m) − 1)` fits its wire where m is an `or` of magnitudes with that of x among them (block
-//! normalisation); and a sum Σ wᵢ·tᵢ with wᵢ ≥ 0 whose weights sum to a constant c, as polynomials in wires, lies
-//! within c times the hull of the tᵢ (interpolation). Everything else that intervals cannot find is a claim in the
-//! source, with a lemma that is a test.
+//! - `select(x < y, …)` knows the comparison in its branches (min, max, absolute value, |x| ≤ y).
+//! - `x − ((x >> k) << k)` is the remainder, in [0, 2^k).
+//! - `x ^ (x >> w − 1)` is the one's complement magnitude, in [0, max(high, −1 − low)].
+//! - `x << (clz(m) − 1)` fits its wire if m is an `or` of magnitudes with that of x among them (block normalisation).
+//! - A sum Σ wᵢ·tᵢ with wᵢ ≥ 0 whose weights sum to a constant c, as polynomials in wires, lies within c times the hull of the tᵢ (interpolation).
+//!
+//! Everything else that intervals cannot find is a claim in the source, with a lemma that is a test.
 
 use std::collections::BTreeMap;
 
 use super::graph::{Net, NodeId, Op};
 use super::range::{Exact, Range, Violation, difference};
 
-/// What is known before a wire is made.
+/// Facts known before a wire is made.
 pub(crate) struct RelationalFacts<'a> {
     pub(crate) net: &'a Net,
-    /// Ranges of the nodes before it.
+    /// Ranges of the earlier nodes.
     pub(crate) ranges: Vec<Range>,
     pub(crate) violations: Vec<Violation>,
-    /// Nodes that are not what their operation says, so that no pattern may see through them: those of a fault.
+    /// Faulty nodes: they differ from their operation, so no pattern may see through them.
     pub(crate) opaque: Vec<NodeId>,
 }
 
 /// Powers of nodes with their coefficient; the empty product is the constant term.
 type Polynomial = BTreeMap<Vec<NodeId>, i128>;
 
-/// The most terms of a polynomial the walk multiplies out: weights of interpolation have at most eight.
+/// Most terms of a polynomial that the walk multiplies out: weights of interpolation have at most eight.
 const MOST_TERMS: usize = 32;
 
 impl<'a> RelationalFacts<'a> {
-    /// With the ranges of the first nodes of a net.
+    /// Facts with the ranges of the first nodes of a net.
     pub(crate) fn new(net: &'a Net, ranges: Vec<Range>) -> Self {
         Self { net, ranges, violations: Vec::new(), opaque: Vec::new() }
     }
 
-    /// The operation of a node; of an opaque one a port that does not exist.
+    /// Operation of a node; for an opaque one a port that does not exist.
     pub(crate) fn op(&self, id: NodeId) -> Op {
         if self.opaque.contains(&id) { Op::Port(u32::MAX) } else { self.net.node(id).op }
     }
 
-    /// What a node can hold.
+    /// Exact range of a node.
     pub(crate) fn range(&self, id: NodeId) -> Exact {
         Exact::of(self.ranges[id as usize])
     }
@@ -52,7 +51,7 @@ impl<'a> RelationalFacts<'a> {
         self.violations.push(Violation { node, problem, origin: self.net.origin(node) });
     }
 
-    /// Counts by which node `id` shifts, cut to what its wire allows; a violation where they are not below its width.
+    /// Counts by which node `id` shifts, clamped to the range that its wire allows. Counts that are not below the wire's width are a violation.
     pub(crate) fn places(&mut self, id: NodeId, low: i128, high: i128) -> (u32, u32) {
         let bits = self.net.node(id).kind.bits();
         let last = i128::from(bits) - 1;
@@ -63,7 +62,7 @@ impl<'a> RelationalFacts<'a> {
         (low.clamp(0, last) as u32, high.clamp(0, last) as u32)
     }
 
-    /// What `value` can be where `flag` is (not) set: the flag's comparison is known there. `None`: never.
+    /// Range of `value` if `flag` is (not) set: the flag's comparison is known then. `None`: never.
     pub(crate) fn in_branch(&self, value: NodeId, flag: NodeId, set: bool) -> Option<Exact> {
         let mut known = Vec::new();
         self.facts(flag, set, &mut known);
@@ -71,7 +70,7 @@ impl<'a> RelationalFacts<'a> {
         (range.low <= range.high).then_some(range)
     }
 
-    /// Bounds that hold where `flag` is (not) set.
+    /// Bounds that hold if `flag` is (not) set.
     fn facts(&self, flag: NodeId, set: bool, known: &mut Vec<(NodeId, i128, i128)>) {
         match self.op(flag) {
             Op::Not(inner) => self.facts(inner, !set, known),
@@ -99,7 +98,7 @@ impl<'a> RelationalFacts<'a> {
         }
     }
 
-    /// The range of a node under known bounds, through differences and shifts of a bounded node.
+    /// Range of a node under known bounds, through differences and shifts of a bounded node.
     fn refined(&self, id: NodeId, known: &[(NodeId, i128, i128)]) -> Exact {
         let bounded = known.iter().filter(|(node, ..)| *node == id);
         let direct = bounded.fold(self.range(id), |range, &(_, low, high)| range.within(low, high));
@@ -112,14 +111,14 @@ impl<'a> RelationalFacts<'a> {
         }
     }
 
-    /// `x` of `select(x < 0, 0 − x, x)`.
+    /// Operand `x` of `select(x < 0, 0 − x, x)`.
     pub(crate) fn absolute_of(&self, id: NodeId) -> Option<NodeId> {
         let Op::Select(flag, negated, x) = self.op(id) else { return None };
         let (Op::Lt(of, zero), Op::Sub(from, taken)) = (self.op(flag), self.op(negated)) else { return None };
         ([of, taken] == [x; 2] && [zero, from].map(|id| self.op(id)) == [Op::Lit(0); 2]).then_some(x)
     }
 
-    /// `x − ((x >> k) << k)` in [0, 2^k).
+    /// Range [0, 2^k) of a remainder `x − ((x >> k) << k)`.
     pub(crate) fn remainder(&self, a: NodeId, b: NodeId) -> Option<Exact> {
         let Op::Shl(shifted, k) = self.op(b) else { return None };
         match self.op(shifted) {
@@ -130,7 +129,7 @@ impl<'a> RelationalFacts<'a> {
         }
     }
 
-    /// `x` of `x ^ (x >> bits − 1)`.
+    /// Operand `x` of `x ^ (x >> bits − 1)`.
     pub(crate) fn magnitude_of(&self, id: NodeId) -> Option<NodeId> {
         let Op::Xor(x, sign) = self.op(id) else { return None };
         match self.op(sign) {
@@ -139,7 +138,7 @@ impl<'a> RelationalFacts<'a> {
         }
     }
 
-    /// The range of `x ^ (x >> bits − 1)`.
+    /// Range of `x ^ (x >> bits − 1)`.
     pub(crate) fn magnitude(&self, id: NodeId) -> Option<Exact> {
         let x = self.range(self.magnitude_of(id)?);
         let low = if x.low > 0 {
@@ -152,7 +151,7 @@ impl<'a> RelationalFacts<'a> {
         Some(Exact { low, high: x.high.max(-1 - x.low), zeros: 0 })
     }
 
-    /// Whether `x << count` is a normalisation: count = clz(m) − 1 with the magnitude of `x` in the or-tree m.
+    /// True if `x << count` is a normalisation: count = clz(m) − 1 with the magnitude of `x` in the or-tree m.
     pub(crate) fn normalises(&self, x: NodeId, count: NodeId) -> bool {
         let Op::Sub(zeros, one) = self.op(count) else { return false };
         let Op::LeadingZeros(magnitudes) = self.op(zeros) else { return false };
@@ -162,7 +161,7 @@ impl<'a> RelationalFacts<'a> {
 
     fn or_holds(&self, tree: NodeId, x: NodeId) -> bool {
         match self.op(tree) {
-            // A clear sign bit in every leaf is what makes the count positive.
+            // A clear sign bit in every leaf makes the count positive.
             Op::Or(a, b) => {
                 self.or_holds(a, x) && self.range(b).low >= 0 || self.or_holds(b, x) && self.range(a).low >= 0
             }
@@ -170,7 +169,7 @@ impl<'a> RelationalFacts<'a> {
         }
     }
 
-    /// A sum of products with weights that are not negative and sum to a constant.
+    /// Range of a sum of products with non-negative weights that sum to a constant.
     pub(crate) fn convex_sum(&self, id: NodeId) -> Option<Exact> {
         let mut products = Vec::new();
         self.products(id, &mut products).then_some(())?;
@@ -202,7 +201,7 @@ impl<'a> RelationalFacts<'a> {
         })
     }
 
-    /// The factors of every term of a sum of products; false where a term is something else.
+    /// Collects the factors of every term of a sum of products; false if a term is something else.
     fn products(&self, id: NodeId, found: &mut Vec<(NodeId, NodeId)>) -> bool {
         match self.op(id) {
             Op::Add(a, b) => self.products(a, found) && self.products(b, found),
@@ -214,7 +213,7 @@ impl<'a> RelationalFacts<'a> {
         }
     }
 
-    /// A node as a polynomial in others, multiplied out.
+    /// Node as a polynomial in others, multiplied out.
     fn polynomial(&self, id: NodeId) -> Option<Polynomial> {
         let single = || Polynomial::from([(vec![id], 1)]);
         let result = match self.op(id) {

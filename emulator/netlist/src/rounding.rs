@@ -1,31 +1,31 @@
-//! Rounding: what a design gives where whatever it rounds is rounded in another way, by some last places more or less.
+//! Rounding: values of a design whose roundings are off by some last places.
 //!
-//! Each rounding alone, both ways, says how much every outcome depends on it; the sum over all of them is, to first order, how far an outcome
-//! can be off where all are at once. A comparison is beyond first order: where the sum can turn it, a design is asked in which every
-//! rounding pushes towards that, and, where that leads elsewhere, how much every outcome depends on each rounding there.
+//! Each rounding alone, both ways, shows how much every outcome depends on it. The sum over all roundings is, to first order, the largest error of an
+//! outcome if all roundings are off at once. A comparison is beyond first order. If the sum can turn it, a design is tried in which every rounding
+//! pushes towards that. If the outcome changes there, each rounding is also tried alone in that design.
 
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 use super::waiting::Waiting;
 
-/// Designs beside those that a comparison asks for, whose roundings are off in no order.
+/// Number of designs with scattered roundings, in addition to those for comparisons.
 const SCATTERED: u64 = 8;
 
-/// A design that rounds in another way.
+/// A design with changed roundings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// All of them.
+    /// All roundings are changed.
     Together,
-    /// One alone, by its number, in the design last shown as `Together`: more, then less.
+    /// One rounding alone, by its number, in the design last shown as `Together`: more, then less.
     Alone(usize),
 }
 
-/// What roundings do to the comparisons of a vector.
+/// Effect of roundings on the comparisons of a vector.
 #[derive(Clone, Debug)]
 pub struct Moves {
-    /// The wires of the design as it is.
+    /// Wires of the unchanged design.
     right: Vec<i64>,
-    /// How much a − b of each comparison grows where each rounding has more, of the way by which it goes further.
+    /// Growth of a − b of each comparison for more of each rounding, taken from the direction (more or less) that moves it further.
     moves: Vec<i128>,
 }
 
@@ -35,7 +35,7 @@ struct Rounding {
     node: NodeId,
     low: i64,
     high: i64,
-    /// Comparisons that depend on it, by their places.
+    /// Places of the comparisons that depend on it.
     comparisons: Vec<usize>,
 }
 
@@ -44,16 +44,16 @@ struct Rounding {
 pub struct Roundings<'a> {
     net: &'a Net,
     roundings: Vec<Rounding>,
-    /// The number of a node's rounding.
+    /// Number of each node's rounding.
     number: Vec<Option<usize>>,
     /// a < b, as [a, b].
     comparisons: Vec<[NodeId; 2]>,
-    /// Readers of a node, of those on which outcomes depend.
+    /// Readers of each node, if outcomes depend on them.
     readers: Vec<Vec<NodeId>>,
 }
 
 impl<'a> Roundings<'a> {
-    /// Of a design, as far as `outcomes` depend on them.
+    /// Roundings of a design on which `outcomes` depend.
     pub fn new(net: &'a Net, outcomes: &[NodeId]) -> Self {
         let ranges = Ranges::new(net);
         let mut wanted = vec![false; net.nodes.len()];
@@ -91,12 +91,12 @@ impl<'a> Roundings<'a> {
         Self { net, roundings, number, comparisons, readers }
     }
 
-    /// Number of fragments.
+    /// Number of roundings.
     pub fn count(&self) -> usize {
         self.roundings.len()
     }
 
-    /// The wires of a design whose rounding of each number is `change` last places more.
+    /// Wires of a design whose rounding of each number is `change` last places more.
     pub fn wires(&self, ports: &[i64], change: impl Fn(usize) -> i64, wires: &mut Vec<i64>) {
         wires.clear();
         for id in 0..self.net.nodes.len() as NodeId {
@@ -104,8 +104,8 @@ impl<'a> Roundings<'a> {
         }
     }
 
-    /// Shows `see` the wires of the design with each rounding alone `places` last places more, then less, with the number of the rounding,
-    /// as far as outcomes depend on them. What that does to the comparisons says which `others` there are to see.
+    /// Shows `see` the wires of the design with each rounding alone `places` last places more, then less, with the number of the rounding. Only wires
+    /// on which outcomes depend count. The returned moves of the comparisons select the designs of `others`.
     pub fn each_alone(&self, ports: &[i64], places: i64, see: &mut impl FnMut(usize, &[i64])) -> Moves {
         let mut right = Vec::new();
         self.net.evaluate(ports, &mut right);
@@ -123,10 +123,10 @@ impl<'a> Roundings<'a> {
         Moves { right, moves }
     }
 
-    /// Shows `see` the wires of designs in which all roundings are up to `places` last places off: of those that push towards another decision,
-    /// and of some that are off in no order.
+    /// Shows `see` the wires of designs in which all roundings are up to `places` last places off. Some push towards a different decision, some are
+    /// scattered.
     ///
-    /// Where `see` answers that a design leads elsewhere, it is shown each rounding alone there, too.
+    /// If `see` answers true, the outcome differs, and `see` is also shown each rounding alone in that design.
     pub fn others(&self, ports: &[i64], places: i64, of: &Moves, see: &mut impl FnMut(Change, &[i64]) -> bool) {
         let mut wires = Vec::new();
         for place in 0..self.comparisons.len() {
@@ -144,7 +144,7 @@ impl<'a> Roundings<'a> {
         }
     }
 
-    /// Shows `see` the wires of a design, and each rounding alone there if that leads elsewhere.
+    /// Shows `see` the wires of a design, and each rounding alone there if the outcome differs.
     fn other(
         &self,
         ports: &[i64],
@@ -161,8 +161,8 @@ impl<'a> Roundings<'a> {
         }
     }
 
-    /// Shows `see` the wires of designs in which one rounding is `places` last places more, then less, and the others are as `change` says;
-    /// `wires` are those where it is, too.
+    /// Shows `see` the wires of designs in which one rounding is `places` last places more, then less, and the others follow `change`. `wires` are
+    /// those in which all follow `change`.
     fn each_alone_in(
         &self,
         ports: &[i64],
@@ -196,7 +196,7 @@ impl<'a> Roundings<'a> {
         }
     }
 
-    /// One wire of a design whose rounding of each number is `change` last places more, from the wires before it.
+    /// Wire of a design whose rounding of each number is `change` last places more, from the earlier wires.
     fn wire(&self, id: NodeId, ports: &[i64], change: impl Fn(usize) -> i64, before: &[i64]) -> i64 {
         let value = self.net.value(id, ports, before);
         match self.number[id as usize] {
@@ -205,7 +205,7 @@ impl<'a> Roundings<'a> {
         }
     }
 
-    /// a − b of a comparison.
+    /// Difference a − b of a comparison.
     fn ahead(&self, place: usize, wires: &[i64]) -> i128 {
         let [a, b] = self.comparisons[place];
         i128::from(wires[a as usize]) - i128::from(wires[b as usize])
@@ -213,13 +213,13 @@ impl<'a> Roundings<'a> {
 }
 
 impl Rounding {
-    /// An integer with so many last places more, as far as its range allows.
+    /// Integer with this many last places more, clamped to its range.
     fn changed(&self, value: i64, places: i64) -> i64 {
         if places == 0 { value } else { (value + places).clamp(self.low, self.high) }
     }
 }
 
-/// −`places` … `places`, spread evenly over the numbers.
+/// Pseudorandom −`places` … `places`, spread evenly over the numbers.
 pub fn scattered(design: u64, number: usize, places: i64) -> i64 {
     let mixed = (design << 32 | number as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mixed = (mixed ^ mixed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -227,7 +227,7 @@ pub fn scattered(design: u64, number: usize, places: i64) -> i64 {
 }
 
 impl Net {
-    /// Whether a node is ⌊x + ½⌋ in units of its last place: ⌊(2x + 1)/2⌋, as every reading rounds.
+    /// True if a node is ⌊x + ½⌋ in units of its last place: ⌊(2x + 1)/2⌋, as every backend rounds.
     fn is_rounded(&self, id: NodeId) -> bool {
         let Op::Sar(sum, 1) = self.node(id).op else { return false };
         matches!(self.node(sum).op, Op::Add(_, one) if self.node(one).op == Op::Lit(1))

@@ -1,8 +1,8 @@
-//! Proof by exhaustion that an entry of a table may be another one: faults that no vector can show.
+//! Exhaustive table check: proof that no vector can show a wrong table entry.
 //!
-//! What a lookup reads, and what is made of it until another wire joins, is often a function of one wire of some twenty bits: the mantissa of
-//! which a logarithm or a root is taken. All its values are tried. Where none of them makes a difference to a wire that is read outside that
-//! function, the last place of the entry is rounded away in it, whatever the ports hold.
+//! A lookup, and the operations after it until another wire joins, are often a function of one wire of some twenty bits: the mantissa of a logarithm
+//! or a root. All its values are tried. If none makes a difference to a wire that is read outside that function, the function rounds the last place
+//! of the entry away, whatever the ports hold.
 
 use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
@@ -10,40 +10,40 @@ use std::ops::Range;
 use super::fault::{Fault, Faults};
 use super::graph::NodeId;
 
-/// Values of a wire that are tried at most.
+/// Most values of a wire that are tried.
 const MOST_VALUES: u64 = 1 << 24;
 /// Values of a task.
 const TASK: u64 = 1 << 14;
-/// Of all values every so many-th is tried first; a number that does not meet the intervals of a table at the same places.
+/// Step between the values that are tried first. This number does not meet the intervals of a table at the same places.
 const FIRST_STEP: usize = 61;
 
-/// What is a function of one wire alone.
+/// Function of one wire alone.
 struct Function {
     /// The wire.
     of: NodeId,
-    /// Its smallest value in its last places, the constant low zeros below them, and how many values there are.
+    /// Smallest value of the wire in its last places, the constant low zeros below them, and the number of values.
     first: i64,
     zeros: u32,
     count: u64,
-    /// What is made of it, in order, and how many of these wires there are up to the last index of a lookup.
+    /// Wires of the function, in order, and the number of them up to the last index of a lookup.
     wires: Vec<NodeId>,
     before_lookups: usize,
-    /// Those of `wires` that a field shows or that are read with other wires, with the bits that count.
+    /// Outputs: wires that a field shows or that are read with other wires, with the bits that count.
     out: Vec<(NodeId, u64)>,
-    /// Wires of `wires` that a lookup leads to, in order.
+    /// Wires that a lookup leads to, in order.
     behind_lookups: Vec<NodeId>,
-    /// The table that is looked up, as a place in [`Faults::tables`], and where.
+    /// Table that is looked up, as a place in [`Faults::tables`], and its lookups with their indices.
     table: u32,
     lookups: Vec<(NodeId, NodeId)>,
 }
 
 impl Function {
-    /// That around a lookup, of the furthest wire before it that all else goes through and that has few values.
+    /// Function around a lookup. Its wire is the furthest earlier one with few values through which all inputs pass.
     fn around(lookup: NodeId, table: u32, faults: &Faults, wanted: &[u64]) -> Option<Self> {
-        // Behind a lookup a wire that its range makes constant is that in the wrong design too: it reads wires that are compared.
+        // A wire after a lookup that its range makes constant is constant in the wrong design too: it reads wires that are compared.
         let is_constant = |id: NodeId| faults.ranges.of(id).constant().is_some();
         let operands = |id: NodeId| faults.net.node(id).op.operands().filter(|&id| !is_constant(id));
-        // Wires of which the lookup is a function, the last of them replaced by what it is of, until there is one.
+        // Wires of which the lookup is a function. The last one is replaced by its operands until one is left.
         let mut before: BTreeSet<NodeId> = operands(lookup).collect();
         let mut furthest = None;
         while let Some(last) = before.pop_last() {
@@ -55,7 +55,7 @@ impl Function {
             if before.is_empty() && count <= MOST_VALUES {
                 furthest = Some((last, first, zeros, count));
             } else if operands(last).next().is_none() {
-                // A port beside others: nothing before it is all that the lookup is of.
+                // A port next to other wires: no single wire before it determines the lookup.
                 break;
             }
             before.extend(operands(last));
@@ -85,31 +85,31 @@ impl Function {
     }
 }
 
-/// Some values of what a lookup is a function of.
+/// Some values of the wire that determines a lookup.
 pub struct Task {
-    /// The function.
+    /// Index of the function.
     function: usize,
     values: Range<u64>,
-    /// Of them every so many-th.
+    /// Step between the values.
     step: usize,
 }
 
-/// Wires of the right and of the wrong design; one serves any number of tasks after each other.
+/// Wires of the right and of the wrong design; they serve any number of tasks in turn.
 pub struct Wires {
     right: Vec<i64>,
     wrong: Vec<i64>,
 }
 
-/// Entries of tables, and all values of what they are looked up by.
+/// Entries of tables, and all values of the wires that determine their lookups.
 pub struct Exhaustion<'a> {
     faults: &'a Faults<'a>,
     functions: Vec<Function>,
-    /// The entries that every lookup reads as a function of few values.
+    /// Entries that every lookup reads as a function of few values.
     entries: HashSet<Fault>,
 }
 
 impl<'a> Exhaustion<'a> {
-    /// For those of some faults of a design that are entries of tables.
+    /// Check of those faults among `some` that are entries of tables.
     pub fn new(faults: &'a Faults<'a>, some: impl Iterator<Item = Fault> + Clone) -> Self {
         let wanted = faults.wanted();
         let (mut functions, mut entries) = (Vec::<Function>::new(), HashSet::new());
@@ -136,8 +136,8 @@ impl<'a> Exhaustion<'a> {
         Self { faults, functions, entries }
     }
 
-    /// The entries that are left that no value shows; `shown` shows some values of what tables are looked up by, by whatever means. All values are tried in two
-    /// rounds, for most entries are shown by one of few values, and what is made of a value that reads none of the others need not be looked at.
+    /// Entries that no value shows. `shown` runs tasks by any means and returns the entries that they show. All values are tried in two rounds, for
+    /// most entries are shown by one of few values. Later wires are not computed for a value that reads none of the remaining entries.
     pub fn equal(mut self, shown: &dyn Fn(&Self, &[Task]) -> HashSet<Fault>) -> HashSet<Fault> {
         for step in [FIRST_STEP, 1] {
             let shown = shown(&self, &self.tasks(step));
@@ -146,7 +146,7 @@ impl<'a> Exhaustion<'a> {
         self.entries
     }
 
-    /// Every so many-th value of the tables with entries that are left, in parts.
+    /// Tasks over every `step`-th value of the tables with remaining entries.
     fn tasks(&self, step: usize) -> Vec<Task> {
         let is_of = |fault: &Fault, of: u32| matches!(*fault, Fault::Entry { table, .. } if table == of);
         let tasks = |(function, Function { count, table, .. }): (usize, &Function)| {
@@ -165,7 +165,7 @@ impl<'a> Exhaustion<'a> {
         Wires { right: constants.clone(), wrong: constants }
     }
 
-    /// The entries that make a difference for some value of a task.
+    /// Entries that make a difference for some value of a task.
     pub fn shown(&self, Task { function, values, step }: &Task, Wires { right, wrong }: &mut Wires) -> HashSet<Fault> {
         let Function {
             of,
@@ -181,7 +181,7 @@ impl<'a> Exhaustion<'a> {
         } = self.functions[*function];
         let (before, behind) = wires.split_at(before_lookups);
         let mut shown = HashSet::new();
-        // Which of the entries are looked for: less and more of each index.
+        // Remaining entries: less and more of each index.
         let mut wanted = vec![[false; 2]; self.faults.tables[table as usize].indices.end as usize];
         for &fault in &self.entries {
             if let Fault::Entry { table: of, index, more } = fault

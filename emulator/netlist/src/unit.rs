@@ -1,26 +1,26 @@
-//! Units of hardware: what the operations of a graph come down to, sized by proven ranges. `census` counts them, `delay` times them.
+//! Units of hardware that the operations of a netlist need, sized by proven ranges. `census` counts them, `delay` times them.
 
 use super::range::Range;
 
-/// What an operation takes in hardware.
+/// Hardware of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// A port or a constant.
     Nothing,
     /// Bits of other wires.
     Wires,
-    /// A mask with a constant: wires, for whose outcome later gates wait a level all the same.
+    /// A mask with a constant: wires, but later gates still wait one level for its outcome.
     Mask,
     /// Adder or subtracter, with a constant or of two wires.
     Adder {
-        /// Bits in which there is a carry.
+        /// Bits with a carry.
         bits: u32,
-        /// Whether an operand is constant.
+        /// True if an operand is constant.
         constant: bool,
     },
     /// Comparator.
     Comparator {
-        /// Bits in which there is a carry.
+        /// Bits with a carry.
         bits: u32,
     },
     /// Multiplier of two wires with these ranges.
@@ -29,7 +29,7 @@ pub enum Unit {
     ConstantMultiplier {
         /// The constant.
         by: i64,
-        /// The range of the other operand.
+        /// Range of the other operand.
         operand: Range,
     },
     /// Shifter by a count on a wire.
@@ -64,6 +64,6 @@ pub enum Unit {
 /// Non-zero digits of a constant in canonical signed digits: rows of a multiplier by it.
 pub fn signed_digits(constant: i64) -> u32 {
     let n = i128::from(constant).abs();
-    // Digits of n in that form are where n and 3n differ.
+    // Non-zero digits are at the bits in which n and 3n differ.
     (n ^ (3 * n)).count_ones()
 }

@@ -1,9 +1,8 @@
-//! The Verilog walk: a recorded design as synthesizable Verilog-2005.
+//! The Verilog walk: a netlist as synthesizable Verilog-2005.
 //!
-//! One module a stage (`module`, its wires in `body`), shared by runs that are the same hardware (`share`), a
-//! pipelined top around them (`pipeline`), the tables as ROMs (`rom`) and, around a step of the probe stepper, its
-//! state machine (`stepper`). Wires have the bits their proven ranges need (`format`), so there is nothing to write where the
-//! interval walk finds an operation that could leave its word.
+//! Each stage is one module (`module`, its wires in `body`), shared by runs that are the same hardware (`share`). A pipelined top surrounds them
+//! (`pipeline`), tables are ROMs (`rom`), and a state machine surrounds a step of the probe stepper (`stepper`). Wires have the bits that their
+//! proven ranges need (`format`). So nothing is written if the interval walk finds an operation that could leave its word.
 
 pub(crate) mod body;
 mod context;
@@ -44,26 +43,26 @@ use self::share::Group;
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 
-/// What to write.
+/// Options of a written design.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Name of the profile.
     pub profile: String,
     /// Its knobs.
     pub precision: Precision,
-    /// Effects that are on; those that the design does not have do not count.
+    /// Effects that are on; effects that the design does not have are ignored.
     pub effects: Effects,
-    /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers
-    /// between stages only.
+    /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers between stages only.
     pub depth: Option<u32>,
-    /// Only the modules of this stage in all its uses (`columns`) or in one (`columns_pixel`), and what they use.
+    /// Stage whose modules are written, in all its uses (`columns`) or in one (`columns_pixel`), with their submodules; `None` writes the whole
+    /// design.
     pub stage: Option<String>,
-    /// Put before the names of the modules of stages, so that two designs can be in one project.
+    /// Prefix of the names of the modules of stages, so that two designs can be in one project.
     pub prefix: String,
 }
 
 impl Options {
-    /// Every stage, cut between stages only, in files without a prefix.
+    /// Every stage, with registers between stages only, in files without a prefix.
     pub fn new(profile: &str, precision: Precision, effects: Effects) -> Self {
         let (profile, prefix) = (profile.to_owned(), String::new());
         Self { profile, precision, effects, depth: None, stage: None, prefix }
@@ -73,13 +72,13 @@ impl Options {
 /// A design as Verilog.
 #[derive(Clone, Debug)]
 pub struct Verilog {
-    /// The top; with [`Options::stage`] there is none.
+    /// The top; `None` with [`Options::stage`].
     pub top: Option<Interface>,
-    /// The probe stepper around the top, where the top is a step.
+    /// The probe stepper around the top, if the top is a step.
     pub stepper: Option<Interface>,
-    /// Path below the directory, and text.
+    /// Files: path below the directory, and text.
     pub files: BTreeMap<String, String>,
-    /// Bits of registers of the top, of its stages and of delay lines.
+    /// Register bits of the top, of its stages and of delay lines.
     pub register_bits: u32,
 }
 
@@ -88,14 +87,14 @@ pub fn top_name(design: Design) -> String {
     format!("roughxel_{}", design.name())
 }
 
-/// Of every node the bits of a wire of its own that somebody reads, all stages taken as one module: none where other wires stand for
-/// it, a constant does, or nothing is left of it.
+/// Bits of the own wire of every node that somebody reads, all stages taken as one module. They are 0 if other wires or a constant stand for the
+/// node, or if nothing is left of it.
 pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
     let context = Context { net, ranges, depth: None, prefix: "", origin: "" };
     let (ports, nodes): (Vec<_>, Vec<_>) =
         (0..net.nodes.len() as NodeId).partition(|&id| matches!(net.node(id).op, Op::Port(_)));
     let outputs: Vec<_> = net.outputs.iter().map(|output| output.node).collect();
-    // Without a target depth nothing is too deep.
+    // Without a target depth no operation is too deep.
     let read = Body::new(context, &nodes, &ports, &outputs).map(|body| body.reads).unwrap_or_default();
     (0..net.nodes.len() as NodeId)
         .map(|id| read.get(&id).map_or(0, |ranks| ranks.values().fold(0, |all, bits| all | bits)))
@@ -103,7 +102,7 @@ pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
 }
 
 impl Verilog {
-    /// Proves and writes down a design that was recorded with these options.
+    /// Proves and writes a design that was recorded with these options.
     ///
     /// Errors: everything [`VerilogError`] lists.
     pub fn new(design: Design, net: Net, options: &Options) -> Result<Self, VerilogError> {
@@ -168,24 +167,24 @@ impl Verilog {
             roms: roms.values().map(Rom::description).collect(),
             files: verilog.files.iter().map(|(name, text)| FileEntry::new(name, text)).collect(),
         };
-        // Strings and numbers only: there is nothing in it that JSON cannot say.
+        // The manifest has strings and numbers only, which JSON can always express.
         let manifest = serde_json::to_string_pretty(&manifest).unwrap_or_default();
         let name = stage.map_or_else(|| top_name(design), |stage| stage.replace('.', "_"));
         verilog.files.insert(format!("{name}.json"), manifest + "\n");
         Ok(verilog)
     }
 
-    /// The files, path and text, in the order to write them in: the manifest comes after what it lists.
+    /// Files, path and text, in the order of writing: the manifest comes after the files that it lists.
     pub fn in_order(&self) -> impl Iterator<Item = (&str, &str)> {
         let (manifests, sources): (Vec<_>, Vec<_>) = self.files.iter().partition(|(name, _)| name.ends_with(".json"));
         sources.into_iter().chain(manifests).map(|(name, text)| (name.as_str(), text.as_str()))
     }
 }
 
-/// A design recorded and proven, the runs of its stages in groups of the same hardware.
+/// A recorded and proven design, with the runs of its stages in groups of equal hardware.
 struct Prepared {
     net: Net,
-    /// One range for all nodes that meet in a place of a module.
+    /// Ranges, one for all nodes that meet in a place of a module.
     ranges: Ranges,
     groups: Vec<Group>,
     /// Nodes that are read outside of their stage.
@@ -215,7 +214,7 @@ impl Prepared {
         Module::new(context, group, |id| self.outside.contains(&id))
     }
 
-    /// The places of the groups that a stage names: the module, the stage in all its uses or in one; without a name all of them.
+    /// Places of the groups that a name selects: a module, a stage in all its uses or in one. Without a name it is all of them.
     fn chosen(&self, stage: Option<&str>) -> Result<Vec<usize>, VerilogError> {
         let wanted = |group: &Group| {
             stage.is_none_or(|stage| {
@@ -234,7 +233,7 @@ impl Prepared {
     }
 }
 
-/// `NAME.json`.
+/// The manifest `NAME.json`.
 #[derive(Serialize)]
 struct Manifest<'a> {
     schema: &'static str,
@@ -242,7 +241,7 @@ struct Manifest<'a> {
     generator: &'static str,
     design: &'a str,
     profile: &'a str,
-    /// By name: a number, or the name of a choice.
+    /// Knobs by name: a number, or the name of a choice.
     knobs: BTreeMap<&'static str, serde_json::Value>,
     effects: String,
     frame: &'static str,
@@ -310,7 +309,7 @@ impl FileEntry {
     }
 }
 
-/// The knobs as profile files name them: a number, or the name of a choice.
+/// Knobs as profile files name them: a number, or the name of a choice.
 pub fn knobs(p: &Precision) -> BTreeMap<&'static str, serde_json::Value> {
     let value = |knob: Knob| {
         let value = knob.of(p);

@@ -8,7 +8,7 @@ use crate::unit::{Unit, signed_digits};
 use crate::verilog::body::{Body, mask};
 use crate::verilog::value::{Value, constant_bits};
 
-/// An adder or subtracter of as many bits; wires where no bit has work to do.
+/// An adder or subtracter of this many bits; wires if no bit has work to do.
 fn adder(ranges: &Ranges, bits: u32, operands: [NodeId; 2]) -> Unit {
     let constant = operands.iter().any(|&operand| ranges.of(operand).constant().is_some());
     if bits == 0 { Unit::Wires } else { Unit::Adder { bits, constant } }
@@ -28,13 +28,13 @@ impl Operation for Add {
             Exact { low: a.low + b.low, high: a.high + b.high, zeros: a.zeros.min(b.zeros) }
         })
     }
-    /// From the lowest bit in which both operands have wires.
+    /// Adder from the lowest bit at which both operands have wires.
     fn unit(&self, ranges: &Ranges, id: NodeId) -> Unit {
         let from = ranges.of(self.0).zeros.max(ranges.of(self.1).zeros);
         adder(ranges, ranges.of(id).top().saturating_sub(from), [self.0, self.1])
     }
     fn span(&self, body: &Body, low: u32, high: u32) -> (u32, u32) {
-        // No carry comes from below the lowest bit in which both operands have wires.
+        // No carry comes from below the lowest bit at which both operands have wires.
         (low.min(body.range(self.0).zeros.max(body.range(self.1).zeros)), high)
     }
     fn reads(&self, _: &Body, _: u128, first: u32, last: u32) -> Vec<(NodeId, u128)> {
@@ -60,11 +60,11 @@ impl Operation for Sub {
     fn range(&self, known: &mut RelationalFacts, _: NodeId) -> Exact {
         known.remainder(self.0, self.1).unwrap_or_else(|| difference(known.range(self.0), known.range(self.1)))
     }
-    /// From the lowest bit in which the second operand has a wire; none of the remainder of a power of two.
+    /// Subtracter from the lowest bit at which the second operand has a wire. A remainder of a power of two needs none.
     fn unit(&self, ranges: &Ranges, id: NodeId) -> Unit {
         adder(ranges, ranges.of(id).top().saturating_sub(ranges.of(self.1).zeros), [self.0, self.1])
     }
-    /// The remainder of a power of two.
+    /// Wires of a remainder of a power of two.
     fn wiring(&self, body: &Body, _: NodeId) -> Option<Value> {
         let Op::Shl(shifted, k) = body.op(self.1) else { return None };
         let is_remainder = body.op(shifted) == Op::Sar(self.0, k);
@@ -98,19 +98,19 @@ impl Operation for Lt {
         let (a, b) = (known.range(self.0), known.range(self.1));
         Exact { low: i128::from(a.high < b.low), high: i128::from(a.low < b.high), zeros: 0 }
     }
-    /// From the lowest bit in which the second operand has a wire, with a sign for an unsigned operand beside a signed one.
+    /// Comparator from the lowest bit at which the second operand has a wire. An unsigned operand next to a signed one gets a sign.
     fn unit(&self, ranges: &Ranges, _: NodeId) -> Unit {
         let (a, b) = (ranges.of(self.0), ranges.of(self.1));
         let signed = a.signed() || b.signed();
         let top = |range: Range| range.top() + u32::from(signed && !range.signed());
         match top(a).max(top(b)).saturating_sub(b.zeros) {
             0 => Unit::Wires,
-            // The difference with 0 is the operand itself; its sign is there.
+            // The difference with 0 is the operand itself, which has a sign already.
             _ if b.constant() == Some(0) => Unit::Wires,
             bits => Unit::Comparator { bits },
         }
     }
-    /// The sign.
+    /// Wires of a sign test.
     fn wiring(&self, body: &Body, _: NodeId) -> Option<Value> {
         let is_sign = body.constant(self.1) == Some(0);
         Some(Value::Bits(is_sign.then(|| body.view(self.0))??.bit(body.range(self.0).top() - 1)))

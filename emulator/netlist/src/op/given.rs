@@ -7,7 +7,7 @@ use crate::relational_facts::RelationalFacts;
 use crate::unit::Unit;
 use crate::verilog::body::Body;
 
-/// A port by its number. The evaluator puts there what it is given.
+/// A port by its number. The evaluator sets it.
 pub(super) struct Port(pub u32);
 
 impl Operation for Port {

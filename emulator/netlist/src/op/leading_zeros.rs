@@ -7,14 +7,14 @@ use crate::relational_facts::RelationalFacts;
 use crate::unit::Unit;
 use crate::verilog::body::{Body, mask};
 
-/// Leading zero bits of a wire as wide as the operand's kind. An instance of a counter (`verilog/module.rs`).
+/// Leading zero bits of a wire as wide as the operand's kind: an instance of a counter (`verilog/module.rs`).
 pub(super) struct LeadingZeros(pub NodeId);
 
 impl Operation for LeadingZeros {
     #[inline(always)]
     fn value(&self, _: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128 {
         let zeros = operand(self.0).leading_zeros();
-        // The integer of a narrower wire stands on 64 bits: a negative one has none, any other the rest beside.
+        // The integer of a narrower wire is on 64 bits. A negative one has no leading zeros, any other has the extra bits too.
         zeros.saturating_sub(i64::BITS - kind_of(self.0).bits()).into()
     }
     fn range(&self, known: &mut RelationalFacts, _: NodeId) -> Exact {

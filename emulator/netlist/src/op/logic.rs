@@ -1,4 +1,4 @@
-//! Logic by bits, of flags too, and the choice between two wires.
+//! Bitwise logic, also of flags, and the choice between two wires.
 
 use super::operation::Operation;
 use crate::graph::{Kind, NodeId};
@@ -8,7 +8,7 @@ use crate::unit::Unit;
 use crate::verilog::body::Body;
 use crate::verilog::value::Value;
 
-/// `and`, `or` of a flag with a constant. The outcome is not constant, so the constant is neutral.
+/// The other operand of `and` or `or` of a flag with a constant. The outcome is not constant, so the constant is neutral.
 fn other_flag(body: &Body, id: NodeId, a: NodeId, b: NodeId) -> Option<Value> {
     if body.kind(id) != Kind::Flag {
         return None;
@@ -20,7 +20,7 @@ fn other_flag(body: &Body, id: NodeId, a: NodeId, b: NodeId) -> Option<Value> {
     }
 }
 
-/// The bits of `a` and `b` that are read where a constant decides all but `open(constant)`.
+/// Bits of `a` and `b` that are read if a constant decides all but `open(constant)`.
 fn beside(body: &Body, [a, b]: [NodeId; 2], bits: u128, open: impl Fn(u128) -> u128) -> Vec<(NodeId, u128)> {
     let read = |other| body.constant(other).map_or(bits, |constant| bits & open(i128::from(constant) as u128));
     vec![(a, read(b)), (b, read(a))]
@@ -139,7 +139,7 @@ impl Operation for Not {
     }
 }
 
-/// Flag, value where it is set, value where it is not.
+/// Flag, value if it is set, value if it is clear.
 pub(super) struct Select(pub NodeId, pub NodeId, pub NodeId);
 
 impl Operation for Select {

@@ -8,7 +8,7 @@ use crate::unit::Unit;
 use crate::verilog::body::Body;
 use crate::verilog::rom::Rom;
 
-/// Entry of a table at an index. An instance of a ROM (`verilog/module.rs`).
+/// Entry of a table at an index: an instance of a ROM (`verilog/module.rs`).
 pub(super) struct Lookup(pub NodeId, pub Table);
 
 impl Lookup {

@@ -1,4 +1,4 @@
-//! What every operation says of itself.
+//! Properties of every operation.
 
 use crate::graph::{Kind, NodeId};
 use crate::range::{Exact, Ranges};
@@ -9,24 +9,24 @@ use crate::verilog::value::Value;
 
 /// An operation with its operands.
 pub(super) trait Operation {
-    /// The exact integer, of operands that are given, on a wire of the kind `kind`. What is not defined is as in the scalar reading: a
-    /// shift count modulo the width of the wire, 0 for what is not in a table.
+    /// Exact integer of an operation on a wire of the kind `kind`, from its operands. Undefined cases follow the scalar backend: a shift count is
+    /// modulo the width of the wire, and an index outside a table reads 0.
     fn value(&self, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i128;
 
-    /// Whether a shift count is below the width of the wire, an index inside its table.
+    /// True if a shift count is below the width of the wire and an index is inside its table.
     fn is_defined(&self, _kind: Kind, _operand: impl Fn(NodeId) -> i64) -> bool {
         true
     }
 
-    /// What the wire of node `id` can hold, before it is known to fit; what is not defined is a violation.
+    /// Exact range of the wire of node `id`, before it is known to fit; an undefined case is a violation.
     fn range(&self, known: &mut RelationalFacts, id: NodeId) -> Exact;
 
-    /// The unit of hardware that node `id` takes, its widths from proven ranges.
+    /// Unit of hardware that node `id` takes, its widths from proven ranges.
     fn unit(&self, _ranges: &Ranges, _id: NodeId) -> Unit {
         Unit::Wires
     }
 
-    /// What stands for node `id` in the text where wires are enough.
+    /// Value of node `id` in the text, if wires are enough.
     fn wiring(&self, _body: &Body, _id: NodeId) -> Option<Value> {
         None
     }
@@ -36,10 +36,10 @@ pub(super) trait Operation {
         (low, high)
     }
 
-    /// The bits of each operand that are read to deliver `bits`, for which `first` up to `last` are computed.
+    /// Bits of each operand that are read to deliver `bits`, for which `first` up to `last` are computed.
     fn reads(&self, body: &Body, bits: u128, first: u32, last: u32) -> Vec<(NodeId, u128)>;
 
-    /// The right-hand side that computes bits `first` up to `last` at a rank; none where there is no wire, or an instance drives it.
+    /// Right-hand side that computes bits `first` up to `last` at a rank; `None` if there is no wire, or if an instance drives it.
     fn expression(&self, _body: &Body, _first: u32, _last: u32, _rank: u32) -> String {
         String::new()
     }

@@ -1,4 +1,4 @@
-//! Operations that leave the integer as it is: to the wide wire and back, and claims.
+//! Operations that keep the integer: widening, narrowing and claims.
 
 use super::operation::Operation;
 use crate::graph::{Kind, NodeId};
@@ -26,7 +26,7 @@ impl Operation for Resized {
     }
 }
 
-/// The operand, said to be in low ..= high by a lemma: a wire of fewer bits.
+/// The operand, claimed to be in low ..= high by a lemma: a wire of fewer bits.
 pub(super) struct Claim {
     pub of: NodeId,
     pub low: i64,

@@ -8,7 +8,7 @@ use crate::unit::Unit;
 use crate::verilog::body::{Body, mask};
 use crate::verilog::value::Value;
 
-/// A shift count as a wire of a kind takes it: modulo its width.
+/// Shift count as a wire of a kind takes it: modulo its width.
 fn places(kind: Kind, count: i64) -> u32 {
     count as u32 & (kind.bits() - 1)
 }

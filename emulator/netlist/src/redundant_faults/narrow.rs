@@ -1,4 +1,4 @@
-//! What the range of a wire says about its operands.
+//! Backward rules: ranges of operands from the range of a wire.
 
 use std::collections::BTreeSet;
 
@@ -6,13 +6,13 @@ use super::{Condition, Never, Prover};
 use crate::graph::{Kind, NodeId, Op};
 
 impl Prover<'_> {
-    /// Whether a normalisation by `count` is of one wire alone.
+    /// True if a normalisation by `count` is of one wire alone.
     fn is_alone(&self, x: NodeId, count: NodeId) -> bool {
         let Op::Sub(zeros, _) = self.right.op(count) else { return false };
         matches!(self.right.op(zeros), Op::LeadingZeros(of) if self.right.magnitude_of(of) == Some(x))
     }
 
-    /// What follows for the operands of a wire from what it holds itself.
+    /// Narrows the operands of a wire by its range.
     pub(super) fn narrow_operands(&mut self, id: NodeId, waiting: &mut BTreeSet<NodeId>) -> Result<(), Never> {
         let r = self.right.range(id);
         let of = |id: NodeId| self.right.range(id);

@@ -1,4 +1,4 @@
-//! The wires of a stage as operations see them: what stands for a node, and its text.
+//! The wires of a stage as operations see them: the value of a node, and its text.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,7 +12,7 @@ pub(crate) struct Body<'a> {
     pub(crate) context: Context<'a>,
     pub(crate) nodes: &'a [NodeId],
     pub(crate) values: HashMap<NodeId, Value>,
-    /// The rank at which a wire is made.
+    /// Rank at which a wire is made.
     pub(crate) ranks: HashMap<NodeId, u32>,
     /// Bits of a wire that are read at each rank.
     pub(crate) reads: HashMap<NodeId, BTreeMap<u32, u64>>,
@@ -64,12 +64,12 @@ impl Body<'_> {
         }
     }
 
-    /// Bits of an operand's integer that are not constant zeros, and its sign where there is one.
+    /// Bits of an operand's integer that are not constant zeros, and its sign if it has one.
     pub(crate) fn all_bits(&self, id: NodeId) -> u128 {
         mask(self.range(id).zeros, self.range(id).top())
     }
 
-    /// Bits a comparison looks at: those of the wider operand, and a sign for an unsigned one beside a signed one.
+    /// Bits that a comparison reads: those of the wider operand, and a sign for an unsigned operand next to a signed one.
     pub(crate) fn compared(&self, a: NodeId, b: NodeId) -> (u32, u32) {
         let (a, b) = (self.range(a), self.range(b));
         let signed = a.signed() || b.signed();
@@ -82,7 +82,7 @@ impl Body<'_> {
         if self.range(a).signed() { self.context.net.node(a).kind.bits() } else { self.range(a).top() }
     }
 
-    /// Bits of a wire read at `rank` or later, the registers to later ranks included.
+    /// Bits of a wire that are read at `rank` or later, registers to later ranks included.
     pub(crate) fn reads_from(&self, id: NodeId, rank: u32) -> u64 {
         let Some(reads) = self.reads.get(&id) else { return 0 };
         let now = reads.get(&rank).copied().unwrap_or(0);
@@ -91,7 +91,7 @@ impl Body<'_> {
         now | if later == 0 { 0 } else { mask(low, high) as u64 }
     }
 
-    /// The wire of a node at a rank. An input has all its bits, anything else those that are read.
+    /// Wire of a node at a rank. An input has all its bits, any other node the bits that are read.
     pub(crate) fn wire(&self, id: NodeId, rank: u32) -> Wire {
         let (made, range) = (self.ranks[&id], self.range(id));
         let is_input = !self.nodes.contains(&id);
@@ -116,7 +116,7 @@ impl Body<'_> {
         self.text(id, 0, 1, rank).code
     }
 
-    /// All of a node as an operand with a sign of its own: a factor, what is shifted to the right.
+    /// All bits of a node as an operand with its own sign: a factor, or the operand of a right shift.
     pub(crate) fn signed_operand(&self, id: NodeId, low: u32, high: u32, rank: u32) -> String {
         match self.value(id) {
             Value::Constant(value) => signed_constant(value, low, high),
@@ -124,7 +124,7 @@ impl Body<'_> {
         }
     }
 
-    /// A factor: signed where the product is.
+    /// A factor, signed if the product is.
     pub(crate) fn factor(&self, id: NodeId, signed: bool, rank: u32) -> String {
         let range = self.range(id);
         let extra = u32::from(signed && !range.signed());

@@ -1,4 +1,4 @@
-//! What the modules of a design have in common: the net, its ranges, names and comments.
+//! Common data of the modules of a design: the net, its ranges, names and comments.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,17 +8,17 @@ use super::text::identifier;
 use crate::graph::{Kind, Net, NodeId, Op};
 use crate::interval::Ranges;
 
-/// What all modules of a design share.
+/// Data that all modules of a design share.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub(super) net: &'a Net,
-    /// One range for all nodes that meet in a place of a module.
+    /// Ranges, one for all nodes that meet in a place of a module.
     pub(super) ranges: &'a Ranges,
     /// Most levels between registers.
     pub(super) depth: Option<u32>,
     /// Prefix of module names.
     pub(super) prefix: &'a str,
-    /// Lines that every header ends with: profile, stages that are on.
+    /// Lines at the end of every header: profile, stages that are on.
     pub(super) origin: &'a str,
 }
 
@@ -40,13 +40,13 @@ impl Context<'_> {
         Format::new(self.ranges.of(id), fraction_bits, self.net.node(id).kind == Kind::Flag)
     }
 
-    /// Source line of a node; `None` where it was asked for outside the project, by an iterator of the library.
+    /// Source line of a node; `None` if an iterator of the library, outside the project, made it.
     pub(super) fn line(&self, id: NodeId) -> Option<String> {
         let at = self.net.node(id).at;
         Path::new(at.file()).is_relative().then(|| format!("{}:{}", at.file(), at.line()))
     }
 
-    /// What a comment says of a node with a name: path, range, source line.
+    /// Comment on a named node: path, range, source line.
     pub(super) fn about(&self, id: NodeId, path: &str) -> String {
         let line = self.line(id).map_or_else(String::new, |line| format!("; {line}"));
         format!("{path}: {}{line}", self.format(id).describe())
@@ -72,7 +72,7 @@ impl Context<'_> {
 pub(super) struct Names(BTreeSet<String>);
 
 impl Names {
-    /// The name, or the name with a number where it is taken.
+    /// Returns the name, with a number if it is taken.
     pub(super) fn take(&mut self, name: &str) -> String {
         let mut candidate = name.to_owned();
         let mut number = 2;

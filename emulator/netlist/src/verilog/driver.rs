@@ -1,4 +1,4 @@
-//! What drives every wire of a stage, at which rank it is made, and which of its bits somebody reads.
+//! Drivers of the wires of a stage, the ranks at which they are made, and the bits that somebody reads.
 
 use std::collections::HashMap;
 
@@ -9,14 +9,14 @@ use super::value::{Value, literal};
 use crate::delay::levels;
 use crate::graph::{NodeId, Op};
 
-/// What drives a wire.
+/// Driver of a wire.
 #[derive(Clone, Copy)]
 pub(super) enum Driver {
     /// The operation of the node.
     Op(Op),
-    /// Whether a node is zero.
+    /// Test of a node for zero.
     IsZero(NodeId),
-    /// Whether it is not.
+    /// Test of a node for not zero.
     IsNotZero(NodeId),
 }
 
@@ -45,7 +45,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The bits of its operands that are read to deliver `bits`.
+    /// Bits of the operands that are read to deliver `bits`.
     fn operands(&self, driver: Driver, bits: u64) -> Vec<(NodeId, u128)> {
         let (low, high) = hull(bits);
         let (first, last) = self.span(driver, low, high);
@@ -91,16 +91,16 @@ impl<'a> Body<'a> {
     pub(super) fn levels(&self, id: NodeId) -> u32 {
         let net = self.context.net;
         let of = match (self.driver(id), self.op(id)) {
-            // The comparison alone: the sign is not needed for it.
+            // Only the comparison counts, for it does not need the sign.
             (Driver::IsZero(_), Op::And(_, comparison)) => comparison,
             _ => id,
         };
         levels(net, self.context.ranges, of)
     }
 
-    /// The wires of these nodes with these inputs and outputs.
+    /// Body with the wires of these nodes, with these inputs and outputs.
     ///
-    /// Errors: an operation alone is deeper than the target depth.
+    /// Errors: a single operation is deeper than the target depth.
     pub(super) fn new(
         context: Context<'a>,
         nodes: &'a [NodeId],
@@ -164,7 +164,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Finds the bits of every wire that somebody reads, from the outputs back.
+    /// Finds the bits of every wire that somebody reads, from the outputs backwards.
     pub(super) fn demand(&mut self, outputs: &[NodeId]) {
         for &output in outputs {
             self.read(output, self.all_bits(output), self.last_rank);

@@ -1,4 +1,4 @@
-//! What can be wrong with a design to be written.
+//! Errors of designs that cannot be written.
 
 use std::fmt;
 
@@ -6,20 +6,20 @@ use thiserror::Error;
 
 use crate::interval::Violation;
 
-/// Why nothing was written.
+/// Reasons why nothing was written.
 #[derive(Debug, Error)]
 pub enum VerilogError {
     /// The interval proof fails.
     #[error("the interval proof fails at {} operations, first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
     Unproven(Vec<Violation>),
-    /// One operation alone is deeper than the target.
+    /// One operation is deeper than the target.
     #[error("{origin}: {operation} has {levels} levels, which a depth of {depth} cannot cut")]
     TooDeep {
         /// Name of the operation.
         operation: &'static str,
-        /// Its levels.
+        /// Levels of the operation.
         levels: u32,
-        /// The target.
+        /// Target depth.
         depth: u32,
         /// Source line and stage.
         origin: String,
@@ -27,13 +27,13 @@ pub enum VerilogError {
     /// An operation that is part of no stage.
     #[error("{0}: an operation outside every stage has no module")]
     OutsideBlocks(String),
-    /// A table that is none of the datapath's.
+    /// A table that is not in the datapath.
     #[error("{0}: a table without a name")]
     UnknownTable(String),
-    /// No such stage in the design.
+    /// A stage that the design does not have.
     #[error("there is no stage `{name}`; there are {}", .known.join(", "))]
     UnknownStage {
-        /// What was asked for.
+        /// Requested name.
         name: String,
         /// Modules of the design.
         known: Vec<String>,
@@ -43,14 +43,14 @@ pub enum VerilogError {
         "port {port} has {width} bits, {fraction_bits} of them behind the binary point; a vector's field has 1 to 32, and none or more"
     )]
     NoField {
-        /// The port.
+        /// Name of the port.
         port: String,
-        /// Its bits.
+        /// Bits of the port.
         width: u32,
-        /// Those behind its binary point.
+        /// Bits after its binary point.
         fraction_bits: i32,
     },
-    /// A text could not be put together.
+    /// A failure to format the text.
     #[error("cannot format the text")]
     Format(#[from] fmt::Error),
 }

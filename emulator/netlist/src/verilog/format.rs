@@ -1,4 +1,4 @@
-//! How a number travels on a vector of wires: exactly the bits its proven range needs, without constant low zeros.
+//! Number formats on vectors of wires: exactly the bits that a proven range needs, without constant low zeros.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ use crate::interval::Range;
 /// fraction bits, `u0f8` unsigned; `n` stands for a minus sign (`i9fn2`: two zeros dropped above the binary point).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Format {
-    /// What the integer can be, before zeros are dropped.
+    /// Range of the integer, before zeros are dropped.
     pub range: Range,
     /// Low bits that are always zero and have no wire.
     pub zeros: u32,
     /// Binary point of the integer before zeros are dropped.
     pub fraction_bits: u32,
-    /// One bit that is no number.
+    /// True for one bit that is no number.
     pub flag: bool,
 }
 
@@ -33,7 +33,7 @@ impl Format {
         self.range.width()
     }
 
-    /// Whether the top bit is a sign.
+    /// True if the top bit is a sign.
     pub fn signed(&self) -> bool {
         self.range.signed()
     }
@@ -43,7 +43,7 @@ impl Format {
         self.fraction_bits as i32 - self.zeros as i32
     }
 
-    /// The stored bits of an integer; `None` where the wires cannot hold it.
+    /// Stored bits of an integer; `None` if the wires cannot hold it.
     pub fn pack(&self, value: i64) -> Option<u64> {
         let stored = value >> self.zeros;
         let mask = u64::MAX >> (64 - self.width().min(64));
@@ -51,7 +51,7 @@ impl Format {
         (stored << self.zeros == value && self.unpack(bits) == value).then_some(bits)
     }
 
-    /// The integer of stored bits.
+    /// Integer of stored bits.
     pub fn unpack(&self, bits: u64) -> i64 {
         let above = 64 - self.width().min(64);
         let stored = if self.signed() { (bits << above) as i64 >> above } else { bits as i64 };
@@ -71,7 +71,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// `signed [17:0]`, `[3:0]`, or nothing for a single bit without a sign, with a space after it.
+/// Vector in a declaration: `signed [17:0]`, `[3:0]`, or nothing for a single bit without a sign, with a space after it.
 pub(super) fn vector(width: u32, signed: bool) -> String {
     match (width, signed) {
         (1, false) => String::new(),
@@ -88,7 +88,7 @@ fn real(x: f64) -> String {
 }
 
 impl Format {
-    /// What the wire can be, for a comment: `-65536 .. 65536 in 2^-16: -1 .. 1`.
+    /// Range of the wire, for a comment: `-65536 .. 65536 in 2^-16: -1 .. 1`.
     pub(super) fn describe(&self) -> String {
         if self.flag {
             return "0 or 1".into();

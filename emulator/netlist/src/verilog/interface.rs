@@ -1,4 +1,4 @@
-//! The ports of what is written, as its manifest lists them.
+//! Ports of the written modules, as the manifest lists them.
 
 use serde::Serialize;
 
@@ -13,9 +13,9 @@ pub struct PortDescription {
     pub port: String,
     /// Bits.
     pub width: u32,
-    /// Whether the top bit is a sign.
+    /// True if the top bit is a sign.
     pub signed: bool,
-    /// Binary point: value = integer / 2^fraction_bits, of the integer with its dropped zeros.
+    /// Binary point: value = integer / 2^fraction_bits, with the dropped zeros in the integer.
     pub fraction_bits: u32,
     /// Constant low zeros without a wire: the port carries `integer >> dropped_zeros`.
     pub dropped_zeros: u32,
@@ -23,10 +23,10 @@ pub struct PortDescription {
     pub low: i64,
     /// Largest integer.
     pub high: i64,
-    /// The same as a format.
+    /// Format of the port.
     #[serde(skip)]
     pub format: Format,
-    /// Place among the ports or the outputs of the design, whose integers a bench takes.
+    /// Place among the ports or the outputs of the design, whose integers a testbench takes.
     #[serde(skip)]
     pub place: usize,
 }
@@ -48,15 +48,14 @@ impl PortDescription {
     }
 }
 
-/// The ports of a pipelined module. Beside these it has `clk`, `rst` and the handshake `in_valid`, `in_ready`,
-/// `out_valid`, `out_ready`.
+/// Ports of a pipelined module. In addition it has `clk`, `rst` and the handshake `in_valid`, `in_ready`, `out_valid`, `out_ready`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Interface {
     /// Name of the module.
     pub module: String,
     /// Cycles from an accepted input to its output.
     pub latency: u32,
-    /// Inputs in the order of their bundle; what no stage reads has no port.
+    /// Inputs in the order of their bundle; an input that no stage reads has no port.
     pub inputs: Vec<PortDescription>,
     /// Outputs in the order of the pipeline; a constant has no port.
     pub outputs: Vec<PortDescription>,

@@ -1,8 +1,8 @@
 //! One stage of the datapath as a module.
 //!
-//! A wire has the bits its range needs and somebody reads: an adder whose lowest bits only round drops them where it
-//! is (`{sum, sum_unused} = …`), a claim cuts what its lemma excludes. With a target depth the operations are placed
-//! at ranks, as soon as their operands are there; registers carry what later ranks read.
+//! A wire has the bits that its range needs and that somebody reads. An adder whose lowest bits only round drops them in place (`{sum, sum_unused} =
+//! …`), and a claim drops the bits that its lemma excludes. With a target depth each operation is placed at the earliest rank at which its operands
+//! are ready; registers hold the bits that later ranks read.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -29,24 +29,24 @@ pub(super) struct ModulePort {
     pub(super) format: Format,
 }
 
-/// The text of a stage and what surrounds it needs to know.
+/// Text of a stage, and the facts that its surroundings need.
 #[derive(Clone, Debug)]
 pub(super) struct Module {
     pub(super) name: String,
     pub(super) text: String,
     pub(super) inputs: Vec<ModulePort>,
     pub(super) outputs: Vec<ModulePort>,
-    /// Ranks of registers inside.
+    /// Number of register ranks inside.
     pub(super) cuts: u32,
     /// Bits of those registers.
     pub(super) register_bits: u32,
-    /// Tables it reads.
+    /// Tables that it reads.
     pub(super) roms: BTreeMap<String, Rom>,
-    /// Widths of the leading zero counters it uses.
+    /// Widths of its leading-zero counters.
     pub(super) leading_zeros: BTreeSet<u32>,
 }
 
-/// Names of a group's inputs: the common part of what the runs call them, made unique.
+/// Names of a group's inputs: the common part of the runs' names for them, made unique.
 fn input_names(context: &Context, group: &Group, inputs: &[usize], names: &mut Names) -> Vec<String> {
     let name = |place: usize, with_run: bool| -> String {
         let of = |run: usize| context.signal(group.runs[run].inputs[place], with_run);
@@ -70,7 +70,7 @@ fn input_names(context: &Context, group: &Group, inputs: &[usize], names: &mut N
     chosen.map(|name| names.take(&name)).collect()
 }
 
-/// Name of an outcome in its module: the path, or the last part of the stage's name before what starts with a number.
+/// Name of an outcome in its module: the path, or the last part of the stage's name. The latter is a prefix of a path that starts with a digit.
 fn output_name(context: &Context, id: NodeId) -> String {
     let path = identifier(context.path_of(id).map_or("", |(path, _)| path));
     let stage = context.net.node(id).stage.map_or("", |stage| context.net.runs[stage as usize].name);
@@ -84,7 +84,7 @@ fn output_name(context: &Context, id: NodeId) -> String {
 }
 
 impl Module {
-    /// Writes the module of a group. `leaves` says whether any run's node is read outside its stage.
+    /// Writes the module of a group. `leaves` returns true if any run's node is read outside its stage.
     pub(super) fn new(context: Context, group: &Group, leaves: impl Fn(NodeId) -> bool) -> Result<Self, VerilogError> {
         let first = &group.runs[0];
         let net = context.net;
@@ -281,7 +281,7 @@ impl Module {
         let (first, last) = body.span(driver, wire.low, wire.high);
         let is_port = self.outputs.iter().any(|port| port.name == wire.name);
         let about = if let (Op::Claim { low, high, lemma, .. }, Driver::Op(_)) = (body.op(id), driver) {
-            // In units of the wire's lowest bit.
+            // The claim is in units of the wire's lowest bit.
             format!(" // claim: {} .. {} by lemma {lemma}", low >> wire.low, high >> wire.low)
         } else if is_port {
             String::new()
@@ -291,7 +291,7 @@ impl Module {
             String::new()
         };
         let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
-        // Bits that are computed and dropped.
+        // These bits are computed and dropped.
         let mut target = Vec::new();
         let mut dropped = Vec::new();
         if last > wire.high {
@@ -324,7 +324,7 @@ impl Module {
                 let width = body.counted(a);
                 self.leading_zeros.insert(width);
                 let bits = count_bits(width);
-                // Where the number's size is known, high bits of the count are, too.
+                // If the number's size is known, high bits of the count are known, too.
                 let used = last.clamp(1, bits);
                 let count = format!("{}_count", wire.name);
                 let value = body.text(a, 0, width, rank).code;
@@ -352,7 +352,7 @@ impl Module {
         Ok(())
     }
 
-    /// Registers from a rank to the next: everything made so far that is still read. Says which of their bits nobody reads.
+    /// Registers from a rank to the next: all earlier values that are still read. Names the bits that nobody reads.
     fn registers(
         &mut self,
         text: &mut String,
@@ -384,7 +384,7 @@ impl Module {
     }
 }
 
-/// Runs of bits of a wire that are not read.
+/// Ranges of bits of a wire that are not read.
 fn unread(wire: &Wire, reads: u64) -> Vec<String> {
     let missing = mask(wire.low, wire.high) as u64 & !reads;
     let mut parts = Vec::new();
@@ -402,7 +402,7 @@ fn unread(wire: &Wire, reads: u64) -> Vec<String> {
     parts
 }
 
-/// A wire that reads what nobody else does, so that a linter knows it is meant.
+/// Wire that reads the unread bits, so that a linter knows they are meant.
 pub(super) fn sink(name: &str, unread: &[String]) -> String {
     let mut text = format!("  wire {name} = &{{1'b0");
     let mut column = text.len();
@@ -431,7 +431,7 @@ pub(super) fn port_list(lines: &[(String, String)]) -> String {
     lines.iter().enumerate().map(line).collect()
 }
 
-/// What a stage does, in a few words: those of its own name, or of what stands before the dot.
+/// Short description of a stage: that of its own name, or of the part before the dot.
 fn summary(stage: &str) -> &'static str {
     let lines = || include_str!("stages.txt").lines().filter_map(|line| line.split_once(' '));
     let of = |name: &str| lines().find(|(known, _)| *known == name).map(|(_, text)| text.trim_start());

@@ -1,7 +1,7 @@
-//! The top: one instance a run of a stage, registers at their boundaries, delay lines where paths differ in length.
+//! The top: one instance a run of a stage, registers at their boundaries, delay lines between paths of different length.
 //!
-//! Rank 0 is the registers of the inputs; a stage starts at the rank at which the last of its inputs is there and its
-//! outcomes are registered. All outputs leave at the last rank, with their valid bit. One enable moves all of it.
+//! Rank 0 is the registers of the inputs. A stage starts at the rank at which the last of its inputs is ready, and its outcomes are registered. All
+//! outputs leave at the last rank, with their valid bit. One enable moves the whole pipeline.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write;
@@ -80,7 +80,7 @@ pub(super) fn top(
     for taken in ["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready", "advance", "valid", "LATENCY"] {
         names.take(taken);
     }
-    // A port may be constant only where what it joins is; it keeps its declared width for who drives it.
+    // A port is constant only if everything joined with it is; it keeps its declared width for its driver.
     let port_format = |id: NodeId| {
         let fraction_bits = context.path_of(id).map_or(0, |(_, fraction_bits)| fraction_bits);
         Format::new(context.ranges.of(id), fraction_bits, net.node(id).kind == Kind::Flag)
@@ -97,7 +97,7 @@ pub(super) fn top(
         inputs.push(PortDescription::new(name, &verilog, format, [port.low, port.high], place));
     }
 
-    // Stages in the order in which they ran; every input comes from an earlier one.
+    // Stages in the order of execution; every input comes from an earlier one.
     let mut runs: Vec<(u32, usize, usize)> = Vec::new();
     for (group, Group { runs: of_group, .. }) in groups.iter().enumerate() {
         runs.extend(of_group.iter().enumerate().map(|(run, of)| (of.stage, group, run)));
@@ -206,7 +206,7 @@ pub(super) fn top(
                 register_bits += port.format.width();
                 outcomes.push(id);
             } else {
-                // Another run of the module needs this outcome, this one does not.
+                // A different run of the module needs this outcome, this one does not.
                 writeln!(text, "  wire {declared}{signal}_unused;")?;
                 connections.push(format!(".{}({signal}_unused)", port.name));
             }
@@ -234,7 +234,7 @@ pub(super) fn top(
     Ok(Top { text, interface, unread, instances, register_bits, uses_delay })
 }
 
-/// Every stage has operations of its own; what the composer did outside any has no module.
+/// Checks that no operation is outside every stage: such an operation of the composer has no module.
 pub(super) fn check_blocks(context: Context) -> Result<(), VerilogError> {
     let outside =
         context.net.iter().find(|(_, node)| node.stage.is_none() && !matches!(node.op, Op::Lit(_) | Op::Port(_)));
@@ -307,7 +307,7 @@ fn registers(moves: impl Iterator<Item = (String, String)>) -> String {
     format!("  always @(posedge clk)\n    if (advance) begin\n{lines}    end\n")
 }
 
-/// Delay lines of nodes of one stage: one for every pair of ranks, all wires side by side.
+/// Delay lines of nodes of one stage: one for every pair of ranks, with all its wires.
 fn delays(
     text: &mut String,
     signals: &Signals,

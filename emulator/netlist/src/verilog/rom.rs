@@ -46,7 +46,7 @@ impl Rom {
         found.map(|(name, size, _)| Self { name, size, table })
     }
 
-    /// `rom_reciprocal_8`; of words of other than 32 bits `rom_reciprocal_8_w16`.
+    /// Name of its module: `rom_reciprocal_8`, or `rom_reciprocal_8_w16` for words of other than 32 bits.
     pub fn name(&self) -> String {
         let size = self.size.map_or_else(String::new, |bits| format!("_{bits}"));
         let width = if self.table.bits == 32 { String::new() } else { format!("_w{}", self.table.bits) };
@@ -58,7 +58,7 @@ impl Rom {
         count_bits(self.table.entries.len() as u32 - 1)
     }
 
-    /// How an entry is stored.
+    /// Format in which an entry is stored.
     pub fn format(table: Table) -> Format {
         let low = table.on_words().min().unwrap_or(0).into();
         let high = table.on_words().max().unwrap_or(0).into();
@@ -72,7 +72,7 @@ impl Rom {
         self.table.on_words().map(move |entry| format.pack(entry.into()).unwrap_or(0))
     }
 
-    /// The module.
+    /// Text of its module.
     pub fn module(&self) -> String {
         let (name, format) = (self.name(), Self::format(self.table));
         let (width, index) = (format.width(), self.index_bits());
@@ -91,7 +91,7 @@ impl Rom {
             vector(width, format.signed()),
         );
         let entries: Vec<u64> = self.entries().collect();
-        // A table that fills its index needs no default; its last entry is it.
+        // A table that fills its index needs no default; its last entry is written as the default.
         let full = entries.len() == 1 << index;
         for (place, &entry) in entries.iter().enumerate() {
             let last = full && place + 1 == entries.len();
@@ -104,7 +104,7 @@ impl Rom {
         text + &format!("    endcase\n{END}")
     }
 
-    /// The entries for `$readmemh`.
+    /// Entries for `$readmemh`.
     pub fn hex(&self) -> String {
         let format = Self::format(self.table);
         let digits = format.width().div_ceil(4) as usize;
@@ -121,7 +121,7 @@ impl Rom {
         text
     }
 
-    /// What a tool needs to know.
+    /// Description for tools.
     pub(super) fn description(&self) -> RomDescription {
         let format = Self::format(self.table);
         RomDescription {
@@ -151,7 +151,7 @@ pub(super) fn count_bits(most: u32) -> u32 {
     (32 - most.leading_zeros()).max(1)
 }
 
-/// `leading_zeros_40`: a binary search for the highest one.
+/// Module `leading_zeros_40`: a binary search for the highest one.
 pub(super) fn leading_zeros(width: u32) -> String {
     let name = format!("leading_zeros_{width}");
     let bits = count_bits(width);
@@ -182,5 +182,5 @@ pub(super) fn leading_zeros(width: u32) -> String {
 /// Name of the delay line.
 pub(super) const DELAY: &str = "roughxel_delay";
 
-/// A delay line.
+/// Text of the delay line.
 pub(super) const DELAY_TEXT: &str = include_str!("templates/delay.v");

@@ -1,7 +1,7 @@
-//! Runs of a stage that are the same hardware: equal operations on equal constants, whatever drives their inputs.
+//! Groups of stage runs that are the same hardware: equal operations on equal constants, with any drivers of their inputs.
 //!
-//! Such runs are instances of one module. Its wires hold what any of the runs can put on them, so the ranges of nodes
-//! that meet in a place of a module are joined, until every node has one range, at both ends of every connection.
+//! Such runs are instances of one module. Its wires hold any value of any of the runs. So ranges of nodes that meet in a place of a module are
+//! joined, until every node has one range, at both ends of every connection.
 
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ pub(super) struct Run {
     pub(super) stage: u32,
     /// Its operations, in order.
     pub(super) nodes: Vec<NodeId>,
-    /// Ports and wires of other stages it reads, in the order of a person: ports, then outcomes of earlier stages.
+    /// Ports and wires of other stages that it reads, in the order of a person: ports, then outcomes of earlier stages.
     pub(super) inputs: Vec<NodeId>,
 }
 
@@ -24,11 +24,11 @@ pub(super) struct Run {
 pub(super) struct Group {
     /// Name of the module, before any prefix.
     pub(super) name: String,
-    /// At least one.
+    /// The runs, at least one.
     pub(super) runs: Vec<Run>,
 }
 
-/// Everything that makes two runs the same hardware.
+/// Structure of a run; runs with equal structures are the same hardware.
 #[derive(PartialEq)]
 struct Structure {
     name: &'static str,
@@ -101,7 +101,7 @@ pub(super) fn groups(net: &Net) -> Vec<Group> {
     named.collect()
 }
 
-/// Where a person expects an input: ports first, then outcomes of stages in the order in which they ran.
+/// Sort key of an input, as a person expects it: ports first, then outcomes of stages in the order of execution.
 fn position(net: &Net, id: NodeId) -> (usize, NodeId) {
     match net.node(id).op {
         Op::Port(port) => (0, port),

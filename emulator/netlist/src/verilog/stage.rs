@@ -1,4 +1,4 @@
-//! Stages one by one: the ports of each module, and what it computes from them.
+//! Single stages: the ports of each module, and its outcomes.
 
 use std::collections::HashMap;
 
@@ -19,7 +19,7 @@ use crate::interval::Range;
 pub struct Stages {
     /// The whole design.
     pub net: Net,
-    /// Those that were asked for, in the order of their first runs.
+    /// Selected stages, in the order of their first runs.
     pub stages: Vec<Stage>,
 }
 
@@ -32,9 +32,9 @@ pub struct Stage {
     pub inputs: Vec<StagePort>,
     /// Outputs in the order of the module.
     pub outputs: Vec<StagePort>,
-    /// The runs that are instances of the module, in the order in which they run.
+    /// Runs that are instances of the module, in the order of execution.
     pub runs: Vec<StageRun>,
-    /// The operations of a run alone, with the module's inputs as ports and its outputs, in the module's order.
+    /// Operations of one run, with the module's inputs as ports and its outputs, in the module's order.
     pub unit: Net,
 }
 
@@ -43,22 +43,22 @@ pub struct Stage {
 pub struct StagePort {
     /// Name in Verilog.
     pub name: String,
-    /// How its integer travels on the wires.
+    /// Format of its integer on the wires.
     pub format: Format,
-    /// What is on it in the first run: the path of a port of the design, or instance and path of an outcome.
+    /// Its wire in the first run: the path of a port of the design, or instance and path of an outcome.
     pub wire: String,
-    /// What the fields of that path are declared to be; empty of a wire without a name.
+    /// Declarations of the fields of that path; empty for a wire without a name.
     pub path: Vec<Step>,
 }
 
 /// A run of a stage.
 #[derive(Clone, Debug)]
 pub struct StageRun {
-    /// Its name, unique in the design: `columns_pixel_1`.
+    /// Name, unique in the design: `columns_pixel_1`.
     pub instance: String,
-    /// The wires of the whole design on the inputs.
+    /// Wires of the whole design on the inputs.
     pub inputs: Vec<NodeId>,
-    /// Those on the outputs.
+    /// Wires of the whole design on the outputs.
     pub outputs: Vec<NodeId>,
 }
 
@@ -69,7 +69,7 @@ impl Stages {
     pub fn new(net: Net, options: &Options) -> Result<Self, VerilogError> {
         let prepared = Prepared::new(net)?;
         let wanted = prepared.chosen(options.stage.as_deref())?;
-        // The text of a module, which is not kept, has no line about its origin.
+        // The module's text is not kept, so it has no line about its origin.
         let context = prepared.context(None, "", "");
         let stage = |index: usize| -> Result<Stage, VerilogError> {
             let group = &prepared.groups[index];
@@ -101,7 +101,7 @@ impl Stage {
         }
     }
 
-    /// What the module makes of the integers on its inputs; `wires` is overwritten.
+    /// Outcomes of the module from the integers on its inputs; `wires` is overwritten.
     ///
     /// The integers are those of the wires, dropped zeros included, in the order of the ports.
     pub fn outcome(&self, inputs: &[i64], wires: &mut Vec<i64>) -> Vec<i64> {
@@ -109,7 +109,7 @@ impl Stage {
         self.unit.outputs.iter().map(|output| wires[output.node as usize]).collect()
     }
 
-    /// The module as what a bench connects: combinational, without a clock and a handshake.
+    /// Interface of the module for a testbench: combinational, without a clock and a handshake.
     pub fn interface(&self) -> Interface {
         let ports = |ports: &[StagePort]| -> Vec<PortDescription> {
             let description = |(place, StagePort { name, format, .. }): (usize, &StagePort)| {
@@ -139,7 +139,7 @@ impl StagePort {
     }
 }
 
-/// The operations of the first run as a net of their own.
+/// Operations of the first run as a separate net.
 fn unit(context: Context, group: &Group, module: &Module) -> Net {
     let (net, first) = (context.net, &group.runs[0]);
     let mut taken = Taken { of: net, net: Net::default(), places: HashMap::new() };
@@ -161,7 +161,7 @@ fn unit(context: Context, group: &Group, module: &Module) -> Net {
         });
     }
     for &id in &first.inputs {
-        // An input that is one value in every run has no port.
+        // An input with one value in every run has no port.
         if let Some(value) = context.ranges.of(id).constant() {
             taken.add(id, Op::Lit(value));
         }
@@ -190,16 +190,16 @@ fn unit(context: Context, group: &Group, module: &Module) -> Net {
     taken.net
 }
 
-/// Operations that are taken from a design.
+/// Operations that are copied from a design.
 struct Taken<'a> {
     of: &'a Net,
     net: Net,
-    /// Where a node of the design is in the net.
+    /// Places of the design's nodes in the net.
     places: HashMap<NodeId, NodeId>,
 }
 
 impl Taken<'_> {
-    /// Takes a node over with another operation, once.
+    /// Copies a node with a different operation, once.
     fn add(&mut self, id: NodeId, op: Op) {
         let Self { of, net, places } = self;
         places.entry(id).or_insert_with(|| {

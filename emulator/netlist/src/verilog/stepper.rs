@@ -1,7 +1,6 @@
-//! The probe stepper: a small state machine that walks the probes of a footprint through the generated step.
+//! The probe stepper: a small state machine that steps through the probes of a footprint with the generated step.
 //!
-//! It takes a footprint, presents indices 0 … N − 1 to the step, one a cycle, and marks the last. Footprints follow
-//! each other without a gap.
+//! It takes a footprint, presents indices 0 … N − 1 to the step, one a cycle, and marks the last. Footprints follow each other without a gap.
 
 use super::format::{Format, vector};
 use super::interface::{Interface, PortDescription};
@@ -11,18 +10,18 @@ use super::text::{filled, header};
 use super::value::literal;
 use crate::interval::Range;
 
-/// The ports that make a design a step.
+/// Ports that make a design a step.
 const INDEX: &str = "index";
 const COUNT: &str = "probes.count";
-/// Handed on with every probe.
+/// Port that accompanies every probe.
 const LOD: &str = "probes.lod";
 
-/// The stepper around a step; `None` where the design is none.
+/// Stepper around a step; `None` if the design is no step.
 pub(super) fn stepper(top: &Top, origin: &str) -> Option<(Interface, String)> {
     let step = &top.interface;
     let named = |ports: &[PortDescription], name: &str| ports.iter().find(|port| port.name == name).cloned();
     let input = |name| named(&step.inputs, name);
-    // The step has no use for the level of detail, but what reads its probes has.
+    // The step does not read the level of detail, but the reader of its probes does.
     let (Some(index), Some(count), Some(lod)) = (input(INDEX), input(COUNT), named(&top.unread, LOD)) else {
         return None;
     };

@@ -1,14 +1,14 @@
-//! What stands for a node in the text: a constant, or bits of a wire.
+//! Values of nodes in the text: a constant, or bits of a wire.
 //!
-//! Shifts by constants, remainders of powers of two, signs and inversions are bits of another wire and get no wire of
-//! their own. Bit positions are those of the node's integer.
+//! Shifts by constants, remainders of powers of two, signs and inversions are bits of a different wire and get no wire themselves. Bit positions are
+//! those of the node's integer.
 
 use crate::graph::NodeId;
 
 /// A node's integer as bits of a wire: bit p of the value is bit p − `shift` of the wire's integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct View {
-    /// The node whose wire it is.
+    /// Node that has the wire.
     pub(crate) base: NodeId,
     /// Places to the left.
     pub(crate) shift: i32,
@@ -26,13 +26,13 @@ impl View {
         Self { base, shift: 0, cut: 0, limit: None, inverted: false }
     }
 
-    /// · 2^k.
+    /// Multiplies by 2^k.
     pub(crate) fn shl(self, k: u32) -> Self {
         let k = k as i32;
         Self { shift: self.shift + k, limit: self.limit.map(|limit| limit + k), ..self }
     }
 
-    /// ⌊ · / 2^k⌋.
+    /// Divides by 2^k and rounds down.
     pub(crate) fn sar(self, k: u32) -> Self {
         let k = k as i32;
         let limit = self.limit.map(|limit| (limit - k).max(0));
@@ -40,18 +40,18 @@ impl View {
         Self { shift, cut: self.cut.max(-shift), limit, ..self }
     }
 
-    /// The lowest `k` bits.
+    /// Keeps the lowest `k` bits.
     pub(crate) fn low_bits(self, k: u32) -> Self {
         let k = k as i32;
         Self { limit: Some(self.limit.map_or(k, |limit| limit.min(k))), ..self }
     }
 
-    /// Bit `p` alone.
+    /// Keeps bit `p` alone.
     pub(crate) fn bit(self, p: u32) -> Self {
         self.sar(p).low_bits(1)
     }
 
-    /// Not, of a flag.
+    /// Inverts a flag.
     pub(crate) fn not(self) -> Self {
         Self { inverted: !self.inverted, ..self }
     }
@@ -60,13 +60,13 @@ impl View {
 /// A node in the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Value {
-    /// Always the same.
+    /// A constant.
     Constant(i64),
     /// Bits of a wire.
     Bits(View),
 }
 
-/// Bits of a wire that exist, from `low` up to but not `high`, of which the top one is a sign where `signed`.
+/// Existing bits of a wire, from `low` up to but not `high`; the top one is a sign if `signed`.
 #[derive(Clone, Debug)]
 pub(crate) struct Wire {
     pub(crate) name: String,
@@ -80,7 +80,7 @@ impl Wire {
         self.high - self.low
     }
 
-    /// Bits `low` up to `high` of the integer, all of them there.
+    /// Bits `low` up to `high` of the integer, all of them existing.
     pub(crate) fn slice(&self, low: u32, high: u32) -> String {
         let Self { name, low: first, .. } = self;
         match high - low {
@@ -95,7 +95,7 @@ impl Wire {
 #[derive(Clone, Debug)]
 pub(crate) struct Text {
     pub(crate) code: String,
-    /// It is one signed wire, not a slice or a concatenation, which are unsigned.
+    /// True for one signed wire; a slice or a concatenation is unsigned.
     pub(crate) signed: bool,
 }
 
@@ -145,12 +145,12 @@ pub(crate) fn signed_constant(value: i64, low: u32, high: u32) -> String {
     sized((i128::from(value) >> low.min(127)) as u128, high - low, "s")
 }
 
-/// Bits `low` up to `high` of a view of `wire`. Bits the wire does not have read zero, or its sign above its top.
+/// Bits `low` up to `high` of a view of `wire`. Bits that the wire does not have read zero, or its sign above its top.
 pub(crate) fn view_bits(view: &View, wire: &Wire, low: u32, high: u32) -> Text {
     let (low, high) = (low as i32, high as i32);
     let limit = view.limit.unwrap_or(high).clamp(low, high);
     let above = high - limit;
-    // In bits of the wire's integer.
+    // These are places in the wire's integer.
     let (from, upto) = (low - view.shift, limit - view.shift);
     let first = from.max(view.cut).max(wire.low as i32).min(upto);
     let zeros = first - from;
