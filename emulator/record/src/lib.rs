@@ -1,7 +1,7 @@
-//! The recorded reading: its words are nodes of a graph under construction ([`roughxel_netlist::builder`]).
+//! The recorded backend: its words are nodes of a netlist under construction ([`roughxel_netlist::builder`]).
 //!
-//! Every stage of every design is compiled here, for words of 16 and of 32 bits, and each runs once a recording: this package is
-//! built without optimisation, which takes an eighth of the time.
+//! Every stage of every design is compiled here, for words of 16 and of 32 bits, and each runs once a recording. So this package is built without
+//! optimisation, which takes an eighth of the time.
 
 use std::cmp::Ordering;
 use std::marker::PhantomData;
@@ -19,14 +19,14 @@ use roughxel_netlist::graph::{Kind, Net, NodeId, Op, Table};
 use roughxel_netlist::integers::integers_on;
 use roughxel_netlist::verilog::{Options, Stages, Verilog, VerilogError};
 
-/// A wire of so many bits in the recorded reading: 16 or 32 are words, of which twice the bits are the wide companion.
+/// A wire of this many bits in the recorded backend: 16 or 32 are words, whose wide companion has twice the bits.
 #[derive(Clone, Copy, Debug)]
 pub struct NetWire<const BITS: u32>(NodeId);
 
-/// Wire of a control number in the recorded reading, and the word of every profile of 32 bits.
+/// Wire of a control number in the recorded backend, and the word of every profile of 32 bits.
 pub type NetWord = NetWire<32>;
 
-/// A flag of the recorded reading.
+/// A flag of the recorded backend.
 #[derive(Clone, Copy, Debug)]
 pub struct NetFlag(NodeId);
 
@@ -179,7 +179,7 @@ macro_rules! word {
 word!(16, 32, i16);
 word!(32, 64, i32);
 
-/// The same integer on a wire of another width, which it fits.
+/// Widens or narrows a wire whose integer fits the new width.
 #[track_caller]
 fn resized(id: NodeId, from: u32, to: u32) -> NodeId {
     match from.cmp(&to) {
@@ -189,17 +189,17 @@ fn resized(id: NodeId, from: u32, to: u32) -> NodeId {
     }
 }
 
-/// The words that carry mantissas in a recorded design.
+/// Words that carry mantissas in a recorded design.
 pub trait NetReading: Staged + Wire<Flag = NetFlag, Count = NetWord> {
-    /// The scalar reading with words of the same width.
+    /// Word of the scalar backend with the same width.
     type Scalar: Word<Count = i32, Flag = bool> + Into<i64>;
-    /// The node of a wire.
+    /// Node of a wire.
     fn node(self) -> NodeId;
-    /// The wire of a node.
+    /// Wire of a node.
     fn of_node(node: NodeId) -> Self;
 }
 
-/// Nodes made by `body` belong to the stage, its outcome is tapped.
+/// Runs `body` as a stage: its nodes belong to the stage, and its outcome is tapped.
 fn staged<W: NetReading, B: Bundle<W>>(name: &'static str, body: impl Fn() -> B + Copy) -> B {
     builder::enter(name);
     let outcome = body();
@@ -207,7 +207,7 @@ fn staged<W: NetReading, B: Bundle<W>>(name: &'static str, body: impl Fn() -> B 
     outcome
 }
 
-/// The wires of a bundle with their names.
+/// Wires of a bundle with their names.
 fn named<W: NetReading, B: Bundle<W>>(bundle: &B) -> Vec<NamedWire> {
     let mut names = Names::default();
     bundle.rewire::<W, _>(&mut names);
@@ -255,7 +255,7 @@ impl<W: NetReading> Rewire<W, W> for Names {
 /// Makes a port of every wire of a bundle.
 struct Ports {
     path: Vec<Step>,
-    /// The lowest and the highest value of each, in the order of the walk.
+    /// Lowest and highest value of each port, in the order of the walk.
     limits: std::vec::IntoIter<(i64, i64)>,
 }
 
@@ -288,13 +288,13 @@ impl<W: NetReading> Rewire<i32, W> for Ports {
     }
 }
 
-/// The lowest and the highest integer that the declaration of each wire allows, on words of the width of `W`.
+/// Lowest and highest integer that the declaration of each wire allows, on words of the width of `W`.
 fn limits<W: NetReading, F: Form>() -> Vec<(i64, i64)> {
     let [low, high] = [End::Low, End::High].map(|end| integers_on(&F::limit::<W::Scalar>(end)));
     low.into_iter().zip(high).collect()
 }
 
-/// Records `body` on ports that may hold what the declaration of its input allows.
+/// Records `body` on ports that hold the range that the declaration of its input allows.
 pub fn record<W: NetReading, I: Form, O: Bundle<W>>(body: impl FnOnce(&In<I, W>) -> O) -> Net {
     builder::begin();
     let form = I::limit::<i32>(End::Low);
@@ -312,21 +312,21 @@ pub fn net(design: Design, effects: &Effects, p: &Precision) -> Net {
     }
 }
 
-/// Records a design, proves it and writes it down.
+/// Records a design, proves it and writes it as Verilog.
 ///
 /// Errors: everything [`VerilogError`] lists.
 pub fn verilog(design: Design, options: &Options) -> Result<Verilog, VerilogError> {
     Verilog::new(design, net(design, &options.effects, &options.precision), options)
 }
 
-/// Records a design and proves it, for its stages one by one.
+/// Records a design and proves it, for use of its stages one by one.
 ///
 /// Errors: everything [`VerilogError`] lists.
 pub fn stages(design: Design, options: &Options) -> Result<Stages, VerilogError> {
     Stages::new(net(design, &options.effects, &options.precision), options)
 }
 
-/// Records a design.
+/// Recorder of a design.
 struct Record<'a, W> {
     effects: &'a Effects,
     p: &'a Precision,
