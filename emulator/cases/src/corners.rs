@@ -1,5 +1,5 @@
 //! Corners: single limits, roundings and ties of the datapaths that neither random vectors nor pictures meet. `roughxel vectors report --unseen`
-//! named the operations that no vector showed; each list here has inputs under which some of them make a difference.
+//! names the operations that no vector shows; each list here has inputs under which some of them make a difference.
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16};
 use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};
@@ -17,24 +17,24 @@ use super::set::CaseSet;
 /// ½ as a mantissa.
 const HALF: i32 = 1 << 29;
 
-/// The natural frame, whose tangents have lengths of their own.
+/// The natural tangent basis, whose tangents keep their own lengths.
 const NATURAL: FrameSystem = FrameSystem::Natural;
 
-/// Exponents that far apart: beside the places at which a word and a wide wire have no bits left, and those at which a count of places
-/// that is not cut comes round to none; and the end of what enters.
+/// Differences of exponents. Some are next to those at which a word and a wide wire have no bits left, and next to those at which an unclamped count
+/// of places wraps to 0. The last is the limit of inputs.
 const APART: [i16; 12] = [30, 31, 32, 33, 34, 61, 62, 63, 64, 65, 66, 2048];
 
 fn vector(mantissa: [i32; 3], exponent: i16) -> BlockVector {
     BlockVector { mantissa: mantissa.map(I2F30::from_bits), exponent }
 }
 
-/// The largest mantissa of a port: rounded to the bits of a block it is 1 of the next exponent, the only way to a mantissa of 1.
+/// Largest mantissa of a port. Rounded to the bits of a block it is 1 of the next exponent, the only way to a mantissa of 1.
 fn largest(p: &Precision) -> i32 {
     i32::MAX & -bit(p)
 }
 
-/// Vectors along axes and a few last bits beside: unit vectors whose components round beyond 1, quotients that do, sums and differences that
-/// leave one bit.
+/// Vectors along axes and a few last bits off: unit vectors whose components round beyond 1, quotients that do, sums and differences that leave one
+/// bit.
 struct Aligned {
     random: SplitMix64,
     bit: i32,
@@ -45,13 +45,13 @@ impl Aligned {
         Self { random: SplitMix64::for_element(set, index), bit: bit(p) }
     }
 
-    /// Nothing, or up to 2^8 last bits.
+    /// Zero, or up to 2^8 last bits.
     fn few(&mut self) -> i32 {
         let few = self.bit << self.random.below(9);
         [0, few, -few][self.random.below(3) as usize]
     }
 
-    /// Any length along an axis.
+    /// Vector of any length along an axis.
     fn along(&mut self, axis: usize) -> BlockVector {
         let length = (HALF + self.random.below(1 << 29) as i32) & -self.bit;
         let mut mantissa = [(); 3].map(|()| self.few());
@@ -59,7 +59,7 @@ impl Aligned {
         vector(mantissa, 0)
     }
 
-    /// n and main direction along two axes, the eye along any.
+    /// Surface with n and main direction along two axes, the eye along any.
     fn surface(&mut self) -> (SurfaceIn, usize) {
         let [axis, turn, eye] = [3, 2, 3].map(|count| self.random.below(count) as usize);
         let surface = SurfaceIn {
@@ -72,7 +72,7 @@ impl Aligned {
     }
 }
 
-/// Surfaces without offset whose normal enters with a mantissa of 1, which perturbing has to leave as it is.
+/// Surfaces without offset whose normal enters with a mantissa of 1; `perturb` has to keep it.
 fn of_length_one(p: &Precision) -> Vec<SurfaceIn> {
     let (one, bit) = (largest(p), bit(p));
     let mut surfaces = Vec::new();
@@ -96,8 +96,8 @@ fn of_length_one(p: &Precision) -> Vec<SurfaceIn> {
     surfaces
 }
 
-/// Fragments: circles of any size and of both kinds of columns, where λ₁ and λ₂ differ by roundings alone; edges beside powers of two, where
-/// logarithms of edges round; reflections along axes.
+/// Fragments: circles of any size and of both kinds of columns, whose λ₁ and λ₂ differ by roundings alone; edges next to powers of two, whose
+/// logarithms round; reflections along axes.
 pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
     let bit = bit(p);
     let mut fragments = Vec::new();
@@ -108,7 +108,7 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
         ..SurfaceIn::default()
     };
     for step in 0..1024 {
-        // Sizes of few bits and of many.
+        // Sizes with few bits and with many.
         let size = (if step % 2 == 0 { HALF + step * (HALF >> 10) } else { HALF + step / 2 * 1_049_600 }) & -bit;
         for (view, bend) in
             [(-7, Some(-8)), (-7, None), (11, Some(5))].into_iter().take(if step % 8 == 0 { 3 } else { 1 })
@@ -122,13 +122,13 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
             });
         }
     }
-    // Where λ comes to a power of two, one of two equal axes rounds up to it and the other one does not.
+    // At λ of a power of two, one of two equal axes rounds up to it and the other does not.
     for step in -32..=32 {
         let axes = [[(-549_755_904 + step * bit) & -bit, 0, 0], [0, (-549_755_904 + step * bit) & -bit, 0]];
         let [dview, dnormal] = [-7, -8].map(|exponent| axes.map(|axis| vector(axis, exponent)));
         fragments.push(ReflectionIn { surface: above, dview, dnormal, edge_texels: 256 });
     }
-    // Reflections beside edges and corners of the cube by factors that round: quotients of nearly 1.
+    // Reflections next to edges and corners of the cube, by factors that round: quotients of nearly 1.
     for index in 0..1024 {
         let mut random = SplitMix64::for_element("quotients", index);
         let words = [0, 0, i32::MIN, largest(p), HALF, bit, -bit, random.next_u64() as i32 & -bit];
@@ -139,7 +139,7 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
         let surface = SurfaceIn { normal: any(), view: any(), ..above };
         fragments.push(ReflectionIn { surface, ..random_fragment("quotients", index, p) });
     }
-    // Eyes so far that nothing is left of a pixel, and so near that it is all.
+    // Eyes so far that nothing is left of a pixel, and so near that only the pixel is left.
     for exponent in (-2048..=2048).step_by(128).chain([-33, -32, -31, 31, 32, 33]) {
         for dview in [[HALF + bit, 0, 0], [HALF, HALF, bit]] {
             let surface = SurfaceIn { view: vector([0, 0, HALF], exponent), ..above };
@@ -149,7 +149,7 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
     }
     let edges = (0..16).flat_map(|power| [-1, 0, 1].map(|step| ((1 << power) + step) as u16));
     let between = (0..2048).map(|step| 8 * step + 4);
-    // Of footprints of many texels, so that no level is cut, and of any.
+    // Footprints of many texels, so that no level is clamped, and any footprints.
     for (index, edge_texels) in edges.chain(between).enumerate() {
         let any = random_fragment("fragment_corners", index as u64, p);
         let dview = any.dview.map(|of| BlockVector { exponent: of.exponent + 5, ..of });
@@ -176,7 +176,7 @@ pub fn fragment_corners(p: &Precision) -> Vec<ReflectionIn> {
     fragments
 }
 
-/// Lights: exponents beyond both ends, half vectors a few last bits beside the normal on smooth and rough surfaces, normals of one bit.
+/// Lights: exponents beyond both ends, half vectors a few last bits off the normal on smooth and rough surfaces, normals of one bit.
 pub fn highlight_corners(p: &Precision) -> Vec<HighlightIn> {
     let bit = bit(p);
     let mut lights = Vec::new();
@@ -237,8 +237,7 @@ pub fn highlight_corners(p: &Precision) -> Vec<HighlightIn> {
     lights
 }
 
-/// Lights on peaks: half vectors along the axes of the frame and a few last bits beside, whose components round beyond 1; peaks around
-/// them.
+/// Lights on peaks: half vectors along the axes of the tangent basis and a few last bits off, whose components round beyond 1; peaks around them.
 pub fn peak_corners(p: &Precision) -> Vec<PeakIn> {
     let aligned = |index| {
         let mut aligned = Aligned::new("peak_corners", index, p);
@@ -248,7 +247,7 @@ pub fn peak_corners(p: &Precision) -> Vec<PeakIn> {
     };
     let of_one =
         |(index, surface): (usize, SurfaceIn)| PeakIn { surface, ..random_lit_peak("peak_corners", index as u64, p) };
-    // Right on peaks of any exponent, and as far from them as a code can say.
+    // Half vectors exactly on peaks of any exponent, and as far from them as a code can say.
     let on_peak = |index: u64| {
         let mut random = SplitMix64::for_element("on_peak", index);
         let half = vector([0, 0, HALF], 0);
@@ -274,13 +273,13 @@ pub fn peak_corners(p: &Precision) -> Vec<PeakIn> {
     let mut peaks: Vec<_> = (0..768).map(aligned).collect();
     peaks.extend(of_length_one(p).into_iter().enumerate().map(of_one));
     peaks.extend((0..512).map(on_peak));
-    // Wide and bright ones that are seen whole, so that nothing hides a last place of a logarithm.
+    // Wide and bright peaks without a horizon, so that nothing hides a last place of a logarithm.
     peaks.extend((0..1024).map(|index| {
         let any = random_lit_peak("bright", index, p);
         let peak = StoredPeak { amplitude: u16::MAX, exponent: any.peak.exponent >> (index % 4), ..any.peak };
         PeakIn { peak, horizon: StoredHorizon::OPEN, weight: I16F16::ONE, ..any }
     }));
-    // No half vector in a lit place: the light right behind an eye below the surface, where nothing hides anything.
+    // Lit places without a half vector: the light is opposite to an eye below the surface, without a horizon.
     for power in [0, 8, 16] {
         let light = vector([HALF / 2, HALF >> (power / 2) & -bit(p), HALF], 0);
         let view = vector(light.mantissa.map(|m| -m.to_bits()), 0);
@@ -291,8 +290,8 @@ pub fn peak_corners(p: &Precision) -> Vec<PeakIn> {
     peaks
 }
 
-/// Surfaces on p_u and p_v of exponents far apart. A tangent of the natural frame is the longer the shorter its vector is, so these are terms of
-/// any distance from n and from each other: all but a sign is shifted out of the smaller one.
+/// Surfaces on p_u and p_v of exponents far apart. A tangent of the natural basis is the longer, the shorter its vector is. So the terms are at any
+/// distance from n and from each other: all but a sign is shifted out of the smaller one.
 fn far(p: &Precision) -> impl Iterator<Item = SurfaceIn> {
     let keep = -(1 << (28 - p.offset_bits()));
     APART.into_iter().flat_map(move |apart| {
@@ -342,9 +341,9 @@ pub fn peak_far(p: &Precision) -> CaseSet<PeakIn, PeakPlan> {
     CaseSet { name: "peak_far", description: FAR, cases: far(p).enumerate().map(light).collect(), plan }
 }
 
-/// What the sets of tangents far apart hold.
+/// Description of the sets of tangents far apart.
 const FAR: &str = "p_u, p_v of exponents 30 to 34, 61 to 66 and 2048 apart: terms far below others";
 
-/// What the sets of corners hold.
+/// Description of the sets of corners.
 pub const CORNERS: &str =
     "single limits, roundings and ties: mantissas of 1, vectors along axes and last bits beside, ends of codes";

@@ -1,4 +1,4 @@
-//! Hard cases of the cube: reflected vectors on edges and corners, and one bit beside.
+//! Hard cases of the cube: reflected vectors on edges and corners, and one bit off.
 
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};

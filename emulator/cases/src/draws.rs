@@ -1,8 +1,8 @@
-//! Random vectors side by side: numbers of `N` elements in arrays, and the ports that they become, a row a word.
+//! Random vectors drawn in parallel: numbers of `N` elements in arrays, and the port words that they become, one row a word.
 //!
-//! Each element has its own generator, so that it does not depend on those beside it; loops over the elements choose values, not ways, and become
-//! vectors of the instruction set that they are compiled for. A number of the generator is two words or four small integers, and nothing is drawn
-//! again until it is right: the fewer numbers an element takes and the more each element takes the same, the sooner it is drawn.
+//! Each element has a separate generator, so that it does not depend on its neighbours. Loops over the elements select values without branches, and
+//! compile to vector instructions. A number of the generator is two words or four small integers, and nothing is drawn by rejection. The fewer
+//! numbers an element takes and the more alike the elements are, the faster they are drawn.
 
 use std::ops::Range;
 
@@ -17,19 +17,19 @@ use roughxel_shader::Batch;
 use roughxel_simd::{Backend, LANES};
 use roughxel_utilities::random::SplitMix64;
 
-/// The components of a vector of each element.
+/// Vectors of the elements, component by component.
 pub(crate) type Vectors<const N: usize> = [[f64; N]; 3];
 
-/// Which elements of a random set.
+/// A selection of elements of a random set.
 #[derive(Clone, Copy)]
 pub(crate) struct Elements<const N: usize> {
-    /// Of the name of the set.
+    /// Hash of the name of the set.
     hash: u64,
     indices: [u64; N],
 }
 
 impl<const N: usize> Elements<N> {
-    /// Their generators.
+    /// Generators of the elements.
     #[inline(always)]
     pub(crate) fn draws(&self) -> Draws<N> {
         let mut generators = [const { SplitMix64::new(0) }; N];
@@ -40,11 +40,11 @@ impl<const N: usize> Elements<N> {
     }
 }
 
-/// Generators side by side.
+/// One generator an element.
 pub(crate) struct Draws<const N: usize>([SplitMix64; N]);
 
 impl<const N: usize> Draws<N> {
-    /// What `draw` draws for each element.
+    /// Values that `draw` returns, one an element.
     #[inline(always)]
     pub(crate) fn each<T: Copy + Default>(&mut self, draw: impl Fn(&mut SplitMix64) -> T) -> [T; N] {
         let mut drawn = [T::default(); N];
@@ -54,7 +54,7 @@ impl<const N: usize> Draws<N> {
         drawn
     }
 
-    /// Leaves out the number that decides.
+    /// Skips the number that decides if an element is odd.
     #[inline(always)]
     pub(crate) fn skip(&mut self) {
         self.each(SplitMix64::next_u64);
@@ -90,7 +90,7 @@ impl<const N: usize> Draws<N> {
     }
 }
 
-/// A number in an octave, from 2^exponent to below twice that, by a number in [−1, 1). For exponents of normal numbers.
+/// Number in an octave, from 2^exponent to below twice that, by a number in [−1, 1). For exponents of normal numbers.
 #[inline(always)]
 pub(crate) fn in_octave(exponent: i32, real: f64) -> f64 {
     (1.5 + 0.5 * real) * octave(exponent)
@@ -102,7 +102,7 @@ pub(crate) fn octave(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
-/// A vector of any direction, from a tenth to 1 long.
+/// Vector of any direction, from a tenth to 1 long.
 pub fn direction(random: &mut SplitMix64) -> DVec3 {
     loop {
         let point = dvec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
@@ -112,7 +112,7 @@ pub fn direction(random: &mut SplitMix64) -> DVec3 {
     }
 }
 
-/// The vector of an element.
+/// Returns the vector of an element.
 #[inline(always)]
 pub(crate) fn at<const N: usize>([x, y, z]: &Vectors<N>, lane: usize) -> DVec3 {
     dvec3(x[lane], y[lane], z[lane])
@@ -124,30 +124,30 @@ pub(crate) fn set<const N: usize>([x, y, z]: &mut Vectors<N>, lane: usize, vecto
     [x[lane], y[lane], z[lane]] = vector.to_array();
 }
 
-/// The length of a vector, with a root that loops take many of at once.
+/// Length of a vector, with a square root that vectorises.
 #[inline(always)]
 fn length(vector: DVec3) -> f64 {
     vector.length_squared().sqrt()
 }
 
-/// A vector brought to length 1.
+/// Vector scaled to length 1.
 #[inline(always)]
 pub(crate) fn unit(vector: DVec3) -> DVec3 {
     vector * (1.0 / length(vector))
 }
 
-/// A vector brought to length 1, or another where it has none.
+/// Vector scaled to length 1, or `fallback` if it has no length.
 #[inline(always)]
 pub(crate) fn unit_or(vector: DVec3, fallback: DVec3) -> DVec3 {
     let inverse = 1.0 / length(vector);
     if inverse.is_finite() & (inverse > 0.0) { vector * inverse } else { fallback }
 }
 
-/// Rows of words of elements side by side, in the order of a walk, that are still to be written.
+/// Rows of port words in the order of a walk, one column an element; the remaining ones are still to be written.
 pub(crate) struct Rows<'a, const N: usize>(&'a mut [[i32; N]]);
 
 impl<'a, const N: usize> Rows<'a, N> {
-    /// All words of some ports.
+    /// Rows of all words of some ports.
     #[inline(always)]
     pub(crate) fn new<const WORDS: usize>(words: &'a mut [[i32; N]; WORDS]) -> Self {
         Self(words)
@@ -157,12 +157,12 @@ impl<'a, const N: usize> Rows<'a, N> {
     #[inline(always)]
     fn take<const COUNT: usize>(&mut self) -> &'a mut [[i32; N]; COUNT] {
         let rows = std::mem::take(&mut self.0).split_first_chunk_mut();
-        let (words, rest) = rows.unwrap_or_else(|| unreachable!("ports have so many words"));
+        let (words, rest) = rows.unwrap_or_else(|| unreachable!("ports have this many words"));
         self.0 = rest;
         words
     }
 
-    /// The words `of` makes of each element.
+    /// Writes the words that `of` returns for each element.
     #[inline(always)]
     pub(crate) fn put<const COUNT: usize>(&mut self, of: impl Fn(usize) -> [i32; COUNT]) {
         let rows = self.take::<COUNT>();
@@ -173,13 +173,13 @@ impl<'a, const N: usize> Rows<'a, N> {
         }
     }
 
-    /// A word of each element.
+    /// Writes one word of each element.
     #[inline(always)]
     pub(crate) fn put_row(&mut self, row: &[i32; N]) {
         *self.take::<1>() = [*row];
     }
 
-    /// Vectors: three mantissas and an exponent each.
+    /// Writes vectors: three mantissas and an exponent each.
     #[inline(always)]
     pub(crate) fn put_blocks(&mut self, mantissas: &[[[i32; N]; 3]], exponents: &[[i32; N]]) {
         for (vector, exponent) in mantissas.iter().zip(exponents) {
@@ -189,13 +189,13 @@ impl<'a, const N: usize> Rows<'a, N> {
         }
     }
 
-    /// Words that are 0.
+    /// Writes words that are 0.
     #[inline(always)]
     pub(crate) fn put_zeros<const COUNT: usize>(&mut self) {
         *self.take::<COUNT>() = [[0; N]; COUNT];
     }
 
-    /// Vectors of a profile.
+    /// Writes vectors, quantised to a profile.
     #[inline(always)]
     pub(crate) fn put_vectors(&mut self, vectors: &Vectors<N>, p: &Precision) {
         self.put(
@@ -208,7 +208,7 @@ impl<'a, const N: usize> Rows<'a, N> {
         );
     }
 
-    /// Offsets or roughnesses of a profile.
+    /// Writes offsets or roughnesses, quantised to a profile.
     #[inline(always)]
     pub(crate) fn put_offsets(&mut self, numbers: &[f64; N], p: &Precision) {
         self.put(
@@ -218,19 +218,19 @@ impl<'a, const N: usize> Rows<'a, N> {
     }
 }
 
-/// What the elements of random sets of a kind are: `WORDS` words of ports, plausible ones or odd ones.
+/// Kind of the elements of random sets: `WORDS` words of ports, plausible ones or odd ones.
 pub(crate) trait Kind<const WORDS: usize> {
-    /// The ports.
+    /// Ports of an element.
     type Ports: Form + Bundle<i32, In<i32> = Self::Ports>;
 
-    /// Which elements are odd: their first number says so.
+    /// Returns true for odd elements, by their first number.
     #[inline(always)]
     fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
         elements.draws().tenths()[0]
     }
-    /// Writes the words of plausible elements; those of others mean nothing.
+    /// Writes the words of plausible elements; words of odd ones are meaningless.
     fn plausible<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; WORDS]);
-    /// Writes the words of odd elements; those of others mean nothing.
+    /// Writes the words of odd elements; words of plausible ones are meaningless.
     fn odd<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; WORDS]);
 
     /// Element `index` of the set `set`.
@@ -244,11 +244,11 @@ pub(crate) trait Kind<const WORDS: usize> {
         filled(&Self::Ports::limit::<i32>(End::Low), &words.map(|[word]| word.into()))
     }
 
-    /// Draws those elements of the set `set` into `batch`, in place of what it held.
+    /// Draws these elements of the set `set` into `batch`, in place of its contents.
     fn many(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<Self::Ports>) {
         let (hash, backend) = (SplitMix64::hash_of(set), Backend::best());
         let group = |first: u64| Elements { hash, indices: each!(lane in places() => first + lane as u64) };
-        // Few are odd: they are brought together, so that no lane of theirs waits for plausible ones.
+        // Few elements are odd. They share groups, so that no odd lane waits for plausible ones.
         let mut odd = Vec::new();
         for first in indices.clone().step_by(LANES) {
             let are_odd = backend.run(

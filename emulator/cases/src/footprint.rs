@@ -21,7 +21,7 @@ const MANTISSA_BITS: u32 = Mantissa::<Scalar>::FRACTION;
 const LOGARITHM_BITS: u32 = Control::<Scalar, LOGARITHM>::FRACTION;
 const LOD_BITS: u32 = Control::<Scalar, LOD>::FRACTION;
 
-/// A flat mirror facing +z whose pixel columns on the face are exactly (−1/2) of the given ones.
+/// A flat mirror facing +z whose pixel columns on the face are exactly −1/2 of `x` and `y`.
 fn flat_footprint(x: [f64; 2], y: [f64; 2], p: &Precision) -> ReflectionIn {
     RealFragment {
         dview: [dvec3(x[0], x[1], 0.0), dvec3(y[0], y[1], 0.0)],
@@ -104,12 +104,13 @@ pub(super) fn footprint_size(p: &Precision) -> Vec<ReflectionIn> {
         .collect()
 }
 
-/// Levels of detail that the last place of an entry of `log2` decides: the logarithm of λ₂ is a last place from where it is cut to the bits of a level, and with the edge of
-/// the face the level is a last place from where it is rounded. The mantissas nearest to an entry first, from both sides of it, for both its neighbours.
+/// Levels of detail that the last place of an entry of `log2` decides. The logarithm of λ₂ is one last place from the point at which it is truncated
+/// to the bits of a level. With the edge of the face, the level is one last place from the point at which it is rounded. The mantissas nearest to an
+/// entry come first, from both sides of the entry, for both its neighbours.
 pub(super) fn footprint_level(p: &Precision) -> Vec<ReflectionIn> {
     let cut = 1 << (LOGARITHM_BITS - LOD_BITS);
     let round = 1 << (LOD_BITS - p.lod_bits);
-    // By what is left of the level's fraction when it is rounded, the larger faces, of which every level occurs.
+    // Faces by the rest of the level's fraction at rounding. They are the larger faces, for which every level occurs.
     let mut faces = vec![Vec::new(); round as usize];
     for edge in 1024..=16384 {
         let texels = environment_scale(edge, p).log2_texels.raw();
@@ -129,7 +130,7 @@ pub(super) fn footprint_level(p: &Precision) -> Vec<ReflectionIn> {
                     let &edge = faces[(left - sum).rem_euclid(round) as usize].first()?;
                     (log.rem_euclid(cut) == low_bits).then_some((mantissa, edge))
                 });
-                // Of more bits than a level has any number is decided, few of them by a footprint.
+                // With more bits than a level has, any number of mantissas is decided, but few of them by a footprint.
                 let levels = decided.take(8).filter_map(|(mantissa, edge_texels)| {
                     Some(ReflectionIn { edge_texels, ..with_minor(mantissa, &plan, p)? })
                 });
@@ -140,7 +141,7 @@ pub(super) fn footprint_level(p: &Precision) -> Vec<ReflectionIn> {
     fragments
 }
 
-/// A flat mirror in which λ₂ has that mantissa, of a circle where one has, else of an ellipse; `None` where none was found.
+/// A flat mirror in which λ₂ has this mantissa, of a circle if one has it, else of an ellipse; `None` if none is found.
 fn with_minor(mantissa: i32, plan: &ReflectionPlan, p: &Precision) -> Option<ReflectionIn> {
     let last_place = 2.0_f64.powi(-4 - p.fraction_bits as i32);
     let diameter = (f64::from(mantissa) * libm::sqrt(12.0)).round();
@@ -154,14 +155,14 @@ fn with_minor(mantissa: i32, plan: &ReflectionPlan, p: &Precision) -> Option<Ref
     })
 }
 
-/// Circles of a pixel and of roughness together in which λ₂ comes out above λ₁ and with the larger exponent, so that they change places: λ₁² is a last place
-/// below a power of two, and so many of the minors of four columns are rounded up that the determinant is that of the power itself.
+/// Circles of a pixel and of roughness together in which λ₂ exceeds λ₁ and has the larger exponent, so that they change places. λ₁² is one last place
+/// below a power of two. Enough of the minors of the four columns are rounded up that the determinant is that of the power itself.
 pub(super) fn footprint_swap(p: &Precision) -> Vec<ReflectionIn> {
     let plan = ReflectionPlan::FULL;
     let (last_place, lambda) = (2.0_f64.powi(-(p.fraction_bits as i32)), 0.5);
     let below_one = I2F30::from_bits(I2F30::ONE.to_bits() - bit(p));
     let circles = (0..1 << 12).flat_map(|step| {
-        // A mirror doubles roughness; a pixel's box has 1/√12, rounded as the profile has it.
+        // A mirror doubles roughness. A pixel's box has 1/√12, rounded as in the profile.
         let rough = offset(lambda * libm::sqrt(f64::from(step) / f64::from(1 << 12)) / 2.0, p).to_num::<f64>();
         let fragments = (-4..8).map(|halves| {
             let pixel = lambda * lambda * (1.0 - f64::from(halves) / 2.0 * last_place) - 4.0 * rough * rough;
@@ -173,12 +174,12 @@ pub(super) fn footprint_swap(p: &Precision) -> Vec<ReflectionIn> {
             }
             .quantised(p)
         });
-        // Two sizes may be one of the port.
+        // Two sizes may be equal at the port.
         let mut fragments: Vec<_> = fragments.collect();
         fragments.dedup();
         fragments
     });
-    // By what enters `axes` alone: what it makes of that is what the set is for.
+    // Selects by the inputs of `axes` alone, for the set tests its outcome.
     let change_places = |fragment: &ReflectionIn| {
         let out = fragment.reflect(&plan, p);
         let [determinant] = out.determinant.mantissa;
@@ -190,8 +191,8 @@ pub(super) fn footprint_swap(p: &Precision) -> Vec<ReflectionIn> {
 
 pub(super) fn footprint_cancel(p: &Precision) -> Vec<ReflectionIn> {
     let mut fragments = Vec::new();
-    // Parabolic mirror z = r²/4f seen from its focus: v = −(x, y, z₀), normal (−x, −y, 2f)/2f. One pixel moves the
-    // point by the pixel's width times z₀; at the focus every reflected ray is parallel to the axis.
+    // Parabolic mirror z = r²/4f seen from its focus: v = −(x, y, z₀), normal (−x, −y, 2f)/2f. One pixel moves the point by the pixel's width times
+    // z₀; at the focus every reflected ray is parallel to the axis.
     for (x, y) in [(0.0, 0.0), (0.2, 0.1), (-0.35, 0.3), (0.5, -0.5)] {
         for defocus in [0.0, 0.001, 0.03, 0.3] {
             let focal = 1.0;
@@ -258,7 +259,7 @@ pub(super) fn roughness_rank(p: &Precision) -> Vec<ReflectionIn> {
     let mut fragments = Vec::new();
     for roughness in decompositions {
         fragments.push(RealFragment { roughness, ..attitude }.quantised(p));
-        // Without a pixel: the roughness alone makes the ellipse.
+        // No pixel: the roughness alone makes the ellipse.
         fragments.push(RealFragment { roughness, dview: [DVec3::ZERO; 2], ..attitude }.quantised(p));
     }
     fragments

@@ -13,7 +13,7 @@ use roughxel_core::setup::{block_vector, offset};
 use super::draws::{Draws, Elements, Kind, Rows};
 use roughxel_shader::Batch;
 
-/// One fragment in real numbers, the form the generators think in; the fields are those of [`ReflectionIn`].
+/// One fragment in real numbers, as the generators use it; the fields are those of [`ReflectionIn`].
 #[derive(Clone, Copy, Debug)]
 pub struct RealFragment {
     /// n.
@@ -47,7 +47,7 @@ impl RealFragment {
         edge: 256,
     };
 
-    /// The ports of a profile.
+    /// Ports of a profile.
     pub fn quantised(&self, p: &Precision) -> ReflectionIn {
         ReflectionIn {
             surface: SurfaceIn {
@@ -64,24 +64,24 @@ impl RealFragment {
     }
 }
 
-/// Fragment `index` of the random set `set`: nine in ten are plausible fragments (any attitude, footprints from a
-/// fifth of a texel to a face, offsets and roughness to ½), one in ten has random bits at corner
-/// exponents. Depends on the name and the index only, and is drawn in integers; vectors/FORMAT.md says how.
+/// Fragment `index` of the random set `set`. Nine in ten are plausible: any attitude, footprints from a fifth of a texel to a face, offsets and
+/// roughness to ½. One in ten has random bits at corner exponents. It depends on the name and the index only, and is drawn in integers;
+/// vectors/FORMAT.md says how.
 pub fn random_fragment(set: &str, index: u64, p: &Precision) -> ReflectionIn {
     ReflectionIn::of(&Fragments::one(set, index, p))
 }
 
-/// The ports of those fragments of the random set `set`, as [`random_fragment`] makes them, in place of what `batch` held.
+/// Ports of these fragments of the random set `set`, as [`random_fragment`] makes them, in place of the contents of `batch`.
 pub fn random_fragments(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<ReflectionInput<i32>>) {
     Fragments::many(set, indices, p, batch);
 }
 
-/// Words of a surface.
+/// Word count of a surface.
 pub(super) const SURFACE: usize = <SurfaceInput<i32> as Bundle<i32>>::WORDS;
-/// Words of a fragment.
+/// Word count of a fragment.
 pub(super) const FRAGMENT: usize = <ReflectionInput<i32> as Bundle<i32>>::WORDS;
 
-/// The kind of [`random_fragment`].
+/// Kind of [`random_fragment`].
 pub(super) enum Fragments {}
 
 impl Fragments {
@@ -144,7 +144,7 @@ impl Kind<FRAGMENT> for Fragments {
     fn odd<const N: usize>(elements: Elements<N>, p: &Precision, words: &mut [[i32; N]; FRAGMENT]) {
         let draws = &mut elements.draws();
         draws.skip();
-        // |mantissa| < 1: entry shifts left only, so the reference sees what the datapath keeps.
+        // |mantissa| < 1: `enter` shifts left only, so the reference sees all bits that the datapath keeps.
         let (bits, drop) = (p.fraction_bits + 1, 30 - p.fraction_bits);
         let mantissas =
             each!(() in [(); 24] => draws.each(#[inline(always)] |random| odd_word(random.next_u64(), bits, drop)));
@@ -166,7 +166,7 @@ impl Kind<FRAGMENT> for Fragments {
     }
 }
 
-/// The words of fragments: those of the surface's vectors, offsets and roughnesses, those of the other vectors.
+/// Words of fragments: the surface's vectors, offsets and roughnesses, then the other vectors.
 #[inline(always)]
 fn put_fragment<const N: usize>(
     words: &mut Rows<'_, N>,
@@ -182,7 +182,7 @@ fn put_fragment<const N: usize>(
     words.put_row(edges);
 }
 
-/// A word of `bits` bits above `drop` zeros, with weight on the corners: all ones, single bits, runs, zero.
+/// Word of `bits` bits above `drop` zeros, with weight on the corners: all ones, single bits, runs, zero.
 #[inline(always)]
 fn odd_word(number: u64, bits: u32, drop: u32) -> i32 {
     let (kind, spare) = ((number >> 61) as i32, 32 - bits);
@@ -195,7 +195,7 @@ fn odd_word(number: u64, bits: u32, drop: u32) -> i32 {
     value << drop
 }
 
-/// Exponents: one in six is 0, one far from it, the others near.
+/// Exponents: one in six is 0, one is far from 0, the others are near.
 #[inline(always)]
 fn odd_exponents<const N: usize>(draws: &mut Draws<N>) -> [i32; N] {
     let [kinds, far, near, _] = draws.below([6, 119, 15, 1]);
@@ -212,14 +212,14 @@ pub(super) fn bit(p: &Precision) -> i32 {
     1 << (30 - p.fraction_bits)
 }
 
-/// The vector with one component moved by `step` last bits.
+/// Vector with one component moved by `step` last bits.
 pub(super) fn moved(vector: &BlockVector, component: usize, step: i32, p: &Precision) -> BlockVector {
     let mut vector = *vector;
     vector.mantissa[component] = I2F30::from_bits(vector.mantissa[component].to_bits() + step * bit(p));
     vector
 }
 
-/// The vector with each component moved by −1, 0, 1 last bits: itself is number 13 of 27.
+/// Vector with each component moved by −1, 0, 1 last bits: itself is number 13 of 27.
 pub(super) fn around(vector: &BlockVector, p: &Precision) -> impl Iterator<Item = BlockVector> {
     (0..27).map(move |code| {
         let steps = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];

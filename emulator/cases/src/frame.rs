@@ -1,4 +1,4 @@
-//! Hard cases of the local frame: poles, zeros, horizons, natural tangents.
+//! Hard cases of the tangent basis: poles, zeros, horizons, natural tangents.
 
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
@@ -26,7 +26,7 @@ pub(super) fn frame_pole(p: &Precision) -> Vec<ReflectionIn> {
             );
             angle /= 2.0;
         }
-        // The last bit itself, on each component and either side, and no angle at all.
+        // The last bit itself, on each component and either side, and no angle.
         let exact = RealFragment { normal, offset: [0.3, -0.2], ..RealFragment::PLAIN }.quantised(p);
         for component in 0..3 {
             for step in [-1, 1] {

@@ -24,7 +24,7 @@ pub fn lit(fragment: &ReflectionIn, light: BlockVector, shininess: Shininess) ->
     HighlightIn { surface: fragment.surface, light, shininess }
 }
 
-/// One light in real numbers, the form the generators think in.
+/// One light in real numbers, as the generators use it.
 #[derive(Clone, Copy, Debug)]
 struct RealLight {
     normal: DVec3,
@@ -63,22 +63,21 @@ impl RealLight {
     }
 }
 
-/// Light `index` of the random set `set`: nine in ten are plausible (any attitude, exponents from 1 to 8192, a half vector
-/// within four deviations of n_mod), one in ten has random bits at corner exponents. Depends on the name and the
-/// index only.
+/// Light `index` of the random set `set`. Nine in ten are plausible: any attitude, exponents from 1 to 8192, a half vector within four deviations of
+/// n_mod. One in ten has random bits at corner exponents. It depends on the name and the index only.
 pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
     HighlightIn::of(&Lights::one(set, index, p))
 }
 
-/// The ports of those lights of the random set `set`, as [`random_light`] makes them, in place of what `batch` held.
+/// Ports of these lights of the random set `set`, as [`random_light`] makes them, in place of the contents of `batch`.
 pub fn random_lights(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<HighlightInput<i32>>) {
     Lights::many(set, indices, p, batch);
 }
 
-/// Words of a light on a surface.
+/// Word count of a light on a surface.
 const LIGHT: usize = <HighlightInput<i32> as Bundle<i32>>::WORDS;
 
-/// The kind of [`random_light`].
+/// Kind of [`random_light`].
 pub(super) enum Lights {}
 
 impl Kind<LIGHT> for Lights {
@@ -86,7 +85,7 @@ impl Kind<LIGHT> for Lights {
 
     #[inline(always)]
     fn are_odd<const N: usize>(elements: Elements<N>) -> [bool; N] {
-        // The other decision: odd lights may fall on plausible surfaces.
+        // The second decision: odd lights may fall on plausible surfaces.
         elements.draws().tenths()[1]
     }
 
@@ -157,14 +156,14 @@ impl Kind<LIGHT> for Lights {
     }
 }
 
-/// An eye on the side of the half vector, and the light opposite.
+/// An eye at an offset from the half vector, and the light opposite.
 #[inline(always)]
 pub(super) fn eye_and_light(eye: DVec3, half: DVec3) -> [DVec3; 2] {
     let eye = if eye.dot(half) < 0.0 { -eye } else { eye };
     [eye, 2.0 * eye.dot(half) * half - eye]
 }
 
-/// Exponents from 1 to below 8192, as many in each octave.
+/// Exponents from 1 to below 8192, equally many in each octave.
 #[inline(always)]
 fn exponents_of<const N: usize>(draws: &mut Draws<N>) -> [f64; N] {
     let ([octaves, ..], [mut exponents, _]) = (draws.below([13, 1, 1, 1]), draws.reals());
@@ -261,7 +260,7 @@ fn rank(p: &Precision) -> Vec<HighlightIn> {
     for turn in 0..16 {
         let (sin, cos) = libm::sincos(f64::from(turn) * std::f64::consts::PI / 16.0);
         for size in [last, 0.01, 0.3, 4.0] {
-            // K = size²·(cos, sin)(cos, sin)ᵀ: d₁ = 0 but where sin = 0.
+            // K = size²·(cos, sin)(cos, sin)ᵀ: d₁ = 0 unless sin = 0.
             let roughness = if turn == 0 { [size, 0.0, 0.0] } else { [0.0, size * cos, size * sin] };
             for slope in [[0.1, 0.0], [cos, sin], [-sin * 0.2, cos * 0.2]] {
                 let light = dvec3(slope[0], 1.0, slope[1]);
@@ -306,7 +305,7 @@ fn exponents(p: &Precision) -> Vec<HighlightIn> {
             fragments.push(RealLight { light, roughness, exponent, ..RealLight::PLAIN }.quantised(p));
         }
     }
-    // What no host makes: the ends of the words.
+    // Values that no host makes: the ends of the words.
     let plain = RealLight { roughness: [0.1, 0.0, 0.1], ..RealLight::PLAIN }.quantised(p);
     for exponent in [i32::MIN, -1, 0, 1, i32::MAX] {
         for root in [i32::MIN, 0, i32::MAX] {

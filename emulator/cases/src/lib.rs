@@ -1,10 +1,8 @@
 //! # roughxel-cases
 //!
-//! What the datapath is tested with: seeded random fragments, every hard case as a named set, and stimulus for the ports of
-//! a design.
+//! Test inputs of the datapath: seeded random fragments, every hard case as a named set, and stimulus for the ports of a design.
 //!
-//! Sets are made of port values, quantised to the profile, so the reference can be fed with exactly what the
-//! datapath sees.
+//! Sets are made of port values, quantised to the profile, so the reference gets exactly what the datapath sees.
 
 pub mod corners;
 mod cube;
@@ -36,7 +34,7 @@ pub use set::CaseSet;
 
 /// Name of the set of levels of detail.
 pub const FOOTPRINT_LEVEL: &str = "footprint_level";
-/// Name of the set of circles whose λ₂ comes out above λ₁.
+/// Name of the set of circles whose λ₂ exceeds λ₁.
 pub const FOOTPRINT_SWAP: &str = "footprint_swap";
 
 /// Every hard case of the reflection datapath, by stage.

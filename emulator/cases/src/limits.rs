@@ -1,5 +1,5 @@
-//! Ports at their limits: exponents to the ends of 16 bits and far from each other, mantissas with few bits or none, the most negative
-//! words, faces of any edge. No picture has them; a device that saturates, aligns or treats zero in another way shows it here.
+//! Ports at their limits: exponents to the ends of 16 bits and far from each other, mantissas with few bits or none, the most negative words, faces
+//! of any edge. No picture has them. They show a device that saturates, aligns or treats zero differently.
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I16F16};
 use roughxel_core::ports::{BlockVector, HighlightIn, PeakIn, ReflectionIn, StoredHorizon, StoredPeak, SurfaceIn};
@@ -8,11 +8,11 @@ use roughxel_core::setup::shininess;
 use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 
-/// What makes the ports of one case.
+/// Generator of the ports of one case.
 struct Limits<'a> {
     random: SplitMix64,
     p: &'a Precision,
-    /// Exponents of a case are around this one, most of them.
+    /// Centre of most exponents of a case.
     around: i64,
 }
 
@@ -28,7 +28,7 @@ impl<'a> Limits<'a> {
         Self { random, p, around }
     }
 
-    /// Bits of a signed word whose lowest `drop` are zero.
+    /// Signed word whose lowest `drop` bits are zero.
     fn word(&mut self, bits: u32, drop: u32) -> i32 {
         let any = self.random.next_u64() as i64 >> (64 - bits);
         let one = 1_i64 << self.random.below(u64::from(bits - 1));
@@ -44,7 +44,7 @@ impl<'a> Limits<'a> {
         (value << drop) as i32
     }
 
-    /// A vector: nothing, some bits, or any.
+    /// A vector: zero, some bits, or any.
     fn vector(&mut self) -> BlockVector {
         let (bits, drop) = (self.p.fraction_bits + 2, 30 - self.p.fraction_bits);
         let mut mantissa = [0; 3];

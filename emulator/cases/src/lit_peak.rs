@@ -23,34 +23,33 @@ use super::set::CaseSet;
 /// Every effect.
 pub const FULL: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: HorizonKind::Correlated };
 
-/// The weight of a peak in 2^−16 as its port.
+/// Port of a peak's weight in 2^−16.
 fn weight(share: u32) -> I16F16 {
     I16F16::from_bits(share.cast_signed())
 }
 
-/// Peak `index` of the random set `set`: nine in ten are plausible (any attitude, exponents from 1 to 8192, a half vector
-/// within a few widths of the peak, horizons from steps to ramps), one in ten has random bits at corner exponents. Depends on
-/// the name and the index only.
+/// Peak `index` of the random set `set`. Nine in ten are plausible: any attitude, exponents from 1 to 8192, a half vector within a few widths of the
+/// peak, horizons from steps to ramps. One in ten has random bits at corner exponents. It depends on the name and the index only.
 pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
     PeakIn::of(&Peaks::one(set, index, p))
 }
 
-/// The ports of those peaks of the random set `set`, as [`random_lit_peak`] makes them, in place of what `batch` held.
+/// Ports of these peaks of the random set `set`, as [`random_lit_peak`] makes them, in place of the contents of `batch`.
 pub fn random_lit_peaks(set: &str, indices: Range<u64>, p: &Precision, batch: &mut Batch<PeakInput<i32>>) {
     Peaks::many(set, indices, p, batch);
 }
 
-/// One of those codes, as many of each octave, from the lower half of a word.
+/// One of these codes from the lower half of a word, equally many of each octave.
 #[inline(always)]
 fn code(word: i32, codes: Range<u32>) -> i32 {
     let span = codes.end - codes.start;
     (codes.start + (((word.cast_unsigned() & 0xffff) * span) >> 16)).cast_signed()
 }
 
-/// Words of a light on a peak.
+/// Word count of a light on a peak.
 const PEAK: usize = <PeakInput<i32> as Bundle<i32>>::WORDS;
 
-/// The kind of [`random_lit_peak`].
+/// Kind of [`random_lit_peak`].
 pub(super) enum Peaks {}
 
 impl Kind<PEAK> for Peaks {
@@ -79,7 +78,7 @@ impl Kind<PEAK> for Peaks {
             let fraction = (fractions[lane].cast_unsigned() >> 20).cast_signed();
             exponents[lane] = ((octaves[lane] + 2) << 12) + fraction;
             let exponent = f64::from(4096 + fraction) * octave(octaves[lane] - 12);
-            // A few widths √(2/n) away.
+            // The half vector is a few widths √(2/n) off the peak.
             let half = peak + at(&away, lane) * (1.0 + far[lane]) * (2.0 / exponent).sqrt();
             let half = unit_or(e1 * half.x + e2 * half.y + normal * half.z, normal);
             let [eye, light] = eye_and_light(unit(at(&eyes, lane)), half);
@@ -100,11 +99,11 @@ impl Kind<PEAK> for Peaks {
             |lane| {
                 let StoredPeak { normal, .. } = stored_unit_peak(at(&peaks, lane), 0.0, 1.0);
                 let [x, y, z] = each!(n in normal => n.to_bits().into());
-                // 2^−10 to 2^5.
+                // Amplitudes from 2^−10 to 2^5.
                 [x, y, z, code(amplitudes[lane], 2048..61440), exponents[lane]]
             },
         );
-        // Slopes from −3½ to ½; a quarter of the horizons are steps, other ramps 2^−3 to 2^3 wide.
+        // Slopes from −3½ to ½. A quarter of the horizons are steps, the others ramps 2^−3 to 2^3 wide.
         for [lows, _] in &horizon {
             words.put(
                 #[inline(always)]
@@ -120,7 +119,7 @@ impl Kind<PEAK> for Peaks {
                 },
             );
         }
-        // 0 and the whole weight half as often as others.
+        // 0 and the whole weight are half as frequent as other weights.
         words.put(
             #[inline(always)]
             |lane| [(((weights[lane].cast_unsigned() >> 15) + 1) >> 1).cast_signed()],
@@ -153,7 +152,7 @@ impl Kind<PEAK> for Peaks {
     }
 }
 
-/// Light and eye in the upright frame, E₁ = x, E₂ = y, n = z, on a peak that is seen whole.
+/// Light and eye in the upright tangent basis, E₁ = x, E₂ = y, n = z, on a peak without a horizon.
 fn upright(light: BlockVector, view: BlockVector, p: &Precision) -> PeakIn {
     PeakIn {
         surface: SurfaceIn {
@@ -185,7 +184,7 @@ pub fn lit_peak_sets(p: &Precision) -> Vec<CaseSet<PeakIn, PeakPlan>> {
         "light at and around the horizon of n; n, v, l zero, tiny and huge; l = -v; h along n",
         lights(p),
     )];
-    // Counts are of sums, and zero frames stand in `peak_light`.
+    // Peak counts need sums, and `peak_light` has the zero bases.
     for of in peak_hard_sets(p).into_iter().filter(|of| !["peak_count", "local_zero"].contains(&of.name)) {
         sets.push(set(of.name, of.description, of.cases.into_iter().flat_map(on_peaks).collect()));
     }

@@ -16,7 +16,7 @@ use super::draws::direction;
 use super::fragment::{around, bit, moved};
 use super::set::CaseSet;
 
-/// A direction and the frame of the surface in which it is wanted.
+/// A direction and the tangent basis of the surface in which it is expressed.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalCase {
     /// The direction, any length.
@@ -33,7 +33,7 @@ impl LocalCase {
         Self { direction: block_vector(direction, p), tangents, normal: block_vector(frame.z_axis, p) }
     }
 
-    /// The signals between stages.
+    /// Signals between stages.
     pub fn wires(&self, p: &Precision) -> LocalInput<i32> {
         let [direction, e1, e2, normal] =
             [&self.direction, &self.tangents[0], &self.tangents[1], &self.normal].map(|v| enter(&v.wires(), p));
@@ -42,7 +42,7 @@ impl LocalCase {
     }
 }
 
-/// A half vector and the peaks it is seen by, each with its weight in 2^−16.
+/// A half vector and its peaks, each with its weight in 2^−16.
 #[derive(Clone, Debug)]
 pub struct PeakCase {
     /// The half vector.
@@ -51,7 +51,7 @@ pub struct PeakCase {
     pub peaks: Vec<(StoredPeak, u32)>,
 }
 
-/// Light and eye over a horizon, in the frame of the surface.
+/// Light and eye over a horizon, in the tangent basis of the surface.
 #[derive(Clone, Copy, Debug)]
 pub struct HorizonCase {
     /// Direction of the light, any length.
@@ -62,15 +62,15 @@ pub struct HorizonCase {
     pub horizon: StoredHorizon,
 }
 
-/// The whole of a fragment as a weight.
+/// Weight of a whole fragment.
 pub const WHOLE: u32 = 1 << 16;
 
 fn power_of_two(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
     exp2(random.uniform(low, high))
 }
 
-/// Case `index` of the random set `set`: any frame of any size, up to 8 peaks with exponents from 1 to 8192 and amplitudes
-/// from 2^−10 to 32, most of them near the half vector.
+/// Case `index` of the random set `set`: any tangent basis of any size, up to 8 peaks with exponents from 1 to 8192 and amplitudes from 2^−10 to 32,
+/// most of them near the half vector.
 pub fn random_peak_case(set: &str, index: u64, p: &Precision) -> PeakCase {
     let random = &mut SplitMix64::for_element(set, index);
     let turn = DMat3::from_rotation_x(random.uniform(0.0, 7.0)) * DMat3::from_rotation_y(random.uniform(0.0, 7.0));
@@ -79,7 +79,7 @@ pub fn random_peak_case(set: &str, index: u64, p: &Precision) -> PeakCase {
     let half = LocalCase::new(frame * unit * power_of_two(random, -6.0, 6.0), frame, p);
     let peaks = (0..random.below(9)).map(|_| {
         let exponent = power_of_two(random, 0.0, 13.0);
-        // A few half widths √(2/n) away, seen by one peak in four from anywhere.
+        // The peak is a few half widths √(2/n) off; one in four is anywhere.
         let near = if random.below(4) == 0 { 4.0 } else { random.uniform(0.0, 2.0) * (2.0 / exponent).sqrt() };
         let normal = unit + direction(random) * near;
         (stored_peak(normal, power_of_two(random, -10.0, 5.0), exponent), random.below(u64::from(WHOLE) + 1) as u32)
@@ -87,7 +87,7 @@ pub fn random_peak_case(set: &str, index: u64, p: &Precision) -> PeakCase {
     PeakCase { half, peaks: peaks.collect() }
 }
 
-/// A horizon of uniform laws, from means and standard deviations.
+/// Horizon of uniform laws, from means and standard deviations.
 #[inline(always)]
 pub fn uniform(mean: [f64; 4], sigma: [f64; 4]) -> StoredHorizon {
     let laws = each!(side in places::<4>() => uniform_law(mean[side], sigma[side]));
@@ -107,7 +107,7 @@ pub fn random_horizon_case(set: &str, index: u64, p: &Precision) -> HorizonCase 
     HorizonCase { light, eye, horizon: uniform(mean, sigma) }
 }
 
-/// The direction in the frame of the axes.
+/// Direction in the basis of the axes.
 fn upright(direction: DVec3, p: &Precision) -> LocalCase {
     LocalCase::new(direction, DMat3::IDENTITY, p)
 }
@@ -179,7 +179,7 @@ fn peak_side(p: &Precision) -> Vec<PeakCase> {
         let side = normal.any_orthonormal_vector();
         for exponent in [1.0, 3.0, 8192.0] {
             let peaks = vec![(stored_peak(normal, 0.5, exponent), WHOLE)];
-            // From a right angle to either side, and on to the opposite.
+            // Angles from a right angle to either side, and on to the opposite.
             let angles = (0..24).flat_map(|power| [1.0, -1.0].map(|sign| sign * 2.0_f64.powi(-power)));
             for sine in angles.chain([0.0]) {
                 let half = normal.normalize() * sine + side * (1.0 - sine * sine).sqrt();
@@ -246,7 +246,7 @@ pub fn horizon_hard_sets(p: &Precision) -> Vec<CaseSet<HorizonCase>> {
 fn horizon_at(p: &Precision) -> Vec<HorizonCase> {
     let eye = block_vector(DVec3::Z, p);
     let mut cases = Vec::new();
-    // Slopes that are exact in 12 bits, and the horizon there.
+    // Slopes that are exact in 12 bits, and the horizon at each.
     for slope in [-0.75, -0.25, 0.0, 0.25, 1.0, 1.5, 3.0] {
         // A ramp of ±¼.
         for sigma in [0.0, 0.25 / 3.0_f64.sqrt()] {

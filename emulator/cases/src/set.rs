@@ -1,14 +1,14 @@
-//! What hard cases come in.
+//! Sets of hard cases.
 
 /// A named set of hard cases and the plan they run under.
 #[derive(Clone, Debug)]
 pub struct CaseSet<C, P = ()> {
     /// Short name, also the file name of the exported set.
     pub name: &'static str,
-    /// What the set holds.
+    /// Contents of the set.
     pub description: &'static str,
-    /// The cases: what goes into the ports.
+    /// Cases: values of the ports.
     pub cases: Vec<C>,
-    /// Stages they go through; nothing where all of them do.
+    /// Stages that they pass; nothing if they pass all.
     pub plan: P,
 }

@@ -1,7 +1,7 @@
 //! Stimulus: integers for the ports of a design.
 //!
-//! What a fragment leads to at ports inside the datapath comes from the datapath itself, in the scalar reading; what no
-//! fragment decides is random and favours the ends of its range.
+//! Values at ports inside the datapath that a fragment determines come from the datapath itself, on the scalar backend. Values that no fragment
+//! determines are random and favour the ends of their range.
 
 use glam::DVec3;
 use roughxel_core::datapath::{self, Surface};
@@ -25,11 +25,11 @@ use roughxel_shader::PackedPeak;
 use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::random::SplitMix64;
 
-/// Integers for the ports of a design, in the order of [`Net::ports`]: those a fragment leads to (a list for every probe and
-/// level it touches), or, behind the memories, random ones that favour the ends of the declared ranges.
+/// Integers for the ports of a design, in the order of [`Net::ports`]. A fragment determines them, with a list for every probe and level that it
+/// touches. After the memories they are random and favour the ends of the declared ranges.
 ///
-/// `random` makes what a fragment does not have: the size of a texture, texels and weights. Where ports belong together
-/// (a probe's index is below its count) they come from the datapath.
+/// `random` makes the inputs that a fragment does not have: the size of a texture, texels and weights. Ports that depend on each other (a probe's
+/// index is below its count) come from the datapath.
 pub fn port_values(
     design: Design,
     net: &Net,
@@ -54,7 +54,7 @@ pub fn port_values(
     match design {
         Design::Fragment => vec![integers_at(&wires, p)],
         Design::Reflection => vec![integers_at(&ScaledReflectionInput { fragment: wires, map }, p)],
-        // A light has any direction: that of the first derivative is as good as another.
+        // A light has any direction, so the first derivative serves.
         Design::Highlight => {
             let shininess = setup::shininess(exp2(random.uniform(0.0, 13.0))).wires();
             vec![integers_at(&HighlightInput { surface: wires.surface, light: wires.dview[0], shininess }, p)]
@@ -125,7 +125,7 @@ pub fn port_values(
             let indices = (0..sweep.count.raw()).map(Fx::from_raw);
             indices.map(|index| integers_at(&SphereProbeInput { sweep, index, last_level }, p)).collect()
         }
-        // Light and eye have any direction: the view and its derivatives are as good as others.
+        // Light and eye have any direction, so the view and its derivatives serve.
         Design::Local | Design::Peak | Design::Horizon => {
             let surface = &reflection(&wires, &map, plan, p).surface;
             let Surface { frame, normal, view, .. } = *surface;
@@ -176,7 +176,7 @@ pub fn port_values(
     }
 }
 
-/// A number from `low` to `high`, often one of the two, zero or a power of two.
+/// Number from `low` to `high`, often one of the two, zero or a power of two.
 pub fn within(low: i64, high: i64, random: &mut SplitMix64) -> i64 {
     let span = high.wrapping_sub(low) as u64;
     let any = low.wrapping_add(if span == u64::MAX { random.next_u64() } else { random.below(span + 1) } as i64);

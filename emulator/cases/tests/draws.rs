@@ -1,4 +1,4 @@
-//! Elements of random sets drawn side by side, against each drawn alone.
+//! Elements of random sets drawn in groups equal those drawn alone.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use roughxel_core::precision::Precision;
 use roughxel_netlist::integers::integers;
 use roughxel_shader::Batch;
 
-/// Draws elements of a set alone, and many of them.
+/// Compares elements of a set drawn alone with the same elements drawn in groups.
 fn hold<P>(
     p: &Precision,
     one: impl Fn(&str, u64, &Precision) -> P,
@@ -21,7 +21,7 @@ fn hold<P>(
     P: Port<Wires: Form + Bundle<i32, In<i32> = P::Wires>>,
 {
     let mut batch = Batch::default();
-    // Whole groups of lanes, parts of them, none; the batch keeps nothing of those before.
+    // Whole groups of lanes, parts of them, none; the batch keeps nothing of earlier ones.
     for indices in [0..3000, 5..6, 70..70, 100..117, (1 << 40) + 3..(1 << 40) + 500] {
         many("draws", indices.clone(), p, &mut batch);
         assert_eq!(batch.len() as u64, indices.end - indices.start);
