@@ -1,8 +1,8 @@
-//! Blocks of fragments in `f32`, for the vectors of the machine.
+//! Blocks of fragments in `f32`, for the vector instructions of the machine.
 //!
-//! [`reflect_batch`] runs the lines of one fragment over structures of arrays, [`LANES`] fragments to a block, with the widest
-//! instruction set of the machine. Nothing in them needs a branch or a library, so the compiler makes vector instructions of
-//! the loop: with AVX-512 it is 6.6 times as fast as one fragment at a time.
+//! [`reflect_batch`] runs the lines of one fragment over structures of arrays, [`LANES`] fragments to a block, with the widest instruction set of the
+//! machine. They need no branch and no library call, so the compiler vectorises the loop. With AVX-512 it is 6.6 times as fast as one fragment at a
+//! time.
 
 use std::vec::Vec;
 
@@ -13,7 +13,7 @@ use crate::formulas::Careful;
 use crate::math::Std;
 use crate::{Environment, Footprint, Fragment};
 
-/// Every fragment of `blocks`; `footprints` has as many blocks, or the longer end of either is left alone.
+/// Reflects every fragment of `blocks` into `footprints`. If one of them is longer, its end is left alone.
 pub fn reflect_batch(environment: &Environment, blocks: &[FragmentBlock], footprints: &mut [FootprintBlock]) {
     Backend::best().run(
         #[inline(always)]
@@ -47,7 +47,7 @@ pub struct FragmentBlock {
 }
 
 impl FragmentBlock {
-    /// `fragments` in blocks; the last one is filled up with zeros.
+    /// Packs `fragments` into blocks; the last one is filled up with zeros.
     pub fn blocks(fragments: &[Fragment]) -> Vec<Self> {
         let block = |fragments: &[Fragment]| {
             let mut block = Self::default();
@@ -100,7 +100,7 @@ pub struct FootprintBlock {
 }
 
 impl FootprintBlock {
-    /// The footprint of fragment `lane` of the block, 0 … [`LANES`] − 1.
+    /// Footprint of fragment `lane` of the block, 0 … [`LANES`] − 1.
     pub fn get(&self, lane: usize) -> Footprint {
         Footprint {
             face: self.face[lane],

@@ -1,21 +1,21 @@
-//! The formulas that decide how much of 24 bits is left: those that do not cancel, and those of the print.
+//! The formulas that decide how many of 24 bits remain: those that do not cancel, and the printed ones.
 
 use glam::{Mat3, Vec2, Vec3};
 
 use crate::math::Math;
 
-/// E₁ and E₂, in the units of n.
+/// Tangent basis E₁ and E₂, in the units of n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// E₁.
     pub e1: Vec3,
     /// E₂.
     pub e2: Vec3,
-    /// Whether an axis stands in for h.
+    /// True if an axis stands in for h.
     pub pole: bool,
 }
 
-/// A mirror and what it is seen by.
+/// A mirror and its view vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirror {
     /// n_mod.
@@ -37,39 +37,39 @@ pub struct Axes {
     pub minor: f32,
     /// Unit direction of λ₁.
     pub direction: Vec2,
-    /// Whether the footprint is seen to be empty.
+    /// True if the footprint is found to be empty.
     pub empty: bool,
 }
 
-/// What two users write differently who have the same library. All else of the datapath is the same line for both.
+/// Formulas that two users with the same library write differently. The rest of the datapath is the same line for both.
 pub trait Formulas {
-    /// What λ₁/λ₂ is multiplied by before it is rounded up to a number of probes.
+    /// Factor of λ₁/λ₂ before it is rounded up to a probe count.
     const ASPECT_SLACK: f32;
 
-    /// E₁ = |n|·(h×n)/|h×n|, E₂ = n×(h×n)/|h×n|.
+    /// Tangent basis E₁ = |n|·(h×n)/|h×n|, E₂ = n×(h×n)/|h×n|.
     fn frame<M: Math>(normal: Vec3, main_direction: Vec3) -> Frame;
 
-    /// The change of r for a change of n_mod alone.
+    /// Change of r for a change of n_mod alone.
     fn curved(mirror: &Mirror, dnormal: Vec3) -> Vec3;
 
-    /// The change of r for a change of v and of n_mod: dr = [2 n nᵀ − |n|²I]dv + 2[⟨n·v⟩I + n vᵀ − v nᵀ]dn (W97 (8), (9)).
+    /// Change of r for a change of v and of n_mod: dr = [2 n nᵀ − |n|²I]dv + 2[⟨n·v⟩I + n vᵀ − v nᵀ]dn (W97 (8), (9)).
     fn moved(mirror: &Mirror, dview: Vec3, dnormal: Vec3) -> Vec3;
 
     /// Axes of K = Σ q qᵀ.
     fn axes<M: Math>(q: &[Vec2; 4]) -> Axes;
 
-    /// The logarithm of a level of detail.
+    /// Logarithm of a level of detail.
     fn log2<M: Math>(x: f32) -> f32;
 
     /// max(0, N·H)ⁿ of two unit vectors.
     fn cosine_power<M: Math>(peak: Vec3, half: Vec3, exponent: f32) -> f32;
 }
 
-/// Formulas that do not cancel, the cases that have none, and a logarithm that is as good as a level of detail needs.
+/// Formulas that do not cancel, with the degenerate cases, and a logarithm that is as good as a level of detail needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Careful;
 
-/// The formulas as printed, nothing else: where one has no result, neither has the fragment.
+/// The printed formulas alone: if one has no result, the fragment has none.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain;
 
@@ -84,10 +84,10 @@ fn covariance(q: &[Vec2; 4]) -> [f32; 3] {
 }
 
 impl Formulas for Careful {
-    /// Some roundings of λ₁/λ₂, so that a circle has one probe.
+    /// A few roundings of λ₁/λ₂, so that a circle has one probe.
     const ASPECT_SLACK: f32 = 1.0 - 8.0 * f32::EPSILON;
 
-    /// At the pole the axis on which |n| is smallest stands in for h.
+    /// Tangent basis. At the pole the axis on which |n| is smallest stands in for h.
     #[inline(always)]
     fn frame<M: Math>(n: Vec3, main_direction: Vec3) -> Frame {
         let square = n.dot(n);
@@ -120,8 +120,7 @@ impl Formulas for Careful {
         n * (2.0 * n.dot(dview)) - dview * square + Self::curved(mirror, dnormal)
     }
 
-    /// det K = Σ of the squared minors of Q; λ₁² = ½(a + c + √((a − c)² + 4b²)), λ₂² = det/λ₁²; the direction by
-    /// (h + |a − c|, |2b|).
+    /// Axes by det K = Σ of the squared minors of Q: λ₁² = ½(a + c + √((a − c)² + 4b²)), λ₂² = det/λ₁². The direction is that of (h + |a − c|, |2b|).
     #[inline(always)]
     fn axes<M: Math>(q: &[Vec2; 4]) -> Axes {
         let [a, b, c] = covariance(q);
@@ -155,7 +154,7 @@ impl Formulas for Careful {
         M::log2(x)
     }
 
-    /// 1 − N·H = |N − H|²/2, and a power of one minus that.
+    /// Power of a cosine as a power of 1 − N·H = |N − H|²/2.
     #[inline(always)]
     fn cosine_power<M: Math>(peak: Vec3, half: Vec3, exponent: f32) -> f32 {
         let difference = peak - half;
@@ -167,7 +166,7 @@ impl Formulas for Careful {
 impl Formulas for Plain {
     const ASPECT_SLACK: f32 = 1.0;
 
-    /// S97 §7.3.
+    /// Tangent basis of S97 §7.3.
     #[inline(always)]
     fn frame<M: Math>(n: Vec3, main_direction: Vec3) -> Frame {
         let across = main_direction.cross(n);
@@ -181,14 +180,14 @@ impl Formulas for Plain {
         (Mat3::from_diagonal(Vec3::splat(along)) + outer(n, v) - outer(v, n)) * (dnormal * 2.0)
     }
 
-    /// The matrices of W97 (8) and (9), each element of which is rounded.
+    /// Matrices of W97 (8) and (9); each element is rounded.
     #[inline(always)]
     fn moved(mirror: &Mirror, dview: Vec3, dnormal: Vec3) -> Vec3 {
         let &Mirror { normal: n, square, .. } = mirror;
         (outer(n * 2.0, n) - Mat3::from_diagonal(Vec3::splat(square))) * dview + Self::curved(mirror, dnormal)
     }
 
-    /// W97 (16) and (17), which cancels (erratum 12), and the eigenvector (b, λ₁² − a).
+    /// Axes by W97 (16) and (17), which cancels (erratum 12), and the eigenvector (b, λ₁² − a).
     #[inline(always)]
     fn axes<M: Math>(q: &[Vec2; 4]) -> Axes {
         let [a, b, c] = covariance(q);
@@ -215,7 +214,7 @@ impl Formulas for Plain {
     }
 }
 
-/// a bᵀ.
+/// Outer product a bᵀ.
 #[inline(always)]
 fn outer(a: Vec3, b: Vec3) -> Mat3 {
     Mat3::from_cols(a * b.x, a * b.y, a * b.z)

@@ -1,12 +1,11 @@
 //! # roughxel-f32-baseline
 //!
-//! One fragment of the reflection datapath in `f32`, what a user would write instead: the comparator, on a host and on processors
-//! without floating point alike.
+//! One fragment of the reflection datapath in `f32`, as a user would write it: the baseline of comparisons, on hosts and on processors without
+//! floating point.
 //!
-//! [`Environment::reflect`] is the mathematics of [`ReflectionPlan::FULL`] on `glam` vectors. Square roots, divisions and
-//! the logarithm are those of a library, a type parameter: each implementation of [`Math`] is a feature, `std`, `libm`,
-//! `micromath`. Another one is how carefully it is written: [`formulas::Careful`] or as printed, [`formulas::Plain`].
-//! [`peak::LitPeak`] is a light on a peak.
+//! [`Environment::reflect`] is the mathematics of [`ReflectionPlan::FULL`] on `glam` vectors. Square roots, divisions and the logarithm are those of
+//! a library, a type parameter: each implementation of [`Math`] is a feature, `std`, `libm`, `micromath`. A second type parameter is the care of the
+//! formulas: [`formulas::Careful`] or as printed, [`formulas::Plain`]. [`peak::LitPeak`] is a light on a peak.
 //!
 //! It has the range of `f32`, not that of the ports ([`Fragment::in_range`]).
 //!
@@ -14,7 +13,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-// For its square root.
+// Needed for its square root.
 #[cfg(feature = "std")]
 extern crate std;
 
@@ -34,11 +33,11 @@ use crate::math::Math;
 
 /// Most probes of a footprint, as in every named profile.
 const MAX_PROBES: f32 = 16.0;
-/// A pixel box of unit edges has this standard deviation, 1/√12.
+/// Standard deviation of a pixel box of unit edges, 1/√12.
 const BOX_SIGMA: f32 = 0.288_675_13;
 /// Diameter of a footprint of standard deviation 1, 2√3.
 const DIAMETER: f32 = 3.464_101_6;
-/// λ₁ beyond which the step is cut, map units.
+/// λ₁ beyond which the step is clamped, map units.
 const LONGEST_SIGMA: f32 = 2.0;
 
 /// Inputs of one fragment in real units; the fields are those of [`ReflectionIn`].
@@ -61,7 +60,7 @@ pub struct Fragment {
 }
 
 impl From<&ReflectionIn> for Fragment {
-    /// The numbers of the ports, rounded to `f32`.
+    /// Rounds the numbers of the ports to `f32`.
     fn from(ports: &ReflectionIn) -> Self {
         let vector = |v: &BlockVector| real_vector(v).as_vec3();
         let [b1, b2] = ports.surface.offset.map(|b| real_offset(b) as f32);
@@ -78,8 +77,9 @@ impl From<&ReflectionIn> for Fragment {
 }
 
 impl Fragment {
-    /// Whether the exponents of the ports lie within ±23, so that no product of three inputs leaves the range of `f32`, and derivatives are less than 2^30
-    /// times as long as what they are of, so that the determinant of a footprint, a product of four such quotients, does not either.
+    /// True if no product leaves the range of `f32`. The exponents of the ports lie within ±23, which bounds products of three inputs. Derivatives
+    /// are less than 2^30 times as long as the vectors that they derive. That bounds the determinant of a footprint, a product of four such
+    /// quotients.
     pub fn in_range(ports: &ReflectionIn) -> bool {
         let ReflectionIn { surface, dview, dnormal, .. } = ports;
         let size = |v: &BlockVector| {
@@ -97,7 +97,7 @@ impl Fragment {
     }
 }
 
-/// What a sampler needs of one fragment.
+/// Data of one fragment that a sampler needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
     /// Face 0…5: +x, −x, +y, −y, +z, −z.
@@ -106,7 +106,7 @@ pub struct Footprint {
     pub st: Vec2,
     /// N, 1…16.
     pub probes: u32,
-    /// From one probe to the next, in s and t.
+    /// Step from one probe to the next, in s and t.
     pub step: Vec2,
     /// Level of detail, 0 … the last level.
     pub lod: f32,
@@ -114,7 +114,7 @@ pub struct Footprint {
     pub status: u32,
 }
 
-/// What the level of detail needs of a cube map.
+/// Data of a cube map that the level of detail needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
     /// Texels of level 0 in one map unit, half the edge of a face.
@@ -123,12 +123,12 @@ pub struct Environment {
     last_level: f32,
 }
 
-/// How the axes of the world lie on the selected face.
+/// Position of the axes of the world on the selected face.
 #[derive(Clone, Copy)]
 struct Face {
     is_z: bool,
     is_y: bool,
-    /// Of the major component, ±1.
+    /// Sign of the major component, ±1.
     sign: f32,
 }
 
@@ -153,26 +153,26 @@ impl Environment {
         Self { texels: 0.5 * edge_texels as f32, last_level: edge_texels.max(1).ilog2() as f32 }
     }
 
-    /// One fragment. A call for each, as in a renderer, where its fetches come next: inlined into a loop of nothing
-    /// else the compiler would make vectors of this one, too.
+    /// Reflects one fragment. It is one call a fragment, as in a renderer, whose fetches come next. Inlined into a bare loop, it would be vectorised
+    /// too.
     #[inline(never)]
     pub fn reflect<M: Math, F: Formulas>(&self, fragment: &Fragment) -> Footprint {
         self.datapath::<M, F>(fragment)
     }
 
-    /// One fragment on a frame that was found before, of any system; `main_direction` is not looked at.
+    /// Reflects one fragment on a given tangent basis of any system; `main_direction` is not read.
     #[inline(never)]
     pub fn reflect_on<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> Footprint {
         self.footprint::<M, F>(fragment, frame)
     }
 
-    /// Frame, perturb, reflect, cube face, columns, ellipse, axes, probes: the body of a loop that is to become vectors.
+    /// Tangent basis, perturb, reflect, cube face, columns, ellipse, axes, probes: the body of a loop that is to be vectorised.
     #[inline(always)]
     pub fn datapath<M: Math, F: Formulas>(&self, fragment: &Fragment) -> Footprint {
         self.footprint::<M, F>(fragment, F::frame::<M>(fragment.normal, fragment.main_direction))
     }
 
-    /// Perturb and all that follows.
+    /// Perturb and all later steps.
     #[inline(always)]
     fn footprint<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> Footprint {
         let &Fragment { normal: n, view: v, offset, roughness, dview, dnormal, .. } = fragment;
@@ -227,7 +227,7 @@ impl Environment {
         let count = if whole < aspect { whole + 1.0 } else { whole };
         let minor = if capped { major / MAX_PROBES } else { minor };
         let step = direction * M::quotient(DIAMETER * major.min(LONGEST_SIGMA), count);
-        // Not `clamp`: its check of the bounds would keep the compiler from making vectors of the loop.
+        // Not `clamp`: its check of the bounds would keep the compiler from vectorising the loop.
         let lod = F::log2::<M>(DIAMETER * minor * self.texels).max(0.0).min(self.last_level);
 
         let bit = |bit: StatusBit, flag: bool| if flag { bit.mask() } else { 0 };

@@ -1,7 +1,7 @@
-//! What the datapath takes from a library of mathematics, and the libraries.
+//! Library functions that the datapath uses, and the libraries.
 
-/// The operations of the datapath beyond sums and products. Given ones are what a careful user writes whose library has a
-/// square root: exact but for rounding, apart from the logarithm.
+/// Operations of the datapath beyond sums and products. The default methods are those of a careful user whose library has a square root. They are
+/// exact but for rounding, except the logarithm.
 pub trait Math {
     /// √x, x ≥ 0.
     fn sqrt(x: f32) -> f32;
@@ -18,8 +18,8 @@ pub trait Math {
         Self::quotient(1.0, Self::sqrt(x))
     }
 
-    /// log₂ of a positive normal number; 0 gives −127. Error below 2^−13: degree 4 in the fraction, exact at powers of two.
-    /// A level of detail needs no more, and a library's logarithm costs a multiple.
+    /// log₂ of a positive normal number; 0 gives −127. Error below 2^−13: degree 4 in the fraction, exact at powers of two. A level of detail needs
+    /// no more, and a library's logarithm costs a multiple.
     #[inline(always)]
     fn log2(x: f32) -> f32 {
         let bits = x.to_bits();
@@ -28,13 +28,13 @@ pub trait Math {
         exponent as f32 + f + f * (1.0 - f) * (0.438_725_74 + f * (-0.239_058_23 + f * 0.082_130_685))
     }
 
-    /// log₂ of a positive number as the library has it.
+    /// log₂ of a positive number by the library.
     fn library_log2(x: f32) -> f32;
 
     /// xⁿ, x > 0.
     fn power(x: f32, n: f32) -> f32;
 
-    /// (1 − x)ⁿ, 0 ≤ x < 1; no digit of a small x is lost where the library has a logarithm of 1 + x.
+    /// (1 − x)ⁿ, 0 ≤ x < 1; no digit of a small x is lost if the library has a logarithm of 1 + x.
     fn power_of_one_minus(x: f32, n: f32) -> f32;
 }
 
@@ -94,10 +94,9 @@ impl Math for Libm {
     }
 }
 
-/// `micromath`, whose approximations are an integer addition or two: no division is left but that in its logarithm.
+/// `micromath`, whose approximations are an integer addition or two. The only division left is that in its logarithm.
 ///
-/// Largest relative errors: √x 6.1 %, 1/x 12.5 %, 1/√x 3.4 %. √0 is 1.5·2^−64, so a fragment without a footprint is not
-/// seen as one.
+/// Largest relative errors: √x 6.1 %, 1/x 12.5 %, 1/√x 3.4 %. √0 is 1.5·2^−64, so a fragment without a footprint is not found to be empty.
 #[cfg(feature = "micromath")]
 #[derive(Clone, Copy, Debug)]
 pub struct Micromath;

@@ -18,7 +18,7 @@ pub struct LitPeak {
     pub main_direction: Vec3,
     /// l, from the surface to the light.
     pub light: Vec3,
-    /// N of the peak in the frame of the surface, of unit length but for its storage.
+    /// N of the peak in the tangent basis of the surface, of unit length but for its storage.
     pub peak: Vec3,
     /// a.
     pub amplitude: f32,
@@ -27,7 +27,7 @@ pub struct LitPeak {
 }
 
 impl From<&PeakIn> for LitPeak {
-    /// The numbers of the ports, rounded to `f32`.
+    /// Rounds the numbers of the ports to `f32`.
     fn from(ports: &PeakIn) -> Self {
         let (peak, amplitude, exponent) = real_peak(&ports.peak);
         Self {
@@ -43,7 +43,7 @@ impl From<&PeakIn> for LitPeak {
 }
 
 impl LitPeak {
-    /// Frame, half vector, its place in the frame, a·max(0, N·H)ⁿ; 0 where the light is on the horizon of n or below it.
+    /// Tangent basis, half vector, its place in that basis, a·max(0, N·H)ⁿ; 0 if the light is on the horizon of n or below it.
     pub fn shine<M: Math, F: Formulas>(&self) -> f32 {
         let &Self { normal, view, main_direction, light, peak, amplitude, exponent } = self;
         if light.dot(normal) <= 0.0 {
