@@ -11,14 +11,14 @@ use super::linear::Vector2;
 pub struct Axes {
     /// λ₁, the larger standard deviation.
     pub major: f64,
-    /// λ₂, the smaller one; 0 when the columns are parallel.
+    /// λ₂, the smaller one; 0 if the columns are parallel.
     pub minor: f64,
     /// Unit direction of λ₁; its larger component is positive, the first one among equals. A circle gives (1, 0).
     pub direction: Vector2,
 }
 
 impl Axes {
-    /// λ₁/λ₂ before any rounding to a number of probes; ∞ for a line, 1 for a point.
+    /// λ₁/λ₂ before any rounding to a probe count; ∞ for a line, 1 for a point.
     pub fn ratio(&self) -> f64 {
         if self.major == 0.0 { 1.0 } else { self.major / self.minor }
     }
@@ -81,7 +81,7 @@ mod tests {
                 let k = ellipse(&[[0.0; 2], [0.0; 2], mix(turn_cos, -turn_sin), mix(turn_sin, turn_cos)]);
                 let got = axes(&k);
                 assert!((got.major / 3.0 - 1.0).abs() < 1e-14);
-                // The columns are rounded to 2⁻⁵³ of the major axis, which is aspect times that of the minor one.
+                // The columns are rounded to 2⁻⁵³ of the major axis, which is aspect times the minor one.
                 assert!((got.minor * aspect / 3.0 - 1.0).abs() < 4e-16 * aspect + 1e-14);
                 assert!(axis_angle(got.direction, [cos, sin]) < 1e-13);
             }

@@ -1,7 +1,7 @@
-//! Footprint columns: how s, t move when v and n_mod move (W97 (5)–(11)).
+//! Footprint columns: changes of s, t with v and n_mod (W97 (5)–(11)).
 //!
-//! dr = [2 n nᵀ − |n|²I]dv + 2[⟨n·v⟩I + n vᵀ − v nᵀ]dn with n = n_mod everywhere (erratum 10);
-//! q = (ds_c − s·dm, dt_c − t·dm)/m with the signs of the face.
+//! dr = [2 n nᵀ − |n|²I]dv + 2[⟨n·v⟩I + n vᵀ − v nᵀ]dn with n = n_mod everywhere (erratum 10); q = (ds_c − s·dm, dt_c − t·dm)/m with the signs of the
+//! face.
 
 use super::cube::{Selection, face_components};
 use super::linear::{Vector2, Vector3, add_scaled, dot, norm, scaled};
@@ -13,8 +13,8 @@ pub struct Column {
     pub q: Vector2,
     /// √(1+s²+t²)·(3|n|²|dv| + 6|n||v||dn|)/m: a bound of |q| as if no terms cancelled, at least |q|.
     ///
-    /// Rounding n_mod, r, s or t by a relative ε moves q by a small multiple of ε times this number, so errors of
-    /// a cancelling footprint are judged against it.
+    /// Rounding n_mod, r, s or t by a relative ε moves q by a small multiple of ε times this number. So errors of a cancelling footprint are measured
+    /// against it.
     pub scale: f64,
 }
 

@@ -70,7 +70,7 @@ pub fn direction_of(face: usize, s: f64, t: f64) -> Vector3 {
     direction
 }
 
-/// A probe that may have left `face`: outside [−1, 1] the point of the plane is read as a direction and selected again.
+/// Selection of a probe that may have left `face`: outside [−1, 1] the point of the plane is read as a direction and selected again.
 pub fn continue_across(face: usize, s: f64, t: f64) -> Selection {
     if s.abs() <= 1.0 && t.abs() <= 1.0 {
         return Selection { face, s, t, m: 1.0 };

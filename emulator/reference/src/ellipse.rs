@@ -18,7 +18,7 @@ pub struct Ellipse {
     pub b: f64,
     /// Variance along the second axis.
     pub c: f64,
-    /// Determinant ac − b², free of cancellation when it came from columns.
+    /// Determinant ac − b², free of cancellation if it comes from columns.
     pub det: f64,
 }
 
@@ -36,7 +36,7 @@ impl Ellipse {
 
 /// K and its determinant from the four columns.
 ///
-/// The determinant takes fourth powers: columns outside 2^±200 are brought to a common exponent by the caller.
+/// The determinant takes fourth powers: the caller brings columns outside 2^±200 to a common exponent.
 pub fn ellipse(q: &[Vector2; 4]) -> Ellipse {
     let [mut a, mut b, mut c, mut det] = [0.0; 4];
     for i in 0..4 {

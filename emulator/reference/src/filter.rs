@@ -1,8 +1,8 @@
 //! Texture filters over float texels: bilinear, trilinear, footprint assembly, and the seams of a cube map.
 //!
-//! Texel (i, j) of a w×h map is the square [i, i+1)×[j, j+1) of texel space, its value belongs to the centre. Maps
-//! repeat; a cube face goes on in the border texels of its neighbour, and the missing fourth texel at a corner is
-//! the mean of the other three. Levels are area-weighted box filters down to 1×1.
+//! Texel (i, j) of a w×h map is the square [i, i+1)×[j, j+1) of texel space, and its value belongs to the centre. Maps wrap. A cube face continues in
+//! the border texels of its neighbour, and the missing fourth texel at a corner is the mean of the other three. Levels are area-weighted box filters
+//! down to 1×1.
 
 use super::cube::{Selection, continue_across, direction_of, project, select};
 use super::linear::{Vector2, add_scaled, scaled};
@@ -103,14 +103,14 @@ pub fn trilinear<const C: usize>(levels: &[Map<C>], uv: Vector2, lod: f64) -> [f
     between_levels(levels, lod, |level| level.bilinear(uv))
 }
 
-/// Mean differences of neighbouring texels at (u, v) along u and along v, those of two levels blended, each per texel of its level.
+/// Mean differences of neighbouring texels at (u, v) along u and along v, blended between two levels, each per texel of its level.
 pub fn differences<const C: usize>(levels: &[Map<C>], uv: Vector2, lod: f64) -> [[f64; C]; 2] {
     [0, 1].map(|axis| between_levels(levels, lod, |level| level.differences(uv)[axis]))
 }
 
 /// Footprint assembly: the weighted sum of trilinear probes around (u, v); the plan's unit is repeats of the map.
 ///
-/// Use `texels_to_repeats` to convert a plan made in texels of a map that is not square.
+/// `texels_to_repeats` converts a plan made in texels of a map that is not square.
 pub fn assemble<const C: usize>(levels: &[Map<C>], uv: Vector2, plan: &ProbePlan, weights: &[f64]) -> [f64; C] {
     let mut sum = [0.0; C];
     for (index, &weight) in (0..plan.count).zip(weights) {
@@ -120,7 +120,7 @@ pub fn assemble<const C: usize>(levels: &[Map<C>], uv: Vector2, plan: &ProbePlan
     sum
 }
 
-/// The same probes with their step in repeats of a map of `size_texels` instead of texels.
+/// Converts the step of a plan from texels to repeats of a map of `size_texels`.
 pub fn texels_to_repeats(plan: &ProbePlan, size_texels: [u32; 2]) -> ProbePlan {
     let [width, height] = size_texels.map(f64::from);
     ProbePlan { step: [plan.step[0] / width, plan.step[1] / height], ..*plan }
@@ -144,10 +144,10 @@ impl<const C: usize> CubeMap<C> {
         levels
     }
 
-    /// The texel (x, y) of `face`, where x and y may lie one beyond the face.
+    /// Texel (x, y) of `face`, with x and y up to one beyond the face.
     ///
-    /// Beyond an edge it is the border texel of the neighbour at the same place along the edge; beyond a corner the
-    /// mean of the three texels that meet there.
+    /// Beyond an edge it is the border texel of the neighbour at the same place along the edge. Beyond a corner it is the mean of the three texels
+    /// that meet there.
     pub fn texel_across(&self, face: usize, x: i64, y: i64) -> [f64; C] {
         let edge = self.faces[face].width as i64;
         let inside = |i: i64| (0..edge).contains(&i);
@@ -161,8 +161,8 @@ impl<const C: usize> CubeMap<C> {
                 scaled(1.0 / 3.0, sum)
             }
             _ => {
-                // A point of the shared edge: the neighbour is found just beyond it, its coordinates on it, where
-                // one of them is exactly ±1 and the other the centre of the wanted texel.
+                // A point of the shared edge. The neighbour is found just beyond it, and its coordinates on it: one of them is exactly ±1 and the
+                // other the centre of the wanted texel.
                 let centre = |i: i64| (2 * i + 1) as f64 / edge as f64 - 1.0;
                 let (s, t) = (centre(x), centre(y));
                 let neighbour = select(direction_of(face, s, t)).face;
@@ -191,7 +191,7 @@ pub fn cube_trilinear<const C: usize>(levels: &[CubeMap<C>], at: &Selection, lod
     between_levels(levels, lod, |level| level.bilinear(at))
 }
 
-/// Footprint assembly on a cube map: probes that leave the face go on across the edge.
+/// Footprint assembly on a cube map: probes that leave the face continue across the edge.
 pub fn cube_assemble<const C: usize>(
     levels: &[CubeMap<C>],
     at: &Selection,
@@ -273,15 +273,15 @@ mod tests {
             }
             let [got] = map.bilinear(&select(d));
             let expected = value(scaled(1.0 / norm(&d), d));
-            // A texel spans 2/64 of a face and the slope is below 2: a wrong neighbour would be off by ≥ 0.06
-            // almost everywhere; the right one bends by at most half a texel at the edge.
+            // A texel spans 2/64 of a face and the slope is below 2. A wrong neighbour would be off by ≥ 0.06 almost everywhere; the right one bends
+            // by at most half a texel at the edge.
             assert!((got - expected).abs() < 0.02, "{d:?}: {got} for {expected}");
         }
     }
 
     #[test]
     fn neighbours_beyond_an_edge_share_it() {
-        // Each texel holds a number of its own; the texel across an edge must see this one across the same edge.
+        // Each texel holds a different number; the texel across an edge must see this one across the same edge.
         let edge = 5_usize;
         let mut map = cube_map(edge, |_| 0.0);
         for (f, face) in map.faces.iter_mut().enumerate() {

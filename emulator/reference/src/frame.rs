@@ -1,11 +1,11 @@
-//! Local frame E₁, E₂ of a surface point in the three systems of S97 §7.
+//! Tangent basis E₁, E₂ of a surface point in the three systems of S97 §7.
 //!
-//! Every frame vector carries the length that makes an offset mean the same for any |n|: systems 2 and 3 scale
-//! unit vectors by |n| (erratum 17), system 1 by what turns n = p_u × p_v into Blinn's s_u, s_v.
+//! Every basis vector carries the length that makes an offset mean the same for any |n|. Systems 2 and 3 scale unit vectors by |n| (erratum 17),
+//! system 1 by the factor that turns n = p_u × p_v into Blinn's s_u, s_v.
 
 use super::linear::{Vector3, cross, dot, norm, normalise_exponent, scale_exponent, scaled};
 
-/// Frame systems of S97 §7.
+/// Tangent bases of S97 §7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameSystem {
     /// System 1: s_u = n̂ × p_v, s_v = p_u × n̂, the natural lengths.
@@ -16,20 +16,20 @@ pub enum FrameSystem {
     MainDirection,
 }
 
-/// The two tangential vectors of a frame.
+/// Two vectors of a tangent basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// E₁, in the units of n.
     pub e1: Vector3,
     /// E₂, in the units of n.
     pub e2: Vector3,
-    /// The defining cross product vanished although n ≠ 0: the fallback axis took the place of h.
+    /// True at a pole: the defining cross product vanished although n ≠ 0, and the fallback axis took the place of h.
     pub pole: bool,
 }
 
 const ZERO: Frame = Frame { e1: [0.0; 3], e2: [0.0; 3], pole: false };
 
-/// The frame of `system`; `tangents` holds h in slot 0 (system 3) or p_u and p_v (systems 1 and 2).
+/// Tangent basis of `system`; `tangents` holds h in slot 0 (system 3) or p_u and p_v (systems 1 and 2).
 pub fn frame(system: FrameSystem, normal: Vector3, tangents: [Vector3; 2]) -> Frame {
     match system {
         FrameSystem::Natural => frame_natural(normal, tangents[0], tangents[1]),
@@ -40,8 +40,8 @@ pub fn frame(system: FrameSystem, normal: Vector3, tangents: [Vector3; 2]) -> Fr
 
 /// System 3: E₁ = |n|·(h×n)/|h×n|, E₂ = n×(h×n)/|h×n|.
 ///
-/// Where h×n = 0 and n ≠ 0 (the pole, or h = 0) h becomes the axis on which |nᵢ| is smallest, x before y before z
-/// among equals. n = 0 gives zero vectors and no pole.
+/// If h×n = 0 and n ≠ 0 (the pole, or h = 0), h becomes the axis on which |nᵢ| is smallest, x before y before z among equals. n = 0 gives zero
+/// vectors and no pole.
 pub fn frame_main_direction(normal: Vector3, main_direction: Vector3) -> Frame {
     if normal == [0.0; 3] {
         return ZERO;
@@ -58,9 +58,9 @@ pub fn frame_main_direction(normal: Vector3, main_direction: Vector3) -> Frame {
     Frame { e1: scale_exponent(scaled(norm(&n), unit), exponent), e2: scale_exponent(cross(n, unit), exponent), pole }
 }
 
-/// System 1: E₁ = n×p_v/|p_u×p_v|, E₂ = p_u×n/|p_u×p_v|, which are s_u and s_v when n = p_u×p_v.
+/// System 1: E₁ = n×p_v/|p_u×p_v|, E₂ = p_u×n/|p_u×p_v|, which are s_u and s_v for n = p_u×p_v.
 ///
-/// Where p_u×p_v = 0 the frame is zero: there is no parametrisation to bump along, the surface stays as it is.
+/// If p_u×p_v = 0 the basis is zero: there is no parametrisation to bump along, and the surface stays as it is.
 pub fn frame_natural(normal: Vector3, p_u: Vector3, p_v: Vector3) -> Frame {
     let (u, u_exponent) = normalise_exponent(p_u);
     let (v, v_exponent) = normalise_exponent(p_v);
@@ -75,7 +75,7 @@ pub fn frame_natural(normal: Vector3, p_u: Vector3, p_v: Vector3) -> Frame {
 
 /// System 2: E₁ = |n|·(n×p_v)/|n×p_v|, E₂ = |n|·(p_u×n)/|p_u×n|.
 ///
-/// Where one of the two cross products is 0 the frame is zero.
+/// If one of the two cross products is 0 the basis is zero.
 pub fn frame_natural_normalised(normal: Vector3, p_u: Vector3, p_v: Vector3) -> Frame {
     let (n, exponent) = normalise_exponent(normal);
     let (u, _) = normalise_exponent(p_u);
@@ -92,7 +92,7 @@ pub fn frame_natural_normalised(normal: Vector3, p_u: Vector3, p_v: Vector3) -> 
     Frame { e1: of_length(across_u), e2: of_length(across_v), pole: false }
 }
 
-/// The unit axis on which |nᵢ| is smallest; x before y before z among equals.
+/// Unit axis on which |nᵢ| is smallest; x before y before z among equals.
 pub fn fallback_axis(normal: Vector3) -> Vector3 {
     let [x, y, z] = normal.map(f64::abs);
     if x <= y && x <= z {
@@ -104,9 +104,9 @@ pub fn fallback_axis(normal: Vector3) -> Vector3 {
     }
 }
 
-/// Worst violation of an orthogonal frame of length |n|, relative to |n|: |⟨Eᵢ,n⟩|/|n|², |⟨E₁,E₂⟩|/|n|², ||Eᵢ|−|n||/|n|.
+/// Worst violation of an orthogonal basis of length |n|, relative to |n|: |⟨Eᵢ,n⟩|/|n|², |⟨E₁,E₂⟩|/|n|², ||Eᵢ|−|n||/|n|.
 ///
-/// The measure of the accuracy bar "orthogonality, unit length" for system 3.
+/// It measures the accuracy requirement "orthogonality, unit length" for system 3.
 pub fn orthonormality_error(normal: Vector3, e1: Vector3, e2: Vector3) -> f64 {
     let length = norm(&normal);
     let [n, e1, e2] = [normal, e1, e2].map(|vector| scaled(1.0 / length, vector));
@@ -177,7 +177,7 @@ mod tests {
             }
             // S97: n = s_u × s_v.
             assert!(norm(&add_scaled(cross(frame.e1, frame.e2), -1.0, n)) < 1e-13);
-            // Relative to |n|: twice the normal, twice the frame.
+            // Lengths are relative to |n|: twice the normal, twice the basis.
             assert_eq!(frame_natural(scaled(2.0, n), p_u, p_v).e1, scaled(2.0, frame.e1));
         }
     }

@@ -1,12 +1,11 @@
-//! The ground-plane experiment behind the picture bars of the texture footprint.
+//! The ground-plane experiment for the picture quality of the texture footprint.
 //!
-//! 160×100 pixels look over a textured plane: for the pixel position (x, y) let d = 1/(0.9·y/100 + 0.06),
-//! X = 2.2·d·(x − 80)/160, Z = 2·d; turned by 0.5 rad and scaled by 0.35 that is (u, v), in repeats of a 512² texture.
-//! The reference is the mean of jittered bilinear samples of the unfiltered texture over each pixel's square;
-//! the filter under test gets the pixel's centre and derivatives. PSNR is against a range of 1.
+//! 160×100 pixels look over a textured plane. For the pixel position (x, y), d = 1/(0.9·y/100 + 0.06), X = 2.2·d·(x − 80)/160 and Z = 2·d. (X, Z)
+//! turned by 0.5 rad and scaled by 0.35 is (u, v), in repeats of a 512² texture. The reference is the mean of jittered bilinear samples of the
+//! unfiltered texture over each pixel's square. The filter under test gets the pixel's centre and derivatives. PSNR is against a range of 1.
 //!
-//! Float64 footprint assembly (box weights, N = ceiling ≤ 16) against 4096 samples: 35.7 dB on the checker at 38.6
-//! texels a pixel. The reference's own noise counts: with 1024 samples the same picture measures 35.5 dB.
+//! Float64 footprint assembly (box weights, N = ceiling ≤ 16) against 4096 samples: 35.7 dB on the checker at 38.6 texels a pixel. The reference's
+//! noise counts: with 1024 samples the same picture measures 35.5 dB.
 
 use rayon::prelude::*;
 
@@ -20,7 +19,7 @@ pub const WIDTH: u32 = 160;
 pub const HEIGHT: u32 = 100;
 /// Edge of the texture, in texels.
 pub const TEXTURE_EDGE: u32 = 512;
-/// Most probes of the filters the bars were measured with.
+/// Most probes of the filters that the requirements were measured with.
 pub const MAX_PROBES: u32 = 16;
 
 /// Textures of the experiment, one channel in [0, 1].
@@ -51,7 +50,7 @@ impl GroundTexture {
     }
 }
 
-/// What a filter needs to know about one pixel.
+/// Data of one pixel that a filter needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundPixel {
     /// Column, 0…159.
@@ -90,7 +89,7 @@ fn position(px: f64, py: f64) -> Vector2 {
     turned(2.2 * distance * (px - 80.0) / 160.0, 2.0 * distance)
 }
 
-/// The supersampled picture of one texture, against which any number of filters can be measured.
+/// The supersampled picture of one texture, as the reference of any number of filters.
 #[derive(Clone, Debug)]
 pub struct GroundReference {
     picture: Vec<f64>,
@@ -99,7 +98,7 @@ pub struct GroundReference {
 impl GroundReference {
     /// Renders the reference with `samples` jittered samples a pixel (rounded down to a square number, at least 1).
     ///
-    /// The same for any number of threads: every row has a seed of its own.
+    /// It does not depend on the number of threads: every row has its own seed.
     pub fn new(texture: GroundTexture, samples: u32) -> Self {
         let map = texture.map();
         let side = samples.max(1).isqrt();
@@ -134,7 +133,7 @@ impl GroundReference {
     }
 }
 
-/// The whole experiment for one filter: PSNR in dB against `samples` jittered samples a pixel.
+/// Runs the whole experiment for one filter: PSNR in dB against `samples` jittered samples a pixel.
 pub fn ground_plane(texture: GroundTexture, samples: u32, filter: impl FnMut(&GroundPixel) -> f64) -> f64 {
     GroundReference::new(texture, samples).psnr(filter)
 }

@@ -1,15 +1,15 @@
-//! Modified Blinn-Phong highlight (S97 App. A with errata 6, 7, 8), and what it is compared with.
+//! Modified Blinn-Phong highlight (S97 App. A with errata 6, 7, 8), and the models for comparison.
 //!
-//! Facets lie at n_mod + δ in the plane perpendicular to n_mod, δ of covariance K + |n_mod|²·I/m. The half vector meets that
-//! plane at the distance y; f = √(det I/m / det M)·(1 + yᵀM⁻¹y/m)^(−m/2) with M = K + I/m relative to |n_mod|: an explicit
-//! 2×2 matrix in an orthonormal basis of the plane, where the integer datapath has cross products only.
+//! Facets lie at n_mod + δ in the plane perpendicular to n_mod, δ of covariance K + |n_mod|²·I/m. The half vector meets that plane at the distance y;
+//! f = √(det I/m / det M)·(1 + yᵀM⁻¹y/m)^(−m/2) with M = K + I/m relative to |n_mod|. M is an explicit 2×2 matrix in an orthonormal basis of the
+//! plane; the integer datapath has cross products only.
 
 use super::linear::{
     Vector2, Vector3, add_scaled, cross, difference_of_products, dot, norm, normalise_exponent, scaled,
 };
 use super::roughness::Triangular;
 
-/// What a light meets at a fragment.
+/// Fragment and light of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     /// Geometric normal n, any length.
@@ -18,9 +18,9 @@ pub struct Scene {
     pub normal_mod: Vector3,
     /// Tangents of the roughness, d₁E₁ and d₂E₁ + d₃E₂, in the units of `normal_mod`.
     pub tangents: [Vector3; 2],
-    /// From the surface to the eye, any length.
+    /// Vector from the surface to the eye, any length.
     pub view: Vector3,
-    /// From the surface to the light, any length.
+    /// Vector from the surface to the light, any length.
     pub light: Vector3,
     /// Exponent m ≥ 1.
     pub exponent: f64,
@@ -29,11 +29,11 @@ pub struct Scene {
 /// Results of one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Highlight {
-    /// Half vector l/|l| + v/|v|; zero where l or v is.
+    /// Half vector l/|l| + v/|v|; zero if l or v is.
     pub half: Vector3,
-    /// The share of the light that the highlight returns, [0, 1].
+    /// Share of the light that the highlight returns, [0, 1].
     pub f: f64,
-    /// n·l/(|n||l|), what decides whether the surface is lit; 0 for zero vectors.
+    /// n·l/(|n||l|), which decides if the surface is lit; 0 for zero vectors.
     pub facing: f64,
 }
 
@@ -43,14 +43,14 @@ fn unit(a: Vector3) -> Vector3 {
     if length == 0.0 { a } else { scaled(1.0 / length, a) }
 }
 
-/// Half vector of two directions of any length; zero where either is zero.
+/// Half vector of two directions of any length; zero if either is zero.
 pub fn half(light: Vector3, view: Vector3) -> Vector3 {
     let (light, view) = (unit(light), unit(view));
     if light == [0.0; 3] || view == [0.0; 3] { [0.0; 3] } else { add_scaled(light, 1.0, view) }
 }
 
-/// The highlight of one light. f is 0 where the light is on the horizon of n or below it, where n_mod faces away from h, and
-/// where any of n, n_mod, v, l, h is zero.
+/// Highlight of one light. f is 0 if the light is on the horizon of n or below it, if n_mod faces away from h, or if any of n, n_mod, v, l, h is
+/// zero.
 pub fn highlight(scene: &Scene) -> Highlight {
     let Scene { normal, normal_mod, tangents, view, light, exponent } = *scene;
     let half = half(light, view);
@@ -90,8 +90,8 @@ pub fn blinn_phong(normal: Vector3, half: Vector3, m: f64) -> f64 {
     dot(&unit(normal), &unit(half)).max(0.0).powf(m)
 }
 
-/// cos²a′ of S97 App. A as printed, with |Dd|² of the upper triangular D and d the projection of n − h into the plane of E₁
-/// and E₂. 0/0 at n = h and where D = 0 (erratum 7).
+/// cos²a′ of S97 App. A as printed, with |Dd|² of the upper triangular D and d the projection of n − h into the plane of E₁ and E₂. It is 0/0 at n =
+/// h and for D = 0 (erratum 7).
 pub fn printed_cos2(d: Triangular, n_minus_h: Vector2) -> f64 {
     let length2 = dot(&n_minus_h, &n_minus_h);
     let [d1, d2, d3] = d;

@@ -1,4 +1,4 @@
-//! Horizon (F92 §5, erratum 22): which share of the facets of a peak light and eye clear, along two axes each.
+//! Horizon (F92 §5, erratum 22): the share of the facets of a peak that light and eye clear, along two axes each.
 
 use super::linear::Vector3;
 
@@ -19,7 +19,7 @@ impl Side {
     }
 }
 
-/// How far up a side a slope reaches, in [0, 1]; a step is reached from its slope on.
+/// Reach of a slope on one side, in [0, 1]; a step is reached from its slope on.
 pub fn ramp(slope: f64, side: Side) -> f64 {
     if side.width <= 0.0 {
         return if slope >= side.low { 1.0 } else { 0.0 };
@@ -27,8 +27,8 @@ pub fn ramp(slope: f64, side: Side) -> f64 {
     ((slope - side.low) / side.width).clamp(0.0, 1.0)
 }
 
-/// The ramps of a local direction (x, y, z) of any length over both axes, given the horizons towards −x, +x, −y, +y. An axis along which
-/// the direction does not point is clear.
+/// Ramps of a local direction (x, y, z) of any length over both axes, given the horizons towards −x, +x, −y, +y. An axis along which the direction
+/// does not point is clear.
 pub fn ramps(direction: Vector3, sides: &[Side; 4]) -> [f64; 2] {
     let [x, y, z] = direction;
     let along = |component: f64, [negative, positive]: [Side; 2]| match component {
@@ -38,15 +38,15 @@ pub fn ramps(direction: Vector3, sides: &[Side; 4]) -> [f64; 2] {
     [along(x, [sides[0], sides[1]]), along(y, [sides[2], sides[3]])]
 }
 
-/// The share of facets that clear every direction, from all their ramps t, of laws that fall linearly: 1 − (1 − t)². Who lies in a hole lies in it
-/// for every direction, so most of those that the smallest share clears are clear; of what the next one hides, a quarter goes.
+/// Share of facets that clear every direction, from all ramps t, for laws that fall linearly: 1 − (1 − t)². A facet in a hole is in the hole for
+/// every direction. So most facets that the smallest share clears are clear; the next share removes a quarter of what it hides.
 pub fn correlated(ramps: &[f64]) -> f64 {
     let mut shares: Vec<f64> = ramps.iter().map(|t| t * (2.0 - t)).chain([1.0, 1.0]).collect();
     shares.sort_by(f64::total_cmp);
     shares[0] * (3.0 + shares[1]) / 4.0
 }
 
-/// The same of uniform laws that are independent (F92 §5).
+/// Share of facets for independent uniform laws (F92 §5).
 pub fn product(ramps: &[f64]) -> f64 {
     ramps.iter().product()
 }
@@ -69,7 +69,7 @@ mod tests {
         assert_eq!(ramps([1.0, 1.0, 0.0], &[flat; 4]), [1.0; 2]);
         assert_eq!(ramps([1.0, 1.0, -1e-9], &[flat; 4]), [0.0; 2]);
         assert_eq!(ramps([0.0, 0.0, -1.0], &[hill; 4]), [1.0; 2]);
-        // Steps alone: both joints are the same.
+        // Steps alone: both rules agree.
         assert!([[0.0, 1.0], [1.0, 1.0]].iter().all(|shares| product(shares) == correlated(shares)));
     }
 

@@ -1,13 +1,12 @@
 //! Independent float64 reference of the reflection datapath, written from the mathematics only.
 //!
-//! It shares no code with the integer datapath: one source means one bug for all its readings, so the truth must
-//! come from elsewhere. One file per block, in pipeline order; [`reflection`] runs them all and returns every
-//! intermediate value together with the conditioning a comparator needs (distance to the nearest cube-face tie,
-//! the unrounded aspect ratio, the size of the terms of a footprint before they cancel).
+//! It shares no code with the integer datapath. One source would mean one bug for all its backends, so the reference must be separate. Each block has
+//! one file, in pipeline order. [`reflection`] runs them all and returns every intermediate value together with the conditioning that a comparator
+//! needs: distance to the nearest cube-face tie, the unrounded aspect ratio, the size of the terms of a footprint before they cancel.
 //!
-//! Formulas are those of W97 and S97 with the errata applied. Cross products and 2×2 minors are evaluated
-//! to 1.5 units in the last place ([`linear::difference_of_products`]), so the frame of 31-bit inputs is right
-//! down to their last bit; everything else is ordinary careful f64, good to about 2⁻⁵⁰ of the terms that enter.
+//! Formulas are those of W97 and S97 with the errata applied. Cross products and 2×2 minors are evaluated to 1.5 units in the last place
+//! ([`linear::difference_of_products`]), so the tangent basis of 31-bit inputs is right down to their last bit. Everything else is ordinary careful
+//! f64, good to about 2⁻⁵⁰ of the terms that enter.
 
 pub mod axes;
 pub mod columns;
@@ -37,8 +36,8 @@ use probes::{ProbePlan, ProbeRule};
 
 /// Inputs of one fragment, in real units (block exponents already applied).
 ///
-/// Results do not depend on a common factor of `normal` and `dnormal`, nor of `view` and `dview`; a caller whose
-/// exponents exceed the range of f64 takes such a factor out first.
+/// Results do not depend on a common factor of `normal` and `dnormal`, nor of `view` and `dview`. If exponents exceed the range of f64, the caller
+/// takes such a factor out first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
     /// Surface normal n, any length.
@@ -47,7 +46,7 @@ pub struct Inputs {
     pub view: Vector3,
     /// Main direction h in slot 0 (system 3), or p_u and p_v (systems 1 and 2).
     pub tangents: [Vector3; 2],
-    /// Bump offsets b₁, b₂, relative to the frame vectors.
+    /// Bump offsets b₁, b₂, relative to the basis vectors.
     pub offset: [f64; 2],
     /// d₁, d₂, d₃ of D = [[d₁, d₂], [0, d₃]]; the isotropic I₁ in slot 0.
     pub roughness: [f64; 3],
@@ -59,7 +58,7 @@ pub struct Inputs {
     pub edge_texels: u32,
 }
 
-/// Which roughness columns a fragment has.
+/// Roughness columns of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Roughness {
     /// No roughness: q₃ = q₄ = 0.
@@ -70,14 +69,14 @@ pub enum Roughness {
     Anisotropic,
 }
 
-/// What the reference computes, apart from the numbers of a fragment.
+/// Options of the reference, apart from the numbers of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Frame system of S97 §7.
+    /// Tangent basis of S97 §7.
     pub frame: FrameSystem,
     /// Roughness columns.
     pub roughness: Roughness,
-    /// Rule for the number of probes.
+    /// Rule for the probe count.
     pub probe_rule: ProbeRule,
     /// Most probes of a fragment, at least 1.
     pub max_probes: u32,
@@ -86,7 +85,7 @@ pub struct Options {
 /// Every intermediate value of one fragment, in the units of the inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outputs {
-    /// Frame vectors E₁, E₂ and whether the fallback was taken.
+    /// Basis vectors E₁, E₂, and the flag of the fallback.
     pub frame: Frame,
     /// Perturbed normal n_mod.
     pub perturbed: Vector3,
@@ -104,7 +103,7 @@ pub struct Outputs {
     pub ellipse: Ellipse,
     /// Standard deviations λ₁ ≥ λ₂ and the direction of λ₁.
     pub axes: Axes,
-    /// Number of probes, step, level of detail.
+    /// Probe count, step, level of detail.
     pub probes: ProbePlan,
 }
 
@@ -117,14 +116,14 @@ impl Outputs {
         linear::norm(&weighted)
     }
 
-    /// λ₂ before the cap over [`Outputs::footprint_scale`]; 0 where nothing is known about λ₂ (or there is no footprint).
+    /// λ₂ before the cap over [`Outputs::footprint_scale`]; 0 if nothing is known about λ₂ (or there is no footprint).
     pub fn minor_conditioning(&self) -> f64 {
         let scale = self.footprint_scale();
         if scale == 0.0 { 0.0 } else { self.axes.minor / scale }
     }
 }
 
-/// A fragment as both kinds of footprint see it: n and v over a power of two each, so that squares and cubes neither overflow nor underflow.
+/// Data that both kinds of footprint share: n and v over a power of two each, so that squares and cubes neither overflow nor underflow.
 struct Mirror {
     normal: Vector3,
     normal_exponent: i32,
@@ -160,8 +159,8 @@ fn mirror(inputs: &Inputs, options: &Options) -> Mirror {
 
 /// Runs the whole reflection datapath on one fragment.
 ///
-/// Degenerate inputs: n = 0 gives zero frame vectors; r = 0 (n_mod = 0 or v = 0) gives face +z, s = t = 0 and zero
-/// columns; a zero footprint gives one probe at level 0.
+/// Degenerate inputs: n = 0 gives zero basis vectors; r = 0 (n_mod = 0 or v = 0) gives face +z, s = t = 0 and zero columns; a zero footprint gives
+/// one probe at level 0.
 pub fn reflection(inputs: &Inputs, options: &Options) -> Outputs {
     let Mirror { normal, normal_exponent, view, view_exponent, frame, perturbed, reflected, pairs } =
         mirror(inputs, options);
@@ -194,8 +193,8 @@ pub fn reflection(inputs: &Inputs, options: &Options) -> Outputs {
     }
 }
 
-/// Ellipse and axes of four columns, evaluated at a common exponent: the axes are right wherever the columns are finite,
-/// K and its determinant wherever they fit f64 themselves.
+/// Ellipse and axes of four columns, evaluated at a common exponent. The axes are right if the columns are finite, K and its determinant if they fit
+/// f64 themselves.
 fn footprint(columns: [Vector2; 4]) -> (Ellipse, Axes) {
     let size = linear::largest(&columns.map(|q| linear::largest(&q)));
     let (_, exponent) = normalise_exponent([size]);
@@ -215,15 +214,15 @@ pub struct TextureOutputs {
     pub ellipse: Ellipse,
     /// Standard deviations and direction, in the units of the columns.
     pub axes: Axes,
-    /// Number of probes, step, level of detail.
+    /// Probe count, step, level of detail.
     pub probes: ProbePlan,
 }
 
 /// Texture footprint: the same ellipse, axes and probes for a colour texture.
 ///
-/// `columns` are ∂(s, t)/∂x and ∂(s, t)/∂y per pixel in any unit common to both axes of the map;
-/// `texels_per_unit` is that unit in texels of level 0 (1 when the columns are in texels, half the longer edge when
-/// that edge is 2 units). `size_texels` is width and height of level 0; LOD ends at ⌊log₂ of the longer one⌋.
+/// `columns` are ∂(s, t)/∂x and ∂(s, t)/∂y per pixel in any unit common to both axes of the map. `texels_per_unit` is that unit in texels of level 0:
+/// 1 for columns in texels, half the longer edge if that edge is 2 units. `size_texels` is width and height of level 0; LOD ends at ⌊log₂ of the
+/// longer one⌋.
 pub fn texture(
     columns: [[f64; 2]; 2],
     texels_per_unit: f64,
@@ -255,7 +254,7 @@ mod tests {
         max_probes: 16,
     };
 
-    /// Floor seen straight from above: reflects straight up, every value can be worked by hand.
+    /// Floor seen straight from above: it reflects straight up, and every value can be derived by hand.
     fn floor_from_above() -> Inputs {
         Inputs {
             normal: [0.0, 2.0, 0.0],

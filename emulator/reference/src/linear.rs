@@ -6,7 +6,7 @@ pub type Vector3 = [f64; 3];
 /// Two components.
 pub type Vector2 = [f64; 2];
 
-/// a·b − c·d within 1.5 units in the last place, and 0 exactly when the products are equal (no over- or underflow).
+/// a·b − c·d within 1.5 units in the last place, and 0 exactly for equal products (no over- or underflow).
 ///
 /// Source: W. Kahan's algorithm with one fused multiply-add for the rounding error of c·d.
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
@@ -73,7 +73,7 @@ pub fn normalise_exponent<const N: usize>(a: [f64; N]) -> ([f64; N], i32) {
     if size == 0.0 {
         return (a, 0);
     }
-    // Subnormal numbers have no exponent field of their own: lift them first.
+    // Subnormal numbers have no exponent field: lift them first.
     let lift = if size < f64::MIN_POSITIVE { 200 } else { 0 };
     let [lifted] = scale_exponent([size], lift);
     let exponent = ((lifted.to_bits() >> 52) & 0x7ff) as i32 - 1022 - lift;

@@ -1,10 +1,10 @@
-//! Peaks (F92 §2): light of a half vector by a sum of Phong-like peaks in the frame of the surface.
+//! Peaks (F92 §2): light of a half vector by a sum of Phong-like peaks in the tangent basis of the surface.
 
 use super::linear::{Vector3, dot, largest, norm, normalise_exponent, scale_exponent, scaled};
 
-/// (d·E₁, d·E₂, d·n) at unit length; `None` where a vector of the frame is zero, or all three are.
+/// Local direction (d·E₁, d·E₂, d·n) at unit length; `None` if a vector of the basis is zero, or all three components are.
 ///
-/// E₁, E₂ and n are in one unit, which does not matter; neither does the length of d.
+/// E₁, E₂ and n are in one unit, which does not matter. The length of d does not matter either.
 pub fn local_direction(direction: Vector3, tangents: [Vector3; 2], normal: Vector3) -> Option<Vector3> {
     let (direction, _) = normalise_exponent(direction);
     let axes = [tangents[0], tangents[1], normal];
@@ -21,7 +21,7 @@ pub fn unit(vector: Vector3) -> Option<Vector3> {
     (length > 0.0).then(|| scaled(1.0 / length, vector))
 }
 
-/// a·max(0, N·H)ⁿ with N and H brought to unit length; 0 where either has none.
+/// a·max(0, N·H)ⁿ with N and H brought to unit length; 0 if either has none.
 pub fn peak(h: Vector3, normal: Vector3, amplitude: f64, exponent: f64) -> f64 {
     let (Some(h), Some(normal)) = (unit(h), unit(normal)) else { return 0.0 };
     let cosine = dot(&h, &normal).min(1.0);

@@ -9,7 +9,7 @@ pub fn perturb(normal: Vector3, frame: &Frame, offset: [f64; 2]) -> Vector3 {
     add_scaled(tilted, offset[1], frame.e2)
 }
 
-/// |n| + |b₁E₁| + |b₂E₂|: what an error of n_mod is measured against when its terms cancel.
+/// |n| + |b₁E₁| + |b₂E₂|: the measure of an error of n_mod if its terms cancel.
 ///
 /// In system 3 they cannot (E ⟂ n), and this is at most √3·|n_mod|.
 pub fn scale(normal: Vector3, frame: &Frame, offset: [f64; 2]) -> f64 {

@@ -1,13 +1,13 @@
 //! Footprint assembly: N probes along the major axis at the level of the minor one (W97 end, S97 §2).
 //!
-//! A pixel box of standard deviation λ is 2√3·λ wide (erratum 4), so 2√3·λ₁ is the major and 2√3·λ₂ the minor diameter.
-//! N·step = the major diameter; LOD = log₂ of the minor diameter in texels, clamped to the map's levels. When the
-//! rule asks for more than the most probes, λ₂ is raised to λ₁/N: blurred, never aliased.
+//! A pixel box of standard deviation λ is 2√3·λ wide (erratum 4), so 2√3·λ₁ is the major and 2√3·λ₂ the minor diameter. N·step = the major diameter;
+//! LOD = log₂ of the minor diameter in texels, clamped to the map's levels. If the rule asks for more than the most probes, λ₂ is raised to λ₁/N:
+//! blurred, never aliased.
 
 use super::axes::Axes;
 use super::linear::{Vector2, scaled};
 
-/// Rule for the number of probes.
+/// Rule for the probe count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProbeRule {
     /// N = ⌈λ₁/λ₂⌉.
@@ -25,16 +25,16 @@ pub enum ProbeWeights {
     Gaussian,
 }
 
-/// Where and how finely a map is sampled.
+/// Probes of a map: positions and level of detail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbePlan {
-    /// Number of probes N, at least 1.
+    /// Probe count N, at least 1.
     pub count: u32,
-    /// From one probe to the next, in the units of the axes.
+    /// Step from one probe to the next, in the units of the axes.
     pub step: Vector2,
     /// λ₂ after the cap, in the units of the axes.
     pub minor: f64,
-    /// The rule asked for more probes than allowed.
+    /// True if the rule asked for more probes than allowed.
     pub capped: bool,
     /// Level of detail, 0…⌊log₂ of the longer edge⌋.
     pub lod: f64,
@@ -54,8 +54,8 @@ const RATIO_SLACK: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Probes of an ellipse.
 ///
-/// `texels_per_unit` converts the unit of the axes to texels of level 0 (half the edge for a cube face);
-/// `longer_edge_texels` ≥ 1 bounds the levels; `max_probes` ≥ 1, of which the power-of-two rule uses the largest power.
+/// `texels_per_unit` converts the unit of the axes to texels of level 0 (half the edge for a cube face). `longer_edge_texels` ≥ 1 bounds the levels.
+/// `max_probes` ≥ 1 bounds the count; the power-of-two rule uses the largest power in it.
 pub fn plan(axes: &Axes, texels_per_unit: f64, longer_edge_texels: u32, rule: ProbeRule, max_probes: u32) -> ProbePlan {
     let (wanted, most) = match rule {
         ProbeRule::Ceiling => (probe_ceiling(axes.ratio()), max_probes),

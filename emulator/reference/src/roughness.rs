@@ -1,8 +1,8 @@
 //! Roughness: covariance of bump offsets, its storage as D, and the pyramid (S97 §8).
 //!
-//! K = D Dᵀ with D = [[d₁, d₂], [0, d₃]]; c = 0 gives d₂ = 0, d₁ = √a (erratum 13). The recursion is
-//! K = Σw(K_child + (mean_child − mean)(…)ᵀ): the plus missing in print is erratum 14, and with it every level holds the
-//! covariance over its whole area. The pyramid keeps K in float64; storing D is the caller's affair.
+//! K = D Dᵀ with D = [[d₁, d₂], [0, d₃]]; c = 0 gives d₂ = 0, d₁ = √a (erratum 13). The recursion is K = Σw(K_child + (mean_child − mean)(…)ᵀ). Its
+//! plus is missing in print (erratum 14); with it every level holds the covariance over its whole area. The pyramid keeps K in float64; storing D is
+//! the caller's task.
 
 use super::axes::axes;
 use super::ellipse::Ellipse;
@@ -23,7 +23,7 @@ pub fn covariance(offsets: &[Vector2]) -> (Vector2, Covariance) {
     (mean, k)
 }
 
-/// D of a covariance: d₃ = √c, d₂ = b/√c, d₁ = √(a − b²/c); a K that rounding left slightly indefinite gives d₁ = 0.
+/// D of a covariance: d₃ = √c, d₂ = b/√c, d₁ = √(a − b²/c). A K that rounding makes slightly indefinite gives d₁ = 0.
 pub fn decompose([a, b, c]: Covariance) -> Triangular {
     if c <= 0.0 {
         return [a.max(0.0).sqrt(), 0.0, 0.0];
@@ -89,7 +89,7 @@ pub fn merge<'a>(parts: impl Iterator<Item = (f64, &'a Texel)> + Clone) -> Texel
 
 /// All levels down to 1×1, level 0 with zero covariance; level l is max(1, width ≫ l) wide.
 ///
-/// A texel of an odd-sized level takes the area of the parents it covers: parents on its border count in part.
+/// A texel of an odd-sized level takes the area of the parents that it covers: parents on its border count in part.
 ///
 /// # Panics
 /// If `offsets` does not hold `width`·`height` ≥ 1 entries.
@@ -118,7 +118,7 @@ pub fn pyramid(width: usize, height: usize, offsets: &[Vector2]) -> Vec<Level> {
     levels
 }
 
-/// The texels of a row of `from` that texel `index` of a row of `to` covers, with their shares of its area (sum 1).
+/// Texels of a row of `from` that texel `index` of a row of `to` covers, with their shares of its area (sum 1).
 pub fn box_weights(from: usize, to: usize, index: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
     // In units of 1/(from·to) of the row both borders are integers, so the shares are exact rationals.
     let (start, end) = (index * from, (index + 1) * from);

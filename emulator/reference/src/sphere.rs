@@ -1,9 +1,9 @@
 //! Footprints on the sphere: normals as probes, for lobes that no plane of a cube face can hold.
 //!
-//! A lobe is a distribution of normals n + Σ ξ_j·dn_j and views v + Σ ξ_j·dv_j with independent ξ_j of variance 1 (1/12 for the sides of a
-//! pixel). On the tangent plane at r its reflections have the covariance Σ q_j q_jᵀ with q_j = dr_j/|r| without its part along r. Along the
-//! major axis, ξ_j is w_j = ⟨q_j·e₁⟩/λ₁ in the mean for each deviation, so the normals there are n + x·a with a = Σ w_j·dn_j, and their
-//! reflections, views moving along, r + x·Σ w_j·dr_j + x²·(2a⟨v·a⟩ − v|a|²).
+//! A lobe is a distribution of normals n + Σ ξ_j·dn_j and views v + Σ ξ_j·dv_j with independent ξ_j of variance 1 (1/12 for the sides of a pixel). On
+//! the tangent plane at r its reflections have the covariance Σ q_j q_jᵀ with q_j = dr_j/|r| without its part along r. Along the major axis, the mean
+//! of ξ_j is w_j = ⟨q_j·e₁⟩/λ₁ for each deviation. So the normals there are n + x·a with a = Σ w_j·dn_j. Their reflections, with the views moving
+//! along, are r + x·Σ w_j·dr_j + x²·(2a⟨v·a⟩ − v|a|²).
 
 use std::sync::OnceLock;
 
@@ -21,17 +21,17 @@ use super::{Inputs, Mirror, Options, mirror};
 pub struct Lobe {
     /// r at unit length.
     pub mirrored: Vector3,
-    /// r, moved by what the probes' own extent does to the mean, in units of |r|.
+    /// r, moved by the effect of the probes' extent on the mean, in units of |r|.
     pub centre: Vector3,
     /// Σ w_j·dr_j over |r|, for one deviation of the probes.
     pub first: Vector3,
-    /// 2a⟨v·a⟩ − v|a|² over |r|, likewise.
+    /// 2a⟨v·a⟩ − v|a|² over |r|, for one squared deviation of the probes.
     pub second: Vector3,
     /// λ₁, radians.
     pub major: f64,
     /// λ₂ before it may be raised, radians.
     pub minor: f64,
-    /// |dr|/|r| as if no terms cancelled, weighted as in the covariance: rounding moves λ by a small multiple of ε times this.
+    /// |dr|/|r| as if no terms cancelled, weighted as in the covariance. Rounding moves λ by a small multiple of ε times this.
     pub scale: f64,
     /// The probes.
     pub probes: Vec<LobeProbe>,
@@ -40,15 +40,15 @@ pub struct Lobe {
 /// A probe on the sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeProbe {
-    /// Where it looks; `m` in units of |r|.
+    /// Point of the cube that it samples; `m` in units of |r|.
     pub at: Selection,
-    /// How much it counts; those of a lobe sum to 1.
+    /// Weight; those of a lobe sum to 1.
     pub weight: f64,
     /// Level of detail before it is clamped to the map.
     pub lod: f64,
 }
 
-/// The lobe of a fragment; `None` where nothing is reflected.
+/// Lobe of a fragment; `None` if nothing is reflected.
 pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
     let Mirror { view, perturbed: normal, reflected: r, pairs, .. } = mirror(inputs, options);
     let length = norm(&r);
@@ -81,7 +81,7 @@ pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
         }
     }
     let second = scaled(1.0 / length, reflect(view, turn));
-    // E[r] = r + Σ W_j(2dn_j⟨v·dn_j⟩ − v|dn_j|²); of it the probes have the mean of x², which is 1, times their bend.
+    // E[r] = r + Σ W_j(2dn_j⟨v·dn_j⟩ − v|dn_j|²). The probes supply their bend times the mean of x², which is 1.
     let mut rest = scaled(-1.0, second);
     for ([_, dn], weight) in pairs.iter().zip(WEIGHTS) {
         rest = add_scaled(rest, weight / length, reflect(view, *dn));
@@ -106,16 +106,16 @@ pub fn lobe(inputs: &Inputs, options: &Options) -> Option<Lobe> {
     Some(Lobe { mirrored: unit, centre, first, second, major: axes.major, minor: axes.minor, scale, probes })
 }
 
-/// How many probes there are.
+/// Probe count and the transition from one probe less.
 struct Rule {
     count: u32,
-    /// How far they have gone from where one less would stand.
+    /// Progress from the places of one probe less, 0 to 1.
     share: f64,
-    /// λ₂, raised where they are not enough.
+    /// λ₂, raised if the probes are too few.
     minor: f64,
 }
 
-/// N = 1 + ⌈√(λ₁² − λ₂²)/λ₂ − 1/16⌉; in its own places half-way to the next count.
+/// N = 1 + ⌈√(λ₁² − λ₂²)/λ₂ − 1/16⌉; probes reach their final places half-way to the next count.
 fn rule(reach: f64, axes: &Axes, options: &Options) -> Rule {
     let wanted = if reach == 0.0 { 0.0 } else { (reach / axes.minor - 0.0625).max(0.0) };
     let (count, most) = match options.probe_rule {
@@ -138,19 +138,19 @@ fn rule(reach: f64, axes: &Axes, options: &Options) -> Rule {
 /// A probe before there is a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Where it is, in standard deviations.
+    /// Position, in standard deviations.
     pub x: f64,
-    /// How much it counts.
+    /// Weight of the probe.
     pub weight: f64,
-    /// How many levels coarser it is than one in the middle.
+    /// Levels by which it is coarser than one in the middle.
     pub widening: f64,
 }
 
-/// `count` probes on their way from `count` − 1: a new one comes with no weight in the middle of an even number, or as half of the
-/// one in the middle of an odd number. The second comes from the first, with which it begins.
+/// `count` probes on their way from `count` − 1. A new probe starts with no weight in the middle of an even number, or as half of the middle one of
+/// an odd number. The second probe comes from the first, with which it begins.
 ///
-/// A probe stands for a part of the law. Those outside are wider than that in the middle; three fifths of what their variance is
-/// more is in the width of the probe, for R = √(λ₁² − λ₂²)/λ₂ = N − 5/4, and as much less in where they are.
+/// A probe stands for a part of the law. The outer parts are wider than the middle one. For R = √(λ₁² − λ₂²)/λ₂ = N − 5/4, three fifths of their
+/// additional variance are in the width of the probe, and the variance of the positions is smaller by as much.
 pub fn points(count: u32, share: f64) -> Vec<Point> {
     let own = 1.0 / f64::from(count);
     let parts = |count: u32, weight: f64| -> Vec<Point> {
@@ -185,7 +185,7 @@ pub fn points(count: u32, share: f64) -> Vec<Point> {
         .collect()
 }
 
-/// Of `count` equally likely parts of the normal law: three fifths of what the variance of each is above that in the middle.
+/// Additional variances of `count` equally likely parts of the normal law: three fifths of the variance of each above that of the middle part.
 fn variances(count: u32) -> Vec<f64> {
     static KEPT: Kept = [const { OnceLock::new() }; 17];
     kept(&KEPT, count, variances_of)
@@ -203,13 +203,13 @@ fn variances_of(count: u32) -> Vec<f64> {
     (0..count).map(|i| 0.6 * (variance(i) - least)).collect()
 }
 
-/// The normal law in `count` points of equal weight: the means of its equally likely parts, stretched to deviation 1.
+/// Normal law in `count` points of equal weight: the means of its equally likely parts, stretched to deviation 1.
 pub fn places(count: u32) -> Vec<f64> {
     static KEPT: Kept = [const { OnceLock::new() }; 17];
     kept(&KEPT, count, places_of)
 }
 
-/// Quantiles by halving take a million densities each; those of a footprint are kept.
+/// Cache of a footprint's numbers, for quantiles by halving take a million densities each.
 type Kept = [OnceLock<Vec<f64>>; 17];
 
 fn kept(kept: &'static Kept, count: u32, made: fn(u32) -> Vec<f64>) -> Vec<f64> {
@@ -236,7 +236,7 @@ fn density(x: f64) -> f64 {
     (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt()
 }
 
-/// Where the normal law has `share` in (0, 1) below it, by halving.
+/// Quantile: the point with `share` in (0, 1) of the normal law below it, by halving.
 fn quantile(share: f64) -> f64 {
     let (mut low, mut high) = (-10.0, 10.0);
     for _ in 0..64 {
@@ -299,7 +299,7 @@ mod tests {
         }
     }
 
-    /// Where probes are and how much wider they are together have the variance 1, for the R that widths are for; those outside are wider.
+    /// Positions and widths of probes have the variance 1 together, for the R of the widths; outer probes are wider.
     #[test]
     fn places_and_widths_are_of_variance_one() {
         for count in 2..=16 {
@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// The probes and their own extent together have the covariance of the lobe: λ₁² along e₁.
+    /// Probes and their extent have the covariance of the lobe together: λ₁² along e₁.
     #[test]
     fn narrow_lobes_keep_their_variance() {
         let mut random = SplitMix64::new(7);
@@ -329,7 +329,7 @@ mod tests {
         }
     }
 
-    /// Where views stand still, probes are reflections of normals on a line: |r| = |v||n + xa|² is quadratic in x.
+    /// Probes of constant views are reflections of normals on a line: |r| = |v||n + xa|² is quadratic in x.
     #[test]
     fn lengths_along_a_lobe_are_those_of_reflected_normals() {
         let mut random = SplitMix64::new(8);
