@@ -1,4 +1,4 @@
-//! The built-in scenes: those of the papers, with maps the program generates.
+//! Built-in scenes: those of the papers, with maps that the program generates.
 
 /// Name and text of each scene.
 const SCENES: [(&str, &str); 22] = [

@@ -1,18 +1,18 @@
 //! Bump fields: offset vectors to be added to the normal (S97 §7), from heights or from tangent-space normals.
 //!
 //! An offset is (o_u, o_v) = (n_x/n_z, n_y/n_z) of the tangent-space normal: minus the slope of the height along +u and
-//! +v. From heights: central differences, wrapped around both edges; texels are square on the surface, except for the
+//! +v. Heights are differenced centrally, wrapped around both edges. Texels are square on the surface, except in the
 //! natural system, whose slopes are taken per unit of u and of v. Coordinates beyond [`OFFSET_LIMIT`] are clamped.
 
 use crate::picture::Picture;
 
-/// Largest absolute value of an offset's coordinate: the ports carry I4F28, that is below 8.
+/// Largest absolute value of an offset's coordinate: the ports carry I4F28, below 8.
 pub const OFFSET_LIMIT: f32 = 8.0 - 1.0 / 1024.0;
 
-/// A normal steeper than this (z of the unit normal) is taken as this steep; its offset is clamped anyway.
+/// Smallest z of a unit normal. A steeper normal counts as this steep; its offset is clamped anyway.
 const LEAST_NORMAL_Z: f32 = 1.0 / 4096.0;
 
-/// The frame an offset is meant in (S97 §7).
+/// Tangent basis of an offset (S97 §7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrameSystem {
@@ -24,7 +24,7 @@ pub enum FrameSystem {
     NaturalNormalised,
 }
 
-/// Offsets of the normal; row 0 is at v = 0 (the bottom row of the picture), repeat addressing.
+/// Offsets of the normal. Row 0 is at v = 0 (the bottom row of the picture); repeat addressing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpField {
     /// Texels along u.
@@ -33,40 +33,40 @@ pub struct BumpField {
     pub height: u32,
     /// (o_u, o_v) row by row, each coordinate within ±[`OFFSET_LIMIT`].
     pub offsets: Vec<[f32; 2]>,
-    /// The heights the offsets come from, where a material asks for their shadows; a normal map has none.
+    /// Heights that the offsets come from, if a material asks for their shadows. A normal map has none.
     pub heights: Option<HeightField>,
 }
 
-/// Heights of a bump map in units in which its offsets are their slopes: o_u = −∂h/∂x, o_v = −∂h/∂y with x one a column and
-/// y `rows_apart` a row.
+/// Heights of a bump map, in units in which its offsets are their slopes: o_u = −∂h/∂x, o_v = −∂h/∂y. x counts columns; a
+/// row is `rows_apart` in y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
-    /// In distances between columns, in the rows of the offsets, not clamped.
+    /// Heights in column distances, in the rows of the offsets, not clamped.
     pub heights: Vec<f32>,
-    /// Distance between rows over that between columns: 1 for square texels; in the natural system, where both are
-    /// parts of a repeat, columns over rows.
+    /// Distance between rows over the distance between columns: 1 for square texels. In the natural system both are
+    /// parts of a repeat, so it is columns over rows.
     pub rows_apart: f64,
 }
 
-/// How high the heights of a picture are.
+/// Height scale of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeightScale {
     /// Height of 1 above 0: in lengths of a repeat along u, or in world units per repeat for the natural system.
     Height(f64),
-    /// Root mean square of the slope's length; for maps whose look counts, not their depth.
+    /// Root mean square of the slope's length, for maps whose look counts, not their depth.
     RmsSlope(f64),
 }
 
 impl BumpField {
     /// Offsets of a height picture (first channel), and how many were clamped.
     ///
-    /// Along an axis of one texel the slope is 0: the map repeats.
+    /// Along an axis of one texel the slope is 0, as the map wraps.
     pub fn from_heights(heights: &Picture, scale: HeightScale, frame: FrameSystem) -> (Self, usize) {
         let factor = slope_factor(heights, scale, frame);
         Self::clamped(heights, slopes(heights, frame).map(|slope| slope.map(|slope| (-factor * slope) as f32)))
     }
 
-    /// As [`BumpField::from_heights`], and keeps the heights.
+    /// Makes a field as [`BumpField::from_heights`] does, and keeps the heights.
     pub fn with_heights(picture: &Picture, scale: HeightScale, frame: FrameSystem) -> (Self, usize) {
         let factor = slope_factor(picture, scale, frame);
         let (field, clamped) = Self::from_heights(picture, scale, frame);
@@ -76,7 +76,8 @@ impl BumpField {
         (Self { heights: Some(HeightField { heights, rows_apart: per_u / per_v }), ..field }, clamped)
     }
 
-    /// Offsets of a tangent-space normal map (red +u, green +v as in OpenGL, blue outwards), and how many were clamped.
+    /// Offsets of a tangent-space normal map, and how many were clamped. Red is +u, green +v as in OpenGL, blue
+    /// outwards.
     pub fn from_normals(normals: &Picture) -> (Self, usize) {
         let signed = signed_decoder(normals);
         let (width, height) = (normals.width as usize, normals.height as usize);
@@ -116,7 +117,7 @@ fn slopes(heights: &Picture, frame: FrameSystem) -> impl Iterator<Item = [f64; 2
     let (width, height) = (heights.width as usize, heights.height as usize);
     let [per_u, per_v] = texels_per_unit(heights, frame);
     let at = move |column: usize, row: usize| f64::from(heights.pixels[row * width + column][0]);
-    // Picture rows run down, v runs up.
+    // Picture rows run down; v runs up.
     (0..height).rev().flat_map(move |row| {
         let (above, below) = ((row + height - 1) % height, (row + 1) % height);
         (0..width).map(move |column| {
@@ -126,7 +127,7 @@ fn slopes(heights: &Picture, frame: FrameSystem) -> impl Iterator<Item = [f64; 2
     })
 }
 
-/// What the slopes of a picture of height 1 are multiplied by.
+/// Factor for the slopes of a picture of height 1.
 fn slope_factor(heights: &Picture, scale: HeightScale, frame: FrameSystem) -> f64 {
     match scale {
         HeightScale::Height(height) => height,
@@ -138,14 +139,14 @@ fn slope_factor(heights: &Picture, scale: HeightScale, frame: FrameSystem) -> f6
     }
 }
 
-/// From a value of `picture` to −1…1.
+/// Decoder from a value of `picture` to −1…1.
 ///
-/// 8-bit maps mean zero by 128 and ±1 by 128 ± 127, so that the usual neutral (128, 128, 255) is exactly flat;
-/// deeper maps run from −1 to 1 over their whole range.
+/// 8-bit maps mean zero by 128 and ±1 by 128 ± 127, so the usual neutral (128, 128, 255) is exactly flat. Deeper maps
+/// run from −1 to 1 over their whole range.
 pub(super) fn signed_decoder(picture: &Picture) -> impl Fn(f32) -> f32 + use<> {
     let is_8_bit = picture.pixels.iter().flatten().all(|value| {
         let code = value * 255.0;
-        // A code of 16 bits that is none of 8 is at least 1/257 away; rounding of value·255 is 2e-5.
+        // A 16-bit code that is no 8-bit code is at least 1/257 away; the rounding of value·255 is 2e-5.
         (code - code.round()).abs() < 1e-3
     });
     move |value| if is_8_bit { ((value * 255.0).round() - 128.0) / 127.0 } else { 2.0 * value - 1.0 }
@@ -193,13 +194,13 @@ mod tests {
 
     const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
 
-    /// One smooth hill a repeat, on maps of any shape.
+    /// One smooth hill a repeat, for maps of any shape.
     fn hill(width: u32, height: u32) -> Picture {
         let wave = |place: u32, size: u32| (std::f64::consts::TAU * f64::from(place) / f64::from(size)).cos();
         picture(width, height, |x, y| [(0.5 + 0.2 * wave(x, width) + 0.3 * wave(y + 2, height)) as f32; 3])
     }
 
-    /// The hill in all shapes, frames and scales.
+    /// The hill in all shapes, bases and scales.
     fn kept_hills() -> impl Iterator<Item = (FrameSystem, BumpField)> {
         [(24, 24), (40, 16), (12, 60)].into_iter().flat_map(|(width, height)| {
             FRAMES.into_iter().flat_map(move |frame| {
@@ -265,7 +266,7 @@ mod tests {
         assert!(BumpField::from_normals(&neutral).0.offsets.iter().all(|offset| *offset == [0.0; 2]));
         let deep = picture(1, 1, |_, _| [49_152.0 / 65_535.0, 0.5, 0.75]);
         let (field, _) = BumpField::from_normals(&deep);
-        // Half a code of 16 bits.
+        // Half a 16-bit code.
         assert!((field.offsets[0][0] - 1.0).abs() < 1e-4 && field.offsets[0][1] == 0.0);
     }
 

@@ -25,11 +25,11 @@ const DIRECTIONS: [[[f64; 3]; 3]; 6] = {
     directions
 };
 
-/// The direction of (s, t), each −1 … 1, of a face on the cube of half edge 1.
+/// The direction of (s, t), each −1 … 1, on a face of the cube of half edge 1.
 #[inline(always)]
 pub fn direction(face: usize, s: f64, t: f64) -> [f64; 3] {
     let [right, down, centre] = &DIRECTIONS[face];
-    // Exact, for one term is not 0; a sum, so that loops over s and t become vectors.
+    // Exact, as only one term is not 0. It is a sum so that loops over s and t vectorise.
     [0, 1, 2].map(|axis| right[axis] * s + down[axis] * t + centre[axis])
 }
 

@@ -129,7 +129,7 @@ pub(crate) struct PeaksDescription {
 }
 
 impl PeaksDescription {
-    /// Whether the heights of the bump map are needed besides its offsets.
+    /// True if the heights of the bump map are needed as well as its offsets.
     pub(crate) fn needs_heights(&self) -> bool {
         self.given.is_none() && self.shadowing.as_ref().is_some_and(|wanted| wanted.get_ref().0.is_some())
     }

@@ -1,13 +1,13 @@
-//! Errors of scene files, and places in files that people write: what is wrong, where it stands, and what to do about it.
+//! Errors of scene files, and places in files that people write: the mistake, its place and its remedy.
 
 use std::io;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A place in a file that people write, a scene or a profile, with what is wrong there.
+/// A mistake in a file that people write (a scene or a profile) and its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The file, or the label the text came with.
+    /// The file, or the label of the text.
     pub file: String,
     /// Line, from 1.
     pub line: usize,
@@ -17,14 +17,14 @@ pub struct Fault {
     pub span: Range<usize>,
     /// The whole file.
     pub text: Arc<str>,
-    /// What is wrong.
+    /// The mistake.
     pub message: String,
-    /// What to do about it.
+    /// The remedy.
     pub help: String,
 }
 
 impl Fault {
-    /// A fault at the byte range `span` of `text`; a range outside `text` is cut to it.
+    /// A fault at the byte range `span` of `text`. A range outside `text` is clamped to it.
     pub fn new(file: &str, text: &Arc<str>, span: Range<usize>, message: String, help: String) -> Self {
         let start = floor_char_boundary(text, span.start);
         let end = floor_char_boundary(text, span.end).max(start);
@@ -58,18 +58,18 @@ fn floor_char_boundary(text: &str, index: usize) -> usize {
     at
 }
 
-/// Why a scene cannot be drawn.
+/// Reason why a scene cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// At a place of its file: not TOML, a value that does not fit, a picture or a mesh that cannot be used.
+    /// A mistake at a place of the file: not TOML, a value that does not fit, an unusable picture or mesh.
     #[error("{0}")]
     Fault(Box<Fault>),
-    /// The file as a whole, or what was asked of it.
+    /// A mistake of the file as a whole, or of the request.
     #[error("{message}")]
     Whole {
-        /// What is wrong, and what to do about it.
+        /// The mistake and its remedy.
         message: String,
-        /// What the system said.
+        /// Error of the system.
         source: Option<io::Error>,
     },
 }
@@ -79,7 +79,7 @@ impl SceneError {
         Self::Whole { message: message.into(), source: None }
     }
 
-    /// The place in the scene file, where there is one.
+    /// The place in the scene file, if there is one.
     pub fn fault(&self) -> Option<&Fault> {
         match self {
             Self::Fault(fault) => Some(fault),

@@ -1,7 +1,7 @@
-//! What the program makes itself: height, normal, roughness and colour maps, environments, a mesh.
+//! Generators of height, normal, roughness and colour maps, environments and a mesh.
 //!
-//! A generator is a pure function of its parameters, which it asks the scene for, with defaults and ranges;
-//! `emulator/scenes/README.md` lists them, and a test holds the two together.
+//! A generator is a pure function of its parameters. It asks the scene for them, with defaults and ranges.
+//! `emulator/scenes/README.md` lists the parameters; a test compares the list with the generators.
 
 mod colour;
 mod environment;
@@ -26,7 +26,7 @@ use crate::picture::Picture;
 use crate::source::Arguments;
 use roughxel_utilities::suggestions::did_you_mean;
 
-/// Name of the one generated roughness that is no picture.
+/// Name of the one generated roughness that is not a picture.
 pub(super) const UNIFORM_ROUGHNESS: &str = "uniform";
 /// Names of generated meshes.
 const MESHES: [&str; 1] = ["knot"];
@@ -40,7 +40,7 @@ pub(super) struct Generators<T: 'static> {
     makers: &'static [(&'static str, Maker<T>)],
 }
 
-/// Height maps: grey from 0 to 1, repeating without a seam (`earth`: along u).
+/// Height maps: grey from 0 to 1, wrapping without a seam (`earth`: along u only).
 pub(super) const HEIGHT_MAPS: Generators<Picture> = Generators {
     what: "height map",
     makers: &[
@@ -57,7 +57,7 @@ pub(super) const HEIGHT_MAPS: Generators<Picture> = Generators {
     ],
 };
 
-/// Normal maps: (n + 1)/2 in tangent space, repeating without a seam.
+/// Normal maps: (n + 1)/2 in tangent space, wrapping without a seam.
 pub(super) const NORMAL_MAPS: Generators<Picture> =
     Generators { what: "normal map", makers: &[("hammered", normal::hammered)] };
 
@@ -103,12 +103,12 @@ impl<T> Generators<T> {
     }
 }
 
-/// The OBJ text of the generated mesh `name`; `None` for a name that is not known.
+/// The OBJ text of the generated mesh `name`; `None` for an unknown name.
 pub(super) fn mesh_text(name: &str) -> Option<String> {
     (name == "knot").then(knot::knot)
 }
 
-/// The generated meshes, for messages.
+/// Names of the generated meshes, for messages.
 pub(super) fn mesh_names() -> String {
     MESHES.join(", ")
 }
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn the_readme_names_every_parameter_with_its_default() {
         let readme = include_str!("../../scenes/README.md");
-        // Sizes of their own keep the test short; their defaults are recorded all the same.
+        // These sizes keep the test short; their defaults are recorded all the same.
         each_generator("size = 8, face_edge = 4", |name, arguments, _| {
             assert!(readme.contains(&format!("`{name}`")), "{name}");
             for (key, default) in arguments.asked() {

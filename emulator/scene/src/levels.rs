@@ -1,4 +1,4 @@
-//! Levels of a map: their sizes, and which texels of one a texel of a smaller one stands for.
+//! Levels of a map: sizes, and the texels of a level that a texel of a smaller level covers.
 
 /// Widths and heights of all levels of a map, in texels: `max(1, size >> level)`, ending with (1, 1).
 ///
@@ -12,9 +12,9 @@ pub fn level_sizes(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> 
 /// The texels that one texel of a smaller level covers along one axis, with integer weights.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Cover {
-    /// The first of them.
+    /// First texel.
     pub first: usize,
-    /// The last of them.
+    /// Last texel.
     pub last: usize,
     first_weight: i64,
     /// Weight of every texel between the first and the last.
@@ -23,7 +23,7 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// The weight of one of them.
+    /// Weight of a texel.
     #[inline]
     pub fn weight(&self, index: usize) -> i64 {
         if index == self.first {
@@ -35,14 +35,14 @@ impl Cover {
         }
     }
 
-    /// The sum of their weights.
+    /// Sum of the weights.
     #[inline]
     pub fn total(&self) -> i64 {
         (self.first..=self.last).map(|index| self.weight(index)).sum()
     }
 }
 
-/// Covers of all `to` texels over `from` ≥ `to` texels: with g = gcd, a texel is to/g units long, its cover from/g.
+/// Covers of all `to` texels over `from` ≥ `to` texels. With g = gcd, a texel is to/g units long, its cover from/g.
 pub fn covers(from: u32, to: u32) -> Vec<Cover> {
     let g = gcd(from, to);
     let (unit, length) = (i64::from(to / g), i64::from(from / g));

@@ -1,12 +1,11 @@
 //! # roughxel-scene
 //!
-//! Scenes: camera, background, environment and objects, read from a TOML file or built in; the pictures they are made of
-//! and the files those come from and go to.
+//! Scenes: camera, background, environment and objects, read from a TOML file or built in; pictures and their files.
 //!
-//! `description` holds the file's keys, `source` where each stands, `load` goes from there to a [`Scene`]; `shapes` and
-//! `mesh` make triangles, `bump` makes offset vectors (S97 §7), `roughness` what is finer than those, `generate` makes the
-//! maps nobody has to download, `builtin` lists the scenes of the papers.
-//! Everything that comes from outside is bounded here, so that later stages see finite numbers and indices in range.
+//! `description` holds the keys of a file, `source` their places; `load` turns them into a [`Scene`]. `shapes` and `mesh`
+//! make triangles, `bump` makes offset vectors (S97 §7), `roughness` holds finer detail than offsets show. `generate`
+//! makes maps that need no download; `builtin` lists the scenes of the papers. All external input is bounded here, so that
+//! later stages see finite numbers and indices in range.
 
 mod builtin;
 mod bump;

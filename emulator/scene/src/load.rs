@@ -1,4 +1,4 @@
-//! From the keys of a scene file to a [`Scene`]: ranges, files, generated maps, defaults.
+//! Steps from the keys of a scene file to a [`Scene`]: ranges, files, generated maps, defaults.
 
 mod light;
 mod lights;
@@ -32,34 +32,34 @@ const MAX_OBJECTS: usize = 1000;
 impl Scene {
     /// Reads a scene file; paths in it are relative to its folder.
     ///
-    /// Errors: the file is missing, too large or not UTF-8, or one of those of [`Scene::from_toml`].
+    /// Errors: a file that is missing, too large or not UTF-8, and the errors of [`Scene::from_toml`].
     pub fn from_file(path: &Path) -> Result<Self, SceneError> {
         from_file(path, &Unseen)
     }
 
-    /// Reads a scene from TOML `text`; `label` names it in errors and becomes its name, `base_dir` is where its
-    /// relative paths start.
+    /// Reads a scene from TOML `text`. `label` names it in errors and becomes its name; relative paths start at
+    /// `base_dir`.
     ///
-    /// Errors: with file, line and column, for an unknown or missing key, a wrong type, a value out of range, or a
-    /// picture or mesh that cannot be read.
+    /// Errors, with file, line and column: an unknown or missing key, a wrong type, a value out of range, a picture or
+    /// mesh that cannot be read.
     pub fn from_toml(label: &str, text: &str, base_dir: &Path) -> Result<Self, SceneError> {
         from_toml(label, text, base_dir, &Unseen)
     }
 
-    /// The built-in scene of that name ([`builtin_names`](crate::builtin_names)), with its maps generated; `None` for other names.
+    /// The built-in scene `name` ([`builtin_names`](crate::builtin_names)), with its maps generated; `None` for other names.
     pub fn builtin(name: &str) -> Option<Result<Self, SceneError>> {
         let text = builtin_text(name)?;
         Some(Self::from_toml(name, text, Path::new("")))
     }
 
-    /// The built-in scene of that name, or else the scene in that file.
+    /// The built-in scene `name`, or else the scene of that file.
     ///
     /// Errors: those of [`Scene::from_file`], or that there is neither.
     pub fn open(name: &str) -> Result<Self, SceneError> {
         Self::open_with(name, &Unseen)
     }
 
-    /// [`Scene::open`], telling how far the maps are that are made for it.
+    /// Opens a scene as [`Scene::open`] does, and reports the progress of its maps.
     pub fn open_with(name: &str, progress: &dyn MapProgress) -> Result<Self, SceneError> {
         let file = Path::new(name);
         match builtin_text(name) {
@@ -75,7 +75,7 @@ impl Scene {
         }
     }
 
-    /// The same scene at another frame size in pixels; the vertical angle of view stays.
+    /// This scene with another frame size in pixels; the vertical angle of view stays.
     ///
     /// Errors: an edge outside 1 to [`MAX_FRAME_EDGE_PX`](roughxel_utilities::limits::MAX_FRAME_EDGE_PX), or more than
     /// [`MAX_FRAME_PIXELS`](roughxel_utilities::limits::MAX_FRAME_PIXELS).
@@ -108,7 +108,7 @@ fn from_file(path: &Path, progress: &dyn MapProgress) -> Result<Scene, SceneErro
     if bytes > MAX_SCENE_BYTES {
         return too_large(bytes);
     }
-    // The limit again for a file that grows.
+    // The limit is checked again, as a file may grow.
     let mut content = Vec::new();
     file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut content).map_err(unreadable)?;
     if content.len() as u64 > MAX_SCENE_BYTES {
@@ -146,7 +146,7 @@ fn from_toml(label: &str, text: &str, base_dir: &Path, progress: &dyn MapProgres
     Ok(Scene { name: label.to_owned(), camera, background, environment, lights, objects, warnings })
 }
 
-/// Where the scene is seen from.
+/// The viewer of the scene.
 fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneError> {
     let point = |key, value: &Spanned<Exactly<f64, 3>>| {
         source.all_in_range(key, value, -MAX_COORDINATE..=MAX_COORDINATE).map(DVec3::from_array)
@@ -159,7 +159,7 @@ fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneEr
         let help = "move them apart: the camera looks from `eye` to `target`";
         return Err(source.value_error(camera.target.span(), "`target` is where `eye` is", help));
     }
-    // 1e-6 is the sine of the angle between them; below it the picture's right-hand direction is rounding.
+    // 1e-6 is the sine of the angle between sight and up; below it the picture's right-hand direction is rounding.
     if sight.cross(up).length() <= 1e-6 * sight.length() * up.length() {
         let span = camera.up.as_ref().map_or(camera.target.span(), Spanned::span);
         let help = "choose an `up` that is not zero and not parallel to the line from `eye` to `target`";
@@ -180,7 +180,7 @@ fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneEr
     Ok(Camera { eye, target, up, fov_y_degrees, width, height })
 }
 
-/// What is seen where no object is.
+/// The background of the scene.
 fn background(
     source: &Source,
     background: Option<&Spanned<BackgroundDescription>>,

@@ -2,7 +2,7 @@
 //!
 //! The text is checked line by line first, so that errors name the line and the parser (`tobj`) sees only finite
 //! numbers and indices in range. Missing normals are area-weighted means. p_u and p_v follow from the texture
-//! coordinates, area-weighted per vertex; a vertex between a mirrored and an unmirrored chart is split in two.
+//! coordinates, area-weighted per vertex. A vertex between a mirrored and an unmirrored chart is split in two.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -20,16 +20,16 @@ pub(super) const MAX_TRIANGLES: usize = 4_000_000;
 const MAX_BYTES: u64 = 1 << 29;
 /// Largest coordinate, world units.
 const MAX_COORDINATE: f32 = 1e6;
-/// A triangle is dropped when its area is below this share of its longest edge's square: rounding of f32 coordinates.
+/// Area of a triangle over the square of its longest edge, below which it is dropped: rounding of f32 coordinates.
 const LEAST_RELATIVE_AREA: f64 = 1e-9;
 
-/// Why a mesh cannot be used.
+/// Reason why a mesh cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{place}: {message}")]
 pub struct MeshError {
-    /// The file, with its line from 1 where one is wrong.
+    /// The file, with the line from 1 if a line is wrong.
     pub place: String,
-    /// What is wrong with it.
+    /// The mistake.
     pub message: String,
 }
 
@@ -38,7 +38,7 @@ impl MeshError {
         Self { place: path.display().to_string(), message: message.into() }
     }
 
-    /// The file or its number of triangles is beyond the limit.
+    /// An error for a file or a number of triangles beyond the limit.
     fn too_large(path: &Path, what: &str, limit: u64) -> Self {
         Self::new(path, format!("{what} is more than {limit}; simplify the mesh"))
     }
@@ -48,9 +48,9 @@ impl MeshError {
 #[derive(Debug)]
 pub(super) struct ObjMesh {
     pub(super) mesh: Mesh,
-    /// Line of the first face without texture coordinates, from 1: a map cannot be drawn there.
+    /// Line of the first face without texture coordinates, from 1. A map cannot be drawn there.
     pub(super) without_uv: Option<usize>,
-    /// What was repaired.
+    /// Repairs, one sentence each.
     pub(super) warnings: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn read_obj(path: &Path) -> Result<ObjMesh, MeshError> {
     parse_obj(path, &String::from_utf8_lossy(&bytes))
 }
 
-/// [`read_obj`] on text; `path` only names it.
+/// Reads text as [`read_obj`] reads a file; `path` only names it.
 pub(super) fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
     let Checked { text: checked, without_uv } = check(path, without_mark(text))?;
     let options =
@@ -84,26 +84,26 @@ pub(super) fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
     Ok(ObjMesh { mesh, without_uv, warnings })
 }
 
-/// How the corners of a face are written.
+/// Notation of the corners of a face.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct CornerFormat {
     has_uv: bool,
     has_normal: bool,
 }
 
-/// What is left of a file once it is checked.
+/// Content of a checked file.
 struct Checked {
     text: String,
-    /// As [`ObjMesh::without_uv`].
+    /// Line of the first face without texture coordinates, as [`ObjMesh::without_uv`].
     without_uv: Option<usize>,
 }
 
-/// Checks every line and returns only vertices and faces, with a group wherever the format of the corners changes:
-/// the parser would give a corner without texture coordinates those of its neighbour.
+/// Checks every line and returns only vertices and faces. A group begins wherever the format of the corners changes:
+/// otherwise the parser would give a corner without texture coordinates those of its neighbour.
 fn check(path: &Path, text: &str) -> Result<Checked, MeshError> {
     let joined;
     let text = if text.contains("\\\n") || text.contains("\\\r\n") {
-        // A continued line becomes one line with the later line ends behind it, so that line numbers stay.
+        // A continued line becomes one line followed by the later line ends, so that line numbers stay.
         joined = join_continued_lines(text);
         joined.as_str()
     } else {
@@ -234,18 +234,18 @@ struct Corner {
     normal: Option<usize>,
 }
 
-/// Vertex of the result: a corner, and whether the map is mirrored there.
+/// Vertex of the result: a corner, and true if the map is mirrored there.
 type VertexKey = (Corner, bool);
 
 /// Collects the triangles of the models of one file.
 #[derive(Default)]
 struct Builder {
     mesh: Mesh,
-    /// Area-weighted normals of the positions, for corners without one.
+    /// Area-weighted normals of the positions, for corners without a normal.
     face_normals: Vec<DVec3>,
-    /// For each vertex its place in `face_normals`.
+    /// Index of each vertex in `face_normals`.
     position_of: Vec<usize>,
-    /// For each vertex the area its tangents are weighted with so far.
+    /// Area of each vertex so far, the weight of its tangents.
     chart_area: Vec<f64>,
     has_uv: bool,
     dropped: usize,
@@ -312,7 +312,7 @@ impl Builder {
         }
     }
 
-    /// Divides the sums, and tells what was repaired; `None` where nothing is left to draw.
+    /// Divides the sums and lists the repairs; `None` if nothing is left to draw.
     fn finish(mut self) -> Option<(Mesh, Vec<String>)> {
         if self.mesh.triangles.is_empty() {
             return None;
@@ -327,7 +327,7 @@ impl Builder {
         let mut without_chart = 0usize;
         for (index, vertex) in self.mesh.vertices.iter_mut().enumerate() {
             if vertex.normal == DVec3::ZERO {
-                // Two faces back to back cancel; then the last face of this vertex decides.
+                // Two faces back to back cancel; the last face of this vertex decides.
                 let mean = self.face_normals[self.position_of[index]].normalize_or_zero();
                 vertex.normal = if mean == DVec3::ZERO { own_face[index].normalize_or(DVec3::Y) } else { mean };
             }
@@ -354,10 +354,10 @@ impl Builder {
     }
 }
 
-/// p_u and p_v of a triangle from its two edges and their texture coordinates; `None` where those have no area.
+/// p_u and p_v of a triangle from two edges and their texture coordinates; `None` if the coordinates have no area.
 fn tangents([e, f]: [DVec3; 2], [e_uv, f_uv]: [DVec2; 2]) -> Option<[DVec3; 2]> {
     let determinant = e_uv.perp_dot(f_uv);
-    // Relative to the lengths, so that tiny charts count; 1e-9 is rounding of f32 coordinates squared.
+    // The bound is relative to the lengths, so that tiny charts count; 1e-9 is rounding of f32 coordinates squared.
     if determinant.abs() <= 1e-9 * e_uv.length() * f_uv.length() {
         return None;
     }
@@ -416,7 +416,7 @@ mod tests {
         let ridge: Vec<_> = read.mesh.vertices.iter().filter(|vertex| vertex.position.z == 1.0).collect();
         assert_eq!(ridge.len(), 4);
         for vertex in ridge {
-            // One end of the ridge touches two triangles of one side and one of the other.
+            // One end of the ridge touches two triangles of one side and one of the other side.
             assert!(vertex.normal.y.abs() < 0.4 && vertex.normal.z > 0.9);
             assert_eq!(vertex.normal.x, 0.0);
         }

@@ -1,8 +1,8 @@
 //! Six cube faces from an equirectangular picture.
 //!
-//! Resampling averages a grid of bilinear samples no further apart than one texel of the
-//! equirectangular picture (at most 64×64, which only texels around the poles reach), so it cannot alias. Its
-//! angles come from a fixed series and correctly rounded operations: the same faces on every machine.
+//! Resampling averages a grid of bilinear samples no further apart than one texel of the equirectangular picture, so it
+//! cannot alias. The grid has at most 64×64 samples, which only texels around the poles reach. Angles come from a fixed
+//! series and correctly rounded operations: the same faces on every machine.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
 
@@ -12,14 +12,14 @@ use roughxel_simd::{Backend, LANES};
 use crate::cube::direction;
 use crate::picture::Picture;
 
-/// Most samples a face texel takes along an axis.
+/// Most samples of a face texel along an axis.
 const MOST_SAMPLES: f64 = 64.0;
 
 /// Resamples an equirectangular panorama to six cube faces of `face_edge` (at least 1) pixels.
 ///
-/// Directions: +y is up; the centre of the panorama looks along −z and u grows to the right, so that a quarter to the
-/// right of the centre is +x, a quarter to the left −x, and the left and right borders meet at +z. Rows run from +y (top)
-/// to −y. Linear light in and out; every face pixel is the mean over its area, weighted evenly in (s, t).
+/// Directions: +y is up. The centre of the panorama looks along −z and u grows to the right. A quarter to the right of
+/// the centre is +x, a quarter to the left −x. The left and right borders meet at +z. Rows run from +y (top) to −y.
+/// Linear light in and out; every face pixel is the mean over its area, weighted evenly in (s, t).
 ///
 /// # Panics
 /// If `panorama` has no pixels, or not `width · height` of them.
@@ -39,7 +39,7 @@ pub fn faces_from_equirectangular(panorama: &Picture, face_edge: u32) -> [Pictur
     })
 }
 
-/// Means of the panorama over texels of a row of a face, at most [`LANES`], from this column and row on.
+/// Means of the panorama over the texels of a row of a face, at most [`LANES`], from a column and row on.
 #[inline(always)]
 fn resample(panorama: &Picture, face: usize, [first, row]: [usize; 2], edge: u32, means: &mut [[f32; 3]]) {
     let texel = 2.0 / f64::from(edge);
@@ -67,11 +67,11 @@ fn resample(panorama: &Picture, face: usize, [first, row]: [usize; 2], edge: u32
     }
 }
 
-/// Samples along an axis of a texel of this size in s and t, whose centre is there on the cube.
+/// Samples along an axis of a texel of this size in s and t, whose centre on the cube is given.
 #[inline(always)]
 fn samples_along(panorama: &Picture, [x, y, z]: [f64; 3], texel: f64) -> usize {
-    // The span of the texel in texels of the panorama: texel / |d| radians along a meridian, texel / ρ along a circle
-    // of latitude, with ρ the distance from the axis at the texel's nearest point, but for the pole itself.
+    // Extent of the texel in texels of the panorama: texel / |d| radians along a meridian, texel / ρ along a circle of
+    // latitude. ρ is the distance from the axis at the texel's point nearest to it, except the pole itself.
     let from_axis = (x * x + z * z).sqrt();
     let nearest = (from_axis - texel).max(0.5 * texel);
     let columns = texel / nearest * f64::from(panorama.width) / TAU;
@@ -80,18 +80,18 @@ fn samples_along(panorama: &Picture, [x, y, z]: [f64; 3], texel: f64) -> usize {
     columns.max(rows).ceil().clamp(2.0, MOST_SAMPLES) as usize
 }
 
-/// Samples of a face that wait to be taken side by side.
+/// Samples of a face that wait for a vector operation.
 #[derive(Default)]
 struct Samples {
     count: usize,
-    /// The texel that each is of.
+    /// Texel of each sample.
     of: [usize; LANES],
-    /// s and t of each.
+    /// s and t of each sample.
     places: [[f64; LANES]; 2],
 }
 
 impl Samples {
-    /// One more. Range: fewer than [`LANES`] wait.
+    /// Adds a sample. Range: fewer than [`LANES`] wait.
     #[inline(always)]
     fn push(&mut self, of: usize, [s, t]: [f64; 2]) {
         self.of[self.count] = of;
@@ -100,7 +100,7 @@ impl Samples {
         self.count += 1;
     }
 
-    /// Takes those that wait, the first first, and adds each to the sum of its texel.
+    /// Takes the waiting samples in order and adds each to the sum of its texel.
     #[inline(always)]
     fn add_to(&mut self, sums: &mut [[f64; 3]; LANES], panorama: &Picture, face: usize) {
         let [s, t] = &self.places;
@@ -118,7 +118,7 @@ impl Samples {
     }
 }
 
-/// Position of a direction in the panorama, both 0…1: 0 at the left border and at the top.
+/// Position of a direction in the panorama, 0…1 in each coordinate: 0 at the left border and at the top.
 #[inline(always)]
 fn position([x, y, z]: [f64; 3]) -> [f64; 2] {
     let longitude = atan2(x, -z) / TAU;
@@ -126,14 +126,15 @@ fn position([x, y, z]: [f64; 3]) -> [f64; 2] {
     [0.5 + longitude, 0.5 - latitude]
 }
 
-/// First column and row of a bilinear sample, and the weights of the second ones; columns wrap around, rows end at the poles.
+/// First column and row of a bilinear sample, and the weights of the second column and row. Columns wrap around; rows end at
+/// the poles.
 #[inline(always)]
 fn tap(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
     let [width, height] = [panorama.width, panorama.height].map(f64::from);
     let x = u * width - 0.5;
     let y = (v * height - 0.5).max(0.0).min(height - 1.0);
     let (left, top) = (x.floor(), y.floor());
-    // x lies within −½…width − ½, so of first columns only −1 is to be wrapped.
+    // x lies within −½…width − ½, so only the first column −1 is wrapped.
     [if left < 0.0 { width - 1.0 } else { left }, top, x - left, y - top]
 }
 
@@ -159,9 +160,9 @@ fn bilinear(panorama: &Picture, [left, top, right_weight, bottom_weight]: [f64; 
 /// the widest panorama.
 #[inline(always)]
 fn atan2(y: f64, x: f64) -> f64 {
-    // Values are chosen, not ways, so that loops become vectors.
+    // Values are selected without branches, so that loops vectorise.
     let (small, large) = (y.abs().min(x.abs()), y.abs().max(x.abs()));
-    // arctan(a/b) = π/4 + arctan((a − b)/(a + b)) brings the upper half of the octant to the lower.
+    // arctan(a/b) = π/4 + arctan((a − b)/(a + b)) maps the upper half of the octant to the lower half.
     let is_upper = small > TAN_PI_8 * large;
     let [numerator, denominator] = if is_upper { [small - large, small + large] } else { [small, large] };
     let series = atan_series(numerator / denominator);
@@ -191,7 +192,7 @@ const ATAN_COEFFICIENTS: [f64; 12] = [
     -1.0 / 23.0,
 ];
 
-/// arctan for |tan| up to tan(π/8): the first term left out, t²⁵/25, is below 2⁻³⁶.
+/// arctan for |tan| up to tan(π/8): the first omitted term, t²⁵/25, is below 2⁻³⁶.
 #[inline(always)]
 fn atan_series(tan: f64) -> f64 {
     let square = tan * tan;
@@ -240,7 +241,7 @@ mod tests {
                 let length = d.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let pixel = picture.pixels[(row * 32 + column) as usize];
                 for (c, got) in d.iter().zip(pixel) {
-                    // The mean over a texel and bilinear interpolation both bend by about (2π/256)²/8.
+                    // The mean over a texel and bilinear interpolation each bend by about (2π/256)²/8.
                     let expected = 0.5 + 0.5 * c / length;
                     assert!((f64::from(got) - expected).abs() < 1e-3, "face {face}");
                 }
@@ -250,7 +251,7 @@ mod tests {
 
     #[test]
     fn fine_stripes_are_averaged_and_do_not_alias() {
-        // One texel black, one white in the panorama, many of them in a face texel: grey, also around the poles.
+        // Texels of the panorama alternate between black and white, many in a face texel: grey, also around the poles.
         for (width, height, vertical) in [(1024, 512, true), (1024, 512, false)] {
             let mut map = Picture::filled(width, height, [0.0; 3]);
             for (index, pixel) in map.pixels.iter_mut().enumerate() {
@@ -259,7 +260,7 @@ mod tests {
             }
             for face in faces_from_equirectangular(&map, 16) {
                 for pixel in face.pixels {
-                    // Some 10 stripes cross a texel; the partial ones at its ends give up to 5 %.
+                    // About 10 stripes cross a texel; the partial ones at its ends give up to 5 %.
                     assert!((pixel[0] - 0.5).abs() < 0.05, "{}", pixel[0]);
                 }
             }

@@ -1,11 +1,10 @@
-//! Pictures in host memory, and the files they come from and go to.
+//! Pictures in host memory and their files.
 //!
-//! PNG: 1, 2, 4, 8 or 16 bits, grey, RGB or palette. EXR: RGB or one channel, half or float, of the first layer that has
-//! them. HDR (Radiance): plain or in runs. Alpha is ignored, not composited: data maps keep other things in it, and a texture has no background here.
-//! Ancillary colour data (gAMA, iCCP, chromaticities) is ignored too: the caller states the [`Encoding`]. Sizes are
-//! checked from the header, before memory is taken. sRGB uses the exact piecewise curve by correctly rounded
-//! operations only, so the pixels are the same bits on every machine. Files are written beside their name and renamed
-//! when complete.
+//! PNG: 1, 2, 4, 8 or 16 bits, grey, RGB or palette. EXR: RGB or one channel, half or float, of the first layer with such channels. HDR (Radiance):
+//! plain or run-length encoded. Alpha is ignored, not composited: data maps keep other values in it, and a texture has no background here.
+//! Ancillary colour data (gAMA, iCCP, chromaticities) is ignored too: the caller states the [`Encoding`]. Sizes are checked from the header, before
+//! memory is taken. sRGB uses the exact piecewise curve by correctly rounded operations only, so the pixels are the same bits on every machine. A
+//! file is written next to its name and renamed when complete.
 
 mod compare;
 mod exr_file;
@@ -28,10 +27,10 @@ use std::path::Path;
 
 use roughxel_utilities::input::open_file;
 
-/// Longest edge of a picture that is read, in pixels.
+/// Longest edge of an input picture, in pixels.
 pub const MAX_EDGE: u32 = 16384;
 
-/// Most pixels of a picture that is read.
+/// Most pixels of an input picture.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// A picture in linear light, or the raw values of a data map.
@@ -54,13 +53,13 @@ impl Picture {
     /// The pixel in column `x` and row `y` from the top.
     ///
     /// # Panics
-    /// If the pixel lies outside of the picture.
+    /// If the pixel lies outside the picture.
     pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
         self.pixels[y as usize * self.width as usize + x as usize]
     }
 }
 
-/// What the numbers in a file mean.
+/// Meaning of the numbers in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Colours by the sRGB curve, decoded to linear light.
@@ -69,13 +68,13 @@ pub enum Encoding {
     Linear,
 }
 
-/// Why a picture could not be read or written.
+/// Reason why a picture could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct PictureError {
-    /// What is wrong with which file, and what to do about it.
+    /// The file, its mistake and the remedy.
     pub message: String,
-    /// What the system said.
+    /// Error of the system.
     pub source: Option<io::Error>,
 }
 
@@ -84,27 +83,27 @@ impl PictureError {
         Self { message, source: None }
     }
 
-    /// A file that cannot be opened.
+    /// An error for a file that cannot be opened.
     pub fn open(path: &Path, source: io::Error) -> Self {
         let path = path.display();
         let message = format!("cannot open picture `{path}`: {source}; check the path and its permissions");
         Self { message, source: Some(source) }
     }
 
-    /// A file that cannot be written.
+    /// An error for a file that cannot be written.
     fn write(path: &Path, source: io::Error) -> Self {
         let path = path.display();
         let remedy = "check that its directory exists and may be written";
         Self { message: format!("cannot write picture `{path}`: {source}; {remedy}"), source: Some(source) }
     }
 
-    /// A file that is damaged, cut off or of another format.
+    /// An error for a file that is damaged, truncated or of another format.
     fn damaged(path: &Path, format: &str, reason: impl Display) -> Self {
         let path = path.display();
         Self::new(format!("`{path}` is not a readable {format} file: {reason}; export it again as {format}"))
     }
 
-    /// A valid file of a kind that is not supported.
+    /// An error for a valid file of an unsupported kind.
     fn unsupported(path: &Path, reason: impl Display, remedy: &str) -> Self {
         Self::new(format!("`{}` {reason}; export it as {remedy}", path.display()))
     }
@@ -126,12 +125,12 @@ fn check_size(path: &Path, width: u64, height: u64) -> Result<(u32, u32), Pictur
     }
 }
 
-/// Pixels between two pictures of [`beside`].
+/// Pixels between two pictures in a row of [`beside`].
 const GUTTER_PX: u32 = 8;
 
-/// The pictures in a row from left to right, tops aligned, on black, 8 pixels apart.
+/// Pictures in a row from left to right, tops aligned, on black, 8 pixels apart.
 ///
-/// No picture gives one of 0×0 pixels, which cannot be written.
+/// No picture gives a result of 0×0 pixels, which cannot be written.
 pub fn beside(pictures: &[&Picture]) -> Picture {
     let gutters = GUTTER_PX * pictures.len().saturating_sub(1) as u32;
     let width = pictures.iter().map(|picture| picture.width).sum::<u32>() + gutters;

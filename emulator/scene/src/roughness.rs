@@ -1,13 +1,13 @@
-//! Roughness maps of the scene's own: what is too fine for its bump map, or for any (S97 §8).
+//! Roughness maps of a scene: detail too fine for its bump map, or for any (S97 §8).
 
 use super::bump::signed_decoder;
 use crate::picture::Picture;
 
-/// Largest standard deviation of a roughness map: the ports hold values below 8, and bumps come on top.
+/// Largest standard deviation of a roughness map: the ports hold values below 8, and bumps are added.
 pub(super) const MAX_DEVIATION: f64 = 4.0;
 
-/// Factors D = (d₁, d₂; 0, d₃) of the covariance K = D Dᵀ of the offsets a surface has besides its bumps; row 0 is at
-/// v = 0 (the bottom row of the picture), repeat addressing.
+/// Factors D = (d₁, d₂; 0, d₃) of the covariance K = D Dᵀ of the offsets that a surface has in addition to its bumps.
+/// Row 0 is at v = 0 (the bottom row of the picture); repeat addressing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoughnessField {
     /// Texels along u.
@@ -18,7 +18,7 @@ pub struct RoughnessField {
     pub factors: Vec<[f32; 3]>,
 }
 
-/// What the channels of a roughness picture are.
+/// Meaning of the channels of a roughness picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RoughnessChannels {
     /// Red is the standard deviation in every direction, I₁.
@@ -28,7 +28,7 @@ pub(super) enum RoughnessChannels {
 }
 
 impl RoughnessField {
-    /// Whether no texel is rough.
+    /// True if no texel is rough.
     pub fn is_smooth(&self) -> bool {
         self.factors.iter().all(|factor| *factor == [0.0; 3])
     }
@@ -38,7 +38,7 @@ impl RoughnessField {
         Self { width: 1, height: 1, factors: vec![factor.map(|d| d as f32)] }
     }
 
-    /// Factors of a picture where white is `deviation`, and how many texels were out of range.
+    /// Factors of a picture whose white is `deviation`, and how many texels were out of range.
     pub(super) fn from_picture(picture: &Picture, channels: RoughnessChannels, deviation: f64) -> (Self, usize) {
         let signed = signed_decoder(picture);
         let (deviation, limit) = (deviation as f32, MAX_DEVIATION as f32);

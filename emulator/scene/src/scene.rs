@@ -1,4 +1,4 @@
-//! What a frame is drawn from: camera, background, environment, lights, objects with their materials.
+//! Content of a frame: camera, background, environment, lights, objects with their materials.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use crate::lighting::{Highlight, Light, Peaks};
 use crate::picture::Picture;
 use crate::roughness::RoughnessField;
 
-/// Everything a frame is drawn from.
+/// Content of a frame.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Name of a built-in scene, or the stem of the file's name.
     pub name: String,
     /// The viewer.
     pub camera: Camera,
-    /// What a pixel shows where no object is.
+    /// Background of pixels without an object.
     pub background: Background,
     /// Reflected surroundings, infinitely far away.
     pub environment: Option<EnvironmentSource>,
@@ -24,12 +24,12 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Objects in the order of the file.
     pub objects: Vec<Object>,
-    /// What was repaired while reading (dropped triangles, clamped offsets), one sentence each.
+    /// Repairs while reading (dropped triangles, clamped offsets), one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Scene {
-    /// The environment, where an object or the background shows it.
+    /// The environment, if an object or the background shows it.
     pub fn shown_environment(&self) -> Option<&EnvironmentSource> {
         let reflects = |object: &Object| object.material.reflectance.iter().any(|&share| share > 0.0);
         let is_shown = self.background == Background::Environment || self.objects.iter().any(reflects);
@@ -54,7 +54,7 @@ pub struct Camera {
     pub height: u32,
 }
 
-/// What a pixel shows where no object is. Colours are linear.
+/// Background of pixels without an object. Colours are linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// One colour.
@@ -106,37 +106,37 @@ pub struct Vertex {
     pub normal: DVec3,
     /// Texture coordinates in repeats of the map: u to the right, v up, (0, 0) the bottom-left corner.
     pub uv: DVec2,
-    /// ∂p/∂u and ∂p/∂v in world units per repeat; both zero where a mesh has no texture coordinates.
+    /// ∂p/∂u and ∂p/∂v in world units per repeat; both zero if a mesh has no texture coordinates.
     ///
-    /// Where a mesh mirrors its map both are negated: S97's s_u = n × p_v and s_v = p_u × n then still run against
-    /// the true p_u and p_v, so that bumps stay bumps.
+    /// If a mesh mirrors its map, ∂p/∂u and ∂p/∂v are negated. S97's s_u = n × p_v and s_v = p_u × n then still run
+    /// against the true p_u and p_v, so that bumps stay bumps.
     pub tangents: [DVec3; 2],
 }
 
-/// Where footprints of reflections lie.
+/// Place of the footprints of reflections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FootprintPlace {
-    /// On the plane of a cube face (W97).
+    /// The plane of a cube face (W97).
     Face,
-    /// On the sphere.
+    /// The sphere.
     Sphere,
 }
 
-/// Which of the bumps that a level has lost its roughness is like.
+/// Bumps that decide the roughness of a level that no longer shows them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Deviation {
-    /// Most of them: the standard deviation times the squared mean of |deviation| in units of the normal law's, where that is below 1, down to half. The same for bumps
-    /// of the normal law, and less for those that are mostly flat and seldom steep.
+    /// Most bumps: the standard deviation times the squared mean of |deviation| in units of the normal law's. The factor is clamped to ½…1. It is 1
+    /// for bumps of the normal law, and less for bumps that are mostly flat and seldom steep.
     #[default]
     Mean,
-    /// All of them, by their squares (S97 §8): the standard deviation.
+    /// All bumps, by their squares (S97 §8): the standard deviation.
     RootMeanSquare,
 }
 
-/// Surface: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, and for each light its colour times
-/// the highlight or the peaks, per channel.
+/// Surface of an object, per channel: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, and for
+/// each light its colour times the highlight or the peaks.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Linear colour, 0 to 1.
@@ -145,19 +145,19 @@ pub struct Material {
     pub colour_map: Option<Arc<Picture>>,
     /// Offsets of the normal.
     pub bump: Option<Arc<BumpField>>,
-    /// Roughness besides `bump`: of the same size as that, or of one texel.
+    /// Roughness in addition to `bump`: of the size of `bump`, or of one texel.
     pub roughness: Option<Arc<RoughnessField>>,
-    /// In which frame `bump` and `roughness` are meant; the latter not in [`FrameSystem::Natural`].
+    /// Tangent basis of `bump` and `roughness`. A roughness map excludes [`FrameSystem::Natural`].
     pub frame: FrameSystem,
     /// Main direction h of [`FrameSystem::MainDirection`]: unit, world space.
     pub main_direction: DVec3,
     /// Share of the environment per channel, 0 to 1.
     pub reflectance: [f32; 3],
-    /// What `bump` leaves behind on coarse levels.
+    /// Roughness that lost bumps of `bump` become on coarse levels.
     pub deviation: Deviation,
-    /// Where footprints of reflections lie; `None` leaves it to how rough the surface is.
+    /// Place of the footprints of reflections; `None` lets the surface's roughness decide.
     pub footprint: Option<FootprintPlace>,
-    /// Whether rough reflections have two lobes; `None` leaves it to the slopes of `bump`.
+    /// True if rough reflections have two lobes; `None` lets the slopes of `bump` decide.
     pub two_lobes: Option<bool>,
     /// Highlight of the lights; not together with peaks.
     pub highlight: Option<Highlight>,

@@ -19,10 +19,10 @@ use crate::scene::{Mesh, Vertex};
 /// Most segments along one direction.
 pub(super) const MAX_SEGMENTS: u32 = 1024;
 
-/// Shape with its measures in object units.
+/// Shape with its dimensions in object units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shape {
-    /// Rectangle of that size along x and z.
+    /// Rectangle of `size` along x and z.
     Plane { size: [f64; 2] },
     /// Sphere around the origin.
     Sphere { radius: f64 },
@@ -30,12 +30,12 @@ pub(super) enum Shape {
     Cylinder { radius: f64, height: f64, arc_degrees: f64 },
     /// Concave parabolic mirror z = r²/4f with a round rim, open towards +z.
     Paraboloid { radius: f64, focal_length: f64 },
-    /// Hanging cloth of that width and height; its folds deepen to `depth` at the hem (F92 Fig. 8).
+    /// Hanging cloth of width and height `size`; its folds deepen to `depth` at the hem (F92 Fig. 8).
     Drapery { size: [f64; 2], depth: f64, folds: f64 },
 }
 
 impl Shape {
-    /// Triangles of the shape; `segments` along u and v (around and from pole to pole, around and outwards).
+    /// Triangles of the shape, with `segments` along u and v (around and from pole to pole, around and outwards).
     pub(super) fn mesh(self, segments: [u32; 2]) -> Mesh {
         match self {
             Self::Plane { .. } | Self::Cylinder { .. } | Self::Drapery { .. } => self.grid(segments),
@@ -53,7 +53,7 @@ impl Shape {
         }
     }
 
-    /// Segments where the scene does not say: a silhouette within a pixel of round at 640×480; F92's grid of 11×40.
+    /// Segments if the scene gives none: a silhouette within a pixel of round at 640×480; F92's grid of 11×40.
     pub(super) fn default_segments(self) -> [u32; 2] {
         match self {
             Self::Plane { .. } => [1, 1],
@@ -133,8 +133,8 @@ impl Shape {
 
 /// z, ∂z/∂u and ∂z/∂v of a cloth of depth 1: pleats at the top that open towards the hem.
 ///
-/// z = ½(0.3 + 0.7 t(2 − t))(sin φ + ¼ cos 2φ) with t = 1 − v and φ in turns = folds·u + 0.2 t sin 2π(u + 0.1): narrow
-/// valleys between wide ridges, that wander to the sides as they fall.
+/// z = ½(0.3 + 0.7 t(2 − t))(sin φ + ¼ cos 2φ) with t = 1 − v and φ in turns = folds·u + 0.2 t sin 2π(u + 0.1). Narrow
+/// valleys lie between wide ridges, which wander to the sides as they fall.
 fn fold(u: f64, v: f64, folds: f64) -> [f64; 3] {
     const TAU: f64 = std::f64::consts::TAU;
     let t = 1.0 - v;
@@ -160,8 +160,8 @@ fn join_rings(mesh: &mut Mesh, first: u32, columns: u32, rows: u32) {
     }
 }
 
-/// Longitude and latitude grid. Each triangle at a pole has a pole vertex of its own with the mean longitude; its p_u
-/// has half the length of the next ring's, so that p_u × p_v does not vanish there.
+/// Longitude and latitude grid. Each triangle at a pole has its own pole vertex with the mean longitude. The p_u of
+/// that vertex has half the length of the next ring's, so that p_u × p_v does not vanish.
 fn sphere(radius: f64, [around, along]: [u32; 2]) -> Mesh {
     let shape = Shape::Sphere { radius };
     let mut mesh = Mesh::default();
@@ -214,7 +214,7 @@ fn paraboloid(radius: f64, focal_length: f64, [around, rings]: [u32; 2]) -> Mesh
     mesh
 }
 
-/// From object to world: scale, then rotate about x, then y, then z, then translate.
+/// Transform from object to world: scale, then rotation about x, y and z in this order, then translation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     linear: DMat3,
@@ -223,7 +223,7 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// `scale` is positive in each axis.
+    /// A transform; `scale` is positive in each axis.
     pub(super) fn new(translate: DVec3, rotate_degrees: [f64; 3], scale: [f64; 3]) -> Self {
         let [x, y, z] = rotate_degrees.map(|degrees| (sin_turns(degrees / 360.0), cos_turns(degrees / 360.0)));
         let about_x = DMat3::from_cols_array_2d(&[[1.0, 0.0, 0.0], [0.0, x.1, x.0], [0.0, -x.0, x.1]]);
@@ -238,7 +238,7 @@ impl Placement {
         }
     }
 
-    /// Moves a mesh to the world and repeats its maps `uv_repeat` times; tangents become those of the repeated map.
+    /// Moves a mesh to the world and wraps its maps `uv_repeat` times; tangents become those of the wrapped map.
     pub(super) fn apply(&self, mesh: &mut Mesh, uv_repeat: [f64; 2]) {
         for vertex in &mut mesh.vertices {
             vertex.position = self.linear * vertex.position + self.translate;
@@ -250,7 +250,7 @@ impl Placement {
         }
     }
 
-    /// A direction of the object in the world, unit length.
+    /// World direction of an object's direction, unit length.
     pub(super) fn direction(&self, direction: DVec3) -> DVec3 {
         (self.linear * direction).normalize()
     }
@@ -291,7 +291,7 @@ mod tests {
         for shape in SHAPES {
             for vertex in shape.mesh(shape.default_segments()).vertices {
                 let e1 = shape.main_direction().cross(vertex.normal);
-                // At the poles h × n vanishes; everywhere else only rounding separates the two directions.
+                // At the poles h × n vanishes; elsewhere only rounding separates the two directions.
                 if e1.length() > 1e-9 {
                     assert!((e1.normalize() - vertex.tangents[0].normalize()).length() < 1e-9, "{shape:?}");
                 }
@@ -393,7 +393,7 @@ mod tests {
     #[test]
     fn rotations_are_about_x_then_y_then_z() {
         let turned = |degrees| Placement::new(DVec3::ZERO, degrees, [1.0; 3]).direction(DVec3::Y);
-        // 1e-12: the error of the sine at a right angle.
+        // 1e-12 bounds the error of the sine at a right angle.
         assert!((turned([90.0, 0.0, 0.0]) - DVec3::Z).length() < 1e-12);
         assert!((turned([90.0, 90.0, 0.0]) - DVec3::X).length() < 1e-12);
         assert!((turned([90.0, 90.0, 90.0]) - DVec3::Y).length() < 1e-12);

@@ -1,7 +1,7 @@
-//! Where the values of a scene file stand, and how they are asked for.
+//! Values of a scene file with their places, and the accessors for them.
 //!
-//! Tables whose keys depend on a generator's name are read as [`ArgumentTable`] and asked key by key through
-//! [`Arguments`], which then refuses what nobody asked for.
+//! Tables whose keys depend on a generator's name are read as [`ArgumentTable`]. [`Arguments`] asks them key by key,
+//! then refuses keys that nobody asked for.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ use roughxel_utilities::suggestions::did_you_mean;
 /// Most elements of an array in a generator's table.
 const MAX_LIST: usize = 64;
 
-/// `N` values: an array of any other length is an error, while serde's own arrays take what is first of a longer one.
+/// Array of exactly `N` values. Another length is an error, while serde's arrays take the beginning of a longer one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Exactly<T, const N: usize>(pub(super) [T; N]);
 
@@ -170,7 +170,7 @@ impl Argument {
 #[serde(transparent)]
 pub(super) struct ArgumentTable(pub(super) BTreeMap<Spanned<String>, Spanned<Argument>>);
 
-/// The text of a scene with what its errors need.
+/// Text of a scene, with the context of its errors.
 #[derive(Debug)]
 pub(super) struct Source {
     pub(super) file: String,
@@ -213,7 +213,7 @@ impl Source {
         Err(self.value_error(span, format!("`{key}` is {value}, which is out of range"), help))
     }
 
-    /// [`Source::in_range`] for a number of a key; `default` where it is missing.
+    /// A number of a key, checked by [`Source::in_range`]; `default` if it is missing.
     pub(super) fn number(
         &self,
         key: &str,
@@ -224,7 +224,7 @@ impl Source {
         value.as_ref().map_or(Ok(default), |value| self.in_range(key, *value.get_ref(), value.span(), range))
     }
 
-    /// [`Source::in_range`] for each number.
+    /// Checks each number by [`Source::in_range`].
     pub(super) fn all_in_range<const N: usize>(
         &self,
         key: &str,
@@ -238,7 +238,7 @@ impl Source {
         Ok(all)
     }
 
-    /// [`Source::all_in_range`] for the numbers of a key; `default` where it is missing.
+    /// Numbers of a key, checked by [`Source::all_in_range`]; `default` if it is missing.
     pub(super) fn numbers<const N: usize>(
         &self,
         key: &str,
@@ -267,7 +267,7 @@ impl Source {
     }
 }
 
-/// A value of a table with the place it stands at; `None` where the key is missing.
+/// A value of a table with its place; `None` if the key is missing.
 type Found<T> = Result<Option<(T, Range<usize>)>, SceneError>;
 
 /// One table of arguments being read: every key is asked for by name, then [`Arguments::finish`] refuses the rest.
@@ -285,7 +285,7 @@ impl<'a> Arguments<'a> {
         Self { source, table: table.get_ref(), span: table.span(), asked: RefCell::default() }
     }
 
-    /// Where the table stands.
+    /// Place of the table.
     pub(super) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
@@ -301,7 +301,7 @@ impl<'a> Arguments<'a> {
         self.table.0.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
     }
 
-    /// What a value is `as_wanted`, with the place it stands at; `None` where the key is missing.
+    /// A value converted by `as_wanted`, with its place; `None` if the key is missing.
     fn found<T>(
         &self,
         key: &'static str,
@@ -316,7 +316,7 @@ impl<'a> Arguments<'a> {
         Ok(Some((found?, value.span())))
     }
 
-    /// A number in `range`, where the key is there.
+    /// A number in `range`, if the key is there.
     pub(super) fn optional_number(
         &self,
         key: &'static str,
@@ -350,7 +350,7 @@ impl<'a> Arguments<'a> {
         let whole = |value: &Argument| value.number().filter(|number| number.fract() == 0.0);
         match self.found(key, default, "a whole number", whole)? {
             None => Ok(default),
-            // `as` saturates, and what saturates is outside every range used here.
+            // `as` saturates; a saturated number is outside every range used here.
             Some((number, span)) => self.source.whole_in_range(key, number as i64, span, range),
         }
     }
@@ -391,7 +391,7 @@ impl<'a> Arguments<'a> {
         Ok(Some(numbers))
     }
 
-    /// A text with the place it stands at, where the key is there.
+    /// A text with its place, if the key is there.
     pub(super) fn text(&self, key: &'static str) -> Found<&'a str> {
         self.found(key, "–", "a text in quotes", |value| match value {
             Argument::Text(text) => Some(text.as_str()),
@@ -399,7 +399,7 @@ impl<'a> Arguments<'a> {
         })
     }
 
-    /// An array of texts with the place it stands at, where the key is there.
+    /// An array of texts with its place, if the key is there.
     pub(super) fn texts(&self, key: &'static str) -> Found<&'a [String]> {
         self.found(key, "–", "an array of texts in quotes", |value| match value {
             Argument::Texts(texts) => Some(texts.as_slice()),
@@ -422,7 +422,7 @@ impl<'a> Arguments<'a> {
         self.source.value_error(span, message, help)
     }
 
-    /// Refuses the keys nobody asked for.
+    /// Refuses the keys that nobody asked for.
     pub(super) fn finish(&self) -> Result<(), SceneError> {
         let asked = self.asked.borrow();
         for name in self.table.0.keys() {
@@ -439,7 +439,7 @@ impl<'a> Arguments<'a> {
         Ok(())
     }
 
-    /// Equal for tables that mean the same, wherever they stand: the key of the cache of maps.
+    /// Fingerprint that is equal for tables of equal meaning at any place: the key of the cache of maps.
     pub(super) fn fingerprint(&self) -> String {
         let pairs: Vec<_> = self.table.0.iter().map(|(key, value)| (key.get_ref(), value.get_ref())).collect();
         format!("{pairs:?}")

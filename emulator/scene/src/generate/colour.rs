@@ -12,7 +12,7 @@ use crate::source::Arguments;
 /// Squares of two colours.
 pub(super) fn checker(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     let size = keys.size(512)?;
-    // Along an edge; even, or the map has a seam.
+    // Squares along an edge; an odd number gives the map a seam.
     let squares = keys.whole("squares", 64, 2..=4096)?;
     let colours = keys.two_colours([1.0; 3], [0.0; 3], 1.0)?;
     let square_of = |index: u32| u64::from(index) * u64::from(squares) / u64::from(size);
@@ -35,20 +35,20 @@ pub(super) fn noise(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, Sce
 /// Samples along the edge of a texel.
 const SAMPLES: usize = 4;
 
-/// What a column or a row of samples of a page meets.
+/// Content of a column or a row of samples of a page.
 struct Line {
     /// Letter or line of the writing, and the cell of its glyph.
     writing: Option<(usize, usize)>,
-    /// Whether it is within the margin around the writing.
+    /// True if it is within the margin around the writing.
     is_beside_writing: bool,
-    /// Whether it is within the margin of the page.
+    /// True if it is within the margin of the page.
     is_on_page: bool,
     /// Cell of the maze, and the place in it.
     cell: i64,
     place: f64,
 }
 
-/// Lines of letters that the font has, from the top.
+/// Lines of letters of the font, from the top.
 fn lines(keys: &Arguments<'_>) -> Result<Vec<String>, SceneError> {
     let text = keys.text("text")?;
     let lines: Vec<String> =
@@ -68,18 +68,19 @@ fn lines(keys: &Arguments<'_>) -> Result<Vec<String>, SceneError> {
     Ok(lines)
 }
 
-/// A page from a puzzle book (S97 Fig. 1): a maze, and writing stretched so far that it is read at a flat angle only.
+/// A page from a puzzle book (S97 Fig. 1): a maze, and writing stretched so far that it is legible only at a flat
+/// angle.
 pub(super) fn writing(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     type Glyph = Option<[u8; GLYPH_ROWS]>;
     let size = keys.size(1024)?;
     let letters: Vec<Vec<Glyph>> = lines(keys)?.iter().map(|line| line.chars().map(glyph).collect()).collect();
     let longest = letters.iter().map(Vec::len).max().unwrap_or(1).max(1);
-    // The letters fill it.
+    // The letters fill the box.
     let [left, bottom, right, top] = keys.numbers("box", [0.45, 0.35, 0.96, 0.96], 0.0..=1.0)?;
     if right - left < 0.01 || top - bottom < 0.01 {
         return Err(keys.error("`box` is empty", "give [left, bottom, right, top] with left < right, bottom < top"));
     }
-    // Along an edge; 0 for none.
+    // Cells along an edge; 0 for no maze.
     let maze_cells = keys.whole("maze_cells", 28, 0..=256)?;
     let paper = keys.colour("paper", [0.88, 0.84, 0.72], 1.0)?;
     let ink_colour = keys.colour("ink", [0.02, 0.02, 0.05], 1.0)?;
@@ -88,7 +89,7 @@ pub(super) fn writing(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, S
     let line = |at: f64, [from, to]: [f64; 2], in_cells: f64, cells: usize| {
         let place = at * f64::from(maze_cells);
         Line {
-            // One column and one row of space after each letter and line.
+            // One column and one row of space follow each letter and line.
             writing: (in_cells >= 0.0).then_some((in_cells as usize / (cells + 1), in_cells as usize % (cells + 1))),
             is_beside_writing: at > from - margin && at < to + margin,
             is_on_page: at > margin && at < 1.0 - margin,
@@ -148,7 +149,7 @@ pub(super) fn writing(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, S
     Ok(Picture { width: size, height: size, pixels })
 }
 
-/// Draws the map of an [`Earth`] with a line every `graticule_degrees` (0: none).
+/// Draws the map of an [`Earth`] with a line every `graticule_degrees` (0: no lines).
 pub(super) fn earth(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     const DEEP: [f32; 3] = [0.01, 0.04, 0.16];
     const SHALLOW: [f32; 3] = [0.04, 0.2, 0.38];
@@ -184,12 +185,12 @@ pub(super) fn earth(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, Sce
             }
             let latitude = 90.0 - row * texel_degrees;
             let longitude = column * texel_degrees - 180.0;
-            // A line is a quarter of a degree to each side of latitude, and as wide on the ground along longitude.
+            // A line is a quarter of a degree of latitude to each side, and as wide on the ground along longitude.
             let ground_per_degree = (at[0] * at[0] + at[2] * at[2]).sqrt();
             let cover =
                 |distance: f64, half_width: f64| 1.0 - smoothstep(half_width, half_width + texel_degrees, distance);
             let parallel = cover(to_line(latitude), 0.25);
-            // Towards a pole meridians would fill the circle: they end at 80 degrees.
+            // Near a pole meridians would fill the circle, so they end at 80 degrees.
             let meridian =
                 if latitude.abs() > 80.0 { 0.0 } else { cover(to_line(longitude), 0.25 / ground_per_degree) };
             mix(colour, LINE, 0.7 * parallel.max(meridian))

@@ -15,13 +15,13 @@ const ALONG: usize = 4;
 /// Samples of a texel.
 const SAMPLES: usize = ALONG * ALONG;
 
-/// The unit direction of each sample of a texel, x, y and z.
+/// Unit directions of the samples of a texel: x, y and z.
 type Directions = [[f64; SAMPLES]; 3];
-/// The colour of each sample of a texel, channel by channel.
+/// Colours of the samples of a texel, channel by channel.
 type Colours = [[f32; SAMPLES]; 3];
 
-/// Six faces of the light from each unit direction, averaged over each texel. What `light` captures it captures by value: a loop that reads what it
-/// might write becomes no vectors.
+/// Six faces of the light from each unit direction, averaged over each texel. `light` captures by value: a loop that reads what it might write does
+/// not vectorise.
 fn faces(grid: Grid<'_>, edge: u32, light: impl Fn([f64; 3]) -> [f32; 3] + Copy + Sync) -> [Picture; 6] {
     faces_side_by_side(
         grid,
@@ -37,7 +37,7 @@ fn faces(grid: Grid<'_>, edge: u32, light: impl Fn([f64; 3]) -> [f32; 3] + Copy 
     )
 }
 
-/// [`faces`] of the light from all directions of a texel.
+/// Six faces as [`faces`] makes them, from the light of all directions of a texel at once.
 fn faces_side_by_side(grid: Grid<'_>, edge: u32, light: impl Fn(&Directions) -> Colours + Sync) -> [Picture; 6] {
     std::array::from_fn(|face| {
         let pixels = grid.square(
@@ -58,13 +58,13 @@ fn faces_side_by_side(grid: Grid<'_>, edge: u32, light: impl Fn(&Directions) -> 
     })
 }
 
-/// What is of one sample.
+/// One sample of each coordinate or channel.
 #[inline(always)]
 fn at<T: Copy>([x, y, z]: &[[T; SAMPLES]; 3], sample: usize) -> [T; 3] {
     [x[sample], y[sample], z[sample]]
 }
 
-/// Sets it.
+/// Sets one sample.
 #[inline(always)]
 fn set<T>([x, y, z]: &mut [[T; SAMPLES]; 3], sample: usize, of: [T; 3]) {
     [x[sample], y[sample], z[sample]] = of;
@@ -80,7 +80,7 @@ fn colour(keys: &Arguments<'_>, key: &'static str, default: [f32; 3]) -> Result<
     keys.colour(key, default, BRIGHTEST)
 }
 
-/// Unit vector towards a moon or a sun; azimuth 0 is −z, 90 is +x.
+/// Unit vector towards a moon or a sun: azimuth 0 is −z, 90 is +x.
 fn towards(keys: &Arguments<'_>, elevation_degrees: f64, azimuth_degrees: f64) -> Result<[f64; 3], SceneError> {
     let elevation = keys.number("elevation_degrees", elevation_degrees, -90.0..=90.0)? / 360.0;
     let azimuth = keys.number("azimuth_degrees", azimuth_degrees, -360.0..=360.0)? / 360.0;
@@ -88,7 +88,7 @@ fn towards(keys: &Arguments<'_>, elevation_degrees: f64, azimuth_degrees: f64) -
     Ok([sin_turns(azimuth) * level, sin_turns(elevation), -cos_turns(azimuth) * level])
 }
 
-/// Chord between two unit vectors an angle apart: a monotone measure of the angle that needs no arc cosine.
+/// Chord between two unit vectors an angle apart: a monotone measure of the angle without an arc cosine.
 fn chord(degrees: f64) -> f64 {
     2.0 * sin_turns(degrees.abs() / 720.0)
 }
@@ -104,7 +104,8 @@ fn add(a: [f32; 3], b: [f32; 3], weight: f64) -> [f32; 3] {
     std::array::from_fn(|channel| a[channel] + b[channel] * weight as f32)
 }
 
-/// Ground below, and from the horizon to the zenith above; the horizon itself is a fifth of a degree wide.
+/// Colour of the ground below the horizon and of the sky from there to the zenith. The horizon is a fifth of a degree
+/// wide.
 #[inline(always)]
 fn gradient(at: [f64; 3], zenith: [f32; 3], horizon: [f32; 3], ground: [f32; 3]) -> [f32; 3] {
     let above = mix(horizon, zenith, at[1].max(0.0).sqrt());
@@ -117,7 +118,7 @@ pub(super) fn moon(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6],
     let centre = towards(keys, 9.0, 0.0)?;
     let radius = chord(keys.number("radius_degrees", 2.5, 0.1..=45.0)?);
     let moon = colour(keys, "moon", [16.0, 14.5, 11.5])?;
-    // Light around the moon and how far it reaches.
+    // Light around the moon, and its reach.
     let glow = colour(keys, "glow", [0.25, 0.24, 0.22])?;
     let reach = chord(keys.number("glow_degrees", 8.0, 0.1..=90.0)?);
     let zenith = colour(keys, "zenith", [0.004, 0.007, 0.02])?;
@@ -139,16 +140,16 @@ pub(super) fn moon(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6],
     ))
 }
 
-/// The skin of a zebra all around: a sum of waves of nearly one length and direction, cut at zero.
+/// A zebra's skin all around: a sum of waves of nearly one length and direction, thresholded at zero.
 pub(super) fn zebra(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
     const WAVES: usize = 14;
     let edge = face_edge(keys)?;
     let mut random = Random::new(keys.seed()?);
     // Pairs of stripes per radius, across the x direction.
     let stripes = keys.number("stripes", 5.0, 0.25..=64.0)?;
-    // How far single waves turn away from it.
+    // Largest turn of single waves away from x.
     let bend_degrees = keys.number("bend_degrees", 24.0, 0.0..=90.0)?;
-    // How much the widths of the stripes vary, as a share.
+    // Variation of the stripes' widths, as a share.
     let unevenness = keys.number("unevenness", 0.25, 0.0..=0.9)?;
     // Width of the edge of a stripe, relative to the wave's height.
     let edge_width = keys.number("softness", 0.12, 0.0..=2.0)?.max(1e-6);
@@ -182,15 +183,15 @@ pub(super) fn zebra(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6]
     ))
 }
 
-/// Squares on each face, tinted per face, with the face's name in its middle: to see which face is where.
+/// Squares on each face, tinted per face, with the face's name in the middle: a map to tell faces apart.
 pub(super) fn checker(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
     const TINTS: [[f32; 3]; 6] =
         [[1.0, 0.3, 0.3], [0.3, 1.0, 1.0], [0.3, 1.0, 0.3], [1.0, 0.3, 1.0], [0.3, 0.3, 1.0], [1.0, 1.0, 0.3]];
     const NAMES: [[char; 2]; 6] = [['+', 'X'], ['-', 'X'], ['+', 'Y'], ['-', 'Y'], ['+', 'Z'], ['-', 'Z']];
     let edge = face_edge(keys)?;
-    // Along the edge of a face.
+    // Squares along the edge of a face.
     let squares = keys.whole("squares", 8, 1..=2048)?;
-    // 0: no tint; 1: the full colour of the face.
+    // Tint: 0 for none, 1 for the full colour of the face.
     let tint = keys.number("tint", 0.5, 0.0..=1.0)?;
     let colours = keys.two_colours([0.9; 3], [0.05; 3], BRIGHTEST)?;
     Ok(std::array::from_fn(|face| {
@@ -235,7 +236,7 @@ pub(super) fn sky(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], 
     ))
 }
 
-/// A dark room with three lamps behind white cloth: a window with a cross, a strip and a ceiling panel.
+/// A dark room with three lamps covered by white cloth: a window with a cross, a strip and a ceiling panel.
 pub(super) fn studio(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6], SceneError> {
     let edge = face_edge(keys)?;
     let wall = colour(keys, "wall", [0.12, 0.12, 0.13])?;
@@ -254,13 +255,13 @@ pub(super) fn studio(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 6
         #[inline(always)]
         move |[x, y, z]| {
             let room = mix(floor, wall, smoothstep(-0.6, 0.4, y));
-            // Seen on the wall x = −1.
+            // u and v on the wall x = −1.
             let (u, v) = (-z / x, -y / x);
             let cross = inside(u, v, [-0.12, -0.2, -0.08, 0.9]).max(inside(u, v, [-0.7, 0.33, 0.5, 0.37]));
             let window = inside(u, v, [-0.7, -0.2, 0.5, 0.9]) * (1.0 - cross);
             let strip = 0.6 * inside(z / x, y / x, [0.1, -0.5, 0.35, 1.2]);
             let ceiling = 0.8 * inside(x / y, z / y, [-0.5, -0.9, 0.5, -0.3]);
-            // Each on its side alone; of what lies beside it no quotient counts.
+            // Each lamp is on one side alone; quotients of directions away from it do not count.
             let lamp = if x < -0.05 { window } else { 0.0 };
             let lamp = lamp.max(if x > 0.05 { strip } else { 0.0 });
             mix(room, light, lamp.max(if y > 0.05 { ceiling } else { 0.0 }))

@@ -1,4 +1,4 @@
-//! A bitmap font of 5 × 7 cells, for the writing of S97 Fig. 1 and for names on faces.
+//! A bitmap font of 5 × 7 cells, for the writing of S97 Fig. 1 and the names of faces.
 
 /// Columns of a letter.
 pub(super) const GLYPH_COLUMNS: usize = 5;
@@ -8,7 +8,7 @@ pub(super) const GLYPH_ROWS: usize = 7;
 /// Letters of the font.
 pub(super) const LETTERS: &str = "A-Z, 0-9, space and . , ! ? - + '";
 
-/// Rows of a letter from the top, the leftmost cell in bit 4; `None` for a letter the font does not have.
+/// Rows of a letter from the top, the leftmost cell in bit 4; `None` for a letter outside the font.
 #[rustfmt::skip]
 pub(super) fn glyph(letter: char) -> Option<[u8; GLYPH_ROWS]> {
     let rows = match letter {

@@ -1,17 +1,17 @@
-//! Values in rows and columns, made in parallel, and how far their making is.
+//! Values in rows and columns, made in parallel, with their progress.
 
 use rayon::prelude::*;
 use roughxel_simd::Backend;
 
-/// Is told how far the making of a scene's maps is; from any thread.
+/// Receiver of the progress of a scene's maps; called from any thread.
 pub trait MapProgress: Sync {
-    /// A map is begun that takes so many steps.
+    /// Reports that a map of `steps` steps begins.
     fn begin(&self, map: &str, steps: u64);
-    /// One of them is done.
+    /// Reports that one step is done.
     fn step(&self);
 }
 
-/// For whom does not look.
+/// A receiver that ignores progress.
 pub(crate) struct Unseen;
 
 impl MapProgress for Unseen {
@@ -19,7 +19,7 @@ impl MapProgress for Unseen {
     fn step(&self) {}
 }
 
-/// Makes the values of a map and tells of it.
+/// Makes the values of a map and reports progress.
 #[derive(Clone, Copy)]
 pub(super) struct Grid<'a> {
     pub(super) map: &'a str,
@@ -27,14 +27,14 @@ pub(super) struct Grid<'a> {
 }
 
 impl Grid<'_> {
-    /// One that nobody looks at.
+    /// A grid without progress reports.
     #[cfg(test)]
     pub(super) fn unseen() -> Self {
         Self { map: "", progress: &Unseen }
     }
 
-    /// A square of `size` × `size` values, row 0 on top, from `value(column, row)`; rows are made in parallel, and what is inlined is compiled for the
-    /// vectors of the machine.
+    /// A square of `size` × `size` values, row 0 on top, from `value(column, row)`. Rows are made in parallel; inlined code is compiled for the
+    /// machine's vectors.
     pub(super) fn square<T: Clone + Default + Send>(self, size: u32, value: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
         self.rectangle(size, size, value)
     }
@@ -62,12 +62,12 @@ impl Grid<'_> {
         values
     }
 
-    /// Begins what takes so many steps.
+    /// Begins a map of `steps` steps.
     pub(super) fn begin(self, steps: u64) {
         self.progress.begin(self.map, steps);
     }
 
-    /// Tells of a step.
+    /// Reports a step.
     pub(super) fn step(self) {
         self.progress.step();
     }

@@ -6,16 +6,16 @@ use crate::error::SceneError;
 use crate::picture::Picture;
 use crate::source::Arguments;
 
-/// Wind-driven waves: a sum of sines whose wave vectors are whole numbers of cycles per repeat, so that the map tiles.
+/// Wind-driven waves: a sum of sines whose wave vectors are whole cycles per repeat, so the map tiles.
 pub(super) fn waves(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     let size = keys.size(512)?;
     let mut random = Random::new(keys.seed()?);
     let count = keys.whole("count", 64, 1..=1024)?;
-    // The longest and the shortest waves, cycles per repeat; wave numbers are spread evenly in their logarithm.
+    // Longest and shortest waves in cycles per repeat; wave numbers are spread evenly in their logarithm.
     let lowest = keys.number("lowest", 3.0, 1.0..=1024.0)?;
     let highest = keys.number("highest", 64.0, 1.0..=1024.0)?;
     let (low, high) = (lowest.min(highest), lowest.max(highest));
-    // Where the waves run to, from +u towards +v, and how far single waves turn away from it.
+    // Direction of the waves, from +u towards +v, and the largest turn of single waves away from it.
     let direction_degrees = keys.number("direction_degrees", 90.0, -360.0..=360.0)?;
     let spread_degrees = keys.number("spread_degrees", 60.0, 0.0..=180.0)?;
     // The slope of a wave of k cycles is proportional to k^−falloff.
@@ -53,7 +53,7 @@ pub(super) fn ripples(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, S
     let drops = keys.whole("drops", 8, 1..=256)?;
     // Rings per repeat.
     let rings = keys.number("rings", 12.0, 0.5..=256.0)?;
-    // Radius in repeats, at most ½, so that rings end before they meet themselves.
+    // Radius in repeats, at most ½, so that rings end before they overlap.
     let reach = keys.number("reach", 0.3, 0.01..=0.5)?;
     let drops: Vec<[f64; 3]> = (0..drops).map(|_| [random.unit(), random.unit(), random.unit()]).collect();
     let heights = grid.square(
@@ -81,7 +81,7 @@ pub(super) fn bumps(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, Sce
     // Bumps per repeat in the first octave.
     let first_cells = keys.whole("cells", 8, 1..=512)?;
     let octaves = keys.whole("octaves", 3, 1..=8)?;
-    // Height of an octave relative to the one before, which has half as many cells.
+    // Height of an octave relative to the previous one, which has half as many cells.
     let gain = keys.number("gain", 0.5, 0.0..=1.0)?;
     let heights = grid.square(
         size,
@@ -106,7 +106,7 @@ pub(super) fn bumps(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, Sce
 /// A planet with sea and land, by longitude and latitude.
 #[derive(Clone, Debug)]
 pub(super) struct Earth {
-    /// Height in texels; the width is twice that.
+    /// Height in texels; the width is twice the height.
     pub(super) size: u32,
     pub(super) seed: u32,
     /// Cells of the first octave per radius.
@@ -142,7 +142,7 @@ impl Earth {
         (1.5 * sum / total).clamp(-1.0, 1.0) * 0.5 + 0.5 - self.sea
     }
 
-    /// Unit vector of the centre of a texel; the middle column faces +z, the top row is the north.
+    /// Unit vector of the centre of a texel. The middle column faces +z; the top row is the north.
     #[inline(always)]
     pub(super) fn direction(&self, column: f64, row: f64) -> [f64; 3] {
         let longitude = column / f64::from(2 * self.size);
@@ -153,8 +153,8 @@ impl Earth {
     }
 }
 
-/// Draws the relief of [`Earth`]: the sea is flat, and so are the last four degrees at the poles, where the rows of
-/// the map meet in one point.
+/// Draws the relief of [`Earth`]. The sea is flat, and so are the last four degrees at the poles, where the rows of the
+/// map meet in one point.
 pub(super) fn earth(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     let earth = Earth::new(keys)?;
     let (width, height) = (2 * earth.size, earth.size);
@@ -171,7 +171,7 @@ pub(super) fn earth(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, Sce
     Ok(grey(width, &heights))
 }
 
-/// Grey picture of `width` columns, with the lowest height at 0 and the highest at 1 (all 0 where they are the same).
+/// Grey picture of `width` columns with the lowest height at 0 and the highest at 1; all 0 if they are equal.
 pub(super) fn grey(width: u32, heights: &[f64]) -> Picture {
     let (low, high) =
         heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(*h), high.max(*h)));

@@ -1,4 +1,4 @@
-//! Keys that several generators ask a scene for.
+//! Keys common to several generators.
 
 use crate::error::SceneError;
 use crate::source::Arguments;
@@ -12,7 +12,7 @@ impl Arguments<'_> {
         self.whole("size", default, 4..=4096)
     }
 
-    /// What random numbers begin with.
+    /// Seed of the random numbers.
     pub(super) fn seed(&self) -> Result<u32, SceneError> {
         self.whole("seed", 1, 0..=u32::MAX)
     }
@@ -28,7 +28,7 @@ impl Arguments<'_> {
     }
 }
 
-/// What is made with the keys of a table.
+/// Result of a maker with the keys of a table.
 #[cfg(test)]
 pub(super) fn with_keys<T>(keys: &str, make: impl FnOnce(&Arguments<'_>) -> T) -> T {
     use crate::source::{ArgumentTable, Source};
@@ -43,7 +43,7 @@ pub(super) fn with_keys<T>(keys: &str, make: impl FnOnce(&Arguments<'_>) -> T) -
     make(&Arguments::new(&source, &one.table))
 }
 
-/// The map of a generator that nobody looks at.
+/// The map of a generator, without progress reports.
 #[cfg(test)]
 pub(super) fn made<T>(
     make: impl FnOnce(super::grid::Grid<'_>, &Arguments<'_>) -> Result<T, SceneError>,

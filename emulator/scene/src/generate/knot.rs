@@ -1,4 +1,4 @@
-//! The generated mesh: a trefoil knot as the text of an OBJ file, so that it is read as any other mesh is.
+//! Generated mesh: a trefoil knot as the text of an OBJ file, so that it is read as any other mesh.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use super::maths::{cos_turns, sin_turns};
 /// Rings along the knot and corners of a ring.
 const RINGS: u32 = 288;
 const CORNERS: u32 = 24;
-/// Radii of the torus the knot is wound on, and of its tube.
+/// Radii of the torus that carries the knot, and the radius of its tube.
 const TORUS: [f64; 2] = [1.0, 0.45];
 const TUBE: f64 = 0.24;
 
@@ -19,18 +19,18 @@ fn middle(turns: f64) -> DVec3 {
     DVec3::new(reach * cos_turns(2.0 * turns), TORUS[1] * sin_turns(3.0 * turns), reach * sin_turns(2.0 * turns))
 }
 
-/// The OBJ text: positions and texture coordinates (u along the knot, v around the tube, one repeat each), no normals.
+/// OBJ text: positions and texture coordinates (u along the knot, v around the tube, one repeat each), no normals.
 ///
-/// Length : circumference is 10.2 : 1 within 5 %, the repeats that make texels square.
+/// Length : circumference is 10.2 : 1 within 5 %: the repeats that make texels square.
 pub(super) fn knot() -> String {
     let mut text = String::new();
     for ring in 0..RINGS {
         let turns = f64::from(ring) / f64::from(RINGS);
         let at = middle(turns);
-        // A thousandth of a turn to both sides: the direction to 1e-5.
+        // A thousandth of a turn to both sides gives the direction to 1e-5.
         let along = (middle(turns + 1e-3) - middle(turns - 1e-3)).normalize();
         let core = DVec3::new(cos_turns(2.0 * turns), 0.0, sin_turns(2.0 * turns)) * TORUS[0];
-        // Along, side and outwards are right-handed, so that u, v and the normal are.
+        // Along, side and outwards are right-handed; hence so are u, v and the normal.
         let side = (at - core).cross(along).normalize();
         let out = along.cross(side);
         for corner in 0..CORNERS {
@@ -73,7 +73,7 @@ mod tests {
         assert!(read.without_uv.is_none() && read.warnings.is_empty(), "{:?}", read.warnings);
         assert_eq!(read.mesh.triangles.len() as u32, 2 * RINGS * CORNERS);
         for vertex in &read.mesh.vertices {
-            // Normals away from the middle of the tube: within the sag of a chord of 15° and the knot's own bend.
+            // Normals point away from the middle of the tube, within the sag of a chord of 15° and the knot's bend.
             let nearest = (0..RINGS)
                 .map(|ring| middle(f64::from(ring) / f64::from(RINGS)))
                 .min_by(|a, b| a.distance(vertex.position).total_cmp(&b.distance(vertex.position)))

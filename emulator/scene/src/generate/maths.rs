@@ -1,18 +1,19 @@
-//! Arithmetic of the generators: only +, −, ×, ÷, √ and rounding, which IEEE 754 fixes to the last bit, so a generated
-//! map is the same on every machine. (The sine and cosine of a platform's library are not.)
+//! Arithmetic of the generators: only +, −, ×, ÷, √ and rounding. IEEE 754 fixes them to the last bit, so a generated
+//! map is equal on every machine. (The sine and cosine of a platform's library are not.)
 
 use roughxel_utilities::random::SplitMix64;
 use std::f64::consts::TAU;
 
 /// Sine of `turns` full turns; absolute error below 1e-13 for |turns| < 1000, exact at whole quarter turns.
 ///
-/// Taylor polynomials on [−π/4, π/4]: the remainders are (π/4)¹⁷/17! = 4.6e-17 and (π/4)¹⁸/18! = 2e-18; what is left
-/// is the rounding of `turns`.
+/// Taylor polynomials on [−π/4, π/4] have the remainders (π/4)¹⁷/17! = 4.6e-17 and (π/4)¹⁸/18! = 2e-18. The rest of the
+/// error is the rounding of `turns`.
 #[inline(always)]
 pub(crate) fn sin_turns(turns: f64) -> f64 {
     let wrapped = turns - (turns + 0.5).floor();
     let folded = if wrapped.abs() > 0.25 { 0.5_f64.copysign(wrapped) - wrapped } else { wrapped };
-    // Near whole turns the sine, elsewhere the cosine of what is left of a quarter: values are chosen, not ways, so that loops become vectors.
+    // Near whole turns the sine is evaluated, elsewhere the cosine of the rest of a quarter. Values are selected without branches, so that
+    // loops vectorise.
     let is_near = folded.abs() <= 0.125;
     let x = TAU * if is_near { folded } else { 0.25 - folded.abs() };
     let square = x * x;
@@ -74,7 +75,7 @@ pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// What the seed of a [`hash`] is mixed with.
+/// Multiplier of the seed of a [`hash`].
 const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A 64-bit mix of three lattice coordinates and a seed: one step of SplitMix64 for each.
@@ -83,7 +84,7 @@ pub(crate) fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
     [x, y, z].into_iter().fold(seed ^ SEED, mixed)
 }
 
-/// What a coordinate more makes of a [`hash`].
+/// Mixes one more coordinate into a [`hash`].
 #[inline(always)]
 fn mixed(state: u64, coordinate: i64) -> u64 {
     SplitMix64::new(state.wrapping_add(coordinate as u64)).next_u64()
@@ -95,7 +96,7 @@ pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Random numbers in the shapes that maps need.
+/// Random numbers in the shapes that maps use.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(SplitMix64);
 
@@ -117,8 +118,8 @@ impl Random {
     }
 }
 
-/// Smooth noise in [−1, 1] on the integer lattice: trilinear with a quintic ease; repeats after `period` cells in each
-/// coordinate (0: never).
+/// Smooth noise in [−1, 1] on the integer lattice: trilinear with a quintic ease. It repeats after `period` cells in
+/// each coordinate (0: never).
 #[inline(always)]
 pub(crate) fn lattice_noise(seed: u64, at: [f64; 3], period: [i64; 3]) -> f64 {
     let floor = at.map(f64::floor);
@@ -132,7 +133,7 @@ pub(crate) fn lattice_noise(seed: u64, at: [f64; 3], period: [i64; 3]) -> f64 {
         period => (cell[axis] + step).rem_euclid(period),
     };
     let ends: [[i64; 2]; 3] = std::array::from_fn(|axis| [wrap(axis, 0), wrap(axis, 1)]);
-    // Corners share what their hashes begin with: fourteen steps, not 24. Bits of a corner's number are its ends in x, y and z.
+    // Corners share the beginning of their hashes: 14 steps, not 24. The bits of a corner's number are its ends in x, y and z.
     let (mut of_x, mut of_y, mut of_z) = ([0; 2], [0; 4], [0; 8]);
     for (corner, hash) in of_x.iter_mut().enumerate() {
         *hash = mixed(seed ^ SEED, ends[0][corner]);
@@ -159,7 +160,7 @@ mod tests {
     fn sine_and_cosine_agree_with_the_library() {
         for step in -4000..4000 {
             let turns = f64::from(step) / 977.0;
-            // Bound of the polynomial; the library's own error is a thousandth of it.
+            // Bound of the polynomial; the library's error is a thousandth of it.
             assert!((sin_turns(turns) - (TAU * turns).sin()).abs() < 1e-13, "{turns}");
             assert!((cos_turns(turns) - (TAU * turns).cos()).abs() < 1e-13, "{turns}");
         }
@@ -197,7 +198,7 @@ mod tests {
     fn lattice_noise_repeats_after_its_period() {
         let at = [0.3, 1.7, 2.2];
         let here = lattice_noise(5, at, [4, 3, 0]);
-        // The only difference is the rounding of the shifted coordinate.
+        // Only the rounding of the shifted coordinate differs.
         assert!((here - lattice_noise(5, [4.3, 1.7, 2.2], [4, 3, 0])).abs() < 1e-12);
         assert!((here - lattice_noise(5, [0.3, -1.3, 2.2], [4, 3, 0])).abs() < 1e-12);
         assert!(here.abs() <= 1.0);

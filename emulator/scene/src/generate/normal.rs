@@ -6,13 +6,13 @@ use crate::error::SceneError;
 use crate::picture::Picture;
 use crate::source::Arguments;
 
-/// Hammered metal: hollow dents that meet in sharp edges, which no height map's differences keep.
+/// Hammered metal: hollow dents that meet in sharp edges, which differences of heights do not keep.
 pub(super) fn hammered(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     let size = keys.size(512)?;
     let seed = u64::from(keys.seed()?);
-    // Along an edge.
+    // Dents along an edge.
     let dents = i64::from(keys.whole("dents", 8, 2..=256)?);
-    // Of a dent half a cell away from its middle.
+    // Slope of a dent half a cell away from its middle.
     let slope = keys.number("slope", 0.25, 0.0..=2.0)?;
     let pixels = grid.square(
         size,
@@ -25,7 +25,7 @@ pub(super) fn hammered(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, 
             for step in 0..9 {
                 let at = [cell[0] + step % 3 - 1, cell[1] + step / 3 - 1];
                 let [i, j] = at.map(|index| index.rem_euclid(dents));
-                // Within the middle two thirds of its cell.
+                // A point within the middle two thirds of its cell.
                 let middle = |axis: i64| 1.0 / 6.0 + 2.0 / 3.0 * unit(hash(seed, i, j, 4 + axis));
                 let from_middle = [x - at[0] as f64 - middle(0), y - at[1] as f64 - middle(1)];
                 let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
@@ -33,7 +33,7 @@ pub(super) fn hammered(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, 
                     nearest = from_middle;
                 }
             }
-            // A bowl: its height grows with the square of the distance, its normal leans towards the middle.
+            // A bowl: the height grows with the square of the distance; the normal leans towards the middle.
             let [lean_u, lean_v] = nearest.map(|distance| -2.0 * slope * distance);
             normalised([lean_u, lean_v, 1.0]).map(|component| (0.5 + 0.5 * component) as f32)
         },
@@ -54,7 +54,7 @@ mod tests {
         for row in 0..64 {
             for column in 0..64 {
                 let step = lean((column + 1) % 64, row, 0) - lean(column, row, 0);
-                // Inside a dent the lean along u falls; only an edge between dents turns it back.
+                // Inside a dent the lean along u falls; only an edge between dents raises it.
                 edges += usize::from(step > 0.0);
             }
         }

@@ -1,4 +1,4 @@
-//! Generated heights of worked and woven surfaces (S97 §8, F92 Fig. 4–8): grey pictures from 0 to 1 that repeat.
+//! Generated heights of worked and woven surfaces (S97 §8, F92 Fig. 4–8): grey pictures from 0 to 1 that wrap.
 
 use super::grid::Grid;
 use super::height::grey;
@@ -7,17 +7,17 @@ use crate::error::SceneError;
 use crate::picture::Picture;
 use crate::source::Arguments;
 
-/// Long thin scratches along u, each a groove that fades out at both ends.
+/// Long thin scratches along u: grooves that fade out at both ends.
 pub(super) fn brushed(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     let edge = keys.size(512)?;
     let size = i64::from(edge);
     let mut heights = vec![0.0; (size * size) as usize];
     let mut random = Random::new(keys.seed()?);
     let scratches = keys.whole("scratches", 2000, 1..=20_000)?;
-    // Of the longest scratch, in repeats.
+    // Length of the longest scratch, in repeats.
     let length = keys.number("length", 0.5, 0.01..=1.0)?;
     let half_width = 0.5 * keys.number("width_texels", 4.0, 2.0..=16.0)?;
-    // How far single scratches turn away from u.
+    // Largest turn of single scratches away from u.
     let spread_degrees = keys.number("spread_degrees", 2.0, 0.0..=30.0)?;
     grid.begin(scratches.into());
     for _ in 0..scratches {
@@ -42,7 +42,8 @@ pub(super) fn brushed(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, S
     Ok(grey(edge, &heights))
 }
 
-/// A profile along one direction, `periods_u` and `periods_v` of it along u and v, from its height at a phase in [0, 1).
+/// A profile along one direction, from its height at a phase in [0, 1): `periods_u` periods along u, `periods_v` along
+/// v.
 fn profile(grid: Grid<'_>, keys: &Arguments<'_>, height: impl Fn(f64) -> f64) -> Result<Picture, SceneError> {
     let periods = [keys.whole("periods_u", 8, 0..=1024)?, keys.whole("periods_v", 0, 0..=1024)?];
     if periods == [0; 2] {
@@ -68,14 +69,14 @@ pub(super) fn grooves(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, S
     profile(grid, keys, |phase| (2.0 * phase - 1.0).abs())
 }
 
-/// Round caps or rods side by side, cut where their flank becomes too steep.
+/// Round caps or rods in rows, clipped where their flank becomes too steep.
 #[derive(Clone, Debug)]
 pub(super) struct Round {
     /// Edge in texels.
     pub(super) size: u32,
-    /// Along an edge.
+    /// Number along an edge.
     pub(super) count: u32,
-    /// (distance from the axis / radius)² at which a cap or rod ends; its slope there is √(rim/(1 − rim)).
+    /// (distance from the axis / radius)² at the end of a cap or rod; the slope there is √(rim/(1 − rim)).
     pub(super) rim: f64,
 }
 
@@ -88,19 +89,19 @@ impl Round {
         })
     }
 
-    /// Place in a cell, −1 to 1, of a texel; with a whole number of texels a cell, rim and axis are both met.
+    /// Place of a texel in its cell, −1 to 1. With a whole number of texels a cell, rim and axis are both met.
     fn place(&self, texel: u32) -> f64 {
         let cell = f64::from(texel) * f64::from(self.count) / f64::from(self.size);
         2.0 * (cell - cell.floor()) - 1.0
     }
 
-    /// Height in radii at a squared distance from the axis, 0 from the rim on.
+    /// Height in radii at a squared distance from the axis; 0 from the rim on.
     fn height(&self, square: f64) -> f64 {
         if square < self.rim { (1.0 - square).sqrt() - (1.0 - self.rim).sqrt() } else { 0.0 }
     }
 }
 
-/// Spherical caps in a square lattice, flat between (F92 Fig. 5): the radius is half a cell.
+/// Spherical caps in a square lattice, flat between (F92 Fig. 5). The radius is half a cell.
 pub(super) fn hemispheres(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {
     let caps = Round::new(keys)?;
     let heights = grid.square(caps.size, |column, row| {
@@ -120,8 +121,8 @@ pub(super) fn cylinders(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture,
     Ok(grey(rods.size, &heights))
 }
 
-/// Twill of round threads (F92 Fig. 7): each warp thread, along v, passes over three wefts and under one, one weft
-/// further up than its neighbour to the left.
+/// Twill of round threads (F92 Fig. 7). Each warp thread, along v, passes over three wefts and under one, one weft
+/// further up than its left neighbour.
 #[derive(Clone, Debug)]
 pub(super) struct Denim {
     /// Edge in texels.
@@ -132,7 +133,7 @@ pub(super) struct Denim {
     pub(super) twist: f64,
 }
 
-/// What is on top at a point of the cloth.
+/// The upper thread at a point of the cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Strand {
     /// Height in radii of a thread.
@@ -144,7 +145,7 @@ pub(super) struct Strand {
 const TWILL: i64 = 4;
 /// Height of a crossing thread above the middle of the cloth, in radii.
 const CROSSING: f64 = 0.45;
-/// Share of a radius that is left of a thread's section at its edge: threads are pressed against each other.
+/// Height of a thread's section at its edge, in radii: threads are pressed against each other.
 const PRESSED: f64 = 0.6;
 
 impl Denim {
@@ -161,7 +162,7 @@ impl Denim {
         let in_threads = |texel: u32| (f64::from(texel) + 0.5) * f64::from(self.threads) / f64::from(self.size);
         let (u, v) = (in_threads(column), in_threads(self.size - 1 - row));
         let (warp, weft) = (u.floor(), v.floor());
-        // Centres of crossings have phase 0 where the warp passes under.
+        // Crossings at which the warp passes under have phase 0 at their centres.
         let phase = |u: f64, v: f64| {
             let steps = (v - u) / TWILL as f64;
             (steps - (steps + 0.5).floor()).abs() * TWILL as f64
@@ -223,7 +224,7 @@ mod tests {
         assert_eq!((at(&sheet, 0, 63), at(&sheet, 16, 63)), (1.0, 0.0));
         assert_eq!(at(&sheet, 0, 31), 0.0, "half a period up");
         let grooves = made(grooves, "size = 64, periods_u = 4");
-        // Two flanks: every step is the same, up or down.
+        // Two flanks: every step has one size, up or down.
         assert!((0..63).all(|x| (at(&grooves, x + 1, 0) - at(&grooves, x, 0)).abs() == 0.125));
     }
 
@@ -258,12 +259,12 @@ mod tests {
     fn denim_repeats_without_a_seam() {
         let map = made(denim, "size = 64, threads = 4");
         let step = |a: (u32, u32), b: (u32, u32)| (at(&map, a.0, a.1) - at(&map, b.0, b.1)).abs();
-        // The same crossing one twill on: across the seam as four threads before.
+        // The same crossing one twill further: across the seam as four threads earlier.
         let tiled = made(denim, "size = 128, threads = 8");
         for texel in 0..64 {
             let seam = step((63, texel), (0, texel));
             let inside = (at(&tiled, 63, texel + 64) - at(&tiled, 64, texel + 64)).abs();
-            // Both maps are spread from 0 to 1 with the same highest and lowest texel.
+            // Both maps are scaled from 0 to 1 with equal highest and lowest texels.
             assert!((seam - inside).abs() < 1e-6, "row {texel}: {seam} {inside}");
         }
     }

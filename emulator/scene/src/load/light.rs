@@ -1,4 +1,4 @@
-//! Light of pictures: exposure, and what of it their storage does not hold.
+//! Light of pictures: exposure, and the light that their storage clamps.
 
 use crate::picture::Picture;
 use roughxel_utilities::exp2::exp2;
@@ -15,7 +15,7 @@ pub(super) fn expose(faces: &mut [Picture; 6], stops: f64) {
     }
 }
 
-/// Light that is too bright, light below zero, all light: without signs, over all channels.
+/// Light that is too bright, light below zero, and all light: magnitudes summed over all channels.
 #[derive(Default)]
 struct Light {
     above: f64,
@@ -32,7 +32,7 @@ impl Light {
         }
     }
 
-    /// A sentence for each kind of light that is cut.
+    /// A sentence for each kind of clamped light.
     fn warnings(&self, name: &str, limit: f64, remedy: &str) -> Vec<String> {
         let share = |part: f64| match part / self.all * 100.0 {
             percent if percent < 0.01 => "less than 0.01 %".to_owned(),
@@ -47,7 +47,7 @@ impl Light {
     }
 }
 
-/// What is cut of an environment, by the solid angles of its texels.
+/// Warnings for the clamped light of an environment, weighted by the solid angles of its texels.
 pub(super) fn cut_environment(faces: &[Picture; 6]) -> Vec<String> {
     let mut light = Light::default();
     for face in faces {
@@ -56,7 +56,7 @@ pub(super) fn cut_environment(faces: &[Picture; 6]) -> Vec<String> {
         for (row, line) in face.pixels.chunks_exact(face.width as usize).enumerate() {
             let t = centre(row).powi(2);
             for (pixel, s) in line.iter().zip(&columns) {
-                // The solid angle of a texel over its area on the face, at its centre.
+                // A texel's solid angle over its area on the face, at its centre, is `square`^(−3/2).
                 let square = 1.0 + s + t;
                 light.add(*pixel, 1.0 / (square * square.sqrt()), BRIGHTEST_ENVIRONMENT);
             }
@@ -65,7 +65,7 @@ pub(super) fn cut_environment(faces: &[Picture; 6]) -> Vec<String> {
     light.warnings("environment", BRIGHTEST_ENVIRONMENT, "; choose a lower `exposure`")
 }
 
-/// What is cut of a colour map.
+/// Warnings for the clamped light of a colour map.
 pub(super) fn cut_colour(name: &str, picture: &Picture) -> Vec<String> {
     let mut light = Light::default();
     picture.pixels.iter().for_each(|&pixel| light.add(pixel, 1.0, BRIGHTEST_COLOUR));
@@ -91,14 +91,14 @@ mod tests {
         let dim = Picture::filled(2, 2, [1.0; 3]);
         let mut faces = [(); 6].map(|()| dim.clone());
         assert!(cut_environment(&faces).is_empty());
-        // All texels of 2×2 have the same solid angle: 24 · 3 of light, 1 of it below zero.
+        // All texels of 2×2 have one solid angle: 24 · 3 of light, 1 of it below zero.
         faces[5].pixels[3] = [1.0, 1.0, -1.0];
         assert_eq!(cut_environment(&faces), ["environment: 1.39 % of the light is below 0 and was cut"]);
         // Twice the limit in one of 72 numbers: about half of the light.
         faces[5].pixels[3] = [1.0, 1.0, 2.0 * BRIGHTEST_ENVIRONMENT as f32];
         let warning = "50.00 % of the light is above 1048320 × white and was cut; choose a lower `exposure`";
         assert_eq!(cut_environment(&faces), [format!("environment: {warning}")]);
-        // In the middle of a face a texel covers more than in a corner: (1 + 0 + 0) against (1 + 4/9 + 4/9).
+        // A texel covers more in the middle of a face than in a corner: (1 + 0 + 0) against (1 + 4/9 + 4/9).
         let mut faces = [(); 6].map(|()| Picture::filled(3, 3, [0.0; 3]));
         (faces[0].pixels[0], faces[0].pixels[4]) = ([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]);
         assert_eq!(cut_environment(&faces), ["environment: 72.19 % of the light is below 0 and was cut"]);

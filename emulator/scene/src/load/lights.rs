@@ -12,15 +12,15 @@ use crate::source::{Exactly, Source};
 
 /// Amplitudes of peaks, the range of their storage.
 const AMPLITUDES: std::ops::RangeInclusive<f64> = 0.0..=15.0;
-/// Colours of lights may be brighter than white.
+/// Largest channel of a light's colour: brighter than white is allowed.
 const BRIGHTEST: f64 = 16.0;
 /// Coordinates of directions and positions.
 const COORDINATES: std::ops::RangeInclusive<f64> = -1e6..=1e6;
 
-/// A vector with a length, made unit.
+/// A vector with a length, normalised.
 fn direction(source: &Source, key: &str, vector: &Spanned<Exactly<f64, 3>>) -> Result<DVec3, SceneError> {
     let direction = DVec3::from_array(source.all_in_range(key, vector, COORDINATES)?);
-    // The square of a shorter one would lose digits.
+    // The square of a shorter vector would lose digits.
     if direction.length() < 1e-6 {
         let help = "give a vector of any length but zero, for example [0, 0, 1]";
         return Err(source.value_error(vector.span(), format!("`{key}` has no length"), help));
@@ -59,7 +59,7 @@ pub(super) fn lights(source: &Source, lights: &[Spanned<LightDescription>]) -> R
     lights.iter().map(light).collect()
 }
 
-/// What an object's maps are, for what needs one.
+/// Facts about an object's maps, for keys that need a map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Available {
     pub(super) lights: bool,

@@ -1,4 +1,4 @@
-//! The maps of a scene: environments, colour, bump and roughness maps, from files or generated.
+//! Maps of a scene: environments, colour, bump and roughness maps, from files or generated.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -22,19 +22,19 @@ use crate::scene::EnvironmentSource;
 use crate::source::{ArgumentTable, Arguments, Source};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 
-/// Reads the maps of one scene; those that are named more than once are made once.
+/// Reads the maps of one scene; a map that is named more than once is made once.
 pub(super) struct Maps<'a> {
     pub(super) source: &'a Source,
     progress: &'a dyn MapProgress,
     colour_maps: HashMap<String, Arc<Picture>>,
     bumps: HashMap<String, Arc<BumpField>>,
     roughness: HashMap<String, Arc<RoughnessField>>,
-    /// What was repaired, one sentence each.
+    /// Repairs, one sentence each.
     pub(super) warnings: Vec<String>,
 }
 
 impl<'a> Maps<'a> {
-    /// Nothing read so far.
+    /// A reader of `source` that has read nothing.
     pub(super) fn new(source: &'a Source, progress: &'a dyn MapProgress) -> Self {
         Self {
             source,
@@ -113,7 +113,7 @@ impl Maps<'_> {
         self.source.base_dir.join(path)
     }
 
-    /// The picture of a table with `path` or `generate`; refuses keys that neither it nor the caller asked for.
+    /// The picture of a table with `path` or `generate`. Keys that neither it nor the caller asked for are refused.
     fn picture(
         &self,
         arguments: &Arguments<'_>,
@@ -131,7 +131,7 @@ impl Maps<'_> {
         Ok(picture)
     }
 
-    /// The colour map of the object of that name.
+    /// Colour map of the object `name`.
     pub(super) fn colour_map(
         &mut self,
         table: &Spanned<ArgumentTable>,
@@ -192,7 +192,7 @@ impl Maps<'_> {
                 OFFSET_LIMIT
             ));
         }
-        // NaN is within nothing.
+        // NaN is in no range.
         if let Some(kept) = &field.heights
             && !kept.heights.iter().all(|height| PEAK_HEIGHTS.contains(height))
         {
@@ -262,7 +262,7 @@ impl Maps<'_> {
                 return Err(arguments.error_at(span, message, "choose \"isotropic\" or \"anisotropic\""));
             }
         };
-        // The grey of a height map is as good for a deviation as for a height.
+        // The grey of a height map serves for a deviation as well as for a height.
         let picture = self.picture(arguments, &HEIGHT_MAPS, Encoding::Linear)?;
         Ok(RoughnessField::from_picture(&picture, channels, deviation))
     }

@@ -1,4 +1,4 @@
-//! Materials: what a surface is made of, and what its maps allow.
+//! Materials: surface properties, and which of them the maps allow.
 
 use glam::DVec3;
 
@@ -12,18 +12,18 @@ use crate::scene::Material;
 use crate::shapes::{Placement, Shape};
 use roughxel_utilities::limits::MAX_COORDINATE;
 
-/// What a scene has besides its objects.
+/// Properties of the scene that a material depends on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surroundings {
     pub(super) environment: bool,
     pub(super) lights: bool,
 }
 
-/// The colour that shows as a grey of (1 − the largest reflectance): white under a reflectance of one number. White under coloured metal
-/// would show what each channel does not reflect, its complement.
+/// Base colour that shows as a grey of (1 − the largest reflectance): white under a reflectance of one number. White under coloured
+/// metal would show the complement of the metal's colour.
 fn neutral_under(reflectance: [f64; 3]) -> [f64; 3] {
     let matt = 1.0 - reflectance.into_iter().fold(0.0, f64::max);
-    // A full mirror shows nothing of what is under it.
+    // A full mirror hides the base colour.
     reflectance.map(|share| if share < 1.0 { matt / (1.0 - share) } else { 1.0 })
 }
 

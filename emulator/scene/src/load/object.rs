@@ -137,7 +137,7 @@ fn obj(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -
     read.map_err(|error| source.value_error(span, error.to_string(), "paths are relative to the scene file"))
 }
 
-/// Where an object stands.
+/// Placement of an object.
 fn placement(source: &Source, object: &ObjectDescription) -> Result<Placement, SceneError> {
     let triple = |key, value, bound: f64| source.numbers::<3>(key, value, [0.0; 3], -bound..=bound);
     let translate = triple("translate", &object.translate, MAX_COORDINATE)?;

@@ -1,4 +1,4 @@
-//! Scenes that are read, and those that are refused.
+//! Scenes that load, and scenes that are refused.
 
 use super::*;
 use crate::bump::FrameSystem;
@@ -44,9 +44,9 @@ fn exposure_scales_an_environment_and_what_it_cuts_is_told() {
         assert!(pixels.into_iter().all(|(a, b)| a.map(|channel| channel * factor) == *b), "{exposure}");
         assert!(warnings.is_empty(), "{warnings:?}");
     }
-    // As bright as a generated sun can be.
+    // The brightest generated sun.
     assert!(sky(", sun = [1000, 1000, 1000], exposure = 10").1.is_empty());
-    // A moon in a bright sky: light is added around it.
+    // A moon in a bright sky: light is added around the moon.
     let keys = "glow = [1000, 1000, 1000], zenith = [1000, 1000, 1000], horizon = [1000, 1000, 1000], exposure = 10";
     let text = format!("environment = {{ generate = \"moon\", face_edge = 16, glow_degrees = 90, {keys} }}\n");
     let [warning] = read(&text).unwrap().warnings.try_into().unwrap();
@@ -223,7 +223,7 @@ fn faces_without_texture_coordinates_take_no_map() {
     let coordinates = "vt 0 0\nvt 1 0\nvt 1 1\n";
     for (obj, line) in [
         (format!("{square}f 1 2 3\n"), 5),
-        // Those that another face has are none of this one's.
+        // The coordinates of another face do not count for this face.
         (format!("{square}{coordinates}f 1/1 2/2 3/3\nf 1 3 4\n"), 9),
     ] {
         let error = read(&obj, &text).unwrap_err().to_string();
@@ -283,7 +283,7 @@ fn a_byte_order_mark_is_skipped_and_counts_as_no_column() {
     assert!(Scene::from_toml("test.toml", &format!("\u{feff}{CAMERA}"), Path::new("")).is_ok());
 }
 
-/// What shows of a white surface under each reflectance: its share that is not reflected, times its colour.
+/// Visible part of a white surface under each reflectance: the share that is not reflected, times the colour.
 #[test]
 fn white_under_coloured_metal_is_not_tinted() {
     let shown = |keys: &str| {
@@ -294,7 +294,7 @@ fn white_under_coloured_metal_is_not_tinted() {
     let (gold, _) = shown("reflectance = [0.9, 0.8, 0.6]");
     assert!(gold.iter().all(|channel| (channel - 0.1).abs() < 1e-6), "{gold:?}");
     assert_eq!(shown("reflectance = [1, 0.5, 0]").0, [0.0; 3]);
-    // What had no tint is what it was: white.
+    // A reflectance without a tint leaves white.
     for keys in ["reflectance = 0.3", "reflectance = 1", "reflectance = [0.5, 0.5, 0.5]", ""] {
         assert_eq!(shown(keys).1, [1.0; 3], "{keys}");
     }
@@ -317,7 +317,7 @@ fn what_is_no_regular_file_is_refused_before_it_is_opened() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    // Each would wait for ever for a writer.
+    // Each read would wait forever for a writer.
     let scene = |rest: &str| {
         let text = format!("{CAMERA}{rest}");
         Scene::from_toml("test.toml", &text, folder.path()).unwrap_err().to_string()

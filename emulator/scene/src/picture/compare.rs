@@ -1,9 +1,9 @@
 //! Pictures compared as a display shows them: structural similarity, and pictures of the difference.
 //!
 //! SSIM is that of Wang, Bovik, Sheikh and Simoncelli (IEEE Transactions on Image Processing 13(4), 2004): a Gaussian window of 11×11
-//! pixels with σ = 1.5, K₁ = 0.01, K₂ = 0.03, the mean over all places where the window lies inside, without scaling down
-//! first. It is taken of the grey a display shows: luminance of the colours cut to [0, 1], as an 8-bit sRGB code, for its
-//! constants are made for such codes; in linear light dark regions would count for nothing.
+//! pixels with σ = 1.5, K₁ = 0.01, K₂ = 0.03. The result is the mean over all places where the window lies inside, without prior
+//! downscaling. It is taken of the displayed grey: luminance of the colours clamped to [0, 1], as an 8-bit sRGB code. The constants
+//! are made for such codes; in linear light dark regions would count for nothing.
 
 use super::{Picture, linear_to_srgb8, srgb_to_linear};
 
@@ -11,14 +11,14 @@ use super::{Picture, linear_to_srgb8, srgb_to_linear};
 const WINDOW_PX: usize = 11;
 /// Standard deviation of the window in pixels.
 const WINDOW_SIGMA_PX: f64 = 1.5;
-/// The largest code.
+/// Largest code.
 const RANGE: f64 = 255.0;
 /// K₁² · range² and K₂² · range².
 const STABILISERS: [f64; 2] = [(0.01 * RANGE) * (0.01 * RANGE), (0.03 * RANGE) * (0.03 * RANGE)];
 /// Shares of red, green and blue in the luminance (ITU-R BT.709, the primaries of sRGB).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// How much [`difference`] enlarges an error.
+/// Gain of errors in [`difference`].
 pub const DIFFERENCE_GAIN: i32 = 4;
 
 /// Mean structural similarity of two pictures in linear light, −1 to 1, 1 for equal ones; symmetric.
@@ -70,8 +70,8 @@ fn windowed(values: &[f64], width: usize) -> Vec<f64> {
     (0..last).map(|first| (0..WINDOW_PX).map(|i| rows[first + i * columns] * weights[i]).sum()).collect()
 }
 
-/// Signed error of `picture` against `truth`, a picture of the same size: per channel 128 + 4 (code − true code), 8-bit sRGB
-/// codes, cut to 0…255. Grey is equal, lighter is too bright; an error of 32 codes saturates.
+/// Signed error of `picture` against `truth`, a picture of equal size: per channel 128 + 4 (code − true code), in 8-bit sRGB
+/// codes, clamped to 0…255. Grey means equal, lighter means too bright; an error of 32 codes saturates.
 ///
 /// `None` for pictures of different size.
 pub fn difference(picture: &Picture, truth: &Picture) -> Option<Picture> {
@@ -123,7 +123,8 @@ mod tests {
 
     #[test]
     fn one_window_weighs_its_pixels_by_the_bell() {
-        // A single place: the weight of the bright pixel is w, so mean w·255, variance w (1 − w)·255², against black.
+        // One window position: the weight of the bright pixel is w, so the mean is w·255, the variance w (1 − w)·255²,
+        // against black.
         let black = codes(11, 11, |_, _| 0);
         let total: f64 = (-5..=5).map(|i: i32| (-f64::from(i * i) / 4.5).exp()).sum();
         for (place, distance_squared) in [((5, 5), 0.0), ((6, 5), 1.0), ((5, 2), 9.0), ((0, 0), 50.0)] {

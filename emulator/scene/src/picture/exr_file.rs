@@ -16,12 +16,12 @@ const MAX_BLOCK_BYTES: usize = 1 << 30;
 
 /// Reads an OpenEXR picture; one channel becomes three equal ones, alpha is ignored, negative values become 0.
 ///
-/// Takes the first layer with channels R, G and B, a Y, or a single channel, at full resolution; the picture is that
-/// layer's data window. Values are linear light in any units; negative ones (ringing of resampling filters) are no light.
+/// Takes the first layer with channels R, G and B, a Y, or a single channel, at full resolution. The picture is the data window of that layer.
+/// Values are linear light in any units; negative values (ringing of resampling filters) are no light.
 ///
 /// # Errors
-/// A file that cannot be opened, is no EXR, is cut off or damaged; deep, subsampled, integer or B44-compressed data; a
-/// picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS); a pixel that is NaN, infinite or missing (reported as NaN).
+/// A file that cannot be opened, is no EXR, is truncated or damaged; deep, subsampled, integer or B44-compressed data; a picture larger than
+/// [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS); a pixel that is NaN, infinite or missing (reported as NaN).
 pub fn read_exr(path: &Path) -> Result<Picture, PictureError> {
     let damaged = |reason: exr::error::Error| PictureError::damaged(path, "EXR", reason);
     let reader = exr::block::read(open(path)?, false).map_err(damaged)?;
@@ -47,7 +47,7 @@ pub fn read_exr(path: &Path) -> Result<Picture, PictureError> {
     let mut pixels = vec![[f32::NAN; 3]; width * height];
     chunks
         .decompress_sequential(false, |_, block| {
-            // A block that lies about its place is skipped; its pixels stay missing.
+            // A block with a false position is skipped; its pixels stay missing.
             if block.index.layer != layer || block.index.level != exr::math::Vec2(0, 0) {
                 return Ok(());
             }
@@ -97,7 +97,7 @@ fn read_line(line: &LineRef<'_>, sample_type: SampleType, row: &mut [[f32; 3]], 
     Ok(())
 }
 
-/// Limits of size and kind that hold for every layer, as all their block tables are read.
+/// Limits of size and kind for every layer, as all block tables are read.
 fn check_exr_header(path: &Path, header: &Header) -> Result<(), PictureError> {
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
     check_size(path, width as u64, height as u64)?;
@@ -109,8 +109,8 @@ fn check_exr_header(path: &Path, header: &Header) -> Result<(), PictureError> {
     if header.deep {
         return Err(unsupported("holds deep data"));
     }
-    // The decoder's B44 overflows on damaged blocks; every other compression returned errors for all of
-    // 10⁵ damaged files of each kind.
+    // The decoder's B44 overflows on damaged blocks. Every other compression returns errors for all of 10⁵ damaged
+    // files of each kind.
     if matches!(header.compression, Compression::B44 | Compression::B44A) {
         return Err(unsupported("is compressed by B44"));
     }
@@ -136,7 +136,7 @@ fn colour_channels(header: &Header) -> Option<[usize; 3]> {
     Some([single; 3])
 }
 
-/// Only full-resolution floats can be a colour.
+/// Checks that the channels are full-resolution floats, as colours must be.
 fn check_exr_channels(path: &Path, header: &Header, channels: [usize; 3]) -> Result<(), PictureError> {
     let list = &header.channels.list;
     let subsampled = list.iter().any(|channel| channel.sampling != exr::math::Vec2(1, 1));

@@ -1,7 +1,7 @@
 //! HDR (Radiance): red, green and blue with a common exponent, a byte each; plain, or in runs of the old or the new kind.
 //!
-//! Read here and not by a library: of those that read nothing else, `zune-hdr` 0.5 wraps exponents beyond ±31, loses old runs and takes
-//! a file that is cut off for a black one; `radiant` 0.3 knows one of the two first lines and divides by 255.
+//! The reader is here, as the libraries for this format alone have faults. `zune-hdr` 0.5 wraps exponents beyond ±31, loses old runs
+//! and reads a truncated file as black. `radiant` 0.3 knows one of the two first lines and divides by 255.
 
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -13,12 +13,12 @@ const MAX_HEADER_BYTES: u64 = 1 << 16;
 /// Widths whose lines may have runs of the new kind.
 const NEW_RUNS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
-/// Reads a Radiance picture: linear light in any units, `mantissa · 2^(exponent − 136)`; `EXPOSURE` and other variables of its
-/// header are ignored.
+/// Reads a Radiance picture: linear light in any units, `mantissa · 2^(exponent − 136)`. `EXPOSURE` and other variables of the header
+/// are ignored.
 ///
 /// # Errors
-/// A file that cannot be opened, is no Radiance picture, is cut off or damaged; CIE colours (XYZE); rows that do not run from left to
-/// right and from top to bottom; a picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
+/// A file that cannot be opened, is no Radiance picture, is truncated or damaged; CIE colours (XYZE); rows that do not run from left
+/// to right and from top to bottom; a picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
 pub fn read_hdr(path: &Path) -> Result<Picture, PictureError> {
     let mut reader = open(path)?;
     let (width, height) = read_header(path, &mut reader)?;
@@ -32,7 +32,7 @@ pub fn read_hdr(path: &Path) -> Result<Picture, PictureError> {
     Ok(Picture { width, height, pixels })
 }
 
-/// The size, from the header: `#?`, lines, an empty one, and one such as `-Y 512 +X 1024`.
+/// Size from the header: `#?`, lines, an empty line, and a line such as `-Y 512 +X 1024`.
 fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), PictureError> {
     let damaged = |reason: &str| PictureError::damaged(path, "HDR", reason);
     let mut header = reader.take(MAX_HEADER_BYTES);
@@ -73,7 +73,7 @@ fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), Pic
     check_size(path, width, height)
 }
 
-/// Reads the pixels of a row; its first four bytes tell how they are stored.
+/// Reads the pixels of a row; its first four bytes tell the storage.
 fn read_line(reader: &mut impl Read, line: &mut [[u8; 4]]) -> Result<(), String> {
     let first = read(reader)?;
     if NEW_RUNS.contains(&line.len()) && first[..2] == [2, 2] && first[2] < 128 {
@@ -85,7 +85,8 @@ fn read_line(reader: &mut impl Read, line: &mut [[u8; 4]]) -> Result<(), String>
     read_old_runs(reader, line, first)
 }
 
-/// Runs of a byte (above 128: so many more than 128 times the next one) and stretches of different ones, channel by channel.
+/// Reads runs of a byte and stretches of different bytes, channel by channel. A count above 128 is a run of (count − 128)
+/// times the next byte.
 fn read_new_runs(reader: &mut impl Read, line: &mut [[u8; 4]], channel: usize) -> Result<(), String> {
     let mut rest = line;
     while !rest.is_empty() {
@@ -107,7 +108,8 @@ fn read_new_runs(reader: &mut impl Read, line: &mut [[u8; 4]], channel: usize) -
     Ok(())
 }
 
-/// Pixels, and between them (1, 1, 1, n): the last one n times more, n · 256 times in a second such mark, and so on.
+/// Reads pixels, and between them marks (1, 1, 1, n): the last pixel n more times, n · 256 times in a second
+/// consecutive mark, and so on.
 fn read_old_runs(reader: &mut impl Read, line: &mut [[u8; 4]], first: [u8; 4]) -> Result<(), String> {
     let (mut filled, mut shift, mut next) = (0usize, 0, first);
     loop {
@@ -181,7 +183,7 @@ mod tests {
     fn runs_of_both_kinds_are_the_same_picture() {
         let (a, b) = ([10, 20, 30, 128], [40, 50, 60, 130]);
         let plain = [[a; 9].concat(), b.to_vec()].concat();
-        // 9 times the first, then the other.
+        // 9 times the first pixel, then the other.
         let old = [&a[..], &[1, 1, 1, 8], &b].concat();
         let mut new = vec![2, 2, 0, 10];
         for channel in 0..4 {

@@ -1,4 +1,4 @@
-//! PNG: 1, 2, 4, 8 or 16 bits are read, 8 written.
+//! PNG files: 1, 2, 4, 8 or 16 bits are read, 8 bits written.
 
 use std::io::Write;
 use std::path::Path;
@@ -10,11 +10,12 @@ use roughxel_utilities::output::OutputFile;
 
 /// Reads a PNG; grey becomes three equal channels, alpha is ignored.
 ///
-/// Range of the pixels: 0…1; code / (2^bits − 1), by the sRGB curve if `encoding` says so, rounded to float32 once.
-/// Of an animation, the default image.
+/// Range of the pixels: 0…1; code / (2^bits − 1), by the sRGB curve if `encoding` says so, rounded to float32 once. An animation gives its default
+/// image.
 ///
 /// # Errors
-/// A file that cannot be opened, is no PNG, is cut off or damaged, or is larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
+/// A file that cannot be opened, is no PNG, is truncated or damaged, or is larger than [`MAX_EDGE`](super::MAX_EDGE) or
+/// [`MAX_PIXELS`](super::MAX_PIXELS).
 pub fn read_png(path: &Path, encoding: Encoding) -> Result<Picture, PictureError> {
     let damaged = |reason: png::DecodingError| PictureError::damaged(path, "PNG", reason);
     let mut decoder = png::Decoder::new(open(path)?);
@@ -44,7 +45,7 @@ pub fn read_png(path: &Path, encoding: Encoding) -> Result<Picture, PictureError
     Ok(Picture { width, height, pixels })
 }
 
-/// Pixels from packed samples: channels 0, 1, 2, or channel 0 three times where there are fewer than three.
+/// Pixels from packed samples: channels 0, 1, 2, or channel 0 three times if there are fewer than three.
 fn collect_pixels(
     bytes: &[u8],
     bytes_per_pixel: usize,
@@ -80,7 +81,7 @@ pub(super) fn decode_table(largest: u32, encoding: Encoding) -> Vec<f32> {
 
 /// Writes an 8-bit sRGB PNG of linear light, each value by [`linear_to_srgb8`].
 ///
-/// The file appears complete or not at all: it is written beside `path` and renamed.
+/// The file appears complete or not at all: it is written next to `path` and renamed.
 ///
 /// # Errors
 /// A directory that is missing or read-only, a full disk, a picture without pixels or not `width · height` of them.
@@ -88,8 +89,8 @@ pub fn write_png_srgb(path: &Path, picture: &Picture) -> Result<(), PictureError
     write_png_codes(path, [picture.width, picture.height], &srgb_codes(&picture.pixels, |pixel| *pixel))
 }
 
-/// The sRGB code of each channel of `pixels`, by [`linear_to_srgb8`] of what `linear` makes of them. Each goes to its own place: nothing is
-/// held beside the codes.
+/// sRGB codes of each channel of `pixels`, by [`linear_to_srgb8`] of the result of `linear`. Each code goes to its own place: nothing is
+/// held in addition to the codes.
 pub fn srgb_codes<T: Sync>(pixels: &[T], linear: impl Fn(&T) -> [f32; 3] + Sync) -> Vec<u8> {
     let mut codes = vec![0; 3 * pixels.len()];
     codes.par_chunks_exact_mut(3).zip(pixels).for_each(|(codes, pixel)| {
@@ -98,8 +99,8 @@ pub fn srgb_codes<T: Sync>(pixels: &[T], linear: impl Fn(&T) -> [f32; 3] + Sync)
     codes
 }
 
-/// As [`write_png_srgb`], of codes, three of each pixel in rows from the top: who has them needs no picture in linear light, which is
-/// four times as large.
+/// Writes a PNG of codes, three per pixel in rows from the top, as [`write_png_srgb`] does. A picture in linear light would be four
+/// times as large.
 ///
 /// # Errors
 /// As [`write_png_srgb`].
@@ -111,12 +112,14 @@ pub fn write_png_codes(path: &Path, size: [u32; 2], codes: &[u8]) -> Result<(), 
     written.map_err(|source| PictureError::write(path, source))
 }
 
-/// The compressed picture is held as a whole, for it is one chunk of the file: at most what the codes take and a thousandth.
+/// Writes the picture in compressed form. It is held as a whole, for it is one chunk of the file: at most the size of the
+/// codes and a thousandth.
 fn encode_png(writer: &mut dyn Write, [width, height]: [u32; 2], codes: &[u8]) -> std::io::Result<()> {
     let mut encoder = png::Encoder::new(writer, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // A frame is drawn in 30 to 300 ms: the thorough ones take 50 to 80 for it, this one 2, and files are a third larger.
+    // A frame is drawn in 30 to 300 ms. Thorough compression takes 50 to 80 ms of it, this one 2 ms, and files are a
+    // third larger.
     encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     let mut writer = encoder.write_header()?;

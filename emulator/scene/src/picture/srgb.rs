@@ -12,7 +12,8 @@ pub fn srgb_to_linear(encoded: f64) -> f64 {
         return encoded / 12.92;
     }
     let x = (encoded + 0.055) / 1.055;
-    // From above, 1 ≥ x^⅕ ≥ 0.61: quadratic after two steps; eight reach the last bit, measured over all 16-bit codes.
+    // Iteration from above, 1 ≥ x^⅕ ≥ 0.61: quadratic after two steps. Eight steps reach the last bit, measured over
+    // all 16-bit codes.
     let mut root = 1.0;
     for _ in 0..8 {
         let fourth = (root * root) * (root * root);
@@ -21,14 +22,14 @@ pub fn srgb_to_linear(encoded: f64) -> f64 {
     (x * x) * (root * root)
 }
 
-/// Linear values half-way (in sRGB) between one 8-bit code and the next.
+/// Linear values half-way (in sRGB) between consecutive 8-bit codes.
 static SRGB_THRESHOLDS: LazyLock<[f64; 255]> =
     LazyLock::new(|| std::array::from_fn(|code| srgb_to_linear((code as f64 + 0.5) / 255.0)));
 
-/// Parts of 0…1 that a value is looked up in: at most one threshold lies in each, for at the steepest, below 0.0031, a part is 0.81 codes.
+/// Parts of 0…1 for the look-up of a value. At most one threshold lies in each: at the steepest, below 0.0031, a part is 0.81 codes.
 const PARTS: usize = 4096;
 
-/// The thresholds up to the beginning of each part, and all of them behind the last one.
+/// Number of thresholds up to the beginning of each part, and all of them after the last part.
 static SRGB_PARTS: LazyLock<[u8; PARTS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|part| {
         let begin = part as f64 / PARTS as f64;

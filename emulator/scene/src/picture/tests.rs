@@ -1,4 +1,4 @@
-//! Pictures in all kinds of files, good and damaged.
+//! Pictures in all kinds of files, intact and damaged.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use roughxel_utilities::random::SplitMix64;
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
 
-/// Whether it is an error whose message has this part.
+/// True if the result is an error whose message has this part.
 fn fails<T>(result: Result<T, PictureError>, part: &str) -> bool {
     result.is_err_and(|error| error.to_string().contains(part))
 }
@@ -121,7 +121,7 @@ fn writing_and_reading_returns_every_8_bit_code() -> TestResult {
     let picture = Picture { width: 16, height: 16, pixels: table.iter().map(|value| [*value; 3]).collect() };
     write_png_srgb(&path, &picture)?;
     assert_eq!(read_png(&path, Encoding::Srgb)?, picture);
-    // Over an existing file, too, and nothing else is left in the directory.
+    // An existing file is replaced, and nothing else is left in the directory.
     write_png_srgb(&path, &picture)?;
     assert_eq!(std::fs::read_dir(directory.0.path())?.count(), 1);
     Ok(())
@@ -134,7 +134,7 @@ fn codes_round_to_nearest_on_the_srgb_scale_and_clamp() {
         assert_eq!(linear_to_srgb8(middle * (1.0 - 1e-6)), code);
         assert_eq!(linear_to_srgb8(middle * (1.0 + 1e-6)), code + 1);
     }
-    // Beside every half-way point, and beside every part of 0…1 in which one is looked up.
+    // Values next to every half-way point, and next to every part of the look-up.
     let half_way: Vec<f64> = (0..255).map(|code| srgb_to_linear((f64::from(code) + 0.5) / 255.0)).collect();
     let parts = (0..=4096).map(|part| part as f32 / 4096.0);
     for value in half_way.iter().map(|&middle| middle as f32).chain(parts) {
@@ -248,7 +248,7 @@ fn truncated_files_are_errors_at_every_length() -> TestResult {
     let directory = Directory::new()?;
     let samples: Vec<u8> = (0..27 * 9).map(|i| (i * 31 % 251) as u8).collect();
     let png = png_bytes((9, 9), ColorType::Rgb, BitDepth::Eight, None, &samples)?;
-    // The last 12 bytes are the IEND chunk, the 4 before the CRC of the pixels: all pixels are there without them.
+    // The last 12 bytes are the IEND chunk, the previous 4 the CRC of the pixels: all pixels are there without them.
     for length in 0..png.len() - 16 {
         let path = directory.file("a.png", &png[..length])?;
         assert!(read_png(&path, Encoding::Srgb).is_err(), "{length}");
@@ -295,7 +295,7 @@ fn damaged_files_never_panic() -> TestResult {
                 };
             }
             let path = directory.file("a", &damaged)?;
-            // Either result is fine; a panic fails the test.
+            // Either result is correct; a panic fails the test.
             let _ = (read_png(&path, Encoding::Srgb), read_exr(&path));
         }
     }
