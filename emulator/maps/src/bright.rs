@@ -1,8 +1,8 @@
-//! Bright texels: codes of 16 bits with an exponent each, for environments brighter than 64 × white.
+//! Bright texels: 16-bit codes with individual exponents, for environments brighter than 64 × white.
 //!
-//! A code is c in the upper 5 bits and f in the lower 11; it stands for f where c = 0, else for (2048 + f)·2^(c − 1), in 2^−31 of the
-//! unit of the map ([`texel::bright_texel`], which the datapath runs between memory and filter). Codes are in the order of what they
-//! stand for, so a rounding that carries out of f carries into c.
+//! A code is c in the upper 5 bits and f in the lower 11. It stands for f if c = 0, else for (2048 + f)·2^(c − 1), in 2^−31 of the
+//! unit of the map ([`texel::bright_texel`], which the datapath runs between memory and filter). Codes are in the order of their
+//! values, so a rounding that carries out of f carries into c.
 
 use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
@@ -10,20 +10,20 @@ use roughxel_core::fx::Fx;
 use crate::mip::round_ratio;
 use roughxel_utilities::exp2::power_of_two;
 
-/// The largest code, 4095 · 2^19; those above it, which no map has, read as it.
+/// The largest code, 4095 · 2^19. Larger codes, which no map has, read as this one.
 pub const LAST_CODE: u16 = 21 * 2048 - 1;
 
-/// What a code stands for, in 2^−31 of the unit of the map.
+/// Value of a code, in 2^−31 of the unit of the map.
 pub fn decoded(code: u16) -> i32 {
     texel::bright_texel::<i32>(Fx::from_raw(code.into())).raw()
 }
 
-/// The code of `significand`·2^`places`, where `significand` is 2048 to 4096, or less and `places` 0.
+/// The code of `significand`·2^`places`, with `significand` from 2048 to 4096, or less if `places` is 0.
 fn code(significand: i64, places: u32) -> u16 {
     (i64::from(places) * 2048 + significand).min(LAST_CODE.into()) as u16
 }
 
-/// By how many places a number of units is shifted to have 12 bits.
+/// Shift that leaves 12 bits of a number of units.
 fn places(units: i64) -> u32 {
     (64 - units.leading_zeros()).saturating_sub(12)
 }
@@ -56,13 +56,13 @@ mod tests {
         for code in 0..=u16::MAX {
             let value = decoded(code);
             if code > LAST_CODE {
-                assert_eq!(value, below, "as the last one");
+                assert_eq!(value, below, "reads as the last code");
                 continue;
             }
             assert!(value > below, "{code}");
             assert_eq!(code_of_ratio(value.into(), 1), code);
             assert_eq!(code_of_ratio(i64::from(value) * 12_345, 12_345), code);
-            // A value of 12 bits is a float32, whatever the unit.
+            // A 12-bit value is a float32, whatever the unit.
             for exponent in [7, 13, 20] {
                 let real = f64::from(value) * power_of_two(exponent - 31);
                 assert_eq!(quantise([real as f32; 3], exponent), [code; 3]);
@@ -77,7 +77,7 @@ mod tests {
         for code in 0..LAST_CODE {
             let (low, high) = (i64::from(decoded(code)), i64::from(decoded(code + 1)));
             assert!(high - low <= 1.max(low / 2048), "{code}: a relative error of 2^-12 at most");
-            // Half way, and a millionth to either side of it.
+            // Half way, and a millionth to either side.
             let twice = low + high;
             for (sum, expected) in [(-1, code), (0, code + 1), (1, code + 1)] {
                 assert_eq!(code_of_ratio(twice * 500_000 + sum, 1_000_000), expected, "{code}");

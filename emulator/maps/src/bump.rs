@@ -1,10 +1,10 @@
-//! Bump pyramid: offsets (b₁, b₂) and the roughness that replaces the bumps a level has lost (S97 §7–8).
+//! Bump pyramid: offsets (b₁, b₂), and the roughness that replaces the bumps that a level no longer shows (S97 §7–8).
 //!
 //! The offsets of a level are the means over the covered area of level 0, a standard mip map. Roughness is the covariance
-//! over the same area ([`roughness`](crate::roughness)) plus the mean of the scene's own roughness map: variances add.
-//! Both come from the *quantised* texels of level 0, so a level and its roughness describe what the hardware would have
-//! fetched. Codes carry one power-of-two scale per map,
-//! chosen as small as the map allows; decoding to the datapath's I4F28 ports is a shift.
+//! over that area ([`roughness`](crate::roughness)) plus the mean of the scene's roughness map: variances add. Both come
+//! from the *quantised* texels of level 0, so a level and its roughness describe the texels that the hardware fetches.
+//! Codes carry one power-of-two scale per map, the smallest that the map allows. Decoding to the datapath's I4F28 ports
+//! is a shift.
 
 #[cfg(test)]
 mod tests;
@@ -19,17 +19,17 @@ use roughxel_scene::levels::covers;
 use roughxel_scene::{BumpField, Deviation, FrameSystem, Material, RoughnessField};
 use roughxel_utilities::exp2::power_of_two;
 
-/// Fraction bits of the ports that offsets and roughness enter by (I4F28).
+/// Fraction bits of the ports for offsets and roughness (I4F28).
 pub const PORT_FRACTION_BITS: i32 = 28;
 
-/// How [`BumpPyramid::new`] stores a field.
+/// Storage options of [`BumpPyramid::new`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BumpOptions {
-    /// The offsets are stored as −b: for the natural systems of S97 §7, whose s_u = n × p_v runs along −u.
+    /// True if offsets are stored as −b: for the natural systems of S97 §7, whose s_u = n × p_v runs along −u.
     pub negate: bool,
     /// Kind and word length of the roughness.
     pub roughness: RoughnessStorage,
-    /// What the roughness of lost bumps is the deviation of.
+    /// Law for the roughness of lost bumps.
     pub deviation: Deviation,
 }
 
@@ -65,7 +65,7 @@ pub struct BumpLevel {
     pub height: u32,
     /// Codes of b₁, b₂, within ±32767.
     pub offsets: Vec<[i16; 2]>,
-    /// Codes of d₁, d₂, d₃ (isotropic: I₁, 0, 0); **empty** where all are 0, so that smooth levels cost no memory.
+    /// Codes of d₁, d₂, d₃ (isotropic: I₁, 0, 0); **empty** if all are 0, so that smooth levels cost no memory.
     pub roughness: Vec<[i32; 3]>,
 }
 
@@ -82,7 +82,7 @@ impl BumpLevel {
     /// The texel in column `x` and row `y`.
     ///
     /// # Panics
-    /// If the texel lies outside of the level.
+    /// If the texel lies outside the level.
     pub fn texel(&self, x: u32, y: u32) -> BumpTexel {
         let index = y as usize * self.width as usize + x as usize;
         BumpTexel { offset: self.offsets[index], roughness: self.roughness.get(index).copied().unwrap_or_default() }
@@ -101,7 +101,7 @@ pub struct BumpTexel {
 impl BumpTexel {
     /// The texel in units of 2⁻²⁸, as the ports take it: exact, one shift to the left per component.
     ///
-    /// Range: offsets below 8 − 2⁻¹² in magnitude, roughness below 8; a word of 32 bits never overflows.
+    /// Range: offsets below 8 − 2⁻¹² in magnitude, roughness below 8; a 32-bit word never overflows.
     pub fn decode(&self, format: &BumpFormat) -> DecodedBump {
         let offset_shift = PORT_FRACTION_BITS + format.offset_exponent - 15;
         let roughness_shift = PORT_FRACTION_BITS + format.roughness_exponent - format.roughness.bits() as i32;
@@ -128,21 +128,21 @@ pub struct BumpPyramid {
     pub levels: Vec<BumpLevel>,
     /// Scales of the codes.
     pub format: BumpFormat,
-    /// Texels of level 0 with an offset of 8 or more in magnitude, or one that is no number: they are stored as the
-    /// nearest offset that fits, or 0. A caller may warn if this is not 0.
+    /// Texels of level 0 whose offset is 8 or more in magnitude, or no number. They are stored as the nearest offset
+    /// that fits, or 0. A caller may warn if this is not 0.
     pub saturated: usize,
-    /// How near to the mean most bumps of a sixteenth of the map are, ½ to 1, 1 those of the normal law; 1 as well where roughness is the root
-    /// mean square, and of maps of fewer than 64 texels.
+    /// Nearness of most bumps of a sixteenth of the map to their mean, ½ to 1; 1 for the normal law. It is 1 as well if roughness is the root
+    /// mean square, and for maps of fewer than 64 texels.
     pub concentration: f64,
 }
 
 impl BumpPyramid {
-    /// The pyramid a material calls for with a profile; without filters its base alone, rough only where a highlight
-    /// shows a roughness map.
+    /// The pyramid of a material for a profile. Without filters it is the base alone, rough only if a highlight shows a
+    /// roughness map.
     ///
     /// `None` without a bump map and without a roughness map that is kept.
     pub fn of_material(material: &Material, filters: bool, p: &Precision) -> Option<Self> {
-        // Without filters no detail is lost, but a roughness map is part of the surface, and a highlight needs no
+        // Without filters no detail is lost. A roughness map is part of the surface, however, and a highlight needs no
         // footprint to show it.
         let shows_map = material.highlight.is_some() && material.roughness.is_some();
         let kind = if filters || shows_map { p.roughness } else { RoughnessKind::None };
@@ -172,9 +172,9 @@ impl BumpPyramid {
 
     /// Quantises a field to 16-bit offsets and builds all levels with their roughness.
     ///
-    /// Rounding: offsets to nearest, ties up before the sign is applied (so negated maps mirror each other), once
-    /// for level 0 and once from its exact sums for every other level; roughness as its storage says. Level 0 has
-    /// roughness only where `roughness` has.
+    /// Rounding: offsets to nearest, ties up before the sign is applied (so negated maps mirror each other). They are
+    /// rounded once for level 0 and once from its exact sums for every other level. Roughness is rounded as its storage
+    /// says. Level 0 has roughness only if `roughness` has.
     ///
     /// # Panics
     /// If `field` has no texels, or not `width · height` of them; if `roughness` has neither one texel nor the size of
@@ -195,7 +195,7 @@ impl BumpPyramid {
             assert!(fits, "a roughness map has one texel or the size of the bump map");
             AddedRoughness::new(roughness, lsb)
         });
-        // In units of an offset.
+        // Components in offset units.
         let components = |level: usize, index: usize, lost: Covariance| {
             let covariance = added.as_ref().map_or(lost, |added| lost.plus(added.texel(level, index)));
             storage.components(covariance).map(|component| component * lsb)
@@ -203,7 +203,8 @@ impl BumpPyramid {
         let mut levels = vec![BumpLevel { width, height, offsets: Vec::new(), roughness: Vec::new() }];
         let smooth = Covariance { a: 0.0, b: 0.0, c: 0.0 };
         let base_texels = if added.is_some() { offsets.len() } else { 0 };
-        // Of the last level with so many texels. Land and sea are two kinds over a whole map, but hardly anywhere seen together.
+        // Concentration of the last level with at least 16 texels. Land and sea are two kinds over a whole map, but rarely seen
+        // together.
         let mut of_sixteenths = 1.0;
         let mut lost: Vec<Vec<[f64; 3]>> =
             vec![(0..base_texels).into_par_iter().map(|index| components(0, index, smooth)).collect()];
@@ -237,7 +238,7 @@ impl BumpPyramid {
                 };
                 let (factors, texels): (Vec<(f64, f64)>, Vec<[f64; 3]>) = texels.map(covariance).unzip();
                 if factors.len() >= 16 {
-                    // By variance: what is flat has no lobe.
+                    // Weighted by variance: flat texels have no lobe.
                     let sum = factors.iter().fold([0.0; 2], |[of, all], (factor, by)| [of + factor * by, all + by]);
                     of_sixteenths = if sum[1] > 0.0 { sum[0] / sum[1] } else { 1.0 };
                 }
@@ -259,7 +260,7 @@ impl BumpPyramid {
         Self { levels, format, saturated, concentration: of_sixteenths }
     }
 
-    /// Whether any texel of the level has roughness: bumps that it does not show, or base roughness.
+    /// True if any texel of the level has roughness: bumps that it does not show, or base roughness.
     ///
     /// False beyond the last level.
     pub fn lost_detail(&self, level: usize) -> bool {
@@ -274,21 +275,21 @@ impl BumpPyramid {
         factors.fold(0.0, |largest, [d1, d2, d3]| largest.max(libm::hypot(d1, d2)).max(d3))
     }
 
-    /// Whether no level has roughness: the roughness columns of the datapath are not called for.
+    /// True if no level has roughness: the roughness columns of the datapath are not called for.
     pub fn is_smooth(&self) -> bool {
         self.levels.iter().all(|level| level.roughness.is_empty())
     }
 }
 
-/// Largest code of an offset; −32768 is not used, so that negation is total.
+/// Largest code of an offset. −32768 is not used, so that negation is total.
 const LARGEST_OFFSET_CODE: f64 = 32767.0;
 
-/// Whether an offset can be stored with the largest scale.
+/// True if an offset can be stored with the largest scale.
 fn fits(offset: f32) -> bool {
     round_offset(offset.abs(), power_of_two(15 - 3)) <= LARGEST_OFFSET_CODE
 }
 
-/// To nearest, ties up; exact up to the floor, as 24 bits times a power of two plus one half fit a float64.
+/// Rounds to nearest, ties up; exact up to the floor, as 24 bits times a power of two plus one half fit a float64.
 fn round_offset(offset: f32, scale: f64) -> f64 {
     (f64::from(offset) * scale + 0.5).floor()
 }
@@ -298,7 +299,7 @@ fn quantise_offset(offset: f32, scale: f64, negate: bool) -> i16 {
     if negate { -code } else { code }
 }
 
-/// Smallest exponent in −13…3 whose codes hold every offset that 3 holds; −13 has the step 2⁻²⁸ of the ports.
+/// Smallest exponent in −13…3 whose codes hold every offset that those of 3 hold; −13 has the step 2⁻²⁸ of the ports.
 fn smallest_offset_exponent(offsets: &[[f32; 2]]) -> i32 {
     let largest =
         offsets.iter().flatten().map(|offset| offset.abs()).filter(|offset| !offset.is_nan()).fold(0.0, f32::max);

@@ -1,10 +1,10 @@
 //! Environment maps: six faces with mip levels.
 //!
-//! Faces in Vulkan's order +x, −x, +y, −y, +z, −z with Vulkan's (s_c, t_c); column 0 at s = −1, row 0 at t = −1 (the top row
-//! of the face's picture, no flip). All faces and levels share one unit, so probes may mix them as integers; what is brighter than
-//! 64 × white has codes with an exponent each in that unit.
-//! Each face is filtered for itself down to levels of 17 texels: a texel next to an edge holds its own side only, and the filter looks
-//! across the edge (the stage `seam` of the datapath). Coarser ones are filtered on the sphere.
+//! Faces are in Vulkan's order +x, −x, +y, −y, +z, −z with Vulkan's (s_c, t_c). Column 0 is at s = −1, row 0 at t = −1 (the top row of
+//! the face's picture, no flip). All faces and levels share one unit, so probes may mix them as integers. Maps brighter than 64 ×
+//! white have codes with individual exponents in that unit. Each face is filtered alone down to levels of 17 texels. A texel next to
+//! an edge then holds its own side only, and the filter looks across the edge (the stage `seam` of the datapath). Coarser levels are
+//! filtered on the sphere.
 
 use rayon::prelude::*;
 use roughxel_core::sampler::{BRIGHT_EXPONENTS, level_edge};
@@ -22,17 +22,17 @@ pub struct CubePyramid {
     pub edge: u32,
     /// Level 0 (full size) first, each of [`level_edge`] texels along an edge; six faces each, row 0 at t = −1.
     pub levels: Vec<[Level; 6]>,
-    /// log₂ of the unit of the codes, one for all faces: at most 6, or at least 7 where they are bright.
+    /// log₂ of the unit of the codes, one for all faces: at most 6, or at least 7 if the codes are bright.
     pub exponent: i32,
 }
 
 impl CubePyramid {
-    /// Stores six faces in 16 bits a channel with the [`smallest_exponent`] that holds their maximum, and builds all levels: linear codes, as
-    /// those of a [`ColourPyramid`](crate::mip::ColourPyramid), of at most 64 × white, [`bright`] ones of what is brighter. What is
-    /// brighter than those hold is cut.
+    /// Stores six faces in 16 bits a channel with the [`smallest_exponent`] that holds their maximum, and builds all levels. Codes are
+    /// linear, as those of a [`ColourPyramid`](crate::mip::ColourPyramid), up to 64 × white, and [`bright`] above. Light beyond the bright
+    /// codes is clamped.
     ///
-    /// Rounding: to nearest, ties up, once for level 0 and once from its exact sums for every other level down to 17 texels along an edge;
-    /// coarser ones once more, from a level of at most 64.
+    /// Rounding: to nearest, ties up, once for level 0 and once from its exact sums for every other level down to 17 texels along an edge.
+    /// Coarser levels are rounded once more, from a level of at most 64.
     ///
     /// # Panics
     /// If the faces are not squares of one size of at least 1, with all their pixels.
@@ -63,7 +63,7 @@ impl CubePyramid {
         pyramid
     }
 
-    /// Replaces the coarse levels by those that are filtered on the sphere, from the finest level that is small enough.
+    /// Replaces the coarse levels by levels filtered on the sphere, from the finest level that is small enough.
     fn filter_coarse_levels(&mut self) {
         let Some(source) = self.levels.iter().find(|level| level[0].width <= sphere::SOURCE) else { return };
         let decoded = |code: u16| if self.is_bright() { bright::decoded(code).into() } else { f64::from(code) };
@@ -88,13 +88,13 @@ impl CubePyramid {
         };
         let is_fine = |level: &&[Level; 6]| level[0].width > sphere::COARSE;
         let fine = self.levels.iter().take_while(is_fine).count().max(1);
-        // Side by side, for the balancing of a kernel is one thread's work.
+        // Levels are made in parallel, as balancing a kernel takes one thread.
         let coarse: Vec<[Level; 6]> = (fine..self.levels.len()).into_par_iter().map(coarse).collect();
         self.levels.truncate(fine);
         self.levels.extend(coarse);
     }
 
-    /// Whether the codes are [`bright`] ones.
+    /// True if the codes are [`bright`] ones.
     pub fn is_bright(&self) -> bool {
         BRIGHT_EXPONENTS.contains(&self.exponent)
     }
@@ -125,11 +125,11 @@ mod tests {
         let edges: Vec<_> = cube.levels.iter().map(|level| level[5].height).collect();
         assert_eq!(edges, [6, 6, 6]);
         assert_eq!(cube.levels[0][2].texel(0, 0), [49152; 3]);
-        // Coarse levels see other faces, too: 0 to 5 eighths of 16384.
+        // Coarse levels see other faces too: 0 to 5 eighths of 16384.
         assert!((1..10240).contains(&cube.levels[2][4].texel(0, 0)[0]));
     }
 
-    /// A grey sky of noise with a small sun on one face.
+    /// A grey noisy sky with a small sun on one face.
     fn sky_with_sun(sun: f32, edge: u32) -> [Picture; 6] {
         let mut random = SplitMix64::new(edge.into());
         let mut faces = [(); 6].map(|()| Picture {
@@ -160,7 +160,7 @@ mod tests {
                     for (channel, expected) in expected.into_iter().enumerate() {
                         let sum: f64 = face.texels.iter().map(|texel| cube.light(texel[channel])).sum();
                         let mean = sum / face.texels.len() as f64;
-                        // Two roundings of a relative 2^-12, those of single dark texels of half a unit.
+                        // Two roundings of a relative 2^-12; single dark texels are rounded by half a unit.
                         let bound = expected * 2.0 * power_of_two(-12) + power_of_two(cube.exponent - 31);
                         assert!((mean - expected).abs() <= bound, "{edge} {sun} {}: {mean} {expected}", face.width);
                     }
@@ -193,7 +193,7 @@ mod tests {
                 mean(level[0].width, |face, index| level[face].texels[index].map(|code| cube.light(code)))
             };
             let is_coarse = |level: &&[Level; 6]| level[0].width <= sphere::COARSE;
-            let source = cube.levels.iter().find(|level| level[0].width <= sphere::SOURCE).expect("one is small");
+            let source = cube.levels.iter().find(|level| level[0].width <= sphere::SOURCE).expect("a level is small");
             let expected = mean_of(source);
             for level in cube.levels.iter().filter(is_coarse) {
                 for (mean, expected) in mean_of(level).into_iter().zip(expected) {

@@ -2,10 +2,10 @@
 //!
 //! Maps in the memory layout of the texture unit: integer pyramids built once per scene from pictures.
 //!
-//! Level `l` is `max(1, width >> l)` × `max(1, height >> l)` texels, until 1×1, for any size. Every texel is the exact
-//! mean of level 0 over the area it covers, rounded once ([`mip`]); bump maps also keep the covariance of the
-//! bumps that a level has lost ([`bump`], [`roughness`]). The sums are integers, and what is not (`√`, quotients) uses only
-//! correctly rounded float64 operations, so the texels are the same bits on every machine and for any thread count.
+//! Level `l` is `max(1, width >> l)` × `max(1, height >> l)` texels, until 1×1, for any size. Every texel is the exact mean
+//! of level 0 over the area it covers, rounded once ([`mip`]). Bump maps also keep the covariance of the bumps that a level
+//! no longer shows ([`bump`], [`roughness`]). The sums are integers; the rest (`√`, quotients) uses only correctly rounded
+//! float64 operations. The texels are therefore the same bits on every machine and for any thread count.
 
 pub mod bright;
 pub mod bump;

@@ -1,10 +1,10 @@
 //! Colour pyramids: 16-bit linear texels, box-filtered with exact area weights.
 //!
-//! A texel of level `l` covers `W/w` × `H/h` texels of level 0, also where that is not a whole number. Every level is the
-//! rounded integer mean over **level 0**, not over the rounded level before it: one rounding in all, so the mean of each
-//! level is within half a code of that of level 0. Rounding each level from the last one would add up (ties alone brighten by
-//! 1/8 code a level), and for odd sizes it would blur across the borders of the covered area. Where sizes divide, the
-//! exact sums of an earlier level are reused; that is the same integer, and makes power-of-two maps cost 4/3 of level 0.
+//! A texel of level `l` covers `W/w` × `H/h` texels of level 0, also if that is not a whole number. Every level is the
+//! rounded integer mean over **level 0**, not over the rounded previous level. One rounding in all keeps the mean of each
+//! level within half a code of that of level 0. Roundings of each level from the previous one would add up (ties alone
+//! brighten by 1/8 code a level). For odd sizes they would blur across the borders of the covered area. If sizes divide, the
+//! exact sums of an earlier level are reused. The result is the same integer, and power-of-two maps cost 4/3 of level 0.
 
 use rayon::prelude::*;
 use roughxel_scene::levels::{covers, level_sizes};
@@ -29,7 +29,7 @@ impl Level {
     /// Codes of the texel in column `x` and row `y`.
     ///
     /// # Panics
-    /// If the texel lies outside of the level.
+    /// If the texel lies outside the level.
     pub fn texel(&self, x: u32, y: u32) -> [u16; 3] {
         self.texels[y as usize * self.width as usize + x as usize]
     }
@@ -55,7 +55,8 @@ impl ColourPyramid {
         Self::with_exponent(picture, smallest_exponent([picture]))
     }
 
-    /// As [`ColourPyramid::new`], with a given exponent; brighter pixels than 2^exponent saturate to code 65535.
+    /// Quantises a picture as [`ColourPyramid::new`] does, with a given exponent; pixels brighter than 2^exponent
+    /// saturate to code 65535.
     ///
     /// For pictures with a few pixels (a sun) so bright that their exponent would leave no codes for the rest.
     ///
@@ -76,7 +77,7 @@ impl ColourPyramid {
 ///
 /// 0 for LDR pictures, where 1.0 saturates to code 65535. Infinite and NaN pixels do not count.
 pub fn smallest_exponent<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> i32 {
-    // The maximum of numbers alone: the same in any order.
+    // The maximum of finite numbers alone is equal in any order.
     let brightest_of = |brightest: f32, pixel: &[f32; 3]| {
         pixel.iter().fold(brightest, |most, &value| if (value > most) & (value < f32::INFINITY) { value } else { most })
     };
@@ -94,8 +95,8 @@ pub fn smallest_exponent<'a>(pictures: impl IntoIterator<Item = &'a Picture>) ->
 /// Codes of one pixel: value · 65536 / 2^exponent to nearest, ties up, saturated to 0…65535; NaN gives 0.
 pub(crate) fn quantise(pixel: [f32; 3], exponent: i32) -> [u16; 3] {
     let scale = 65536.0 * power_of_two(-exponent);
-    // Exact up to the cast: 24 bits times a power of two, plus one half, fit a float64. It saturates, so that below zero cutting is as good
-    // as the floor, for which many machines call a function.
+    // Exact up to the cast: 24 bits times a power of two, plus one half, fit a float64. The cast saturates, so below zero truncation equals
+    // the floor, for which many machines call a function.
     pixel.map(|value| (f64::from(value) * scale + 0.5) as u16)
 }
 
@@ -104,7 +105,7 @@ pub(crate) fn colour_levels(width: u32, height: u32, texels: Vec<[u16; 3]>) -> V
     coded_levels(width, height, texels, i64::from, |sum, area| round_ratio(sum, area) as u16)
 }
 
-/// All levels over the texels of level 0: what their codes decode to is summed, and the quotient of a sum and an area becomes a code.
+/// All levels over the texels of level 0: decoded codes are summed, and the quotient of a sum and an area becomes a code.
 pub(crate) fn coded_levels(
     width: u32,
     height: u32,

@@ -1,11 +1,11 @@
 //! Roughness of a bump map: the covariance K = (a, b; b, c) of the offsets that a level no longer shows (S97 §8).
 //!
 //! S97's recursion K_l = ¼(Σ K_{l−1,n} + Σ (f_n − f̄)(f_n − f̄)ᵀ), with the plus that its print lacks (erratum 14), is the
-//! covariance over the whole area of a texel; it is computed as such, `E[f fᵀ] − E[f] E[f]ᵀ`, from exact integer moments
-//! of level 0, so nothing cancels and sizes need not be even. Stored is not K but D with K = D Dᵀ,
-//! D = (d₁, d₂; 0, d₃), as a quantised K of a corrugated map has ac < b² in half of its texels (erratum 13), while any D is
-//! the root of a covariance. c = 0 means d₂ = 0, d₁ = √a. Isotropic maps store I₁, the root of the larger eigenvalue,
-//! rounded up: never smoother than the surface.
+//! covariance over the whole area of a texel. It is computed as such, `E[f fᵀ] − E[f] E[f]ᵀ`, from exact integer moments of
+//! level 0. Nothing cancels and sizes need not be even. Maps store not K but D with K = D Dᵀ, D = (d₁, d₂; 0, d₃). A
+//! quantised K of a corrugated map has ac < b² in half of its texels (erratum 13), while any D is the root of a covariance.
+//! c = 0 means d₂ = 0, d₁ = √a. Isotropic maps store I₁, the root of the larger eigenvalue, rounded up: never smoother than
+//! the surface.
 
 use crate::mip::for_each_level;
 pub use roughxel_core::precision::RoughnessKind;
@@ -22,14 +22,14 @@ pub struct RoughnessStorage {
 }
 
 impl RoughnessStorage {
-    /// Roughness stored in `bits` bits a component, 2…16 (values outside are brought to the nearer end).
+    /// Roughness stored in `bits` bits a component, clamped to 2…16.
     ///
-    /// d₁, d₃ and I₁ are unsigned codes of `bits` bits; d₂ has the same step and a sign bit besides.
+    /// d₁, d₃ and I₁ are unsigned codes of `bits` bits; d₂ has the same step and an additional sign bit.
     pub fn new(kind: RoughnessKind, bits: u32) -> Self {
         Self { kind, bits: bits.clamp(2, 16) }
     }
 
-    /// What is kept.
+    /// Kind of the stored roughness.
     pub fn kind(&self) -> RoughnessKind {
         self.kind
     }
@@ -98,8 +98,8 @@ pub(crate) struct Covariance {
 impl Covariance {
     /// Covariance over an area of weight `area`, in squared offset codes.
     ///
-    /// area · Σbb − Σb Σb is exact in 128 bits (sums up to 2^56, area up to 2^26): the only roundings are those of
-    /// its conversion, of area² and of the quotient.
+    /// area · Σbb − Σb Σb is exact in 128 bits (sums up to 2^56, area up to 2^26). The only roundings are those of its
+    /// conversion, of area² and of the quotient.
     pub(crate) fn of([s1, s2, s11, s12, s22]: Moments, area: i64) -> Self {
         let area_squared = area as f64 * area as f64;
         let entry = |square: i64, first: i64, second: i64| {
@@ -109,7 +109,7 @@ impl Covariance {
         Self { a: entry(s11, s1, s1), b: entry(s12, s1, s2), c: entry(s22, s2, s2) }
     }
 
-    /// The covariance of two independent deviations together: variances add.
+    /// The covariance of the sum of two independent deviations: variances add.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self { a: self.a + other.a, b: self.b + other.b, c: self.c + other.c }
     }
@@ -120,9 +120,9 @@ impl Covariance {
         Self { a: square * self.a, b: square * self.b, c: square * self.c }
     }
 
-    /// d₁ = √(a − b²/c), d₂ = b/√c, d₃ = √c; for c = 0, d₁ = √a, d₂ = d₃ = 0 (erratum 13).
+    /// Factor of a covariance: d₁ = √(a − b²/c), d₂ = b/√c, d₃ = √c. For c = 0, d₁ = √a, d₂ = d₃ = 0 (erratum 13).
     ///
-    /// a − b²/c may come out a last bit below 0 where K is singular; it counts as 0.
+    /// a − b²/c may round to a last bit below 0 if K is singular; it counts as 0.
     pub(crate) fn factor(self) -> [f64; 3] {
         if self.c == 0.0 {
             return [self.a.sqrt(), 0.0, 0.0];
@@ -140,12 +140,12 @@ impl Covariance {
     }
 }
 
-/// How near to the mean most bumps of an area are: (E|z|)² in units of the normal law's, z = K^(−½)(f − f̄); from ½ to 1.
+/// Nearness of most bumps of an area to their mean: (E|z|)² in units of the normal law's, z = K^(−½)(f − f̄); from ½ to 1.
 ///
-/// Bumps of the normal law have 1. Photographs of bricks and of gravel are mostly flat and seldom steep, and a lobe of their standard deviation has
-/// nothing of either: with this as a factor of the deviation it is that of most facets, and the few steep ones are what it leaves out. With less than
-/// half of it the few that are steep would be missed more than the others are won (`real_scenes` of the host tests). Texels at the edge of an
-/// area count as whole ones.
+/// Bumps of the normal law have 1. Photographs of bricks and of gravel are mostly flat and seldom steep. A lobe of their standard deviation fits
+/// neither kind of bump. With this factor the deviation is that of most facets; the few steep ones are left out. A factor below one half would lose
+/// more by the missing steep facets than it gains with the others (`real_scenes` of the host tests). Texels at the edge of an area count as whole
+/// texels.
 pub(crate) fn concentration<'a>(
     mean: [f64; 2],
     covariance: Covariance,
@@ -157,7 +157,7 @@ pub(crate) fn concentration<'a>(
     if trace <= 0.0 {
         return 1.0;
     }
-    // Of one axis the mean is √(2/π), of two √(π/2).
+    // The mean of |z| is √(2/π) along one axis, √(π/2) along two.
     let flat = determinant <= 1e-9 * trace * trace;
     let expected = if flat { std::f64::consts::FRAC_2_PI.sqrt() } else { std::f64::consts::FRAC_PI_2.sqrt() };
     let metric = if flat { Metric::Line { trace } } else { Metric::Plane { covariance, determinant } };
@@ -183,17 +183,17 @@ pub(crate) fn concentration<'a>(
     (mean * mean).clamp(0.5, 1.0)
 }
 
-/// How the length of z is measured.
+/// Measure of the length of z.
 #[derive(Clone, Copy)]
 enum Metric {
-    /// All bumps are along one axis.
+    /// Measure for bumps along one axis.
     Line { trace: f64 },
-    /// By the inverse of K.
+    /// Measure by the inverse of K.
     Plane { covariance: Covariance, determinant: f64 },
 }
 
 impl Metric {
-    /// |z| of bumps side by side.
+    /// |z| of a group of bumps.
     #[inline(always)]
     fn lengths(self, offsets: &[[i16; 2]; LANES], mean: [f64; 2]) -> [f64; LANES] {
         let mut lengths = [0.0; LANES];
@@ -220,7 +220,7 @@ pub(crate) struct AddedRoughness {
 }
 
 impl AddedRoughness {
-    /// The means of a map, in squared units of `lsb`, a power of two.
+    /// Makes the means of a map, in squared units of `lsb`, a power of two.
     ///
     /// Factors are rounded to 16 bits first (one code is at most 2⁻¹³); their squares, below 2^33, are summed exactly.
     pub(crate) fn new(field: &RoughnessField, lsb: f64) -> Self {
@@ -245,7 +245,7 @@ impl AddedRoughness {
         Self { levels }
     }
 
-    /// What is added to a texel of a level of the bump map; a map of one texel is the same everywhere.
+    /// Covariance added to a texel of a level of the bump map; constant for a map of one texel.
     pub(crate) fn texel(&self, level: usize, index: usize) -> Covariance {
         if self.levels.len() == 1 { self.levels[0][0] } else { self.levels[level][index] }
     }
@@ -274,13 +274,13 @@ mod tests {
 
     #[test]
     fn c_of_one_bit_keeps_a_finite_factor() {
-        // b₂ differs by one code, fully correlated with b₁: K has rank 1 and the smallest c there is.
+        // b₂ differs by one code, fully correlated with b₁: K has rank 1 and the smallest possible c.
         let k = covariance_of(&[[32767, 1], [-32767, 0]]);
         assert_eq!(k.c, 0.25);
         let [d1, d2, d3] = k.factor();
         assert_eq!((d2, d3), (32767.0, 0.5));
         assert_eq!(d1, 0.0);
-        // b₁ alone in one of many texels, uncorrelated: the other limit.
+        // b₁ in only one of many texels, uncorrelated: the opposite limit.
         let k = Covariance { a: 1e6, b: 0.0, c: f64::MIN_POSITIVE };
         assert!(k.factor().iter().all(|d| d.is_finite()));
     }

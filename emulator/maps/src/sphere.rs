@@ -1,16 +1,17 @@
 //! Coarse levels of an environment, filtered on the sphere.
 //!
-//! A texel of a level of a few texels is a piece of the sphere of tens of degrees, whose shape and size depend on where it lies on its face, and
-//! box after box leaves the corners of the cube in every picture of a wide lobe. So levels of at most [`COARSE`] texels along an edge come
-//! from a finer one by one round kernel, the same everywhere, and none has fewer texels than that: what would be half the size is
-//! blurred for it and keeps its texels, or the gradient of bilinear patches of tens of degrees shows.
+//! On a level of a few texels, each texel is a piece of the sphere of tens of degrees. The shape and size of the piece depend on its place on the
+//! face. Repeated box filters would show the corners of the cube in every picture of a wide lobe. Levels of at most [`COARSE`] texels along an edge
+//! therefore come from a finer one by one round kernel, the same everywhere. None has fewer texels than that: a level of half the size would show
+//! the gradient of bilinear patches of tens of degrees. Such a level keeps its texels and is blurred accordingly.
 //!
-//! With n texels along an edge if levels went on halving, a bilinear sample has a standard deviation of 0.54 of them: the kernel has what the
-//! interpolation of the texels that there are has not. It is near a Gaussian of the tangent of half the angle, which is what a lobe of
-//! normals around a mirror's is: reflection takes slopes to directions by the stereographic projection. Weights are balanced in turns until every source gives
-//! out the light that falls on it and constants stay constant (Sinkhorn and Knopp 1967), so that a small sun is as bright on every level.
+//! With n texels along an edge if levels were halved further, a bilinear sample has a standard deviation of 0.54 texels of such a level. The kernel
+//! has the part that interpolation of the actual texels lacks. The kernel is near a Gaussian of the tangent of half the angle. This is the lobe of
+//! normals around a mirror's, as reflection takes slopes to directions by the stereographic projection. Weights are balanced in turns until every
+//! source gives out the light that falls on it and constants stay constant (Sinkhorn and Knopp 1967). A small sun is then equally bright on every
+//! level.
 //!
-//! In float64 by exactly rounded +, −, ×, ÷ and √ in a fixed order: the same bits on every machine and for any number of threads.
+//! All operations are exactly rounded float64 +, −, ×, ÷ and √ in a fixed order: the same bits on every machine and for any number of threads.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -21,13 +22,13 @@ use roughxel_core::sampler::COARSEST_EDGE;
 use roughxel_scene::cube;
 use roughxel_simd::{Backend, LANES};
 
-/// Texels along an edge of a face of the levels that are filtered here, at most.
+/// Most texels along an edge of a level filtered here.
 pub(crate) const COARSE: u32 = COARSEST_EDGE;
-/// Texels along an edge of the level that they are made from, at most: texels there differ from pieces of the sphere by a percent.
+/// Most texels along an edge of the source level: its texels differ from pieces of the sphere by a percent.
 pub(crate) const SOURCE: u32 = 64;
-/// Variance of a bilinear sample in squares of a texel's edge, of which interpolation has a sixth.
+/// Variance of a bilinear sample in squares of a texel's edge; interpolation has a sixth.
 const VARIANCE: f64 = 0.289;
-/// Turns of balancing at most, and what may be left: narrow kernels have 0.8 % after all of them, at the corners of the cube.
+/// Most turns of balancing, and the allowed rest. Narrow kernels keep 0.8 % after all turns, at the corners of the cube.
 const TURNS: usize = 32;
 const BALANCED: f64 = 0.001;
 
@@ -50,7 +51,7 @@ fn texels(edge: u32) -> Vec<Piece> {
     (0..6).flat_map(face).collect()
 }
 
-/// Blocks of `block` × `block` texels of faces of `edge`, smaller ones at the ends: which of them each texel is in, and the blocks.
+/// Blocks of `block` × `block` texels of faces of `edge`, smaller at the ends: the block of each texel, and the blocks.
 fn blocks(edge: u32, block: u32) -> (Vec<u32>, Vec<Piece>) {
     let along = edge.div_ceil(block);
     let block_of = |index: u32| {
@@ -73,25 +74,26 @@ fn blocks(edge: u32, block: u32) -> (Vec<u32>, Vec<Piece>) {
     (members, pieces)
 }
 
-/// How much of every source goes to every texel of a level: index of the source and weight, texel by texel; weights of a texel sum to 1.
+/// Share of every source in every texel of a level: index of the source and weight, texel by texel. Weights of a texel sum to 1.
 type Rows = Vec<Vec<(u32, f64)>>;
 
 struct Kernel {
-    /// The block of each texel of the source.
+    /// Block of each texel of the source.
     members: Vec<u32>,
     /// Solid angle of each block.
     solid_angles: Vec<f64>,
     rows: Rows,
 }
 
-/// Kernels by the edges of level and source and the bits of n, kept: all of a 64-texel source take a tenth of a second on two cores and 35 MB.
+/// Kept kernels by the edges of level and source and the bits of n. All kernels of a 64-texel source take a tenth of a second on two cores and
+/// 35 MB.
 static KERNELS: Mutex<BTreeMap<(u32, u32, u64), Arc<Kernel>>> = Mutex::new(BTreeMap::new());
 
-/// A kernel that is kept, or a new one.
+/// A kept kernel, or a new one.
 fn kept_kernel(edge: u32, nominal: f64, source_edge: u32) -> Arc<Kernel> {
     let key = (edge, source_edge, nominal.to_bits());
     let find = || KERNELS.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-    // Not made under the lock: a thread that waits for it may be one of those that make it.
+    // The kernel is made without the lock: a thread that waits for the lock may be one of its workers.
     find().unwrap_or_else(|| {
         let made = Arc::new(kernel(edge, nominal, source_edge));
         KERNELS.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&made));
@@ -101,14 +103,14 @@ fn kept_kernel(edge: u32, nominal: f64, source_edge: u32) -> Arc<Kernel> {
 
 fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
     let targets = texels(edge);
-    // Four sources along a texel of the level are more than its kernel can tell apart.
+    // The kernel cannot tell more than four sources along a texel of the level apart.
     let wanted = (4.0 * nominal).ceil().max(8.0) as u32;
     let (members, sources) = blocks(source_edge, (source_edge / wanted).max(1));
     let texel = FRAC_PI_2 / nominal;
     let share = nominal / f64::from(edge);
-    // Of (1 − x²/reach²)⁴ in the plane, a twelfth of reach² along each axis.
+    // Reach of (1 − x²/reach²)⁴ in the plane; its variance along each axis is a twelfth of reach².
     let square_reach = 12.0 * texel * texel * (VARIANCE - share * share / 6.0);
-    // Its square of the chord is below this, with room for roundings: nearly all sources are told to be outside by that alone.
+    // Bound of the square of the reach's chord, with room for roundings. It alone excludes nearly all sources.
     let near = 4.0 * square_reach / (4.0 + square_reach) * (1.0 + 1e-9);
     let groups: Vec<[[f64; LANES]; 3]> = sources
         .chunks(LANES)
@@ -180,7 +182,7 @@ fn kernel(edge: u32, nominal: f64, source_edge: u32) -> Kernel {
     Kernel { members, solid_angles: sources.iter().map(|source| source.solid_angle).collect(), rows }
 }
 
-/// Squares of the chords from one point of the unit sphere to others.
+/// Squares of the chords from one point of the unit sphere to other points.
 #[inline(always)]
 fn squares_of_chords(from: [f64; 3], [xs, ys, zs]: &[[f64; LANES]; 3]) -> [f64; LANES] {
     let mut squares = [0.0; LANES];
@@ -197,7 +199,7 @@ fn scale(row: &mut [(u32, f64)], factor: f64) {
     }
 }
 
-/// The level that coarse ones are made from.
+/// The source level of coarse levels.
 pub(crate) struct Sources {
     edge: u32,
     /// Six faces in rows.
@@ -211,7 +213,7 @@ impl Sources {
         Self { edge, texels: light, solid_angles: texels(edge).iter().map(|texel| texel.solid_angle).collect() }
     }
 
-    /// The texels of a level of `edge` texels a face, six faces in rows, blurred as one of `nominal` would be.
+    /// The texels of a level of `edge` texels a face, six faces in rows, blurred as a level of `nominal` texels.
     pub(crate) fn level(&self, edge: u32, nominal: f64) -> Vec<[f64; 3]> {
         let Kernel { members, solid_angles, rows } = &*kept_kernel(edge, nominal, self.edge);
         let mut light = vec![[0.0; 3]; solid_angles.len()];
@@ -234,7 +236,7 @@ impl Sources {
 mod tests {
     use super::*;
 
-    /// Levels of an environment of 64 texels along an edge, and of some others.
+    /// Levels of an environment of 64 texels along an edge, and some other levels.
     const LEVELS: [(u32, f64, u32); 9] = [
         (16, 16.0, 64),
         (16, 8.0, 64),
@@ -299,7 +301,7 @@ mod tests {
                     .iter()
                     .map(|&(source, w)| w * square(target.direction, sources[source as usize].direction))
                     .sum();
-                // Two axes.
+                // The variance is the sum over two axes.
                 let deviation = (0.5 * variance).sqrt() * nominal / FRAC_PI_2;
                 assert!((deviation / kernel_deviation - 1.0).abs() < 0.2, "{nominal}: {deviation}");
             }

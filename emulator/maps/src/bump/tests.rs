@@ -148,7 +148,7 @@ fn corrugated_maps_in_every_direction_have_a_factor_along_it() {
             let [a, b, c] = covariance(&decoded);
             // d₁²·d₃² of the decoded factor; the subtraction rounds in the last bit of a·c.
             assert!(a >= 0.0 && c >= 0.0 && a * c - b * b >= -1e-15);
-            // The variance across the waves is 0; what quantisation adds is about a step squared.
+            // The variance across the waves is 0; quantisation adds about a step squared.
             let (s, t) = (f64::from(sin), f64::from(cos));
             let across = a * s * s - 2.0 * b * s * t + c * t * t;
             assert!(across <= 2.0 * lsb * lsb, "{degree}° at {bits} bits: {across}");
@@ -250,7 +250,7 @@ fn a_roughness_map_of_zeros_changes_no_bit() {
 
 #[test]
 fn bumps_as_bumps_and_as_a_roughness_map_are_the_same_roughness_above_them() {
-    // The covariance of each 2×2 block as a map of half the size, under its means.
+    // The covariance of each 2×2 block as a map of half the size, under the means of the blocks.
     let fine = BumpPyramid::new(&field(16, 16, noise), None, &options(RoughnessKind::Anisotropic, 16));
     let means = field(8, 8, |x, y| fine.levels[1].texel(x, y).decode(&fine.format).offset.map(|b| real(b) as f32));
     let factors = (0..64)
@@ -346,7 +346,7 @@ fn texels_do_not_depend_on_the_number_of_threads() {
     assert_eq!(build(1).ok(), build(3).ok());
 }
 
-/// Roughness of the coarsest level by most facets over that by all.
+/// Roughness of the coarsest level by most facets over that by all facets.
 fn shrinkage(field: &BumpField) -> f64 {
     let [most, all] = [Deviation::Mean, Deviation::RootMeanSquare].map(|deviation| {
         let options = BumpOptions { deviation, ..options(RoughnessKind::Isotropic, 16) };
@@ -368,10 +368,10 @@ fn bumps_of_the_normal_law_have_their_standard_deviation() {
         sum.map(|component| 0.1 * component)
     };
     assert!((shrinkage(&field(64, 64, normal)) - 1.0).abs() < 0.03, "{}", shrinkage(&field(64, 64, normal)));
-    // Twice as steep along one axis: deviations are in units of each direction's own.
+    // Twice as steep along one axis: deviations are in units of each direction's deviation.
     let long = |x, y| [2.0 * normal(x, y)[0], 0.5 * normal(x, y)[1]];
     assert!((shrinkage(&field(64, 64, long)) - 1.0).abs() < 0.03);
-    // Grooves know one axis, and all of them are as steep.
+    // Grooves have one axis, and all are equally steep.
     let grooves = |x: u32, _| [if x.is_multiple_of(2) { 0.4 } else { -0.4 }, 0.0];
     assert_eq!(shrinkage(&field(64, 64, grooves)), 1.0);
 }
