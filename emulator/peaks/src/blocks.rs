@@ -1,7 +1,8 @@
-//! Blocks: eight samples side by side, with the vectors of the machine; powers of their cosines.
+//! Blocks: eight samples per vector operation of the machine; powers of their cosines.
 //!
-//! Logarithm and exponential are those of the crate `libm`, operation by operation, with choices in place of its branches: the same bits, whatever the
-//! instruction set, and no fused operation. They are for the few arguments that powers have: cosines that are not negligible, and negative logarithms.
+//! Logarithm and exponential are those of the crate `libm`, operation by operation, with selections in place of its branches. They give the same
+//! bits on every instruction set, without fused operations. They cover only the arguments of the powers: cosines that are not negligible, and
+//! negative logarithms.
 //!
 //! `libm` has them from FreeBSD's `e_log.c` and `e_exp.c`: Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved. Developed at
 //! SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and distribute this software is freely granted, provided that this
@@ -16,10 +17,10 @@ use glam::DVec3;
 /// Samples of a block.
 pub(super) const LANES: usize = 8;
 
-/// What the machine has, looked up once.
+/// Instruction set of the machine, detected once.
 pub(super) static LEVEL: LazyLock<Level> = LazyLock::new(Level::new);
 
-/// Eight numbers that one vector is loaded from: where a cache line begins, for a vector of 512 bits is as long.
+/// Eight numbers for one vector load, aligned to a cache line: a 512-bit vector is as long as a line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block(pub(super) [f64; LANES]);
@@ -27,7 +28,7 @@ pub(super) struct Block(pub(super) [f64; LANES]);
 impl Block {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
 
-    /// Blocks of a list, with zeros behind its end.
+    /// Blocks of a list, padded with zeros after its end.
     pub(super) fn list(values: impl IntoIterator<Item = f64>) -> Vec<Self> {
         let mut blocks = Vec::new();
         for (index, value) in values.into_iter().enumerate() {
@@ -52,7 +53,7 @@ impl Block {
     }
 }
 
-/// One sum of eight.
+/// Sum of the eight numbers.
 #[inline(always)]
 pub(super) fn joined(sums: [f64; LANES]) -> f64 {
     (sums[0] + sums[4]) + (sums[1] + sums[5]) + (sums[2] + sums[6]) + (sums[3] + sums[7])
@@ -61,24 +62,24 @@ pub(super) fn joined(sums: [f64; LANES]) -> f64 {
 /// Coordinates of eight directions.
 pub(super) type Directions = [Block; 3];
 
-/// Cosines between one direction and eight, summed as [`DVec3::dot`] sums.
+/// Cosines between one direction and eight, summed in the order of [`DVec3::dot`].
 #[inline(always)]
 pub(super) fn cosines<S: Simd>(simd: S, direction: DVec3, [x, y, z]: &Directions) -> f64x8<S> {
     x.load(simd) * direction.x + y.load(simd) * direction.y + z.load(simd) * direction.z
 }
 
-/// ln of the share of its maximum below which a facet is taken as 0 at a sample: 8e-7, as much as all of its energy beyond.
+/// ln of a facet's share of its maximum below which it counts as 0 at a sample: 8e-7, equal to all of its energy beyond.
 ///
-/// With 1e-13 fits to facets of exponent 40 take 1.25 times as long, and residuals differ by 1e-6 of the density.
+/// With 1e-13, fits to facets of exponent 40 take 25 % more time, and residuals differ by 1e-6 of the density.
 pub(super) const NEGLIGIBLE: f64 = -14.0;
 
-/// cosⁿα, 0 where it is negligible; nothing where all eight are. Exponents are at least 1.
+/// cosⁿα, 0 if it is negligible; `None` if all eight are negligible. Exponents are at least 1.
 #[inline(always)]
 pub(super) fn powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<f64x8<S>> {
     log_powers(cos, exponent).map(shares)
 }
 
-/// ln cosⁿα, [`NEGLIGIBLE`] where cosⁿα is; nothing where all eight are.
+/// ln cosⁿα, [`NEGLIGIBLE`] if cosⁿα is; `None` if all eight are negligible.
 #[inline(always)]
 pub(super) fn log_powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<f64x8<S>> {
     let simd = cos.simd;
@@ -90,19 +91,19 @@ pub(super) fn log_powers<S: Simd>(cos: f64x8<S>, exponent: f64x8<S>) -> Option<f
     Some(near.select(exponent * log(cos), f64x8::splat(simd, NEGLIGIBLE)))
 }
 
-/// cosⁿα by its logarithm, 0 where it is negligible.
+/// cosⁿα from its logarithm, 0 if it is negligible.
 #[inline(always)]
 pub(super) fn shares<S: Simd>(logs: f64x8<S>) -> f64x8<S> {
     logs.simd_gt(NEGLIGIBLE).select(exp(logs), f64x8::splat(logs.simd, 0.0))
 }
 
-/// ln 2 in two parts: a small integer times the first is exact.
+/// ln 2 in two parts: the product of the first with a small integer is exact.
 const LN2_HI: f64 = 0.693_147_180_369_123_8;
 const LN2_LO: f64 = 1.908_214_929_270_587_7e-10;
 
-/// ln x of normal numbers above 0; anything else gives anything.
+/// ln x of normal numbers above 0; unspecified for other arguments.
 ///
-/// Of cosines that are not negligible, none is subnormal: the logarithm would be below −708.
+/// No cosine that is not negligible is subnormal: its logarithm would be below −708.
 #[inline(always)]
 fn log<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     const LG1: f64 = 0.666_666_666_666_673_5;
@@ -129,7 +130,7 @@ fn log<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     s * (half_square + (odd + even)) + k * LN2_LO - half_square + f + k * LN2_HI
 }
 
-/// eˣ from −700 to 2^−28; anything else gives anything.
+/// eˣ from −700 to 2^−28; unspecified for other arguments.
 #[inline(always)]
 fn exp<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     const P1: f64 = 0.166_666_666_666_666_02;
@@ -137,14 +138,14 @@ fn exp<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     const P3: f64 = 6.613_756_321_437_934e-05;
     const P4: f64 = -1.653_390_220_546_525_2e-06;
     const P5: f64 = 4.138_136_797_057_238_5e-08;
-    /// Where `libm`, which compares the upper halves of the bits, chooses: about 1.5 ln 2, 0.5 ln 2 and 2^−28.
+    /// Thresholds of `libm`, which compares the upper halves of the bits: about 1.5 ln 2, 0.5 ln 2 and 2^−28.
     const LARGE: f64 = f64::from_bits(0x3ff0_a2b2 << 32);
     const MEDIUM: f64 = f64::from_bits(0x3fd6_2e43 << 32);
     const TINY: f64 = f64::from_bits(0x3e30_0001 << 32);
     let simd = x.simd;
     let [zero, one] = [0.0, 1.0].map(|value| f64x8::splat(simd, value));
     let size = x.abs();
-    // x = k ln 2 + hi − lo. Rounded towards 0, which is up.
+    // x = k ln 2 + hi − lo. k is rounded towards 0, which is up.
     let rounded = (x * std::f64::consts::LOG2_E - 0.5).ceil();
     let k = size.simd_ge(LARGE).select(rounded, size.simd_ge(MEDIUM).select(-one, zero));
     let (high, low) = (x - k * LN2_HI, k * LN2_LO);
@@ -152,14 +153,14 @@ fn exp<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     let square = rest * rest;
     let c = rest - square * (square * (square * (square * (square * P5 + P4) + P3) + P2) + P1);
     let y = one + (rest * c / (f64x8::splat(simd, 2.0) - c) - low + high);
-    // 2^k: k + 1023 in the last bits, moved to where an exponent is.
+    // 2^k: k + 1023 in the last bits, moved to the place of an exponent.
     let scale = (k + (LARGE_INTEGERS + 1023.0)).bitcast::<u64x8<S>>() << 52;
     size.simd_ge(TINY).select(y * scale.bitcast::<f64x8<S>>(), one + x)
 }
 
-/// 2^52: added to a small number that is not negative, its last bits are that integer.
+/// 2^52: the last bits of its sum with a small non-negative integer are that integer.
 const SMALL_INTEGERS: f64 = 4_503_599_627_370_496.0;
-/// 1.5·2^52: as [`SMALL_INTEGERS`], for negative ones, too.
+/// 1.5·2^52: as [`SMALL_INTEGERS`], also for negative integers.
 const LARGE_INTEGERS: f64 = 6_755_399_441_055_744.0;
 
 /// 2^52 + an integer below 2^52.
@@ -175,7 +176,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Every instruction set that this machine has.
+    /// All instruction sets of this machine.
     pub(crate) fn levels() -> Vec<Level> {
         let level = Level::new();
         let mut levels = vec![level];
@@ -204,7 +205,7 @@ pub(super) mod tests {
         log_powers(cos.load(simd), exponent.load(simd)).map_or(none, |logs| [shares(logs), logs].map(Block::store))
     }
 
-    /// Numbers, and those with the bits around theirs.
+    /// The numbers and their neighbours in bit order.
     fn around(values: &[f64]) -> Vec<f64> {
         let steps = |value: &f64| {
             let bits = value.to_bits();
@@ -242,7 +243,7 @@ pub(super) mod tests {
         x.extend([0.0; LANES].map(|zero: f64| -zero));
         x.extend((0..200_000).map(|_| -30.0 * random.uniform(0.0, 1.0)));
         x.extend((0..100_000).map(|_| -1.2 * random.uniform(0.0, 1.0)));
-        // Half way between two integers the next one is chosen.
+        // Half way between two integers, the next integer is chosen.
         let halves: Vec<f64> = (1..43).map(|k| -(f64::from(k) + 0.5) * std::f64::consts::LN_2).collect();
         x.extend(around(&halves));
         same(&x, libm::exp, |level, x| dispatch!(level, simd => exps(simd, x)));

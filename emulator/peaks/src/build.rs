@@ -1,4 +1,4 @@
-//! From maps to peaks: every texel of every level, by itself.
+//! Construction of peaks from maps: every texel of every level is computed alone.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::spread::{Facet, density, sharpened, spread_exponent};
 use crate::horizon::{HorizonSlopes, horizon_slopes};
 use roughxel_scene::levels::{Cover, covers};
 
-/// Consecutive texels of a level, in rows; what is kept of a build that is interrupted.
+/// Consecutive texels of a level, in rows: the unit kept of an interrupted build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Part {
     pub(super) level: usize,
@@ -25,42 +25,42 @@ pub(super) struct Part {
     pub(super) texels: usize,
 }
 
-/// Most texels of a part: some half a second of fits.
+/// Most texels of a part: about half a second of fits.
 const PART: usize = 256;
 
-/// Texels of level 0 whose light is summed by one thread.
+/// Texels of level 0 whose light one thread sums.
 const TEXELS_AT_ONCE: usize = 4096;
 
-/// The texels of a part.
+/// Texels of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Texels {
     pub(super) peaks: Vec<Vec<Peak>>,
     pub(super) fits: FitCounts,
 }
 
-/// Where finished parts go, and come from when their build was interrupted.
+/// Store of finished parts, for builds after an interruption.
 pub(super) trait Parts {
     /// The part, if an earlier build has finished it.
     fn find(&mut self, _: Part) -> Option<Texels> {
         None
     }
 
-    /// Keeps it for a later build.
+    /// Keeps the part for a later build.
     fn keep(&mut self, _: Part, _: &Texels) {}
 }
 
-/// Nothing is kept.
+/// A store that keeps nothing.
 struct NoParts;
 
 impl Parts for NoParts {}
 
-/// Texels of a level by the facets they are of.
+/// Fitted texels of a level by the hash of their facets.
 type Known = HashMap<Key, Arc<Fitted>>;
 
 /// Peaks of a texel with more facets than peaks.
 #[derive(Default)]
 struct Fitted {
-    /// How the fit of its density went; with shadows there is none.
+    /// Fit of the density; with shadows there is none.
     fit: Option<fit::Fit>,
     peaks: Vec<Peak>,
 }
@@ -69,7 +69,8 @@ struct Fitted {
 type Key = [u8; 32];
 
 impl PeakPyramid {
-    /// Builds all levels; `progress` is called with steps that are done, [`PeakSource::steps`] in all, from any thread.
+    /// Builds all levels. `progress` is called with the number of new steps, [`PeakSource::steps`] in all, from any
+    /// thread.
     ///
     /// Errors: sizes, normals, heights and options out of range, before anything is built.
     pub fn build(
@@ -80,9 +81,10 @@ impl PeakPyramid {
         Self::build_in_parts(source, options, progress, &mut NoParts)
     }
 
-    /// As [`PeakPyramid::build`], but takes the parts that are there, and keeps the others as soon as they are.
+    /// Builds as [`PeakPyramid::build`] does, but takes the kept parts, and keeps the others as soon as they are
+    /// finished.
     ///
-    /// The parts of a level come one after the other, each from all threads; levels that take no time have none.
+    /// The parts of a level are built in sequence, each by all threads. Levels that take no time have no parts.
     pub(super) fn build_in_parts(
         source: &PeakSource,
         options: &BuildOptions,
@@ -122,7 +124,7 @@ impl PeakPyramid {
         Ok(Self { levels, fits })
     }
 
-    /// Level 0 alone, which nothing is fitted for. Errors: as [`PeakPyramid::build`].
+    /// Level 0 alone, which needs no fits. Errors: as [`PeakPyramid::build`].
     pub fn base(source: &PeakSource, options: &BuildOptions) -> Result<Self, PeakError> {
         Ok(Self { levels: vec![Base::new(source, options)?.level()], fits: FitCounts::default() })
     }
@@ -148,12 +150,12 @@ struct Base {
     /// Unit vectors.
     normals: Vec<DVec3>,
     amplitudes: Vec<f64>,
-    /// Towards −x, +x, −y, +y; empty without heights.
+    /// Slopes towards −x, +x, −y, +y; empty without heights.
     slopes: Vec<HorizonSlopes>,
-    /// The knots of a tally that clear them.
+    /// Knots of a tally that clear the slopes.
     knots: Vec<[u8; 4]>,
     exponent: f64,
-    /// What errors of shadowed light count.
+    /// Weights of the errors of shadowed light.
     weights: Light,
 }
 
@@ -197,7 +199,7 @@ impl Base {
         })
     }
 
-    /// With what is needed for levels above: the light of all facets.
+    /// Adds the light of all facets, which levels above need.
     fn with_light(mut self) -> Self {
         let texels = |first: usize| {
             let all = first..self.normals.len().min(first + TEXELS_AT_ONCE);
@@ -205,7 +207,7 @@ impl Base {
         };
         if !self.slopes.is_empty() {
             let firsts = (0..self.normals.len()).into_par_iter().step_by(TEXELS_AT_ONCE);
-            // In order: the same bits for any number of threads.
+            // Sums are taken in order: the same bits for any number of threads.
             let lights: Vec<Light> = firsts.map(texels).collect();
             let area = self.normals.len() as f64;
             let add = |mut sum: Light, light: &Light| {
@@ -237,7 +239,8 @@ impl Base {
         PeakLevel::new(self.width as u32, self.height as u32, (0..self.normals.len()).map(single))
     }
 
-    /// Texels of level 0 below a texel in the order of their normals' bits, none of amplitude 0, and the facets of those that share one.
+    /// Texels of level 0 below a texel, in the order of their normals' bits, without those of amplitude 0. Texels that share a normal
+    /// form a facet.
     fn facets(&self, column: &Cover, row: &Cover) -> Below {
         let area = (column.total() * row.total()) as f64;
         let mut texels: Vec<Texel> = (row.first..=row.last)
@@ -248,7 +251,7 @@ impl Base {
             })
             .filter(|texel| texel.amplitude > 0.0)
             .collect();
-        // Stable: what is equal is summed in the order of rows.
+        // The sort is stable: texels with equal normals are summed in the order of rows.
         let bits = |texel: &Texel| {
             let slopes = self.slopes.get(texel.index).map(|slopes| slopes.map(f64::to_bits));
             (self.normals[texel.index].to_array().map(f64::to_bits), slopes)
@@ -265,7 +268,7 @@ impl Base {
 
     /// Texels of one part of a level.
     ///
-    /// Texels whose facets are the same, to the bit, have the same fit, which is made once in a level: `known` has those of the parts before.
+    /// Texels with equal facets, to the bit, share a fit, which is made once in a level. `known` has the fits of the earlier parts.
     fn texels(
         &self,
         covers: &(Vec<Cover>, Vec<Cover>),
@@ -306,7 +309,8 @@ impl Base {
         Texels { peaks: gathered.par_iter().map(peaks).collect(), fits }
     }
 
-    /// Peaks of what lies below a texel: as few as fit the density of its normals, with shadows one for each cluster of facets.
+    /// Peaks of the facets below a texel: the fewest that fit the density of their normals; with shadows, one for each cluster
+    /// of facets.
     fn fitted(&self, below: &Below) -> Fitted {
         let spread = spread_exponent(self.exponent);
         if self.slopes.is_empty() {
@@ -336,7 +340,7 @@ impl Base {
         Fitted { fit: None, peaks }
     }
 
-    /// Lobes of facets in clusters of about one normal, at most so many: what a fit may start from.
+    /// Lobes of facets in at most `most` clusters of similar normals: starting points of a fit.
     fn lobes(&self, facets: &[Facet], most: usize) -> Vec<FittedPeak> {
         let member = |facet: &Facet| Member::new(facet.normal, HorizonSlopes::default(), facet.amplitude);
         let mut sums = [(0.0, DVec3::ZERO); MAX_PEAKS];
@@ -350,12 +354,12 @@ impl Base {
         some.map(|(amplitude, normals)| lobe(gain * amplitude, gain * normals, spread)).collect()
     }
 
-    /// What a facet of another width has for its energy 2π/(n + 1).
+    /// Gain of the spread exponent: a facet of a different width keeps its energy 2π/(n + 1).
     fn spread_gain(&self) -> f64 {
         (spread_exponent(self.exponent) + 1.0) / (self.exponent + 1.0)
     }
 
-    /// A fitted peak of facets as narrow as they are.
+    /// A fitted peak, sharpened to the facets' own width.
     fn peak(&self, peak: &FittedPeak, horizon: Option<[Horizon; 4]>) -> Peak {
         let exponent = sharpened(peak.exponent, self.exponent).clamp(*EXPONENTS.start(), *EXPONENTS.end());
         Peak {
@@ -366,7 +370,7 @@ impl Base {
         }
     }
 
-    /// Facets as peaks of their own.
+    /// Facets as individual peaks.
     fn peaks(&self, facets: &[Facet], texels: &[Texel]) -> Vec<Peak> {
         let mut rest = texels;
         let peak = |facet: &Facet| {
@@ -382,7 +386,7 @@ impl Base {
         facets.iter().map(peak).collect()
     }
 
-    /// The horizons of texels of level 0, by their amplitude.
+    /// Mean horizons of texels of level 0, weighted by amplitude.
     fn horizon(&self, texels: &[Texel]) -> [Horizon; 4] {
         let mut sides = [Tally::EMPTY; 4];
         for texel in texels {
@@ -395,19 +399,19 @@ impl Base {
     }
 }
 
-/// What lies below a texel.
+/// Facets and texels below a texel.
 struct Below {
     facets: Vec<Facet>,
     texels: Vec<Texel>,
 }
 
 impl Below {
-    /// Whether there are more facets than peaks.
+    /// True if there are more facets than peaks.
     fn takes_fit(&self) -> bool {
         self.facets.len() > MAX_PEAKS
     }
 
-    /// Hash of all that a fit depends on but the options.
+    /// Hash of all inputs of a fit except the options.
     fn key(&self, slopes: &[HorizonSlopes]) -> Key {
         let mut hash = Sha256::new();
         let mut add = |numbers: &[f64]| numbers.iter().for_each(|number| hash.update(number.to_le_bytes()));
@@ -425,12 +429,12 @@ impl Below {
     }
 }
 
-/// A texel of level 0 in one above it.
+/// A texel of level 0 below a texel of a higher level.
 #[derive(Clone, Copy)]
 struct Texel {
-    /// In rows.
+    /// Index in rows.
     index: usize,
-    /// Its amplitude times its share of the area.
+    /// Amplitude times its share of the area.
     amplitude: f64,
 }
 

@@ -1,8 +1,8 @@
-//! Pyramids kept on disk, by the content they were built from.
+//! Pyramids kept on disk, keyed by the content that they are built from.
 //!
 //! A file is a magic line with the version of format and method, the SHA-256 of everything that a pyramid depends on, the
-//! pyramid (little-endian), and the SHA-256 of all that. It is read only if all of this fits and no number is out
-//! of its range; anything else (torn, truncated, foreign, of another version) counts as missing and is replaced. Files
+//! pyramid (little-endian), and the SHA-256 of these bytes. A file is read only if all parts fit and every number is in
+//! range. Any other file (torn, truncated, foreign, of a different version) counts as missing and is replaced. Files
 //! appear whole ([`roughxel_utilities::output`]), so two programs may share a directory.
 
 use std::fs::{self, File};
@@ -19,39 +19,39 @@ use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
 use super::source::{BuildOptions, EXPONENTS, MAX_PEAKS, PeakError, PeakSource, texels};
 use roughxel_scene::levels::level_sizes;
 
-/// First bytes of a file; the number changes with the format and with every change of what is built.
+/// First bytes of a file. The number changes with the format and with every change of the built content.
 const MAGIC: &[u8] = b"roughxel peak pyramid 6\n";
-/// As [`MAGIC`], of a part of a pyramid; the key of the pyramid is in it, too, and with it the number above.
+/// First bytes of a part of a pyramid. The key of the pyramid is also in the file, and with it the number of [`MAGIC`].
 const PART_MAGIC: &[u8] = b"roughxel part of peaks 1\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
-/// A pyramid that may have been on disk.
+/// A pyramid that may come from disk.
 #[derive(Debug)]
 pub struct Cached {
-    /// The same bits, wherever it came from.
+    /// The pyramid: the same bits, wherever it comes from.
     pub pyramid: PeakPyramid,
-    /// Whether it was read rather than built.
+    /// True if it was read rather than built.
     pub read: bool,
-    /// Why it could not be kept for the next time; the pyramid is good all the same.
+    /// Reason why it could not be kept for the next time; the pyramid is good all the same.
     pub not_kept: Option<io::Error>,
-    /// Of its texels that may take a fit, those that an interrupted build had kept.
+    /// Number of its texels that may take a fit and that an interrupted build had kept.
     pub resumed: u64,
-    /// Files of an interrupted build that were damaged; what should be in them was fitted again.
+    /// Damaged files of an interrupted build; their content is fitted again.
     pub damaged: Vec<PathBuf>,
 }
 
 impl Cached {
-    /// A pyramid that was never on disk.
+    /// A pyramid that is not from disk.
     pub(super) fn new(pyramid: PeakPyramid) -> Self {
         Self { pyramid, read: false, not_kept: None, resumed: 0, damaged: Vec::new() }
     }
 }
 
 impl PeakPyramid {
-    /// As [`PeakPyramid::build`], but reads the pyramid from a directory if it was built before, and keeps it there if not.
+    /// Reads the pyramid from a directory if it was built before; otherwise builds it as [`PeakPyramid::build`] does and keeps it there.
     ///
-    /// The directory is made if it is missing. A build that is interrupted leaves the parts that it has finished there, and the next one takes
-    /// them: the pyramid has the same bits. A cache file of the largest map with heights has 0.5 GB. Errors: those of [`PeakPyramid::build`] only.
+    /// The directory is made if it is missing. An interrupted build leaves its finished parts there, and the next build takes them: the pyramid
+    /// has the same bits. A cache file of the largest map with heights has 0.5 GB. Errors: those of [`PeakPyramid::build`] only.
     pub fn cached(
         directory: &Path,
         source: &PeakSource,
@@ -76,12 +76,12 @@ impl PeakPyramid {
     }
 }
 
-/// The parts of a pyramid on disk.
+/// Parts of a pyramid on disk.
 struct KeptParts {
     directory: PathBuf,
     key: [u8; HASH],
     with_horizon: bool,
-    /// Whether parts can be written; a directory that cannot is told of when the pyramid itself is not kept.
+    /// True if parts can be written. A read-only directory is reported when the pyramid itself is not kept.
     writable: bool,
     resumed: u64,
     damaged: Vec<PathBuf>,
@@ -96,15 +96,15 @@ impl KeptParts {
         self.directory.join(format!("{}-{}.part", part.level, part.first))
     }
 
-    /// What precedes the counts of a part.
+    /// First bytes of a part's file, up to the counts.
     fn head(&self, part: Part) -> Vec<u8> {
         let place = [part.level, part.first, part.texels].map(|number| (number as u64).to_le_bytes());
         [PART_MAGIC, &self.key, place.as_flattened()].concat()
     }
 
-    /// Removes all of them.
+    /// Removes all parts.
     fn remove(&self) {
-        // What is left is replaced, or in nobody's way.
+        // Remaining files are replaced or do no harm.
         let _ = fs::remove_dir_all(&self.directory);
     }
 }
@@ -156,7 +156,7 @@ fn key(source: &PeakSource, options: &BuildOptions) -> [u8; HASH] {
     hash.finalize().into()
 }
 
-/// Name of the file of a key.
+/// Path of the file of a key.
 fn path(directory: &Path, key: &[u8; HASH]) -> PathBuf {
     let name: String = key.iter().map(|byte| format!("{byte:02x}")).collect();
     directory.join(name + ".peaks")
@@ -190,7 +190,7 @@ fn put_texel(bytes: &mut Vec<u8>, texel: &[Peak]) {
     }
 }
 
-/// A file with the hash of its bytes behind them, whole or not at all.
+/// Writes a file followed by the hash of its bytes, whole or not at all.
 fn write_sealed(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let hash = Sha256::digest(bytes);
     path.parent().map_or(Ok(()), fs::create_dir_all)?;
@@ -200,7 +200,7 @@ fn write_sealed(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.commit()
 }
 
-/// What is parsed of the numbers behind the head of a sealed file of so many texels; `None` for whatever is wrong with it.
+/// Parses the numbers after the head of a sealed file of `texels` texels; `None` for any mistake.
 fn read_sealed<T>(
     path: &Path,
     head: &[u8],
@@ -211,7 +211,7 @@ fn read_sealed<T>(
     let peak = 5 + if with_horizon { 16 } else { 0 };
     let longest = (head.len() + HASH) as u64 + 8 * (5 + texels * (1 + MAX_PEAKS as u64 * peak));
     let mut bytes = Vec::new();
-    // What is longer is cut, so its hash is another one.
+    // A longer file is truncated, so its hash differs.
     File::open(path).ok()?.take(longest + 1).read_to_end(&mut bytes).ok()?;
     let (content, hash) = bytes.split_last_chunk::<HASH>()?;
     if Sha256::digest(content)[..] != hash[..] {
@@ -223,18 +223,18 @@ fn read_sealed<T>(
     (rest.is_empty() && numbers.0.len() == 0).then_some(parsed)
 }
 
-/// The pyramid of a file; `None` for whatever is wrong with it.
+/// Pyramid of a file; `None` for any mistake.
 fn read(path: &Path, key: &[u8; HASH], source: &PeakSource) -> Option<PeakPyramid> {
     let (head, with_horizon) = ([MAGIC, key].concat(), source.heights.is_some());
     read_sealed(path, &head, all_texels(source), with_horizon, |numbers| parse(numbers, source))
 }
 
-/// Texels of all levels.
+/// Number of texels of all levels.
 fn all_texels(source: &PeakSource) -> u64 {
     source.normals.len() as u64 + source.upper_levels().map(texels).sum::<u64>()
 }
 
-/// Numbers of a file that are still to be read.
+/// Remaining numbers of a file.
 struct Numbers<'a>(std::slice::Iter<'a, [u8; 8]>);
 
 impl Numbers<'_> {
@@ -248,7 +248,7 @@ impl Numbers<'_> {
         range.contains(&value).then_some(value)
     }
 
-    /// How fits went, of at most so many.
+    /// Counts of at most `most` fits.
     fn fits(&mut self, most: usize) -> Option<FitCounts> {
         Some(FitCounts {
             fitted: self.count(most)?,
@@ -259,7 +259,7 @@ impl Numbers<'_> {
         })
     }
 
-    /// A texel of at most so many peaks.
+    /// A texel of at most `most` peaks.
     fn texel(&mut self, most: usize, with_horizon: bool) -> Option<Vec<Peak>> {
         let peaks = self.count(most)?;
         (0..peaks).map(|_| peak(self, with_horizon)).collect()
@@ -304,7 +304,7 @@ mod tests {
     use super::super::source::FacetWeight;
     use super::*;
 
-    /// The pyramid, whether it was read, and how many texels were fitted.
+    /// The pyramid, true if it was read, and the number of fitted texels.
     fn cached(directory: &Path, source: &PeakSource, options: &BuildOptions) -> (PeakPyramid, bool, u64) {
         let (fitted, found) = (AtomicU64::new(0), AtomicU64::new(0));
         let cached = PeakPyramid::cached(directory, source, options, &|steps| {
@@ -321,7 +321,7 @@ mod tests {
         (cached.pyramid, cached.read, fitted)
     }
 
-    /// Builds until so many texels are fitted, and is interrupted.
+    /// Builds until `after` texels are fitted, then is interrupted.
     fn interrupted(directory: &Path, source: &PeakSource, after: u64) {
         let fitted = AtomicU64::new(0);
         let progress = |steps: Steps| {
@@ -332,7 +332,7 @@ mod tests {
         assert!(built.is_err(), "it was not interrupted");
     }
 
-    /// The one file of a directory, and no other thing.
+    /// Content of the only entry of a directory, a file.
     fn only_file(directory: &Path) -> Vec<u8> {
         let names: Vec<PathBuf> =
             fs::read_dir(directory).expect("a directory").map(|entry| entry.expect("an entry").path()).collect();
@@ -342,7 +342,8 @@ mod tests {
 
     #[test]
     fn an_interrupted_build_goes_on_to_the_same_bytes() {
-        // Levels of 272, 64, 16, 4 texels and one: the first has two parts. One in eight of its texels takes a fit.
+        // Levels of 272, 64, 16, 4 texels and one texel: the first has two parts. One in eight of its texels takes a
+        // fit.
         let mut source = hills(68, 64);
         for (index, normal) in source.normals.iter_mut().enumerate() {
             if (index % 68 / 4 + index / 68 / 4) % 8 > 0 {
@@ -352,7 +353,7 @@ mod tests {
         let [whole, directory] = [(); 2].map(|()| tempfile::tempdir().expect("a directory"));
         cached(whole.path(), &source, &OPTIONS);
         let wanted = only_file(whole.path());
-        // In the first part, in the second, in the next level, in that after it.
+        // Interruptions in the first part, in the second, in the next level, and in the level after it.
         for (after, kept) in [(9, 0), (260, 256), (30, 272), (70, 336)] {
             interrupted(directory.path(), &source, after);
             let parts = path(directory.path(), &key(&source, &OPTIONS)).with_extension("parts");
@@ -361,7 +362,7 @@ mod tests {
         }
         let (_, read, fitted) = cached(directory.path(), &source, &OPTIONS);
         assert!(!read && fitted == source.steps() - 336, "{fitted}");
-        assert!(only_file(directory.path()) == wanted, "other bytes, or parts that are left");
+        assert!(only_file(directory.path()) == wanted, "different bytes, or remaining parts");
     }
 
     #[test]
@@ -370,7 +371,7 @@ mod tests {
         let source = hills(16, 16);
         let (wanted, ..) = cached(directory.path(), &source, &OPTIONS);
         let pyramid = path(directory.path(), &key(&source, &OPTIONS));
-        fs::remove_file(&pyramid).expect("it is there");
+        fs::remove_file(&pyramid).expect("the file is there");
         // The level of 16 texels is kept.
         interrupted(directory.path(), &source, 17);
         let place = pyramid.with_extension("parts").join("2-0.part");
@@ -378,19 +379,19 @@ mod tests {
         let mut changed = good.clone();
         changed[good.len() / 2] ^= 1;
         let resealed = |content: &[u8]| [content, &Sha256::digest(content)[..]].concat();
-        // Of another level, but whole.
+        // A whole part, but of a different level.
         let mut moved = good[..good.len() - HASH].to_vec();
         moved[PART_MAGIC.len() + HASH] += 1;
         for bad in [&good[..good.len() / 2], &[], &changed, &[&good[..], &[0]].concat(), &resealed(&moved)] {
-            fs::create_dir_all(place.parent().expect("a directory")).expect("it can be made");
-            fs::write(&place, bad).expect("it can be written");
+            fs::create_dir_all(place.parent().expect("a directory")).expect("the directory can be made");
+            fs::write(&place, bad).expect("the file can be written");
             let cached = PeakPyramid::cached(directory.path(), &source, &OPTIONS, &|_| ()).expect("the source is good");
             assert_eq!((cached.damaged, cached.resumed), (vec![place.clone()], 0));
             assert_eq!(cached.pyramid, wanted);
-            fs::remove_file(&pyramid).expect("it is there");
+            fs::remove_file(&pyramid).expect("the file is there");
         }
-        fs::create_dir_all(place.parent().expect("a directory")).expect("it can be made");
-        fs::write(&place, good).expect("it can be written");
+        fs::create_dir_all(place.parent().expect("a directory")).expect("the directory can be made");
+        fs::write(&place, good).expect("the file can be written");
         let cached = PeakPyramid::cached(directory.path(), &source, &OPTIONS, &|_| ()).expect("the source is good");
         assert_eq!((cached.damaged, cached.resumed, cached.pyramid), (Vec::new(), 16, wanted));
     }
@@ -448,11 +449,11 @@ mod tests {
         }
         bad.push([&good[..], &[0]].concat());
         bad.push(vec![0; 1 << 20]);
-        // A file that is whole, but of another map.
+        // A whole file, but of a different map.
         let other = PeakSource { heights: None, ..hills(4, 4) };
         cached(directory.path(), &other, &OPTIONS);
         bad.push(fs::read(super::path(directory.path(), &key(&other, &OPTIONS))).expect("the file is there"));
-        // A hash that fits what should not be there: one number too many, and an exponent out of range.
+        // Files with a valid hash and invalid content: one number too many, and an exponent out of range.
         let resealed = |content: &[u8]| [content, &Sha256::digest(content)[..]].concat();
         let content = &good[..good.len() - HASH];
         bad.push(resealed(&[content, &[0; 8]].concat()));

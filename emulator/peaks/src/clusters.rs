@@ -1,24 +1,29 @@
-//! Clusters: facets whose normals and horizons are alike, one for each peak.
+//! Clusters: facets with similar normals and horizons, one cluster for each peak.
 //!
-//! Far away, where an eye is low, what is seen of a rough surface are the facets in sight, and they are not like the others: they lean towards the eye
-//! and lie high. A peak that stands for all facets of about one normal has no way to say so. One that stands for facets with the same horizons,
-//! too, is in sight or not as a whole. So facets are gathered around at most seven means over normals and horizons (Lloyd's iteration), and each cluster
-//! is a peak: its mean normal, as wide as its normals spread. Without horizons they are where a fit of many peaks starts from (`fit`).
+//! Far away and from a low eye, only part of a rough surface is in sight. The visible facets differ from the others: they lean towards the eye and
+//! lie high. A peak for all facets of about one normal cannot represent this. A peak for facets with equal horizons, too, is in sight or not as a
+//! whole. Facets are therefore gathered around at most seven means over normals and horizons (Lloyd's iteration). Each cluster is a peak: its mean
+//! normal, as wide as its normals spread. Without horizons, clusters are the starting point of a fit of many peaks (`fit`).
 
 use glam::DVec3;
 
 use super::fit::{FittedPeak, MAX_PEAKS};
 use crate::horizon::HorizonSlopes;
 
-/// What the angle of a horizon, in radians, counts beside x and y of a normal.
+/// Weight of a horizon's angle, in radians, relative to x and y of a normal.
 ///
-/// Brightness over the truth in the farthest of seven bands, slopes to 1 and from 2 to 3.5: 0.95 to 1.07 and 0.87 to 1.09; with 0.6
-/// 0.93 to 1.10 and 0.86 to 1.13, with 0.9 0.92 to 1.08 and 0.79 to 1.23 (`host-tests/tests/pictures/shadows.rs`).
+/// Brightness over the truth in the farthest of seven bands (`host-tests/tests/pictures/shadows.rs`):
+///
+/// | weight | slopes to 1 | slopes from 2 to 3.5 |
+/// |---|---|---|
+/// | 0.4 | 0.95 to 1.07 | 0.87 to 1.09 |
+/// | 0.6 | 0.93 to 1.10 | 0.86 to 1.13 |
+/// | 0.9 | 0.92 to 1.08 | 0.79 to 1.23 |
 const HORIZON_WEIGHT: f64 = 0.4;
-/// Most passes over the facets; the last is the first in which none moves.
+/// Most passes over the facets; iteration ends earlier when no facet moves.
 const PASSES: u32 = 20;
 
-/// A facet among others.
+/// A facet to be clustered.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
     /// x and y of the normal, angles of the horizons to the four sides.
@@ -27,7 +32,7 @@ pub(super) struct Member {
 }
 
 impl Member {
-    /// A facet of a weight above 0.
+    /// A member for a facet of a weight above 0.
     pub(super) fn new(normal: DVec3, slopes: HorizonSlopes, weight: f64) -> Self {
         let [left, right, down, up] = slopes.map(|slope| HORIZON_WEIGHT * libm::atan(slope));
         Self { place: [normal.x, normal.y, left, right, down, up], weight }
@@ -38,10 +43,9 @@ impl Member {
     }
 }
 
-/// Clusters, at most as many as asked for, [`MAX_PEAKS`] or fewer: of every member its own, in their order; there may be clusters without any.
+/// Cluster of every member, in the order of members: at most `most` clusters, which is [`MAX_PEAKS`] or fewer. Clusters may be empty.
 ///
-/// Starts from the members that are farthest from the mean and from each other, by their weight: the same clusters for the same members in the same
-/// order.
+/// Starts from the members that are farthest from the mean and from each other, by their weight. Equal members in equal order give equal clusters.
 pub(super) fn clusters(members: &[Member], most: usize) -> Vec<u8> {
     let mut all = Sum::default();
     members.iter().for_each(|member| all.add(member));
@@ -50,7 +54,7 @@ pub(super) fn clusters(members: &[Member], most: usize) -> Vec<u8> {
     let mut of = vec![0; members.len()];
     let Some(first) = first else { return of };
     let mut means = vec![first];
-    // Squared, to the nearest mean so far.
+    // Squared distances to the nearest mean so far.
     let mut nearest: Vec<f64> = distances(first).collect();
     while means.len() < most {
         let Some(next) = farthest(members, nearest.iter().copied()) else { break };
@@ -79,7 +83,7 @@ pub(super) fn clusters(members: &[Member], most: usize) -> Vec<u8> {
     of
 }
 
-/// The place of the member that is farthest by its weight; none where all distances are 0.
+/// Place of the member that is farthest by its weight; `None` if all distances are 0.
 fn farthest(members: &[Member], distances: impl Iterator<Item = f64>) -> Option<[f64; 6]> {
     let farthest = members.iter().zip(distances).fold((0.0, None), |most, (member, distance)| {
         let share = member.weight * distance;
@@ -88,7 +92,7 @@ fn farthest(members: &[Member], distances: impl Iterator<Item = f64>) -> Option<
     farthest.1
 }
 
-/// Of the places of members by their weight, and of their weights.
+/// Sum of the places of members by their weight, and of their weights.
 #[derive(Clone, Copy, Default)]
 struct Sum {
     places: [f64; 6],
@@ -103,15 +107,17 @@ impl Sum {
         self.weight += member.weight;
     }
 
-    /// None of no member.
+    /// Mean place; `None` without members.
     fn mean(&self) -> Option<[f64; 6]> {
         (self.weight > 0.0).then(|| self.places.map(|sum| sum / self.weight))
     }
 }
 
-/// The peak of facets Σ a cosⁿα by the sum of their amplitudes, and of their normals times them: their energy and their mean cosine.
+/// Peak of facets Σ a cosⁿα with their energy and their mean cosine. `amplitude` is the sum of their amplitudes, `normals` the sum
+/// of normals times amplitudes.
 ///
-/// The mean cosine of cosⁿα is (n + 1)/(n + 2); that of its directions around another is the product of both.
+/// The mean cosine of cosⁿα is (n + 1)/(n + 2). The mean cosine of its directions around an axis at an angle is this times the
+/// cosine of the angle.
 pub(super) fn lobe(amplitude: f64, normals: DVec3, exponent: f64) -> FittedPeak {
     let direction = normals.normalize_or(DVec3::Z);
     let cosine = (exponent + 1.0) / (exponent + 2.0) * (normals.length() / amplitude).min(1.0);
@@ -133,7 +139,7 @@ mod tests {
     #[test]
     fn facets_that_stand_apart_are_clusters_of_their_own() {
         let mut random = SplitMix64::new(16);
-        // Seven groups, of which two have one normal and other horizons.
+        // Seven groups, of which two share a normal but not the horizons.
         let groups = [[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5], [0.5, 0.5], [0.0, 0.0], [0.0, 0.0]];
         let horizons = [0.1, 0.2, 0.3, 0.1, 0.2, 0.0, 2.0];
         let members: Vec<Member> = (0..700)
@@ -146,7 +152,7 @@ mod tests {
         let of = clusters(&members, MAX_PEAKS);
         assert!(of.iter().enumerate().all(|(index, cluster)| *cluster == of[index % 7]));
         assert_eq!(of.iter().collect::<HashSet<_>>().len(), 7);
-        // As many as asked for, where there are more.
+        // As many clusters as asked for, if there are more groups.
         for most in 1..=MAX_PEAKS {
             assert_eq!(clusters(&members, most).into_iter().collect::<HashSet<_>>().len(), most);
         }
@@ -186,7 +192,7 @@ mod tests {
         let cosine = (both.exponent + 1.0) / (both.exponent + 2.0);
         let along = (normals[0].dot(both.direction) + 0.5 * normals[1].dot(both.direction)) / 1.5;
         assert!((cosine - 41.0 / 42.0 * along).abs() < 1e-12 && both.exponent < 40.0);
-        // Normals that cancel have no direction; the widest lobe is what is left.
+        // Normals that cancel have no direction; the result is the widest lobe.
         assert_eq!(lobe(2.0, DVec3::ZERO, 8.0).exponent, 1.0);
     }
 }

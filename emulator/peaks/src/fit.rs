@@ -1,11 +1,13 @@
 //! Fit of a density by a few peaks Σ a cosⁿα (F92 §2.3): non-linear least squares, one more peak at a time.
 //!
-//! A peak is guessed at the maximum of what is left, with an exponent from the fall-off to the neighbours; Levenberg and
-//! Marquardt then fit all peaks together, with an analytic Jacobian and every sample weighted by its solid angle. Where lobes of a few
-//! clusters of facets (`clusters`) are far from the density, a fit of as many peaks would be, too: it starts from as many as are not. Four
-//! variables a peak, none of them bounded for the solver: √a; the stereographic coordinates of the direction (one length
-//! means one angle anywhere on the hemisphere, the pole is no special place); and ν, which runs through ln n = low … high
-//! as ν/√(1 + ν²) runs from −1 to 1. After every fit the amplitudes are scaled to the energy of the density (erratum 24).
+//! A peak is guessed at the maximum of the residual, with an exponent from the fall-off to the neighbours. Levenberg and Marquardt then
+//! fit all peaks together, with an analytic Jacobian and every sample weighted by its solid angle. If lobes of a few clusters of facets
+//! (`clusters`) are far from the density, a fit of equally many peaks is far from it as well. The fit therefore starts from the fewest
+//! lobes that are near.
+//!
+//! A peak has four variables, none of them bounded for the solver: √a, two stereographic coordinates of the direction, and ν. In the
+//! coordinates one length means one angle anywhere on the hemisphere, and the pole is no special place. ln n runs through low … high as
+//! ν/√(1 + ν²) runs from −1 to 1. After every fit the amplitudes are scaled to the energy of the density (erratum 24).
 
 mod problem;
 mod products;
@@ -19,22 +21,28 @@ use super::spread::{HEMISPHERE, SAMPLES, neighbours};
 
 /// Most peaks of a fit.
 pub(super) const MAX_PEAKS: usize = 7;
-/// A fit is good when its residual is below this share of the density, root mean square and maximum.
+/// Residual of a good fit as a share of the density, root mean square and maximum.
 pub(super) const GOOD: f64 = 0.05;
 /// Relative reduction of the sum of squares at which a fit has converged.
 ///
-/// Of a photograph of 128² with slopes of 1 and facets of exponent 20, 306 of 1365 fits miss [`GOOD`] and all peaks are 40 274; with 1e-4 299 and
-/// 40 263 in 1.4 times the time. With 1e-2 the largest residual of a weave (`host-tests/tests/pictures/peak_pyramid.rs`) is 0.115 of its maximum, not 0.095.
+/// A photograph of 128² with slopes of 1 and facets of exponent 20 has 1365 fits:
+///
+/// | tolerance | fits that miss [`GOOD`] | peaks |
+/// |---|---|---|
+/// | 5e-3 | 306 | 40 274 |
+/// | 1e-4 (40 % more time) | 299 | 40 263 |
+///
+/// With 1e-2 the largest residual of a weave (`host-tests/tests/pictures/peak_pyramid.rs`) is 0.115 of its maximum, not 0.095.
 const TOLERANCE: f64 = 5e-3;
-/// In multiples of [`GOOD`], the residual of lobes of clusters that a fit is tried from. From those of 2 that photograph has 0.4 % more peaks, from
-/// those of 3 0.2 % less, in 1.1 times the time.
+/// Largest residual of cluster lobes that a fit may start from, in multiples of [`GOOD`]. For the photograph of [`TOLERANCE`], 2 gives 0.4 % more
+/// peaks; 3 gives 0.2 % fewer, in 10 % more time.
 const NEAR: f64 = 2.5;
-/// Evaluations a fit may take, in multiples of its variables + 1.
+/// Most evaluations of a fit, in multiples of its variables + 1.
 const PATIENCE: usize = 4;
-/// A peak that nowhere on the hemisphere reaches this share of the density's maximum is left out.
+/// Share of the density's maximum that a peak must reach on the hemisphere; a lower peak is omitted.
 const INVISIBLE: f64 = 1e-6;
 
-/// Peaks and what they leave of a density.
+/// Peaks and their residual of a density.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Fit {
     pub(super) peaks: Vec<FittedPeak>,
@@ -55,21 +63,21 @@ impl Rest {
         self.rms < share && self.maximum < share
     }
 
-    /// Whether it is small enough.
+    /// True if the residual is small enough.
     pub(super) fn is_good(self) -> bool {
         self.is_below(GOOD)
     }
 }
 
-/// Fits a density spread with `spread_exponent`; no peaks where the density is 0 everywhere.
+/// Fits a density spread with `spread_exponent`; no peaks if the density is 0 everywhere.
 ///
-/// `lobes` are at most as many as asked for that together have the density's energy, where it may start from.
+/// `lobes` gives at most as many peaks as asked for, with the density's energy together: possible starting points.
 pub(super) fn fit(density: &[f64], spread_exponent: f64, lobes: impl Fn(usize) -> Vec<FittedPeak>) -> Fit {
     let largest = density.iter().copied().fold(0.0, f64::max);
     if largest <= 0.0 {
         return Fit::default();
     }
-    // Exactly one facet has the exponent it was spread with: that must not be the end of the range.
+    // A single facet has exactly the exponent it was spread with, so that must not be the end of the range.
     let range = ExponentRange { low: 0.0, high: libm::log(2.0 * spread_exponent) };
     let relative: Vec<f64> = density.iter().map(|value| value / largest).collect();
     let blocks = Block::list(relative.iter().copied());
@@ -101,9 +109,10 @@ pub(super) fn fit(density: &[f64], spread_exponent: f64, lobes: impl Fn(usize) -
     }
 }
 
-/// Peaks that a fit starts from: lobes of the fewest clusters that are near a density of the maximum 1, of all where none are.
+/// Starting peaks of a fit: the lobes of the fewest clusters that are near a density of the maximum 1. If none are near, all
+/// lobes are taken.
 ///
-/// None where two are near it: one or two peaks may do then, and take no time.
+/// No peaks if two lobes are near: one or two fitted peaks may then suffice, and take no time.
 fn start(density: &[f64], lobes: impl Fn(usize) -> Vec<FittedPeak>) -> Vec<FittedPeak> {
     let mut peaks = Vec::new();
     for most in 2..=MAX_PEAKS {
@@ -115,7 +124,7 @@ fn start(density: &[f64], lobes: impl Fn(usize) -> Vec<FittedPeak>) -> Vec<Fitte
     peaks
 }
 
-/// Scales peaks to the energy of a density of the maximum 1. What they leave of it, sample by sample and in all.
+/// Scales peaks to the energy of a density of the maximum 1. Returns the residual, sample by sample and in all.
 fn settle(density: &[f64], peaks: &mut [FittedPeak]) -> (Vec<f64>, Rest) {
     let model = evaluate(peaks);
     let scale = HEMISPHERE.integral(density.iter().copied()) / HEMISPHERE.integral(model.iter().copied());
@@ -136,12 +145,12 @@ fn square(values: &[f64]) -> f64 {
     HEMISPHERE.integral(values.iter().map(|value| value * value))
 }
 
-/// A peak at the maximum of a residual, as narrow as its neighbours tell.
+/// A peak at the maximum of a residual, with a width from its neighbours.
 fn guess(residual: &[f64], range: ExponentRange) -> FittedPeak {
     let sample = (0..SAMPLES).fold(0, |best, sample| if residual[sample] > residual[best] { sample } else { best });
     let direction = HEMISPHERE.directions[sample];
     let amplitude = residual[sample].max(INVISIBLE);
-    // ln of the fall-off over ln of the cosine; both sums are over the same neighbours, so far ones count more.
+    // ln of the fall-off over ln of the cosine; both sums are over the same neighbours, so far neighbours count more.
     let (mut fall, mut cosine) = (0.0, 0.0);
     for neighbour in neighbours(sample) {
         fall += libm::log((residual[neighbour] / amplitude).clamp(0.01, 1.0));
@@ -158,7 +167,7 @@ mod tests {
     use super::*;
     use crate::spread::spread_exponent;
 
-    /// One peak after the other.
+    /// Starting points without lobes: peaks are fitted one after the other.
     fn no_lobes(_: usize) -> Vec<FittedPeak> {
         Vec::new()
     }
@@ -173,7 +182,7 @@ mod tests {
         assert_eq!(found.peaks.len(), 3);
         for (got, wanted) in found.peaks.iter().zip([peaks[0], peaks[2], peaks[1]]) {
             assert!(got.direction.dot(wanted.direction) > 0.9999, "{got:?}");
-            // The fit has converged to some percent of the residual, not to the last bit.
+            // The fit converges to some percent of the residual, not to the last bit.
             assert!((got.exponent / wanted.exponent - 1.0).abs() < 0.02, "{got:?}");
             assert!((got.amplitude / wanted.amplitude - 1.0).abs() < 0.02, "{got:?}");
         }
@@ -195,10 +204,10 @@ mod tests {
             wanted.iter().take(most).map(lobe).collect::<Vec<_>>()
         };
         assert_eq!(start(&relative, few).len(), 5);
-        // Where two are near, one may be; where none are, all there may be are the start.
+        // If two lobes are near, no start is needed; if none are near, all are the start.
         assert!(start(&relative, |_| few(5)).is_empty());
         assert_eq!(start(&relative, |most| few(most.min(4))).len(), 4);
-        // What lobes are good for is the time: the same peaks are found from none.
+        // Lobes save time: the same peaks are found without them.
         let lobes = |most: usize| wanted.iter().take(most).copied().collect();
         for fit in [fit(&density, 64.0, lobes), fit(&density, 64.0, no_lobes)] {
             assert!(fit.rest.is_good() && fit.peaks.len() == 5);
@@ -215,7 +224,7 @@ mod tests {
             let fit = fit(&density, spread_exponent(20.0), no_lobes);
             let energy = |values: Vec<f64>| hemisphere.integral(values);
             let ratio = energy(evaluate(&fit.peaks)) / energy(density);
-            // Invisible peaks are left out.
+            // Invisible peaks are omitted.
             assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
             assert!(fit.peaks.len() <= MAX_PEAKS && fit.peaks.iter().all(|peak| peak.direction.is_normalized()));
         }

@@ -1,8 +1,8 @@
-//! Horizon of a height map along its two axes (F92 §5): how steeply a ray has to leave a texel to clear every other.
+//! Horizon of a height map along its two axes (F92 §5): least slope of a ray from a texel that clears every other texel.
 //!
-//! slope = max over d ≥ 1 of (h(x + d) − h(x)) / d, in heights per distance between texels. The map repeats, so the horizon
-//! is never below 0 (the texel's own copy one repeat away) and nothing beyond one repeat can be steeper. The maximum is
-//! the tangent to the upper convex hull of the texels ahead, kept while a row is walked backwards: O(n) a row.
+//! slope = max over d ≥ 1 of (h(x + d) − h(x)) / d, in heights per distance between texels. The map wraps: the horizon is
+//! never below 0 (the texel's own copy one repeat away), and nothing beyond one repeat can be steeper. The maximum is the
+//! tangent to the upper convex hull of the texels ahead, kept while a row is walked backwards: O(n) a row.
 
 use rayon::prelude::*;
 
@@ -40,7 +40,7 @@ fn both_ways(line: &[f64]) -> [Vec<f64>; 2] {
     [falling, rising_slopes(line)]
 }
 
-/// Slopes towards rising indices of one repeating line.
+/// Slopes towards rising indices of one wrapped line.
 fn rising_slopes(line: &[f64]) -> Vec<f64> {
     let count = line.len();
     let mut slopes = vec![0.0; count];
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use roughxel_utilities::random::SplitMix64;
 
-    /// The definition, over two repeats.
+    /// Slope by its definition, over two repeats.
     fn steepest(width: usize, heights: &[f64], index: usize, axis: usize, ahead: bool) -> f64 {
         let size = [width, heights.len() / width];
         (1..=2 * size[axis])

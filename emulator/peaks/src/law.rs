@@ -1,9 +1,8 @@
-//! Laws: what a peak keeps of the horizons of its facets, the share of them that a direction of any slope clears.
+//! Laws: a peak's summary of its facets' horizons, as the share of facets that a direction of any slope clears.
 //!
-//! Mean and deviation are the uniform law's (F92 §5). They are not enough: most facets see a low horizon and some a high one, and far away, where
-//! eyes are low, few facets are all that is seen. So shares are tallied between [`KNOTS`] and a falling law, 1 − (1 − t)² over a width, is laid
-//! through them by least squares of the share relative to itself: exact where a share is small. From there a peak's light is fitted
-//! ([`shadows`](super::shadows)).
+//! Mean and deviation are the uniform law's (F92 §5). They are not enough: most facets see a low horizon and some a high one, and a far, low eye
+//! sees only few facets. Shares are therefore tallied between [`KNOTS`]. A falling law, 1 − (1 − t)² over a width, is fitted to them by least
+//! squares of the error relative to the share: exact for small shares. From this law a peak's light is fitted ([`shadows`](super::shadows)).
 
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f64x8};
@@ -11,12 +10,12 @@ use fearless_simd::{dispatch, f64x8};
 use super::blocks::{LANES, LEVEL};
 use super::levels::Horizon;
 
-/// Knots of a tally: slopes from 1/64 to 8, six an octave. Below the first one 1.8° are left, above the last no slope is stored.
+/// Knots of a tally: slopes from 1/64 to 8, six an octave. 1.8° remain below the first knot; no stored slope is above the last.
 const KNOTS: usize = 55;
-/// Added to a share that an error is relative to.
+/// Offset of the share to which an error is relative.
 const FLOOR: f64 = 0.1;
 
-/// Slopes at the knots, made once: a knot is 2^(1/6) above the one before.
+/// Slopes at the knots, made once: each knot is 2^(1/6) times the previous one.
 static SLOPES: std::sync::LazyLock<[f64; KNOTS]> = std::sync::LazyLock::new(|| {
     const SIXTH: f64 = 1.122_462_048_309_373;
     let mut slope = 1.0_f64 / 64.0;
@@ -27,7 +26,7 @@ static SLOPES: std::sync::LazyLock<[f64; KNOTS]> = std::sync::LazyLock::new(|| {
     })
 });
 
-/// The first knot that clears a slope, [`KNOTS`] where none does.
+/// The first knot that clears a slope; [`KNOTS`] if none does.
 pub(super) fn knot(slope: f64) -> u8 {
     SLOPES.partition_point(|knot| *knot < slope) as u8
 }
@@ -38,14 +37,14 @@ pub(super) struct Tally {
     weight: f64,
     /// Σ slope, Σ slope².
     moments: [f64; 2],
-    /// Weight that each knot clears and the one before does not; the last of what none does.
+    /// Weight that each knot clears and the previous knot does not; in the last entry, weight that no knot clears.
     knots: [f64; KNOTS + 1],
 }
 
 impl Tally {
     pub(super) const EMPTY: Self = Self { weight: 0.0, moments: [0.0; 2], knots: [0.0; KNOTS + 1] };
 
-    /// Adds a texel's slope, with the knot of it.
+    /// Adds a texel's slope, with its knot.
     pub(super) fn add(&mut self, weight: f64, slope: f64, knot: u8) {
         self.weight += weight;
         self.moments[0] += weight * slope;
@@ -53,14 +52,14 @@ impl Tally {
         self.knots[usize::from(knot)] += weight;
     }
 
-    /// What is kept of them; all 0 where nothing was added.
+    /// Law of the horizons; all 0 if nothing was added.
     pub(super) fn law(&self) -> Horizon {
         if self.weight <= 0.0 {
             return Horizon::default();
         }
         let [sum, squares] = self.moments;
         let mean = sum / self.weight;
-        // Rounding leaves up to some ulps of the mean square where all slopes are the same.
+        // Rounding leaves up to some ulps of the mean square if all slopes are equal.
         let variance = squares / self.weight - mean * mean;
         if variance <= 1e-12 * mean * mean {
             return Horizon { mean, deviation: 0.0, low: mean, width: 0.0 };
@@ -70,8 +69,8 @@ impl Tally {
         Horizon { mean, deviation, low, width }
     }
 
-    /// Low end and width of the falling law nearest to the tally, searched from that of the same moments; in few steps, each at least as good
-    /// as the one before.
+    /// Low end and width of the falling law nearest to the tally. The search starts from the law of the same moments and takes few steps,
+    /// none of which is worse than the last.
     fn nearest(&self, mean: f64, deviation: f64) -> [f64; 2] {
         let mut below = 0.0;
         let shares = std::array::from_fn::<f64, KNOTS, _>(|knot| {
@@ -84,7 +83,7 @@ impl Tally {
     }
 }
 
-/// Goes from a law to those that are nearer to the shares at the knots.
+/// Moves a law in steps nearer to the shares at the knots.
 #[inline(always)]
 fn search<S: Simd>(simd: S, shares: &[f64; KNOTS], mut law: [f64; 2]) -> [f64; 2] {
     let mut least = errors(simd, shares, [law; LANES])[0];
@@ -96,10 +95,10 @@ fn search<S: Simd>(simd: S, shares: &[f64; KNOTS], mut law: [f64; 2]) -> [f64; 2
             [low + step * width, width],
             [low, width * (1.0 + step)],
             [low, width / (1.0 + step)],
-            // With the upper end where it is.
+            // Moves that keep the upper end.
             [low - step * width, width * (1.0 + step)],
             [low + step / (1.0 + step) * width, width / (1.0 + step)],
-            // Nothing is less than itself.
+            // The law itself fills the block; it is never less than itself.
             law,
             law,
         ];
@@ -111,7 +110,7 @@ fn search<S: Simd>(simd: S, shares: &[f64; KNOTS], mut law: [f64; 2]) -> [f64; 2
     law
 }
 
-/// Sums of squares of what eight laws are away from the shares at the knots.
+/// Sums of squares of the errors of eight laws at the knots.
 #[inline(always)]
 fn errors<S: Simd>(simd: S, shares: &[f64; KNOTS], laws: [[f64; 2]; LANES]) -> [f64; LANES] {
     let [low, width] = [0, 1].map(|part| f64x8::simd_from(simd, laws.map(|law| law[part])));
@@ -128,8 +127,8 @@ fn errors<S: Simd>(simd: S, shares: &[f64; KNOTS], laws: [[f64; 2]; LANES]) -> [
     sums.into()
 }
 
-/// Steps of the search. Where most slopes are near 0 and the others reach far it has not ended: with a spike of 0.79 and a tail of mean 2.4 twice as
-/// many steps take the sum of errors from 0.26 to 0.16.
+/// Steps of the search. The search does not converge if most slopes are near 0 and the others reach far. With a spike of 0.79 and a tail of mean
+/// 2.4, twice the steps reduce the sum of errors from 0.26 to 0.16.
 const STEPS: u32 = 14;
 
 #[cfg(test)]
@@ -179,7 +178,8 @@ mod tests {
         }
     }
 
-    /// Skewed laws, with a spike at 0 as horizons of a plain between rocks have: nearer than what the moments alone say.
+    /// Skewed laws, with a spike at 0 like the horizons of a plain between rocks, are nearer than the law of the
+    /// moments.
     #[test]
     fn a_tally_says_more_than_its_moments() {
         let mut random = SplitMix64::new(15);

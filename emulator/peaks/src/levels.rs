@@ -1,4 +1,4 @@
-//! The levels of a peak pyramid: peaks of each texel, and the horizons that they see.
+//! Levels of a peak pyramid: peaks of each texel, and their horizons.
 
 use glam::DVec3;
 use roughxel_core::setup::AMPLITUDE_LIMIT;
@@ -13,9 +13,9 @@ pub struct Horizon {
     pub mean: f64,
     /// Standard deviation; 0 on level 0.
     pub deviation: f64,
-    /// Where the falling law begins that the slopes come nearest to: a direction of slope `low + t·width` clears 1 − (1 − t)² of them.
+    /// Low end of the falling law nearest to the slopes: a direction of slope `low + t·width` clears 1 − (1 − t)² of them.
     pub low: f64,
-    /// Its width; 0 is a step.
+    /// Width of the law; 0 is a step.
     pub width: f64,
 }
 
@@ -28,7 +28,7 @@ pub struct Peak {
     pub normal: DVec3,
     /// n, within [`EXPONENTS`](super::EXPONENTS).
     pub exponent: f64,
-    /// Towards −x, +x, −y, +y; `None` where the source has no heights.
+    /// Horizons towards −x, +x, −y, +y; `None` if the source has no heights.
     pub horizon: Option<[Horizon; 4]>,
 }
 
@@ -41,7 +41,7 @@ pub struct PeakLevel {
     pub height: u32,
     /// Peaks of all texels, one texel after the other.
     peaks: Vec<Peak>,
-    /// Where the peaks of each texel end.
+    /// Ends of the peaks of each texel.
     ends: Vec<u32>,
 }
 
@@ -58,7 +58,7 @@ impl PeakLevel {
     /// The 0 to 7 peaks of the texel in column `x` and row `y`; exactly one on level 0.
     ///
     /// # Panics
-    /// If the texel lies outside of the level.
+    /// If the texel lies outside the level.
     pub fn texel(&self, x: u32, y: u32) -> &[Peak] {
         let index = y as usize * self.width as usize + x as usize;
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
@@ -77,23 +77,23 @@ impl PeakLevel {
     }
 }
 
-/// Texels that may take a fit, and are there.
+/// Progress: newly available texels that may take a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steps {
-    /// Built now.
+    /// Texels built now.
     Fitted(u64),
-    /// Read, which takes no time, from a file that an earlier build has kept.
+    /// Texels read, which takes no time, from a file that an earlier build has kept.
     Found(u64),
 }
 
-/// How the fits of densities went; with heights there are none, for peaks are clusters of facets.
+/// Results of the fits of densities. With heights there are none, for peaks are clusters of facets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FitCounts {
     /// Texels with more than seven distinct normals.
     pub fitted: usize,
-    /// Of these, texels that took all seven peaks.
+    /// Texels among these that took all seven peaks.
     pub seven: usize,
-    /// Of these, texels whose residual stayed above 5 %.
+    /// Texels among these whose residual stayed above 5 %.
     pub missed: usize,
     /// Largest root mean square of a residual over that of its density.
     pub worst_rms: f64,
@@ -102,7 +102,7 @@ pub struct FitCounts {
 }
 
 impl FitCounts {
-    /// Those of this part and of another.
+    /// Counts of two parts together.
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             fitted: self.fitted + other.fitted,
@@ -128,12 +128,12 @@ impl FitCounts {
 pub struct PeakPyramid {
     /// Level 0 (full size) first, down to 1×1.
     pub levels: Vec<PeakLevel>,
-    /// How the fits went.
+    /// Results of the fits.
     pub fits: FitCounts,
 }
 
 impl PeakPyramid {
-    /// Peaks that storage cuts: of an amplitude of [`AMPLITUDE_LIMIT`] or more.
+    /// Peaks that storage clamps: those of an amplitude of [`AMPLITUDE_LIMIT`] or more.
     pub fn cut(&self) -> usize {
         let peaks = self.levels.iter().flat_map(PeakLevel::peaks);
         peaks.filter(|peak| peak.amplitude >= AMPLITUDE_LIMIT).count()

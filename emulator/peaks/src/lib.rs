@@ -2,12 +2,14 @@
 //!
 //! Peak pyramid: distributions of normals as a few peaks Σ a cosⁿα (F92 §2, §5), with the horizons that each peak sees.
 //!
-//! Level 0 has one peak a texel. A texel of any other level stands for all texels of level 0 below it, each by the area it
-//! covers: at most seven distinct normals are kept as they are, more are spread on a hemisphere grid (`spread`) and fitted
-//! (`fit`), from clusters of normals where that takes many peaks. With heights they are gathered by normals and horizons instead (`clusters`), a peak for each, and laws of horizons (`law`) go to
-//! where the peaks are as bright as what they stand for (`shadows`). Amplitudes are means over the area, so Σ a cosⁿα is a mean radiance and its integral 2πa/(n + 1) is the
-//! same on every level. Directions are those of the local frame: x along the rows of the map, y with their index, z outwards.
-//! Every texel is computed by itself in one order, with software logarithms: the same bits for any number of threads.
+//! Level 0 has one peak a texel. A texel of any other level stands for all texels of level 0 below it, each by its covered area. At most seven
+//! distinct normals are kept as they are. More normals are spread on a hemisphere grid (`spread`) and fitted (`fit`), from clusters of normals if
+//! many peaks are needed. With heights they are gathered by normals and horizons instead (`clusters`), one peak a cluster. Laws of horizons (`law`)
+//! are then fitted so that the peaks are as bright as their facets (`shadows`).
+//!
+//! Amplitudes are means over the area: Σ a cosⁿα is a mean radiance, and its integral 2πa/(n + 1) is equal on every level. Directions are those of
+//! the local tangent basis: x along the rows of the map, y with their index, z outwards. Every texel is computed alone in one order, with software
+//! logarithms: the same bits for any number of threads.
 
 mod blocks;
 mod build;

@@ -1,4 +1,4 @@
-//! The pyramids of a scene: built before its frames, so that frames of several modes share them.
+//! Pyramids of a scene, built before its frames, so that frames of several modes share them.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use super::cache::Cached;
 use super::levels::{PeakPyramid, Steps};
 use super::source::{BuildOptions, PeakError, PeakSource};
 
-/// Why an object of a scene has no pyramid.
+/// Reason why an object of a scene has no pyramid.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("object {object:?}: {source}")]
 pub struct ObjectPeakError {
     /// Name of the object.
     pub object: String,
-    /// Why.
+    /// Error of its source.
     pub source: PeakError,
 }
 
@@ -25,25 +25,25 @@ pub struct ObjectPeakError {
 #[derive(Debug, Default)]
 pub struct ScenePeaks {
     pyramids: Vec<Option<Arc<PeakPyramid>>>,
-    /// How many were read rather than built.
+    /// Number of pyramids read rather than built.
     pub read: usize,
-    /// How many were built; the same map with the same options is built once.
+    /// Number of pyramids built. Equal maps with equal options are built once.
     pub built: usize,
-    /// Why some were not kept for the next time, if so; the pyramids are good all the same.
+    /// Reason why some were not kept for the next time, if any; the pyramids are good all the same.
     pub not_kept: Option<io::Error>,
     /// Texels that an interrupted build had kept: [`Cached::resumed`].
     pub resumed: u64,
     /// Damaged files of interrupted builds: [`Cached::damaged`].
     pub damaged: Vec<PathBuf>,
-    /// Peaks that storage cuts: [`PeakPyramid::cut`].
+    /// Peaks that storage clamps: [`PeakPyramid::cut`].
     pub cut: usize,
 }
 
 impl ScenePeaks {
     /// Builds or reads the pyramids one after the other, each with all threads; arguments as those of
-    /// [`PeakPyramid::of_material`]. Those with filters serve frames without them as well: their level 0 is the same.
+    /// [`PeakPyramid::of_material`]. Pyramids with filters also serve frames without them: their level 0 is equal.
     ///
-    /// `progress` is called with steps that are done, from any thread, [`ScenePeaks::steps`] in all.
+    /// `progress` is called with the number of new steps, from any thread, [`ScenePeaks::steps`] in all.
     pub fn new(
         scene: &Scene,
         filters: bool,
@@ -71,7 +71,7 @@ impl ScenePeaks {
         Ok(peaks)
     }
 
-    /// Steps of progress of [`ScenePeaks::new`]; 0 where nothing is fitted.
+    /// Steps of progress of [`ScenePeaks::new`]; 0 if nothing is fitted.
     pub fn steps(scene: &Scene, filters: bool) -> u64 {
         let steps = |(index, object): (usize, &Object)| match twin(scene, index) {
             None if filters => PeakSource::of_material(&object.material).map_or(0, |source| source.steps()),
@@ -80,18 +80,18 @@ impl ScenePeaks {
         scene.objects.iter().enumerate().map(steps).sum()
     }
 
-    /// The pyramid of an object; `None` where its peaks do not come from a map.
+    /// The pyramid of an object; `None` if its peaks do not come from a map.
     pub fn pyramid(&self, object: usize) -> Option<&PeakPyramid> {
         self.pyramids.get(object)?.as_deref()
     }
 }
 
 impl PeakPyramid {
-    /// The pyramid that a material calls for, without filters its base alone; `None` where no peaks come from a map.
+    /// The pyramid of a material, without filters its base alone; `None` if no peaks come from a map.
     ///
-    /// With filters it is read from the directory `cache` if it was built before, and kept there if not; the directory is
-    /// made if it is missing. `progress` is called with steps that are done, from any thread: [`PeakSource::steps`] in
-    /// all, none without filters. Errors: as [`PeakPyramid::build`].
+    /// With filters it is read from the directory `cache` if it was built before, and kept there if not. The directory is
+    /// made if it is missing. `progress` is called with the number of new steps, from any thread: [`PeakSource::steps`]
+    /// in all, none without filters. Errors: as [`PeakPyramid::build`].
     pub fn of_material(
         material: &Material,
         filters: bool,
@@ -110,7 +110,7 @@ impl PeakPyramid {
     }
 }
 
-/// The first object before this one that has the same pyramid.
+/// The first earlier object with the same pyramid.
 fn twin(scene: &Scene, index: usize) -> Option<usize> {
     let object = &scene.objects[index];
     let options = BuildOptions::of_material(&object.material)?;
@@ -141,7 +141,7 @@ mod tests {
 
     const MAP: &str = "height_map = { generate = \"bumps\", size = 8, cells = 2 }\n";
 
-    /// The pyramids, whose progress is what was said before.
+    /// The pyramids, checked for the announced progress.
     fn built(scene: &Scene, filters: bool, cache: Option<&Path>) -> ScenePeaks {
         let steps = AtomicU64::new(0);
         let count = |done: Steps| {

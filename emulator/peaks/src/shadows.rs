@@ -1,8 +1,9 @@
-//! Shadows: the laws of horizons with which a texel's peaks are as bright as its facets, where light and eye see them.
+//! Shadows: laws of horizons that make a texel's peaks as bright as its facets, as light and eye see them.
 //!
-//! Horizons of a peak's facets are not enough to know its light: facets that are bright are those in sight, and light and eye see them together. So the
-//! laws begin as those of the horizons ([`law`](super::law)) and go to where Σ a cosⁿα · share is the light of the facets, in the least squares of 240
-//! pairs of light and eye, low ones above all. Share and light are those of the datapath (`core/src/stage/horizon.rs`, correlated) and of level 0.
+//! Horizons of a peak's facets do not determine its light: bright facets are those in sight, and light and eye see them together. The laws
+//! therefore begin as those of the horizons ([`law`](super::law)). They are then moved until Σ a cosⁿα · share is the light of the facets, by least
+//! squares over 240 pairs of light and eye, mostly low ones. Share and light are those of the datapath (`core/src/stage/horizon.rs`, correlated)
+//! and of level 0.
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -21,36 +22,37 @@ use crate::horizon::HorizonSlopes;
 const EYES: [f64; 5] = [1.5, 3.0, 6.0, 12.0, 35.0];
 /// Elevations of lights, degrees.
 const LIGHTS: [f64; 4] = [12.0, 25.0, 45.0, 75.0];
-/// Pairs of an eye's and a light's elevation, around the horizon.
+/// Azimuths for each pair of an eye's and a light's elevation.
 const AROUND: usize = 12;
 /// Pairs of light and eye.
 const PAIRS: usize = EYES.len() * LIGHTS.len() * AROUND;
 const BLOCKS: usize = PAIRS / LANES;
 /// Steepest slope of a direction, as in the datapath.
 const STEEPEST: f64 = 8.0;
-/// Passes over the peaks of a texel; twelve gain next to nothing.
+/// Passes over the peaks of a texel; twelve passes gain next to nothing.
 const PASSES: u32 = 3;
-/// Root of the share that the distance from the laws of the horizons has in what is made least.
+/// Root of the weight, in the minimised sum, of the distance from the laws of the horizons.
 const TETHER: f64 = 0.03;
-/// Share of the mean light that an error is relative to beside the light of its own pair.
+/// Share of the mean light added to the light of a pair; errors are relative to the sum.
 const FLOOR: f64 = 0.1;
-/// Narrowest width that a law begins with, and narrowest and widest that it goes to, as logarithms.
+/// Narrowest initial width of a law, and the narrowest and widest fitted widths as logarithms.
 const NARROW: f64 = 0.02;
 const WIDTHS: std::ops::RangeInclusive<f64> = -5.0..=3.0;
-/// Slopes that a law may begin at.
+/// Range of the slopes at which a law begins.
 const LOWS: std::ops::RangeInclusive<f64> = -4.0..=7.9;
 
 const _: () = assert!(BLOCKS * LANES == PAIRS);
 
 /// Eight pairs of light and eye.
 struct Pairs {
-    /// Between light and eye.
+    /// Directions half way between light and eye.
     half: Directions,
-    /// Slope of the lower one of both to each side, infinite where none goes there: a facet is in the light and in sight whose horizons are below.
+    /// Slope of the lower of light and eye towards each side, infinite if neither goes there. A facet is lit and in sight if its horizons are
+    /// below these slopes.
     clear: [Block; 4],
     /// Slopes of the light over x and y, then of the eye.
     slopes: [Block; 4],
-    /// 1 where that points to the positive side, −1 where not.
+    /// 1 for a slope towards the positive side, −1 otherwise.
     sides: [Block; 4],
 }
 
@@ -100,7 +102,7 @@ pub(super) type Light = [Block; BLOCKS];
 /// Light of no facets.
 pub(super) const DARK: Light = [Block::ZERO; BLOCKS];
 
-/// Adds the light of a facet a cosⁿα to that of others.
+/// Adds the light of a facet a cosⁿα to a sum.
 #[inline(always)]
 fn add<S: Simd>(simd: S, sum: &mut Light, normal: DVec3, slopes: &HorizonSlopes, amplitude: f64, exponent: f64) {
     let exponent = f64x8::splat(simd, exponent);
@@ -119,7 +121,7 @@ fn add<S: Simd>(simd: S, sum: &mut Light, normal: DVec3, slopes: &HorizonSlopes,
     }
 }
 
-/// Light of facets with their horizons and amplitudes, Σ a cosⁿα over those that light and eye see.
+/// Light of facets with their horizons and amplitudes: Σ a cosⁿα over facets that are lit and in sight.
 pub(super) fn light(facets: impl Iterator<Item = (DVec3, HorizonSlopes, f64)>, exponent: f64) -> Light {
     let mut sum = DARK;
     // A closure would be compiled for one instruction set.
@@ -140,7 +142,7 @@ fn add_all<S: Simd>(
     }
 }
 
-/// What errors count, pair by pair: one over the light that a whole map has there, with a share of its mean.
+/// Weights of errors, pair by pair: the reciprocal of the whole map's light there plus a share of its mean.
 pub(super) fn weights(whole: &Light) -> Light {
     let lanes = || whole.iter().flat_map(|block| block.0);
     let floor = FLOOR * lanes().sum::<f64>() / PAIRS as f64;
@@ -148,7 +150,8 @@ pub(super) fn weights(whole: &Light) -> Light {
     whole.map(|block| Block(block.0.map(weight)))
 }
 
-/// Laws of the four sides of a peak, as they are fitted: low ends, logarithms of widths, which of them are steps.
+/// Laws of the four sides of a peak in the variables of the fit: low ends, logarithms of widths, and which laws are
+/// steps.
 #[derive(Clone, Copy, Debug)]
 struct Law {
     low: [f64; 4],
@@ -158,7 +161,7 @@ struct Law {
 
 impl Law {
     fn new(sides: &[Horizon; 4]) -> Self {
-        // A step stays one: all horizons are the same.
+        // A step stays a step: all its horizons are equal.
         let width = sides.map(|side| if side.width > 0.0 { side.width.max(NARROW) } else { 0.0 });
         Self { low: sides.map(|side| side.low), log_width: width.map(|width| libm::log(width.max(NARROW))), width }
     }
@@ -178,7 +181,7 @@ impl Law {
         law
     }
 
-    /// What is away from another, variable by variable.
+    /// Distance from another law, variable by variable.
     fn from(&self, other: &Self) -> [f64; 8] {
         std::array::from_fn(|variable| {
             let side = variable % 4;
@@ -187,9 +190,9 @@ impl Law {
     }
 }
 
-/// Four ramps of light and eye: how far each is up its law.
+/// Four ramps of light and eye: the position of each on its law.
 ///
-/// Calls in place of closures, here and below: a closure is compiled without the vectors of the machine and is no part of what calls it.
+/// Functions are used instead of closures, here and below: a closure is compiled without the vectors of the machine and is not inlined.
 #[inline(always)]
 fn ramps<S: Simd>(simd: S, pairs: &Pairs, law: &Law) -> [Ramp<S>; 4] {
     [ramp(simd, pairs, law, 0), ramp(simd, pairs, law, 1), ramp(simd, pairs, law, 2), ramp(simd, pairs, law, 3)]
@@ -205,14 +208,14 @@ fn ramp<S: Simd>(simd: S, pairs: &Pairs, law: &Law, index: usize) -> Ramp<S> {
     let t = above / width;
     let sloped = width.simd_gt(zero);
     let climbing = sloped & t.simd_gt(zero) & t.simd_lt(one);
-    // What is no law is a step.
+    // A law of width 0 is a step.
     let over = sloped.select(t, above + one).simd_ge(one);
     let t = climbing.select(t, over.select(one, zero));
     let rest = one - t;
     Ramp { positive, t, width, share: one - rest * rest, slope: climbing.select(rest + rest, zero) }
 }
 
-/// What the side has that a ramp goes to.
+/// Value of the side to which a ramp goes.
 #[inline(always)]
 fn of_side<S: Simd>(simd: S, positive: mask64x8<S>, sides: &[f64; 4], ramp: usize) -> f64x8<S> {
     let axis = 2 * (ramp % 2);
@@ -225,11 +228,11 @@ struct Ramp<S: Simd> {
     width: f64x8<S>,
     /// 1 − (1 − t)².
     share: f64x8<S>,
-    /// Its derivative by t; 0 where t does not move.
+    /// Derivative of the share by t; 0 if t is clamped.
     slope: f64x8<S>,
 }
 
-/// The two smallest shares, and which ramps they are of.
+/// The two smallest shares, and the indices of their ramps.
 #[inline(always)]
 fn smallest<S: Simd>(simd: S, ramps: &[Ramp<S>; 4]) -> ([f64x8<S>; 2], [f64x8<S>; 2]) {
     let (mut least, mut next) = (ramps[0].share, f64x8::splat(simd, 2.0));
@@ -278,7 +281,7 @@ fn slopes<S: Simd>(simd: S, pairs: &Pairs, law: &Law) -> [f64x8<S>; 8] {
     slopes
 }
 
-/// Light of a peak that everything sees, weighted.
+/// Light of a peak without horizons, weighted.
 #[inline(always)]
 fn open<S: Simd>(simd: S, peak: &FittedPeak, weights: &Light) -> Light {
     let mut light = DARK;
@@ -291,22 +294,23 @@ fn open<S: Simd>(simd: S, peak: &FittedPeak, weights: &Light) -> Light {
     light
 }
 
-/// A peak on its way.
+/// A peak during the fit.
 struct Moving {
     start: Law,
     law: Law,
     /// Its light without horizons, weighted.
     open: Light,
     share: Light,
-    /// How much a distance from the start counts.
+    /// Weight of the distance from the start.
     tether: f64,
-    /// Levenberg's and Marquardt's damping.
+    /// Damping of Levenberg and Marquardt.
     damping: f64,
 }
 
-/// The laws of peaks that are to have the light `wanted`, from those of their horizons.
+/// Laws of peaks that have the light `wanted`, starting from the laws of their horizons.
 ///
-/// Peak after peak takes a step of Gauss and Newton on its own eight numbers with what all together leave: lobes meet in few pairs.
+/// Each peak in turn takes a Gauss–Newton step on its own eight numbers with the common residual of all peaks: lobes overlap in few
+/// pairs.
 pub(super) fn laws(wanted: &Light, weights: &Light, peaks: &[(FittedPeak, [Horizon; 4])]) -> Vec<[Horizon; 4]> {
     dispatch!(*LEVEL, simd => fitted(simd, wanted, weights, peaks))
 }
@@ -352,7 +356,7 @@ fn fitted<S: Simd>(
         .collect()
 }
 
-/// One step of a peak, if it leaves less.
+/// Takes one step of a peak, if it reduces the residual.
 #[inline(always)]
 fn step<S: Simd>(simd: S, peak: &mut Moving, rest: &mut Light) {
     let zero = f64x8::splat(simd, 0.0);
@@ -369,7 +373,7 @@ fn step<S: Simd>(simd: S, peak: &mut Moving, rest: &mut Light) {
         }
     }
     let away = peak.law.from(&peak.start);
-    // Of the matrix the lower half is enough.
+    // The lower half of the matrix is enough.
     let mut matrix = SMatrix::<f64, 8, 8>::zeros();
     let mut side = SVector::<f64, 8>::zeros();
     for row in 0..8 {

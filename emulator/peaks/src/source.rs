@@ -1,4 +1,4 @@
-//! What a peak pyramid is built from: maps and options, checked.
+//! Sources of a peak pyramid: maps and options, checked.
 
 use std::ops::RangeInclusive;
 
@@ -20,28 +20,28 @@ pub const MAX_AMPLITUDE: f64 = 1024.0;
 /// Largest weight 1/n_z of a facet: steeper ones (86.4°) are taken as this steep.
 pub const MAX_SURFACE_WEIGHT: f64 = 16.0;
 
-/// Why there is no peak pyramid: a size, a normal, a height or an option that is out of range.
+/// Reason why there is no peak pyramid: a size, a normal, a height or an option out of range.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{0}")]
 pub struct PeakError(String);
 
-/// Maps that a pyramid is built from; row 0 at v = 0, repeat addressing.
+/// Maps of a pyramid; row 0 at v = 0, repeat addressing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeakSource {
     /// Texels in a row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Normals in the local frame, any length above 0, in rows. Those with z ≤ 0 are never seen: amplitude 0.
+    /// Normals in the local tangent basis, any length above 0, in rows. Those with z ≤ 0 are never seen: amplitude 0.
     pub normals: Vec<DVec3>,
-    /// Heights in distances between columns, in rows, within [`PEAK_HEIGHTS`]; `None` for a surface without shadowing and masking.
+    /// Heights in column distances, in rows, within [`PEAK_HEIGHTS`]; `None` for a surface without shadowing and masking.
     pub heights: Option<Vec<f64>>,
-    /// Distance between rows over that between columns, above 0: 1 for square texels.
+    /// Distance between rows over the distance between columns, above 0: 1 for square texels.
     pub rows_apart: f64,
 }
 
 impl PeakSource {
-    /// Normals (o_u, o_v, 1) of a bump field, and the heights that it has kept.
+    /// Normals (o_u, o_v, 1) of a bump field, and its kept heights.
     pub fn from_field(field: &BumpField) -> Self {
         let normal = |[u, v]: &[f32; 2]| DVec3::new(f64::from(*u), f64::from(*v), 1.0);
         let heights = |kept: &HeightField| kept.heights.iter().copied().map(f64::from).collect();
@@ -54,9 +54,9 @@ impl PeakSource {
         }
     }
 
-    /// What a material's peaks are fitted to: the normals of its bump map, with shadowing its heights.
+    /// Source of a material's fitted peaks: the normals of its bump map, with shadowing its heights.
     ///
-    /// A map has the slope 0, and a level horizon, along an axis of one texel. `None` where no peaks come from a map.
+    /// A map has the slope 0, and a level horizon, along an axis of one texel. `None` if no peaks come from a map.
     pub fn of_material(material: &Material) -> Option<Self> {
         let (peaks, field) = material.peaks.as_ref().zip(material.bump.as_deref())?;
         let ScenePeakSource::Bump { .. } = peaks.source else { return None };
@@ -64,8 +64,8 @@ impl PeakSource {
         Some(if peaks.shadowing.is_some() { source } else { Self { heights: None, ..source } })
     }
 
-    /// How many steps [`PeakPyramid::build`](super::PeakPyramid::build) reports: one a texel of each level that takes more than seven of
-    /// level 0 together, for the others take no time.
+    /// Number of steps that [`PeakPyramid::build`](super::PeakPyramid::build) reports. Each texel is a step on levels whose texels cover
+    /// more than seven texels of level 0; the other levels take no time.
     pub fn steps(&self) -> u64 {
         self.upper_levels().filter(|size| self.takes_time(*size)).map(texels).sum()
     }
@@ -74,7 +74,7 @@ impl PeakSource {
         level_sizes(self.width, self.height).skip(1)
     }
 
-    /// Whether a texel of a level of this size may need a fit.
+    /// True if a texel of a level of this size may need a fit.
     pub(super) fn takes_time(&self, level: (u32, u32)) -> bool {
         texels((self.width, self.height)) > MAX_PEAKS as u64 * texels(level)
     }
@@ -87,7 +87,7 @@ impl PeakSource {
                 "a map of {width}x{height} texels has no peak pyramid: 1 to {MAX_PEAK_TEXELS} texels"
             )));
         }
-        // NaN is within nothing.
+        // NaN is in no range.
         if !(f64::MIN_POSITIVE..=f64::MAX).contains(&self.rows_apart) {
             return Err(PeakError(format!("rows that are {} columns apart have no slopes", self.rows_apart)));
         }
@@ -112,30 +112,31 @@ impl PeakSource {
     }
 }
 
-/// How a facet counts.
+/// Weighting of facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FacetWeight {
-    /// By its area on the surface, 1/n_z times that of its texel, up to [`MAX_SURFACE_WEIGHT`] (F92 §3).
+    /// Weight by the area on the surface, 1/n_z times that of the texel, up to [`MAX_SURFACE_WEIGHT`] (F92 §3).
     Surface,
-    /// By the area of its texel.
+    /// Weight by the area of the texel.
     Texel,
 }
 
-/// What a facet of the map reflects.
+/// Reflection of a facet of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Exponent n of a facet's cosⁿα, within [`EXPONENTS`].
     pub exponent: f64,
     /// Amplitude of a facet of weight 1, from 0 to [`MAX_AMPLITUDE`].
     pub amplitude: f64,
-    /// How a facet counts.
+    /// Weighting of facets.
     pub weight: FacetWeight,
-    /// The frame runs along −u and −v (natural systems of S97 §7): normals and horizons are stored turned by 180°.
+    /// True if the tangent basis runs along −u and −v (natural systems of S97 §7): normals and horizons are stored
+    /// turned by 180°.
     pub negate: bool,
 }
 
 impl BuildOptions {
-    /// What the facets of a material's bump map reflect; `None` where no peaks come from a map.
+    /// Options for a material's bump map; `None` if no peaks come from a map.
     pub fn of_material(material: &Material) -> Option<Self> {
         let ScenePeakSource::Bump { exponent, amplitude } = material.peaks.as_ref()?.source else { return None };
         let negate = material.frame != FrameSystem::MainDirection;
@@ -154,12 +155,12 @@ impl BuildOptions {
     }
 }
 
-/// Texels of a level of this width and height.
+/// Number of texels of a level of this width and height.
 pub(super) fn texels((width, height): (u32, u32)) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// Unit vector of a normal of any length; `None` where it has no direction.
+/// Unit vector of a normal of any length; `None` if it has no direction.
 pub(super) fn unit(normal: DVec3) -> Option<DVec3> {
     // The largest coordinate becomes 1 first, so that no square over- or underflows.
     let scaled = normal / normal.abs().max_element();

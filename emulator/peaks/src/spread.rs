@@ -1,9 +1,9 @@
 //! Spreading: the density of normals N(θ, φ) = Σ w cosⁿα on a grid over the hemisphere (F92 §2.2–2.3).
 //!
-//! 18 rings of 72 samples, every 5° in θ and φ, and one sample at the pole for all θ below 5/12°: half the area of the
-//! sectors next to it. Each sample stands for the solid angle of its sector. A facet of exponent 128 falls off by 1/e within
-//! 7.2°, the narrowest the grid resolves (what lies beyond its band limit is below 1 %): facets are spread with
-//! [`spread_exponent`], and fitted peaks are sharpened again by the difference in variance ([`sharpened`]).
+//! The grid has 18 rings of 72 samples, every 5° in θ and φ. One sample at the pole covers all θ below 5/12°: half the area
+//! of the sectors next to it. Each sample stands for the solid angle of its sector. A facet of exponent 128 falls off by 1/e
+//! within 7.2°, the narrowest that the grid resolves (less than 1 % lies beyond its band limit). Facets are spread with
+//! [`spread_exponent`]; fitted peaks are sharpened by the difference in variance ([`sharpened`]).
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::LazyLock;
@@ -19,23 +19,23 @@ use super::blocks::{Block, Directions, LANES, LEVEL, NEGLIGIBLE, cosines, powers
 const RINGS: usize = 18;
 /// Samples in a ring.
 const SECTORS: usize = 72;
-/// Samples of the hemisphere; number 0 is the pole, 1 + ring · 72 + sector the others.
+/// Samples of the hemisphere; number 0 is the pole, the others are 1 + ring · 72 + sector.
 pub(super) const SAMPLES: usize = 1 + RINGS * SECTORS;
 /// Edge of the polar sample, radians.
 const POLAR_ANGLE: f64 = 5.0 / 12.0 / 360.0 * TAU;
 /// Largest exponent that the grid resolves.
 const LARGEST_SPREAD: f64 = 128.0;
-/// Blocks of samples; of the last one only the first lane is a sample.
+/// Blocks of samples; only the first lane of the last block is a sample.
 pub(super) const BLOCKS: usize = SAMPLES.div_ceil(LANES);
 
-/// The directions that a density is sampled in.
+/// Directions of a density's samples.
 pub(super) struct Hemisphere {
     /// Unit vectors, z ≥ 0.
     pub(super) directions: Vec<DVec3>,
     /// Solid angles of the sectors, in steradians; their sum is 2π.
     pub(super) solid_angles: Vec<f64>,
-    /// In blocks the directions, and the roots of the solid angles, by which a residual is weighted; zeros behind the last sample, to
-    /// which no peak has a cosine above 0.
+    /// Blocks of the directions, and of the roots of the solid angles, which weight a residual. The padding is zero: no peak has a
+    /// cosine above 0 there.
     pub(super) blocks: Vec<(Directions, Block)>,
 }
 
@@ -68,7 +68,7 @@ impl Hemisphere {
     }
 }
 
-/// Samples beside a sample: all of the first ring for the pole, else four, three at the horizon.
+/// Samples next to a sample: all of the first ring for the pole, else four, three at the horizon.
 pub(super) fn neighbours(sample: usize) -> Vec<usize> {
     let at = |ring: usize, sector: usize| 1 + ring * SECTORS + sector % SECTORS;
     let Some(index) = sample.checked_sub(1) else { return (1..=SECTORS).collect() };
@@ -86,16 +86,16 @@ pub(super) fn neighbours(sample: usize) -> Vec<usize> {
 pub(super) struct Facet {
     /// Unit vector.
     pub(super) normal: DVec3,
-    /// Amplitude of cosⁿα: that of its texels times the area of each as a share of the texel it is gathered for.
+    /// Amplitude of cosⁿα: that of its texels times the area of each as a share of the covering texel.
     pub(super) amplitude: f64,
-    /// How many texels; they stand side by side in the list that facets were made from.
+    /// Number of texels; they are adjacent in the list from which facets are made.
     pub(super) texels: usize,
 }
 
 /// Σ a cosⁿα of facets at every sample. Each sample is summed by one thread in the order of the facets.
 pub(super) fn density(facets: &[Facet], exponent: f64) -> Vec<f64> {
     let block = |(directions, _): &(Directions, Block)| dispatch!(*LEVEL, simd => density_of_block(simd, directions, facets, exponent));
-    // A few facets are summed before another thread has heard of them.
+    // A few facets are summed faster than a thread starts.
     let least = BLOCKS.min(1 + 4096 / facets.len().max(1));
     let blocks: Vec<Block> = HEMISPHERE.blocks.par_iter().with_min_len(least).map(block).collect();
     let mut density: Vec<f64> = blocks.into_iter().flat_map(|Block(lanes)| lanes).collect();
@@ -105,7 +105,7 @@ pub(super) fn density(facets: &[Facet], exponent: f64) -> Vec<f64> {
 
 #[inline(always)]
 fn density_of_block<S: Simd>(simd: S, directions: &Directions, facets: &[Facet], exponent: f64) -> Block {
-    // A facet of another width keeps its energy 2π/(n + 1).
+    // A facet of a different width keeps its energy 2π/(n + 1).
     let spread = spread_exponent(exponent);
     let gain = (spread + 1.0) / (exponent + 1.0);
     let spread = f64x8::splat(simd, spread);
@@ -118,7 +118,7 @@ fn density_of_block<S: Simd>(simd: S, directions: &Directions, facets: &[Facet],
     Block::store(sum)
 }
 
-/// ln cosⁿα where cosⁿα is not negligible.
+/// ln cosⁿα if cosⁿα is not negligible.
 pub(super) fn log_power(cos: f64, exponent: f64) -> Option<f64> {
     // ln x ≤ x − 1 settles most samples without a logarithm.
     if cos <= 0.0 || exponent * (cos - 1.0) < NEGLIGIBLE {
@@ -127,19 +127,20 @@ pub(super) fn log_power(cos: f64, exponent: f64) -> Option<f64> {
     Some(exponent * libm::log(cos)).filter(|log| *log > NEGLIGIBLE)
 }
 
-/// cosⁿα, 0 where it is negligible.
+/// cosⁿα, 0 if it is negligible.
 pub(super) fn power(cos: f64, exponent: f64) -> f64 {
     log_power(cos, exponent).map_or(0.0, libm::exp)
 }
 
-/// The exponent that facets are spread with.
+/// Exponent for spreading facets.
 pub(super) fn spread_exponent(exponent: f64) -> f64 {
     exponent.min(LARGEST_SPREAD)
 }
 
-/// The exponent of a peak fitted to facets spread with [`spread_exponent`], had they been spread with their own.
+/// The exponent of a peak fitted to facets spread with [`spread_exponent`], corrected to facets of their own exponent.
 ///
-/// A peak has the variance 1/n along each axis (cosⁿα ≈ exp(−n α²/2)); what it has more than a facet is the surface's.
+/// A peak has the variance 1/n along each axis (cosⁿα ≈ exp(−n α²/2)); its excess over the variance of a facet is the
+/// surface's.
 pub(super) fn sharpened(fitted: f64, exponent: f64) -> f64 {
     if exponent <= LARGEST_SPREAD {
         return fitted;
@@ -155,7 +156,7 @@ mod tests {
     fn the_samples_stand_for_the_whole_hemisphere() {
         let hemisphere = &*HEMISPHERE;
         assert_eq!(hemisphere.directions.len(), SAMPLES);
-        // The sums and the cosines of 1297 sectors.
+        // Bound of the sums and the cosines of 1297 sectors.
         assert!((hemisphere.integral([1.0; SAMPLES]) - TAU).abs() < 1e-12);
         // F92: about half the area of the adjacent sectors.
         assert!((hemisphere.solid_angles[0] / hemisphere.solid_angles[1] - 0.5).abs() < 0.01);
@@ -167,8 +168,8 @@ mod tests {
         for exponent in [1.0, 7.0, 64.0, 128.0, 1000.0, 8192.0] {
             let facet = Facet { normal: DVec3::Z, amplitude: 0.5, texels: 1 };
             let energy = HEMISPHERE.integral(density(&[facet], exponent));
-            // The midpoint rule of step h is worst around the pole, n h²/24 too much (Euler–Maclaurin): 4 % for n = 128;
-            // the next term is a tenth of that.
+            // The midpoint rule of step h is worst around the pole, n h²/24 too much (Euler–Maclaurin): 4 % for n = 128.
+            // The next term is a tenth of that.
             let excess = spread_exponent(exponent) * (5.0 / 360.0 * TAU).powi(2) / 24.0;
             let error = energy / (0.5 * TAU / (exponent + 1.0)) - 1.0;
             assert!((error - excess).abs() < 0.005, "{exponent}: {error} {excess}");

@@ -1,4 +1,4 @@
-//! Heights that a scene keeps, and the horizons of the peaks fitted to them.
+//! Kept heights of a scene, and the horizons of the peaks fitted to them.
 
 use roughxel_peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource};
 use roughxel_scene::picture::Picture;
@@ -11,13 +11,13 @@ fn picture(width: u32, height: u32, value: impl Fn(u32, u32) -> [f32; 3]) -> Pic
 
 const FRAMES: [FrameSystem; 3] = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
 
-/// One smooth hill a repeat, on maps of any shape.
+/// One smooth hill a repeat, for maps of any shape.
 fn hill(width: u32, height: u32) -> Picture {
     let wave = |place: u32, size: u32| (std::f64::consts::TAU * f64::from(place) / f64::from(size)).cos();
     picture(width, height, |x, y| [(0.5 + 0.2 * wave(x, width) + 0.3 * wave(y + 2, height)) as f32; 3])
 }
 
-/// The hill in all shapes, frames and scales.
+/// The hill in all shapes, bases and scales.
 fn kept_hills() -> impl Iterator<Item = (FrameSystem, BumpField)> {
     [(24, 24), (40, 16), (12, 60)].into_iter().flat_map(|(width, height)| {
         FRAMES.into_iter().flat_map(move |frame| {
@@ -46,7 +46,7 @@ fn a_flank_below_its_top_has_the_horizon_of_its_own_slope() {
                     0 => base.texel((x + size + step - 2) % size, y)[0].normal,
                     _ => base.texel(x, (y + size + step - 2) % size)[0].normal,
                 };
-                // A surface rises where its normal does not lean to.
+                // A surface rises opposite to the lean of its normal.
                 let rise = |step: u32| -along(step)[axis] / along(step).z;
                 let steepness = rise(2).abs();
                 let uphill = usize::from(rise(2) > 0.0);
@@ -55,7 +55,7 @@ fn a_flank_below_its_top_has_the_horizon_of_its_own_slope() {
                 if is_convex && rise(before) * rise(after) > 0.0 {
                     flanks += 1;
                     let seen = sides[2 * axis + uphill];
-                    // To the next texel: half a second difference less than in this one.
+                    // The slope to the next texel is half a second difference less than the slope at this texel.
                     let curvature = rise(before).abs() - rise(after).abs();
                     assert!(seen < steepness && steepness - seen < 0.5 * curvature, "{frame:?} {axis} {seen}");
                 }

@@ -1,4 +1,4 @@
-//! Pyramids: what each level holds, and what it does not depend on.
+//! Pyramids: contents of each level, and the circumstances that do not change them.
 
 use super::*;
 
@@ -32,13 +32,13 @@ fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
 fn level_0_has_each_texels_own_normal_and_horizon() {
     let source = hills(5, 3);
     let pyramid = build(&source, &BuildOptions { amplitude: 0.5, ..OPTIONS });
-    let slopes = horizon_slopes(5, 3, source.heights.as_deref().expect("it has heights"));
+    let slopes = horizon_slopes(5, 3, source.heights.as_deref().expect("heights are given"));
     for (index, (normal, slopes)) in source.normals.iter().zip(slopes).enumerate() {
         let &[peak] = pyramid.levels[0].texel(index as u32 % 5, index as u32 / 5) else { panic!("one peak") };
         let normal = normal.normalize();
         assert!((peak.normal - normal).length() < 1e-15 && peak.exponent == 40.0);
         assert!((peak.amplitude - 0.5 / normal.z).abs() < 1e-15);
-        for (horizon, slope) in peak.horizon.expect("it has heights").iter().zip(slopes) {
+        for (horizon, slope) in peak.horizon.expect("heights are given").iter().zip(slopes) {
             assert!((horizon.mean - slope).abs() <= 1e-15 * slope && horizon.deviation == 0.0);
         }
     }
@@ -76,7 +76,7 @@ fn horizons_of_shared_normals_have_their_mean_and_deviation() {
     let slopes = [3.0, 1.0, 1.0, 0.0];
     let mean = slopes.iter().sum::<f64>() / 4.0;
     let variance = slopes.iter().map(|slope| (slope - mean) * (slope - mean)).sum::<f64>() / 4.0;
-    let horizon = peak.horizon.expect("it has heights")[0];
+    let horizon = peak.horizon.expect("heights are given")[0];
     assert!((horizon.mean - mean).abs() < 1e-14, "{horizon:?}");
     assert!((horizon.deviation - variance.sqrt()).abs() < 1e-14, "{horizon:?}");
 }
@@ -87,7 +87,7 @@ fn a_negated_frame_turns_normals_and_horizons_by_half_a_turn() {
     let (plain, turned) = (build(&source, &OPTIONS), build(&source, &BuildOptions { negate: true, ..OPTIONS }));
     for (plain, turned) in plain.levels[0].peaks().iter().zip(turned.levels[0].peaks()) {
         assert_eq!(turned.normal, plain.normal * DVec3::new(-1.0, -1.0, 1.0));
-        let [left, right, down, up] = plain.horizon.expect("it has heights");
+        let [left, right, down, up] = plain.horizon.expect("heights are given");
         assert_eq!(turned.horizon, Some([right, left, up, down]));
     }
 }
@@ -97,9 +97,9 @@ fn rows_further_apart_have_a_lower_horizon() {
     let source = hills(4, 5);
     let (near, far) = (build(&source, &OPTIONS), build(&PeakSource { rows_apart: 4.0, ..source }, &OPTIONS));
     for (near, far) in near.levels[0].peaks().iter().zip(far.levels[0].peaks()) {
-        let [left, right, down, up] = near.horizon.expect("it has heights").map(|side| side.mean);
+        let [left, right, down, up] = near.horizon.expect("heights are given").map(|side| side.mean);
         let wanted = [left, right, down / 4.0, up / 4.0];
-        let got = far.horizon.expect("it has heights").map(|side| side.mean);
+        let got = far.horizon.expect("heights are given").map(|side| side.mean);
         for (got, wanted) in got.into_iter().zip(wanted) {
             assert!((got - wanted).abs() <= 1e-15 * wanted);
         }
@@ -118,7 +118,7 @@ fn progress_is_told_of_texels_that_may_take_a_fit() {
         assert_eq!(steps.into_inner(), source.steps());
         source.steps()
     };
-    // Two by two texels each, then four by four and all of them.
+    // Two by two texels each, then four by four and all texels.
     assert_eq!(count(&hills(8, 8)), 4 + 1);
     assert_eq!(count(&hills(13, 3)), 3 + 1);
     assert_eq!(count(&hills(7, 1)), 0);
@@ -133,7 +133,7 @@ fn the_base_is_level_0_of_the_pyramid() {
 
 #[test]
 fn texels_do_not_depend_on_the_number_of_threads() {
-    // More than one thread sums the light of.
+    // Large enough that more than one thread sums the light.
     let large = hills(128, 40);
     for source in [PeakSource { heights: None, ..hills(6, 5) }, hills(6, 5), large] {
         let with = |threads| {
@@ -164,7 +164,7 @@ fn equal_neighbourhoods_share_the_fit_that_each_would_have() {
     });
     assert_eq!((known.len(), steps.into_inner(), texels.fits.fitted), (1, 8, 8));
     assert!(alone.len() > 1 && texels.peaks.iter().all(|peaks| *peaks == alone));
-    // The last bit of one normal makes another neighbourhood.
+    // The last bit of one normal makes a different neighbourhood.
     let mut source = tiled(4, 2);
     source.normals[5].x += 1e-15;
     let base = Base::new(&source, &OPTIONS).expect("the source is good");
@@ -173,7 +173,7 @@ fn equal_neighbourhoods_share_the_fit_that_each_would_have() {
     assert_eq!(known.len(), 2);
 }
 
-/// What looks the same and lies in other shadows is another neighbourhood.
+/// Equal normals in other shadows form a different neighbourhood.
 #[test]
 fn equal_normals_with_other_horizons_share_nothing() {
     let flat = PeakSource { heights: Some(vec![0.0; 128]), ..hills(16, 8) };
@@ -244,7 +244,7 @@ fn bad_sources_and_options_are_named() {
     }
     for bad in [f64::NAN, f64::INFINITY, -2e9] {
         let mut source = hills(4, 4);
-        source.heights.as_mut().expect("it has heights")[9] = bad;
+        source.heights.as_mut().expect("heights are given")[9] = bad;
         assert_eq!(error(&source, &OPTIONS), "the height of texel (1, 2) is no number within 10^9");
     }
     for rows_apart in [0.0, -1.0, f64::INFINITY] {

@@ -1,4 +1,4 @@
-//! The problem of a fit as its solver sees it: peaks by variables that nothing bounds, what they leave of a density, its derivatives.
+//! Least-squares problem of a fit: peaks in unbounded variables, residuals and derivatives.
 
 use std::cell::RefCell;
 
@@ -12,7 +12,7 @@ use super::products::{BlockSet, dot, products};
 use crate::blocks::{self, Block, LEVEL, cosines, log_powers, powers};
 use crate::spread::{BLOCKS, HEMISPHERE, SAMPLES, power};
 
-/// Share of a derivative's square that is rounding where it depends on those before it.
+/// Share of a derivative's square that is rounding if it depends on the earlier ones.
 const DEPENDENT: f64 = 1e-13;
 
 /// One peak of a fit.
@@ -25,7 +25,7 @@ pub(crate) struct FittedPeak {
 }
 
 impl FittedPeak {
-    /// Its largest value on the hemisphere: at its direction, or at the horizon below which it points.
+    /// Largest value on the hemisphere: at the direction, or at the horizon if the peak points below it.
     pub(super) fn highest(&self) -> f64 {
         let cos = if self.direction.z > 0.0 { 1.0 } else { self.direction.truncate().length() };
         self.amplitude * power(cos, self.exponent)
@@ -62,7 +62,7 @@ pub(super) struct ExponentRange {
 }
 
 impl ExponentRange {
-    /// The exponent, pulled away from the ends, where ν is infinite.
+    /// The exponent, pulled away from the ends, at which ν is infinite.
     pub(super) fn inside(self, exponent: f64) -> f64 {
         let margin = 0.02 * (self.high - self.low);
         libm::exp(libm::log(exponent.max(1.0)).clamp(self.low + margin, self.high - margin))
@@ -81,7 +81,7 @@ impl ExponentRange {
     }
 }
 
-/// One peak as the solver sees it, with what does not depend on the sample.
+/// One peak in the variables of the solver, with the values that are equal for all samples.
 #[derive(Clone, Copy, Debug)]
 struct State {
     root: f64,
@@ -112,13 +112,13 @@ impl State {
     }
 }
 
-/// Residuals √ω (Σ a cosⁿα − N) over the samples, handed to the solver as a problem of few rows.
+/// Residuals √ω (Σ a cosⁿα − N) over the samples, given to the solver as a problem of few rows.
 ///
-/// The solver sees residuals r through |r|, Jᵀr and JᵀJ alone, so r' = (|r|, 0, …) and J' = (rᵀJ/|r|; R) with
-/// RᵀR = JᵀJ − (rᵀJ)ᵀ(rᵀJ)/|r|² lead it the same way: its factorisation of J, two thirds of a build, has 4k + 1 rows
+/// The solver sees residuals r through |r|, Jᵀr and JᵀJ alone. So r' = (|r|, 0, …) and J' = (rᵀJ/|r|; R) with RᵀR = JᵀJ
+/// − (rᵀJ)ᵀ(rᵀJ)/|r|² lead to the same steps. Factorisation of J takes two thirds of a build; J' has 4k + 1 rows
 /// instead of 1297.
 ///
-/// Samples go in blocks, and a peak is nowhere but in blocks where it is not negligible. What is left out adds zeros.
+/// Samples are in blocks. A peak is evaluated only in blocks in which it is not negligible; omitted blocks add zeros.
 pub(super) struct Problem<'a> {
     density: &'a [Block],
     range: ExponentRange,
@@ -127,17 +127,17 @@ pub(super) struct Problem<'a> {
     pub(super) space: Space,
 }
 
-/// What a problem works out for every block; taken from one problem to the next.
+/// Working memory of a problem for every block, passed from one problem to the next.
 #[derive(Default)]
 pub(super) struct Space {
-    /// Of every peak.
+    /// Shares of every peak.
     shares: Vec<Shares>,
     residuals: Vec<Block>,
-    /// Derivatives of the residuals by the four variables of every peak: peak · BLOCKS + block, in its blocks.
+    /// Derivatives of the residuals by the four variables of every peak: peak · BLOCKS + block, in the peak's blocks.
     slopes: RefCell<Vec<[Block; 4]>>,
 }
 
-/// A peak at every sample.
+/// Values of a peak at every sample.
 struct Shares {
     blocks: BlockSet,
     /// cosⁿα and, unless it is 0, ln cosⁿα, in these blocks.
@@ -147,7 +147,7 @@ struct Shares {
 impl<'a> Problem<'a> {
     pub(super) fn new(density: &'a [Block], range: ExponentRange, peaks: &[FittedPeak], mut space: Space) -> Self {
         let variables = peaks.iter().flat_map(|peak| {
-            // A peak straight down has no stereographic coordinates; its neighbour has.
+            // A peak straight down has no stereographic coordinates; a direction next to it has.
             let scale = 1.0 / (1.0 + peak.direction.z).max(1e-6);
             let [x, y] = [peak.direction.x, peak.direction.y];
             [peak.amplitude.sqrt(), x * scale, y * scale, range.to_variable(peak.exponent)]
@@ -171,7 +171,7 @@ impl<'a> Problem<'a> {
         self.states.iter().map(peak).collect()
     }
 
-    /// Shares of all peaks, and residuals.
+    /// Evaluates shares of all peaks, and residuals.
     #[inline(always)]
     fn evaluate<S: Simd>(&mut self, simd: S) {
         let Space { shares, residuals, .. } = &mut self.space;
@@ -182,7 +182,7 @@ impl<'a> Problem<'a> {
             let amplitude = state.root * state.root;
             let exponent = f64x8::splat(simd, state.exponent);
             shares.blocks = BlockSet::default();
-            // Logarithms first, then exponentials: two short runs of dependent operations overlap from block to block, one long one does not.
+            // Logarithms first, then exponentials: two short runs of dependent operations overlap from block to block, one long run does not.
             for (block, (directions, _)) in HEMISPHERE.blocks.iter().enumerate() {
                 if let Some(logs) = log_powers(cosines(simd, state.direction, directions), exponent) {
                     shares.blocks.add(block);
@@ -210,7 +210,7 @@ impl<'a> Problem<'a> {
         square.sqrt()
     }
 
-    /// Derivatives of the residuals by the variables.
+    /// Evaluates derivatives of the residuals by the variables.
     #[inline(always)]
     fn slopes<S: Simd>(&self, simd: S) {
         let mut slopes = self.space.slopes.borrow_mut();
@@ -223,7 +223,7 @@ impl<'a> Problem<'a> {
                 let [share, log] = shares.powers[block].map(|values| values.load(simd));
                 let weighted = weights.load(simd) * share;
                 let by_cosine = weighted * amplitude * state.exponent / cosines(simd, state.direction, directions);
-                // Where the cosine is 0 or below there is no share.
+                // If the cosine is 0 or below, the share is 0.
                 let by_cosine = share.simd_gt(zero).select(by_cosine, zero);
                 slopes[block] = [
                     weighted * (2.0 * state.root),
@@ -245,7 +245,7 @@ impl<'a> Problem<'a> {
         let norm = self.norm();
         let along = |residual: &Block| {
             let along = residual.load(simd) / norm;
-            // Where nothing is left there is no direction of it either.
+            // A residual of 0 has no direction.
             Block::store(if norm > 0.0 { along } else { f64x8::splat(simd, 0.0) })
         };
         let along: Vec<Block> = residuals.iter().map(along).collect();
@@ -256,7 +256,7 @@ impl<'a> Problem<'a> {
             equations.view_mut((0, 4 * column), (1, 4)).copy_from_slice(&towards);
             for (row, (other, with)) in slopes.chunks_exact(BLOCKS).zip(shares).enumerate().take(column + 1) {
                 let common = of.blocks.common(with.blocks);
-                // Two rows of four: eight sums, as many as there are registers for everywhere.
+                // Two rows of four: eight sums, which fit the registers of every instruction set.
                 for half in [0, 2] {
                     let rows = products(
                         simd,
@@ -299,12 +299,12 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let mut jacobian = dispatch!(*LEVEL, simd => self.normal_equations(simd));
         let rows = jacobian.nrows();
-        // From column to column JᵀJ gives way to R: what is left of the diagonal is not looked at before.
+        // R replaces JᵀJ column by column; entries below the diagonal are not read before they are written.
         for column in 0..jacobian.ncols() {
             let (before, from_here) = jacobian.as_mut_slice().split_at_mut(column * rows);
             let own = &mut from_here[..rows];
             for row in 0..=column {
-                // Of the product RᵀR without the rows of J' above, this one is the first where R has the column.
+                // This row is the first of the product RᵀR, without the rows of J' above, in which R has the column.
                 let place = row + 1;
                 if row < column {
                     let other = &before[row * rows..][..=place];
@@ -342,7 +342,7 @@ pub(super) mod tests {
             DVector::from_iterator(SAMPLES, self.space.residuals.iter().flat_map(|block| block.0).take(SAMPLES))
         }
 
-        /// Their derivatives, sample by sample.
+        /// Derivatives of the residuals, sample by sample.
         fn derivatives(&self) -> DMatrix<f64> {
             dispatch!(*LEVEL, simd => self.slopes(simd));
             let slopes = self.space.slopes.borrow();
@@ -359,7 +359,7 @@ pub(super) mod tests {
     #[test]
     fn the_jacobian_is_that_of_the_residuals() {
         let range = ExponentRange { low: 0.0, high: libm::log(256.0) };
-        // At the pole, near the horizon, below it, and at both ends of the exponents.
+        // Peaks at the pole, near the horizon, below it, and at both ends of the exponents.
         let peaks = [
             peak(0.7, [0.0, 0.0, 1.0], 40.0),
             peak(1.2, [1.0, 0.1, 0.03], 1.1),
@@ -392,7 +392,7 @@ pub(super) mod tests {
     #[test]
     fn the_solver_is_led_by_few_rows_as_by_all() {
         let range = ExponentRange { low: 0.0, high: libm::log(256.0) };
-        // The third depends on the first: their derivatives are the same.
+        // The third peak depends on the first: their derivatives are equal.
         let peaks = [
             peak(0.7, [0.0, 0.0, 1.0], 40.0),
             peak(1.2, [1.0, 0.1, 0.3], 1.1),
@@ -400,7 +400,7 @@ pub(super) mod tests {
             peak(2.0, [0.3, -0.2, 0.9], 250.0),
         ];
         let wanted = evaluate(&[peak(0.9, [0.2, 0.0, 1.0], 30.0)]);
-        // Where nothing is left there is no direction of it either.
+        // A residual of 0 has no direction.
         for density in [wanted, evaluate(&peaks)] {
             let density = Block::list(density);
             let problem = Problem::of(&density, range, &peaks);
@@ -412,7 +412,7 @@ pub(super) mod tests {
             let products = slopes.tr_mul(&slopes) - few.tr_mul(&few);
             let towards = slopes.tr_mul(&problem.rest()) - few.tr_mul(&rest);
             for (row, column) in (0..16).flat_map(|row| (0..16).map(move |column| (row, column))) {
-                // The root of DEPENDENT, where a column is left out.
+                // Root of DEPENDENT, for an omitted column.
                 assert!(products[(row, column)].abs() < 1e-6 * norms[row] * norms[column], "{row} {column}");
                 assert!(towards[row].abs() < 1e-12 * norms[row] * (1.0 + rest.norm()), "{row}");
             }

@@ -1,4 +1,4 @@
-//! Products of lists that are 0 outside of some of their blocks.
+//! Products of lists that are 0 outside some of their blocks.
 
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use crate::blocks::{Block, LANES, joined};
 use crate::spread::BLOCKS;
 
-/// Some of the blocks, bit by bit.
+/// A set of blocks, one bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BlockSet([u64; BLOCKS.div_ceil(64)]);
 
@@ -17,7 +17,7 @@ impl BlockSet {
         blocks[(BLOCKS - 1) / 64] = (1 << ((BLOCKS - 1) % 64)) - 1;
         Self(blocks)
     };
-    /// The last one, of one sample.
+    /// Last block, of one sample.
     pub(super) const LAST: Self = {
         let mut blocks = [0; BLOCKS.div_ceil(64)];
         blocks[(BLOCKS - 1) / 64] = 1 << ((BLOCKS - 1) % 64);
@@ -35,7 +35,7 @@ impl BlockSet {
         Self(std::array::from_fn(|word| self.0[word] & other.0[word]))
     }
 
-    /// Runs over the blocks in order.
+    /// Visits the blocks in order.
     #[inline(always)]
     pub(super) fn each(self, mut visit: impl FnMut(usize)) {
         for (word, mut bits) in self.0.into_iter().enumerate() {
@@ -47,9 +47,9 @@ impl BlockSet {
     }
 }
 
-/// Products of lists that are 0 outside of some blocks: every one of `left` with every one of `right`.
+/// Products of lists that are 0 outside some blocks: every list of `left` with every list of `right`.
 ///
-/// Summed in the order of [`dot`], in which whole blocks are eight sums and what is left is added one by one.
+/// Terms are summed in the order of [`dot`]: whole blocks as eight sums, the rest one by one.
 #[inline(always)]
 pub(super) fn products<'a, S: Simd, const M: usize, const N: usize>(
     simd: S,

@@ -1,11 +1,11 @@
-//! Light of facets and of peaks with laws, and fits of the one to the other.
+//! Light of facets and of peaks with laws, and fits of the laws to the facets.
 
 use super::super::blocks::NEGLIGIBLE;
 use super::super::blocks::tests::levels;
 use super::*;
 use roughxel_utilities::random::SplitMix64;
 
-/// Slope of a direction over an axis, and the side that it goes to.
+/// Slope of a direction over an axis, and the side of its projection.
 fn climb(direction: DVec3, axis: usize) -> (f64, usize) {
     ((direction.z / direction[axis].abs()).min(STEEPEST), 2 * axis + usize::from(direction[axis] >= 0.0))
 }
@@ -40,7 +40,7 @@ fn peaks() -> Vec<(FittedPeak, [Horizon; 4])> {
     ]
 }
 
-/// The light of peaks with their laws, as the datapath has it.
+/// Light of peaks with their laws, as the datapath computes it.
 fn lit(peaks: &[(FittedPeak, [Horizon; 4])]) -> Vec<f64> {
     let light = |[light, eye]: [DVec3; 2]| {
         let half = (light + eye).normalize();
@@ -89,7 +89,7 @@ fn pairs_go_all_around_and_are_low() {
         let there = |direction: DVec3| (direction[side / 2] < 0.0) == side.is_multiple_of(2);
         let count = |which: usize| pairs.iter().filter(|pair| there(pair[which])).count();
         assert!([0, 1].map(count).iter().all(|count| (100..=140).contains(count)));
-        // Light and eye from the same side, and from both.
+        // Light and eye from one side, and from opposite sides.
         let same = pairs.iter().filter(|pair| there(pair[0]) == there(pair[1])).count();
         assert!((80..=160).contains(&same), "{same}");
     }
@@ -112,7 +112,7 @@ fn facets_are_bright_where_light_and_eye_clear_their_horizons() {
         };
         let all = facets.iter().filter(|(_, slopes, _)| visible(slopes));
         seen += all.clone().count();
-        // What is negligible of each is left out, and nothing else.
+        // Only the negligible part of each facet is omitted.
         let shares = all.map(|(normal, _, a)| (a, normal.dot(half).max(0.0).powf(12.0)));
         let wanted: f64 = shares.filter(|(_, share)| share.ln() > NEGLIGIBLE).map(|(a, share)| a * share).sum();
         assert!((got - wanted).abs() < 1e-11, "{got} {wanted}");
@@ -139,7 +139,7 @@ fn derivatives_are_those_of_the_shares() {
             };
             let step = 1e-6;
             let numeric = share(step).into_iter().zip(share(-step)).map(|(up, down)| (up - down) / (2.0 * step));
-            // Where one ramp takes over from another the derivative steps.
+            // The derivative jumps at changes from one ramp to another.
             let off = numeric.zip(&all).filter(|(numeric, slopes)| (numeric - slopes[variable]).abs() > 1e-4);
             assert!(off.count() <= 2, "{variable}");
         }
@@ -173,7 +173,7 @@ fn laws_come_nearer_to_the_light_that_is_wanted() {
     assert!(after < 0.05 * before, "{before} {after}");
 }
 
-/// No light, no weight, no amplitude: nothing to go by, and nothing that is no number.
+/// Fits without light, weight or amplitude have no data, and return finite numbers.
 #[test]
 fn what_nothing_is_known_of_stays() {
     let peaks = peaks();
