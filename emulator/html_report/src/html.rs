@@ -1,7 +1,7 @@
-//! One HTML file that needs nothing beside it, no network and no script.
+//! Self-contained HTML files without network or script.
 //!
 //! Pictures are embedded as data URIs (RFC 2397, base64 of RFC 4648), so that the file can be sent alone. Colours follow the
-//! reader's light or dark preference; wide tables scroll by themselves, so that a phone shows the rest unscaled.
+//! reader's light or dark preference. Wide tables scroll by themselves, so that a phone shows the rest unscaled.
 
 use std::fmt::{self, Display, Write as _};
 
@@ -38,7 +38,7 @@ pre { overflow-x: auto; padding: .75rem; border: 1px solid var(--line); font-siz
 summary { cursor: pointer; margin: 1rem 0; }
 ";
 
-/// A page that grows.
+/// A page under construction.
 #[derive(Debug, Default)]
 pub struct Page {
     text: String,
@@ -47,7 +47,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// The head of a page with that title, up to its body.
+    /// Begins a page of this title: its head, up to the body.
     pub fn new(title: &str) -> Self {
         let mut page = Self::default();
         page.add(format_args!(
@@ -65,19 +65,19 @@ impl Page {
         self.text
     }
 
-    /// Adds markup as it is; what comes from elsewhere goes through [`Text`].
+    /// Adds markup as it is; external strings go through [`Text`].
     pub fn add(&mut self, part: fmt::Arguments<'_>) {
         // Writing to a string cannot fail.
         let _ = self.text.write_fmt(part);
     }
 
-    /// A number that nothing else on this page has, for ids.
+    /// A number that is unique on this page, for ids.
     pub(crate) fn next_number(&mut self) -> usize {
         self.numbers += 1;
         self.numbers
     }
 
-    /// Begins a section; `id` is what links to it name.
+    /// Begins a section; links to it name `id`.
     pub fn section(&mut self, id: &str, title: &str) {
         self.add(format_args!("<section id=\"{}\">\n<h2>{}</h2>\n", Text(id), Text(title)));
     }
@@ -92,7 +92,7 @@ impl Page {
         self.add(format_args!("<p>{}</p>\n", Text(text)));
     }
 
-    /// A cell of a table; a dash where there is nothing.
+    /// A table cell; a dash if there is no value.
     pub fn cell(&mut self, value: Option<impl Display>) {
         match value {
             Some(value) => self.add(format_args!("<td>{}</td>", Text(&value.to_string()))),
@@ -100,7 +100,7 @@ impl Page {
         }
     }
 
-    /// A table in a box of its own that scrolls; the first column is its rows' names.
+    /// A table in its own scrolling box; the first column names the rows.
     pub fn table<Row: AsRef<[String]>>(&mut self, headings: &[&str], rows: impl IntoIterator<Item = Row>) {
         self.add(format_args!("<div class=\"scroll\">\n<table>\n<thead>\n<tr>"));
         for heading in headings {
@@ -117,7 +117,7 @@ impl Page {
         self.add(format_args!("</tbody>\n</table>\n</div>\n"));
     }
 
-    /// A picture with its caption: a PNG file's bytes, its size in pixels, what it shows, its label and what is said of it.
+    /// A picture with its caption: bytes of a PNG file, size in pixels, alternative text, label and description.
     pub fn figure(&mut self, png: &[u8], [width, height]: [u32; 2], shows: &str, label: &str, caption: &str) {
         let (shows, label, caption) = (Text(shows), Text(label), Text(caption));
         self.add(format_args!(

@@ -1,6 +1,6 @@
 //! # roughxel-html-report
 //!
-//! Pages that need nothing beside them: [`html`] without script, [`plot`]s as SVG.
+//! Self-contained pages: [`html`] without script, [`plot`]s as SVG.
 
 pub mod html;
 pub mod plot;

@@ -1,4 +1,4 @@
-//! Plots as SVG: values over an axis, with what is needed to read them without colours, in the dark, small, or as a table.
+//! Plots as SVG: values over an axis, readable without colours, in the dark, small, or as a table.
 
 mod axis;
 mod data;
@@ -21,14 +21,14 @@ use layout::{EM, LINE, Layout, RADIUS, SAMPLE, pixels};
 
 use crate::html::{Page, Text as Escaped};
 
-/// Units of drawing in a pixel: the crate rounds to whole ones.
+/// Drawing units in a pixel: the crate rounds to whole units.
 const UNITS: i32 = 10;
 
-/// Pixels of a plot on a page: its width, and the height of what the axes enclose.
+/// Pixels of a plot on a page: the width, and the height inside the axes.
 const PAGE_WIDTH: u32 = 420;
 const PAGE_INNER_HEIGHT: f64 = 230.0;
 
-/// What the crate calls the size of such text: it writes 1/1.24 of it.
+/// Text size as the crate counts it: it writes 1/1.24 of it.
 const TEXT_SIZE: f64 = EM * UNITS as f64 * 1.24;
 
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -43,7 +43,7 @@ fn units_at([x, y]: [f64; 2]) -> (i32, i32) {
 }
 
 impl Plot {
-    /// The plot as a file of that width and height in pixels, on paper of its own: for a README.
+    /// The plot as a file of `size` (width and height in pixels) with its own paper, for a README.
     ///
     /// Below about 300 × 200 there is little room for data; no length is above 10000.
     pub fn svg(&self, size: [u32; 2]) -> String {
@@ -52,7 +52,7 @@ impl Plot {
         self.drawn(&layout, &format!("plot-{}", name.to_ascii_lowercase()))
     }
 
-    /// The whole element; `id` begins the ids in it.
+    /// The whole element; `id` begins its ids.
     fn drawn(&self, layout: &Layout, id: &str) -> String {
         let [width, height] = layout.size.map(|length| length as u32);
         let mut drawing = String::new();
@@ -76,7 +76,7 @@ impl Plot {
         if layout.is_alone {
             svg.push_str("<rect class=\"paper\" width=\"100%\" height=\"100%\" fill=\"currentColor\"/>\n");
         }
-        // The style says the face and size of all text, and white space around it would be part of it.
+        // The style sets face and size of all text; white space around it would be part of it.
         let size = format!(" font-family=\"sans-serif\" font-size=\"{}\"", TEXT_SIZE / 1.24);
         let mut is_text = false;
         for line in ink::recoloured(content).lines() {
@@ -91,7 +91,7 @@ impl Plot {
         svg
     }
 
-    /// The description, with what the marks say.
+    /// The description, followed by the labels of the marks.
     fn alternative(&self) -> String {
         let mut text = self.description.clone();
         for mark in &self.marks {
@@ -120,7 +120,7 @@ impl Plot {
             }
         }
         self.draw_labels(canvas, layout, &runs)?;
-        // Over labels: data are never hidden.
+        // Data are drawn over labels, so that no label hides data.
         for (index, runs) in runs.iter().enumerate() {
             for point in self.marked(index, runs) {
                 draw_marker(canvas, index, layout.at(point))?;
@@ -133,8 +133,8 @@ impl Plot {
         Ok(())
     }
 
-    /// Which places of a series get a marker: all, or a few of a line, at other ones than those of the next line; also what no line
-    /// joins to anything.
+    /// Places of a series that get a marker: all, or a few of a line, at different places than those of the next line. Points
+    /// without a joining line always get one.
     fn marked(&self, index: usize, runs: &[Vec<[f64; 2]>]) -> Vec<[f64; 2]> {
         let is_line = self.series[index].style == Style::Line;
         let all = runs.iter().flatten().copied();
@@ -238,13 +238,13 @@ impl Plot {
     }
 }
 
-/// Writes text; `at` is where its anchor lies, in pixels.
+/// Writes text with its anchor at `at`, in pixels.
 fn write(canvas: &Canvas<'_>, text: &str, ink: Ink, at: [f64; 2], horizontal: HPos, vertical: VPos) -> Drawn {
     let style = ("sans-serif", TEXT_SIZE).into_font().color(&ink.code()).pos(Pos::new(horizontal, vertical));
     canvas.draw(&Text::new(text, units_at(at), style))
 }
 
-/// The marker of a series at a place in pixels; more than eight series share colours, then other markers have them.
+/// The marker of a series at a place in pixels. With more than eight series, colours are shared and markers differ.
 fn draw_marker(canvas: &Canvas<'_>, index: usize, [x, y]: [f64; 2]) -> Drawn {
     let filled = Ink::Series(index).code().filled();
     let [line, outline] =
@@ -252,7 +252,7 @@ fn draw_marker(canvas: &Canvas<'_>, index: usize, [x, y]: [f64; 2]) -> Drawn {
     let whole = |corners: &[[f64; 2]]| {
         corners.iter().map(|[across, down]| units_at([x + across * RADIUS, y + down * RADIUS])).collect::<Vec<_>>()
     };
-    // A second edge over the first one: no gap where they meet.
+    // The first edge is drawn a second time, so that no gap remains at its start.
     let closed = |corners: &[[f64; 2]]| PathElement::new(whole(&[corners, &corners[..2]].concat()), outline);
     let square = [[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]];
     let up = [[0.0, -1.2], [1.15, 0.9], [-1.15, 0.9]];
@@ -273,9 +273,9 @@ fn draw_marker(canvas: &Canvas<'_>, index: usize, [x, y]: [f64; 2]) -> Drawn {
 }
 
 impl Page {
-    /// A plot with its title, its description and, when asked for, its data.
+    /// A plot with its title, its description and, on request, its data.
     pub fn plot(&mut self, plot: &Plot) {
-        // All but the data first: data are equally high in all plots.
+        // The space around the data is measured first: data have one height in all plots.
         let outside = {
             let layout = Layout::new(plot, [f64::from(PAGE_WIDTH), 0.0], false);
             layout.inner.top - layout.inner.bottom
@@ -293,7 +293,7 @@ impl Page {
         self.add(format_args!("</details>\n</figure>\n"));
     }
 
-    /// Plots side by side, as many in a row as have room.
+    /// Plots next to each other, as many in a row as fit.
     pub fn plots<'a>(&mut self, plots: impl IntoIterator<Item = &'a Plot>) {
         self.add(format_args!("<div class=\"plots\">\n"));
         plots.into_iter().for_each(|plot| self.plot(plot));

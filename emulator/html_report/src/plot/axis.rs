@@ -1,6 +1,6 @@
-//! Axes: where a value stands, what range is drawn, its ticks, and how a number is written.
+//! Axes: places of values, drawn range, ticks and the notation of numbers.
 
-/// How values lie on an axis.
+/// Scale of the values on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences are equally long.
@@ -11,11 +11,11 @@ pub enum Scale {
     Log10,
 }
 
-/// What is larger is not drawn: differences of it might not be finite.
+/// Largest drawn value: differences of larger values might not be finite.
 const LARGEST: f64 = 1e100;
 
 impl Scale {
-    /// Where a value stands, the value itself or its logarithm; nowhere if it is not finite, too large or has no logarithm.
+    /// Place of a value: the value itself or its logarithm. `None` if it is not finite, too large or has no logarithm.
     pub(super) fn place(self, value: f64) -> Option<f64> {
         let place = match self {
             Scale::Linear => value,
@@ -25,7 +25,7 @@ impl Scale {
         (place.is_finite() && place.abs() <= LARGEST).then_some(place)
     }
 
-    /// From where to where the axis goes: all places with a margin, at least two ticks, never of length zero.
+    /// Ends of the axis: all places with a margin, at least two ticks, never of length zero.
     pub(super) fn range(self, places: impl IntoIterator<Item = f64>) -> [f64; 2] {
         let outer = places.into_iter().fold(None, |outer: Option<[f64; 2]>, place| match outer {
             None => Some([place; 2]),
@@ -45,7 +45,7 @@ impl Scale {
         [range[0].floor(), range[1].ceil()]
     }
 
-    /// Places and labels of the ticks of a range, at most so many (four are always allowed).
+    /// Places and labels of the ticks of a range, at most `most` (four are always allowed).
     pub(super) fn ticks(self, range: [f64; 2], most: usize) -> Vec<(f64, String)> {
         let most = most.max(4);
         match self {
@@ -61,7 +61,7 @@ impl Scale {
         }
     }
 
-    /// How values of an axis are written: as powers of two if that is what they all are on such an axis.
+    /// Notation of the values of an axis: powers of two if all values on a [`Scale::Log2`] axis are powers of two.
     pub(super) fn numbers(self, values: impl IntoIterator<Item = f64>) -> impl Fn(f64) -> String {
         let is_power = |value: f64| value > 0.0 && value.log2().fract() == 0.0;
         let as_powers = self == Scale::Log2 && values.into_iter().all(is_power);
@@ -87,12 +87,12 @@ fn number(value: f64) -> String {
     format!("{}·{}", minus(shortened(digits)), power(10, f64::from(exponent)))
 }
 
-/// Multiples of the first step with which at most so many lie in a range.
+/// Multiples of the first step of which at most `most` lie in a range.
 fn coarsest_that_fits([low, high]: [f64; 2], most: usize, steps: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut multiples = Vec::new();
     for step in steps {
         let (first, last) = ((low / step).ceil(), (high / step).floor());
-        // Both are whole; of numbers that differ by less than a step there may be none.
+        // Both ends are whole; a range shorter than a step may hold no multiple.
         let count = (last - first + 1.0).max(0.0) as usize;
         if count <= most {
             multiples = (0..count).map(|i| (first + i as f64) * step).collect();
@@ -103,7 +103,7 @@ fn coarsest_that_fits([low, high]: [f64; 2], most: usize, steps: impl Iterator<I
 }
 
 fn linear_ticks(range: [f64; 2], most: usize) -> Vec<(f64, String)> {
-    // A first step of at most a hundredth of what is needed.
+    // A first step of at most a hundredth of the needed one.
     let exponent = ((range[1] - range[0]) / most as f64).log10().floor() as i32;
     let steps = (exponent..).flat_map(|e| [1.0, 2.0, 5.0].map(|factor| factor * 10_f64.powi(e)));
     let places = coarsest_that_fits(range, most, steps);
@@ -152,7 +152,7 @@ fn log10_ticks(range: [f64; 2], most: usize) -> Vec<(f64, String)> {
     ticks.into_iter().map(|(f, d)| (f64::from(f).log10() + f64::from(d), label(f, d))).collect()
 }
 
-/// A power with its whole exponent in superscripts.
+/// A power with its integer exponent in superscripts.
 fn power(base: u32, exponent: f64) -> String {
     let digits = format!("{exponent:.0}");
     let superscript = |c: char| match c {
@@ -165,12 +165,12 @@ fn power(base: u32, exponent: f64) -> String {
     format!("{base}{}", digits.chars().map(superscript).collect::<String>())
 }
 
-/// Without zeros that say nothing.
+/// The number without trailing zeros.
 fn shortened(decimal: &str) -> &str {
     if decimal.contains('.') { decimal.trim_end_matches('0').trim_end_matches('.') } else { decimal }
 }
 
-/// With the sign that is as wide as a digit; none on zero.
+/// The number with a minus sign as wide as a digit; zero has no sign.
 fn minus(number: &str) -> String {
     let is_zero = number.chars().all(|c| matches!(c, '-' | '0' | '.'));
     if is_zero { number.replace('-', "") } else { number.replace('-', "−") }

@@ -1,72 +1,72 @@
-//! What a plot shows, as places on its axes and as a table.
+//! Content of a plot, as places on its axes and as a table.
 
 use super::axis::Scale;
 
-/// An axis and what it measures.
+/// An axis and its quantity.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// What is measured, with its unit.
+    /// Quantity with its unit.
     pub label: String,
-    /// How its values lie.
+    /// Scale of the values.
     pub scale: Scale,
 }
 
-/// How points of a series are drawn.
+/// Drawing style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// Joined; beside other series a few markers tell them apart.
+    /// Joined points; with several series a few markers tell them apart.
     Line,
-    /// A marker each.
+    /// A marker for each point.
     Points,
-    /// Joined, a marker each.
+    /// Joined points, with a marker for each.
     LinePoints,
 }
 
 /// A point.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Value along the axis that goes right.
+    /// Value along the axis to the right.
     pub x: f64,
-    /// Value along the axis that goes up.
+    /// Value along the upward axis.
     pub y: f64,
-    /// Drawn beside the point where there is room, otherwise in the table only.
+    /// Label, drawn next to the point if there is room, otherwise in the table only.
     pub label: Option<String>,
 }
 
-/// Points that belong together; a line is broken where one of them cannot be drawn.
+/// Points that belong together. A line is broken at points that cannot be drawn.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What the legend calls it; without a name it has no place there.
+    /// Name in the legend; a series without a name has no entry.
     pub name: String,
-    /// How it is drawn.
+    /// Drawing style.
     pub style: Style,
-    /// Whether its line is dashed.
+    /// True for a dashed line.
     pub dashed: bool,
-    /// In the order of the line.
+    /// Points in the order of the line.
     pub points: Vec<Point>,
 }
 
-/// A vertical line, where something begins or ends.
+/// A vertical line at the beginning or end of something.
 #[derive(Clone, Debug)]
 pub struct Mark {
-    /// Where it stands.
+    /// Value along the x axis.
     pub x: f64,
-    /// Written above it.
+    /// Label above the line.
     pub label: String,
 }
 
-/// A plot. Values that are not finite, or not positive on a logarithmic axis, are in its table only.
+/// A plot. Values that are not finite, or not positive on a logarithmic axis, appear in its table only.
 #[derive(Clone, Debug)]
 pub struct Plot {
     /// A few words.
     pub title: String,
-    /// What is to be seen, in sentences, also for those who see no picture.
+    /// Message of the plot in sentences, also for readers who see no picture.
     pub description: String,
-    /// The axis that goes right.
+    /// Axis to the right.
     pub x: Axis,
-    /// The axis that goes up.
+    /// Upward axis.
     pub y: Axis,
-    /// Each with a colour and a marker of its own, up to eight of them.
+    /// Series; each of up to eight has its own colour and marker.
     pub series: Vec<Series>,
     /// Vertical lines.
     pub marks: Vec<Mark>,
@@ -75,8 +75,8 @@ pub struct Plot {
 impl Plot {
     /// Headings and rows of all points.
     ///
-    /// Series without labels side by side, a row for each x; otherwise a row for each point. The first column says which it is, a
-    /// dash is nothing.
+    /// Series without labels share rows, one for each x; otherwise each point has a row. The first column identifies the row; a
+    /// dash is a missing value.
     pub fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
         let points = self.series.iter().flat_map(|series| &series.points);
         let x = self.x.scale.numbers(points.clone().map(|point| point.x));
@@ -104,7 +104,7 @@ impl Plot {
         (headings, rows.collect())
     }
 
-    /// All x in order, if they and the series say which point it is.
+    /// All x in order, if x and series identify every point.
     fn common_values(&self) -> Option<Vec<f64>> {
         let mut all = Vec::new();
         for series in &self.series {
@@ -122,7 +122,7 @@ impl Plot {
         Some(all)
     }
 
-    /// What of a series can be drawn, as places on the axes, in runs without a gap.
+    /// Drawable points of a series, as places on the axes, in runs without a gap.
     pub(super) fn runs(&self, series: &Series) -> Vec<Vec<[f64; 2]>> {
         let places = series.points.iter().map(|point| self.place(point)).collect::<Vec<_>>();
         let runs = places.split(Option::is_none).map(|run| run.iter().copied().flatten().collect());

@@ -1,32 +1,32 @@
 //! Colours that follow the reader's light or dark preference.
 //!
-//! Plotters writes a colour into every element. Here it is given codes instead of colours, and what it has written gets classes in
-//! their place, whose colours are said once for light and once for dark.
+//! Plotters writes a colour into every element. Here it gets codes instead of colours. In its output the codes become classes,
+//! whose colours are defined once for light and once for dark.
 
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
 
-/// What something is drawn with.
+/// Drawing inks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ink {
     Text,
     /// Headings.
     Bold,
-    /// Labels among the data: with a rim of paper.
+    /// Labels among the data, with a rim of paper.
     Label,
-    /// What is beside the data: labels of axes, marks.
+    /// Text outside the data: labels of axes, marks.
     Soft,
     SoftDashed,
     Grid,
     Series(usize),
     SeriesDashed(usize),
-    /// An outline that hides what is behind it.
+    /// An outline whose inside hides the data below it.
     SeriesOpen(usize),
 }
 
-/// Colours of series, light and dark, told apart with each kind of colour blindness: those of Okabe and Ito, darker on light paper
-/// and lighter on dark, so that each has a contrast of 3 : 1.
+/// Colours of series, light and dark, distinct with each kind of colour blindness. They are those of Okabe and Ito, darker on
+/// light paper and lighter on dark, so that each has a contrast of 3 : 1.
 pub(super) const SERIES: [[&str; 2]; 8] = [
     ["#0072b2", "#4aa8e8"],
     ["#c75200", "#f58a45"],
@@ -45,7 +45,7 @@ const SOFT: [&str; 2] = ["#63666b", "#9c9fa4"];
 const GRID: [&str; 2] = ["#e2dfd8", "#303236"];
 
 impl Ink {
-    /// The code of an ink, for the crate: a red of 1 that no ink has, the kind, the series.
+    /// Code of an ink for the crate: a red of 1 that no ink has, the kind, the series.
     pub(super) fn code(self) -> RGBColor {
         let (kind, series) = match self {
             Ink::Text => (0, 0),
@@ -62,7 +62,7 @@ impl Ink {
     }
 }
 
-/// The classes of a code, given as the digits of its kind and series.
+/// Classes of a code, given as the digits of its kind and series.
 fn classes(code: &str) -> Option<String> {
     let series = code.get(2..4)?.trim_start_matches('0');
     let series = if series.is_empty() { "0" } else { series };
@@ -80,7 +80,7 @@ fn classes(code: &str) -> Option<String> {
     })
 }
 
-/// Codes turned into classes.
+/// Text of an SVG whose codes are replaced by classes.
 pub(super) fn recoloured(svg: &str) -> String {
     let mut parts = svg.split("\"#01");
     let mut text = parts.next().unwrap_or_default().to_owned();
@@ -98,7 +98,7 @@ pub(super) fn recoloured(svg: &str) -> String {
     text
 }
 
-/// The rules of the classes, for any number of plots in one document; `units` of drawing are a pixel.
+/// Rules of the classes, for any number of plots in one document; `units` of drawing are a pixel.
 pub(super) fn style(units: i32) -> String {
     let mut rules = format!(
         ".roughxel-plot text{{font:{}px system-ui,sans-serif;font-variant-numeric:tabular-nums}}\

@@ -1,4 +1,4 @@
-//! Labels beside points, kept from each other, from markers and from lines.
+//! Labels next to points, kept off each other, off markers and off lines.
 
 /// A rectangle in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +25,13 @@ impl Area {
         width.max(0.0) * height.max(0.0)
     }
 
-    /// Its point nearest to another.
+    /// Point of the area nearest to another point.
     pub(super) fn nearest(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x.clamp(self.left, self.right), y.clamp(self.top, self.bottom)]
     }
 }
 
-/// A label that wants a place: its point and its width and height.
+/// A label to be placed: its point and its width and height.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     pub(super) point: [f64; 2],
@@ -44,15 +44,15 @@ const DISTANCES: [f64; 8] = [6.0, 10.0, 16.0, 24.0, 34.0, 46.0, 60.0, 76.0];
 /// A label farther from its point than this needs a line to it.
 pub(super) const NEAR: f64 = 11.0;
 
-/// Where each label goes: beside its point in `bounds`, on as little as possible of other labels, of `markers` and of `lines`;
-/// nowhere if that is not little. The same places for the same labels.
+/// Place of each label: next to its point in `bounds`, with least overlap of other labels, of `markers` and of `lines`. `None`
+/// if the overlap is not small. Equal labels have equal places.
 pub(super) fn place(wanted: &[Wanted], bounds: &Area, markers: &[Area], lines: &[Area]) -> Vec<Option<Area>> {
     let on = |area: &Area, others: &[Area]| others.iter().map(|other| area.shared(other)).sum::<f64>();
     let mut places: Vec<Option<Area>> = vec![None; wanted.len()];
     let others = |places: &[Option<Area>], index: usize| -> Vec<Area> {
         places.iter().enumerate().filter(|(other, _)| *other != index).filter_map(|(_, place)| *place).collect()
     };
-    // A later round moves labels away from those that had no place yet.
+    // A later round moves labels away from those that had no place in an earlier one.
     for _ in 0..6 {
         for (index, label) in wanted.iter().enumerate() {
             let labels = others(&places, index);
@@ -73,7 +73,7 @@ pub(super) fn place(wanted: &[Wanted], bounds: &Area, markers: &[Area], lines: &
     places
 }
 
-/// Places round a point and how much each is disliked by itself: near ones first, right before left, above before below.
+/// Places around a point with their costs: near before far, right before left, above before below.
 fn candidates(label: &Wanted) -> impl Iterator<Item = (Area, f64)> {
     let ([x, y], [width, height]) = (label.point, label.size);
     DISTANCES.into_iter().flat_map(move |distance| {

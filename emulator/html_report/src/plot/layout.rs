@@ -1,4 +1,4 @@
-//! Where everything of a plot but its data stands.
+//! Layout of a plot without its data.
 
 use plotters::style::text_anchor::HPos;
 
@@ -17,7 +17,7 @@ pub(super) fn pixels(text: &str) -> f64 {
     text::width(text) * EM
 }
 
-/// A mark with the anchor of its label, at the label's top.
+/// A mark, with the anchor of its label at the label's top.
 pub(super) struct PlacedMark {
     pub(super) x: f64,
     pub(super) text: String,
@@ -25,24 +25,24 @@ pub(super) struct PlacedMark {
     pub(super) anchor: HPos,
 }
 
-/// Where everything but the data stands, in pixels.
+/// Places of everything except the data, in pixels.
 pub(super) struct Layout {
     pub(super) size: [f64; 2],
-    /// On paper of its own and with its title.
+    /// True for a plot on its own paper with a title.
     pub(super) is_alone: bool,
-    /// What the axes enclose.
+    /// Area inside the axes.
     pub(super) inner: Area,
     pub(super) ranges: [[f64; 2]; 2],
     pub(super) ticks: [Vec<(f64, String)>; 2],
-    /// Title and labels of the axes: the anchor is at their top.
+    /// Title and labels of the axes; the anchor is at their top.
     pub(super) lines: Vec<(String, Ink, [f64; 2], HPos)>,
-    /// Series, name, upper left corner.
+    /// Series, name and upper left corner of each entry.
     pub(super) legend: Vec<(usize, String, [f64; 2])>,
     pub(super) marks: Vec<PlacedMark>,
 }
 
 impl Layout {
-    /// From top to bottom: title, legend, the y axis' label with those of marks, data, ticks, the x axis' label.
+    /// Layout from top to bottom: title, legend, the y axis' label with those of marks, data, ticks, the x axis' label.
     pub(super) fn new(plot: &Plot, size: [f64; 2], is_alone: bool) -> Self {
         let [width, height] = size;
         let edge = if is_alone { 8.0 } else { 2.0 };
@@ -54,7 +54,7 @@ impl Layout {
         let left = edge + y_ticks.iter().fold(0.0, |most: f64, (_, label)| most.max(pixels(label))) + 6.0;
         let mut x_count = ((width - left) / 44.0) as usize;
         let mut x_ticks = plot.x.scale.ticks(x_range, x_count);
-        // Long labels have room for fewer; ticks at 2 and 5 times powers are not equally far apart.
+        // Long labels leave room for fewer ticks; ticks at 2 and 5 times powers are not evenly spaced.
         let per_place = (width - left - 2.0 * EM) / (x_range[1] - x_range[0]);
         let touch = |pair: &[(f64, String)]| {
             let room = (pixels(&pair[0].1) + pixels(&pair[1].1)) / 2.0 + 8.0;
@@ -97,7 +97,7 @@ impl Layout {
         self.inner.right - self.inner.left
     }
 
-    /// Where a place on the axes lies.
+    /// Pixels of a place on the axes.
     pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
         let [x, y] =
             [0, 1].map(|axis| (place[axis] - self.ranges[axis][0]) / (self.ranges[axis][1] - self.ranges[axis][0]));
@@ -127,11 +127,11 @@ impl Layout {
         self.inner.top += if self.legend.is_empty() { 0.0 } else { LINE + 7.0 };
     }
 
-    /// Labels of marks above the data, right of their lines where there is room, in as few rows as hold them; the y axis' label shares
-    /// the lowest ones. From the last mark on, so that lines go up left of labels below, not through them.
+    /// Places labels of marks above the data, right of their lines if there is room, in as few rows as hold them. The y axis' label
+    /// shares the lowest rows. Labels are placed from the last mark on, so that lines pass left of the labels below, not through them.
     fn add_marks(&mut self, plot: &Plot, edge: f64, axis_label: &[String]) {
         let most = self.size[0] - edge;
-        // Rows from the lowest up: what they hold already.
+        // Occupied parts of the rows, from the lowest up.
         let mut rows: Vec<Vec<[f64; 2]>> =
             axis_label.iter().rev().map(|line| vec![[edge, edge + pixels(line) + 8.0]]).collect();
         let mut marks: Vec<([f64; 2], &Mark)> =
@@ -141,7 +141,7 @@ impl Layout {
         for ([x, _], mark) in marks {
             let text = text::fit(&mark.label, (most - edge) / EM);
             let width = pixels(&text) + 4.0;
-            // The width is an estimate, so the text is anchored where the line is.
+            // The width is an estimate, so the text is anchored at the line.
             let (left, at, anchor) = if x + width <= most {
                 (x, x + 4.0, HPos::Left)
             } else if x - width >= edge {

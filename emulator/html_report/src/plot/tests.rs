@@ -33,7 +33,7 @@ fn no_text_becomes_markup() {
     (all.x.label, all.y.label) = (evil.to_owned(), evil.to_owned());
     let svg = all.svg([440, 340]);
     assert!(!svg.contains("<b>") && !svg.contains("& ") && !svg.contains('\u{0}') && !svg.contains('\u{1f}'));
-    // Title twice, description and the mark in it, axes, name, label, mark.
+    // Title twice, the description and the mark in it, axes, name, label, mark.
     assert_eq!(svg.matches("a &lt;b&gt; &amp; &quot;c&quot;").count(), 9);
 }
 

@@ -1,6 +1,6 @@
-//! Text of a plot: what of it may stand in XML, how wide it is, where its lines break.
+//! Text of a plot: characters allowed in XML, widths, line breaks.
 
-/// Ems of a character, those of a wide face (DejaVu Sans, Verdana): whichever face a reader has, no label is wider.
+/// Ems of a character in a wide face (DejaVu Sans, Verdana): no label is wider in the reader's face.
 fn character(character: char) -> f64 {
     match character {
         'i' | 'j' | 'l' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' | ' ' | '·' => 0.34,
@@ -20,13 +20,13 @@ pub(super) fn width(text: &str) -> f64 {
     text.chars().map(character).sum()
 }
 
-/// A text in one line, without characters that XML has no form for.
+/// A text in one line, without characters that XML cannot represent.
 pub(super) fn clean(text: &str) -> String {
     let allowed = |c: char| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c };
     text.chars().map(allowed).collect::<String>().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A clean text of at most so many ems; what is longer ends in an ellipsis.
+/// A clean text of at most `most` ems; a longer text ends in an ellipsis.
 pub(super) fn fit(text: &str, most: f64) -> String {
     let text = clean(text);
     if width(&text) <= most {
@@ -40,7 +40,7 @@ pub(super) fn fit(text: &str, most: f64) -> String {
     kept.chain(['…']).collect()
 }
 
-/// The lines of a clean text, of at most so many ems each; none of an empty one.
+/// Lines of a clean text, of at most `most` ems each; an empty text has none.
 pub(super) fn wrap(text: &str, most: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in clean(text).split(' ').filter(|word| !word.is_empty()) {
