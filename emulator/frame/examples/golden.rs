@@ -1,9 +1,10 @@
-//! Whole frames on this processor: draws those that a list names and compares their digests with it.
+//! Draws whole frames on this processor and compares their digests with a list.
 //!
-//! `golden LIST [--part N] SCENE…` takes the lines of `host-tests/golden/frames.txt` that belong to these built-in scenes, every N-th
-//! of each where `--part` is given, for where a frame takes long. `cargo firmware frames` runs it on another family of processors.
+//! `golden LIST [--part N] SCENE…` draws the lines of `host-tests/golden/frames.txt` that belong to these built-in scenes.
+//! `--part N` draws every N-th line of each scene only, for machines on which a frame takes long. `cargo firmware frames` runs
+//! this program on a different family of processors.
 //!
-//! Exit codes: 0 all are equal, 1 a list or a scene is not there or cannot be drawn, 3 some differ.
+//! Exit codes: 0 all digests are equal, 1 a list or scene is missing or cannot be drawn, 3 some digests differ.
 
 use std::fs;
 use std::process::ExitCode;
@@ -30,7 +31,7 @@ impl<'a> Golden<'a> {
         Some(Self { scene: next()?, profile: next()?, mode: next()?, digest: next()? })
     }
 
-    /// Whether the frame is that of the list.
+    /// Draws the frame; true if its digest is that of the list.
     fn is_drawn(&self, scene: &Scene, peaks: &ScenePeaks) -> Result<bool, String> {
         let failed = |what: &dyn std::fmt::Display| format!("{} {} {}: {what}", self.scene, self.profile, self.mode);
         let profile = Profile::by_name(self.profile).ok_or_else(|| failed(&"no such profile"))?;
@@ -53,7 +54,7 @@ fn size_of(list: &str) -> Option<[u32; 2]> {
     Some([width.parse().ok()?, height.parse().ok()?])
 }
 
-/// How many frames were drawn and how many differ.
+/// Numbers of frames drawn and of frames that differ.
 fn run() -> Result<(usize, usize), String> {
     let mut arguments = std::env::args().skip(1).peekable();
     let file = arguments.next().ok_or("golden LIST [--part N] SCENE…")?;

@@ -13,8 +13,8 @@ use super::prepare::Prepared;
 use crate::raster::{RasterError, Sampling, TileSamples, TriangleList, tiles};
 
 impl Prepared<'_> {
-    /// Inputs of the reflection datapath for at most `most` reflecting fragments, evenly spread over the frame, with
-    /// their plan: what `render --capture` and the demo export as vectors. Ports are quantised to the profile.
+    /// Inputs of the reflection datapath for at most `most` reflecting fragments, spread evenly over the frame, with their plan.
+    /// `render --capture` and the demo export them as vectors. Ports are quantised to the profile.
     pub fn capture(&self, most: usize) -> Result<Vec<(ReflectionIn, ReflectionPlan)>, RasterError> {
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_backend(self.backend);
         let passes = Sampling::Grid { edge: 1 }.passes();
@@ -54,12 +54,12 @@ impl Prepared<'_> {
     }
 }
 
-/// The fragment with every port rounded to what the profile keeps.
+/// The fragment with every port rounded to the bits that the profile keeps.
 fn quantised(input: &ReflectionIn, p: &Precision) -> ReflectionIn {
     let vector = |v: BlockVector| {
         let mantissa = DVec3::from_array(v.mantissa.map(|m| f64::from(m.to_bits())));
         let rounded = block_vector(mantissa, p);
-        // The integers of the mantissa are 2^30 times its value.
+        // Mantissa integers are 2^30 times their value.
         BlockVector {
             exponent: if rounded == BlockVector::default() { 0 } else { rounded.exponent + v.exponent - 30 },
             ..rounded

@@ -17,7 +17,7 @@ pub struct EnvironmentMap {
 }
 
 impl EnvironmentMap {
-    /// Builds the pyramid, or only its base where nothing is filtered.
+    /// Builds the pyramid, or only its base if nothing is filtered.
     pub fn new(faces: &[Picture; 6], filters: bool) -> Self {
         let mut pyramid = CubePyramid::new(faces);
         if !filters {
@@ -33,12 +33,12 @@ impl EnvironmentMap {
         self.texels.edge()
     }
 
-    /// Bytes of the texels as a memory of three channels holds them.
+    /// Bytes of the texels in a three-channel memory.
     pub fn bytes(&self) -> u64 {
         (size_of::<[u16; 3]>() * self.texels.len()) as u64
     }
 
-    /// Whether its codes have an exponent each: it is brighter than 64 × white.
+    /// True if each code has an exponent: the environment is brighter than 64 × white.
     pub fn is_bright(&self) -> bool {
         self.texels.is_bright()
     }
@@ -47,8 +47,8 @@ impl EnvironmentMap {
         &self.texels
     }
 
-    /// The mean colour of a footprint on its face, I8F24, below 64: N trilinear probes along its major axis; a rough one is sampled with the
-    /// roughness bias.
+    /// The mean colour of a footprint on its face, I8F24, below 64: N trilinear probes along the major axis. A rough footprint is
+    /// sampled with the roughness bias.
     pub fn sample(&self, footprint: &Footprint<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
         self.mirror(is_rough, |reflector, shown| {
             let looks = &Batch::from_iter([*footprint]);
@@ -57,7 +57,7 @@ impl EnvironmentMap {
         })
     }
 
-    /// The same of a footprint on the sphere.
+    /// The mean colour of a footprint on the sphere; see [`Self::sample`].
     pub fn sample_sphere(&self, sweep: &Sweep<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
         self.mirror(is_rough, |reflector, shown| {
             let looks = &Batch::from_iter([*sweep]);
@@ -66,7 +66,7 @@ impl EnvironmentMap {
         })
     }
 
-    /// What a perfect mirror shows of it.
+    /// Colour of the environment in a perfect mirror.
     fn mirror(&self, is_rough: bool, look: impl FnOnce(Reflector<'_>, &mut Batch<ShadedColour<i32>>)) -> [Channel; 3] {
         let own = &Batch::from_iter([ShadedColour { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
         let mut shown = Batch::default();

@@ -1,4 +1,4 @@
-//! A finished frame: as a picture, against another, as a digest.
+//! A finished frame: as a picture, compared with a second frame, as a digest.
 
 use rayon::prelude::*;
 use roughxel_scene::picture::{self, Picture};
@@ -23,9 +23,9 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Bytes of memory for each pixel of a frame that becomes a file, at most at a time: 12 of its colour and ¼ of the list of rows of tiles
-    /// while it is drawn; 12 and 3 of [`Self::srgb_codes`] then; and without the frame 3 and what they are compressed to, at most 3.
-    /// Beside it there are the scene and its maps, and about a MiB a thread.
+    /// Most bytes of memory at a time for each pixel of a frame that becomes a file. Drawing takes 12 for the colour and ¼ for
+    /// the list of tile rows. Encoding takes 12 and the 3 of [`Self::srgb_codes`]. Writing takes 3 without the frame, and at most
+    /// 3 for the compressed data. The scene, its maps and about one MiB a thread come in addition.
     pub const BYTES_A_PIXEL: u64 = 15;
 
     /// The frame in linear light.
@@ -37,13 +37,13 @@ impl Frame {
         }
     }
 
-    /// The frame as sRGB codes, three of each pixel: those of what [`Self::picture`] holds, without holding it.
+    /// The frame as sRGB codes, three a pixel: the codes of [`Self::picture`], without holding that picture.
     pub fn srgb_codes(&self) -> Vec<u8> {
         picture::srgb_codes(&self.pixels, |pixel| linear(*pixel))
     }
 
-    /// Peak signal to noise ratio against a frame of the same size, dB: linear light, range 1, all channels, colours
-    /// cut to [0, 1] as a display cuts them. Equal frames give infinity, frames of different size NaN.
+    /// Peak signal-to-noise ratio against a frame of the same size, dB: linear light, range 1, all channels, colours clamped to
+    /// [0, 1] as on a display. Equal frames give infinity, frames of different sizes NaN.
     pub fn psnr(&self, truth: &Self) -> f64 {
         if (self.width, self.height) != (truth.width, truth.height) {
             return f64::NAN;
@@ -54,7 +54,7 @@ impl Frame {
         -10.0 * (sum / (3 * self.pixels.len()) as f64).log10()
     }
 
-    /// SHA-256 over size and pixels (big-endian words): equal exactly where every bit of the frame is.
+    /// SHA-256 over size and pixels (big-endian words): equal if and only if every bit of the frames is equal.
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.width.to_be_bytes());

@@ -2,12 +2,13 @@
 //!
 //! Whole frames through the integer datapath: visibility, fetches and the stages of each object's plan.
 //!
-//! Deferred: a tile's visible triangles first, then each pixel once, triangle by triangle. Fragments of an object wait until they are a batch, and
-//! go side by side through footprints, maps, surfaces and the environment; lights take them one by one. Tiles are
-//! independent, so the bits of a frame do not depend on the number of threads. Everything between texel and pixel is a stage of `roughxel-core`.
+//! Shading is deferred: the visible triangles of a tile first, then each pixel once, triangle by triangle. Fragments of an object
+//! wait until they fill a batch. The batch passes through footprints, maps, surfaces and the environment in lanes; lights take
+//! one fragment at a time. Tiles are independent, so the bits of a frame do not depend on the number of threads. Everything
+//! between texel and pixel is a stage of `roughxel-core`.
 //!
-//! [`raster`] finds the visible fragments, [`plan`] says which stages each object needs, `prepare` has the maps and
-//! constants of the objects, `tile` asks for what is visible, `batch` takes what waits through the stages.
+//! [`raster`] finds the visible fragments, [`plan`] selects the stages of each object, `prepare` builds the maps and constants of
+//! the objects, `tile` finds the visible samples, `batch` takes waiting fragments through the stages.
 
 mod capture;
 mod colour;

@@ -1,7 +1,7 @@
-//! The lights of a scene as the shader takes them.
+//! The lights of a scene in the form that the shader takes.
 //!
-//! Peaks of a map are texels whose value is the light they return: they are summed in the texel and filtered like any other, never averaged
-//! themselves (F92 §2.4).
+//! Peaks of a map are texels whose value is the light they return. They are summed in the texel and filtered like any other texel
+//! value; the peaks themselves are never averaged (F92 §2.4).
 
 use roughxel_core::plan::{HorizonKind, SurfacePlan};
 use roughxel_core::ports::{Port, StoredHorizon, StoredPeak};
@@ -15,7 +15,7 @@ use super::colour::colour_word;
 use super::printed;
 use crate::plan::Mode;
 
-/// Makes the lighting of an object, with its peaks if they come from a map.
+/// Makes the lighting of an object; `pyramid` holds its peaks if they come from a map.
 pub(super) fn lighting(
     material: &Material,
     plan: &ObjectPlan,
@@ -46,7 +46,7 @@ fn of_highlight(highlight: &Highlight, lights: &[Light], plan: SurfacePlan, p: &
     Lighting { plan, lights: shown(lights, highlight.colour, p), shine }
 }
 
-/// The peaks of a material, with those of its bump map if they come from one.
+/// The peaks of a material, or those of its bump map if they come from a map.
 fn of_peaks(given: &Peaks, map: Option<PeakTexels>, lights: &[Light], plan: SurfacePlan, p: &Precision) -> Lighting {
     let shine = match (&given.source, map) {
         (PeakSource::Given(given), _) => {
@@ -59,7 +59,7 @@ fn of_peaks(given: &Peaks, map: Option<PeakTexels>, lights: &[Light], plan: Surf
     Lighting { plan, lights: shown(lights, given.colour, p), shine }
 }
 
-/// Replaces the effects by those of another plan.
+/// Replaces the effects by those of a different plan.
 pub(super) fn with_plan(lighting: Lighting, plan: &ObjectPlan) -> Option<Lighting> {
     let surface =
         if matches!(lighting.shine, Shine::Highlight(_) | Shine::Formula(_)) { plan.highlight } else { plan.peaks };
@@ -70,7 +70,7 @@ pub(super) fn with_plan(lighting: Lighting, plan: &ObjectPlan) -> Option<Lightin
     Some(Lighting { plan: surface?, shine, ..lighting })
 }
 
-/// Bytes of the stored peaks, and of their horizons.
+/// Bytes of the stored peaks and of their horizons.
 pub(super) fn bytes(lighting: &Lighting) -> [u64; 2] {
     match &lighting.shine {
         Shine::Highlight(_) | Shine::Formula(_) => [0; 2],
@@ -83,8 +83,8 @@ pub(super) fn bytes(lighting: &Lighting) -> [u64; 2] {
     }
 }
 
-/// The peaks of every texel of a pyramid, as they are stored, or only of its base where nothing is filtered; their horizons where they have
-/// shadows.
+/// The stored peaks of every texel of a pyramid, or only of its base if nothing is filtered. They have horizons if the material
+/// has shadows.
 fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> PeakTexels {
     const _: () = assert!(MAX_PEAKS <= MOST_PEAKS, "lanes read so many");
     let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
@@ -112,7 +112,7 @@ fn packed(peak: StoredPeak) -> PackedPeak {
     PackedPeak::from(&peak.wires())
 }
 
-/// Lights as an object of this colour shows them.
+/// Lights multiplied by the colour of an object.
 fn shown(lights: &[Light], colour: [f32; 3], p: &Precision) -> Vec<shader::Light> {
     let light = |light: &Light| {
         let direction = match light.place {

@@ -1,7 +1,7 @@
-//! The plan of a scene: which blocks of the datapath each object goes through, and why.
+//! The plan of a scene: the blocks of the datapath that each object uses, and why.
 //!
-//! An effect is switched on by what the scene contains, never by a global default. One value drives the frame, the
-//! vector sets and the reports; [`decisions`] says of each effect why it is there or not.
+//! The contents of the scene switch an effect on, never a global default. One plan drives the frame, the vector sets and the
+//! reports. [`decisions`] gives the reason for each effect.
 
 use roughxel_core::plan::{FootprintKind, FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -10,14 +10,14 @@ use roughxel_maps::bump::BumpPyramid;
 use roughxel_scene::{self as scene, FootprintPlace, HighlightForm, Object, Shadowing};
 use roughxel_shader::{Effect, ObjectPlan};
 
-/// How a frame is sampled and filtered.
+/// Sampling and filtering of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// One sample at the centre of the pixel, bilinear at the finest level.
     Unfiltered,
     /// One trilinear probe; the level covers the major axis; isotropic roughness.
     Isotropic,
-    /// Footprint assembly as the profile says: the default.
+    /// Footprint assembly as in the profile; the default.
     Footprint,
     /// N = edge² unfiltered samples on a regular grid in the pixel.
     Supersampled {
@@ -27,7 +27,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Whether samples have footprints.
+    /// True if samples have footprints.
     pub const fn filters(self) -> bool {
         matches!(self, Self::Isotropic | Self::Footprint)
     }
@@ -40,7 +40,7 @@ impl Mode {
         }
     }
 
-    /// The accuracy knobs the mode leaves of a profile.
+    /// The accuracy knobs of a profile as the mode uses them.
     pub fn precision(self, p: &Precision) -> Precision {
         match self {
             Self::Isotropic => {
@@ -89,7 +89,7 @@ impl std::str::FromStr for Mode {
     }
 }
 
-/// The plan of an object: what its material and mesh call for, in a mode, with a profile.
+/// The plan of an object: the effects of its material and mesh, in a mode, with a profile.
 pub fn object_plan(
     object: &Object,
     bump: Option<&BumpPyramid>,
@@ -99,7 +99,7 @@ pub fn object_plan(
 ) -> ObjectPlan {
     let material = &object.material;
     let reflects = has_environment && material.reflectance.iter().any(|&r| r > 0.0);
-    // Bumps move only what is reflected or shines.
+    // Bumps change only reflections and highlights.
     let bumps = (reflects || material.highlight.is_some()) && material.bump.is_some();
     let is_rough = bump.is_some_and(|bump| !bump.is_smooth());
     let kept = |shows: bool| if shows && is_rough { p.roughness } else { RoughnessKind::None };
@@ -110,7 +110,7 @@ pub fn object_plan(
         reflection: reflects.then_some(ReflectionPlan {
             bump: bumps,
             frame: frame_system(material.frame),
-            // Without a footprint one sample of the environment stands for all that is reflected.
+            // Without a footprint one sample of the environment stands for the whole reflection.
             roughness: kept(mode.filters()),
             curvature: mode.filters() && curved_triangles(object) > 0,
             footprint: match material.footprint {
@@ -146,18 +146,18 @@ pub fn object_plan(
     }
 }
 
-/// Whether an object has an effect, and why.
+/// The state of an effect of an object, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decision {
     /// The effect.
     pub effect: Effect,
-    /// Whether it exists.
+    /// True if the effect is on.
     pub on: bool,
-    /// Which key of the scene or property of its maps decided.
+    /// The key of the scene, or the property of its maps, that decides.
     pub why: String,
 }
 
-/// Every effect with the reason that a plan, made of these, has it or not.
+/// Every effect, and the reason why a plan made of these values has it or not.
 pub fn decisions(plan: &ObjectPlan, object: &Object, mode: Mode, p: &Precision) -> Vec<Decision> {
     Effect::ALL.map(|effect| Decision { effect, on: plan.has(effect), why: why(plan, effect, object, mode, p) }).into()
 }
@@ -216,19 +216,19 @@ fn why(plan: &ObjectPlan, effect: Effect, object: &Object, mode: Mode, p: &Preci
     }
 }
 
-/// The largest standard deviation of slopes, of any level, that footprints on a face hold. A lobe is twice as wide.
+/// The largest standard deviation of slopes, on any level, for which footprints lie on a face. A lobe is twice as wide.
 const WIDEST_ON_A_FACE: f64 = 0.1;
 
-/// Whether lobes call for footprints on the sphere.
+/// True if lobes need footprints on the sphere.
 fn is_wide(bump: Option<&BumpPyramid>) -> bool {
     bump.is_some_and(|bump| bump.largest_deviation() > WIDEST_ON_A_FACE)
 }
 
-/// Concentration below which slopes are of two kinds, flat and steep, and no one lobe is like both: bricks have 0.52, gravel and grass 0.78 and
-/// 0.82, waves 1; `globe`, where two lobes are 2 to 4 dB worse, has 0.65.
+/// Concentration below which slopes are of two kinds, flat and steep, so that no single lobe fits. Bricks have 0.52, gravel and
+/// grass 0.78 and 0.82, waves 1. `globe`, in which two lobes are 2 to 4 dB worse, has 0.65.
 const TWO_KINDS: f64 = 0.6;
 
-/// Whether one lobe is not enough.
+/// True if one lobe is not enough.
 fn has_two_kinds(bump: &BumpPyramid) -> bool {
     bump.concentration < TWO_KINDS
 }

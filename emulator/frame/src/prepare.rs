@@ -1,4 +1,4 @@
-//! What is there before a frame is drawn: the maps and constants of a scene's objects, for one profile and mode.
+//! Preparation of a frame: the maps and constants of a scene's objects, for one profile and mode.
 
 use std::fmt;
 use std::sync::Arc;
@@ -43,14 +43,14 @@ pub(super) struct PreparedObject {
     /// Material of its fragments.
     pub(super) material: Material,
     pub(super) decisions: Vec<Decision>,
-    /// Lights on it that stand in the scene.
+    /// Positions of the lights that stand in the scene.
     pub(super) light_points: Vec<DVec3>,
-    /// Bytes of offsets and of roughness of its bump map as the format stores them.
+    /// Bytes of offsets and of roughness of its bump map in the stored format.
     bump_bytes: [u64; 2],
 }
 
 impl PreparedObject {
-    /// Replaces the plan, and drops what it does not read.
+    /// Replaces the plan and drops maps that the plan does not read.
     fn with_plan(self, plan: ObjectPlan) -> Self {
         let Material { colour_map, bump_map, lighting, .. } = self.material;
         let bumps = bump_map.map(|map| StoredBumps { map, bytes: self.bump_bytes });
@@ -66,7 +66,7 @@ impl PreparedObject {
     }
 }
 
-/// The place of a light that stands in the scene.
+/// The position of a light that stands in the scene.
 fn standing(light: &Light) -> Option<DVec3> {
     match light.place {
         LightPlace::Point(point) => Some(point),
@@ -74,7 +74,7 @@ fn standing(light: &Light) -> Option<DVec3> {
     }
 }
 
-/// A bump map, and the bytes of its storage.
+/// A bump map and the bytes of its storage.
 fn split(bumps: Option<StoredBumps>) -> (Option<BumpMap>, [u64; 2]) {
     bumps.map_or((None, [0; 2]), |StoredBumps { map, bytes }| (Some(map), bytes))
 }
@@ -86,13 +86,14 @@ impl fmt::Debug for Prepared<'_> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Builds the maps a scene needs in a mode with a profile; what the plan leaves out is not built.
+    /// Builds the maps that a scene needs in a mode with a profile. Maps outside the plan are not built.
     pub fn new(scene: &'a Scene, mode: Mode, profile: &Precision) -> Result<Self, RasterError> {
         let peaks = ScenePeaks::new(scene, mode.filters(), None, &|_| ())?;
         Self::with_peaks(scene, mode, profile, &peaks)
     }
 
-    /// The same with the peaks of the scene's maps already built, with filters or, for a mode without them, of either kind.
+    /// Same as [`Self::new`], from the scene's peaks, which are built already. The peaks are built with filters; a mode without
+    /// filters takes either kind.
     pub fn with_peaks(
         scene: &'a Scene,
         mode: Mode,
@@ -102,13 +103,14 @@ impl<'a> Prepared<'a> {
         Self::with_maps(scene, mode, profile, (peaks, Self::environment_map(scene, mode.filters())))
     }
 
-    /// The environment that a scene shows, with filters or without; it depends on no profile.
+    /// The environment of a scene, with filters or without. It does not depend on the profile.
     pub fn environment_map(scene: &Scene, filters: bool) -> Option<Arc<EnvironmentMap>> {
         let source = scene.shown_environment()?;
         Some(Arc::new(EnvironmentMap::new(&source.faces, filters)))
     }
 
-    /// The same as [`Self::with_peaks`] with what [`Self::environment_map`] has of the mode's filters: for who draws a scene in many profiles.
+    /// Same as [`Self::with_peaks`], from the result of [`Self::environment_map`] for the mode's filters. Build the environment
+    /// once per scene and share it between profiles.
     pub fn with_maps(
         scene: &'a Scene,
         mode: Mode,
@@ -150,7 +152,7 @@ impl<'a> Prepared<'a> {
         Ok(Self { scene, projection, mode, precision, backend, environment, environment_scale, mirror, objects })
     }
 
-    /// Replaces [`Backend::best`] by another backend; no bit of a frame depends on it.
+    /// Replaces [`Backend::best`] by a different backend; no bit of a frame depends on it.
     pub fn with_backend(self, backend: Backend) -> Self {
         Self { backend, ..self }
     }
@@ -166,25 +168,24 @@ impl<'a> Prepared<'a> {
         self.objects.iter().map(|object| &object.material.plan)
     }
 
-    /// Whether what is reflected is brighter than 64 × white somewhere: its texels have an exponent each.
+    /// True if the environment is brighter than 64 × white somewhere, so that each texel has an exponent.
     pub fn has_bright_environment(&self) -> bool {
         self.environment.as_ref().is_some_and(|map| map.is_bright())
     }
 
-    /// Every effect of each object with the reason for it, in the order of the scene.
+    /// Every effect of each object with its reason, in the order of the scene.
     pub fn decisions(&self) -> impl Iterator<Item = &[Decision]> {
         self.objects.iter().map(|object| object.decisions.as_slice())
     }
 
-    /// The same with another plan for one object, to see what an effect changes and what it costs. Effects without a map
-    /// get neutral inputs.
+    /// Replaces the plan of one object, to see what an effect changes and costs. Effects without a map get neutral inputs.
     pub fn with_plan(mut self, object: usize, plan: ObjectPlan) -> Self {
         let changed = |(index, own): (usize, PreparedObject)| if index == object { own.with_plan(plan) } else { own };
         self.objects = self.objects.into_iter().enumerate().map(changed).collect();
         self
     }
 
-    /// The maps of an object and the environment it reflects, by effect, in bytes of their storage.
+    /// Bytes of storage, by effect, of an object's maps and of the environment it reflects.
     pub fn map_bytes(&self, object: usize) -> Vec<(Effect, u64)> {
         let Some(object) = self.objects.get(object) else { return Vec::new() };
         let environment = self.environment.as_ref().filter(|_| object.material.plan.reflection.is_some());
@@ -204,7 +205,7 @@ impl<'a> Prepared<'a> {
         .collect()
     }
 
-    /// Bytes of all maps, those that objects share once for each, and the environment once.
+    /// Bytes of all maps. Maps that objects share count once for each object, the environment once.
     pub fn all_map_bytes(&self) -> u64 {
         let of_object = |object: &PreparedObject| {
             let Material { colour_map, lighting, .. } = &object.material;
@@ -215,7 +216,7 @@ impl<'a> Prepared<'a> {
         self.environment.as_ref().map_or(0, |map| map.bytes()) + self.objects.iter().map(of_object).sum::<u64>()
     }
 
-    /// Bytes that the frame takes until it is a file, at most at a time: [`Frame::BYTES_A_PIXEL`] of each pixel.
+    /// Most bytes at a time from the frame to its file: [`Frame::BYTES_A_PIXEL`] for each pixel.
     pub fn frame_bytes(&self) -> u64 {
         Frame::BYTES_A_PIXEL * u64::from(self.projection.width()) * u64::from(self.projection.height())
     }

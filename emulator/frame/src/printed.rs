@@ -1,4 +1,4 @@
-//! S97's highlight as Appendix A prints it, in float64: to be compared with, no datapath has it (errata 6 to 8).
+//! S97's highlight as Appendix A prints it, in float64, for comparison only: no datapath has it (errata 6 to 8).
 
 use roughxel_core::block::Block;
 use roughxel_core::datapath::Surface;
@@ -9,8 +9,8 @@ use roughxel_reference::highlight::{half, printed_cos2};
 use roughxel_reference::linear::{Vector3, dot, norm, scaled};
 use roughxel_shader::Channel;
 
-/// The share of a light, with the exponent m; 0 below the surface and where the formula is 0/0: at n = h, and
-/// everywhere on a smooth surface.
+/// The share of a light, with the exponent m. It is 0 below the surface and where the formula is 0/0: at n = h, and everywhere on
+/// a smooth surface.
 pub(super) fn light(surface: &Surface<i32>, input: &SurfaceInput<i32>, light: &BlockVector, m: f64) -> Channel {
     let ports = SurfaceIn::of(input);
     let light = real_vector(light).to_array();
@@ -23,7 +23,7 @@ pub(super) fn light(surface: &Surface<i32>, input: &SurfaceInput<i32>, light: &B
     let [e1, e2] = [&surface.frame.e1, &surface.frame.e2].map(direction);
     let cos2 = printed_cos2(ports.roughness.map(real_offset), [dot(&difference, &e1), dot(&difference, &e2)]);
     let share = libm::pow(cos2, 0.5 * m);
-    // NaN is no light.
+    // NaN becomes no light.
     Fx::from_raw((share.clamp(0.0, 1.0) * f64::from(1 << 24)).round() as i32)
 }
 

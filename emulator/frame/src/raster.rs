@@ -1,15 +1,15 @@
-//! From triangles to fragments: camera, clipping, setup and the integer rasteriser.
+//! Rasterisation of triangles into fragments: camera, clipping, setup and the integer rasteriser.
 //!
-//! The host turns every triangle into plane equations with exactly rounded float64 operations only (+, −, ×, ÷, √; the field of view
-//! goes through `libm`). What is visible at a sample is found in integers, its attributes with the same few operations of float64: the same
-//! bits on every machine and for every order of tiles. Drawing is deferred: [`TriangleList::samples`] finds the
-//! visible triangle of each sample, [`Triangle::fragment`] its attributes, as ports of the datapath.
+//! The host turns every triangle into plane equations with exactly rounded float64 operations only (+, −, ×, ÷, √; the field of
+//! view uses `libm`). Visibility at a sample is decided in integers, its attributes in the same few float64 operations. The bits
+//! are the same on every machine and for every order of tiles. Drawing is deferred: [`TriangleList::samples`] finds the visible
+//! triangle of each sample, [`Triangle::fragment`] its attributes, as ports of the datapath.
 //!
-//! Screen: x right, y down, in pixels or in sub-pixels of 1/256 px; the centre of pixel (i, j) is the sub-pixel
-//! position (256 i + 128, 256 j + 128). Edges follow the top-left rule. Back faces are drawn, because mirrors may be open
-//! surfaces, and the normal is taken as the mesh gives it. Nearer than [`Projection::near`] nothing is drawn.
-//! v and the unnormalised n are linear in screen space, as W97 allows (section "The calculation of the three
-//! contributions"), so their derivatives are constant over a triangle; the sign of ∂v is that of erratum 11.
+//! Screen: x right, y down, in pixels or in sub-pixels of 1/256 px; the centre of pixel (i, j) is the sub-pixel position (256 i +
+//! 128, 256 j + 128). Edges follow the top-left rule. Back faces are drawn, because mirrors may be open surfaces; the normal is
+//! that of the mesh. Nothing is drawn nearer than [`Projection::near`]. v and the unnormalised n are linear in screen space, as
+//! W97 allows (section "The calculation of the three contributions"), so their derivatives are constant over a triangle. The sign
+//! of ∂v is that of erratum 11.
 
 mod attributes;
 mod blocks;
@@ -39,13 +39,13 @@ pub const PIXEL_CENTRE_SUBPX: [i32; 2] = [SUBPIXELS / 2; 2];
 pub const TILE_EDGE_PX: u32 = 64;
 /// Largest edge of a frame in pixels.
 pub const MAX_EDGE_PX: u32 = 16_384;
-/// Most triangles of a frame: six pieces of each can still be numbered in 32 bits.
+/// Most triangles of a frame: six pieces of each still have 32-bit numbers.
 pub const MAX_TRIANGLES: u32 = 1 << 29;
 
-/// Why a frame cannot be set up.
+/// Reason why a frame cannot be set up.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RasterError {
-    /// A camera or triangles that are out of range.
+    /// A camera or triangles out of range.
     #[error("{0}")]
     OutOfRange(String),
     /// The bump map of an object has no peaks.
@@ -66,7 +66,7 @@ pub struct TileRect {
     pub height: u32,
 }
 
-/// The tiles of a frame of `width` × `height` pixels, left to right and top to bottom; the last ones may be smaller.
+/// The tiles of a frame of `width` × `height` pixels, left to right and top to bottom. The last tiles may be smaller.
 pub fn tiles(width: u32, height: u32) -> impl Iterator<Item = TileRect> {
     let starts = |edge: u32| (0..edge).step_by(TILE_EDGE_PX as usize);
     starts(height).flat_map(move |y| {
@@ -79,8 +79,8 @@ pub fn tiles(width: u32, height: u32) -> impl Iterator<Item = TileRect> {
     })
 }
 
-/// The same tiles, each with its rows of the frame's pixels, so that tiles are written side by side without a copy of the frame. The list
-/// is 16 bytes for each row of a tile, ¼ byte a pixel of whole tiles.
+/// The tiles of [`tiles`], each with its rows of the frame's pixels, so that threads write tiles in parallel without a copy of
+/// the frame. The list takes 16 bytes for each row of a tile, ¼ byte a pixel of whole tiles.
 ///
 /// # Panics
 /// If `width` is 0.

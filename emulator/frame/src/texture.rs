@@ -1,4 +1,4 @@
-//! The maps of objects as the shader reads them.
+//! The maps of objects in the form that the shader reads.
 
 use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
@@ -10,7 +10,7 @@ use roughxel_shader::{BumpMap, BumpTexels, ColourMap, MapTexels, ObjectPlan, Rou
 
 use super::MAX_MAP_EXPONENT;
 
-/// The pyramid of a colour map, or only its base where nothing is filtered.
+/// The pyramid of a colour map, or only its base if nothing is filtered.
 pub fn colour_map(picture: &Picture, filters: bool) -> ColourMap {
     let exponent = smallest_exponent([picture]).min(MAX_MAP_EXPONENT);
     let mut pyramid = ColourPyramid::with_exponent(picture, exponent);
@@ -22,12 +22,12 @@ pub fn colour_map(picture: &Picture, filters: bool) -> ColourMap {
     ColourMap { texels: MapTexels::new(map, texels), exponent }
 }
 
-/// A bump map with roughness, and what its storage takes.
+/// A bump map with roughness, and the size of its storage.
 pub(super) struct StoredBumps {
-    /// What the hardware works out for each fetched texel depends on that texel only, so it is kept; of the offset where there is roughness, too, one
-    /// shift is left, or a texel would be half as large again.
+    /// Values that the hardware derives from a fetched texel depend on that texel only, so they are stored. The offset of a map
+    /// with roughness keeps one shift for later; storing it shifted would make a texel half as large again.
     pub(super) map: BumpMap,
-    /// Bytes of offsets and of roughness as the format stores them.
+    /// Bytes of offsets and of roughness in the stored format.
     pub(super) bytes: [u64; 2],
 }
 
@@ -57,7 +57,7 @@ impl StoredBumps {
         Self { map: BumpMap { texels, scale }, bytes }
     }
 
-    /// What a plan reads of it.
+    /// The part of the bumps that a plan reads.
     pub(super) fn with_plan(self, plan: &ObjectPlan) -> Option<Self> {
         let smooth = |Self { map: BumpMap { texels, scale }, bytes: [offsets, _] }: Self| Self {
             map: BumpMap { texels: texels.without_roughness(&scale), scale },

@@ -1,4 +1,4 @@
-//! The tiles of a frame: what is visible at each sample, and the mean of a pixel's samples.
+//! The tiles of a frame: visibility at each sample, and the mean of a pixel's samples.
 
 use std::ops::Range;
 
@@ -17,17 +17,17 @@ use crate::raster::{
     Pass, Positions, RasterError, SUBPIXELS, Sample, Sampling, TileRect, TileSamples, TriangleList, tile_rows, tiles,
 };
 
-/// What drawing took.
+/// Cost of drawing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counted {
-    /// Texels that were read, those of each map and level by themselves.
+    /// Texels that were read; each map and level counts separately.
     pub texels: u64,
-    /// Where the time went.
+    /// Time of each phase.
     pub times: PhaseTimes,
 }
 
 impl Counted {
-    /// Both together.
+    /// Sum of two costs.
     fn with(mut self, other: Self) -> Self {
         self.texels += other.texels;
         self.times.add(&other.times);
@@ -41,14 +41,14 @@ impl Prepared<'_> {
         Ok(self.render_counted(progress)?.0)
     }
 
-    /// The same with what it took.
+    /// Same as [`Self::render`], with its cost.
     pub fn render_counted(&self, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Counted), RasterError> {
         let (width, height) = (self.projection.width(), self.projection.height());
         let clock = PhaseClock::start();
         let triangles = TriangleList::new(&self.projection, &self.scene.objects)?.with_backend(self.backend);
         let set_up = Counted { texels: 0, times: clock.stop() };
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
-        // Each tile goes to its own rows of the one frame as soon as it is shaded: there is no second copy, and nobody waits.
+        // Each tile is written to its own rows of the frame as soon as it is shaded. No second copy exists, and no thread waits.
         let passes = self.sampling().passes();
         let counted = tile_rows(&mut pixels, width, height)
             .into_par_iter()
@@ -69,7 +69,7 @@ impl Prepared<'_> {
         tiles(self.projection.width(), self.projection.height()).count() as u64
     }
 
-    /// Which samples of a pixel are shaded: its centre, a grid, or one of every object that is visible in it.
+    /// Choice of the shaded samples of a pixel: its centre, a grid, or one of every visible object.
     fn sampling(&self) -> Sampling {
         if self.objects.iter().any(|object| object.material.plan.edges) {
             Sampling::Objects
@@ -78,7 +78,7 @@ impl Prepared<'_> {
         }
     }
 
-    /// The colours of a tile, and what they took.
+    /// The colours of a tile, and their cost.
     fn shade_tile(
         &self,
         triangles: &TriangleList<'_>,
@@ -88,7 +88,7 @@ impl Prepared<'_> {
     ) -> (Vec<Colour>, Counted) {
         let pixels = tile.width as usize * tile.height as usize;
         let (mut sums, mut work) = (Sums::new(pixels), Work::default());
-        // Samples of each pixel.
+        // Sample count of each pixel.
         let mut counts = vec![0; pixels];
         for pass in passes {
             triangles.samples(tile, pass, samples);
@@ -108,7 +108,8 @@ impl Prepared<'_> {
             }
             counts.iter_mut().zip(samples.counts()).for_each(|(sum, count)| *sum += count);
         }
-        // Samples are what the datapath is compared with, and edges are the front end's: their mean, to nearest, is no stage.
+        // The datapath is compared by samples, and edges belong to the front end: the mean of samples, to nearest, is not a
+        // stage.
         let mean = |sum: PixelSum<i32>, count: u32| match i64::from(count) {
             1 => sum,
             count => PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) },
@@ -119,7 +120,7 @@ impl Prepared<'_> {
         (colours, Counted { texels: 4 * sums.taps, times: sums.clock.stop() })
     }
 
-    /// The samples of an object, triangle by triangle.
+    /// Shades the samples of an object, triangle by triangle.
     fn shade_object(
         &self,
         object: &PreparedObject,
@@ -163,7 +164,7 @@ impl Prepared<'_> {
         shader.shade(material, &mut fragments, work, sums);
     }
 
-    /// The samples that show nothing.
+    /// Shades the samples that show no triangle.
     fn shade_background(&self, tile: &TileSamples, span: Range<usize>, work: &mut Work, sums: &mut Sums) {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
             let (mut rays, derivatives) = (Fragments::new(&self.mirror), self.projection.mirror_derivatives());
@@ -190,7 +191,7 @@ impl Prepared<'_> {
         }
     }
 
-    /// The colour of a sample in row `y` sub-pixels that shows neither an object nor an environment.
+    /// The colour of a sample in sub-pixel row `y` that shows neither an object nor an environment.
     fn background(&self, y: i32) -> [Channel; 3] {
         match &self.scene.background {
             Background::Colour(colour) => colour_word(*colour),
@@ -203,7 +204,7 @@ impl Prepared<'_> {
     }
 }
 
-/// Where samples side by side count and lie.
+/// Pixels, counts and positions of a lane group of samples.
 #[inline(always)]
 fn places(tile: &TileSamples, group: &[Sample; LANES]) -> ([Place; LANES], Positions) {
     let mut places = [Place::default(); LANES];

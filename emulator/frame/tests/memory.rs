@@ -1,4 +1,4 @@
-//! What a frame takes of memory until it is a file. A test program of its own: the system counts whole processes.
+//! Memory that a frame takes until it is a file. This is a test program of its own, because the system counts whole processes.
 
 use std::fs;
 
@@ -8,14 +8,14 @@ use roughxel_frame::{Frame, Prepared};
 use roughxel_scene::Scene;
 use roughxel_scene::picture::write_png_codes;
 
-/// Most memory that this process has held, bytes; none where the system does not say.
+/// Most memory that this process has held, bytes; `None` if the system does not report it.
 fn most_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }
 
-/// Draws a scene of this size and writes it as the program does; the bytes that are stated for it.
+/// Draws a scene of this size and writes it as the program does; returns the bytes that the program states for it.
 fn draw(scene: Scene, [width, height]: [u32; 2]) -> u64 {
     let folder = tempfile::tempdir().expect("there is a place for files");
     let scene = scene.with_size(width, height).expect("the size is allowed");
@@ -27,7 +27,7 @@ fn draw(scene: Scene, [width, height]: [u32; 2]) -> u64 {
     prepared.frame_bytes()
 }
 
-/// A floor under a ramp: quickly drawn, and all that a frame takes is its pixels.
+/// A floor under a ramp: quickly drawn, so that nearly all memory is pixels.
 const FLOOR: &str = r#"
 [camera]
 eye = [0, 1, 3]
@@ -44,7 +44,7 @@ colour = [0.5, 0.4, 0.3]
 #[test]
 fn a_frame_takes_the_bytes_that_are_stated() {
     let floor = || Scene::from_toml("floor.toml", FLOOR, ".".as_ref()).expect("the scene is good");
-    // Threads, libraries and what a small frame takes.
+    // The first frame accounts for threads, libraries and the base cost of a frame.
     draw(floor(), [640, 480]);
     let Some(before) = most_memory() else {
         println!("SKIPPED: this system does not say what a process has held");
@@ -54,7 +54,8 @@ fn a_frame_takes_the_bytes_that_are_stated() {
     let stated = draw(floor(), size);
     assert_eq!(stated, Frame::BYTES_A_PIXEL * 4096 * 1536);
     let grown = most_memory().expect("it did say") - before;
-    // The small frame has its place in it, and allocators keep some; a copy of the frame would be 12 bytes a pixel more.
+    // The large frame reuses the memory of the small one, and allocators keep some. A copy of the frame would be 12 more bytes a
+    // pixel.
     let pixel = grown as f64 / f64::from(size[0] * size[1]);
     println!("{pixel:.2} bytes a pixel");
     assert!(pixel > 12.0, "{pixel} bytes a pixel: less than a frame is");

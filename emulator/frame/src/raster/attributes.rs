@@ -1,14 +1,14 @@
 //! Attributes of fragments from the plane equations of their triangle.
 //!
-//! The weights eᵢ(x, y) = βᵢ/w (βᵢ barycentric in the plane of the triangle) are linear on the screen and come from the
-//! whole triangle by homogeneous cross products, so clipping and snapping change no value. Every attribute is a sum over the
-//! three corners: n = Σ eᵢ nᵢ up to one scale per triangle, and aᵢ perspective-correct = Σ eᵢ aᵢ / Σ eᵢ with one
-//! division per fragment. ∂(u, v) = Σ ∂eᵢ ((u, v)ᵢ − (u, v)) / Σ eᵢ: no two large terms are subtracted. What is the same at all corners is that
-//! everywhere, without a sum: the normal of a flat triangle does not turn, and its ∂n is zero, where ∂(Σ eᵢ nᵢ) = n·∂(Σ eᵢ) is how its length changes
-//! with the distance, which bumps would turn into a footprint.
+//! The weights eᵢ(x, y) = βᵢ/w (βᵢ barycentric in the plane of the triangle) are linear on the screen. They come from the whole
+//! triangle by homogeneous cross products, so clipping and snapping change no value. Every attribute is a sum over the three
+//! corners: n = Σ eᵢ nᵢ up to one scale per triangle, and perspective-correct a = Σ eᵢ aᵢ / Σ eᵢ with one division per fragment.
+//! ∂(u, v) = Σ ∂eᵢ ((u, v)ᵢ − (u, v)) / Σ eᵢ subtracts no two large terms. An attribute that is equal at all corners is constant,
+//! without a sum. The normal of a flat triangle does not turn, so its ∂n is zero. ∂(Σ eᵢ nᵢ) = n·∂(Σ eᵢ) would be the change of
+//! its length with the distance, which bumps would turn into a footprint.
 //!
-//! All of it is float64 with correctly rounded +, −, × and ÷ alone, none of them fused, sixteen fragments at a time where there are so many: the same
-//! bits on every machine. Error: weights 2⁻⁵¹ of the largest in view (tests: 2⁻²⁸ of |n|, 1/256 texel).
+//! All operations are float64 with correctly rounded +, −, × and ÷, none of them fused, up to sixteen fragments at a time: the
+//! same bits on every machine. Error: weights 2⁻⁵¹ of the largest in view (tests: 2⁻²⁸ of |n|, 1/256 texel).
 
 use fixed::types::U0F32;
 use glam::DVec3;
@@ -22,13 +22,13 @@ use super::camera::{Projection, unit};
 use super::clip::ScreenPolygon;
 use super::edges::relative_to;
 
-/// The largest number below 1 of the narrowest words, which keep 12 fraction bits.
+/// The largest number below 1 in the narrowest words, which keep 12 fraction bits.
 const LARGEST: f64 = 1.0 - 1.0 / 4096.0;
 
 /// The values of one component at the three corners.
 type Corners = [f64; 3];
 
-/// A vector at each corner of a triangle, by component, in units of 2^exponent: below 2.
+/// A vector at each corner of a triangle, by component, in units of 2^exponent; components are below 2.
 #[derive(Clone, Copy, Debug)]
 struct CornerVectors {
     components: [Corners; 3],
@@ -52,9 +52,9 @@ impl CornerVectors {
 /// A vector over a triangle.
 #[derive(Clone, Copy, Debug)]
 enum VectorOverTriangle {
-    /// That of every corner.
+    /// The vector of every corner.
     Same(BlockVector),
-    /// By the weights of the corners.
+    /// A sum by the weights of the corners.
     Sum(CornerVectors),
 }
 
@@ -68,14 +68,16 @@ impl VectorOverTriangle {
         Self::Same(port(block(vectors.components.map(|component| component[0]), vectors.exponent)))
     }
 
-    /// Of vectors whose length is free: where all are the same, their largest component is all but 1, so that words of few bits hold most of them.
+    /// Builds vectors of free length. If all corners are equal, the largest component becomes [`LARGEST`], so that narrow words
+    /// hold most of the vectors.
     fn of_free_length(corners: [DVec3; 3]) -> Self {
         let largest = corners[0].abs().max_element();
         let is_same = corners == [corners[0]; 3] && largest > 0.0;
         Self::new(if is_same { corners.map(|corner| corner * (LARGEST / largest)) } else { corners })
     }
 
-    /// At weights, times `factor`, which is the reciprocal of their sum or any number where the length does not count.
+    /// The vector at these weights, times `factor`: the reciprocal of the weights' sum, or any number if the length does not
+    /// count.
     fn at(&self, weights: Corners, factor: f64) -> BlockVector {
         match self {
             Self::Same(vector) => *vector,
@@ -83,7 +85,7 @@ impl VectorOverTriangle {
         }
     }
 
-    /// Rows of [`LANES`] samples, whose values `of` finds from the corners.
+    /// Rows of [`LANES`] samples; `of` computes their values from the corners.
     #[inline(always)]
     fn rows(&self, of: impl Fn(&CornerVectors, usize) -> [f64; 3]) -> BlockRows<3> {
         match self {
@@ -92,7 +94,7 @@ impl VectorOverTriangle {
         }
     }
 
-    /// Its derivatives by one of the weights' slopes, where its length does not count.
+    /// The derivative by one of the weights' slopes; its length does not count.
     fn slope(&self, slope: Corners) -> BlockVector {
         match self {
             Self::Same(_) => BlockVector::default(),
@@ -101,7 +103,7 @@ impl VectorOverTriangle {
     }
 }
 
-/// Vectors from a triangle to a point, at its corners: what [`Triangle::direction_to`] interpolates.
+/// Vectors from a triangle to a point, at its corners; [`Triangle::direction_to`] interpolates them.
 #[derive(Clone, Copy, Debug)]
 pub struct PointFromTriangle(CornerVectors);
 
@@ -114,25 +116,25 @@ pub struct Triangle<'a> {
     projection: &'a Projection,
     /// Bounds of the visible part in sub-pixels: `[[left, top], [right, bottom]]`.
     bounds: [[i32; 2]; 2],
-    /// Sub-pixel position that the weights' constants belong to.
+    /// Sub-pixel position of the weights' constants.
     reference: [i32; 2],
     corners: [DVec3; 3],
-    /// Of one scale: below 2 in view.
+    /// Planes of the weights, of one scale: below 2 in view.
     weights: [Plane; 3],
-    /// Least value a weight is allowed: zero where the triangle is thinner than snapping moves its edges.
+    /// Least allowed weight: zero if the triangle is thinner than the distance by which snapping moves its edges.
     least_weight: f64,
-    /// Of the weights, per pixel.
+    /// Slopes of the weights, per pixel.
     slopes: [Corners; 2],
     normals: VectorOverTriangle,
     dnormal: [BlockVector; 2],
-    /// Less a whole number of repeats.
+    /// Texture coordinates less a whole number of wraps.
     uv: [Corners; 2],
     tangents: Option<[VectorOverTriangle; 2]>,
     needs: Needs,
 }
 
 impl<'a> Triangle<'a> {
-    /// Setup from the vertices; `None` when nothing of it can be visible.
+    /// Setup from the vertices; `None` if nothing of the triangle can be visible.
     pub(super) fn new(
         projection: &'a Projection,
         vertices: [&roughxel_scene::Vertex; 3],
@@ -170,8 +172,8 @@ impl<'a> Triangle<'a> {
 
     /// Attributes at a sample that shows this triangle; position in sub-pixels of 1/256 px from the frame's corner.
     ///
-    /// Any position has a result: it is taken to the nearest one within the bounds of the visible part.
-    /// Rounding: one to nearest per port word, after sums of 2⁻⁵¹ relative error or better.
+    /// Any position has a result: it is moved to the nearest one within the bounds of the visible part. Rounding: one to nearest
+    /// per port word, after sums of 2⁻⁵¹ relative error or better.
     pub fn fragment(&self, x_subpx: i32, y_subpx: i32) -> FragmentAttributes {
         let (weights, reciprocal) = self.weights_at(x_subpx, y_subpx);
         let mut fragment = FragmentAttributes {
@@ -236,18 +238,18 @@ impl<'a> Triangle<'a> {
         }
     }
 
-    /// ∂v and ∂n of all its fragments.
+    /// ∂v and ∂n of all fragments of the triangle.
     pub fn derivatives(&self) -> Derivatives<i32> {
         derivatives(self.projection.dview(), self.dnormal)
     }
 
-    /// Setup of the directions to a point in the world, once a triangle.
+    /// Setup of the directions to a point in the world, once per triangle.
     pub fn point(&self, point: DVec3) -> PointFromTriangle {
         PointFromTriangle(CornerVectors::new(self.corners.map(|corner| point - corner)))
     }
 
-    /// Direction from the surface to a point, at a sample as in [`Self::fragment`]; its length means nothing, for
-    /// Σ eᵢ (P − pᵢ) is Σ eᵢ times the vector. Rounding as there.
+    /// Direction from the surface to a point, at a sample as in [`Self::fragment`]. Its length has no meaning, for Σ eᵢ (P − pᵢ)
+    /// is Σ eᵢ times the vector. Rounding as in [`Self::fragment`].
     pub fn direction_to(&self, point: &PointFromTriangle, x_subpx: i32, y_subpx: i32) -> BlockVector {
         let (weights, _) = self.weights_at(x_subpx, y_subpx);
         port(block(point.0.at(weights), point.0.exponent))
@@ -255,7 +257,7 @@ impl<'a> Triangle<'a> {
 
     /// Weights at a position and the reciprocal of their positive sum.
     ///
-    /// On a triangle so thin that all weights vanish at a sample it covers, the corners count alike.
+    /// If a triangle is so thin that all weights vanish at a covered sample, the corners count alike.
     #[inline(always)]
     fn weights_at(&self, x_subpx: i32, y_subpx: i32) -> (Corners, f64) {
         let [[left, top], [right, bottom]] = self.bounds;
@@ -288,9 +290,9 @@ impl<'a> Triangle<'a> {
     }
 }
 
-/// Plane equations of the weights around a screen point (pixels), any common scale.
-/// Second: whether half a sub-pixel beyond an edge the weights may be wrong by more than an eighth of
-/// their sum, because the triangle is seen edge-on or reaches close to its horizon.
+/// Plane equations of the weights around a screen point (pixels), at any common scale.
+/// The second value is true if, half a sub-pixel beyond an edge, the weights may be wrong by more than an eighth of their sum:
+/// the triangle is seen edge-on or reaches close to its horizon.
 fn weight_planes(polygon: &ScreenPolygon, reference_px: [f64; 2]) -> ([Plane; 3], bool) {
     let [a, b, c] = polygon.corners.map(|corner| relative_to(corner, reference_px));
     let determinant = a.dot(b.cross(c));
@@ -301,13 +303,13 @@ fn weight_planes(polygon: &ScreenPolygon, reference_px: [f64; 2]) -> ([Plane; 3]
     });
     let steepest = planes.iter().fold(0.0_f64, |m, p| m.max(p[1].abs() + p[2].abs()));
     let least_sum = determinant.abs() * polygon.inverse_w[0];
-    // Written so that a NaN counts as thin.
+    // This order makes a NaN count as thin.
     let is_thick = steepest <= least_sum / 8.0;
     (planes, !is_thick)
 }
 
-/// The planes times a power of two, so that weights stay below 2 in view: no attribute leaves float64. Where they are no numbers, or all zero, the
-/// corners count alike.
+/// The planes times a power of two, so that weights stay below 2 in view and no attribute leaves float64. If the planes are not
+/// finite or all zero, the corners count alike.
 fn scaled_planes(planes: [Plane; 3], bounds: [[i32; 2]; 2], reference: [i32; 2]) -> Option<[Plane; 3]> {
     let extent =
         [0, 1].map(|axis| f64::from((bounds[1][axis] - reference[axis]).max(reference[axis] - bounds[0][axis])));
@@ -317,7 +319,7 @@ fn scaled_planes(planes: [Plane; 3], bounds: [[i32; 2]; 2], reference: [i32; 2])
         .fold(0.0, f64::max);
     let is_finite = planes.as_flattened().iter().sum::<f64>().is_finite() && bound.is_finite() && bound > 0.0;
     let planes = if is_finite { planes } else { [[1.0, 0.0, 0.0]; 3] };
-    // The bound with them, so that they are scaled by it.
+    // The bound is scaled together with the numbers.
     let mut numbers = [if is_finite { bound } else { 1.0 }; 10];
     numbers[1..].copy_from_slice(planes.as_flattened());
     let (numbers, _) = scaled(numbers);
@@ -325,9 +327,9 @@ fn scaled_planes(planes: [Plane; 3], bounds: [[i32; 2]; 2], reference: [i32; 2])
     planes.first_chunk().copied()
 }
 
-/// Texture coordinates of the corners less a whole number of repeats, so that they stay small; by coordinate.
+/// Texture coordinates of the corners, by coordinate, less a whole number of wraps, so that they stay small.
 fn corner_uv(corners: [[f64; 2]; 3]) -> [Corners; 2] {
-    // One of 2^64 repeats has no fraction left.
+    // A coordinate of 2^64 has no fraction left.
     let most = 2_f64.powi(64);
     [0, 1].map(|component| {
         let values = corners.map(|uv| if uv[component].is_finite() { uv[component].clamp(-most, most) } else { 0.0 });

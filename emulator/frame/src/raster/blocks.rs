@@ -1,7 +1,7 @@
-//! From float64 to the block ports of the datapath, one fragment or sixteen side by side.
+//! Conversion from float64 to the block ports of the datapath, for one fragment or for sixteen lanes.
 //!
-//! Nothing but comparisons and correctly rounded +, − and ×: the same bits on every machine, in vectors or not. Scaling is by powers of two and
-//! exact; the one rounding is the one to the narrower word, to nearest, ties to even.
+//! Only comparisons and correctly rounded +, − and × are used: the same bits on every machine, in vectors or not. Scaling is by
+//! powers of two and exact. The only rounding is the one to the narrower word, to nearest, ties to even.
 
 use fixed::types::I2F30;
 use roughxel_core::ports::{BlockPort, BlockVector, Port};
@@ -14,10 +14,10 @@ pub type Positions = [Row; 2];
 /// Fraction bits of a mantissa.
 const MANTISSA_BITS: i32 = 30;
 
-/// 1½·2^52: a sum with it is rounded to an integer, which is what its lower bits hold, in two's complement.
+/// 1½·2^52: a sum with it is rounded to an integer, which is in its lower bits in two's complement.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// Below this, numbers are zero.
+/// Numbers below 2^this become zero.
 const LEAST: i32 = -900;
 
 /// Numbers of unit 2^exponent as a block: mantissas, the largest in [½, 1), and their exponent; all zero below 2^[`LEAST`].
@@ -32,7 +32,7 @@ pub(super) fn block<const N: usize>(values: [f64; N], exponent: i32) -> ([i32; N
     let octave = exponent_of(largest);
     let is_zero = octave < LEAST;
     let scale = power_of_two(MANTISSA_BITS - 1 - octave.max(LEAST));
-    // Rounded up to 1.0: all are rounded one place higher.
+    // If the largest rounds up to 1.0, all are rounded one place higher.
     let carries = largest * scale + ROUNDER >= power_of_two(MANTISSA_BITS) + ROUNDER;
     let scale = if carries { 0.5 * scale } else { scale };
     let mut mantissas = [0; N];
@@ -43,7 +43,7 @@ pub(super) fn block<const N: usize>(values: [f64; N], exponent: i32) -> ([i32; N
     (mantissas, if is_zero { 0 } else { exponent })
 }
 
-/// To nearest, ties to even. Range: below 2^31 in magnitude.
+/// Rounds to nearest, ties to even. Range: below 2^31 in magnitude.
 #[inline(always)]
 fn rounded(value: f64) -> i32 {
     (value + ROUNDER).to_bits() as i32
@@ -75,13 +75,13 @@ pub(super) fn derivatives(dview: [BlockVector; 2], dnormal: [BlockVector; 2]) ->
     Derivatives { dview: dview.wires(), dnormal: dnormal.wires() }
 }
 
-/// As ports.
+/// The numbers as a port.
 pub(super) fn port<const N: usize>((mantissas, exponent): ([i32; N], i32)) -> BlockPort<N> {
     BlockPort { mantissa: mantissas.map(I2F30::from_bits), exponent: exponent as i16 }
 }
 
-/// Numbers scaled by a power of two until the largest is in [1, 2), and the exponent that gives them back. What is not finite becomes 0, and all
-/// do when they are zero or below 2^[`LEAST`].
+/// Numbers scaled by a power of two until the largest is in [1, 2), and the exponent that restores them. A number that is not
+/// finite becomes 0. All become 0 if they are zero or below 2^[`LEAST`].
 pub(super) fn scaled<const N: usize>(values: [f64; N]) -> ([f64; N], i32) {
     let values = values.map(|v| if v.is_finite() { v } else { 0.0 });
     let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -49,7 +49,7 @@ impl Projection {
         let fov_y_degrees = camera.fov_y_degrees;
         let half_angle = DVec2::from_angle(fov_y_degrees * (core::f64::consts::PI / 360.0));
         let focal_px = 0.5 * f64::from(height) * half_angle.x / half_angle.y;
-        // The upper bound keeps z₀ within the range where one pixel still changes the mantissas of v.
+        // The upper bound keeps z₀ within the range in which one pixel still changes the mantissas of v.
         if !(fov_y_degrees > 0.0 && fov_y_degrees < 180.0 && focal_px > 0.0 && focal_px < 1e9) {
             let remedy = "give more than 0 and less than 180";
             return Err(RasterError::OutOfRange(format!("camera: an angle of view of {fov_y_degrees}°; {remedy}")));
@@ -102,13 +102,13 @@ impl Projection {
 
     /// View vector v = −ray of a sample, in pixels of the picture plane, so |v| ≥ z₀; world space.
     ///
-    /// Position in sub-pixels of 1/256 px, taken to the nearest one inside the frame. The direction of the line of sight,
-    /// as the background needs it, is −v. Rounding: to nearest, after an error below 2⁻⁵⁰ of the largest |v|.
+    /// The position is in sub-pixels of 1/256 px and is moved to the nearest one inside the frame. −v is the direction of the
+    /// line of sight, which the background needs. Rounding: to nearest, after an error below 2⁻⁵⁰ of the largest |v|.
     pub fn ray_view(&self, x_subpx: i32, y_subpx: i32) -> BlockVector {
         port(block(self.view_at(x_subpx, y_subpx), 0))
     }
 
-    /// The rays of samples side by side as normals and views of mirrors that face them from behind: r = 2d⟨d·d⟩ − d|d|² = d|d|².
+    /// The rays of samples, in lanes, as normals and views of mirrors whose back faces the camera: r = 2d⟨d·d⟩ − d|d|² = d|d|².
     #[inline(always)]
     pub fn mirror_rays(&self, positions: &Positions, rows: &mut AttributeRows) {
         rows.normal = self.ray_views(positions);
@@ -118,7 +118,7 @@ impl Projection {
         rows.view = rows.normal;
     }
 
-    /// The same of samples side by side.
+    /// View vectors of samples in lanes; see [`Self::ray_view`].
     #[inline(always)]
     pub(super) fn ray_views(&self, positions: &Positions) -> BlockRows<3> {
         block_rows(0, |lane| self.view_at(positions[0][lane], positions[1][lane]))
@@ -156,9 +156,9 @@ impl Projection {
     }
 }
 
-/// Unit vector and length; `None` for a vector of no length or one that is not finite.
+/// Unit vector and length; `None` for a vector of zero length or one that is not finite.
 pub(super) fn unit(vector: DVec3) -> Option<(DVec3, f64)> {
-    // Scaled by the largest component first: neither tiny nor huge vectors leave the range of float64.
+    // Scaling by the largest component first keeps tiny and huge vectors in the range of float64.
     let largest = vector.abs().max_element();
     let scaled = vector / largest;
     let length = scaled.length();

@@ -1,9 +1,9 @@
-//! What of a triangle is in front of the near plane and near enough to the frame: the clipped polygon on the
+//! Clipping of a triangle to the part in front of the near plane and near enough to the frame: the clipped polygon on the
 //! sub-pixel grid.
 //!
-//! Sutherland–Hodgman in homogeneous coordinates against the near plane and a guard band of [`GUARD_PX`] pixels
-//! around the frame. Cut points are computed from the inner to the outer vertex, so two triangles that share an edge cut
-//! it in the same point and stay watertight. Only coverage uses the polygon; attributes come from the whole triangle.
+//! Sutherland–Hodgman in homogeneous coordinates against the near plane and a guard band of [`GUARD_PX`] pixels around the frame.
+//! Intersections are computed from the inner to the outer vertex. Two triangles with a common edge are therefore clipped at the
+//! same point and stay watertight. Only coverage uses the polygon; attributes come from the whole triangle.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use super::{SUBPIXEL_BITS, SUBPIXELS};
 
 /// Width of the guard band around the frame, pixels: screen positions stay below 2^15 px, 2^23 sub-pixels.
 const GUARD_PX: f64 = 16_384.0;
-/// Three vertices, and at most one more for each of the five planes.
+/// Three vertices, and at most one more for each of the five clip planes.
 const MAX_VERTICES: usize = 8;
 
 /// The part of one triangle that may be visible.
@@ -33,7 +33,7 @@ pub(super) struct ScreenPolygon {
 impl ScreenPolygon {
     /// Clips the triangle of three world positions.
     ///
-    /// `None` where nothing can be covered: not finite, behind the near plane, outside the frame, or of no area in
+    /// `None` if nothing can be covered: the triangle is not finite, behind the near plane, outside the frame, or of no area in
     /// the world or on the sub-pixel grid.
     pub(super) fn new(projection: &Projection, positions: [DVec3; 3]) -> Option<Self> {
         let [a, b, c] = positions;
@@ -46,7 +46,7 @@ impl ScreenPolygon {
         let mut len = 3;
         let right = f64::from(projection.width()) + GUARD_PX;
         let bottom = f64::from(projection.height()) + GUARD_PX;
-        // Inside where normal · (x·w, y·w, w) ≥ offset.
+        // A point is inside if normal · (x·w, y·w, w) ≥ offset.
         let planes = [
             (DVec3::Z, projection.near()),
             (DVec3::new(1.0, 0.0, GUARD_PX), 0.0),
@@ -90,8 +90,8 @@ impl ScreenPolygon {
 
     /// Triangles of the polygon's fan, in sub-pixels, each of positive area by [`twice_area`].
     ///
-    /// Snapping can turn a sliver of a clipped polygon over; such a piece is left out, so that the
-    /// pieces leave no hole and overlap a neighbour by less than a sub-pixel.
+    /// Snapping can turn a sliver of a clipped polygon over. Such a piece is left out, so that the pieces leave no hole and
+    /// overlap a neighbour by less than a sub-pixel.
     pub(super) fn pieces(&self) -> impl Iterator<Item = [[i32; 2]; 3]> {
         let fan = (1..self.len - 1).map(|i| [self.vertices[0], self.vertices[i], self.vertices[i + 1]]);
         let positive = fan.clone().map(twice_area).sum::<i64>() > 0;
@@ -139,14 +139,13 @@ fn clip(polygon: &mut [DVec3; MAX_VERTICES], len: usize, distance: impl Fn(DVec3
     kept
 }
 
-/// ⌊x⌋ for |x| < 2^63: where a machine has no instruction for it, `f64::floor` is a call.
+/// ⌊x⌋ for |x| < 2^63. `f64::floor` is a call on machines that have no instruction for it.
 pub(super) fn floor(x: f64) -> i64 {
     let whole = x as i64;
     whole - i64::from(whole as f64 > x)
 }
 
-/// A screen coordinate in pixels on the sub-pixel grid, to nearest; the guard band holds already, the clamp catches
-/// its rounding.
+/// A screen coordinate in pixels on the sub-pixel grid, to nearest. The guard band holds already; the clamp catches its rounding.
 fn snap(position_px: f64) -> i32 {
     let limit = 2.5 * GUARD_PX;
     floor(position_px.clamp(-limit, limit) * f64::from(SUBPIXELS) + 0.5) as i32

@@ -1,8 +1,9 @@
-//! Coverage: which samples of a tile are shaded, and how much each counts in its pixel.
+//! Coverage: the samples of a tile that are shaded, and the weight of each in its pixel.
 //!
-//! A filter looks at what lies around a sample on *one* surface; where several meet in a pixel, they have to be told apart first. So what is
-//! visible is asked for at [`PATTERN`] and at the centre, and every object that is seen is shaded once: at the centre if it is seen there, else at the
-//! nearest of its samples, for all of them. A pixel that shows one object alone is shaded at its centre, as if nobody had asked.
+//! A filter looks at the neighbourhood of a sample on *one* surface. Several surfaces in a pixel have to be separated first.
+//! Visibility is therefore tested at [`PATTERN`] and at the centre, and every visible object is shaded once: at the centre if it
+//! is visible there, else at the nearest of its samples. That colour counts for all of them. A pixel that shows one object alone
+//! is shaded at its centre.
 
 use std::ops::Range;
 
@@ -12,41 +13,41 @@ use super::edges::{Places, TileBuffer};
 use super::setup::{Drawn, TriangleList};
 use super::{PIXEL_CENTRE_SUBPX, SUBPIXELS, TILE_EDGE_PX, TileRect};
 
-/// Where visibility is asked for, in sixteenths of a pixel from its centre, the nearest first: eight places, no two in one row or column
-/// of eighths, so that an edge near the horizontal or the vertical has nine steps.
+/// Positions of the visibility samples, in sixteenths of a pixel from the centre, the nearest first. No two of the eight are in
+/// one row or column of eighths, so an edge near the horizontal or the vertical has nine steps.
 const PATTERN: [[i32; 2]; 8] = [[1, -3], [-1, 3], [5, 1], [-3, -5], [-5, 5], [-7, -1], [3, 7], [7, -7]];
 
-/// Which samples of a pixel are shaded.
+/// Choice of the samples of a pixel that are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// Each of a regular grid; 1 is the centre alone.
+    /// Each sample of a regular grid; 1 is the centre alone.
     Grid {
         /// Samples along each edge of the pixel.
         edge: u32,
     },
-    /// One for every object that is visible in it.
+    /// One sample for every object that is visible in the pixel.
     Objects,
 }
 
-/// Bits of a place in a tile, sub-pixels along an axis.
+/// Bits of a position in a tile, sub-pixels along an axis.
 const PLACE_BITS: u32 = 14;
 
 const _: () = assert!(TILE_EDGE_PX as i32 * SUBPIXELS <= 1 << PLACE_BITS, "a sample knows its place in the tile");
 const _: () = assert!(PATTERN.len() < 1 << (u32::BITS - 2 * PLACE_BITS), "a sample knows how often it counts");
 
-/// Most places of a pixel that are looked at together: what a tile has of them stays in a second-level cache.
+/// Most positions of a pixel that one pass tests: the visibility of a tile at them stays in a second-level cache.
 const PLACES_TOGETHER: usize = 16;
 
-/// Places of a pixel whose samples are found together.
+/// Positions of a pixel whose samples are found together.
 #[derive(Clone, Debug)]
 pub struct Pass {
     places: Vec<[i32; 2]>,
-    /// One sample for every object that is visible at them, or each of them.
+    /// True for one sample for every object visible at the positions, false for each of them.
     objects: bool,
 }
 
 impl Sampling {
-    /// What has to be looked at for all samples of a tile, a part after the other.
+    /// The passes that find all samples of a tile, in order.
     pub fn passes(self) -> Vec<Pass> {
         match self {
             Self::Grid { edge } => {
@@ -64,20 +65,20 @@ impl Sampling {
     }
 }
 
-/// A sample of a tile that is shaded: its place, sub-pixels to the right of the corner of the tile, then those down; how often its colour counts, 1 to 15. In
-/// one word, as many are sorted.
+/// A shaded sample of a tile: its position in sub-pixels to the right of and below the corner of the tile, and the number of
+/// times its colour counts, 1 to 15. It is one word, because many are sorted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sample(u32);
 
 impl Sample {
-    /// One that counts once, at a place of a pixel of the tile.
+    /// A sample that counts once, at a position in a pixel of the tile.
     #[inline(always)]
     fn new([column, row]: [u32; 2], [x, y]: [i32; 2]) -> Self {
         let [right, down] = [(column, x), (row, y)].map(|(pixel, at)| pixel * SUBPIXELS as u32 + at as u32);
         Self(right | (down << PLACE_BITS) | (1 << (2 * PLACE_BITS)))
     }
 
-    /// The same, counted so often.
+    /// The sample with a count of `times`.
     #[inline(always)]
     fn counted(self, times: u32) -> Self {
         Self((self.0 % (1 << (2 * PLACE_BITS))) | (times << (2 * PLACE_BITS)))
@@ -89,33 +90,34 @@ impl Sample {
     }
 }
 
-/// The samples of a tile that are shaded; the memory is kept from tile to tile.
+/// The shaded samples of a tile. Their memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub struct TileSamples {
     tile: TileRect,
     places: Vec<[i32; 2]>,
-    /// A place in each row of sub-pixels that has one.
+    /// The position in each row of sub-pixels that has one.
     place_of_row: Vec<u8>,
     drawn: Drawn,
     centres: TileBuffer,
     around: TileBuffer,
-    /// Pixel by pixel, each with the number of its triangle in the tile.
+    /// Samples pixel by pixel, each with the number of its triangle in the tile.
     found: Vec<(u32, Sample)>,
-    /// By triangle; those that show none are the last, and behind them as many as stand side by side.
+    /// Samples by triangle. Those that show no triangle are the last, followed by padding of one lane group.
     samples: Vec<Sample>,
-    /// Where those of each triangle end.
+    /// End of the samples of each triangle.
     ends: Vec<usize>,
-    /// How many samples each pixel has, those counted `times` over: what they add to what the sum of its colours is divided by.
+    /// Number of samples of each pixel, where a sample counts `times` times: its contribution to the divisor of the pixel's
+    /// colour sum.
     counts: Vec<u32>,
 }
 
 impl TileSamples {
-    /// The samples of each triangle in turn, then those that show none.
+    /// The samples of each triangle in turn, followed by those that show none.
     pub fn by_triangle(&self) -> impl Iterator<Item = (Option<u32>, &[Sample])> {
         self.spans().map(|(triangle, span)| (triangle, self.span(span)))
     }
 
-    /// The same, as spans of all samples.
+    /// Triangles as in [`Self::by_triangle`], with spans of all samples.
     pub fn spans(&self) -> impl Iterator<Item = (Option<u32>, Range<usize>)> {
         let begins = std::iter::once(&0).chain(&self.ends);
         let numbers = self.drawn.triangles.iter().copied().map(Some).chain([None]);
@@ -128,26 +130,27 @@ impl TileSamples {
         &self.samples[span]
     }
 
-    /// A span, [`LANES`] samples at a time and how many of them it has; behind those any others.
+    /// The samples of a span, [`LANES`] at a time, with the number of lanes in use. Unused lanes hold arbitrary samples.
     #[inline(always)]
     pub fn groups(&self, span: Range<usize>) -> impl Iterator<Item = (&[Sample; LANES], usize)> {
         let end = span.end;
         span.step_by(LANES).map(move |first| (&self.samples[first..].as_chunks().0[0], LANES.min(end - first)))
     }
 
-    /// How many samples each pixel has, row by row, those counted over that count more than once: the sum over all passes is what the sum of a pixel's
-    /// colours is divided by.
+    /// Number of samples of each pixel, row by row; a sample counts [`Self::times`] times. The sum over all passes is the divisor
+    /// of the pixel's colour sum.
     pub fn counts(&self) -> &[u32] {
         &self.counts
     }
 
-    /// Sub-pixels from the top of the frame to each line of samples: those of the first row of pixels place by place, then of the next.
+    /// Sub-pixels from the top of the frame to each line of samples: the lines of the first pixel row, position by position,
+    /// followed by those of the next row.
     pub fn lines(&self) -> impl Iterator<Item = i32> {
         let rows = self.tile.y..self.tile.y + self.tile.height;
         rows.flat_map(|row| self.places.iter().map(move |place| row as i32 * SUBPIXELS + place[1]))
     }
 
-    /// One of [`Self::lines`] that a sample lies in.
+    /// Index of the line in [`Self::lines`] that a sample lies in.
     #[inline(always)]
     pub fn line(&self, sample: Sample) -> usize {
         let [_, y] = sample.place_in_tile().map(|place| place as usize);
@@ -161,20 +164,20 @@ impl TileSamples {
         row * self.tile.width + column
     }
 
-    /// How often its colour counts.
+    /// Number of times its colour counts.
     #[inline(always)]
     pub fn times(&self, sample: Sample) -> u32 {
         sample.0 >> (2 * PLACE_BITS)
     }
 
-    /// Where it is, in sub-pixels from the corner of the frame.
+    /// Position of the sample, in sub-pixels from the corner of the frame.
     #[inline(always)]
     pub fn position(&self, sample: Sample) -> [i32; 2] {
         let [x, y] = sample.place_in_tile();
         [self.tile.x as i32 * SUBPIXELS + x as i32, self.tile.y as i32 * SUBPIXELS + y as i32]
     }
 
-    /// Sorts what was found by triangle, in the order in which it was found.
+    /// Sorts the samples by triangle; samples of one triangle stay in order.
     fn sort(&mut self) {
         let Self { drawn, found, samples, ends, .. } = self;
         let none = drawn.triangles.len();
@@ -183,7 +186,7 @@ impl TileSamples {
         for same in found.chunk_by(|a, b| a.0 == b.0) {
             ends[(same[0].0 as usize).min(none)] += same.len();
         }
-        // Where each begins, which becomes where it ends.
+        // Begins of the triangles, which become their ends.
         let mut begin = 0;
         for end in ends.iter_mut() {
             begin += std::mem::replace(end, begin);
@@ -199,7 +202,7 @@ impl TileSamples {
 }
 
 impl TriangleList<'_> {
-    /// The samples of a pass in a tile of [`tiles`](super::tiles) that are shaded, in place of those that there were.
+    /// Replaces `samples` by the shaded samples of a pass in a tile of [`tiles`](super::tiles).
     pub fn samples(&self, tile: TileRect, pass: &Pass, samples: &mut TileSamples) {
         let pixels = tile.width as usize * tile.height as usize;
         samples.tile = tile;
@@ -226,7 +229,7 @@ impl TriangleList<'_> {
         samples.sort();
     }
 
-    /// The samples of objects: the last place is the centre.
+    /// Finds the samples of objects; the last position is the centre.
     fn objects(&self, samples: &mut TileSamples) {
         let TileSamples { tile, places, drawn, centres, around, found, counts, .. } = samples;
         let (centre, pattern) = places.split_last().unwrap_or_else(|| unreachable!("there is a centre"));

@@ -1,9 +1,9 @@
 //! Coverage and depth of one screen triangle: integer edge functions with the top-left rule.
 //!
-//! A sample p is inside when (b − a) × (p − a) ≥ 0 for the three edges, and on an edge only where that edge is a top or
-//! a left one: shared edges are covered exactly once. Depth is near/w, linear on the screen, 56 fraction bits; the larger
-//! value wins, among equals the triangle that was drawn first. Samples of a pixel, or of pixels side by side, lie in vectors of
-//! [`VECTOR`]: whoever draws compiles it for the instruction set of the machine.
+//! A sample p is inside if (b − a) × (p − a) ≥ 0 for the three edges. A sample on an edge is inside only if that edge is a top or
+//! a left one: shared edges are covered exactly once. Depth is near/w, linear on the screen, 56 fraction bits. The larger value
+//! wins; among equals the triangle drawn first wins. Samples of a pixel, or of neighbouring pixels, lie in vectors of [`VECTOR`].
+//! The caller compiles the drawing for the instruction set of the machine.
 
 use glam::DVec3;
 
@@ -13,15 +13,15 @@ use super::{SUBPIXELS, TileRect};
 
 /// Fraction bits of a depth: near/w = 1 is 2^56.
 const DEPTH_BITS: i32 = 56;
-/// Number of a sample that no triangle covers.
+/// Number that stands for a sample that no triangle covers.
 pub(super) const NO_TRIANGLE: u32 = u32::MAX;
 /// Samples of a vector.
 const VECTOR: usize = 8;
 
-/// Depth over the screen: near/w · 2^56 of the whole triangle, held within the range of its visible part.
+/// Depth over the screen: near/w · 2^56 of the whole triangle, clamped to the range of its visible part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthPlane {
-    /// Sub-pixel position that `constant` belongs to.
+    /// Sub-pixel position of `constant`.
     reference: [i32; 2],
     constant: i64,
     per_x: i64,
@@ -32,8 +32,8 @@ pub(super) struct DepthPlane {
 impl DepthPlane {
     /// Plane of a polygon for a near plane at distance `near`.
     ///
-    /// Errors: the coefficients are rounded to 2⁻⁵⁶ per sub-pixel, at most 2⁻³⁴ of near/w across 16384 px. A sliver so thin
-    /// that the plane would leave 62 bits gets its mean depth instead.
+    /// Errors: the coefficients are rounded to 2⁻⁵⁶ per sub-pixel, at most 2⁻³⁴ of near/w across 16384 px. If a sliver is so thin
+    /// that the plane would leave 62 bits, it gets its mean depth instead.
     pub(super) fn new(polygon: &ScreenPolygon, near: f64) -> Self {
         let reference = [polygon.columns[0] * SUBPIXELS, polygon.rows[0] * SUBPIXELS];
         let origin = [polygon.columns[0], polygon.rows[0]].map(f64::from);
@@ -59,14 +59,14 @@ impl DepthPlane {
         Self { reference, constant, per_x, per_y, range }
     }
 
-    /// Depth at a sub-pixel position: of numbers of 64 bits what is right inside the polygon's bounds.
+    /// Depth at a sub-pixel position, in 64 bits; valid inside the polygon's bounds.
     #[inline(always)]
     fn at(&self, x: i32, y: i32) -> i64 {
         let (dx, dy) = (x - self.reference[0], y - self.reference[1]);
         self.constant.wrapping_add(self.rise(dx.into(), dy.into()))
     }
 
-    /// By how much it grows over so many sub-pixels.
+    /// Increase of the depth over a number of sub-pixels.
     #[inline(always)]
     fn rise(&self, dx: i64, dy: i64) -> i64 {
         self.per_x.wrapping_mul(dx).wrapping_add(self.per_y.wrapping_mul(dy))
@@ -100,31 +100,31 @@ impl Edge {
         self.constant + self.rise(x.into(), y.into())
     }
 
-    /// By how much it grows over so many sub-pixels.
+    /// Increase of the edge function over a number of sub-pixels.
     #[inline(always)]
     fn rise(&self, dx: i64, dy: i64) -> i64 {
         self.per_x * dx + self.per_y * dy
     }
 }
 
-/// Places of a pixel at which visibility is asked for, and how they lie in vectors: the samples of a pixel one after the other, where they are a part of
-/// a vector those of the next pixel behind them.
+/// Positions in a pixel at which visibility is tested, and their layout in vectors. The samples of a pixel follow each other. If
+/// they fill only a part of a vector, those of the next pixel follow.
 #[derive(Clone, Debug)]
 pub(super) struct Places {
     count: usize,
-    /// Samples of a pixel in memory: a part of a vector, or whole ones, the last of which repeats the last place.
+    /// Samples of a pixel in memory: a part of a vector, or whole vectors, the last of which repeats the last position.
     stride: usize,
-    /// Pixels of a vector.
+    /// Pixels in a vector.
     pixels: usize,
-    /// For each vector of these pixels sub-pixels from the corner of the first one: x, then y.
+    /// Offsets for each vector of these pixels, in sub-pixels from the corner of the first pixel: x, then y.
     vectors: Vec<[[i64; VECTOR]; 2]>,
 }
 
 impl Places {
-    /// Those at sub-pixels from the corner of the pixel: 0 to 255 each.
+    /// Builds the layout of positions in sub-pixels from the corner of the pixel, 0 to 255 each.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no position.
     pub(super) fn new(places: &[[i32; 2]]) -> Self {
         let count = places.len();
         let pixels = if VECTOR.is_multiple_of(count) { VECTOR / count } else { 1 };
@@ -158,7 +158,7 @@ impl ScreenTriangle {
         self.triangle
     }
 
-    /// Columns or rows (axis 0 or 1) of pixels `first..=last` that the piece touches; may lie outside the frame.
+    /// First and last pixel column (axis 0) or row (axis 1) that the piece touches; they may lie outside the frame.
     pub(super) fn pixels(&self, axis: usize) -> [i32; 2] {
         let [a, b, c] = self.vertices.map(|v| v[axis]);
         [a.min(b).min(c), a.max(b).max(c)].map(|edge| edge >> super::SUBPIXEL_BITS)
@@ -169,7 +169,7 @@ impl ScreenTriangle {
         [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)]
     }
 
-    /// Whether any sample position of the rectangle may be covered (no false "no").
+    /// True if any sample position of the rectangle may be covered; never false for a covered one.
     pub(super) fn may_touch(&self, rect: TileRect) -> bool {
         let [left, top] = [rect.x, rect.y].map(|start| start as i32 * SUBPIXELS);
         let right = left + rect.width as i32 * SUBPIXELS - 1;
@@ -181,7 +181,7 @@ impl ScreenTriangle {
         })
     }
 
-    /// Draws its samples, as the number `number`.
+    /// Draws the samples of the piece under the number `number`.
     #[inline(always)]
     pub(super) fn draw(&self, number: u32, places: &Places, buffer: &mut TileBuffer) {
         let rect = buffer.rect;
@@ -239,21 +239,21 @@ impl ScreenTriangle {
 #[repr(align(64))]
 struct Depths([i64; VECTOR]);
 
-/// What is visible in one rectangle of the frame: for each sample the nearest triangle and its depth.
+/// Visibility in one rectangle of the frame: for each sample the nearest triangle and its depth.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileBuffer {
     rect: TileRect,
-    /// Samples of a pixel, and how many of them lie in memory.
+    /// Samples of a pixel, and their number in memory.
     count: usize,
     stride: usize,
-    /// Vectors of a row of pixels.
+    /// Vectors in a row of pixels.
     row: usize,
     depth: Vec<Depths>,
     shown: Vec<[u32; VECTOR]>,
 }
 
 impl TileBuffer {
-    /// Nothing is visible in the rectangle; the memory is kept.
+    /// Clears the rectangle; the memory is kept.
     pub(super) fn clear(&mut self, rect: TileRect, places: &Places) {
         self.row = (rect.width as usize).div_ceil(places.pixels) * places.vectors.len();
         (self.rect, self.count, self.stride) = (rect, places.count, places.stride);
@@ -271,8 +271,8 @@ impl TileBuffer {
         pixels.map(|samples| &samples[..self.count]).take(self.rect.width as usize)
     }
 
-    /// Number at a place of a pixel of the frame, and its depth: near/w in units of 2⁻⁵⁶, larger is nearer; `None` where there is none or
-    /// the pixel is outside the rectangle.
+    /// Number at a position of a pixel of the frame, and its depth: near/w in units of 2⁻⁵⁶, larger is nearer. `None` if no
+    /// triangle covers it or the pixel is outside the rectangle.
     #[cfg(test)]
     pub(super) fn at(&self, x: u32, y: u32, place: usize) -> Option<(u32, i64)> {
         let column = x.checked_sub(self.rect.x).filter(|&c| c < self.rect.width)?;

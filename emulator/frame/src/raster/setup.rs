@@ -1,8 +1,8 @@
-//! The triangles of a frame: clipped, snapped and sorted into tiles once, then drawn tile by tile.
+//! The triangles of a frame: clipped, snapped and sorted into tiles once, and drawn tile by tile.
 //!
-//! Triangles are numbered through all objects in their order. Each tile has a list of the pieces that may touch it; a
-//! piece over more than [`MAX_BINNED_TILES`] tiles is kept in one list for all tiles, which bounds the memory.
-//! The order of drawing cannot change the picture, so neither can the order of the lists.
+//! Triangles are numbered through all objects in their order. Each tile has a list of the pieces that may touch it. A piece over
+//! more than [`MAX_BINNED_TILES`] tiles is in one list for all tiles, which bounds the memory. The order of drawing cannot change
+//! the picture, so neither can the order of the lists.
 
 use super::attributes::Triangle;
 use super::camera::Projection;
@@ -14,16 +14,16 @@ use roughxel_scene::{Object, Vertex};
 use roughxel_shader::Needs;
 use roughxel_simd::Backend;
 
-/// Most tiles whose lists one piece is entered in.
+/// Most tiles whose lists contain one piece.
 const MAX_BINNED_TILES: usize = 16;
 
-/// Triangles that are set up one after the other by one thread.
+/// Triangles that one thread sets up in a row.
 const SET_UP_TOGETHER: usize = 2048;
 
 /// The pieces that may be visible in a tile, in their order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drawn {
-    /// Each with the number of its triangle among `triangles`.
+    /// Each piece, with the index of its triangle in `triangles`.
     pieces: Vec<(u32, u32)>,
     /// Numbers of the triangles in the frame.
     pub(super) triangles: Vec<u32>,
@@ -36,7 +36,7 @@ pub struct TriangleList<'a> {
     objects: &'a [Object],
     /// Number of the first triangle of each object, then the number of all triangles.
     first_triangle: Vec<u32>,
-    /// How samples are found.
+    /// Instruction set of the visibility test.
     backend: Backend,
     pieces: Vec<ScreenTriangle>,
     tile_columns: usize,
@@ -50,8 +50,8 @@ pub struct TriangleList<'a> {
 impl<'a> TriangleList<'a> {
     /// Clips and bins the triangles of `objects`.
     ///
-    /// Triangles that are not finite, behind the near plane, outside the frame or of no area (in the world or on the sub-pixel grid) are left
-    /// out. Errors: a vertex index out of range, more than [`MAX_TRIANGLES`] triangles.
+    /// Triangles are left out if they are not finite, behind the near plane, outside the frame or of no area (in the world or on
+    /// the sub-pixel grid). Errors: a vertex index out of range, more than [`MAX_TRIANGLES`] triangles.
     pub fn new(projection: &'a Projection, objects: &'a [Object]) -> Result<Self, RasterError> {
         let count: u64 = objects.iter().map(|object| object.mesh.triangles.len() as u64).sum();
         if count > u64::from(MAX_TRIANGLES) {
@@ -99,7 +99,7 @@ impl<'a> TriangleList<'a> {
         Ok(list)
     }
 
-    /// The same, drawn with vectors of an instruction set: what is visible stays the same.
+    /// Replaces the instruction set of the vectors; no bit depends on it.
     pub fn with_backend(self, backend: Backend) -> Self {
         Self { backend, ..self }
     }
@@ -109,7 +109,7 @@ impl<'a> TriangleList<'a> {
         self.first_triangle.last().copied().unwrap_or(0)
     }
 
-    /// Whether there are no triangles at all.
+    /// True if there are no triangles at all.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -119,7 +119,7 @@ impl<'a> TriangleList<'a> {
         self.first_triangle.partition_point(|&first| first <= triangle).saturating_sub(1)
     }
 
-    /// Setup of a triangle's attributes; `None` when no sample of the frame can show it.
+    /// Setup of a triangle's attributes; `None` if no sample of the frame can show it.
     pub fn triangle(&self, triangle: u32, needs: Needs) -> Option<Triangle<'a>> {
         let object_index = self.object_index(triangle);
         let object = self.objects.get(object_index)?;
@@ -128,7 +128,7 @@ impl<'a> TriangleList<'a> {
         Triangle::new(self.projection, vertices, needs)
     }
 
-    /// What may be visible in a part of the frame, in place of what there was.
+    /// Replaces `drawn` by the pieces that may be visible in a part of the frame.
     pub(super) fn drawn(&self, tile: TileRect, drawn: &mut Drawn) {
         let Drawn { pieces, triangles } = drawn;
         pieces.clear();
@@ -142,7 +142,7 @@ impl<'a> TriangleList<'a> {
         }
         let large = self.large.iter().filter(|&&piece| self.pieces[piece as usize].may_touch(tile));
         pieces.extend(large.map(|&piece| (piece, 0)));
-        // Each list is in order, and of a tile of the frame there is one beside the large ones.
+        // Each list is in order; a tile of the frame has one list besides the large ones.
         pieces.sort_unstable();
         pieces.dedup();
         for (piece, number) in pieces {
@@ -154,8 +154,8 @@ impl<'a> TriangleList<'a> {
         }
     }
 
-    /// Finds the visible triangle of every sample of `tile`, a part of the frame, by its number in `drawn`: the nearest, among those as near the first
-    /// of the frame.
+    /// Finds the visible triangle of every sample of `tile`, a part of the frame, by its number in `drawn`: the nearest one, or
+    /// among equally near ones the first of the frame.
     pub(super) fn draw(&self, drawn: &Drawn, places: &Places, tile: TileRect, buffer: &mut TileBuffer) {
         buffer.clear(tile, places);
         self.backend.run(
@@ -168,14 +168,14 @@ impl<'a> TriangleList<'a> {
         );
     }
 
-    /// Counts, then fills, the lists of the tiles.
+    /// Counts the entries of the tiles' lists, then fills them.
     fn fill_bins(&mut self) {
         let tile_rows = (self.bin_start.len() - 1) / self.tile_columns;
         let touched = |piece: &ScreenTriangle| {
             let edge = TILE_EDGE_PX as i32;
             let span = |axis: usize, tiles: usize| {
                 let [first, last] = piece.pixels(axis);
-                // Both are inside after the clamp: a piece outside the frame yields an empty range.
+                // Each end is inside after the clamp: a piece outside the frame gives an empty range.
                 (first.max(0) / edge) as usize..((last + edge).max(0) / edge).min(tiles as i32) as usize
             };
             (span(0, self.tile_columns), span(1, tile_rows))

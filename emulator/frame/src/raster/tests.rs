@@ -48,7 +48,7 @@ fn camera(width: u32, height: u32) -> Camera {
     }
 }
 
-/// Looks along −z from the origin; at w = height/2 a world unit is a pixel.
+/// A camera that looks along −z from the origin; at w = height/2 a world unit is a pixel.
 fn plain_camera(width: u32, height: u32) -> Camera {
     Camera { eye: DVec3::ZERO, target: DVec3::new(0.0, 0.0, -1.0), up: DVec3::Y, fov_y_degrees: 90.0, width, height }
 }
@@ -82,10 +82,10 @@ fn one_triangle(corners: [Vertex; 3]) -> Vec<Object> {
     vec![object(corners.to_vec(), vec![[0, 1, 2]])]
 }
 
-/// What the corners have without tangents.
+/// Needs of the corners without tangents.
 const NO_TANGENTS: Needs = Needs { tangents: false, ..Needs::ALL };
 
-/// Triangles of objects as a camera sees them. What a test draws lives until its end.
+/// Triangles of objects as a camera sees them. A drawn view lives until the end of its test.
 struct View {
     projection: &'static Projection,
     list: TriangleList<'static>,
@@ -97,7 +97,7 @@ impl View {
         Self { projection, list: TriangleList::new(projection, objects.leak()).expect("a list") }
     }
 
-    /// A triangle that is there, without tangents.
+    /// A triangle that exists, without tangents.
     fn triangle(&self, number: u32) -> Triangle<'static> {
         self.list.triangle(number, NO_TANGENTS).expect("visible")
     }
@@ -171,7 +171,7 @@ fn wrapped_distance(a: f64, b: f64) -> f64 {
     d.min(1.0 - d)
 }
 
-/// What is visible at places of the pixels of a part of the frame.
+/// Visibility at positions of the pixels of a part of the frame.
 struct Seen {
     drawn: Drawn,
     buffer: TileBuffer,
@@ -185,7 +185,7 @@ impl Seen {
         Self { drawn, buffer }
     }
 
-    /// The triangle at a place of a pixel of the frame, and its depth.
+    /// The triangle at a position of a pixel of the frame, and its depth.
     fn at(&self, x: u32, y: u32, place: usize) -> Option<(u32, i64)> {
         let (number, depth) = self.buffer.at(x, y, place)?;
         Some((self.drawn.triangles[number as usize], depth))

@@ -10,7 +10,7 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
         assert!(samples.is_empty());
         return 0;
     };
-    // One scale of n for the whole triangle: from the first sample that has one.
+    // The whole triangle has one scale of n: that of the first sample that has one.
     let mut scale = None;
     let longest_tangent = corners.iter().flat_map(|v| v.tangents).map(DVec3::length).fold(0.0, f64::max);
     for &(xs, ys, _) in &samples {
@@ -19,7 +19,7 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
         let (share, w) = intersect(camera, &corners, x, y);
 
         let of_corners = corners.map(|v| v.normal.normalize());
-        // A flat triangle has the normal of its corners, of one length everywhere.
+        // A flat triangle has the normal of its corners, whose length is the same everywhere.
         let w = if of_corners == [of_corners[0]; 3] { 1.0 } else { w };
         let normal = blend(share, of_corners) / w;
         let n = vector_value(fragment.normal);
@@ -47,7 +47,7 @@ fn check_against_rays(camera: &Camera, corners: [Vertex; 3]) -> usize {
         let reach = steepest[0].length().max(steepest[1].length());
         for (port, expected) in fragment.duv.iter().zip(steepest) {
             let error = (pair_value(*port) - expected).length();
-            // Measured 2^-24 where the difference quotient of the reference is worst; the bar of the design is 2^-16.
+            // Measured 2^-24, at the worst point of the reference's difference quotient; the design's bound is 2^-16.
             assert!(error <= reach * 2f64.powi(-22), "duv at {x}, {y}: {:?} {expected}", pair_value(*port));
         }
 
@@ -72,7 +72,7 @@ fn attributes_agree_with_ray_plane_intersection() {
             vertex(random.vector(1.5), random.vector(1.0) * 7.0, uv)
         });
         let [a, b, c] = corners.map(|v| v.position);
-        // Edge-on triangles have their own test: here the reference itself must be well conditioned.
+        // Edge-on triangles have their own test; this reference has to be well conditioned.
         let facing = (b - a).cross(c - a).dot(a - camera.eye).abs();
         if facing > 0.3 {
             samples += check_against_rays(&camera, corners);
@@ -81,7 +81,7 @@ fn attributes_agree_with_ray_plane_intersection() {
     assert!(samples > 20_000, "{samples}");
 }
 
-/// Ground at y = −1 under a level camera, from behind the eye to w = `far`.
+/// Ground at y = −1 under a level camera, from a point behind the eye to w = `far`.
 fn ground(far: f64, repeats: f64) -> [Vertex; 3] {
     [
         vertex(DVec3::new(-3.0 * far, -1.0, 2.0), DVec3::Y, DVec2::new(0.0, 0.0)),
@@ -92,7 +92,7 @@ fn ground(far: f64, repeats: f64) -> [Vertex; 3] {
 
 #[test]
 fn ground_plane_to_the_horizon_keeps_a_256th_of_a_texel() {
-    // 64 repeats of a 1024² map, w from about 1 to 1000.
+    // 64 wraps of a 1024² map, w from about 1 to 1000.
     let samples = check_against_rays(&plain_camera(640, 360), ground(1000.0, 64.0));
     assert!(samples > 100_000, "{samples}");
 }
@@ -152,7 +152,7 @@ fn normal_derivative_is_the_difference_of_normals() {
 fn view_derivatives_carry_the_minus_of_erratum_11() {
     let projection = Projection::new(&plain_camera(640, 480)).expect("a camera");
     let v = |x: i32, y: i32| vector_value(projection.ray_view(x, y));
-    // Seen along −z with y up: one pixel to the right turns the ray toward +x, so v toward −x; down: v toward +y.
+    // Seen along −z with y up, one pixel to the right turns the ray toward +x, so v toward −x; one pixel down turns v toward +y.
     let [dx, dy] = projection.dview().map(vector_value);
     assert_eq!((dx, dy), (DVec3::NEG_X, DVec3::Y));
     let centre = v(320 * SUBPIXELS, 240 * SUBPIXELS);
@@ -214,9 +214,9 @@ fn normals_pass_through_zero_between_opposite_corners() {
         let triangle = view.triangle(number);
         let fragment = triangle.fragment(x, y);
         let (n, dn) = (vector_value(fragment.normal), vector_value(fragment.dnormal[0]));
-        // n grows by dn per pixel away from the middle, to the last bits on the way through zero.
+        // n grows by dn per pixel away from the middle, down to the last bits near zero.
         let distance = pixels(x - middle);
-        // dn is rounded at 2^-31 and taken up to 32 pixels away.
+        // dn is rounded at 2^-31 and multiplied by up to 32 pixels.
         assert!((n - dn * distance).length() <= dn.length() * 2f64.powi(-22), "{n} {dn} {distance}");
         assert!(dn.x > 0.0);
     }
@@ -224,7 +224,7 @@ fn normals_pass_through_zero_between_opposite_corners() {
 
 #[test]
 fn clipping_changes_no_attribute() {
-    // One affine map of u and v on a small triangle and on one that leaves the guard band and goes behind the eye.
+    // One affine map of u and v on a small triangle and on one that leaves the guard band and extends behind the eye.
     let uv_of = |p: DVec3| DVec2::new(0.25 * p.x, 0.125 * p.z);
     let build = |corners: [DVec3; 3]| {
         let corners = corners.map(|p| vertex(p, DVec3::new(0.1, 1.0, -0.2), uv_of(p)));
@@ -244,7 +244,7 @@ fn clipping_changes_no_attribute() {
         assert!((n - m).length() <= 2f64.powi(-28), "{n} {m}");
         for i in 0..2 {
             let (u_small, u_large) = (small.uv[i].to_num::<f64>(), large.uv[i].to_num::<f64>());
-            // Both are rounded at 2^-33; the large triangle spans 450 repeats of 52-bit codes.
+            // Each port is rounded at 2^-33; the large triangle spans 450 wraps of 52-bit codes.
             assert!(wrapped_distance(u_small, u_large) <= 2f64.powi(-30));
             let error = (pair_value(small.duv[i]) - pair_value(large.duv[i])).length();
             // Rounding as for n.
@@ -259,7 +259,7 @@ fn slivers_seen_edge_on_stay_within_their_corners() {
     let mut random = Random::new(31);
     let mut samples = 0;
     for i in 0..4000 {
-        // All but coplanar with the eye, from 1e-2 down to 1e-14 of a world unit.
+        // Almost coplanar with the eye, from 1e-2 down to 1e-14 of a world unit.
         let (a, b) = (random.vector(1.2), random.vector(1.2));
         let lift = 10f64.powi(-2 - i % 13);
         let c = camera.eye + (a * 0.4 + b * 0.6 - camera.eye) * random.real(0.6, 1.1) + random.vector(lift);
@@ -278,7 +278,7 @@ fn slivers_seen_edge_on_stay_within_their_corners() {
             // One step of depth, and float64's rounding of w.
             assert!(depth >= low * (1.0 - 1e-12) && depth <= high * (1.0 + 1e-12), "{depth} {low} {high}");
             let fragment = view.list.triangle(number, Needs::ALL).expect("visible").fragment(x, y);
-            // An eighth of the corners' range is what a sample half a sub-pixel outside may leave it by.
+            // A sample half a sub-pixel outside may leave the corners' range by an eighth.
             let [u, v] = fragment.uv.map(|c| c.to_num::<f64>());
             assert!((0.1 - 0.05..=0.3 + 0.05).contains(&u) && (0.2 - 0.05..=0.4 + 0.05).contains(&v), "{u} {v} {lift}");
             let n = vector_value(fragment.normal).normalize();
@@ -299,7 +299,7 @@ fn frames_of_one_pixel_and_of_4096_pixels_work() {
     }
 }
 
-/// A lane of rows as [`FragmentAttributes`] has it.
+/// A lane of the rows as [`FragmentAttributes`].
 fn of_rows(rows: &AttributeRows, derivatives: &Derivatives<i32>, lane: usize) -> FragmentAttributes {
     fn block<const N: usize>(rows: &BlockRows<N>, lane: usize) -> BlockPort<N> {
         BlockPort {
@@ -337,7 +337,7 @@ fn fragments_side_by_side_are_those_one_by_one_with_every_instruction_set() {
             let needs = Needs { tangents: bits & 1 != 0, uv: bits & 2 != 0, duv: bits & 4 != 0 };
             let Some(triangle) = view.list.triangle(0, needs) else { continue };
             visible_triangles += 1;
-            // In the frame, and beside it.
+            // Positions inside the frame and outside it.
             let positions =
                 [97, 65].map(|edge| [0; LANES].map(|_| random.real(-300.0, f64::from(edge) * 256.0) as i32));
             let derivatives = triangle.derivatives();

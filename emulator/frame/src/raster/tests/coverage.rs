@@ -1,4 +1,4 @@
-//! Which triangle each sample shows.
+//! Visible triangle of each sample.
 
 use super::*;
 
@@ -50,7 +50,7 @@ fn among_equal_depths_the_lower_triangle_wins_in_any_order_of_tiles() {
     let samples = view.visible(PIXEL_CENTRE_SUBPX);
     assert_eq!(samples.len(), 130 * 70);
     assert!(samples.iter().all(|&(_, _, triangle)| triangle < 2));
-    // One large rectangle instead of tiles: the same samples.
+    // One large rectangle instead of tiles gives the same samples.
     let seen = Seen::of(&view.list, whole(130, 70), &[PIXEL_CENTRE_SUBPX]);
     for (x, y, triangle) in samples {
         let pixel = |s: i32| (s >> SUBPIXEL_BITS) as u32;
@@ -58,7 +58,7 @@ fn among_equal_depths_the_lower_triangle_wins_in_any_order_of_tiles() {
     }
 }
 
-/// How often each sample of a frame is covered by the triangles drawn one at a time.
+/// Number of times each sample of a frame is covered by the triangles, drawn one at a time.
 fn coverage(camera: &Camera, vertices: &[Vertex], triangles: &[[u32; 3]], offset: [i32; 2]) -> Vec<u32> {
     let mut count = vec![0; (camera.width * camera.height) as usize];
     for &triangle in triangles {
@@ -85,7 +85,7 @@ fn fans_and_strips_cover_every_sample_exactly_once() {
     };
     let mut choice = Random::new(12);
     for _ in 0..40 {
-        // Fan: a ring far outside the frame around a point inside it.
+        // A fan: a ring far outside the frame around a point inside it.
         let centre = (choice.real(-20.0, 20.0), choice.real(-20.0, 20.0));
         let spokes = 3 + choice.next() % 9;
         let mut fan = vec![corner(centre.0, centre.1)];
@@ -99,7 +99,7 @@ fn fans_and_strips_cover_every_sample_exactly_once() {
             let count = coverage(camera, &fan, &triangles, offset);
             assert!(count.iter().all(|&n| n == 1), "fan {count:?}");
         }
-        // Strip: rows of jittered corners, wider than the frame.
+        // A strip: rows of jittered corners, wider than the frame.
         let columns = 7;
         let mut strip = Vec::new();
         for row in 0..columns {
@@ -142,7 +142,7 @@ fn a_clipped_room_around_the_eye_has_no_holes() {
         let samples = view.visible(PIXEL_CENTRE_SUBPX);
         assert_eq!(samples.len(), 64 * 40);
         for (x, y, number) in samples {
-            // No setup may fail.
+            // Setup may not fail.
             let fragment = view.list.triangle(number, Needs::ALL).map(|t| t.fragment(x, y));
             assert!(fragment.is_some_and(|f| f.normal != BlockVector::default()));
         }
@@ -163,7 +163,7 @@ fn triangles_without_area_or_behind_the_eye_are_left_out() {
         let view = View::new(&camera(64, 64), one_triangle(corners));
         let samples = view.visible(PIXEL_CENTRE_SUBPX);
         if let Some(triangle) = view.list.triangle(0, Needs::ALL) {
-            // Only the one with huge coordinates may reach the frame; its attributes still exist.
+            // Only the triangle with huge coordinates may reach the frame; its attributes still exist.
             assert!(corners.iter().any(|v| v.position.x > 1e200));
             triangle.fragment(0, 0);
         } else {
@@ -204,7 +204,7 @@ fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
     let good = camera(64, 64);
     assert!(Projection::new(&Camera { width: 0, ..good }).is_err());
     assert!(Projection::new(&Camera { height: MAX_EDGE_PX + 1, ..good }).is_err());
-    // 2^26 pixels and no more, whatever their shape.
+    // At most 2^26 pixels, in any shape.
     assert!(Projection::new(&Camera { width: MAX_EDGE_PX, height: 4096, ..good }).is_ok());
     assert!(Projection::new(&Camera { width: MAX_EDGE_PX, height: 4097, ..good }).is_err());
     for fov_y_degrees in [0.0, -5.0, 180.0, f64::NAN, 1e-12] {
@@ -238,11 +238,11 @@ struct Shaded {
     times: u32,
 }
 
-/// Samples of a frame of one tile, by pixel, and how many each pixel has.
+/// Samples of a frame of one tile, by pixel, and the number of samples of each pixel.
 fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<Shaded>, Vec<u32>) {
     let mut counts = vec![0; (tile.width * tile.height) as usize];
     let mut shaded = Vec::new();
-    // What another tile left there has to be gone.
+    // Samples of an earlier tile have to disappear.
     let mut samples = TileSamples::default();
     list.samples(TileRect { width: 3, height: 2, ..tile }, &Sampling::Objects.passes()[0], &mut samples);
     for pass in sampling.passes() {
@@ -263,12 +263,12 @@ fn samples(list: &TriangleList<'_>, tile: TileRect, sampling: Sampling) -> (Vec<
     (shaded, counts)
 }
 
-/// One triangle after the other at one sample after the other, as the definitions say.
+/// Draws one triangle at a time at one sample at a time, as the definitions say.
 #[test]
 fn samples_are_those_found_one_by_one_with_every_instruction_set() {
     let mut random = Random::new(77);
     let camera = &camera(150, 70);
-    // Large ones in front of and behind small ones, so that lists of both are drawn in the order of the frame; some in one plane.
+    // Large triangles in front of and behind small ones, so that each list is drawn in the order of the frame; some are coplanar.
     let objects: Vec<Object> = (0..6)
         .map(|i| {
             let reach = if i % 2 == 0 { 9.0 } else { 0.6 };
@@ -337,7 +337,7 @@ fn samples_of_a_pixel_count_as_often_as_it_has_samples() {
             if counts[sample.pixel] == 1 {
                 assert_eq!(*sample, centres[sample.pixel], "one object alone is shaded at the centre");
             }
-            // What is shaded is seen where it is shaded.
+            // A shaded sample is visible at its position.
             let [x, y] = sample.position;
             let pixel = TileRect { x: x as u32 / 256, y: y as u32 / 256, width: 1, height: 1 };
             let seen = Seen::of(&list, pixel, &[[x & 255, y & 255]]);
@@ -350,13 +350,13 @@ fn samples_of_a_pixel_count_as_often_as_it_has_samples() {
     assert!(edges > 1000, "{edges}");
 }
 
-/// The share of an edge's pixel that is covered, to an eighth, and without a bias.
+/// An edge's coverage of its pixel is right to an eighth, without a bias.
 #[test]
 fn an_edge_covers_the_share_that_lies_on_its_side() {
     let tile = whole(64, 64);
     for degrees in [0.0_f64, 3.0, 20.0, 45.0, 71.0, 90.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        // Half of the picture, and what lies beyond it.
+        // Half of the picture, and the area beyond it.
         let at = |along: f64, across: f64| DVec3::new(cos * along - sin * across, sin * along + cos * across, -32.0);
         let far = 400.0;
         let corners = [at(-far, 0.37), at(far, 0.37), at(0.0, far)].map(|p| vertex(p, DVec3::Z, DVec2::ZERO));
