@@ -1,4 +1,4 @@
-//! Footprints of reflections: whose they are is what a frame can be asked.
+//! Footprints of reflections, with the source of the footprints as a parameter of a frame.
 
 use roughxel_reference::cube::Selection;
 use roughxel_reference::linear::scaled;
@@ -6,36 +6,36 @@ use roughxel_reference::probes::ProbePlan;
 use roughxel_reference::sphere::{LobeProbe, lobe};
 use roughxel_reference::{Inputs, Options, reflection};
 
-/// λ₁ of a footprint on a cube face beyond which its probes do not reach further out (2 units, the width of the face).
+/// λ₁ of a footprint on a cube face beyond which its probes reach no further out (2 units, the width of the face).
 const LONGEST_SIGMA: f64 = 2.0;
 
-/// What a filter reads of an environment for one fragment.
+/// The data that a filter reads for one fragment of an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
     /// Centre.
     pub centre: Selection,
-    /// Number of probes, 1 to the most of the profile.
+    /// Probe count, 1 to the profile's largest.
     pub count: u32,
-    /// From one probe to the next, half faces.
+    /// Distance between neighbouring probes, half faces.
     pub step: [f64; 2],
     /// Level of detail, 0 to the last level.
     pub lod: f64,
 }
 
 impl Footprint {
-    /// Probes on a face around `centre`; the step of one whose λ₁ is `sigma` is cut as in the datapath.
+    /// Probes on a face around `centre`. `sigma` is λ₁; the step is clamped as in the datapath.
     pub(crate) fn new(centre: Selection, plan: &ProbePlan, sigma: f64) -> Self {
         let reach = if sigma > LONGEST_SIGMA { LONGEST_SIGMA / sigma } else { 1.0 };
         Self { centre, count: plan.count, step: scaled(reach, plan.step), lod: plan.lod }
     }
 }
 
-/// A reflection datapath: whose footprints a frame has.
+/// A reflection datapath that gives a frame its footprints.
 pub trait Footprints: Sync {
-    /// The footprint of one fragment; `None` where it comes to no number, and the reflection is black.
+    /// The footprint of one fragment; `None` if it is not a number, and the reflection is black.
     fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<Footprint>;
 
-    /// The probes of one fragment on the sphere; of whoever has none of his own the reference's.
+    /// The probes of one fragment on the sphere. The default is those of the reference.
     fn lobe(&self, inputs: &Inputs, options: &Options) -> Option<Vec<LobeProbe>> {
         lobe(inputs, options).map(|lobe| lobe.probes)
     }

@@ -1,12 +1,12 @@
 //! # roughxel-reference-renderer
 //!
-//! Frames in float64: the truth for picture bars, and the frame's own filter without any rounding.
+//! Frames in float64: the truth for picture bounds, and the frame's own filter without any rounding.
 //!
-//! The scene, the visible triangles and the attributes of a fragment are those of the emulator (ports read as real
-//! numbers), and so are the texels as its pyramids store them: a difference to a frame of the datapath is due to
-//! addresses, weights, footprints and shading. All mathematics is that of `roughxel-reference`. In
-//! [`Mode::Supersampled`] the maps are read bilinearly at level 0, which with 1024 samples is the truth that filtering
-//! is judged by; in the filtering modes the same probe rule, weights and limits hold as in the frame, at full accuracy.
+//! The scene, the visible triangles and the attributes of a fragment are those of the emulator (ports read as real numbers), and
+//! so are the texels as its pyramids store them. Differences from a frame of the datapath therefore come from addresses, weights,
+//! footprints and shading. All mathematics is that of `roughxel-reference`. In [`Mode::Supersampled`] the maps are read
+//! bilinearly at level 0; with 1024 samples this is the truth for judging filters. The filtering modes use the probe rule,
+//! weights and limits of the frame, at full accuracy.
 
 mod footprint;
 mod maps;
@@ -52,7 +52,7 @@ impl RealPicture {
 }
 
 impl RealPicture {
-    /// The picture in single precision, as files and comparisons take it.
+    /// The picture in single precision, for files and comparisons.
     pub fn picture(&self) -> Picture {
         let pixels = self.pixels.iter().map(|pixel| pixel.map(|channel| channel as f32));
         Picture { width: self.width, height: self.height, pixels: pixels.collect() }
@@ -69,8 +69,8 @@ impl From<&Frame> for RealPicture {
 
 /// Draws a scene in float64, in any mode of the frame. `progress` is called once per tile ([`work`]), from any thread.
 ///
-/// `profile` gives the probe rule, probe weights, most probes and the stored roughness; word lengths of arithmetic play
-/// no part. Errors: those of the camera and the meshes.
+/// `profile` gives the probe rule, probe weights, largest probe count and stored roughness; arithmetic word lengths have no
+/// effect. Errors: those of the camera and the meshes.
 pub fn render(
     scene: &Scene,
     mode: Mode,
@@ -80,8 +80,8 @@ pub fn render(
     render_with(scene, mode, profile, &Float64, progress)
 }
 
-/// The same with the footprints of another datapath on what is reflected; filter and all else stay float64. Modes that do not filter
-/// have no footprints.
+/// Same as [`render`], with reflection footprints from a different datapath. The filter and all else stay float64. Modes that do
+/// not filter have no footprints.
 pub fn render_with(
     scene: &Scene,
     mode: Mode,

@@ -18,7 +18,7 @@ fn colour_level(level: &Level, light: impl Fn(u16) -> f64) -> Map<3> {
     Map { width: level.width as usize, height: level.height as usize, texels }
 }
 
-/// Levels kept: all, or the base where nothing is filtered.
+/// Levels that are kept: all, or the base if nothing is filtered.
 fn kept<L>(levels: &[L], filters: bool) -> &[L] {
     if filters { levels } else { &levels[..1] }
 }

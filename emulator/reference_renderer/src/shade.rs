@@ -1,4 +1,4 @@
-//! One sample in float64: attributes to colour by the mathematics of the reference.
+//! One sample in float64, from attributes to colour, by the mathematics of the reference.
 
 use roughxel_core::plan::{FootprintKind, FrameSystem};
 use roughxel_core::ports::{BlockPair, BlockVector};
@@ -45,13 +45,13 @@ struct ShadedObject<'a> {
     bump: Option<Vec<Map<BUMP_CHANNELS>>>,
 }
 
-/// A probe in a repeated map.
+/// A probe in a wrapped map.
 struct Probe {
-    /// Its middle in repeats.
+    /// Middle of the probe, in wraps.
     uv: [f64; 2],
-    /// Level of detail, not below the finest.
+    /// Level of detail, at least that of the finest level.
     lod: f64,
-    /// How much of a texel of the finest level it spans across: twice its standard deviation, at most 1.
+    /// Width of the probe in texels of the finest level: twice its standard deviation, at most 1.
     reach: f64,
 }
 
@@ -64,7 +64,7 @@ fn real_pair(v: BlockPair) -> [f64; 2] {
 }
 
 impl<'a> Shader<'a> {
-    /// Builds the maps of a scene, those the plan calls for.
+    /// Builds the maps of a scene that the plan needs.
     pub(super) fn new(
         scene: &'a Scene,
         projection: &'a Projection,
@@ -106,7 +106,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Whether fragments of an object need p_u and p_v.
+    /// Returns true if fragments of an object need p_u and p_v.
     pub(super) fn needs_tangents(&self, object: usize) -> bool {
         let plan = self.objects[object].plan.reflection;
         plan.is_some_and(|plan| plan.needs_frame() && plan.frame != FrameSystem::MainDirection)
@@ -135,8 +135,8 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The mean over the footprint of a fragment in a repeated map, its level of detail moved by `bias` ≤ 0, or what is at its place; `sample` says
-    /// what is at a probe.
+    /// The mean over the footprint of a fragment in a wrapped map, or the value at its position. `bias` ≤ 0 moves the level of
+    /// detail; `sample` gives the value of a probe.
     fn repeated<const C: usize>(
         &self,
         levels: &[Map<C>],
@@ -161,8 +161,8 @@ impl<'a> Shader<'a> {
         mean
     }
 
-    /// Mean offset and covariance over the footprint: within a probe b and K are interpolated, and half the variance of the ramp between its texels is
-    /// roughness; between the probes of a footprint the variance of their means counts (errata 14 and 15).
+    /// Mean offset and covariance over the footprint. Within a probe b and K are interpolated, and half the variance of the ramp
+    /// between its texels is roughness. Between the probes of a footprint the variance of their means counts (errata 14 and 15).
     fn bump(
         &self,
         levels: &[Map<BUMP_CHANNELS>],
@@ -181,7 +181,7 @@ impl<'a> Shader<'a> {
         ([u, v], [(m11 - u * u).max(0.0), m12 - u * v, (m22 - v * v).max(0.0)])
     }
 
-    /// What a lobe of so many times the deviations reflects.
+    /// The reflection of a lobe whose deviations are multiplied by `deviations`.
     fn reflection(
         &self,
         shaded: &ShadedObject<'_>,
@@ -214,7 +214,7 @@ impl<'a> Shader<'a> {
         };
         let (normal, view) = (real_vector(attributes.normal), real_vector(attributes.view));
         if !plan.footprint.is_some() {
-            // n and v at length 1: nothing depends on it, and no square leaves the range of float64.
+            // n and v get length 1: no result depends on it, and no square leaves the range of float64.
             let [normal, view] = [normal, view].map(|v| scaled(1.0 / norm(&v), v));
             let perturbed = if plan.bump {
                 perturb::perturb(normal, &frame::frame(system, normal, tangents), offset)
@@ -253,16 +253,16 @@ impl<'a> Shader<'a> {
         footprint.map_or([0.0; 3], |footprint| self.assembled(environment, &footprint, bias))
     }
 
-    /// The probes of a footprint, their level of detail moved by `bias` ≤ 0.
+    /// The probes of a footprint; `bias` ≤ 0 moves their level of detail.
     fn assembled(&self, environment: &[CubeMap<3>], footprint: &Footprint, bias: f64) -> [f64; 3] {
         let &Footprint { centre, count, step, lod } = footprint;
         let lod = (lod + bias).max(0.0);
-        // How the level came about is nothing to a filter.
+        // A filter does not use the origin of the level.
         let plan = ProbePlan { count, step, lod, minor: 0.0, capped: false, lod_unclamped: lod };
         cube_assemble(environment, &centre, &plan, &self.weights[count as usize - 1])
     }
 
-    /// What a ray that hits nothing sees; position in sub-pixels.
+    /// Colour of a ray that hits nothing; position in sub-pixels.
     pub(super) fn background(&self, x: i32, y: i32) -> [f64; 3] {
         match (&self.scene.background, &self.environment) {
             (Background::Colour(colour), _) => colour.map(f64::from),
@@ -292,13 +292,13 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// By how much levels of detail move so that probes have the variance λ₂²: where a footprint is a rough surface's, in its bump map and in what it
-/// reflects.
+/// Shift of the levels of detail that gives probes the variance λ₂². It applies to footprints of rough surfaces, in the bump map
+/// and in the reflection.
 fn bias_of(kind: RoughnessKind) -> f64 {
     if kind == RoughnessKind::None { 0.0 } else { -0.5 * 3_f64.log2() }
 }
 
-/// The mean of probes on the sphere, their levels of detail moved by `bias` ≤ 0.
+/// The mean of probes on the sphere; `bias` ≤ 0 moves their levels of detail.
 fn swept(environment: &[CubeMap<3>], probes: &[LobeProbe], bias: f64) -> [f64; 3] {
     let last_level = (environment.len() - 1) as f64;
     let mut sum = [0.0; 3];

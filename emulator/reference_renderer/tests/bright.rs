@@ -1,4 +1,4 @@
-//! What bright environments reflect has the light that it has in float64.
+//! Reflections of bright environments have the same light in integers and in float64.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn scene(object: &str) -> Scene {
     Scene::from_toml("bright", &text, Path::new("")).unwrap()
 }
 
-/// Suns of `brightness` × white in one texel overhead and one before the camera, all of the sky exposed by `stops`.
+/// Suns of `brightness` × white in one texel overhead and one in front of the camera, with all of the sky exposed by `stops`.
 fn lit(mut scene: Scene, brightness: f32, stops: i32) -> Scene {
     let faces = &mut scene.environment.as_mut().unwrap().faces;
     for (face, row) in [(2, 40), (5, 20)] {
@@ -63,7 +63,7 @@ fn reflections_of_a_sun_are_as_bright_as_in_float64_at_every_exposure() {
                     println!("{object:?} {mode} {stops:+}: {got:.6} of {expected:.6}, {:+.3} %", 100.0 * error);
                     assert!(error.abs() <= 0.01, "{object:?} {mode} {stops}: {got} of {expected}");
                 }
-                // The sun is most of it.
+                // Most of the light is the sun's.
                 assert!(got[0] > 2.0 * dark[0] * 2_f64.powi(stops), "{got:?} of {dark:?}");
             }
         }
@@ -81,7 +81,7 @@ fn a_background_shows_a_bright_sky_cut_to_the_brightest_pixel() {
         let real = render(&scene, mode, &p, &|| ()).unwrap();
         let frame = RealPicture::from(&draw(&scene, mode, &p));
         assert!(light(&real).1 > 1000.0 && light(&frame).1 == 63.0);
-        // Away from the sun the same sky.
+        // Away from the sun the sky is the same.
         assert!(frame.psnr(&real) > 45.0, "{mode}: {:.1} dB", frame.psnr(&real));
     }
 }
