@@ -1,4 +1,4 @@
-//! What fragments see of an environment, blended with their own colours.
+//! Colours of an environment at fragments, blended with the fragments' own colours.
 
 use roughxel_core::bundle::Value;
 use roughxel_core::datapath::pixel;
@@ -19,9 +19,9 @@ use crate::texels::CubeTexels;
 
 runs!(Lobes);
 
-/// A look at an environment: a point, or a footprint around one.
+/// A lookup in an environment: a point, or a footprint around one.
 pub trait EnvironmentLookup: Form {
-    /// What a group sees; a rough footprint looks at finer levels.
+    /// The colours that a group sees; a rough footprint reads finer levels.
     fn seen<W: BatchWord>(
         look: &In<Self, W>,
         is_rough: bool,
@@ -68,23 +68,23 @@ impl EnvironmentLookup for Sweep<i32> {
     }
 }
 
-/// Colours of fragments, blended by their reflectance with what they see of an environment: seam, filter, blend.
+/// Colours of fragments, blended by their reflectance with the environment: seam, filter, blend.
 #[derive(Clone, Copy, Debug)]
 pub struct EnvironmentColours<'a, L> {
-    /// What each of them looks at.
+    /// The lookup of each fragment.
     pub looks: &'a Batch<L>,
-    /// What is the same for every kind of look.
+    /// Data common to every kind of lookup.
     pub reflector: Reflector<'a>,
 }
 
 /// Fragments that reflect an environment.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector<'a> {
-    /// Their own colours.
+    /// The fragments' own colours.
     pub own: &'a Batch<ShadedColour<i32>>,
     /// The environment.
     pub map: &'a CubeTexels,
-    /// The object is rough: its footprints look at finer levels.
+    /// True if the object is rough: its footprints read finer levels.
     pub is_rough: bool,
     /// The share of the environment in each channel.
     pub reflectance: &'a [Control<i32, REFLECTANCE>; 3],
@@ -107,27 +107,27 @@ impl<L: EnvironmentLookup> Pass for EnvironmentColours<'_, L> {
 }
 
 impl EnvironmentColours<'_, CubePoint<i32>> {
-    /// Puts what fragments show into `shown`, in place of what it held.
+    /// Replaces `shown` by the colours of the fragments.
     pub fn run(&self, shader: Shader<'_>, shown: &mut Batch<ShadedColour<i32>>) {
         shader.run(self, shown);
     }
 }
 
 impl EnvironmentColours<'_, Footprint<i32>> {
-    /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
+    /// Replaces `shown` by the colours of the fragments. Lanes are grouped by probe count if that saves iterations.
     pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Footprint<i32>>, shown: &mut Batch<ShadedColour<i32>>) {
         ordered.run(self, self.looks.counts(), shader, shown);
     }
 }
 
 impl EnvironmentColours<'_, Sweep<i32>> {
-    /// Puts what fragments show into `shown`, in place of what it held. Groups of lanes are of like probe counts if that spares turns.
+    /// Replaces `shown` by the colours of the fragments. Lanes are grouped by probe count if that saves iterations.
     pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Sweep<i32>>, shown: &mut Batch<ShadedColour<i32>>) {
         ordered.run(self, self.looks.counts(), shader, shown);
     }
 }
 
-/// A batch in the order of its probe counts; its memory is kept for the next one.
+/// A batch in the order of its probe counts; the next batch reuses its memory.
 #[derive(Clone, Debug)]
 pub struct Ordered<L> {
     order: Order,
@@ -143,7 +143,7 @@ impl<L> Default for Ordered<L> {
 }
 
 impl<L: EnvironmentLookup> Ordered<L> {
-    /// Runs a pass on fragments with so many probes each.
+    /// Runs a pass on fragments with these probe counts.
     fn run(
         &mut self,
         pass: &EnvironmentColours<'_, L>,
@@ -163,7 +163,7 @@ impl<L: EnvironmentLookup> Ordered<L> {
     }
 }
 
-/// The mean of what two lobes show.
+/// The mean of the colours of two lobes.
 #[derive(Clone, Copy, Debug)]
 pub struct Lobes<'a>(pub [&'a Batch<ShadedColour<i32>>; 2]);
 

@@ -1,4 +1,4 @@
-//! The way of a fragment: every pass by its name, in the order of the block diagram.
+//! The path of a fragment: every pass by its name, in the order of the block diagram.
 
 use roughxel_core::datapath::texel::Bump;
 use roughxel_core::datapath::{Surface, pixel};
@@ -22,7 +22,7 @@ use crate::signals::{Derivatives, FilteredBump, Footprint, ShadedColour, Slopes,
 use crate::sums::Sums;
 use crate::surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
 
-/// Batches between the passes; their memory is kept for the next fragments.
+/// Batches between the passes; the next fragments reuse their memory.
 #[derive(Debug, Default)]
 pub struct Work {
     colours: Batch<ShadedColour<i32>>,
@@ -56,13 +56,13 @@ struct SeenWork {
     of_both: Batch<ShadedColour<i32>>,
 }
 
-/// The plan of a batch: stages are left out that every one of its fragments would feed with zeros, which changes no bit.
+/// The plan of a batch. It leaves out stages whose inputs would be zero for every fragment, which changes no bit.
 struct BatchPlan {
     surface: SurfacePlan,
     reflection: Option<ReflectionPlan>,
-    /// The object is rough, whatever a batch leaves out.
+    /// True if the object is rough, even if a batch leaves stages out.
     is_rough: bool,
-    /// A smooth batch shows the same by both.
+    /// True for two lobes; each lobe of a smooth batch gives the same colour.
     two_lobes: bool,
 }
 
@@ -92,7 +92,7 @@ impl BatchPlan {
 }
 
 impl Shader<'_> {
-    /// Shades the waiting fragments of an object and adds their light to the pixels where they count.
+    /// Shades the waiting fragments of an object and adds their light to their pixels.
     pub fn shade(self, material: &Material, fragments: &mut Fragments, work: &mut Work, sums: &mut Sums) {
         if fragments.is_empty() {
             return;
