@@ -1,4 +1,4 @@
-//! The compiler's version, for what is said of a machine.
+//! Records the compiler's version for the description of a machine.
 
 use std::env;
 use std::process::Command;

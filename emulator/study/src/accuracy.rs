@@ -1,10 +1,9 @@
 //! Accuracy of the integer datapath against the independent float64 reference, fed with the same port values.
 //!
-//! One table of bars for reports and tests alike. What a bar means where an input is ill-conditioned:
-//! *face coordinates* count where the reference is further than [`tie_margin`] from a tie of two faces (beyond it
-//! either face is right); *footprint* figures are relative to λ₁, but not less than 1/[`CANCELLATION`] of the
-//! size of the terms before they cancel: dr is a difference of products rounded to p bits, its error is
-//! proportional to the terms whatever is left of them.
+//! Reports and tests share one table of bars. For ill-conditioned inputs a bar has these meanings. *Face coordinates* count if
+//! the reference is further than [`tie_margin`] from a tie of two faces; nearer to the tie either face is right. *Footprint*
+//! figures are relative to λ₁, but to at least 1/[`CANCELLATION`] of the size of the terms before they cancel. dr is a difference
+//! of products rounded to p bits, so its error is proportional to the terms, not to the rest that they leave.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,13 +22,13 @@ use roughxel_cases::{hard_case_sets, random_fragment};
 
 use crate::distribution::Distribution;
 
-/// Relative difference of the two largest components of r below which the face is a matter of rounding: the bar of s and t, which
-/// are ±1 there, and at least 2^−12.
+/// Relative difference of the two largest components of r below which rounding decides the face: the bar of s and t, which are ±1
+/// there, and at least 2^−12.
 pub fn tie_margin(p: &Precision) -> f64 {
     2.0_f64.powi(4 - p.fraction_bits as i32).max(1.0 / 4096.0)
 }
 
-/// How much of a footprint may cancel before its errors are judged against the terms instead of the rest.
+/// Ratio of a footprint's terms to their rest beyond which errors are judged against the terms.
 pub const CANCELLATION: f64 = 16.0;
 
 /// A figure of merit with a bar.
@@ -37,7 +36,7 @@ pub const CANCELLATION: f64 = 16.0;
 pub enum Figure {
     /// max(|Δs|, |Δt|).
     Coordinates,
-    /// max of |E₁·E₂|/|n|², |E·n|/|n|² and | |E| − |n| |/|n| (systems 2 and 3).
+    /// Largest of |E₁·E₂|/|n|², |E·n|/|n|² and | |E| − |n| |/|n| (systems 2 and 3).
     Frame,
     /// |Δλ₁|/λ₁.
     MajorAxis,
@@ -45,7 +44,7 @@ pub enum Figure {
     LevelOfDetail,
     /// Angle of the major axis, degrees, where λ₁/λ₂ ≥ 1.1.
     Direction,
-    /// Angle between the reflected vectors, radians (no bar of its own; it is in the coordinates).
+    /// Angle between the reflected vectors, radians (it has no bar of its own; it is part of the coordinates).
     Reflected,
 }
 
@@ -60,7 +59,7 @@ pub const FIGURES: [(Figure, &str); 6] = [
 ];
 
 impl Figure {
-    /// The bar of a named profile; `None` where a figure is reported only.
+    /// The bar of a named profile; `None` if a figure is reported only.
     pub fn bar(self, profile: &str) -> Option<f64> {
         let column = Profile::NAMES.iter().position(|name| *name == profile)?;
         let two = |power: i32| 2.0_f64.powi(power);
@@ -80,16 +79,18 @@ impl Figure {
     }
 }
 
-/// Largest errors of a light on a peak in each profile: log₂ of that of its local half vector from the ports on (frame, half
-/// vector and local direction together), times the sine between n and h and times |l̂ + v̂|/2, which say how well either is
-/// defined; and of its light at the direction and the visibility that the datapath has, as a share of the amplitude: in `narrow` a
-/// stored N loses its last place, 55·√3·2^−15. Measured −12.3, −14.2, −18.1, −24.3 and −8.9, −15.8, −20.1, −21.0.
+/// Largest errors of a light on a peak in each profile. The first is log₂ of the error of its local half vector from the ports on
+/// (tangent basis, half vector and local direction together), times the sine between n and h and times |l̂ + v̂|/2: factors that
+/// measure how well the local direction and the half vector are defined. The second is log₂ of the error of its light at the
+/// datapath's direction and visibility, as a share of the amplitude. In `narrow` a stored N loses its last place, 55·√3·2^−15.
+/// Measured −12.3, −14.2, −18.1, −24.3 and −8.9, −15.8, −20.1, −21.0.
 pub const LIT_PEAK_BARS: [[f64; 2]; 5] =
     [[-12.0, -8.5], [-14.0, -15.5], [-14.0, -15.5], [-18.0, -19.8], [-24.0, -20.6]];
 
-/// Largest error of the light of a peak from the ports on, as a share of its amplitude, where h is perpendicular to n and l and v are
-/// within 25° of the half vector: both of [`LIT_PEAK_BARS`], an angle counting √(n/e) times, for a power falls that steeply; and the
-/// length of the stored normal, 2^−15 at most, which scales 1 − cos and so counts n(1 − cos)·cosⁿ ≤ 1/e times.
+/// Largest error of the light of a peak from the ports on, as a share of its amplitude, if h is perpendicular to n and l and v
+/// are within 25° of the half vector. It adds the two errors of [`LIT_PEAK_BARS`], an angle multiplied by √(n/e), because a power
+/// falls that steeply. It adds the length error of the stored normal, 2^−15 at most, which scales 1 − cos and so is multiplied by
+/// n(1 − cos)·cosⁿ ≤ 1/e.
 pub fn lit_peak_bar(profile: &str) -> Option<f64> {
     let column = Profile::NAMES.iter().position(|name| *name == profile)?;
     let steepest = (8192.0 / std::f64::consts::E).sqrt() / 25_f64.to_radians().cos();
@@ -112,9 +113,9 @@ pub struct ShadingBars {
 
 /// The bars of a profile; `None` for an unknown name.
 ///
-/// A peak errs by √(8192/e) = 55 times the angle of its half vector's error, for a power falls that steeply (measured
-/// 2^−9.6, 2^−13.6), and by the length of its stored normal, 2^−15 at most, which is all that is left in `precise`. A visibility
-/// is a product of four factors with 16 fraction bits.
+/// The error of a peak is √(8192/e) = 55 times the angular error of its half vector, because a power falls that steeply (measured
+/// 2^−9.6, 2^−13.6), plus the length error of its stored normal, 2^−15 at most, which is all that is left in `precise`. A
+/// visibility is a product of four factors with 16 fraction bits.
 pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
     let bars = |[direction, peak, slope, visibility]: [f64; 4]| ShadingBars {
         direction: direction.exp2(),
@@ -136,7 +137,7 @@ pub fn shading_bars(profile: &str) -> Option<ShadingBars> {
 pub struct Worst {
     /// Error in the unit of the figure.
     pub error: f64,
-    /// Set the fragment comes from.
+    /// Set of the fragment.
     pub set: String,
     /// Index in the set.
     pub index: u64,
@@ -144,18 +145,18 @@ pub struct Worst {
     pub fragment: ReflectionIn,
 }
 
-/// What a datapath says of one fragment, in real numbers.
+/// Outputs of a datapath for one fragment, in real numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observed {
-    /// E₁, E₂ in the unit of n, if they leave the datapath.
+    /// E₁, E₂ in the unit of n, if the datapath outputs them.
     pub frame: Option<[DVec3; 2]>,
-    /// r at any length, if it leaves the datapath.
+    /// r at any length, if the datapath outputs it.
     pub reflected: Option<[f64; 3]>,
     /// Face 0…5.
     pub face: usize,
     /// s, t.
     pub st: [f64; 2],
-    /// λ₁ in half faces; `None` where it cannot be told.
+    /// λ₁ in half faces; `None` if the outputs do not determine it.
     pub major: Option<f64>,
     /// Along λ₁, at any length.
     pub direction: [f64; 2],
@@ -163,12 +164,12 @@ pub struct Observed {
     pub probes: u32,
     /// Level of detail.
     pub lod: f64,
-    /// Whether the step was cut.
+    /// True if the step was clamped.
     pub saturated: bool,
 }
 
 impl Observed {
-    /// What the ports say.
+    /// Reads the ports.
     fn of(fragment: &ReflectionIn, got: &ReflectionOut) -> Self {
         let relative = |e: BlockVector| {
             real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.surface.normal.exponent), ..e })
@@ -186,7 +187,7 @@ impl Observed {
         }
     }
 
-    /// What f32 says.
+    /// Reads a footprint of f32.
     fn of_float(got: &Footprint) -> Self {
         let step = got.step.to_array().map(f64::from);
         let saturated = got.status & StatusBit::FootprintSaturated.mask() != 0;
@@ -195,7 +196,7 @@ impl Observed {
             reflected: None,
             face: got.face as usize,
             st: got.st.to_array().map(f64::from),
-            // The step is 2√3 λ₁/N unless it was cut.
+            // The step is 2√3 λ₁/N unless it was clamped.
             major: (!saturated).then(|| step[0].hypot(step[1]) * f64::from(got.probes) / 12_f64.sqrt()),
             direction: step,
             probes: got.probes,
@@ -210,15 +211,15 @@ impl Observed {
 pub struct Accuracy {
     /// The worst fragment of each figure, indexed like the enum; `None` before any fragment counted.
     worst: [Option<Worst>; FIGURES.len()],
-    /// How many fragments counted for each figure.
+    /// Number of fragments that counted for each figure.
     counted: [u64; FIGURES.len()],
-    /// Errors of the random fragments; hard cases would count as often as there are of them.
+    /// Errors of the random fragments alone. Hard cases would weigh by the number of them in the sets.
     typical: [Distribution; FIGURES.len()],
     /// Fragments measured.
     pub fragments: u64,
     /// Fragments whose face differs from the reference's away from a tie.
     pub wrong_faces: u64,
-    /// Fragments whose probe count differs although λ₁/λ₂ is not within the error of a boundary.
+    /// Fragments with a different probe count although λ₁/λ₂ is not within the error of a boundary.
     pub wrong_counts: u64,
 }
 
@@ -228,7 +229,7 @@ impl Accuracy {
         self.worst[figure.index()].as_ref()
     }
 
-    /// How many fragments counted for a figure.
+    /// Number of fragments that counted for a figure.
     pub fn counted(&self, figure: Figure) -> u64 {
         self.counted[figure.index()]
     }
@@ -238,12 +239,12 @@ impl Accuracy {
         self.typical[figure.index()].mean()
     }
 
-    /// What 99.9 % of the random fragments stay below, to the next 32nd of an octave.
+    /// Bound of 99.9 % of the random fragments, to the next 32nd of an octave.
     pub fn nearly_all(&self, figure: Figure) -> Option<f64> {
         self.typical[figure.index()].quantile(0.999)
     }
 
-    /// Whether every bar of the named profile holds, with no face and no count wrong.
+    /// True if every bar of the named profile holds, with no wrong face and no wrong count.
     pub fn holds(&self, profile: &str) -> bool {
         let within = |(figure, _): &(Figure, &str)| match (figure.bar(profile), self.worst(*figure)) {
             (Some(bar), Some(worst)) => worst.error <= bar,
@@ -263,7 +264,7 @@ impl Accuracy {
             if set == RANDOM {
                 self.typical[i].add(error);
             }
-            // NaN counts as the worst of all.
+            // NaN counts as the worst error.
             if worst.as_ref().is_none_or(|worst| error.is_nan() || error > worst.error) {
                 *worst = Some(Worst { error, set: set.to_owned(), index, fragment: *fragment });
             }
@@ -294,7 +295,7 @@ impl Accuracy {
     }
 }
 
-/// Errors of one fragment; `None` where a figure does not apply.
+/// Errors of one fragment; `None` if a figure does not apply.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sample {
     errors: [Option<f64>; FIGURES.len()],
@@ -302,8 +303,8 @@ struct Sample {
     wrong_count: bool,
 }
 
-/// The reference's view of port values, in units in which n and v have exponent 0: no result depends on the lengths
-/// of (n, dn) and (v, dv), and squares of f64 must not overflow.
+/// Port values in the form that the reference takes. Units give n and v exponent 0: no result depends on the lengths of (n, dn)
+/// and (v, dv), and squares must not overflow f64.
 pub fn reference_inputs(fragment: &ReflectionIn) -> reference::Inputs {
     let relative = |vector: &BlockVector, to: &BlockVector| {
         let mantissa = real_vector(&BlockVector { exponent: 0, ..*vector });
@@ -359,7 +360,7 @@ fn compare(fragment: &ReflectionIn, got: &Observed, plan: &ReflectionPlan, p: &P
     {
         let (unit, e1, e2) = (normal / length, e1 / length, e2 / length);
         let lengths = [e1, e2].map(|e| (e.length() - 1.0).abs());
-        // Systems 1 and 2 are not orthogonal in themselves.
+        // Systems 1 and 2 are not orthogonal by definition.
         let skew = if plan.frame == FrameSystem::MainDirection { e1.dot(e2).abs() } else { 0.0 };
         let lean = e1.dot(unit).abs().max(e2.dot(unit).abs());
         record(Figure::Frame, skew.max(lean).max(lengths[0]).max(lengths[1]));
@@ -387,13 +388,13 @@ fn compare(fragment: &ReflectionIn, got: &Observed, plan: &ReflectionPlan, p: &P
         if let Some(major) = got.major {
             record(Figure::MajorAxis, (major - want.axes.major).abs() / conditioned);
         }
-        // Where most of the footprint cancelled its shape is noise; its size is still judged above.
+        // If most of the footprint cancelled, its shape is noise; its size is still judged above.
         if want.axes.major * CANCELLATION > want.footprint_scale() {
             record(Figure::LevelOfDetail, (got.lod - want.probes.lod).abs());
             if want.axes.ratio() >= 1.1 {
                 record(Figure::Direction, axis_angle(got.direction, want.axes.direction).to_degrees());
             }
-            // A count may differ only where the ratio is within its own error of an integer.
+            // A count may differ only if the ratio is within its own error of an integer.
             let ratio = want.axes.ratio();
             let noise = 2.0_f64.powi(6 - p.fraction_bits as i32) * ratio * ratio;
             let near_boundary = (ratio - ratio.round()).abs() <= noise;
@@ -406,7 +407,7 @@ fn compare(fragment: &ReflectionIn, got: &Observed, plan: &ReflectionPlan, p: &P
 /// Name of the set of random fragments.
 const RANDOM: &str = "random";
 
-/// A datapath from ports to what is observed; `None` where a fragment is beyond its range.
+/// A datapath from ports to observed outputs; `None` for a fragment beyond its range.
 type Datapath<'a> = &'a (dyn Fn(&ReflectionIn, &ReflectionPlan) -> Option<Observed> + Sync);
 
 /// Measures `fragments` random fragments and every hard-case set of the profile `p`.
@@ -416,8 +417,8 @@ pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -
     measure_datapath(p, fragments, &|fragment, plan| Some(Observed::of(fragment, &fragment.reflect(plan, p))), progress)
 }
 
-/// The same of `f32` on a library's mathematics and by careful or plain formulas, with fragments quantised as in `precise`: those within its range, and the plan
-/// that it has.
+/// Same as [`measure`] for `f32`, on a library's mathematics and with careful or plain formulas. Fragments are quantised as in
+/// `precise`. It takes only fragments within the range of `f32` and the plan that it has.
 pub fn measure_float<M: Math, F: Formulas>(fragments: u64, progress: &(dyn Fn(u64) + Sync)) -> Accuracy {
     let datapath = |fragment: &ReflectionIn, plan: &ReflectionPlan| {
         let has = *plan == ReflectionPlan::FULL && Fragment::in_range(fragment);

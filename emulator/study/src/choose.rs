@@ -11,7 +11,7 @@ use std::str::FromStr;
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use thiserror::Error;
 
-/// What a precision costs, and where.
+/// Kind of cost of a precision, and its machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clock {
     /// Time of a frame on this machine.
@@ -25,7 +25,7 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// Every one.
+    /// Every clock.
     pub const ALL: [Self; 4] = [Self::Host, Self::Hardware, Self::SoftCore, Self::Memory];
 
     /// Its name on the command line.
@@ -49,46 +49,46 @@ impl FromStr for Clock {
     }
 }
 
-/// A precision with what is known of it.
+/// A precision with its known figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// Its knobs.
     pub precision: Precision,
     /// The named profile that it is.
     pub name: Option<String>,
-    /// Accuracy, dB; of several scenes that of the worst.
+    /// Accuracy, dB: the worst of the scenes.
     pub psnr: f64,
-    /// Costs in the order of [`Clock::ALL`], each in its own unit; `None` where not known.
+    /// Costs in the order of [`Clock::ALL`], each in its own unit; `None` if unknown.
     pub cost: [Option<f64>; 4],
 }
 
 impl Candidate {
-    /// Its cost on a clock; NaN is not known.
+    /// Its cost on a clock; NaN counts as unknown.
     pub fn cost_on(&self, clock: Clock) -> Option<f64> {
         self.cost[clock as usize].filter(|cost| !cost.is_nan())
     }
 }
 
-/// What tells figures of a precision.
+/// A source of figures of a precision.
 pub trait Meter {
-    /// Its cost on a clock, in the unit of the clock; `None` where not known.
+    /// Its cost on a clock, in the unit of the clock; `None` if unknown.
     fn cost(&self, clock: Clock, p: &Precision) -> Option<f64>;
 
     /// Its accuracy, dB.
     fn psnr(&self, p: &Precision) -> f64;
 }
 
-/// What is wanted.
+/// Goal of a choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
-    /// The cheapest of at least so much accuracy, dB.
+    /// The cheapest with at least this accuracy, dB.
     Psnr(f64),
-    /// The most accurate of at most this cost, in the unit of the clock.
+    /// The most accurate with at most this cost, in the unit of the clock.
     Budget(f64),
 }
 
 impl Aim {
-    /// Whether figures meet it; NaN does not.
+    /// Returns true if the figures meet the aim; false for NaN.
     fn is_met(self, psnr: f64, cost: f64) -> bool {
         match self {
             Self::Psnr(bar) => psnr >= bar,
@@ -97,16 +97,16 @@ impl Aim {
     }
 }
 
-/// Why there is no choice.
+/// Reason why there is no choice.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NoChoice {
-    /// Of no candidate the cost is known.
+    /// No candidate's cost is known.
     #[error("the cost on the clock {0} is not known")]
     Unknown(Clock),
     /// No candidate meets the aim.
     #[error("{}", missed(*aim, *clock, nearest))]
     Missed {
-        /// What was wanted.
+        /// The aim.
         aim: Aim,
         /// The clock of the costs.
         clock: Clock,
@@ -115,7 +115,7 @@ pub enum NoChoice {
     },
 }
 
-/// How far the nearest candidate is from an aim.
+/// Distance of the nearest candidate from an aim.
 fn missed(aim: Aim, clock: Clock, nearest: &Candidate) -> String {
     match aim {
         Aim::Psnr(bar) => {
@@ -132,18 +132,18 @@ fn missed(aim: Aim, clock: Clock, nearest: &Candidate) -> String {
     }
 }
 
-/// NaN stands behind every number.
+/// Orders NaN after every number.
 fn ascending(a: f64, b: f64) -> Ordering {
     a.is_nan().cmp(&b.is_nan()).then(a.partial_cmp(&b).unwrap_or(Ordering::Equal))
 }
 
-/// The higher first.
+/// Orders the higher number first.
 fn descending(a: f64, b: f64) -> Ordering {
     a.is_nan().cmp(&b.is_nan()).then(b.partial_cmp(&a).unwrap_or(Ordering::Equal))
 }
 
-/// The candidate that meets the aim best on a clock: the cheapest or the most accurate, of equal ones by the other figure, then a
-/// named one, then the first.
+/// The candidate that meets the aim best on a clock: the cheapest, or the most accurate. The other figure decides between equal
+/// ones, then a named one wins, then the first.
 ///
 /// Errors: costs are not known on this clock, or no candidate meets the aim.
 pub fn choose(candidates: &[Candidate], aim: Aim, clock: Clock) -> Result<&Candidate, NoChoice> {
@@ -168,11 +168,11 @@ pub fn choose(candidates: &[Candidate], aim: Aim, clock: Clock) -> Result<&Candi
     })
 }
 
-/// Measures as many precisions as [`choose`] needs to decide as if all were measured: those are returned, by cost, with the cost
-/// on this clock alone.
+/// Measures only the precisions that [`choose`] needs for the choice it makes among all. Returns them by cost, with the cost on
+/// this clock alone.
 ///
-/// Of an accuracy that are the ones up to the first that reaches it, and those that cost the same; of a budget all within it, or
-/// the cheapest where none is.
+/// For an accuracy, these are the precisions up to the first that reaches it, and those of equal cost. For a budget, they are all
+/// within it, or the cheapest if none is.
 pub fn measure(
     precisions: &[Precision],
     aim: Aim,
@@ -184,7 +184,7 @@ pub fn measure(
     let mut priced: Vec<(Precision, f64)> = priced.collect();
     priced.sort_by(|(_, a), (_, b)| ascending(*a, *b));
     let cheapest = priced.first().map_or(f64::NAN, |(_, cost)| *cost);
-    // No more than this has to be looked at.
+    // No precision of higher cost has to be measured.
     let mut most = match aim {
         Aim::Psnr(_) => f64::INFINITY,
         Aim::Budget(budget) => budget.max(cheapest),
@@ -206,7 +206,7 @@ pub fn measure(
     measured
 }
 
-/// The next cheaper one than the chosen on a clock, of several the most accurate: what the aim costs.
+/// The next cheaper candidate than the chosen one on a clock, the most accurate of several: it shows the cost of the aim.
 pub fn next_cheaper<'a>(candidates: &'a [Candidate], chosen: &Candidate, clock: Clock) -> Option<&'a Candidate> {
     let most = chosen.cost_on(clock)?;
     let cost = |candidate: &Candidate| candidate.cost_on(clock).unwrap_or(f64::NAN);
@@ -214,8 +214,8 @@ pub fn next_cheaper<'a>(candidates: &'a [Candidate], chosen: &Candidate, clock: 
     cheaper.min_by(|a, b| descending(cost(a), cost(b)).then(descending(a.psnr, b.psnr)))
 }
 
-/// [`Precision::grid`] with 1 to 16 probes and isotropic roughness or not, every combination; beside it the named profiles, which come
-/// first. None is there twice.
+/// [`Precision::grid`] with 1 to 16 probes and isotropic roughness or not, every combination, in addition to the named profiles,
+/// which come first. No precision is in the list twice.
 pub fn candidates() -> Vec<Precision> {
     let mut all = Profile::ALL.map(Profile::precision).to_vec();
     let counted = |p| [1, 2, 4, 8, 16].map(|max_probes| Precision { max_probes, ..p });

@@ -1,11 +1,11 @@
-//! How errors are distributed.
+//! Distribution of errors.
 
 /// Bins of an octave in a [`Distribution`].
 const BINS_PER_OCTAVE: f64 = 32.0;
-/// Smallest and largest error that bins tell apart, log₂.
+/// Smallest and largest error that bins distinguish, log₂.
 const OCTAVES: [i32; 2] = [-64, 16];
 
-/// How errors are distributed: their sum, and how many lie in each 32nd of an octave.
+/// Distribution of errors: their sum, and the number in each 32nd of an octave.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Distribution {
     sum: f64,
@@ -16,7 +16,7 @@ impl Distribution {
     pub(crate) fn add(&mut self, error: f64) {
         self.sum += error;
         let [low, high] = OCTAVES.map(f64::from);
-        // NaN is worse than any.
+        // NaN is worse than any number.
         let octave = if error.is_nan() { high } else { error.log2().clamp(low, high) };
         let bin = ((octave - low) * BINS_PER_OCTAVE) as usize;
         self.bins.resize(self.bins.len().max(bin + 1), 0);
@@ -35,13 +35,13 @@ impl Distribution {
         self.bins.iter().sum()
     }
 
-    /// `None` of no errors.
+    /// The mean; `None` without errors.
     pub(crate) fn mean(&self) -> Option<f64> {
         let count = self.count();
         (count > 0).then(|| self.sum / count as f64)
     }
 
-    /// The upper end of the bin below which that share of the errors lies; `None` of no errors.
+    /// The upper end of the bin below which this share of the errors lies; `None` without errors.
     pub(crate) fn quantile(&self, share: f64) -> Option<f64> {
         let below = (share * self.count() as f64).ceil() as u64;
         let mut sum = 0;

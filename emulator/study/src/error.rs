@@ -1,4 +1,4 @@
-//! Why a study ends without success.
+//! Reasons why a study ends without success.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use roughxel_scene::SceneError;
 use roughxel_scene::picture::PictureError;
 use thiserror::Error;
 
-/// Why a study ends without success.
+/// Reason why a study ends without success.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -25,7 +25,7 @@ pub enum StudyError {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// A thread cannot be had.
+    /// Threads cannot be started.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// A file that holds no study.
@@ -33,17 +33,17 @@ pub enum StudyError {
     NoStudy {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the fault.
         problem: String,
     },
     /// A file of the study.
     #[error("{}: cannot {action}: {source}", path.display())]
     File {
-        /// read or write.
+        /// The verb: read or write.
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
 }

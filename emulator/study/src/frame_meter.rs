@@ -1,4 +1,4 @@
-//! What a precision costs, and how accurate the frames of some scenes are with it.
+//! Cost of a precision, and accuracy of the frames of some scenes with it.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -25,12 +25,12 @@ use crate::soft_core;
 /// Least time that each side of a comparison of frames takes.
 const FRAME_TIME: Duration = Duration::from_millis(50);
 
-/// What frames are compared with.
+/// Reference of a comparison of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
-    /// The same filter in float64, with the probes of `standard`: what integers change.
+    /// The same filter in float64, with the probes of `standard`: shows the effect of integers.
     Filter,
-    /// 1024 samples a pixel in float64: what filter and integers change.
+    /// 1024 samples a pixel in float64: shows the effect of filter and integers.
     Samples,
 }
 
@@ -58,7 +58,7 @@ impl FromStr for Against {
     }
 }
 
-/// A scene with what its frames are compared with.
+/// A scene with the reference of its frames.
 struct Measured<'a> {
     subject: &'a Subject,
     truth: RealPicture,
@@ -71,32 +71,32 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// What frames in a precision say, of the worst scene each.
+/// Figures of the frames in a precision, each of the worst scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     /// Texels of a pixel.
     texels: f64,
-    /// Against the truth, dB.
+    /// PSNR against the truth, dB.
     psnr: f64,
 }
 
-/// Measures precisions by the frames of some scenes; of several the worst counts, in accuracy and on every clock.
+/// Measures precisions by the frames of some scenes. The worst scene counts, in accuracy and on every clock.
 ///
 /// - host: t(frame)/t(frame in `standard`), median of pairs drawn in turn; without unit.
-/// - hardware: [`hardware::full_adders`] of all that an object's fragments and fetches go through, each design once.
+/// - hardware: [`hardware::full_adders`] of every design that an object's fragments and fetches use, each once.
 /// - softcore: instructions of a pixel on riscv32imac: a reflection with all effects, and its texels with their filter.
 /// - memory: texels of a pixel.
 pub struct FrameMeter<'a> {
     scenes: Vec<Measured<'a>>,
-    /// Of the objects of all scenes, each once, and whether what they reflect is bright.
+    /// Plans of the objects of all scenes, each once; true if the object reflects a bright environment.
     plans: Vec<(ObjectPlan, bool)>,
-    /// Of every precision whose frames were drawn, by its knobs: texels and PSNR are told by the same frames.
+    /// Figures of every precision whose frames were drawn, by its knobs: the same frames give texels and PSNR.
     seen: RefCell<HashMap<[u32; Knob::ALL.len()], Seen>>,
     start: Instant,
 }
 
 impl<'a> FrameMeter<'a> {
-    /// Draws what frames are compared with; `progress` is called [`FrameMeter::work`] times.
+    /// Draws the references of the frames; `progress` is called [`FrameMeter::work`] times.
     ///
     /// Errors: those of the cameras and the meshes.
     pub fn new(subjects: &'a [Subject], against: Against, progress: &(dyn Fn() + Sync)) -> Result<Self, RasterError> {
@@ -145,7 +145,7 @@ impl<'a> FrameMeter<'a> {
     }
 }
 
-/// Four of each of two levels.
+/// Four texels on each of two levels.
 const TEXELS_OF_A_PROBE: f64 = 8.0;
 
 impl Meter for FrameMeter<'_> {
@@ -154,7 +154,7 @@ impl Meter for FrameMeter<'_> {
             Clock::Host => self.time(p).ok(),
             Clock::Hardware => self.plans.iter().map(|planned| full_adders(planned, p)).max().map(|bits| bits as f64),
             Clock::SoftCore => {
-                // What a setting takes with fewer probes was not priced: at most 2 % less (`max_probes` in knobs.json).
+                // Settings with fewer probes were not priced; they take at most 2 % less (`max_probes` in knobs.json).
                 let priced = Precision { max_probes: Precision::STANDARD.max_probes, ..*p };
                 let price = soft_core::price(soft_core::TARGET, &priced)?;
                 let probe =
@@ -166,12 +166,12 @@ impl Meter for FrameMeter<'_> {
     }
 
     fn psnr(&self, p: &Precision) -> f64 {
-        // What could be wrong with camera and meshes does not depend on a precision: `new` has been through it.
+        // Errors of camera and meshes do not depend on the precision: `new` has passed, so none is left.
         self.seen(p).map_or(f64::NAN, |seen| seen.psnr)
     }
 }
 
-/// Full adders of all that an object goes through.
+/// Full adders of every design that an object uses.
 fn full_adders((plan, is_bright): &(ObjectPlan, bool), p: &Precision) -> u64 {
     let datapath = |(datapath, effects): (_, Effects)| {
         let roughness = if effects.roughness == RoughnessKind::None { RoughnessKind::None } else { p.roughness };

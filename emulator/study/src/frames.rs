@@ -1,5 +1,5 @@
-//! Frames of scenes against float64: how far the datapath is from the same filter, from the filter of the default profile, and from
-//! the truth, and what it reads of memory for that.
+//! Frames of scenes against float64: distance of the datapath from the same filter, from the filter of the default profile, and
+//! from the truth, and the memory it reads.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,14 +16,14 @@ use serde::{Deserialize, Serialize};
 use crate::stability::Float;
 use crate::{StudyError, Subject};
 
-/// The filter that frames of every profile are compared with: that of the default one.
+/// The filter that frames of every profile are compared with: that of the default profile.
 pub const FILTER: Precision = Precision::STANDARD;
 
-/// What decides a frame in float64: numbers of probes, their weights, and the roughness that maps hold.
+/// Knobs that change a frame in float64: probe counts, probe weights, and the roughness that maps store.
 const FILTER_KNOBS: [Knob; 5] =
     [Knob::MaxProbes, Knob::ProbeRule, Knob::ProbeWeights, Knob::Roughness, Knob::RoughnessBits];
 
-/// A scene with the pictures in float64 that its frames are judged by.
+/// A scene with the float64 pictures that its frames are judged by.
 pub struct Judge {
     subject: Subject,
     truth: RealPicture,
@@ -31,22 +31,23 @@ pub struct Judge {
     filtered: Mutex<HashMap<[u32; FILTER_KNOBS.len()], Arc<RealPicture>>>,
 }
 
-/// Figures of one frame. PSNR in dB of linear light, all channels, colours cut to [0, 1]; `None` for equal pictures.
+/// Figures of one frame. PSNR in dB of linear light, all channels, colours clamped to [0, 1]; `None` for equal pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameFigures {
     /// Name of the scene.
     pub scene: String,
-    /// PSNR against the same filter in float64: what rounding costs; `None` of modes without footprints, too.
+    /// PSNR against the same filter in float64: the cost of rounding; also `None` for modes without footprints.
     pub psnr_same: Option<f64>,
-    /// PSNR against the filter of `standard` in float64: what rounding and a coarser filter cost.
+    /// PSNR against the filter of `standard` in float64: the cost of rounding and a coarser filter.
     pub psnr_filter: Option<f64>,
-    /// PSNR against 1024 samples a pixel of the unfiltered maps: what filtering costs, too.
+    /// PSNR against 1024 samples a pixel of the unfiltered maps: includes the cost of filtering.
     pub psnr_truth: Option<f64>,
-    /// SSIM against them.
+    /// SSIM against the 1024 samples.
     pub ssim_truth: Option<f64>,
-    /// Mean FLIP against them, 0 for equal pictures, at 67 pixels a degree; `None` in programs without the feature `flip`.
+    /// Mean FLIP against the 1024 samples, 0 for equal pictures, at 67 pixels a degree; `None` in programs without the feature
+    /// `flip`.
     pub flip_truth: Option<f64>,
-    /// Texels read a pixel, those of each map and level by themselves.
+    /// Texels read a pixel; each map and level counts separately.
     pub texels: f64,
     /// Bytes of the maps that the frame reads.
     pub map_bytes: u64,
@@ -73,7 +74,7 @@ impl Judge {
     /// The frame of the footprint mode in float64, with the filter of a profile.
     pub fn filtered(&self, p: &Precision) -> Result<Arc<RealPicture>, StudyError> {
         let key = FILTER_KNOBS.map(|knob| knob.of(p));
-        // Two threads may draw the same: nobody waits for a picture that another draws.
+        // Two threads may draw the same picture, so neither waits for the other.
         let known = self.filtered.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
         if let Some(picture) = known {
             return Ok(picture);
@@ -83,19 +84,19 @@ impl Judge {
         Ok(picture)
     }
 
-    /// PSNR of a frame with the footprints of f32, everything else in float64, against the filter of [`FILTER`], dB.
+    /// PSNR of a frame with f32 footprints and all else in float64, against the filter of [`FILTER`], dB.
     pub fn float(&self, float: &Float) -> Result<Option<f64>, StudyError> {
         let drawn = reference_renderer::render_with(self.scene(), Mode::Footprint, &FILTER, float, &|| ())?;
         let psnr = drawn.psnr(self.filtered(&FILTER)?.as_ref());
         Ok(psnr.is_finite().then_some(psnr))
     }
 
-    /// Draws a frame and judges it; a mode that does not filter with footprints has no same filter to be compared with.
+    /// Draws a frame and judges it. A mode without footprints has no same filter for comparison.
     pub fn frame(&self, mode: Mode, p: &Precision) -> Result<(Frame, FrameFigures), StudyError> {
         let prepared = self.subject.prepare(mode, p)?;
         let (frame, counted) = prepared.render_counted(&|| ())?;
         let mut maps: Vec<_> = (0..self.scene().objects.len()).flat_map(|object| prepared.map_bytes(object)).collect();
-        // Objects reflect one environment.
+        // Objects share one environment.
         maps.sort_unstable_by_key(|&(effect, bytes)| (effect.name(), bytes));
         maps.dedup_by_key(|(effect, bytes)| (effect.name(), *bytes));
         let drawn = RealPicture::from(&frame);
@@ -131,7 +132,7 @@ fn flip(picture: &Picture, truth: &Picture) -> Option<f64> {
     Some(FlipPool::from_image(&errors).mean().into())
 }
 
-/// It wants a C++ compiler, so it is a feature.
+/// `None`: FLIP needs a C++ compiler, so it is a feature.
 #[cfg(not(feature = "flip"))]
 fn flip(_: &Picture, _: &Picture) -> Option<f64> {
     None

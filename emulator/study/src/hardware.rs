@@ -1,8 +1,7 @@
-//! The clock of hardware: what the reflection datapath takes on silicon at a precision, from the proof of its ranges.
+//! The hardware clock: size of the reflection datapath on silicon at a precision, from the proof of its ranges.
 //!
-//! Everything is counted on the recorded graph (`roughxel cost`), so it is exact and the same every time, but for two estimates that
-//! say so: lookup tables and a clock. Both are calibrated on what Yosys and nextpnr made of the stages for an ECP5
-//! (`vectors/hdl/RESULTS.md`).
+//! Everything is counted on the netlist (`roughxel cost`), so it is exact and reproducible. Lookup tables and the clock are
+//! estimates and named so. They are calibrated on the results of Yosys and nextpnr for an ECP5 (`vectors/hdl/RESULTS.md`).
 
 use std::collections::BTreeMap;
 
@@ -15,47 +14,48 @@ use roughxel_netlist::interval::Ranges;
 use roughxel_record as record;
 use serde::{Deserialize, Serialize};
 
-/// Nanoseconds of a gate level on an ECP5 of speed grade 6, placed and routed: the median over the placed stages of RESULTS.md that
-/// are more than a handful of gates; they lie within 0.65 and 0.78.
+/// Nanoseconds of a gate level on an ECP5 of speed grade 6, placed and routed: the median over the placed stages of RESULTS.md
+/// with more than a handful of gates. Their range is 0.65 to 0.78.
 const LEVEL_NS: f64 = 0.71;
 
-/// Bits of a table that a lookup table of four inputs holds.
+/// Table bits that fit a lookup table of four inputs.
 const LUT_BITS: u64 = 16;
 
-/// Full adders: w·n of a multiplier of w by n bits, w·(digits − 1) of one by a constant, and the carry bits of adders and comparators.
-/// Tables, selects and shifters are not in it.
+/// Full adders: w·n of a multiplier of w by n bits, w·(digits − 1) of a multiplier by a constant, and the carry bits of adders
+/// and comparators. Tables, selects and shifters are not included.
 pub fn full_adders(cost: &Cost) -> u64 {
     let products = cost.multipliers.iter().map(|([w, n], count)| w * n * count);
     let by_constant = cost.constant_multipliers.iter().map(|([w, digits], count)| w * (digits - 1) * count);
     cost.carry_bits() + products.chain(by_constant).map(u64::from).sum::<u64>()
 }
 
-/// What the reflection datapath with all effects takes.
+/// Size of the reflection datapath with all effects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HardwareFigures {
     /// Multipliers by the widths of their operands in bits, as `22x22`.
     pub multipliers: BTreeMap<String, u32>,
-    /// All of them.
+    /// Number of multipliers.
     pub multiplier_count: u32,
-    /// [`full_adders`] of all of it.
+    /// [`full_adders`] of the datapath.
     pub full_adders: u64,
-    /// Blocks of 18×18 bits that they fill; Yosys takes 1.02 to 1.13 times as many.
+    /// Blocks of 18×18 bits that the multipliers fill; Yosys uses 1.02 to 1.13 times as many.
     pub blocks_18x18: u32,
-    /// Lookup tables of four inputs: one for each bit of adders, comparators, selects, shifters, counters and logic, and for 16 bits
-    /// of tables. Yosys makes 1.03 (`paper`) to 1.28 (`precise`) times as many of the same stages.
+    /// Lookup tables of four inputs: one for each bit of adders, comparators, selects, shifters, counters and logic, and for 16
+    /// bits of tables. Yosys makes 1.03 (`paper`) to 1.28 (`precise`) times as many of the same stages.
     pub luts_estimate: u64,
     /// Bits of tables.
     pub rom_bits: u64,
-    /// Gate levels from ports to outcomes without a register.
+    /// Gate levels from ports to outcomes without registers.
     pub levels: u32,
     /// Gate levels of the slowest unit, which no register can divide.
     pub unit_levels: u32,
-    /// Clock in MHz with a register behind every unit, at 0.71 ns a gate level; a fragment a cycle, so 10⁶ fragments a second.
+    /// Clock in MHz with a register after every unit, at 0.71 ns a gate level. One fragment a cycle gives 10⁶ fragments a second
+    /// for each MHz.
     pub clock_mhz_estimate: f64,
 }
 
 impl HardwareFigures {
-    /// Of a precision; `None` where a wire is not proven to stay in its word, which no precision inside its limits has.
+    /// Figures of a precision. `None` if a wire is not proven to fit its word, which no precision inside its limits has.
     pub fn of(p: &Precision) -> Option<Self> {
         let net = record::net(Design::Reflection, &Effects::ALL, p);
         let ranges = Ranges::new(&net);
@@ -65,7 +65,7 @@ impl HardwareFigures {
         let census = Census::new(&net, &ranges).total;
         let Cost { multipliers, selects, shifters, leading_zeros, logic, .. } = &census;
         let unit_levels = net.iter().map(|(id, _)| levels(&net, &ranges, id)).max().unwrap_or(1);
-        // An operand of 18 bits in two's complement is one block; each 17 more are another.
+        // An operand of 18 bits in two's complement is one block; every 17 further bits add a block.
         let blocks = |width: u32| width.saturating_sub(1).div_ceil(17).max(1);
         Some(Self {
             multipliers: multipliers.iter().map(|([a, b], count)| (format!("{a}x{b}"), *count)).collect(),

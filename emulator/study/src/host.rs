@@ -1,8 +1,8 @@
-//! The clock of a host: how long fragments and frames take on one thread of this machine, as ratios to `standard`.
+//! The host clock: time of fragments and frames on one thread of this machine, as ratios to `standard`.
 //!
-//! A ratio is the median over rounds; in each round both sides run one after the other, so that what slows the machine down for a
-//! while slows both. Its noise is how far rounds lie apart. What other programs take of the machine meanwhile is read from
-//! the system where it says so, and a figure made under load is marked.
+//! A ratio is the median over rounds. In each round the two sides run one after the other, so that a temporary slowdown of the
+//! machine affects each side. Its noise is the spread of the rounds. The load of other programs is read from the system if the
+//! system reports it; a figure measured under load is marked.
 
 use std::fs;
 use std::hint::black_box;
@@ -27,32 +27,33 @@ use serde::{Deserialize, Serialize};
 use crate::StudyError;
 use crate::accuracy::{reference_inputs, reference_options};
 
-/// Share of a core that others may take before a figure counts as made under load.
+/// Share of a core used by others above which a figure counts as measured under load.
 const QUIET: f64 = 0.1;
-/// Seconds to which the system tells who has worked.
+/// Resolution of the system's processor times, seconds.
 const TICK: f64 = 0.01;
-/// Noise of a ratio that counts as load, too.
+/// Noise of a ratio that also counts as load.
 const NOISY: f64 = 0.25;
-/// Two runs of one program lie this far apart whatever their rounds say: where its memory lies, how warm the machine is. Of 293 ratios 16
-/// moved from one full study to the next by more than half of what 80 % of the rounds spread over and 3 %.
+/// Least noise of a ratio. Two runs of one program differ by this much whatever their rounds say: memory addresses and
+/// temperature change. From one full study to the next, 16 of 293 ratios moved by more than 3 % and more than half the spread of
+/// 80 % of the rounds.
 const LEAST_NOISE: f64 = 0.05;
 
-/// What a time was found to be.
+/// Result of a time measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// Nanoseconds of a fragment, or of a pixel of a frame.
     pub ns: f64,
-    /// Time as a multiple of what `standard` takes in the same reading.
+    /// Time as a multiple of that of `standard` on the same backend.
     pub ratio: f64,
-    /// How far the ratio may lie off, as a multiple of the same: what 80 % of the rounds spread over, and 5 % at least.
+    /// Uncertainty of the ratio, as a multiple of it: the spread of 80 % of the rounds, and at least 5 %.
     pub noise: f64,
-    /// Share of a core that other programs took meanwhile; `None` where the system does not tell.
+    /// Share of a core used by other programs; `None` if the system does not report it.
     pub others: Option<f64>,
-    /// Whether that, or the noise, makes the figure worth nothing.
+    /// True if the load or the noise makes the figure worthless.
     pub loaded: bool,
 }
 
-/// How long it is measured.
+/// Length of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rounds {
     /// Rounds, an odd number.
@@ -61,10 +62,10 @@ pub struct Rounds {
     pub least_ms: u64,
 }
 
-/// Something that can be run again.
+/// A repeatable computation.
 pub type Pass<'a> = Box<dyn FnMut() + 'a>;
 
-/// Times `a` against `b`, which both work on `units` fragments or pixels.
+/// Times `a` against `b`; each works on `units` fragments or pixels.
 pub fn time(a: &mut Pass<'_>, b: &mut Pass<'_>, units: usize, rounds: Rounds) -> Timing {
     let load = Load::now();
     let begin = Instant::now();
@@ -82,7 +83,7 @@ pub fn time(a: &mut Pass<'_>, b: &mut Pass<'_>, units: usize, rounds: Rounds) ->
     };
     let (mut ratios, mut times) = (Vec::new(), Vec::new());
     for round in 0..rounds.count.max(1) {
-        // Neither is always the first.
+        // The sides take turns in going first.
         let (of_a, of_b) = if round % 2 == 0 {
             (run(a, counts[0]), run(b, counts[1]))
         } else {
@@ -112,7 +113,7 @@ fn quantile(figures: &mut [f64], share: f64) -> f64 {
     figures[(share * (figures.len() - 1) as f64).round() as usize]
 }
 
-/// Seconds that the machine's processors have worked, and those of this program.
+/// Processor seconds of the machine, and of this program.
 #[derive(Clone, Copy, Debug)]
 struct Load {
     busy: f64,
@@ -120,25 +121,25 @@ struct Load {
 }
 
 impl Load {
-    /// As Linux tells; `None` elsewhere.
+    /// Reads the times that Linux reports; `None` elsewhere.
     fn now() -> Option<Self> {
-        // Ticks of 10 ms on every Linux that runs on hosts; user, nice, system, idle, iowait, irq, softirq, steal.
+        // Ticks are 10 ms on every Linux that runs on hosts; user, nice, system, idle, iowait, irq, softirq, steal.
         let all = fs::read_to_string("/proc/stat").ok()?;
         let ticks: Vec<f64> = all.lines().next()?.split_whitespace().skip(1).flat_map(str::parse).collect();
         let busy = [0, 1, 2, 5, 6, 7].iter().map(|&i| ticks.get(i).copied().unwrap_or(0.0)).sum::<f64>() / 100.0;
         let own = fs::read_to_string("/proc/self/stat").ok()?;
-        // The name of the program may hold anything but the last bracket.
+        // The program's name may contain any character; it ends at the last bracket.
         let own: Vec<f64> = own.rsplit_once(')')?.1.split_whitespace().skip(11).take(2).flat_map(str::parse).collect();
         Some(Self { busy, own: own.iter().sum::<f64>() / 100.0 })
     }
 
-    /// Processor seconds of others.
+    /// Processor seconds of other programs.
     fn others_since(self, before: Self) -> f64 {
         ((self.busy - before.busy) - (self.own - before.own)).max(0.0)
     }
 }
 
-/// Fragments that go through lanes at a time, as in a frame.
+/// Fragments in a batch through the lanes, as in a frame.
 const BATCH: usize = 256;
 /// Fragments of a pass: inputs and outputs stay within a second-level cache.
 const FRAGMENTS: usize = 2048;
@@ -151,7 +152,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Those of the scene `globe`, in the order of its rows.
+    /// Takes the fragments of the scene `globe`, in the order of its rows.
     ///
     /// # Panics
     /// If few of them have every effect.
@@ -159,7 +160,8 @@ impl Bench {
         let scene = Scene::open("globe")?;
         let prepared = Prepared::new(&scene, Mode::Footprint, &Precision::STANDARD)?;
         let captured = prepared.capture(FRAGMENTS)?;
-        // Its bumps are rough enough for footprints on the sphere; what is measured are those on a face, which f32 has, too.
+        // Its bumps are rough enough for footprints on the sphere; the measurement is of footprints on a face, which f32 has,
+        // too.
         let full = captured
             .into_iter()
             .filter(|(fragment, plan)| plan.on_face() == ReflectionPlan::FULL && Fragment::in_range(fragment));
@@ -181,7 +183,7 @@ impl Bench {
 
     /// The whole reflection of every fragment, fetches excluded.
     pub fn integers(&self, backend: Backend, p: &Precision) -> Pass<'_> {
-        // Data here as in the emulator: a profile known to the compiler makes the scalar backend 1.25 times as fast.
+        // The profile is data, as in the emulator: a profile known to the compiler makes the scalar backend 1.25 times as fast.
         let p = black_box(*p);
         let scale = environment_scale(self.edge_texels, &p);
         Box::new(move || {
@@ -194,7 +196,7 @@ impl Bench {
         })
     }
 
-    /// The same in float64: the reference.
+    /// The whole reflection in float64, by the reference.
     pub fn float64(&self) -> Pass<'_> {
         let inputs: Vec<_> = self.ports.iter().map(reference_inputs).collect();
         let options = reference_options(&ReflectionPlan::FULL, &Precision::STANDARD);
@@ -206,7 +208,7 @@ impl Bench {
         })
     }
 
-    /// The same in f32, one fragment at a time.
+    /// The whole reflection in f32, one fragment at a time.
     pub fn float32(&self) -> Pass<'_> {
         let environment = Environment::new(self.edge_texels.into());
         let fragments: Vec<_> = self.ports.iter().map(Fragment::from).collect();
@@ -219,7 +221,7 @@ impl Bench {
         })
     }
 
-    /// The same in f32 for the vectors of the machine.
+    /// The whole reflection in f32 for the vectors of the machine.
     pub fn float32_batched(&self) -> Pass<'_> {
         let environment = Environment::new(self.edge_texels.into());
         let fragments: Vec<_> = self.ports.iter().map(Fragment::from).collect();
@@ -232,18 +234,18 @@ impl Bench {
     }
 }
 
-/// A frame, drawn by the thread that calls.
+/// A frame, drawn by the calling thread.
 pub fn frame<'a>(prepared: &'a Prepared<'_>) -> Pass<'a> {
     Box::new(move || {
-        // What a scene cannot be drawn for was said when it was prepared.
+        // Errors of a scene were reported when it was prepared.
         let _ = black_box(prepared.render(&|| ()));
     })
 }
 
-/// What times were found on.
+/// The machine of the measurements.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// The processor by its own name, where the system tells.
+    /// The processor by its own name, if the system reports it.
     pub processor: String,
     /// Threads that run at once.
     pub threads: usize,
@@ -251,14 +253,14 @@ pub struct Machine {
     pub system: String,
     /// Lanes of frames.
     pub lanes: String,
-    /// What the program was compiled by.
+    /// Compiler of the program.
     pub rustc: String,
     /// The program's version.
     pub program: String,
 }
 
 impl Machine {
-    /// This one.
+    /// This machine.
     pub fn here() -> Self {
         let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let name = processors.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
@@ -277,7 +279,7 @@ impl Machine {
 mod tests {
     use super::*;
 
-    /// No fragment of `globe` had the plan that was asked for once its footprints were on the sphere, and every profile took the same time.
+    /// Bench fragments have the plan that is asked for: footprints on a face, so that times depend on the profile.
     #[test]
     fn there_are_fragments_to_measure() {
         let bench = Bench::new().expect("the scene can be drawn");

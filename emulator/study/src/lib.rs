@@ -1,8 +1,9 @@
 //! # roughxel-study
 //!
-//! Studies of the datapath: [`accuracy`] against the float64 reference, [`stability`] beside degeneracies, what each effect of a scene
-//! costs ([`plan`]), and what accuracy costs in time ([`sweep`]): [`frames`] against float64, and the clocks of a [`host`], of [`hardware`],
-//! of a [`soft_core`] and of memory, to look at as a page ([`report`]). What to take of it is [`choose`], kept as a [`profile_file`].
+//! Studies of the datapath: [`accuracy`] against the float64 reference, [`stability`] near degeneracies, the cost of each effect
+//! of a scene ([`plan`]), and the cost of accuracy in time ([`sweep`]). The sweep compares [`frames`] with float64 and measures
+//! the clocks of a [`host`], of [`hardware`], of a [`soft_core`] and of memory; [`report`] makes a page of it. [`choose`] selects
+//! a precision, which a [`profile_file`] stores.
 
 pub mod accuracy;
 pub mod choose;

@@ -1,8 +1,8 @@
-//! What each effect of a scene's objects costs: hardware it adds, memory of its maps, its share of the time.
+//! Cost of each effect of a scene's objects: additional hardware, memory of its maps, share of the time.
 //!
-//! Hardware is the difference between the census of the object's datapath with the effect and without; what an
-//! effect needs of others (a frame, a footprint) belongs to both. The share of time is 1 − t(without)/t(with) of
-//! whole frames, the median of rounds that take both in turn ([`time_ratio`]). Nothing but the plan differs between them.
+//! Hardware is the difference between the census of the object's datapath with the effect and without. Parts that an effect needs
+//! from others (a tangent basis, a footprint) count for each of the effects. The share of time is 1 − t(without)/t(with) of whole
+//! frames, the median of rounds that draw the two frames in turn ([`time_ratio`]). The frames differ in the plan only.
 
 use std::time::{Duration, Instant};
 
@@ -22,10 +22,10 @@ use roughxel_scene::Scene;
 use roughxel_shader::{Effect, ObjectPlan};
 use serde::Serialize;
 
-/// The designs a texture fetch of one channel goes through.
+/// The designs in a texture fetch of one channel.
 const TEXTURE_FETCH: [Design; 5] =
     [Design::Texture, Design::TextureProbe, Design::Levels, Design::RepeatAddress, Design::ProbeSum];
-/// And one of the environment.
+/// The designs in a fetch of the environment.
 const ENVIRONMENT_FETCH: [Design; 7] = [
     Design::EnvironmentProbe,
     Design::Levels,
@@ -35,7 +35,7 @@ const ENVIRONMENT_FETCH: [Design; 7] = [
     Design::Colour,
     Design::Blend,
 ];
-/// And one of a bright one.
+/// The designs in a fetch of a bright environment.
 const BRIGHT_FETCH: [Design; 7] = [
     Design::EnvironmentProbe,
     Design::Levels,
@@ -45,32 +45,32 @@ const BRIGHT_FETCH: [Design; 7] = [
     Design::WordSample,
     Design::BrightBlend,
 ];
-/// What a second lobe needs besides a further look at the environment.
+/// Designs of a second lobe besides a second environment lookup.
 const TWO_LOBES: [Design; 2] = [Design::LobeCore, Design::Lobes];
-/// What a bump map adds to a fetch, and what its roughness adds.
+/// Designs that a bump map adds to a fetch, followed by those that its roughness adds.
 const BUMP: [Design; 1] = [Design::WordSample];
 const ROUGHNESS: [Design; 5] =
     [Design::ProbeReach, Design::BumpTexel, Design::BumpRamp, Design::BumpProbe, Design::Bump];
-/// Hardware of something.
+/// Size of a piece of hardware.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Hardware {
     /// Stages, each run by its instance name.
     pub stages: Vec<String>,
-    /// Operations that are no wires.
+    /// Operations other than wires.
     pub operations: i64,
-    /// Of them, multipliers of two wires.
+    /// Number of these operations that are multipliers of two wires.
     pub multipliers: i64,
     /// Bits of adders, subtracters and comparators.
     pub carry_bits: i64,
     /// Bits of tables.
     pub rom_bits: i64,
-    /// Of each of the stages.
+    /// Counts of each stage.
     #[serde(skip)]
     parts: Vec<[i64; 4]>,
 }
 
 impl Hardware {
-    /// Of a datapath with some effects, without the formats of its ports.
+    /// Hardware of a datapath with some effects, without the formats of its ports.
     fn of(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
         let (net, census) = census(Design::of(datapath), effects, p);
         let mut sum = Self::default();
@@ -91,7 +91,7 @@ impl Hardware {
         self.rom_bits += rom_bits;
     }
 
-    /// Both, a stage that both have once.
+    /// Union of two pieces of hardware; a common stage counts once.
     fn joined(mut self, other: Self) -> Self {
         for (stage, part) in other.stages.into_iter().zip(other.parts) {
             if !self.stages.contains(&stage) {
@@ -101,7 +101,7 @@ impl Hardware {
         self
     }
 
-    /// Of several designs side by side, each as one stage.
+    /// Hardware of several designs in parallel, each as one stage.
     fn of_all(designs: &[Design], p: &Precision) -> Self {
         designs.iter().fold(Self::default(), |mut sum, &design| {
             let (_, census) = census(design, &Effects::ALL, p);
@@ -110,7 +110,7 @@ impl Hardware {
         })
     }
 
-    /// What this has more than `other`.
+    /// Difference to `other`.
     fn more_than(&self, other: &Self) -> Self {
         let is_own = |(stage, _): &(&String, &[i64; 4])| !other.stages.contains(stage);
         let (stages, parts) = self.stages.iter().zip(&self.parts).filter(is_own).map(|(b, p)| (b.clone(), *p)).unzip();
@@ -125,7 +125,7 @@ impl Hardware {
     }
 }
 
-/// A design, recorded and counted.
+/// The netlist of a design, with its counts.
 pub(crate) fn census(design: Design, effects: &Effects, p: &Precision) -> (Net, Census) {
     let net = record::net(design, effects, p);
     let census = Census::new(&net, &Ranges::new(&net));
@@ -145,15 +145,15 @@ fn counts(cost: &Cost) -> [i64; 4] {
 /// One effect of one object.
 #[derive(Clone, Debug)]
 pub struct EffectReport {
-    /// Whether it is on, and why.
+    /// State of the effect, and the reason.
     pub decision: Decision,
-    /// What it adds to the datapath of a fragment; nothing where it is off.
+    /// Hardware that it adds to the datapath of a fragment; nothing if it is off.
     pub datapath: Hardware,
-    /// What it adds for each fetch.
+    /// Hardware that it adds for each fetch.
     pub fetch: Hardware,
     /// Bytes of its maps.
     pub map_bytes: u64,
-    /// Share of the time of a frame, where it was measured.
+    /// Share of the time of a frame, if measured.
     pub share: Option<f64>,
 }
 
@@ -168,19 +168,18 @@ pub struct ObjectReport {
     pub effects: Vec<EffectReport>,
 }
 
-/// Hardware of an object's fragment and of each of its lights. Stages that its datapaths share, those of the surface, are
-/// counted once.
+/// Hardware of an object's fragment and of each of its lights. Stages that its datapaths share, those of the surface, count once.
 fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
     let each = plan.datapaths().map(|(datapath, effects)| Hardware::of(datapath, &effects, p));
     each.fold(Hardware::default(), Hardware::joined)
 }
 
-/// The designs that a fetch of the environment goes through.
+/// The designs in a fetch of the environment.
 fn environment_fetch(is_bright: bool) -> &'static [Design] {
     if is_bright { &BRIGHT_FETCH } else { &ENVIRONMENT_FETCH }
 }
 
-/// The designs that the fetches of an object go through, each once; `is_bright` says what environment it reflects
+/// The designs in the fetches of an object, each once; `is_bright` is true if it reflects a bright environment
 /// ([`Prepared::has_bright_environment`]).
 pub fn fetches(plan: &ObjectPlan, is_bright: bool) -> Vec<Design> {
     let has = |effect| plan.has(effect);
@@ -224,7 +223,7 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
                     Effect::Roughness => Hardware::of_all(&ROUGHNESS, p),
                     Effect::Environment => Hardware::of_all(environment_fetch(prepared.has_bright_environment()), p),
                     Effect::TwoLobes => Hardware::of_all(&TWO_LOBES, p),
-                    // These fetch nothing of their own.
+                    // These effects fetch nothing.
                     Effect::Footprint
                     | Effect::Edges
                     | Effect::Curvature
@@ -245,11 +244,11 @@ pub fn explain(scene: &Scene, prepared: &Prepared<'_>, p: &Precision) -> Vec<Obj
     objects.map(report).collect()
 }
 
-/// Least time that each side of a round of [`measure`] takes: what else a machine does takes turns of milliseconds.
+/// Least time of each side of a round of [`measure`]: other work of a machine takes turns of milliseconds.
 const ROUND_TIME: Duration = Duration::from_millis(50);
 
-/// t(a)/t(b) of a frame: the median over pairs of frames, one after the other, as many as the faster side needs to take `time`,
-/// and one at least. `clock` says how much time has passed since some moment.
+/// t(a)/t(b) of a frame: the median over pairs of frames, drawn one after the other. There are as many pairs as the faster side
+/// needs to take `time`, and at least one. `clock` gives the time since a fixed moment.
 pub fn time_ratio(
     a: &Prepared<'_>,
     b: &Prepared<'_>,
@@ -262,7 +261,7 @@ pub fn time_ratio(
     };
     let (mut ratios, mut taken) = (Vec::new(), Duration::ZERO);
     while ratios.is_empty() || taken < time {
-        // Neither is always the first.
+        // The sides take turns in going first.
         let (a, b) = if ratios.len() % 2 == 0 {
             (frame(a)?, frame(b)?)
         } else {
@@ -275,7 +274,7 @@ pub fn time_ratio(
     Ok(median(ratios))
 }
 
-/// The middle figure, the upper of two.
+/// The median; the upper of two middle figures.
 fn median(mut figures: Vec<f64>) -> f64 {
     figures.sort_by(f64::total_cmp);
     figures[figures.len() / 2]

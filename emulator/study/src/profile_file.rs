@@ -1,7 +1,7 @@
 //! Profile files: a precision under a name, as TOML; `emulator/profiles.md` describes the keys.
 //!
-//! Keys are the names of the knobs ([`Knob::name`]), so reading and writing are loops over [`Knob::ALL`]. What is wrong is told
-//! with file, line, column, the knob and its range.
+//! Keys are the names of the knobs ([`Knob::name`]), so reading and writing are loops over [`Knob::ALL`]. Errors name file, line,
+//! column, the knob and its range.
 
 use std::fmt::Write as _;
 use std::io::{self, Read as _, Write as _};
@@ -24,12 +24,12 @@ pub const MAX_PROFILE_BYTES: u64 = 1 << 20;
 /// Most characters of a profile's name.
 pub const MAX_NAME: usize = 40;
 
-/// What a name may be, for messages.
+/// Description of a valid name, for messages.
 const NAMES: &str = "1 to 40 lower-case letters, digits and underscores";
 /// The key of a direction from a table, whose value is the steps; `direction` itself is "exact".
 const TABLE: &str = "direction.table";
 
-/// A precision under a name that can be part of a file's name, and is no named profile's with other knobs.
+/// A precision under a name that can be part of a file name. It is not the name of a profile with other knobs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct NamedPrecision {
@@ -40,6 +40,8 @@ pub struct NamedPrecision {
 }
 
 impl NamedPrecision {
+    /// Names a precision.
+    ///
     /// Errors: a name with other characters, too long, or of a profile whose knobs are others.
     pub fn new(name: &str, precision: Precision) -> Result<Self, NameError> {
         if !is_name(name) {
@@ -58,10 +60,10 @@ impl From<Profile> for NamedPrecision {
     }
 }
 
-/// Why a profile cannot have a name.
+/// Reason why a profile cannot have a name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NameError {
-    /// Characters that not every file's name may have.
+    /// Characters that are not valid in every file name.
     #[error("`{0}` is no name of a profile: that is {NAMES}")]
     Characters(String),
     /// A named profile has other knobs.
@@ -69,7 +71,7 @@ pub enum NameError {
     Taken(Profile),
 }
 
-/// Why a profile file cannot be used.
+/// Reason why a profile file cannot be used.
 #[derive(Debug, Error)]
 pub enum ProfileError {
     /// It is missing or may not be read.
@@ -77,13 +79,13 @@ pub enum ProfileError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// Larger than any profile.
     #[error("{}: is larger than 1 MiB (is it a profile file?)", .0.display())]
     TooLarge(PathBuf),
-    /// Bytes that are no text.
+    /// Bytes that are not text.
     #[error("{}: is not UTF-8 text (save the profile file as UTF-8)", .0.display())]
     NoText(PathBuf),
     /// Not TOML, an unknown key, a value of a wrong type or out of its range.
@@ -91,8 +93,8 @@ pub enum ProfileError {
     Fault(Box<Fault>),
 }
 
-/// Reads a profile file. Knobs that it does not give come from its `base`, without one from `standard`; without a `name` it has
-/// that of the file.
+/// Reads a profile file. Missing knobs come from its `base`, or without one from `standard`. Without a `name` it has the file's
+/// name.
 ///
 /// Errors: see [`ProfileError`]; at most [`MAX_PROFILE_BYTES`] are read.
 pub fn read_profile(path: &Path) -> Result<NamedPrecision, ProfileError> {
@@ -107,8 +109,7 @@ pub fn read_profile(path: &Path) -> Result<NamedPrecision, ProfileError> {
     parse_profile(&path.display().to_string(), &text).map_err(ProfileError::Fault)
 }
 
-/// Reads a profile from its text; `label`, the path of its file, names it in errors, and its stem the profile where the text does
-/// not.
+/// Reads a profile from its text. `label`, the path of its file, is in errors; its stem names the profile if the text does not.
 pub fn parse_profile(label: &str, text: &str) -> Result<NamedPrecision, Box<Fault>> {
     Source { label, text: without_mark(text).into() }.profile()
 }
@@ -151,7 +152,7 @@ pub fn profile_text(profile: &NamedPrecision, comments: &[String]) -> String {
     text
 }
 
-/// Whether a profile may have that name.
+/// Returns true if a profile may have this name.
 pub fn is_name(name: &str) -> bool {
     (1..=MAX_NAME).contains(&name.len()) && name.bytes().all(is_name_byte)
 }
@@ -160,7 +161,7 @@ const fn is_name_byte(c: u8) -> bool {
     c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_'
 }
 
-/// The name of a profile made of that of its file: what no name has becomes an underscore.
+/// The name of a profile from that of its file: characters that no name has become underscores.
 pub fn name_of_file(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let good = |c: char| u8::try_from(c.to_ascii_lowercase()).ok().filter(|c| is_name_byte(*c)).map_or('_', char::from);
@@ -174,7 +175,7 @@ struct Entry<'a> {
     value: &'a Spanned<DeValue<'a>>,
 }
 
-/// All entries of a table, those of tables in it as their own.
+/// All entries of a table, including those of nested tables.
 fn entries<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<Entry<'a>>) {
     for (key, value) in table {
         let path = format!("{prefix}{}", key.get_ref());
@@ -185,7 +186,7 @@ fn entries<'a>(prefix: &str, table: &'a DeTable<'a>, found: &mut Vec<Entry<'a>>)
     }
 }
 
-/// Every key there is.
+/// Every valid key.
 fn keys() -> impl Iterator<Item = &'static str> {
     ["name", "base", TABLE].into_iter().chain(Knob::ALL.map(Knob::name))
 }
@@ -208,7 +209,7 @@ impl Source<'_> {
         })?;
         let mut found = Vec::new();
         entries("", root.get_ref(), &mut found);
-        // The first fault of the text is told, whatever the order of a table in memory.
+        // The first fault of the text is reported, whatever the order of a table in memory.
         found.sort_by_key(|entry| entry.key.start);
         let at = |path: &str| found.iter().find(|entry| entry.path == path);
 
@@ -229,7 +230,7 @@ impl Source<'_> {
         })
     }
 
-    /// The knobs of the named profile that others are changed from.
+    /// The knobs of the named profile that the file starts from.
     fn base(&self, entry: &Entry<'_>) -> Result<Precision, Box<Fault>> {
         let known = Profile::NAMES.join(", ");
         let name = self.text_of(entry, &known)?;
@@ -246,7 +247,7 @@ impl Source<'_> {
         let known = Knob::ALL.into_iter().find(|knob| knob.name() == path);
         let knob = known.or(is_table.then_some(Knob::Direction)).ok_or_else(|| self.unknown(entry))?;
         let setting = match value.get_ref() {
-            // A table of no steps would be another way to say "exact".
+            // A table of zero steps would be a second way to write "exact".
             DeValue::Integer(number) if is_table || (knob.choices().is_empty() && knob != Knob::Direction) => {
                 let number = u32::from_str_radix(number.as_str(), number.radix()).ok();
                 number.filter(|&number| number > 0 || !is_table)
@@ -285,7 +286,7 @@ impl Source<'_> {
         )
     }
 
-    /// The text that an entry is, or else the fault.
+    /// The text of an entry, or the fault.
     fn text_of<'a>(&self, entry: &Entry<'a>, wanted: &str) -> Result<&'a str, Box<Fault>> {
         entry.value.get_ref().as_str().ok_or_else(|| self.wrong_type(entry, wanted))
     }
@@ -297,7 +298,7 @@ impl Source<'_> {
     }
 }
 
-/// A remedy for what is misspelt.
+/// A suggestion for a misspelt word.
 fn did_you_mean(word: &str) -> String {
     format!("did you mean `{word}`?")
 }

@@ -1,4 +1,4 @@
-//! A study to look at: one page that needs nothing beside it, its plots as files, its tables as text.
+//! A report of a study: one page that needs no other file, its plots as files, its tables as text.
 
 mod figures;
 mod pictures;
@@ -19,17 +19,18 @@ use crate::sweep::Study;
 pub use tables::{markdown, profiles};
 pub use verdict::{BUYS_SOMETHING_DB, KnobGain, knob_gains};
 
-/// Edges of a plot in a file of its own, pixels.
+/// Width and height of a plot in its own file, pixels.
 const PLOT_SIZE: [u32; 2] = [640, 440];
 
 /// The study as its file holds it.
 pub fn json(study: &Study) -> String {
-    // Numbers, texts and lists of them: nothing in it can fail.
+    // The study is numbers, texts and lists of them, so this cannot fail.
     let text = serde_json::to_string_pretty(study).unwrap_or_default();
     text + "\n"
 }
 
-/// Writes `study.json`, `index.html`, the README's tables and plots, and pictures into a directory; gives the paths.
+/// Writes `study.json`, `index.html`, the tables and plots of `docs/performance.md`, and pictures into a directory; returns the
+/// paths.
 ///
 /// Errors: a scene that cannot be drawn, a file that cannot be written.
 pub fn write(study: &Study, directory: &Path) -> Result<Vec<PathBuf>, StudyError> {
@@ -39,7 +40,7 @@ pub fn write(study: &Study, directory: &Path) -> Result<Vec<PathBuf>, StudyError
     files.map(|(name, text)| write_file(&directory.join(name), text.as_bytes())).collect()
 }
 
-/// The README's plots: name of the file, SVG.
+/// The plots of `docs/performance.md`: name of the file, SVG.
 pub fn readme_plots(study: &Study) -> [(&'static str, String); 2] {
     let [bits, frames] = plots::readme(study);
     [("bits.svg", bits.svg(PLOT_SIZE)), ("frames.svg", frames.svg(PLOT_SIZE))]
@@ -56,7 +57,7 @@ fn write_file(path: &Path, bytes: &[u8]) -> Result<PathBuf, StudyError> {
     }
 }
 
-/// What the page shows beside plots.
+/// Pictures of the page besides plots.
 struct Pictures {
     knobs: Vec<pictures::ScenePictures>,
     naive: Vec<pictures::ScenePictures>,
@@ -157,7 +158,7 @@ fn page(study: &Study, pictures: &Pictures) -> String {
 }
 
 fn table(page: &mut Page, headings: &[String], rows: &[Vec<String>]) {
-    // Quotes of code are the README's.
+    // Backticks are for `docs/performance.md` only.
     let headings: Vec<String> = headings.iter().map(|text| text.replace('`', "")).collect();
     let rows = rows.iter().map(|row| row.iter().map(|text| text.replace('`', "")).collect::<Vec<_>>());
     page.table(&headings.iter().map(String::as_str).collect::<Vec<_>>(), rows);
@@ -174,7 +175,7 @@ fn list(page: &mut Page, sentences: &[String]) {
     page.add(format_args!("</ul>\n"));
 }
 
-/// The study that the README shows.
+/// The study that `docs/performance.md` shows.
 #[cfg(test)]
 fn kept() -> Study {
     Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("results/study.json")).expect("a study is kept")

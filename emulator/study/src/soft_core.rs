@@ -1,8 +1,8 @@
-//! What an accuracy costs on small processors: instructions, bytes and stack, as `cargo firmware price --knobs` has counted them
+//! Cost of accuracy on small processors: instructions, bytes and stack, as counted by `cargo firmware price --knobs`
 //! (`emulator/firmware/knobs.json`; its plan is the reflection with all effects).
 //!
-//! Settings that were not priced have no price: nothing is interpolated. Priced are the named profiles, every knob alone at each of
-//! [`Knob::values`] with all else as in [`Precision::STANDARD`], and [`Precision::grid`].
+//! Settings that were not priced have no price: nothing is interpolated. Prices exist for the named profiles, for every knob
+//! alone at each of [`Knob::values`] with all else as in [`Precision::STANDARD`], and for [`Precision::grid`].
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -14,13 +14,13 @@ use serde::{Deserialize, Serialize};
 /// The processors, all without an operating system.
 pub const TARGETS: [&str; 3] = ["riscv32imac", "riscv32i", "thumbv7m"];
 
-/// The one of [`TARGETS`] that stands for all where there is room for one: the smallest with a multiplier.
+/// The one of [`TARGETS`] that stands for all if only one is shown: the smallest with a multiplier.
 pub const TARGET: &str = "riscv32imac";
 
-/// What a fragment costs, from its surface to the probes on an environment.
+/// Cost of a fragment, from its surface to the probes on an environment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Price {
-    /// Instructions, a mean over fragments of one tile; they are no cycles.
+    /// Instructions, a mean over the fragments of one tile; they are not cycles.
     pub instructions: f64,
     /// Bytes of code, constants and tables.
     pub bytes: u32,
@@ -28,21 +28,21 @@ pub struct Price {
     pub stack: u32,
 }
 
-/// What a probe of an environment costs, in instructions: a mean over the probes of those fragments.
+/// Cost of a probe of an environment, in instructions: a mean over the probes of those fragments.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct Probe {
-    /// Its place and weight.
+    /// Instructions for its position and weight.
     pub place_and_weight: f64,
-    /// These, eight texels and their filter.
+    /// Instructions for position, weight, eight texels and their filter.
     pub with_texels: f64,
 }
 
-/// What the same fragment costs in f32, in instructions, by the library of its square roots, sines and the like.
+/// Cost of the same fragment in f32, in instructions, by the library of its square roots, sines and similar functions.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct Float {
-    /// With `libm`.
+    /// Instructions with `libm`.
     pub libm: f64,
-    /// With `micromath`.
+    /// Instructions with `micromath`.
     pub micromath: f64,
 }
 
@@ -54,7 +54,7 @@ struct Point<T> {
 }
 
 impl<T> Point<T> {
-    /// Whether these knobs are as in a precision.
+    /// Returns true if these knobs are as in a precision.
     fn agrees(&self, p: &Precision, mut knobs: impl Iterator<Item = Knob>) -> bool {
         knobs.all(|knob| self.knobs.get(knob.name()) == Some(&knob.of(p)))
     }
@@ -74,32 +74,32 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
     serde_json::from_str(include_str!("../../firmware/knobs.json")).expect("the board writes what is read here")
 });
 
-/// What a fragment costs at a setting on one of [`TARGETS`]; knobs on which the plan does not depend ([`has_effect`]) may have any value.
-/// None where the setting was not priced, or no processor has that name.
+/// Cost of a fragment at a setting on one of [`TARGETS`]. Knobs that do not affect the plan ([`has_effect`]) may have any value.
+/// `None` if the setting was not priced, or no processor has that name.
 pub fn price(target: &str, p: &Precision) -> Option<Price> {
     let point =
         TABLE.points.iter().find(|point| point.agrees(p, Knob::ALL.into_iter().filter(|knob| has_effect(*knob))))?;
     point.price.get(target).copied()
 }
 
-/// Whether a knob changes the price of a fragment.
+/// Returns true if a knob changes the price of a fragment.
 pub fn has_effect(knob: Knob) -> bool {
     !TABLE.no_effect.iter().any(|name| name == knob.name())
 }
 
-/// What a probe costs at the width of a setting on one of [`TARGETS`]; the other knobs are those of [`Precision::of_width`]. None where
-/// that width is not of [`Knob::values`], or no processor has that name.
+/// Cost of a probe at the width of a setting on one of [`TARGETS`]; the other knobs are those of [`Precision::of_width`]. `None`
+/// if that width is not one of [`Knob::values`], or no processor has that name.
 pub fn probe(target: &str, p: &Precision) -> Option<Probe> {
     let point = TABLE.probes.iter().find(|point| point.agrees(p, [Knob::FractionBits].into_iter()))?;
     point.price.get(target).copied()
 }
 
-/// What the fragment costs in f32 on one of [`TARGETS`]. None where no processor has that name.
+/// Cost of the fragment in f32 on one of [`TARGETS`]. `None` if no processor has that name.
 pub fn float(target: &str) -> Option<Float> {
     TABLE.float.get(target).copied()
 }
 
-/// The compiler of what was priced, as `rustc --version` says it.
+/// The compiler of the priced programs, as `rustc --version` prints it.
 pub fn rustc() -> &'static str {
     &TABLE.rustc
 }
@@ -110,7 +110,7 @@ mod tests {
 
     use super::*;
 
-    /// The cells of a row of `emulator/firmware/PRICE.md` by their profiles, in the part of a target.
+    /// The cells of a row of `emulator/firmware/PRICE.md` by their profiles, in the section of a target.
     fn cells<'a>(target: &str, row: &str) -> Vec<(Profile, &'a str)> {
         let table = include_str!("../../firmware/PRICE.md");
         let (_, part) = table.split_once(&format!("\n## {target}\n")).expect("the target has a part");

@@ -1,11 +1,11 @@
 //! Stability: the error of each hard case against the distance from its degeneracy, down to the last bit.
 //!
-//! Every method is judged by the float64 reference, fed with exactly the numbers that the method sees: a profile with its ports, `f32`
-//! with the ports of `precise` rounded to 24 bits. So no curve shows how well its inputs could be given, only what became of
-//! them. The seven methods draw the same members of a family. A point is the worst of them at its distance.
+//! The float64 reference judges every method, fed with exactly the numbers that the method sees: a profile with its ports, `f32`
+//! with the ports of `precise` rounded to 24 bits. No curve therefore shows the accuracy of its inputs, only that of the
+//! computation. The seven methods take the same members of a family. A point is the worst member at its distance.
 //!
-//! A result that is no number counts as the largest error that its figure can have; where a figure is not bounded, an error of 1 is
-//! that, nothing being left of the result.
+//! A result that is not a number counts as the largest error of its figure. If a figure is unbounded, that error is 1: nothing is
+//! left of the result.
 
 mod family;
 mod float;
@@ -36,15 +36,15 @@ pub struct HardCase {
     pub name: String,
     /// Title.
     pub title: String,
-    /// What the distance is, with its unit.
+    /// Definition of the distance, with its unit.
     pub distance: String,
-    /// What the error is, with its unit.
+    /// Definition of the error, with its unit.
     pub error: String,
-    /// The plain formula, and what goes wrong with it.
+    /// The plain formula, and its failure.
     pub naive: String,
-    /// What the datapath documents there.
+    /// Documented behaviour of the datapath there.
     pub fallback: String,
-    /// One for each of [`METHODS`].
+    /// A curve for each of [`METHODS`].
     pub curves: Vec<Curve>,
 }
 
@@ -53,11 +53,11 @@ pub struct HardCase {
 pub struct Curve {
     /// One of [`METHODS`].
     pub method: String,
-    /// Distance, falling, and the worst error over the family there; 0 where none has one.
+    /// Distance, falling, and the worst error of the family there; 0 if no member has an error.
     pub points: Vec<[f64; 2]>,
     /// Bar of the profile; `None` in floating point.
     pub bar: Option<f64>,
-    /// Largest distance at which some member is one of the documented fallback; `None` where none is.
+    /// Largest distance at which a member has the documented fallback; `None` if no member has it.
     pub fallback: Option<f64>,
 }
 
@@ -80,7 +80,8 @@ pub fn steps() -> u64 {
     FAMILIES.iter().map(|family| distances(family).len() as u64).sum()
 }
 
-/// Every hard case with `members` random members of its family at every distance. The same figures for any number of threads.
+/// Every hard case with `members` random members of its family at every distance. The figures do not depend on the number of
+/// threads.
 ///
 /// `progress` is called once a step, from any thread.
 pub fn measure(members: u32, progress: &(dyn Fn() + Sync)) -> Vec<HardCase> {
@@ -124,11 +125,12 @@ fn worst(family: &Family, method: Method, distance: f64, members: u32) -> Sample
     (0..members).map(sample).fold(Sample { error: 0.0, fallback: false }, Sample::merge)
 }
 
-/// Least length of a range that [`float_wins`] names, in half octaves: the worst of a few members is a matter of luck beside another.
+/// Least length of a range that [`float_wins`] names, in half octaves: over shorter ranges luck decides which few members are
+/// worst.
 const RANGE: usize = 2;
 
-/// Where floating point is closer to the truth than a profile, over an octave at least: a sentence for each pair that has such
-/// distances.
+/// Distances at which floating point is closer to the truth than a profile, over at least an octave: a sentence for each pair
+/// that has such distances.
 pub fn float_wins(case: &HardCase) -> Vec<String> {
     let (float, integer): (Vec<_>, Vec<_>) = case.curves.iter().partition(|curve| curve.bar.is_none());
     let pairs = float.iter().flat_map(|float| integer.iter().map(move |integer| (float, integer)));
@@ -185,7 +187,7 @@ mod tests {
         assert!(left.is_empty(), "{}", left.join("\n"));
     }
 
-    /// A fallback from the first distance on would hold any bar.
+    /// A fallback from the first distance on would hold any bar, so curves need points before it.
     #[test]
     fn every_curve_has_a_way_to_go_before_its_fallback() {
         for case in measure(64, &|| ()) {

@@ -1,4 +1,4 @@
-//! What frames are drawn of, again and again: a scene whose peaks are there.
+//! Subjects of repeated frames: a scene with its peaks.
 
 use std::sync::{Arc, OnceLock};
 
@@ -11,14 +11,14 @@ use roughxel_scene::Scene;
 
 use crate::StudyError;
 
-/// A scene with the maps that depend on no profile.
+/// A scene with the maps that do not depend on the profile.
 #[derive(Debug)]
 pub struct Subject {
     /// The scene.
     pub scene: Scene,
     /// Its peaks, with filters.
     peaks: ScenePeaks,
-    /// What it shows of its environment, without filters and with them, made when it is first asked for.
+    /// Its environment, without filters and with them, made on first use.
     environments: [OnceLock<Option<Arc<EnvironmentMap>>>; 2],
 }
 
@@ -28,7 +28,7 @@ impl Subject {
         Self { scene, peaks, environments: Default::default() }
     }
 
-    /// A built-in scene, or that of a file, at a size in pixels.
+    /// A built-in scene, or a scene file, at a size in pixels.
     ///
     /// Errors: a scene that cannot be read, or peaks that cannot be made.
     pub fn open(name: &str, [width, height]: [u32; 2]) -> Result<Self, StudyError> {

@@ -1,8 +1,8 @@
-//! Powers as they are printed.
+//! Powers in printed form.
 
 use std::fmt::Display;
 
-/// A number in superscript digits, a raised dot for its point.
+/// A number in superscript digits, with a raised dot as its point.
 pub(crate) fn superscript(number: impl Display) -> String {
     let raised = |digit| match digit {
         '0' => '⁰',

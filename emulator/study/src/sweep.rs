@@ -1,8 +1,8 @@
 //! The sweep: every knob alone, the named profiles, word widths and modes, each with its accuracy and its time on four clocks.
 //!
-//! A study is a list of units. Exact ones (accuracy, gates, texels) run side by side; those that take the time of the host one after
-//! the other, on one thread, with nothing of the study beside them. Each finished unit is kept at once ([`Parts`]), so an
-//! interrupted study goes on where it was.
+//! A study is a list of units. Exact units (accuracy, gates, texels) run in parallel. Units that measure the time of the host run
+//! one after the other, on one thread, with no other work of the study. Each finished unit is kept at once ([`Parts`]), so an
+//! interrupted study continues from there.
 
 mod parts;
 mod results;
@@ -29,7 +29,7 @@ use crate::{StudyError, Subject, soft_core, stability};
 pub use parts::Parts;
 pub use results::*;
 
-/// What a study measures, and how long.
+/// Contents of a study, and its length.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// `quick` or `full`.
@@ -46,14 +46,14 @@ pub struct Settings {
     pub members: u32,
     /// Rounds of the time of fragments.
     pub rounds: Rounds,
-    /// Scenes whose frames are timed at every setting, the first of the list.
+    /// Number of scenes whose frames are timed at every setting, the first of the list.
     pub timed_scenes: usize,
     /// Rounds of the time of frames.
     pub frame_rounds: Rounds,
 }
 
 impl Settings {
-    /// Within three minutes on two cores.
+    /// A study within three minutes on two cores.
     pub fn quick() -> Self {
         Self {
             name: "quick".into(),
@@ -68,7 +68,7 @@ impl Settings {
         }
     }
 
-    /// What the README says.
+    /// The study of `docs/performance.md`.
     pub fn full() -> Self {
         Self {
             name: "full".into(),
@@ -87,17 +87,17 @@ impl Settings {
 pub struct Setting {
     /// `standard`, or `fraction_bits=18`.
     pub name: String,
-    /// The knob that is turned on its [`base_of`], with its value.
+    /// The knob that differs from its [`base_of`], with its value.
     pub knob: Option<(Knob, u32)>,
-    /// All of them.
+    /// All knobs.
     pub precision: Precision,
 }
 
 /// The base of the sweep.
 const BASE: Precision = Precision::STANDARD;
 
-/// What a knob is turned on: `standard`, but without the Newton step that doubles the good bits of a seed where seeds are turned; with it
-/// they change frames by less than 0.3 dB.
+/// The base of a knob: `standard`. For seeds it is without the Newton step that doubles their good bits; with the step they
+/// change frames by less than 0.3 dB.
 pub fn base_of(knob: Knob) -> Precision {
     match knob {
         Knob::ReciprocalSeedBits => Knob::ReciprocalSteps.with(0, BASE),
@@ -106,7 +106,7 @@ pub fn base_of(knob: Knob) -> Precision {
     }
 }
 
-/// The named profiles, narrowest first, then each knob alone from its [`base_of`], without what was there before.
+/// The named profiles, narrowest first, then each knob alone from its [`base_of`], without settings that are in the list already.
 pub fn settings() -> Vec<Setting> {
     let named =
         Profile::ALL.map(|profile| Setting { name: profile.name().into(), knob: None, precision: profile.precision() });
@@ -126,7 +126,7 @@ pub fn settings() -> Vec<Setting> {
     all
 }
 
-/// What stands for the methods of a frame beside footprints: name and mode.
+/// Modes that replace the footprints of a frame: name and mode.
 const MODES: [(&str, Mode); 5] = [
     ("unfiltered", Mode::Unfiltered),
     ("trilinear", Mode::Isotropic),
@@ -157,7 +157,8 @@ pub fn work(settings: &Settings, points: &[Setting]) -> u64 {
         + 3 * cost::HOST
 }
 
-/// Measures everything of some [`settings`] that `parts` does not hold yet. `progress` is called with what is done next and the steps that are done.
+/// Measures the parts of some [`settings`] that `parts` does not hold yet. `progress` is called with the name of the next unit
+/// and the finished steps.
 ///
 /// Errors: a scene that cannot be drawn, or parts that cannot be kept.
 pub fn run(
@@ -188,7 +189,7 @@ pub fn run(
     })
 }
 
-/// What a study will take on this machine, in words: from a little of its slowest parts.
+/// Estimate of a study's time on this machine, in words, from a small sample of its slowest parts.
 ///
 /// Errors: those of a scene.
 pub fn forecast(settings: &Settings) -> Result<String, StudyError> {
@@ -196,7 +197,7 @@ pub fn forecast(settings: &Settings) -> Result<String, StudyError> {
     const EDGES: [u32; 2] = [2, 8];
     const FRAGMENTS: u64 = 16384;
     const TURNS: u32 = 3;
-    // The fastest of some: differences are taken, and the first waits for what all others find.
+    // The fastest of several runs: the estimate uses differences, and the first run includes setup that all share.
     let seconds = |work: &dyn Fn() -> Result<(), StudyError>| -> Result<f64, StudyError> {
         (0..TURNS).try_fold(f64::INFINITY, |fastest, _| {
             let start = Instant::now();
@@ -204,7 +205,7 @@ pub fn forecast(settings: &Settings) -> Result<String, StudyError> {
             Ok(fastest.min(start.elapsed().as_secs_f64()))
         })
     };
-    // Maps take as long for every size: two of them tell what a pixel takes, and what a sample.
+    // Maps take the same time at every size: two sizes give the time of a pixel and of a sample.
     let count = |[width, height]: [u32; 2]| f64::from(width * height);
     let truth = |edge| seconds(&|| Judge::new("globe", SIZES[0], edge, &|| ()).map(|_| ()));
     let sample =
@@ -227,7 +228,7 @@ pub fn forecast(settings: &Settings) -> Result<String, StudyError> {
     let frames = scenes * (points.len() + MODES.len()) as f64 * (maps + pixels * pixel);
     let named = Profile::ALL.len() as u64;
     let fragments = named * settings.fragments[1] + (points.len() as u64 - named) * settings.fragments[0];
-    // Both sides of a round; a frame of one thread in lanes takes about as long as one in float64 of all threads.
+    // Each round has two sides; a frame of one thread in lanes takes about as long as one in float64 of all threads.
     let of_fragments = settings.rounds.count as f64 * 4e-3 * settings.rounds.least_ms as f64;
     let of_frames = settings.frame_rounds.count as f64 * 2.0 * settings.timed_scenes as f64 * pixels * pixel;
     let times = points.len() as f64 * (of_fragments + of_frames);
@@ -243,7 +244,7 @@ pub fn forecast(settings: &Settings) -> Result<String, StudyError> {
     ))
 }
 
-/// What does not depend on the machine.
+/// Figures that do not depend on the machine.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Exact {
     stages: Vec<StageFigures>,
@@ -252,7 +253,7 @@ struct Exact {
     hardware: Option<HardwareFigures>,
 }
 
-/// What floats make of fragments and frames.
+/// Figures of floats on fragments and frames.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct FloatExact {
     stages: Vec<StageFigures>,
@@ -261,7 +262,7 @@ struct FloatExact {
     psnr: BTreeMap<String, Option<f64>>,
 }
 
-/// f32 by its formulas and libraries; `libm` has the bits of the standard library.
+/// f32 by its formulas and libraries; `libm` gives the bits of the standard library.
 const FLOATS: [(&str, Float); 3] =
     [("f32", Float::Careful), ("f32, plain formulas", Float::Plain), ("f32, micromath", Float::Micromath)];
 
@@ -275,7 +276,7 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// A unit, from the parts or measured and kept.
+    /// A unit, taken from the parts, or measured and kept.
     fn unit<T: Serialize + for<'de> Deserialize<'de>>(
         &self,
         key: &str,
@@ -395,7 +396,7 @@ impl Sweep<'_> {
                     scalar: time(Backend::Scalar),
                     lanes: time(lanes),
                     frames: frames(self.settings.timed_scenes, Mode::Footprint, p, lanes)?,
-                    // A knob changes the scalar backend of a frame as it changes that of its fragments.
+                    // A knob changes the scalar backend of a frame in the same way as that of its fragments.
                     scalar_frames: if setting.knob.is_none() {
                         frames(self.settings.timed_scenes, Mode::Footprint, p, Backend::Scalar)?
                     } else {
@@ -425,7 +426,7 @@ impl Sweep<'_> {
                 row.host = Some(timing);
                 continue;
             }
-            // Batches are the same numbers, and float64 is what all others are measured against.
+            // Batches give the same numbers; float64 is the reference of all others.
             let same = rows.iter().find(|row| row.name == "f32").filter(|_| name != "float64");
             let of = |row: &FloatFigures| FloatFigures { name: name.into(), ..row.clone() };
             let nothing = || FloatFigures {

@@ -5,7 +5,7 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 
-/// Few values, so that many are equal, and those that are no numbers.
+/// Few values, so that many are equal, and some that are not numbers.
 fn figure() -> impl Strategy<Value = f64> {
     prop_oneof![8 => (0..6).prop_map(f64::from), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)]
 }
@@ -18,13 +18,13 @@ fn named(precision: Precision) -> Option<String> {
     Profile::ALL.into_iter().find(|profile| profile.precision() == precision).map(|profile| profile.name().into())
 }
 
-/// Candidates of the grid with figures of their own.
+/// Candidates of the grid with random figures.
 fn list() -> impl Strategy<Value = Vec<Candidate>> {
     let one = (0..40_usize, figure(), proptest::array::uniform4(proptest::option::of(figure())));
     proptest::collection::vec(one, 0..12).prop_map(|drawn| {
         let (mut all, mut list) = (candidates(), Vec::new());
         for (place, psnr, cost) in drawn {
-            // None twice: a precision has one cost.
+            // No precision twice: a precision has one cost.
             let precision = all.remove(place);
             list.push(Candidate { precision, name: named(precision), psnr, cost });
         }
@@ -32,7 +32,7 @@ fn list() -> impl Strategy<Value = Vec<Candidate>> {
     })
 }
 
-/// The choice, word for word: a candidate that meets the aim and than which none that meets it is better.
+/// The choice by its definition: a candidate that meets the aim, and no candidate that meets it is better.
 fn brute_force(list: &[Candidate], aim: Aim, clock: Clock) -> Option<&Candidate> {
     let cost = |of: &Candidate| of.cost[clock as usize].unwrap_or(f64::NAN);
     let meets = |of: &&Candidate| match aim {
@@ -50,7 +50,7 @@ fn brute_force(list: &[Candidate], aim: Aim, clock: Clock) -> Option<&Candidate>
     good.iter().find(|one| !good.iter().any(|other| is_better(other, one))).copied()
 }
 
-/// NaN is not itself; the knobs are.
+/// Knobs of a choice: NaN does not equal itself, knobs do.
 fn knobs(choice: Result<&Candidate, &NoChoice>) -> Result<Precision, Option<Precision>> {
     match choice {
         Ok(candidate) => Ok(candidate.precision),
@@ -117,7 +117,7 @@ proptest! {
 fn the_grid_has_every_named_profile_and_nothing_twice() {
     let all = candidates();
     assert_eq!(all[..5], Profile::ALL.map(Profile::precision));
-    // Of the named ones only `paper` is no point of the grid.
+    // Only `paper` of the named profiles is not a point of the grid.
     assert_eq!(all.len(), 9 * 3 * 2 * 5 * 2 + 1);
     assert_eq!(all.iter().map(|p| format!("{p:?}")).collect::<BTreeSet<_>>().len(), all.len());
     assert!(all.iter().all(|p| p.checked().is_ok()));

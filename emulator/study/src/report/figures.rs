@@ -23,7 +23,7 @@ pub(super) fn power(error: Option<f64>) -> String {
     }
 }
 
-/// A number as it is written in text: from five digits on in groups of three.
+/// A number as text: in groups of three from five digits on.
 pub(super) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     if digits.len() < 5 {
@@ -34,20 +34,20 @@ pub(super) fn grouped(number: u64) -> String {
     std::iter::once(first.to_string()).chain(groups).collect::<Vec<_>>().join(" ")
 }
 
-/// What a knob is turned on, in words: `standard`, or that with the knobs of [`base_of`] that differ.
+/// The base of a knob in words: `standard`, or `standard` with the knobs of [`base_of`] that differ.
 pub(super) fn base_name(knob: Knob) -> String {
     let base = base_of(knob);
     let turned = Knob::ALL.into_iter().filter(|other| other.of(&base) != other.of(&Precision::STANDARD));
     turned.fold("standard".into(), |name, other| format!("{name} with {other} {}", other.text(other.of(&base))))
 }
 
-/// The scenes whose frames are timed at every setting: means of times, and what is drawn over them, are of these.
+/// The scenes whose frames are timed at every setting. Means of times and figures plotted against them cover these scenes.
 pub(super) fn timed_scenes(study: &Study) -> &[String] {
     let scenes = &study.settings.scenes;
     &scenes[..study.settings.timed_scenes.min(scenes.len())]
 }
 
-/// PSNR against the filter of `standard` in float64 in the worst scene, dB; `None` where all are equal.
+/// PSNR against the filter of `standard` in float64 in the worst scene, dB; `None` if all are equal.
 pub(super) fn worst_psnr(point: &Point) -> Option<f64> {
     point.frames.iter().filter_map(|frame| frame.psnr_filter).min_by(f64::total_cmp)
 }
@@ -57,8 +57,8 @@ pub(super) fn mean(figures: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// What a setting takes on a clock: time of a frame in lanes as a multiple of `standard`'s, mean of the [`timed_scenes`]; full adders of
-/// the reflection; instructions a fragment on [`soft_core::TARGET`]; texels a pixel, mean of all scenes.
+/// Cost of a setting on a clock: time of a frame in lanes as a multiple of `standard`'s, mean of the [`timed_scenes`]; full
+/// adders of the reflection; instructions a fragment on [`soft_core::TARGET`]; texels a pixel, mean of all scenes.
 pub(super) fn cost(point: &Point, clock: Clock) -> Option<f64> {
     match clock {
         Clock::Host => mean(point.host.frames.values().map(|timing| timing.ratio)),

@@ -1,4 +1,4 @@
-//! What a knob does to a frame, as pictures.
+//! Effect of a knob on a frame, as pictures.
 
 use std::fs;
 use std::path::Path;
@@ -16,9 +16,9 @@ use crate::{StudyError, Subject, stability};
 /// Pixels of a picture on the page.
 const SIZE: [u32; 2] = [240, 180];
 
-/// Pictures of one scene side by side: what a knob makes of it, or in a hard case a method.
+/// Pictures of one scene next to each other: the effect of a knob, or of a method in a hard case.
 pub(super) struct ScenePictures {
-    /// Of the knob or of the hard case.
+    /// Name of the knob or of the hard case.
     pub(super) name: String,
     pub(super) scene: String,
     pub(super) size: [u32; 2],
@@ -26,7 +26,7 @@ pub(super) struct ScenePictures {
     pub(super) shown: Vec<(Vec<u8>, String, String)>,
 }
 
-/// Draws the frames in which formulas of f32 fail.
+/// Draws the frames in which f32 formulas fail.
 pub(super) fn naive(directory: &Path) -> Result<Vec<ScenePictures>, StudyError> {
     let drawn = stability::pictures(SIZE)?.into_iter().map(|naive| {
         let shown = vec![
@@ -39,7 +39,7 @@ pub(super) fn naive(directory: &Path) -> Result<Vec<ScenePictures>, StudyError> 
     drawn.collect()
 }
 
-/// Pictures as files of a name, read again as they are.
+/// Writes pictures as numbered files under a name, and reads the files back.
 fn files(
     folder: &Path,
     name: &str,
@@ -58,14 +58,14 @@ fn files(
     Ok(shown)
 }
 
-/// The two precisions that show a knob: the least accurate of its values that differs from the base, and the base.
+/// The two precisions that show a knob: its least accurate value that differs from the base, and the base.
 fn shown_of(knob: Knob) -> Option<[Precision; 2]> {
     let base = base_of(knob);
     let least = knob.values().iter().find(|&&value| value != knob.of(&base))?;
     Some([knob.with(*least, base), base])
 }
 
-/// Draws every knob in the scene that shows it most, where one does, into `directory`/pictures.
+/// Draws every knob in the scene that shows it most, if one does, into `directory`/pictures.
 pub(super) fn draw(study: &Study, directory: &Path) -> Result<Vec<ScenePictures>, StudyError> {
     let gains = knob_gains(study);
     let mut drawn = Vec::new();

@@ -24,15 +24,15 @@ fn series(name: &str, style: Style, points: Vec<Dot>) -> Series {
     Series { name: name.into(), style, dashed: false, points }
 }
 
-/// The error of s and t that 99.9 % of random fragments stay below: the worst is near a pole, where f32 has none.
+/// The error of s and t that 99.9 % of random fragments stay below. The worst error is near a pole, where f32 has none.
 fn places(stages: &[StageFigures]) -> Option<f64> {
     stages.iter().find(|stage| stage.figure == "s, t").and_then(|stage| stage.nearly_all)
 }
 
-/// What nothing beats on both axes, from the left: less `x`, and less `y` or more of it.
+/// Dots that no other dot beats on each axis, from the left: less `x`, and less `y` or more of it.
 fn front(dots: &[Dot], more_is_better: bool) -> Series {
     let mut sorted: Vec<&Dot> = dots.iter().filter(|dot| dot.x.is_finite() && dot.y.is_finite()).collect();
-    // Of those at one place the best first: the others are beaten by it.
+    // Of several dots at one position the best comes first, as it beats the others.
     sorted.sort_by(|a, b| {
         let better = if more_is_better { b.y.total_cmp(&a.y) } else { a.y.total_cmp(&b.y) };
         a.x.total_cmp(&b.x).then(better)
@@ -63,7 +63,7 @@ fn settings(study: &Study, curves: &[Knob], dot_of: impl Fn(&Point) -> Option<(f
     for &knob in curves {
         let points = curve(study, knob);
         let last = points.len().saturating_sub(1);
-        // The ends of a curve say which way it runs.
+        // Labels on the ends of a curve show its direction.
         let mut ends = points.into_iter().enumerate().map(|(index, (value, point))| {
             ((index == 0 || index == last).then(|| knob.text(value).to_string()), point)
         });
@@ -92,7 +92,7 @@ fn bits_on_host(study: &Study) -> Plot {
         .filter_map(|float| Some(dot(float.host.as_ref()?.ratio, places(&float.stages)?, Some(&float.name))));
     all.push(series("floats", Style::Points, floats.collect()));
     let scalar = named(study).filter_map(|point| {
-        // Against `standard` in lanes, as everything here.
+        // Ratios are to `standard` in lanes, as everywhere here.
         let base = study.points.iter().find(|point| point.name == "standard")?;
         Some(dot(point.host.scalar.ns / base.host.lanes.ns, places(&point.stages)?, Some(&point.name)))
     });
@@ -109,8 +109,7 @@ fn bits_on_host(study: &Study) -> Plot {
     }
 }
 
-/// PSNR of frames against the truth over their time, modes and numbers of samples among them; both of the scenes that are timed at every
-/// setting.
+/// PSNR of frames against the truth over their time, including modes and sample counts, for the scenes timed at every setting.
 fn frames_on_host(study: &Study) -> Plot {
     let timed = timed_scenes(study);
     let scenes = timed.join(" and ");
@@ -137,12 +136,12 @@ fn frames_on_host(study: &Study) -> Plot {
     }
 }
 
-/// The README's two.
+/// The two plots of `docs/performance.md`.
 pub(super) fn readme(study: &Study) -> [Plot; 2] {
     [bits_on_host(study), frames_on_host(study)]
 }
 
-/// Two for the host, and for every other clock error and picture.
+/// Two plots for the host, and plots of error and picture for every other clock.
 pub(super) fn clocks(study: &Study) -> Vec<Plot> {
     let mut plots = vec![bits_on_host(study), frames_on_host(study)];
     for (clock, unit) in CLOCKS.into_iter().filter(|(clock, _)| *clock != Clock::Host) {
@@ -150,7 +149,7 @@ pub(super) fn clocks(study: &Study) -> Vec<Plot> {
         if clock != Clock::Memory {
             let mut all = settings(study, &CURVES, |point| Some((cost(point, clock)?, places(&point.stages)?)));
             if clock == Clock::SoftCore {
-                // `libm` has the bits of the standard library.
+                // `libm` gives the bits of the standard library.
                 let prices = soft_core::float(soft_core::TARGET).map_or([None; 2], |float| {
                     [
                         Some(("f32", "f32, libm", float.libm)),
@@ -193,12 +192,12 @@ fn capital(name: &str) -> String {
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
-/// For every knob its name, pictures over its values, and prices.
+/// The name of every knob, with pictures over its values, and prices.
 pub(super) fn knobs(study: &Study) -> Vec<(String, Vec<Plot>)> {
     let base = study.points.iter().find(|point| point.name == "standard");
     let plots = |knob: Knob| {
         let points = curve(study, knob);
-        // Choices and an exact direction have no place among numbers, so values stand in their order.
+        // Choices and an exact direction are not numbers, so values are placed in their order.
         let place = |index: usize, value: u32, first: bool, y: f64| Dot {
             x: index as f64 + 1.0,
             y,
@@ -249,7 +248,7 @@ pub(super) fn stability(case: &HardCase) -> Plot {
         let dots = curve.points.iter().map(|&[distance, error]| dot(distance, error, None));
         Series { dashed: curve.bar.is_none(), ..series(&curve.method, Style::Line, dots.collect()) }
     });
-    // Floats have no fallback, only distances at which the case is one.
+    // Floats have no fallback, only distances at which the case is a fallback case.
     let mut marks: Vec<Mark> = Vec::new();
     for curve in case.curves.iter().filter(|curve| curve.bar.is_some()) {
         let Some(x) = curve.fallback else { continue };

@@ -11,12 +11,12 @@ use crate::host::Timing;
 use crate::soft_core;
 use crate::sweep::{Point, Study};
 
-/// The settings that have a name of their own, narrowest first.
+/// The settings with a name of their own, narrowest first.
 pub(super) fn named(study: &Study) -> impl Iterator<Item = &Point> {
     study.points.iter().filter(|point| point.knob.is_none())
 }
 
-/// An error in the unit in which it is read: degrees for directions, else a power of two.
+/// An error in its customary unit: degrees for directions, else a power of two.
 fn error(figure: &str, error: Option<f64>) -> String {
     match (figure, error) {
         ("direction", Some(degrees)) => {
@@ -27,7 +27,7 @@ fn error(figure: &str, error: Option<f64>) -> String {
     }
 }
 
-/// A ratio with its noise; marked where other programs ran.
+/// A ratio with its noise, marked if other programs ran.
 pub(super) fn ratio(timing: &Timing) -> String {
     format!("{:.2} ± {:.2}{}", timing.ratio, timing.noise, if timing.loaded { " †" } else { "" })
 }
@@ -36,7 +36,7 @@ pub(super) fn decibel(psnr: Option<f64>) -> String {
     psnr.map_or_else(|| "equal".into(), |psnr| format!("{psnr:.1}"))
 }
 
-/// The named profiles side by side: error, picture, clocks.
+/// The named profiles next to each other: error, picture, clocks.
 pub fn profiles(study: &Study) -> Table {
     let headings = std::iter::once(String::new()).chain(named(study).map(|point| point.name.clone())).collect();
     (headings, accuracy_rows(study).into_iter().chain(clock_rows(study)).collect())
@@ -127,7 +127,7 @@ fn clock_rows(study: &Study) -> Vec<Vec<String>> {
     rows
 }
 
-/// Floats on the fragments that the integers have.
+/// Floats on the same fragments as the integers.
 pub(super) fn floats(study: &Study) -> Table {
     let headings = [
         "",
@@ -203,7 +203,7 @@ fn pictures(study: &Study) -> Table {
     (headings, rows.collect())
 }
 
-/// The README's tables, each behind its name as a comment.
+/// The tables of `docs/performance.md`, each after its name as a comment.
 pub fn markdown(study: &Study) -> String {
     let (headings, _) = profiles(study);
     let tables = [

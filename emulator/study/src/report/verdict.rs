@@ -1,4 +1,4 @@
-//! What the figures say: prices of a bit, knobs that buy nothing, what to choose.
+//! Conclusions from the figures: prices of a bit, knobs that buy nothing, best choices.
 
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
@@ -7,7 +7,7 @@ use super::figures::{CLOCKS, Table, cost, grouped, power, worst_psnr};
 use crate::choose::{Aim, Candidate, Clock, choose};
 use crate::sweep::{Point, Study, base_of};
 
-/// A knob that changes the PSNR of a scene by less, dB, buys nothing there.
+/// Least change of a scene's PSNR, dB, that counts as a gain from a knob.
 pub const BUYS_SOMETHING_DB: f64 = 0.5;
 
 /// The cheapest setting for each bar and clock.
@@ -46,15 +46,15 @@ pub(super) fn choices(study: &Study) -> Table {
     (headings, rows.into())
 }
 
-/// The knobs of a point; `None` where one is missing or has no such value.
+/// The knobs of a point; `None` if one is missing or has no such value.
 fn precision(point: &Point) -> Option<Precision> {
     Knob::ALL
         .into_iter()
         .try_fold(Precision::STANDARD, |p, knob| Some(knob.with(knob.read(point.knobs.get(knob.name())?)?, p)))
 }
 
-/// What kept bits alone cost on the host within each width of words: times of fragments in lanes beside their noise, without those that
-/// were found under load.
+/// Host cost of kept bits alone within each word width: times of fragments in lanes with their noise, without those measured
+/// under load.
 fn times_within_words(study: &Study) -> Vec<String> {
     let points = curve(study, Knob::FractionBits);
     let word_bits = |bits: &u32| Knob::FractionBits.with(*bits, Precision::STANDARD).word_bits();
@@ -81,7 +81,7 @@ fn times_within_words(study: &Study) -> Vec<String> {
     by_words.filter_map(sentence).collect()
 }
 
-/// In one sentence each, what a bit of accuracy costs on each clock: from `narrow` to `standard`, and from there to `precise`.
+/// Cost of a bit of accuracy on each clock, in one sentence each: from `narrow` to `standard`, and from `standard` to `precise`.
 pub(super) fn bit_prices(study: &Study) -> Vec<String> {
     let named = |name: &str| study.points.iter().find(|point| point.name == name);
     let Some([narrow, standard, precise]) =
@@ -127,7 +127,7 @@ pub(super) fn bit_prices(study: &Study) -> Vec<String> {
     sentences
 }
 
-/// What a knob does to a scene.
+/// Effect of a knob on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnobGain {
     /// Its name.
@@ -136,7 +136,7 @@ pub struct KnobGain {
     pub scene: String,
     /// Difference between the best and the worst of its values, dB: PSNR against the filter of `standard` in float64.
     pub filter_db: f64,
-    /// The same against the truth.
+    /// Difference against the truth, in the same way.
     pub truth_db: f64,
 }
 
@@ -172,7 +172,7 @@ pub(super) fn curve(study: &Study, knob: Knob) -> Vec<(u32, &Point)> {
     knob.values().iter().filter_map(of).collect()
 }
 
-/// Which knobs buy nothing, and where.
+/// Knobs that buy nothing, and their scenes.
 pub(super) fn idle_knobs(study: &Study) -> Vec<String> {
     let gains = knob_gains(study);
     let mut sentences = Vec::new();
@@ -196,7 +196,7 @@ pub(super) fn idle_knobs(study: &Study) -> Vec<String> {
     sentences
 }
 
-/// Where floats are ahead, and where not.
+/// Cases in which floats are ahead, and in which they are not.
 pub(super) fn floats(study: &Study) -> Vec<String> {
     let error = |stages: &[crate::sweep::StageFigures]| {
         stages.iter().find(|stage| stage.figure == "s, t").and_then(|stage| stage.nearly_all)

@@ -1,4 +1,4 @@
-//! Families of inputs on the way to a degeneracy, and what is said of each.
+//! Families of inputs on the way to a degeneracy, and their descriptions.
 
 use fixed::types::I2F30;
 use glam::{DVec3, dvec3};
@@ -24,7 +24,7 @@ pub(super) struct Family {
     pub(super) kind: Kind,
 }
 
-/// Which datapath it goes through.
+/// Datapath of a family.
 pub(super) enum Kind {
     Reflection(Reflection),
     Peak,
@@ -165,22 +165,22 @@ pub(super) const FAMILIES: [Family; 9] = [
     },
 ];
 
-/// Less is left of a footprint than its errors are judged against.
+/// Returns true if less is left of a footprint than its errors are judged against.
 fn cancels(want: &Outputs, _: &Precision) -> bool {
     want.axes.major * CANCELLATION <= want.footprint_scale()
 }
 
-/// A mirror facing +z that reflects straight up the axis or beside it.
+/// A mirror facing +z that reflects along the axis or next to it.
 fn facing(s: f64, t: f64) -> RealFragment {
     RealFragment { normal: DVec3::Z, view: dvec3(-s, -t, 1.0), tangents: [DVec3::Y, DVec3::X], ..RealFragment::PLAIN }
 }
 
-/// v of which r is the reflection at a normal.
+/// The v whose reflection at a normal is this r.
 fn seen_by(reflected: DVec3, normal: DVec3) -> DVec3 {
     2.0 * normal * normal.dot(reflected) / normal.length_squared() - reflected
 }
 
-/// Two derivatives, the second of which is `distance` away from being parallel to the first.
+/// Two derivatives; the second is `distance` away from being parallel to the first.
 fn narrowing_footprint(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let mut any = |low, high| random.uniform(low, high);
     let (sin, cos) = any(0.0, std::f64::consts::PI).sin_cos();
@@ -206,7 +206,7 @@ fn main_direction_near_normal(distance: f64, random: &mut SplitMix64, p: &Precis
     .quantised(p)
 }
 
-/// D of deviation σ along a line and σ·`distance` across it; half of the lines are that near to an axis of the face.
+/// D of deviation σ along a line and σ·`distance` across it; half of the lines are this near to an axis of the face.
 fn narrowing_roughness(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let near_axis = random.below(2) == 0;
     let turn = if near_axis { distance * random.uniform(0.5, 1.0) } else { random.uniform(0.1, 3.0) };
@@ -220,12 +220,13 @@ fn narrowing_roughness(distance: f64, random: &mut SplitMix64, p: &Precision) ->
     let roughness = [sigma * sigma * distance / d3, d2, d3];
     let mirror =
         if near_axis { facing(0.0, 0.0) } else { facing(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)) };
-    // Facing the eye a pixel on the same line leaves K of rank one.
+    // For the eye in front, a pixel on the same line leaves K of rank one.
     let pixel = if near_axis { dvec3(cos, sin, 0.0) * 0.02 } else { DVec3::ZERO };
     RealFragment { roughness, dview: [pixel, -0.5 * pixel], ..mirror }.quantised(p)
 }
 
-/// A parabolic mirror of focal length 1 seen from beside its focus: one pixel moves the point on it as far as its ray turns.
+/// A parabolic mirror of focal length 1 seen from a point near its focus: one pixel moves the point on it as far as its ray
+/// turns.
 fn beside_the_focus(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let (x, y) = (random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6));
     let aside = direction(random).normalize();
@@ -242,7 +243,7 @@ fn beside_the_focus(distance: f64, random: &mut SplitMix64, p: &Precision) -> Re
     .quantised(p)
 }
 
-/// A minor diameter of 2^j·(1 ± `distance`) texels, along s for half of them.
+/// A minor diameter of 2^j·(1 ± `distance`) texels, along s for half of the members.
 fn one_texel(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let mirror = facing(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
     let level = random.below(5) as f64;
@@ -255,7 +256,7 @@ fn one_texel(distance: f64, random: &mut SplitMix64, p: &Precision) -> Reflectio
     RealFragment { dview: [dvec3(cos, sin, 0.0) * minor, dvec3(-sin, cos, 0.0) * major], ..mirror }.quantised(p)
 }
 
-/// r beside an edge, and beside a corner by turns.
+/// r near an edge and near a corner, by turns.
 fn near_an_edge(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let mut sign = || if random.below(2) == 0 { 1.0 } else { -1.0 };
     let signs = dvec3(sign(), sign(), sign());
@@ -272,7 +273,7 @@ fn near_an_edge(distance: f64, random: &mut SplitMix64, p: &Precision) -> Reflec
         .quantised(p)
 }
 
-/// A plane whose visible point runs away along it: ∂v/∂y is 1/sine times as long as ∂v/∂x.
+/// A plane whose visible point recedes along it: ∂v/∂y is 1/sine times as long as ∂v/∂x.
 fn grazing(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let normal = direction(random).normalize();
     let ahead = normal.cross(direction(random)).normalize();
@@ -287,7 +288,7 @@ fn grazing(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionI
     .quantised(p)
 }
 
-/// n as interpolation leaves it between opposite normals: short, on the last bit of the vertices' own exponent.
+/// n as interpolated between opposite normals: short, on the last bit of the vertices' own exponent.
 fn between_opposite_normals(distance: f64, random: &mut SplitMix64, p: &Precision) -> ReflectionIn {
     let normal = direction(random).normalize();
     let mut any = || random.uniform(-0.3, 0.3);

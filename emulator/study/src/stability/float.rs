@@ -11,19 +11,20 @@ use roughxel_reference::linear::{Vector3, normalise_exponent, scale_exponent};
 use roughxel_reference::{Inputs, Options, Roughness};
 use roughxel_reference_renderer as reference_renderer;
 
-/// The datapath in `f32`. As footprints of a frame it has the probe rule and the most probes of `standard`, whatever the profile.
+/// The datapath in `f32`. Its footprints of a frame use the probe rule and the largest probe count of `standard`, whatever the
+/// profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Float {
     /// The formulas as printed, on the standard library.
     Plain,
-    /// Those that do not cancel.
+    /// Formulas that do not cancel.
     Careful,
-    /// The careful ones on `micromath`.
+    /// The careful formulas on `micromath`.
     Micromath,
 }
 
 impl Float {
-    /// Every one.
+    /// Every method.
     pub const ALL: [Self; 3] = [Self::Plain, Self::Careful, Self::Micromath];
 
     /// Its name in curves and pages.
@@ -35,7 +36,7 @@ impl Float {
         }
     }
 
-    /// One fragment.
+    /// Reflects one fragment.
     pub(super) fn reflect(self, environment: &Environment, fragment: &Fragment) -> Footprint {
         match self {
             Self::Plain => environment.reflect::<Std, Plain>(fragment),
@@ -52,7 +53,7 @@ impl Float {
         }
     }
 
-    /// One light on one peak.
+    /// Light of one light on one peak.
     pub(super) fn shine(self, peak: &LitPeak) -> f32 {
         match self {
             Self::Plain => peak.shine::<Std, Plain>(),
@@ -62,7 +63,7 @@ impl Float {
     }
 }
 
-/// The place of a footprint; `None` where it comes to no number or to no probe.
+/// The point of a footprint; `None` if it is not a number or has no probe.
 pub(super) fn place(footprint: &Footprint) -> Option<Selection> {
     let Footprint { face, st, probes, step, lod, .. } = *footprint;
     let finite = st.is_finite() && step.is_finite() && lod.is_finite() && probes > 0;
@@ -73,8 +74,8 @@ fn single(v: Vector3) -> Vec3 {
     DVec3::from_array(v).as_vec3()
 }
 
-/// In units in which n and v have exponent 0, which leaves the range of `f32` to the footprint. The frame of systems 1 and 2, which it
-/// does not have, is that of the reference.
+/// Units give n and v exponent 0, which leaves the range of `f32` to the footprint. The tangent basis of systems 1 and 2, which
+/// `f32` does not have, is that of the reference.
 impl reference_renderer::Footprints for Float {
     fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<reference_renderer::Footprint> {
         let (normal, normal_exponent) = normalise_exponent(inputs.normal);
@@ -95,7 +96,7 @@ impl reference_renderer::Footprints for Float {
             dnormal: inputs.dnormal.map(|d| single(scale_exponent(d, -normal_exponent))),
         };
         let environment = Environment::new(inputs.edge_texels);
-        // A surface without bumps has no frame that could fail.
+        // A surface without bumps has no tangent basis that could fail.
         let smooth = fragment.offset == Vec2::ZERO && fragment.roughness == Vec3::ZERO;
         let footprint = if options.frame == FrameSystem::MainDirection && !smooth {
             self.reflect(&environment, &fragment)

@@ -1,10 +1,10 @@
-//! The methods that are compared, and what is kept of a member of a family.
+//! The methods that are compared, and the data kept of a member of a family.
 
 use roughxel_core::precision::{Precision, Profile};
 
 use super::float::Float;
 
-/// What is compared.
+/// A method of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Method {
     /// Floating point.
@@ -28,7 +28,7 @@ pub const METHODS: [&str; COMPARED.len()] =
     [Float::Plain.name(), Float::Careful.name(), Float::Micromath.name(), "narrow", "paper", "standard", "precise"];
 
 impl Method {
-    /// That whose ports it is given.
+    /// The precision whose ports the method gets.
     pub(super) const fn precision(self) -> Precision {
         match self {
             Self::Float(_) => Precision::PRECISE,
@@ -40,14 +40,14 @@ impl Method {
 /// One member of a family.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    /// In the unit of its case.
+    /// Error in the unit of its case.
     pub(super) error: f64,
-    /// The documented fallback holds for it.
+    /// True if the documented fallback holds for it.
     pub(super) fallback: bool,
 }
 
 impl Sample {
-    /// The worst error, and whether any is of the fallback; the larger one of a number and NaN is the number, so errors are
+    /// The worst error, and true if any sample has the fallback. The larger of a number and NaN is the number, so errors are
     /// bounded first.
     pub(super) fn merge(self, other: Self) -> Self {
         Self { error: self.error.max(other.error), fallback: self.fallback | other.fallback }

@@ -41,7 +41,7 @@ pub(super) fn sample(method: Method, angle: f64, random: &mut SplitMix64) -> Sam
     Sample { error: if error.is_nan() { 1.0 } else { error.min(1.0) }, fallback: false }
 }
 
-/// A peak of exponent 64 to 8192, half of them 8192, on a surface of any attitude, as [`crate::accuracy::lit_peak_bar`] has it.
+/// A peak of exponent 64 to 8192, half of them 8192, on a surface of any attitude, as in [`crate::accuracy::lit_peak_bar`].
 fn lit_peak(angle: f64, random: &mut SplitMix64, p: &Precision) -> PeakIn {
     let normal = direction(random).normalize();
     let e1 = direction(random).cross(normal).normalize();

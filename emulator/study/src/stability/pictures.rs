@@ -1,4 +1,4 @@
-//! What formulas that fail make of a frame.
+//! Frames from formulas that fail.
 
 use std::path::Path;
 
@@ -18,13 +18,13 @@ pub struct NaivePicture {
     pub case: String,
     /// Name of the scene.
     pub scene: String,
-    /// Whose footprints.
+    /// Method of the footprints.
     pub method: String,
     /// The same filter on the footprints of float64, linear colours.
     pub truth: Picture,
     /// The frame, linear colours.
     pub picture: Picture,
-    /// Of the frame against the truth, dB.
+    /// PSNR of the frame against the truth, dB.
     pub psnr: f64,
 }
 
@@ -36,7 +36,7 @@ const SCENES: [(&str, &str, &str); 2] = [
 
 /// The frames of `size` pixels in which the plain formulas of `f32` show, in `standard`.
 ///
-/// They are made for it: the built-in scenes meet no degeneracy within 24 bits, and none is below 100 dB (80×60).
+/// Their scenes are made for this: the built-in scenes meet no degeneracy within 24 bits, and none is below 100 dB (80×60).
 ///
 /// Errors: a size that no frame has.
 pub fn pictures([width, height]: [u32; 2]) -> Result<Vec<NaivePicture>, StudyError> {

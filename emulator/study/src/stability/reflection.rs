@@ -21,13 +21,13 @@ const DIAMETER: f64 = 3.464_101_615_137_754_6;
 pub(super) struct Reflection {
     /// The fragment of a distance.
     pub(super) fragment: fn(f64, &mut SplitMix64, &Precision) -> ReflectionIn,
-    /// What is judged.
+    /// Figure that is judged.
     pub(super) figure: Figure,
-    /// Whether the documented fallback holds.
+    /// Returns true if the documented fallback holds.
     pub(super) fallback: fn(&Outputs, &Precision) -> bool,
 }
 
-/// What a method makes of a fragment, as far as figures look at it.
+/// Outputs of a method for a fragment, as far as figures use them.
 struct Seen {
     place: Selection,
     major: f64,
@@ -59,8 +59,8 @@ impl Reflection {
         Sample { error: if error.is_nan() { largest } else { error.min(largest) }, fallback: (self.fallback)(&want, p) }
     }
 
-    /// Coordinates are judged on the face that the method chose, whatever the reference chose: beside a tie either is right, and
-    /// away from it s and t are off by no less than the tie is.
+    /// Error of a figure. Coordinates are judged on the face that the method chose, whatever the reference chose. Near a tie
+    /// either face is right; away from it s and t are off by at least the distance to the tie.
     fn error(&self, seen: &Seen, want: &Outputs) -> f64 {
         match self.figure {
             Figure::Coordinates => {
@@ -103,7 +103,7 @@ fn by_float(footprint: &Footprint) -> Option<Seen> {
     })
 }
 
-/// What `f32` sees, as the reference takes it.
+/// Inputs of `f32` in the form that the reference takes.
 fn inputs_of(fragment: &Fragment, edge_texels: u16) -> Inputs {
     let vector = |v: glam::Vec3| v.as_dvec3().to_array();
     Inputs {

@@ -1,4 +1,4 @@
-//! What a study has finished, kept line by line as it goes.
+//! Finished units of a study, kept line by line.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use super::Settings;
 use crate::StudyError;
 
-/// Finished units of a study in a file of JSON lines, the first of which says of which study and program.
+/// Finished units of a study in a file of JSON lines. The first line names the study and the program.
 #[derive(Debug)]
 pub struct Parts {
     path: PathBuf,
@@ -36,12 +36,12 @@ struct Part {
 }
 
 impl Parts {
-    /// Name of the file in the study's directory: one for each kind of study, so that none drops what another has finished.
+    /// Name of the file in the study's directory: one for each kind of study, so that none drops units of a different kind.
     pub fn file_name(settings: &Settings) -> String {
         format!("study.{}.parts.jsonl", settings.name)
     }
 
-    /// Opens the parts in a directory, or begins them anew where they are those of another study or program.
+    /// Opens the parts in a directory, or starts anew if they are of a different study or program.
     ///
     /// Errors: the directory cannot be written to.
     pub fn open(directory: &Path, settings: &Settings) -> Result<Self, StudyError> {
@@ -59,12 +59,12 @@ impl Parts {
         Ok(Self { path, kept: Mutex::new((opened, known.unwrap_or_default())) })
     }
 
-    /// How many units are finished.
+    /// Number of finished units.
     pub fn count(&self) -> usize {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).1.len()
     }
 
-    /// Whether a unit is finished.
+    /// Returns true if a unit is finished.
     pub fn has(&self, unit: &str) -> bool {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).1.contains_key(unit)
     }
@@ -92,7 +92,7 @@ impl Parts {
     }
 }
 
-/// The units of a file of that origin; what an interruption left of a line counts for nothing.
+/// The units of a file of this origin; an incomplete last line is ignored.
 fn read(file: File, origin: &Origin) -> Option<HashMap<String, Value>> {
     let mut lines = BufReader::new(file).lines();
     let first: Origin = serde_json::from_str(&lines.next()?.ok()?).ok()?;
@@ -103,7 +103,8 @@ fn read(file: File, origin: &Origin) -> Option<HashMap<String, Value>> {
     Some(parts.map(|part| (part.unit, part.value)).collect())
 }
 
-/// One line, whole as far as the system can: one call. It begins on a new line even where the last one broke off.
+/// Writes one line, as a whole as far as the system allows: in one call. It starts on a new line even if the last one is
+/// incomplete.
 fn line(file: &mut File, value: &impl Serialize) -> std::io::Result<()> {
     let is_first = file.metadata()?.len() == 0;
     let text = format!("{}{}\n", if is_first { "" } else { "\n" }, serde_json::to_string(value)?);
@@ -111,7 +112,7 @@ fn line(file: &mut File, value: &impl Serialize) -> std::io::Result<()> {
     file.flush()
 }
 
-/// SHA-256 of the running program: another build measures anew.
+/// SHA-256 of the running program: a different build measures anew.
 fn own_digest() -> String {
     let program = std::env::current_exe().and_then(fs::read).unwrap_or_default();
     Sha256::digest(program).iter().map(|byte| format!("{byte:02x}")).collect()

@@ -1,4 +1,4 @@
-//! What a study has found, as its JSON holds it.
+//! Results of a study, as in its JSON.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -24,11 +24,11 @@ pub const SCHEMA: &str = "roughxel-study-1";
 pub struct Study {
     /// [`SCHEMA`].
     pub schema: String,
-    /// What the host's times were found on.
+    /// The host of the times.
     pub machine: Machine,
-    /// What was asked for.
+    /// Settings of the study.
     pub settings: Settings,
-    /// Where random numbers come from.
+    /// Source of the random numbers.
     pub seeds: String,
     /// The compiler of the soft core's instructions.
     pub soft_core_rustc: String,
@@ -48,7 +48,7 @@ const MOST_BYTES: u64 = 1 << 26;
 impl Study {
     /// Reads a study.
     ///
-    /// Errors: a file that cannot be read, no regular file or one of more than 64 MiB, or one that holds none of this version.
+    /// Errors: a file that cannot be read, is not a regular file, has more than 64 MiB, or holds no study of this version.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let file = |source| StudyError::File { action: "read", path: path.to_path_buf(), source };
         let broken = |problem| StudyError::NoStudy { path: path.to_path_buf(), problem };
@@ -67,7 +67,7 @@ impl Study {
         }
     }
 
-    /// How many times were found while other programs ran.
+    /// Number of times measured while other programs ran.
     pub fn loaded(&self) -> usize {
         let of_points = self.points.iter().flat_map(|point| {
             let HostFigures { scalar, lanes, frames, scalar_frames } = &point.host;
@@ -84,7 +84,7 @@ impl Study {
 pub struct Point {
     /// Name of the profile, or `knob=value`.
     pub name: String,
-    /// The knob that is turned on its [`base_of`](super::base_of).
+    /// The knob that differs from its [`base_of`](super::base_of).
     pub knob: Option<String>,
     /// Its value.
     pub value: Option<u32>,
@@ -92,20 +92,20 @@ pub struct Point {
     pub knobs: BTreeMap<String, String>,
     /// Errors of stages.
     pub stages: Vec<StageFigures>,
-    /// Fragments on a wrong face, and with a wrong count of probes, away from ties.
+    /// Fragments on a wrong face, and with a wrong probe count, away from ties.
     pub wrong: [u64; 2],
     /// Frames of the scenes.
     pub frames: Vec<FrameFigures>,
-    /// The reflection datapath in hardware; `None` where its ranges are not proven.
+    /// The reflection datapath in hardware; `None` if its ranges are not proven.
     pub hardware: Option<HardwareFigures>,
     /// Time on the host.
     pub host: HostFigures,
-    /// The reflection datapath on soft cores, by target; a setting that was not priced is not there.
+    /// The reflection datapath on soft cores, by target; a setting that was not priced is missing.
     pub soft_core: BTreeMap<String, Price>,
 }
 
 impl Point {
-    /// A setting with its figures and the prices that are known of it.
+    /// A setting with its figures and its known prices.
     pub(super) fn new(
         setting: &Setting,
         stages: Vec<StageFigures>,
@@ -147,30 +147,30 @@ impl Point {
 pub struct StageFigures {
     /// Name of the figure.
     pub figure: String,
-    /// Of random fragments and hard cases; `None` where it is no number.
+    /// Worst error of random fragments and hard cases; `None` if it is not a number.
     pub worst: Option<f64>,
-    /// Which one.
+    /// The fragment with the worst error.
     pub worst_fragment: String,
-    /// Of the random fragments.
+    /// Mean error of the random fragments.
     pub mean: Option<f64>,
-    /// 99.9 % of the random fragments stay below.
+    /// Bound of 99.9 % of the random fragments.
     pub nearly_all: Option<f64>,
 }
 
 /// Time on the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HostFigures {
-    /// A fragment's reflection without fetches, scalar reading.
+    /// A fragment's reflection without fetches, scalar backend.
     pub scalar: Timing,
-    /// The same in lanes.
+    /// A fragment's reflection without fetches, in lanes.
     pub lanes: Timing,
     /// A pixel of each scene's frame, in lanes.
     pub frames: BTreeMap<String, Timing>,
-    /// The same in the scalar reading, of named profiles.
+    /// A pixel of each scene's frame on the scalar backend, for named profiles.
     pub scalar_frames: BTreeMap<String, Timing>,
 }
 
-/// Frames of another mode, in `standard`.
+/// Frames of a mode without footprints, in `standard`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModeFigures {
     /// Its name.
@@ -186,12 +186,12 @@ pub struct ModeFigures {
 pub struct FloatFigures {
     /// `f32`, `f32, plain formulas`, `f32, micromath`, `f32, batched`, or `float64`.
     pub name: String,
-    /// Errors of its stages, as far as they leave it; none of float64, which is the measure.
+    /// Errors of its stages, as far as it outputs them; empty for float64, which is the reference.
     pub stages: Vec<StageFigures>,
-    /// Fragments on a wrong face, and with a wrong count of probes, away from ties.
+    /// Fragments on a wrong face, and with a wrong probe count, away from ties.
     pub wrong: [u64; 2],
-    /// PSNR of frames whose footprints are its own and all else is float64, against the filter of `standard` in float64, dB.
+    /// PSNR of frames with its own footprints and all else in float64, against the filter of `standard` in float64, dB.
     pub psnr: BTreeMap<String, Option<f64>>,
-    /// A fragment, against `standard` in lanes.
+    /// Time of a fragment, against `standard` in lanes.
     pub host: Option<Timing>,
 }
