@@ -106,7 +106,7 @@ pub enum NoChoice {
     /// No candidate meets the aim.
     #[error("{}", missed(*aim, *clock, nearest))]
     Missed {
-        /// The aim.
+        /// The aim of the choice.
         aim: Aim,
         /// The clock of the costs.
         clock: Clock,

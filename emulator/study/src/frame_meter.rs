@@ -28,7 +28,7 @@ const FRAME_TIME: Duration = Duration::from_millis(50);
 /// Reference of a comparison of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
-    /// The same filter in float64, with the probes of `standard`: shows the effect of integers.
+    /// Frames of the same filter in float64, with the probes of `standard`: shows the effect of integers.
     Filter,
     /// 1024 samples a pixel in float64: shows the effect of filter and integers.
     Samples,

@@ -74,7 +74,7 @@ pub enum NameError {
 /// Reason why a profile file cannot be used.
 #[derive(Debug, Error)]
 pub enum ProfileError {
-    /// It is missing or may not be read.
+    /// The file is missing or may not be read.
     #[error("cannot read the profile file {}", path.display())]
     Unreadable {
         /// The file.

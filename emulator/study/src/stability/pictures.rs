@@ -20,7 +20,7 @@ pub struct NaivePicture {
     pub scene: String,
     /// Method of the footprints.
     pub method: String,
-    /// The same filter on the footprints of float64, linear colours.
+    /// A frame of the same filter on the footprints of float64, linear colours.
     pub truth: Picture,
     /// The frame, linear colours.
     pub picture: Picture,
