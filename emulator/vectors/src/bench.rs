@@ -1,7 +1,7 @@
-//! Benches: what it takes to compare a device with a set in Icarus, Verilator (SystemVerilog or C++), GHDL and cocotb.
+//! Testbenches that compare a device with a set in Icarus, Verilator (SystemVerilog or C++), GHDL and cocotb.
 //!
-//! The texts are the files of `vectors/templates`, with `@NAMES@` in the places that depend on the set. All that is filled in comes from
-//! the fields of the manifest, by a file for each language; the order of the outputs is that in which the stages run.
+//! The texts are the files of `vectors/templates`, with `@NAMES@` in the places that depend on the set. All values come from the
+//! fields of the manifest; each language has a file. Outputs are in the order in which the stages run.
 
 mod cocotb;
 mod cpp;
@@ -28,28 +28,28 @@ use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
 use fields::{Fields, identifier};
 
-/// Script that runs the bench in any of the tools, with the name of its file.
+/// Script that runs the testbench in any of the tools, with the name of its file.
 const RUN: (&str, &str) = ("run.sh", include_str!("../../../vectors/templates/run.sh"));
 
-/// The page of a directory of benches.
+/// The page of a directory of testbenches.
 pub const BENCH_README: &str = include_str!("../../../vectors/templates/benches.md");
 
-/// Device that the SystemVerilog bench drives.
+/// Device that the SystemVerilog testbench drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Device {
     /// The generated Verilog of the set's datapath or stage, effects and profile, in `rtl`.
     Generated,
-    /// A skeleton with a line a field.
+    /// A skeleton with a line per field.
     Blank,
 }
 
-/// Why there is no bench.
+/// Reason why there is no testbench.
 #[derive(Debug, Error)]
 pub enum BenchError {
     /// The set cannot be read.
     #[error(transparent)]
     Set(#[from] VectorError),
-    /// The words are not those that the manifest was written for.
+    /// The words are not those of the manifest.
     #[error(
         "{}: its SHA-256 is not the one in {}{order}; the file was changed: export the set again (`roughxel vectors verify` says which \
          words differ)",
@@ -68,7 +68,7 @@ pub enum BenchError {
     Ports {
         /// The manifest.
         manifest: PathBuf,
-        /// Which.
+        /// The differing ports.
         problem: String,
     },
     /// The datapath cannot be written as Verilog under the set's profile.
@@ -76,7 +76,7 @@ pub enum BenchError {
     Verilog {
         /// The manifest.
         manifest: PathBuf,
-        /// Why.
+        /// The error of the Verilog.
         source: VerilogError,
     },
     /// A file cannot be written.
@@ -84,14 +84,14 @@ pub enum BenchError {
     Write(#[from] WriteError),
 }
 
-/// The bench of one set.
+/// The testbench of one set.
 #[derive(Clone, Debug)]
 pub struct Bench {
     manifest: Manifest,
     manifest_path: PathBuf,
     words_path: PathBuf,
     fields: Fields,
-    /// The module of the stage, where the set is of one.
+    /// The module of the stage, if the set is of a stage.
     stage: Option<Interface>,
 }
 
@@ -136,13 +136,13 @@ impl Bench {
         };
         let inputs = fields(&[Direction::In]);
         let mut outputs = fields(&[Direction::Tap, Direction::Out]);
-        // A stage that is off hands its input on: its field counts as that of the stage behind it.
+        // A stage that is off passes its input on: its field counts as a field of the next stage.
         for index in (1..outputs.len()).rev() {
             if outputs[index - 1].0 == usize::MAX {
                 outputs[index - 1].0 = outputs[index].0;
             }
         }
-        // Of a stage the fields stay in the word's order.
+        // The fields of a stage stay in the word's order.
         outputs.sort_by_key(|(rank, _)| *rank);
         let [inputs, outputs] = [inputs, outputs].map(|fields| fields.into_iter().map(|(_, field)| field).collect());
         let stage = layout.stage().map(Stage::interface);
@@ -150,7 +150,7 @@ impl Bench {
         Ok(Self { manifest, manifest_path: manifest_path.into(), words_path, fields, stage })
     }
 
-    /// Set and profile, as the set's files are named: the folder of the bench.
+    /// Set and profile, as in the names of the set's files: the folder of the testbench.
     pub fn stem(&self) -> String {
         format!("{}_{}", self.manifest.set, self.manifest.profile.name)
     }
@@ -160,10 +160,11 @@ impl Bench {
         self.manifest.count
     }
 
-    /// Writes the bench into `directory`, which is made if it is not there. Devices that are there stay, unless `replace`;
-    /// their names are returned.
+    /// Writes the testbench into `directory`, which is made if it does not exist. Existing devices stay, unless `replace`; their
+    /// names are returned.
     ///
-    /// Errors: the Verilog cannot be made or has other ports than the set, of which nothing is written; or a file cannot be written.
+    /// Errors: the Verilog cannot be made or has other ports than the set, in which case nothing is written; or a file cannot be
+    /// written.
     pub fn write(&self, directory: &Path, device: Device, replace: bool) -> Result<Vec<String>, BenchError> {
         let verilog = match device {
             Device::Generated => Some(self.verilog()?),
@@ -188,7 +189,7 @@ impl Bench {
         Ok(kept)
     }
 
-    /// Writes words and manifest alone, into a bench that was written for as many vectors of the same fields.
+    /// Writes words and manifest alone, into a testbench for the same number of vectors of the same fields.
     ///
     /// Errors: a file cannot be read or written.
     pub(super) fn write_words(&self, directory: &Path) -> Result<(), BenchError> {
@@ -201,7 +202,7 @@ impl Bench {
         identifier(&self.stem())
     }
 
-    /// The datapath or the stage of the set with the set's effects and profile.
+    /// The Verilog of the set's datapath or stage, with the set's effects and profile.
     fn verilog(&self) -> Result<Verilog, BenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let stage = self.stage.as_ref().map(|stage| stage.module.clone());

@@ -1,8 +1,8 @@
-//! Bound: how far a device's fields may be from those of a set where the device rounds in its own way, vector by vector.
+//! Bound: the allowed distance of a device's fields from those of a set, vector by vector, if the device rounds in its own way.
 //!
-//! Every rounding of the design may be some last places more or less. A field that is a number may then differ by the sum of what each rounding
-//! alone makes of it, and by what a comparison that can turn does at most, with the sum of what each rounding makes of it on that side; a field
-//! that is a decision may be what it is in some such design.
+//! Every rounding of the design may be some last places more or less. A field that is a number may then differ by the sum of the
+//! effects of each rounding alone. It may also differ by the largest effect of a comparison that can flip, plus the sum of the
+//! effects of each rounding on that side. A field that is a decision may have any value that it has in such a design.
 
 use std::collections::BTreeSet;
 
@@ -14,31 +14,31 @@ use super::outcomes::Outcomes;
 pub(super) struct Bounds<'a> {
     outcomes: &'a Outcomes<'a>,
     roundings: Roundings<'a>,
-    /// Last places that each may be off.
+    /// Last places by which each rounding may be off.
     places: u32,
-    /// What each outcome is.
+    /// The role of each outcome.
     roles: Vec<Role>,
 }
 
-/// What an outcome is.
+/// Role of an outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
-    /// A number, in last places; a mantissa with the place of its exponent among the outcomes.
+    /// A number, in last places; for a mantissa, the position of its exponent among the outcomes.
     Number(Option<usize>),
-    /// The exponent of mantissas, which are judged with it.
+    /// The exponent of mantissas, which is judged together with them.
     Exponent,
     /// A face, a count, flags.
     Decision,
 }
 
-/// What an outcome of a vector may be.
+/// Allowed values of an outcome of a vector.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Leeway {
-    /// So many last places away.
+    /// A distance of at most this many last places.
     Within(f64),
     /// One of these, as the bits of its field.
     OneOf(BTreeSet<u32>),
-    /// Anything: what it means is judged elsewhere.
+    /// Anything: the value is judged by other outcomes.
     Any,
 }
 
@@ -58,23 +58,24 @@ impl<'a> Bounds<'a> {
         Self { outcomes, roundings, places, roles }
     }
 
-    /// What each outcome of the vector may be, in the order of the outcomes.
+    /// The leeway of each outcome of the vector, in the order of the outcomes.
     pub(super) fn leeway(&self, expected: &[u32]) -> Vec<Leeway> {
         let (mut around, moves) = self.around(expected);
         self.further(expected, &moves, &mut around);
         around.leeway()
     }
 
-    /// The first outcome of a device that is beyond its leeway, and that.
+    /// The first outcome of a device beyond its leeway, and the leeway.
     pub(super) fn beyond(&self, expected: &[u32], found: &[u32]) -> Option<(usize, Leeway)> {
         let (mut around, moves) = self.around(expected);
-        // Nearly every word decides as ours does and is as near as roundings one by one allow: no other design has to be asked.
+        // Nearly every word takes the same decisions and is within the reach of single roundings: no further design has to be
+        // evaluated.
         around.beyond(found)?;
         self.further(expected, &moves, &mut around);
         around.beyond(found)
     }
 
-    /// Our design with each of its roundings alone.
+    /// The design with each of its roundings alone.
     fn around(&self, expected: &[u32]) -> (Around<'_>, Moves) {
         let mut around = Around::new(self, expected);
         let see = &mut |number, wires: &[i64]| {
@@ -97,15 +98,15 @@ impl<'a> Bounds<'a> {
     }
 }
 
-/// A vector, and what its outcomes are in designs that round otherwise.
+/// A vector, and its outcomes in designs with other roundings.
 struct Around<'a> {
     bounds: &'a Bounds<'a>,
     ours: Vec<i64>,
-    /// Those of the design at hand.
+    /// Outcomes of the current design.
     theirs: Vec<i64>,
-    /// Our design with its roundings, then others with theirs.
+    /// The original design with its roundings, followed by others with theirs.
     designs: Vec<Near>,
-    /// What a decision may be, as the bits of its field; of an outcome that is none, what it is.
+    /// Possible values of a decision, as the bits of its field; for an outcome that is not a decision, its value.
     decisions: Vec<BTreeSet<u32>>,
 }
 
@@ -117,7 +118,8 @@ impl<'a> Around<'a> {
         Self { bounds, theirs: ours.clone(), designs, decisions: decisions.collect(), ours }
     }
 
-    /// Takes a design in. Answers whether it leads elsewhere: decides as none before it, or is farther off than all of them allow.
+    /// Adds a design. Returns true if it leads elsewhere: it takes a decision that no design before it takes, or is farther off
+    /// than all of them allow.
     fn see(&mut self, change: Change, wires: &[i64]) -> bool {
         let Outcomes { list, .. } = self.bounds.outcomes;
         for (integer, outcome) in self.theirs.iter_mut().zip(list) {
@@ -145,7 +147,7 @@ impl<'a> Around<'a> {
         elsewhere
     }
 
-    /// The first outcome of a device that is beyond its leeway, and that.
+    /// The first outcome of a device beyond its leeway, and the leeway.
     fn beyond(&self, found: &[u32]) -> Option<(usize, Leeway)> {
         let theirs = self.bounds.integers(found);
         self.leeway().into_iter().enumerate().find(|&(place, ref leeway)| match leeway {
@@ -164,21 +166,21 @@ impl<'a> Around<'a> {
         self.bounds.roles.iter().enumerate().map(leeway).collect()
     }
 
-    /// How far a number may be off: by its own roundings, and as far as any other design with its roundings is.
+    /// Largest error of a number: by the original roundings, plus the reach of the farthest other design with its roundings.
     fn within(&self, place: usize) -> f64 {
         let reach = |designs: &[Near]| designs.iter().map(|design| design.reach(place)).fold(0.0, f64::max);
         let (ours, others) = self.designs.split_at(1);
         reach(ours) + reach(others) + f64::from(self.bounds.places)
     }
 
-    /// How far an outcome is from another one, in last places at our exponent; 0 of what is no number.
+    /// Distance of an outcome in two designs, in last places at the exponent of the original; 0 if it is not a number.
     fn apart(&self, place: usize, theirs: &[i64], others: &[i64]) -> f64 {
         let exponent = match self.bounds.roles[place] {
             Role::Number(exponent) => exponent,
             Role::Exponent | Role::Decision => return 0.0,
         };
         let real = |of: &[i64]| match exponent {
-            // Zero has the smallest exponent of all.
+            // Zero has the smallest exponent.
             Some(exponent) if of[place] != 0 => of[place] as f64 * ((of[exponent] - self.ours[exponent]) as f64).exp2(),
             _ => of[place] as f64,
         };
@@ -186,12 +188,12 @@ impl<'a> Around<'a> {
     }
 }
 
-/// A design, and what a rounding of it makes of its outcomes.
+/// A design, and the effect of its roundings on its outcomes.
 struct Near {
     integers: Vec<i64>,
-    /// How far its outcomes are from ours, and what roundings add to that, one by one.
+    /// Distance of its outcomes from the original, and the sum of the effects of its roundings.
     reach: Vec<f64>,
-    /// The rounding at hand, by its number, and what it adds, the larger way.
+    /// The number of the current rounding, and its effect in the direction in which it is larger.
     number: usize,
     most: Vec<f64>,
 }
@@ -202,7 +204,7 @@ impl Near {
         Self { integers, reach: off, number: 0, most }
     }
 
-    /// With one rounding alone it is so far off.
+    /// Adds the distance that one rounding alone causes.
     fn alone(&mut self, number: usize, off: &[f64]) {
         if self.number != number {
             self.number = number;
@@ -211,7 +213,7 @@ impl Near {
         self.most.iter_mut().zip(off).for_each(|(most, off)| *most = most.max(*off));
     }
 
-    /// How far an outcome can be from ours.
+    /// Largest distance of an outcome from the original.
     fn reach(&self, place: usize) -> f64 {
         self.reach[place] + self.most[place]
     }

@@ -1,4 +1,4 @@
-//! The header of the C library and its SystemVerilog package, made of the layouts' columns and of what the library declares.
+//! The header of the C library and its SystemVerilog package, made of the layouts' columns and the library's declarations.
 
 use std::ffi::CStr;
 
@@ -16,7 +16,7 @@ pub fn c_library_files() -> [(&'static str, String); 2] {
     [("roughxel.h", header(&structures)), ("roughxel_dpi.sv", package(&structures))]
 }
 
-/// What goes into a datapath, or what comes out.
+/// The inputs or outputs of a datapath.
 struct Structure {
     datapath: Datapath,
     is_input: bool,
@@ -36,7 +36,7 @@ impl Structure {
     }
 }
 
-/// A column that is a line of a comment: format and range.
+/// Format and range of a column, as a line of a comment.
 fn note(declared: &Declared) -> String {
     let format = number_format(&declared.column).replace('*', "").replace('−', "-");
     let missing = match (declared.exists, declared.footprint) {
@@ -46,11 +46,11 @@ fn note(declared: &Declared) -> String {
     format!("{format}, {}{missing}", range(declared))
 }
 
-/// What it may be, in units of 1.
+/// Range of a column, in units of 1.
 fn range(declared: &Declared) -> String {
     let ((low, high), fraction) = (declared.column.port_limits, declared.column.port_fraction);
     let unit = 1_i64 << fraction;
-    // Declared ranges begin and end at whole numbers, the upper end among them or the last number below it.
+    // Declared ranges begin and end at whole numbers; the upper end is included, or the last number below it.
     if high % unit == 0 {
         format!("{} to {}", low / unit, high / unit)
     } else {
@@ -58,7 +58,7 @@ fn range(declared: &Declared) -> String {
     }
 }
 
-/// What a declared field is, in one line: text, unit, stage.
+/// Description of a declared field in one line: text, unit, stage.
 fn explained(declared: &Declared) -> String {
     let field = &declared.column.field;
     let unit = if field.unit == "1" { String::new() } else { format!(" [{}]", field.unit) };
@@ -77,12 +77,12 @@ fn capitals(name: &str) -> String {
     name.replace('.', "_").to_ascii_uppercase()
 }
 
-/// The name of the place of a field in the package: `REFLECTION_IN_NORMAL_X`; the direction is `in` or `out`.
+/// The name of a field's index in the package: `REFLECTION_IN_NORMAL_X`; the direction is `in` or `out`.
 pub(super) fn place_name(datapath: Datapath, direction: &str, field: &str) -> String {
     capitals(&format!("{}_{direction}_{field}", datapath.name()))
 }
 
-/// A knob as a member, and what it may be.
+/// A knob as a member, and its range.
 fn knob_member(knob: Knob) -> (String, String) {
     let values: Vec<String> =
         knob.choices().iter().enumerate().map(|(value, name)| format!("{value} {name}")).collect();
@@ -94,7 +94,7 @@ fn knob_member(knob: Knob) -> (String, String) {
     (knob.name().replace('.', "_"), range)
 }
 
-/// A line for each.
+/// A line for each item.
 fn lines<T>(all: impl IntoIterator<Item = T>, line: impl FnMut(T) -> String) -> String {
     all.into_iter().map(line).collect::<Vec<_>>().join("\n")
 }
@@ -169,7 +169,7 @@ fn package(structures: &[Structure]) -> String {
     filled(include_str!("../../../vectors/templates/systemverilog/library.sv"), &values)
 }
 
-/// The places of an array, and its type.
+/// The indices of an array, and its type.
 fn sv_places(name: &str, prefix: &str, members: &[(String, String)]) -> String {
     let last = members.len() - 1;
     let places = members.iter().enumerate().map(|(place, (member, note))| {

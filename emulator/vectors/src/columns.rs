@@ -1,4 +1,4 @@
-//! The wires of a datapath's design as fields: what is declared of them, and the bits that a profile keeps.
+//! The wires of a datapath's design as fields: their declarations, and the bits that a profile keeps.
 
 use std::fmt;
 
@@ -10,17 +10,17 @@ use roughxel_netlist::graph::Net;
 
 use super::field::{Direction, Field, Source, below, fields};
 
-/// A port or an output of a design as a field, there or not.
+/// A port or an output of a design as a field, present or not.
 pub(super) struct Column {
-    /// The field, its place in the word left out.
+    /// The field, without its place in the word.
     pub(super) field: Field,
     /// Path of the declared field that it is a wire of: `surface.normal`.
     pub(super) declared: String,
-    /// What that is.
+    /// Text of the declared field.
     pub(super) text: String,
     /// Fraction bits that a profile keeps.
     pub(super) kept: Kept,
-    /// An operation reads it, or it is no constant.
+    /// True if an operation reads the port, or the output is not a constant.
     pub(super) exists: bool,
     /// The lowest and the highest integer of its port, which has `port_fraction` fraction bits.
     pub(super) port_limits: (i64, i64),
@@ -57,14 +57,14 @@ pub(super) fn columns(net: &Net, datapath: Datapath, p: &Precision) -> Vec<Colum
     ports.chain(outputs).collect()
 }
 
-/// How many fraction bits a profile keeps of a wire, p its `fraction_bits` and l its `lod_bits`.
+/// Number of fraction bits that a profile keeps of a wire; p is its `fraction_bits` and l its `lod_bits`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kept {
     /// l.
     Lod,
-    /// p less those that the word has fewer than a mantissa.
+    /// p minus `less`, the number of fraction bits that the word lacks compared with a mantissa.
     Fraction { less: u32 },
-    /// All that it has.
+    /// All its bits.
     All(u32),
 }
 
@@ -92,14 +92,14 @@ impl fmt::Display for Kept {
 /// Fraction bits of a mantissa's port.
 const MANTISSA_FRACTION: u32 = 30;
 
-/// What is declared of a port or an output.
+/// Declaration of a port or an output.
 struct Wire<'a> {
     path: &'a [Step],
     port: &'a str,
     mantissa: bool,
     fraction_bits: u32,
     limits: (i64, i64),
-    /// Mantissas of its block, where it is one of a block's wires.
+    /// Number of mantissas in its block, if it is a wire of a block.
     mantissas: usize,
 }
 
@@ -108,7 +108,7 @@ impl Wire<'_> {
         let declared = self.declared();
         let kept = match declared.map(|field| field.keeps) {
             Some(Keeps::Lod) => Kept::Lod,
-            // A mantissa has two bits before its point; a word that has more keeps as many fewer behind it.
+            // A mantissa has two bits before its point; a word with more keeps as many fewer after it.
             _ if self.mantissa => Kept::Fraction { less: MANTISSA_FRACTION.saturating_sub(self.fraction_bits) },
             _ => Kept::All(self.fraction_bits),
         };
@@ -135,7 +135,7 @@ impl Wire<'_> {
             unit: declared.map_or("", |field| field.unit).into(),
             tolerance: 0,
             description: match fields(self.path).last() {
-                // A part of what is declared: a mantissa or an exponent of a block.
+                // A part of a declared field: a mantissa or an exponent of a block.
                 Some(part) if part.unit.is_empty() => format!("{text}: {}", part.text.trim()),
                 _ => text.clone(),
             },
@@ -155,12 +155,12 @@ impl Wire<'_> {
         }
     }
 
-    /// The innermost field with a unit: of a block that is the block.
+    /// The innermost field with a unit; for a block this is the block.
     fn declared(&self) -> Option<&'static bundle::Field> {
         fields(self.path).filter(|field| !field.unit.is_empty()).last()
     }
 
-    /// The path to it.
+    /// The path to the declared field.
     fn declared_path(&self) -> String {
         let is_declared = |step: &Step| matches!(step, Step::Field(field) if !field.unit.is_empty());
         let end = self.path.iter().rposition(is_declared).map_or(0, |place| place + 1);
@@ -171,7 +171,7 @@ impl Wire<'_> {
         })
     }
 
-    /// What it is declared to be, of sticky bits with their names.
+    /// Text of the declared field; for sticky bits with their names.
     fn text(&self, datapath: Datapath) -> String {
         let text = self.declared().map_or("", |field| field.text.trim());
         match fields(self.path).last() {
@@ -184,22 +184,22 @@ impl Wire<'_> {
     }
 }
 
-/// How many mantissas the block of a wire has.
+/// Number of mantissas in the block of a wire.
 fn mantissas<'a>(path: &[Step], all: impl Iterator<Item = &'a [Step]>) -> usize {
     let is_mantissas = |step: &Step| matches!(step, Step::Field(field) if field.name == "mantissa");
     let Some(place) = path.iter().position(is_mantissas) else { return 0 };
     all.filter(|other| other.get(..=place) == Some(&path[..=place])).count()
 }
 
-/// The name of a column: the path without the surface that all datapaths begin with; a component is a letter, or its number; of a
-/// block its mantissas are their components alone, its exponent is `e`.
+/// The name of a column: the path without the surface that begins the paths of all datapaths. A component is a letter, or its
+/// number. The mantissas of a block are named by component alone, its exponent is `e`.
 fn column(path: &[Step], mantissas: usize) -> String {
     let (mut name, mut letters) = (String::new(), "");
     for (place, step) in path.iter().enumerate() {
         let part = match step {
             Step::Field(field) if field.name == "surface" => continue,
             Step::Field(field) if field.name == "mantissa" => {
-                // The components of the block itself, unless they name an array of blocks.
+                // These are the components of the block itself, unless they name an array of blocks.
                 let is_array = matches!(path[place - 1], Step::Index(_));
                 letters = match (letters, mantissas) {
                     (given, _) if !given.is_empty() && !is_array => given,

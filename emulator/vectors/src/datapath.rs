@@ -1,5 +1,5 @@
-//! The datapaths that vectors are of, as functions from the wires of ports to integers of outputs: of one vector in the scalar reading,
-//! which `verify` and `explain` recompute with, of many side by side, which an export is made with.
+//! The datapaths of vectors, as functions from the wires of ports to integers of outputs: for one vector in the scalar backend,
+//! with which `verify` and `explain` recompute, and for many in lanes, with which an export is made.
 
 use std::ops::Range;
 
@@ -18,16 +18,16 @@ use roughxel_simd::Backend;
 /// The wires of all ports of a datapath's design.
 #[derive(Clone, Copy, Debug)]
 pub enum Inputs {
-    /// Of a fragment that reflects.
+    /// Ports of a fragment that reflects.
     Reflection(ReflectionInput<i32>),
-    /// Of a light on a surface.
+    /// Ports of a light on a surface.
     Highlight(HighlightInput<i32>),
-    /// Of a light on a peak.
+    /// Ports of a light on a peak.
     Peak(PeakInput<i32>),
 }
 
 impl Inputs {
-    /// Those with these integers on their wires.
+    /// The ports with these integers on their wires.
     pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
         match datapath {
             Datapath::Reflection => Self::Reflection(wires(integers)),
@@ -36,7 +36,7 @@ impl Inputs {
         }
     }
 
-    /// The integers on the ports of the recorded design, on words of the profile's width.
+    /// The integers on the ports of the netlist, in words of the profile's width.
     pub fn recorded(&self, p: &Precision) -> Vec<i64> {
         match self {
             Self::Reflection(wires) => integers_at(wires, p),
@@ -45,7 +45,7 @@ impl Inputs {
         }
     }
 
-    /// The integers on them.
+    /// The integers on the wires.
     pub(super) fn integers(&self) -> Vec<i64> {
         match self {
             Self::Reflection(wires) => integers(wires),
@@ -73,7 +73,7 @@ impl From<&PeakIn> for Inputs {
     }
 }
 
-/// What a datapath makes of its ports: the integers of all outputs of its design.
+/// Outputs of a datapath for its ports: the integers of all outputs of its design.
 pub(super) fn outcome(datapath: Datapath, inputs: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
     match datapath {
         Datapath::Reflection => {
@@ -91,19 +91,19 @@ pub(super) fn wires<B: Bundle<i32, In<i32> = B>>(inputs: &[i64]) -> B {
     filled(&B::limit::<i32>(End::Low), inputs)
 }
 
-/// The ports of vectors of one datapath, a row a wire.
+/// The ports of vectors of one datapath, a row per wire.
 #[derive(Debug)]
 pub enum Ports {
-    /// Of fragments that reflect.
+    /// Ports of fragments that reflect.
     Reflection(Batch<ReflectionInput<i32>>),
-    /// Of lights on surfaces.
+    /// Ports of lights on surfaces.
     Highlight(Batch<HighlightInput<i32>>),
-    /// Of lights on peaks.
+    /// Ports of lights on peaks.
     Peak(Batch<PeakInput<i32>>),
 }
 
 impl Ports {
-    /// Of no vector yet.
+    /// Ports of zero vectors.
     pub fn new(datapath: Datapath) -> Self {
         match datapath {
             Datapath::Reflection => Self::Reflection(Batch::default()),
@@ -120,10 +120,10 @@ impl Ports {
         }
     }
 
-    /// Adds those of a vector.
+    /// Adds the ports of a vector.
     ///
     /// # Panics
-    /// If it is of another datapath.
+    /// If it is of a different datapath.
     fn push(&mut self, inputs: &Inputs) {
         match (self, inputs) {
             (Self::Reflection(columns), Inputs::Reflection(wires)) => columns.push(wires),
@@ -133,7 +133,7 @@ impl Ports {
         }
     }
 
-    /// One of every vector.
+    /// The row of one port.
     fn row(&self, place: usize) -> &[i32] {
         match self {
             Self::Reflection(columns) => columns.row(place),
@@ -143,15 +143,15 @@ impl Ports {
     }
 }
 
-/// Where the inputs of vectors come from, by their indices. A function of an index gives them one by one.
+/// Source of the inputs of vectors, by index. A function of an index gives them one by one.
 pub trait InputSource: Sync {
-    /// Those of a vector.
+    /// The inputs of a vector.
     fn input(&self, index: u64) -> Inputs;
 
-    /// Puts those of some vectors into `ports`, in place of what was there.
+    /// Replaces `ports` by those of some vectors.
     ///
     /// # Panics
-    /// If they are of another datapath.
+    /// If they are of a different datapath.
     fn fill(&self, indices: Range<u64>, ports: &mut Ports) {
         ports.clear();
         indices.for_each(|index| ports.push(&self.input(index)));
@@ -164,21 +164,21 @@ impl<F: Fn(u64) -> Inputs + Sync> InputSource for F {
     }
 }
 
-/// What a datapath makes of vectors, a row a wire.
+/// Outputs of a datapath for vectors, a row per wire.
 enum Outputs {
     Reflection(Batch<ReflectionOutput<i32>>),
     Highlight(Batch<HighlightOutput<i32>>),
     Peak(Batch<PeakOutput<i32>>),
 }
 
-/// Vectors of one datapath. No wire of the three is wide, so the word of a row is the place of its port or output.
+/// Vectors of one datapath. No wire of the three datapaths is wide, so the index of a row is that of its port or output.
 pub(super) struct Computed {
     ports: Ports,
     outputs: Outputs,
 }
 
 impl Computed {
-    /// Of no vector yet.
+    /// Results of zero vectors.
     pub(super) fn new(datapath: Datapath) -> Self {
         let outputs = match datapath {
             Datapath::Reflection => Outputs::Reflection(Batch::default()),
@@ -188,10 +188,10 @@ impl Computed {
         Self { ports: Ports::new(datapath), outputs }
     }
 
-    /// Some vectors of `input` through their datapath, by the fastest backend of this machine, in place of those that were there.
+    /// Replaces the vectors by some of `input`, computed by their datapath on the fastest backend of this machine.
     ///
     /// # Panics
-    /// If they are of another datapath.
+    /// If they are of a different datapath.
     pub(super) fn fill(&mut self, input: &dyn InputSource, indices: Range<u64>, effects: &Effects, p: &Precision) {
         let shader = Shader::new(Backend::best(), p);
         input.fill(indices, &mut self.ports);

@@ -1,8 +1,9 @@
 //! Distil: few vectors of many that show the same mistakes.
 //!
-//! First come those that are needed for operations that are others, then those for entries of tables and bins, then, up to the number that is
-//! asked for, those that show most of the stuck bits left: any operation may be wrong, and of entries of a table few are. Always the vector that shows most of what is still missing is next (a greedy cover, within
-//! ln n of the smallest one), among those that were the first to show something.
+//! The order is: vectors needed to show operator faults, vectors for table entries and bins, then, up to the requested number,
+//! those that show most of the remaining stuck bits. Any operation may be wrong, but few entries of a table are. The next vector
+//! is always the one that shows most of the missing mistakes (a greedy cover, within ln n of the smallest one). Candidates are
+//! the vectors that were the first to show something.
 
 use std::cmp::Reverse;
 use std::collections::HashSet;
@@ -23,7 +24,7 @@ use super::outcomes::Outcomes;
 /// Kinds of mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mistake {
-    /// An operation is another one; with it go decisions and limits that are to be met.
+    /// A wrong operation; it includes decisions and limits that have to be met.
     Operation,
     /// An entry of a table is off by a last place.
     Entry,
@@ -44,21 +45,21 @@ impl Mistake {
     }
 }
 
-/// What is wanted of few vectors.
+/// Requirements on the few vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted<'a> {
-    /// So many at most.
+    /// Largest number of vectors.
     pub most: usize,
-    /// Sets that they stand beside: what those show is not looked for again.
+    /// Sets that the vectors supplement: mistakes that those sets show are not looked for.
     pub beside: &'a [PathBuf],
-    /// Which mistakes they are to show.
+    /// Mistakes that the vectors have to show.
     pub mistakes: &'a [Mistake],
 }
 
 /// A vector of a set.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Picked {
-    /// The set, or its seed, which of the published random sets is their name.
+    /// The set, or its seed; the published random sets are named by their seed.
     pub set: String,
     /// Index of the vector, from 0.
     pub index: u64,
@@ -67,7 +68,7 @@ pub struct Picked {
 /// Few vectors of many.
 #[derive(Clone, Debug)]
 pub struct Distilled {
-    /// The manifest of one of the sets, for what they have in common.
+    /// The manifest of one of the sets, for their common data.
     pub of: Manifest,
     /// The vectors, those that show most first.
     pub picked: Vec<Picked>,
@@ -80,11 +81,12 @@ struct Candidate {
     picked: Picked,
     /// Bits of its fields.
     bits: Vec<u32>,
-    /// It showed something first that has to be shown.
+    /// True if it was the first to show something that has to be shown.
     has_to: bool,
 }
 
-/// Few vectors of sets of one design; `progress` is told how many vectors are done, those of the sets that they stand beside among them.
+/// Few vectors of sets of one design. `progress` gets the number of finished vectors, including those of the sets that they
+/// supplement.
 ///
 /// Errors: see [`VectorError`]; sets of several designs.
 pub fn distil(
@@ -143,7 +145,7 @@ pub fn distil(
     }
     let met_beside = has_to.met.clone();
 
-    // What shows something first, of all.
+    // Vectors that are the first of all to show something.
     let mut candidates: Vec<Candidate> = Vec::new();
     for (path, manifest) in sets {
         read_words(path, manifest, &layout, &mut |index, batch| {
@@ -188,23 +190,23 @@ pub fn distil(
     Ok(Distilled { of, picked, inputs })
 }
 
-/// A design in which something is still looked for.
+/// A design with mistakes that are not shown yet.
 #[derive(Clone, Copy)]
 struct Still<'a> {
     faults: &'a Faults<'a>,
-    /// What is to be met beside operations, where those are wanted.
+    /// Bins to meet besides operator faults, if those are wanted.
     bins: Option<&'a Bins<'a>>,
 }
 
 impl<'a> Still<'a> {
-    /// Of some faults, and of bins.
+    /// Starts the search for some faults, and for bins.
     fn of(self, faults: &[Fault]) -> Looking<'a> {
         let hunt = Hunt::new(self.faults, faults.iter().copied());
         let met = vec![false; self.bins.map_or(0, |bins| bins.bins.len())];
         Looking { of: self.faults, all: faults.to_vec(), hunt, bins: self.bins, met }
     }
 
-    /// Places of the faults that a vector shows, and behind them those of the bins that it meets and that were not `met` before.
+    /// Indices of the faults that a vector shows, followed by those of the bins that it meets and that were not in `met`.
     fn shown(self, simulator: &mut Simulator, faults: &[Fault], met: &[bool], wires: &[i64]) -> Vec<usize> {
         let is_seen = |&place: &usize| simulator.effect(faults[place], wires) == Effect::Seen;
         let mut shown: Vec<usize> = (0..faults.len()).filter(is_seen).collect();
@@ -216,15 +218,15 @@ impl<'a> Still<'a> {
                 }
             });
         }
-        // An entry is met as often as it is read.
+        // An entry is met each time it is read.
         shown[first..].sort_unstable();
         shown.dedup();
         shown
     }
 }
 
-/// Rows of few that hold all numbers which any row holds, those of the `first` numbers before the others: always the one with most that none
-/// before it had, the first of equals. At most `most` of them.
+/// Few rows that together hold all numbers of all rows, those of the `first` numbers before the others. The next row is always
+/// the one with most new numbers, the first of equals. At most `most` rows.
 fn cover(rows: &[Vec<usize>], first: &dyn Fn(usize) -> bool, most: usize) -> Vec<usize> {
     let numbers = rows.iter().flatten().max().map_or(0, |&last| last + 1);
     let mut holders = vec![Vec::new(); numbers];
@@ -252,7 +254,7 @@ fn cover(rows: &[Vec<usize>], first: &dyn Fn(usize) -> bool, most: usize) -> Vec
     chosen
 }
 
-/// What is looked for.
+/// State of a search.
 struct Looking<'a> {
     of: &'a Faults<'a>,
     all: Vec<Fault>,
@@ -266,7 +268,7 @@ impl Looking<'_> {
         Self { bins: None, ..self }
     }
 
-    /// Forgets what has been shown, and looks for nothing that is proven to be equal.
+    /// Forgets faults that have been shown, and drops those proven to be equal.
     fn only_what_can_be_shown(&mut self) {
         let mut proofs = Proofs::default();
         let equal = proofs.equal(self.of, &self.hunt.unseen);
@@ -274,7 +276,7 @@ impl Looking<'_> {
         self.all = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
     }
 
-    /// How much each of these vectors is the first to show.
+    /// Number of faults and bins that each of these vectors is the first to show.
     fn show(&mut self, wires: &[Vec<i64>]) -> Vec<usize> {
         let mut shown = self.hunt.show(wires);
         for (shown, wires) in shown.iter_mut().zip(wires) {

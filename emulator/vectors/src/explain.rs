@@ -1,7 +1,8 @@
-//! Explain: every field of one vector, stage by stage, beside the float64 reference, and where a device's word goes wrong first.
+//! Explain: every field of one vector, stage by stage, next to the float64 reference, and the first wrong field of a device's
+//! word.
 //!
-//! The values are those that this version computes from the inputs in the file. What the reference makes of the same inputs is
-//! a matter of [`float64`] alone: a datapath that it does not know has explanations without it.
+//! The values are those that this version computes from the inputs in the file. The reference's values for the same inputs are in
+//! [`float64`] alone: a datapath that it does not know has explanations without them.
 
 mod float64;
 mod real;
@@ -37,15 +38,15 @@ pub struct Vector {
     line: u64,
     /// The fields' bits in the file.
     found: Vec<u32>,
-    /// Those that belong to the inputs in the file.
+    /// The bits that follow from the inputs in the file.
     expected: Vec<u32>,
-    /// How the word in the file differs.
+    /// Difference of the word in the file.
     mismatch: Option<Mismatch>,
     hash_matches: bool,
     misplaced: Vec<Misplaced>,
 }
 
-/// What a device has of a vector: the bits of each field that it gave, in the word's order.
+/// A device's word: the bits of each field that it gave, in the word's order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceWord(Vec<Option<u32>>);
 
@@ -67,27 +68,27 @@ pub struct Explanation {
     pub index: u64,
     /// Line of the hex file, from 1.
     pub line: u64,
-    /// The fields in the order of the pipeline, inputs first; those of one stage in the word's order.
+    /// The fields in the order of the pipeline, inputs first; fields of one stage in the word's order.
     pub fields: Vec<Explained>,
-    /// The module, where the set is of a stage.
+    /// The module, if the set is of a stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stage: Option<String>,
-    /// Names of the sticky bits that are set; none of the set of a stage.
+    /// Names of the sticky bits that are set; none for the set of a stage.
     pub status: Vec<&'static str>,
-    /// Which way the datapath decided, and the reference.
+    /// Decisions of the datapath and of the reference.
     pub decisions: Vec<Decision>,
-    /// Where the word that was compared goes wrong; `None` where it is right, or none was.
+    /// First difference of the compared word; `None` if it is right, or there is none.
     pub wrong: Option<Wrong>,
 }
 
 /// One field.
 #[derive(Clone, Debug, Serialize)]
 pub struct Explained {
-    /// Stage that makes it; `input` of what goes in, `check` of the check value.
+    /// Stage that makes it; `input` for inputs, `check` for the check value.
     pub stage: String,
     /// Name.
     pub field: String,
-    /// Which way it goes.
+    /// Direction of the field.
     pub direction: Direction,
     /// Place of its lowest bit in the word.
     pub lsb: u32,
@@ -101,11 +102,11 @@ pub struct Explained {
     pub integer: i64,
     /// Its value in its unit: exponents of blocks undone, codes decoded.
     pub real: Real,
-    /// The reference's value, where it has one.
+    /// The reference's value, if it has one.
     pub float64: Option<Real>,
-    /// Value less reference, in last places of the field; `None` of a block of zeros where the reference is not zero.
+    /// Value less reference, in last places of the field; `None` for a block of zeros if the reference is not zero.
     pub error: Option<f64>,
-    /// What the compared word has, where there is one with this field.
+    /// Field of the compared word, if there is one with this field.
     pub got: Option<Got>,
 }
 
@@ -114,9 +115,9 @@ pub struct Explained {
 pub struct Got {
     /// Its digits in the word.
     pub raw: String,
-    /// Its integer, with its sign; of bits above the width nothing is left.
+    /// Its integer, with its sign; bits above the width are dropped.
     pub integer: i64,
-    /// The highest bit that differs; `None` where it is right.
+    /// The highest bit that differs; `None` if the field is right.
     pub wrong_bit: Option<u32>,
 }
 
@@ -127,21 +128,21 @@ pub struct Wrong {
     pub stage: String,
     /// Its first field that differs.
     pub field: String,
-    /// The field's highest bit that differs; from its width on one of those that have to be zero.
+    /// The field's highest differing bit; from its width on, one of the bits that have to be zero.
     pub bit: u32,
     /// The field's bits in the compared word.
     pub found: u32,
-    /// What they have to be.
+    /// The right bits.
     pub expected: u32,
     /// Bits of the field.
     pub width: u32,
-    /// Fields that differ.
+    /// Number of fields that differ.
     pub fields_differing: usize,
 }
 
 impl Vector {
-    /// Reads vector `index` of the set of `manifest_path`. The whole file is read, so that what is wrong with it is told as
-    /// [`verify`](super::verify()) tells it.
+    /// Reads vector `index` of the set of `manifest_path`. The whole file is read, so that its faults are reported as in
+    /// [`verify`](super::verify()).
     ///
     /// Errors: see [`VectorError`]. A word that differs is no error, see [`Vector::mismatch`].
     pub fn read(manifest_path: &Path, index: u64) -> Result<Self, VectorError> {
@@ -187,17 +188,17 @@ impl Vector {
         &self.found
     }
 
-    /// How the word in the file differs from what its inputs give; `None` where it is right.
+    /// Difference of the word in the file from the word of its inputs; `None` if it is right.
     pub fn mismatch(&self) -> Option<&Mismatch> {
         self.mismatch.as_ref()
     }
 
-    /// Whether the file of the set is the one its manifest was written for, byte for byte.
+    /// Returns true if the file of the set is the one its manifest was written for, byte for byte.
     pub fn hash_matches(&self) -> bool {
         self.hash_matches
     }
 
-    /// What is out of order in the file, where it is not the one of the manifest; at most ten things.
+    /// Words out of order in the file, if it is not the one of the manifest; at most ten.
     pub fn misplaced(&self) -> &[Misplaced] {
         &self.misplaced
     }
@@ -205,8 +206,8 @@ impl Vector {
     /// A device's word: whole, in the set's format with its underscores or without, or `FIELD=HEX` for each field that the device
     /// has. Digits may be of either case.
     ///
-    /// Errors: neither of the two, both, more or fewer digits than a word has, an unknown field, an input, a field twice, more bits than
-    /// a field has.
+    /// Errors: neither of the two forms, or a mixture; more or fewer digits than a word has, an unknown field, an input, a field
+    /// twice, more bits than a field has.
     pub fn device_word(&self, parts: &[impl AsRef<str>]) -> Result<DeviceWord, DeviceWordError> {
         let parts: Vec<&str> = parts.iter().map(|part| part.as_ref().trim()).collect();
         let word = match parts[..] {
@@ -254,7 +255,7 @@ impl Vector {
         Ok(bits)
     }
 
-    /// Every field, compared with a device's word. Without one, a word of the file that differs takes its place.
+    /// Every field, compared with a device's word. Without a device's word, a differing word of the file takes its place.
     pub fn explain(&self, device: Option<&DeviceWord>) -> Explanation {
         let fields = self.layout.fields();
         let of_file = || self.found.iter().copied().map(Some).collect();
@@ -265,7 +266,7 @@ impl Vector {
         };
         let integers: Vec<i64> = fields.iter().zip(&self.expected).map(|(field, &bits)| field.integer(bits)).collect();
         let integer_of = |name: &str| fields.iter().position(|field| field.name == name).map(|place| integers[place]);
-        // Of a stage alone there is no reference.
+        // A single stage has no reference.
         let float64 = match self.layout.stage() {
             Some(_) => Float64::default(),
             None => self.float64(&Taken(&integer_of)),
@@ -279,7 +280,7 @@ impl Vector {
             let unit = exponent - field.fraction_bits as i32;
             let float64_value = float64.value(&field.name);
             let error = float64_value.map(|real| integers[place] as f64 - real.in_units(unit));
-            // A block of zeros stands at exponent 0 whatever its size would be, so it has no last place.
+            // A block of zeros has exponent 0 whatever its size would be, so it has no last place.
             let error = error.filter(|&error| error == 0.0 || !self.is_zero_block(field, &integers));
             Explained {
                 stage: field.stage.clone(),
@@ -320,7 +321,7 @@ impl Vector {
         }
     }
 
-    /// What the reference makes of the inputs.
+    /// Values of the reference for the inputs.
     fn float64(&self, taken: &Taken<'_>) -> Float64 {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let (inputs, p) = (self.layout.decode(&self.expected), &profile.knobs);
@@ -340,20 +341,20 @@ impl Vector {
         }
     }
 
-    /// Whether a field is a mantissa of a block with an exponent whose mantissas are all zero.
+    /// Returns true if a field is a mantissa of a block with an exponent whose mantissas are all zero.
     fn is_zero_block(&self, field: &Field, integers: &[i64]) -> bool {
         let mut of_block = self.layout.fields().iter().zip(integers).filter(|(other, _)| block(other) == block(field));
         exponent_field(self.layout.fields(), field).is_some() && of_block.all(|(_, &integer)| integer == 0)
     }
 
-    /// The bits in which a field of a compared word differs.
+    /// The differing bits of a field of a compared word.
     fn difference(&self, place: usize, bits: u32, got: &[Option<u32>]) -> u32 {
         let fields = self.layout.fields();
         let difference = bits ^ self.expected[place];
         if fields[place].direction != Direction::Check {
             return difference;
         }
-        // The check value is right if it belongs to the word it stands in, or was taken over from the set.
+        // The check value is right if it belongs to the word that contains it, or was copied from the set.
         let word: Option<Vec<u32>> = got.iter().copied().collect();
         match word.map(|word| bits ^ check_value(&self.layout, &word)) {
             Some(0) => 0,
@@ -383,7 +384,8 @@ impl Vector {
     }
 }
 
-/// The exponent that belongs to a field: of a mantissa that of its block, where it has one; else 0. `integers` are those of all fields.
+/// The exponent that belongs to a field: for a mantissa that of its block, if the block has one; else 0. `integers` are those of
+/// all fields.
 pub(super) fn exponent(fields: &[Field], field: &Field, integers: &[i64]) -> i32 {
     // An exponent has 16 bits.
     exponent_field(fields, field).map_or(0, |place| integers[place] as i32)
@@ -395,7 +397,7 @@ fn exponent_field(fields: &[Field], field: &Field) -> Option<usize> {
     fields.iter().position(|field| field.port == port)
 }
 
-/// The path of the block of which a field is a mantissa.
+/// The path of the block whose mantissa a field is.
 fn block(field: &Field) -> Option<&str> {
     field.port.rsplit_once(".mantissa[").map(|(block, _)| block)
 }

@@ -22,20 +22,20 @@ use super::stage::StageSet;
 use super::word::{CHUNK, Encoder, length};
 use super::{MAX_VECTORS, VectorError};
 
-/// Words of a task: the wires of all stages stay in a processor's cache.
+/// Words of a task: the wires of all stages fit a processor's cache.
 const TASK: u64 = 1 << 9;
-/// Bytes hashed and written at once: they stay in a processor's cache between the two, and a system takes a byte of many in less time (2.4 and 4 GB/s
-/// were measured with 2^16 and 2^18).
+/// Bytes hashed and written at once. They stay in a processor's cache between the two, and a system writes large blocks faster
+/// (measured: 2.4 GB/s with 2^16, 4 GB/s with 2^18).
 const WRITE: usize = 1 << 18;
 
-/// What is known of a set before its vectors are.
+/// Properties of a set that do not depend on its vectors.
 #[derive(Clone, Copy, Debug)]
 pub struct SetInfo<'a> {
     /// Name: 1 to 64 lower-case letters, digits and underscores.
     pub name: &'a str,
     /// One sentence.
     pub description: &'a str,
-    /// The text hashed with each index where the set is random; `None` for listed or captured fragments.
+    /// The text hashed with each index if the set is random; `None` for listed or captured fragments.
     pub seed: Option<&'a str>,
     /// The datapath.
     pub datapath: Datapath,
@@ -45,7 +45,7 @@ pub struct SetInfo<'a> {
     pub precision: Precision,
     /// Name of the profile: of a named one, of a profile file, or `custom`.
     pub profile: &'a str,
-    /// What words hold, and how they are written.
+    /// Contents of words, and their file format.
     pub words: Words,
 }
 
@@ -58,32 +58,32 @@ impl<'a> SetInfo<'a> {
 }
 
 impl<'a> From<&'a Manifest> for SetInfo<'a> {
-    /// A set in text of the kind of another one.
+    /// A set in text of the same kind as an existing one.
     fn from(Manifest { set, datapath, effects, profile, taps, .. }: &'a Manifest) -> Self {
         let words = Words { taps: *taps, form: Form::Hex };
         Self { words, ..Self::new(set, *datapath, *effects, &profile.name, profile.knobs) }
     }
 }
 
-/// What the words of a set hold, and how they are written.
+/// Contents of the words of a set, and their file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Words {
-    /// With the outcomes of stages between the ports.
+    /// True if words have the outcomes of stages between the ports.
     pub taps: bool,
-    /// As text or as bytes.
+    /// Format: text or bytes.
     pub form: Form,
 }
 
 impl Default for Words {
-    /// Everything, as text.
+    /// All fields, as text.
     fn default() -> Self {
         Self { taps: true, form: Form::Hex }
     }
 }
 
-/// Exports a set into `directory`, which is made if it is not there. The inputs are those of the datapath that `info` names.
+/// Exports a set into `directory`, which is made if it does not exist. The inputs are those of the datapath that `info` names.
 ///
-/// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
+/// Errors: see [`VectorError`]; no incomplete file stays, and no manifest without its words.
 pub fn export<I>(info: &SetInfo<'_>, inputs: &[I], directory: &Path) -> Result<Manifest, VectorError>
 where
     I: Sync,
@@ -92,7 +92,7 @@ where
     export_with(info, inputs.len() as u64, &|index: u64| (&inputs[index as usize]).into(), directory, &|_| {})
 }
 
-/// Exports the vectors 0 to count − 1 of `input`, a batch in memory at a time; `progress` is told how many are done.
+/// Exports the vectors 0 to count − 1 of `input`, a batch in memory at a time; `progress` gets the number of finished vectors.
 pub fn export_with(
     info: &SetInfo<'_>,
     count: u64,
@@ -113,7 +113,7 @@ pub struct SetExport<'a> {
     count: u64,
     part: Option<Part>,
     layout: Layout,
-    /// The stage that it is of.
+    /// The stage, for a set of a stage.
     stage: Option<&'a StageSet>,
 }
 
@@ -126,10 +126,10 @@ impl<'a> SetExport<'a> {
         Self { info, name, description, count, part: None, layout, stage: None }
     }
 
-    /// The set of a stage that belongs to the base set of `info`, which has `count` vectors: vector i is run i mod R of base vector ⌊i / R⌋
-    /// where the module has R runs.
+    /// The set of a stage that belongs to the base set of `info`, which has `count` vectors: vector i is run i mod R of base
+    /// vector ⌊i / R⌋, for the R runs of the module.
     ///
-    /// The name is `BASE_MODULE`, datapath, effects and profile are those of the base set, and there are no taps.
+    /// The name is `BASE_MODULE`; datapath, effects and profile are those of the base set, and there are no taps.
     pub fn of_stage(info: &'a SetInfo<'a>, count: u64, stage: &'a StageSet) -> Self {
         let name = format!("{}_{}", info.name, stage.name()).into();
         let count = count.saturating_mul(stage.runs().len() as u64);
@@ -147,7 +147,7 @@ impl<'a> SetExport<'a> {
         self.count
     }
 
-    /// What a shard has of it; `None` where the set has fewer vectors than there are shards, and this one none of them.
+    /// The part of a shard; `None` if the set has fewer vectors than there are shards, and this shard gets none.
     pub fn of_shard(self, shard: Shard) -> Option<Self> {
         Part::of(self.count, shard).map(|part| Self { part: Some(part), ..self })
     }
@@ -157,8 +157,8 @@ impl<'a> SetExport<'a> {
         self.part.map_or(0..self.count, |part| part.indices())
     }
 
-    /// The set as it would be written, where it is in `directory` already: a manifest of this version of the program for the same
-    /// set, seed, knobs, effects, fields and part, and words of the size and the SHA-256 that it says.
+    /// The set as it would be written, if it is in `directory` already: a manifest of this version of the program for the same
+    /// set, seed, knobs, effects, fields and part, and words of the size and the SHA-256 in the manifest.
     pub fn present(&self, directory: &Path) -> Option<Manifest> {
         self.check().ok()?;
         let wanted = self.manifest();
@@ -170,10 +170,10 @@ impl<'a> SetExport<'a> {
         (is_same && of_words()? == (entry.bytes, entry.sha256.clone())).then_some(found)
     }
 
-    /// Exports it: vector i is `input.input(i)`, i an index of the whole set, or of the base set of a stage's. A batch is in memory at a time; `progress` is told how many
-    /// are done.
+    /// Exports the set: vector i is `input.input(i)`, where i is an index of the whole set, or of the base set for a stage. A
+    /// batch is in memory at a time; `progress` gets the number of finished vectors.
     ///
-    /// Errors: see [`VectorError`]; nothing half-written stays, and no manifest without its words.
+    /// Errors: see [`VectorError`]; no incomplete file stays, and no manifest without its words.
     pub fn write(
         &self,
         input: &dyn InputSource,
@@ -184,7 +184,7 @@ impl<'a> SetExport<'a> {
         let manifest = self.manifest();
         let form = self.info.words.form;
         let mut files = SetFiles::create(&manifest, form, length(&self.layout, form), directory)?;
-        // Where the threads are that it is divided among: from outside each batch would wait for one of them to wake.
+        // This runs inside the thread pool: from outside, each batch would wait for a thread to wake.
         rayon::scope(|_| self.write_words(input, &mut files, progress))?;
         files.commit(manifest)
     }
@@ -211,9 +211,10 @@ impl<'a> SetExport<'a> {
             rooms.lock().unwrap_or_else(PoisonError::into_inner).push(room);
             made
         };
-        // Vectors computed while those before them are written: of few threads they stay in a cache, more have enough to do until the slowest is ready.
+        // Vectors computed while the previous ones are written. A few threads keep them in a cache; many threads have enough work
+        // until the slowest is ready.
         let of_batch = TASK * (4 * rayon::current_num_threads() as u64).clamp(8, 32);
-        // What was written is room for another.
+        // The buffer of written words is reused.
         let batch = |start: u64, mut text: Vec<u8>| -> Result<Vec<u8>, VectorError> {
             text.resize(all.end.min(start + of_batch).saturating_sub(start) as usize * length, 0);
             let tasks = text.par_chunks_mut(TASK as usize * length).enumerate();
@@ -271,7 +272,7 @@ impl<'a> SetExport<'a> {
         }
     }
 
-    /// Writes the words of some vectors over `text`, which is as long as they are; batch and words are room for them.
+    /// Writes the words of some vectors over `text`, which has their length; `batch` and `words` are buffers.
     fn write_vectors(
         &self,
         vectors: Range<u64>,
@@ -292,7 +293,7 @@ impl<'a> SetExport<'a> {
         Ok(())
     }
 
-    /// A field that its vector's integer does not fit.
+    /// The error for a vector's integer that does not fit the field.
     fn inexact(&self, index: u64, field: &Field) -> VectorError {
         VectorError::Inexact { set: self.name().into(), index, field: field.name.clone() }
     }

@@ -1,10 +1,10 @@
-//! A field of a vector word, and what it is a wire of.
+//! A field of a vector word, and the wire that carries it.
 
 use roughxel_core::bundle::{self, Step};
 use roughxel_core::precision::Precision;
 use serde::{Deserialize, Serialize};
 
-/// Which way a field goes.
+/// Direction of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
@@ -24,9 +24,9 @@ pub enum Direction {
 pub struct Field {
     /// Name, unique in the word.
     pub name: String,
-    /// Which way it goes.
+    /// Direction of the field.
     pub direction: Direction,
-    /// Stage that makes it; `input` of what goes in, `check` of the check value.
+    /// Stage that makes it; `input` for inputs, `check` for the check value.
     pub stage: String,
     /// Path of the port or output of the datapath's design that carries it; empty for the check value.
     pub port: String,
@@ -34,7 +34,7 @@ pub struct Field {
     pub lsb: u32,
     /// Bits; the bits above it, up to the next multiple of 4, are zero.
     pub width: u32,
-    /// Two's complement.
+    /// True for two's complement.
     pub signed: bool,
     /// Fraction bits: the value is the integer over 2^fraction_bits (times 2^exponent for a mantissa).
     pub fraction_bits: u32,
@@ -42,7 +42,7 @@ pub struct Field {
     pub unit: String,
     /// Largest accepted difference in last places; 0 is exact.
     pub tolerance: u32,
-    /// What it is.
+    /// Description of the field.
     pub description: String,
 }
 
@@ -59,7 +59,8 @@ impl Field {
         if self.signed { bits.cast_signed() >> spare } else { (bits >> spare).cast_signed() }
     }
 
-    /// The field's bits of an integer whose lowest `drop` bits the profile drops; `None` if it has others than the field keeps.
+    /// The field's bits of an integer whose lowest `drop` bits the profile drops; `None` if it has bits that the field does not
+    /// keep.
     #[inline]
     pub(super) fn bits(&self, integer: i64, drop: u32) -> Option<u32> {
         let bits = (integer >> drop) as u32 & mask(self.width);
@@ -67,12 +68,12 @@ impl Field {
     }
 }
 
-/// Where the integer of a field is.
+/// Location of a field's integer.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Source {
-    /// Among the ports of the design.
+    /// One of the ports of the design.
     Port(usize),
-    /// Among its outputs.
+    /// One of its outputs.
     Output(usize),
 }
 
@@ -81,7 +82,7 @@ pub(crate) const fn mask(width: u32) -> u32 {
     u32::MAX >> (32 - width)
 }
 
-/// Bits of a soft core's mantissa that the words of a profile do not have.
+/// Bits of the scalar API's mantissa that the words of a profile lack.
 pub(super) fn below(mantissa: bool, p: &Precision) -> u32 {
     if mantissa { 32 - p.word_bits() } else { 0 }
 }

@@ -1,4 +1,4 @@
-//! The two files of a set on their way, and hashes of files.
+//! The two files of a set during writing, and hashes of files.
 
 use std::fs;
 use std::io::{self, Write};
@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use super::VectorError;
 use super::manifest::{FileEntry, Form, Manifest};
 
-/// The words of a set while they are written; dropped without [`SetFiles::commit`] they leave no trace.
+/// The words of a set during writing; dropped without [`SetFiles::commit`] they leave no trace.
 pub(super) struct SetFiles {
     words: OutputFile,
     hash: Sha256,
@@ -21,7 +21,7 @@ pub(super) struct SetFiles {
 }
 
 impl SetFiles {
-    /// Opens the words that a manifest is to have, each so many bytes, in `directory`, which is made if it is not there.
+    /// Opens the words of a future manifest, each of `length` bytes, in `directory`, which is made if it does not exist.
     pub(super) fn create(
         manifest: &Manifest,
         form: Form,
@@ -48,7 +48,7 @@ impl SetFiles {
 
     /// Puts words and manifest in their places; returns the manifest with the words' entry.
     ///
-    /// At no moment a manifest is there beside words that are not its own: an older one goes first, the new one comes last.
+    /// A manifest is never next to words that are not its own: an older manifest is removed first, the new one is written last.
     pub(super) fn commit(self, manifest: Manifest) -> Result<Manifest, VectorError> {
         let Self { words, hash, bytes, words_path, json_path } = self;
         let name = words_path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -66,7 +66,7 @@ pub(super) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), Vec
     prepared(path, manifest)?.0.commit().map_err(cannot_write(path))
 }
 
-/// A manifest on its way, and its text.
+/// A manifest during writing, and its text.
 fn prepared(path: &Path, manifest: &Manifest) -> Result<(OutputFile, Vec<u8>), VectorError> {
     let mut text = serde_json::to_vec_pretty(manifest).map_err(|e| cannot_write(path)(e.into()))?;
     text.push(b'\n');
@@ -78,16 +78,16 @@ fn prepared(path: &Path, manifest: &Manifest) -> Result<(OutputFile, Vec<u8>), V
     Ok((write().map_err(cannot_write(path))?, text))
 }
 
-/// Removes a manifest that is there, unless it is that text.
+/// Removes an existing manifest, unless it has that text.
 fn remove_other(path: &Path, text: &[u8]) -> io::Result<()> {
     let remove = || {
         let is_same = fs::metadata(path)?.len() == text.len() as u64 && fs::read(path)? == text;
-        // Behind a link, where the new one is going to be.
+        // A link is resolved, as for the new manifest.
         if is_same { Ok(()) } else { fs::remove_file(fs::canonicalize(path)?) }
     };
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_file() => match remove() {
-            // Another export was quicker.
+            // A concurrent export was faster.
             Err(gone) if gone.kind() == io::ErrorKind::NotFound => Ok(()),
             done => done,
         },
@@ -117,7 +117,7 @@ pub(super) fn size_and_hash(path: &Path) -> io::Result<(u64, String)> {
     Ok((bytes, hex_digest(hash)))
 }
 
-/// A hash as something to write to.
+/// A hash as a writer.
 struct Hasher<'a>(&'a mut Sha256);
 
 impl Write for Hasher<'_> {

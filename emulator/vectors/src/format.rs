@@ -1,4 +1,4 @@
-//! The tables of fields in `vectors/FORMAT.md`: a row a declared field, made of the layouts' columns.
+//! The tables of fields in `vectors/FORMAT.md`: a row per declared field, made of the layouts' columns.
 
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem};
@@ -11,10 +11,10 @@ use super::field::Direction;
 
 /// The line before the tables in a page.
 const BEGIN: &str = "<!-- Begin of what `roughxel vectors format --write vectors/FORMAT.md` writes. -->\n";
-/// The line behind them.
+/// The line after the tables.
 const END: &str = "<!-- End of what it writes. -->\n";
 
-/// A page has no place for the tables.
+/// Error of a page that has no place for the tables.
 #[derive(Debug, Error)]
 #[error("the page has not exactly one pair of the lines `{}` and `{}`", BEGIN.trim_end(), END.trim_end())]
 pub struct FormatError;
@@ -29,7 +29,7 @@ pub fn in_page(page: &str) -> Result<String, FormatError> {
     Ok(format!("{before}{BEGIN}\n{}\n{END}{after}", tables()))
 }
 
-/// The tables, a datapath after the other, with every effect on.
+/// The tables of all datapaths in order, with every effect on.
 pub fn tables() -> String {
     let tables = Datapath::ALL.map(|datapath| {
         let rows: String = rows(datapath).iter().map(|row| row.line() + "\n").collect();
@@ -43,29 +43,29 @@ pub fn tables() -> String {
 
 /// The columns of one declared field.
 struct Row {
-    /// Each with whether it is there whatever the frame.
+    /// Columns; true for one that exists under every frame system.
     columns: Vec<(Column, bool)>,
-    /// On which kind of footprint the first one is, where that is not both.
+    /// The kind of footprint of the first column, if only one kind has it.
     footprint: Option<&'static str>,
 }
 
 /// A port or an output of a datapath, whatever the effects.
 pub(super) struct Declared {
-    /// As it is with every effect on, of a footprint on the sphere what that alone has.
+    /// The column with every effect on; for a footprint on the sphere the columns that only it has.
     pub(super) column: Column,
-    /// Whether it is there under some effects.
+    /// True if it exists under some effects.
     pub(super) exists: bool,
-    /// Whether it is there whatever the frame.
+    /// True if it exists under every frame system.
     always: bool,
-    /// On which kind of footprint it is, where that is not both.
+    /// The kind of footprint that has it, if only one kind has it.
     pub(super) footprint: Option<&'static str>,
 }
 
 /// Every port and every output of a datapath, in the order of its bundles.
 pub(super) fn declared(datapath: Datapath) -> impl Iterator<Item = Declared> {
-    // The frame system and the kind of footprint are the choices that swap columns; every other effect only adds some.
+    // The frame system and the kind of footprint are the choices that swap columns; all other effects only add some.
     let columns_of = |effects: Effects| {
-        // Formats come out as symbols, the same under every profile.
+        // Formats are printed as symbols, the same under every profile.
         columns(&record::net(Design::of(datapath), &effects, &Precision::STANDARD), datapath, &Precision::STANDARD)
     };
     let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
@@ -76,7 +76,7 @@ pub(super) fn declared(datapath: Datapath) -> impl Iterator<Item = Declared> {
         let on_face = [main.exists, natural.exists, normalised.exists];
         let exists = on_face.contains(&true) || sphere.exists;
         let always = on_face == [main.exists; 3];
-        // That of the sphere has the main direction.
+        // The sphere's design has the main direction.
         let (column, footprint) = match (main.exists, sphere.exists) {
             (true, false) => (main, Some("not with `footprint-sphere`")),
             (false, true) => (sphere, Some("only with `footprint-sphere`")),
@@ -119,8 +119,8 @@ impl Row {
         format!("| {names} | `{declared}` | {direction} | {stage} | {format} | {unit} | {text}{footprint} |")
     }
 
-    /// The names of the columns; of those that differ in the last part alone the first is whole. In brackets what is not there
-    /// under every frame.
+    /// The names of the columns. Of names that differ in the last part alone the first is whole. Columns that do not exist under
+    /// every frame system are in brackets.
     fn names(&self) -> String {
         let mut runs: Vec<(Vec<&str>, bool)> = Vec::new();
         let mut stem = "";
@@ -150,7 +150,7 @@ impl Row {
         names
     }
 
-    /// The formats of the columns, each once; that of an exponent by its name.
+    /// The formats of the columns, each once; the format of an exponent by its name.
     fn format(&self) -> String {
         let mut formats: Vec<String> = Vec::new();
         for (column, _) in &self.columns {

@@ -1,7 +1,8 @@
-//! Grade: how good sets are. Every fault of the recorded design ([`roughxel_netlist::fault`]) is tried on every vector until a field shows it,
-//! every bin ([`roughxel_netlist::bins`]) is counted, and what fields and wires attain is held against what is proven.
+//! Grade: coverage of sets. Every fault of the netlist ([`roughxel_netlist::fault`]) is tried on every vector until a field shows
+//! it, and every bin ([`roughxel_netlist::bins`]) is counted. The values that fields and wires attain are compared with the
+//! proven ranges.
 //!
-//! Sets of the same datapath, effects, profile and columns are graded together: a folder is as good as all that is in it.
+//! Sets of the same datapath, effects, profile and columns are graded together: the coverage of a folder is that of all its sets.
 
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -24,7 +25,7 @@ use super::manifest::Manifest;
 use super::outcomes::Outcomes;
 use super::score::{GradeEntry, Score};
 
-/// Vectors that faults go through at once: their wires stay in a processor's cache.
+/// Vectors that faults process at once: their wires fit a processor's cache.
 const BATCH: usize = 32;
 /// Faults of a task.
 const TASK: usize = 256;
@@ -32,11 +33,11 @@ const TASK: usize = 256;
 /// The faults of a stage.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct StageScore {
-    /// The stage, in all its uses; `ports` of those that go in.
+    /// The stage, in all its uses; `ports` for the input ports.
     pub stage: String,
-    /// Bits of wires that are stuck.
+    /// Stuck bits of wires.
     pub stuck: Score,
-    /// Operations that are others.
+    /// Operator faults.
     pub slips: Score,
 }
 
@@ -47,16 +48,16 @@ pub struct TableScore {
     pub table: String,
     /// Entries that are read.
     pub read: Score,
-    /// Entries that are off by a last place, up and down.
+    /// Table entries off by a last place, up and down.
     pub entries: Score,
 }
 
 /// A fault that no field shows.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unseen {
-    /// Where it is and what it is.
+    /// The fault and its location.
     pub fault: String,
-    /// Whether it made a difference to its own wire, which no field showed.
+    /// True if it changed its own wire, but no field.
     pub masked: bool,
 }
 
@@ -67,13 +68,13 @@ pub struct Attained {
     pub field: String,
     /// Its stage.
     pub stage: String,
-    /// What its wire may hold, by the proof of ranges.
+    /// Proven range of its wire.
     pub proven: [i64; 2],
-    /// What it held.
+    /// Range of its values in the sets.
     pub seen: [i64; 2],
 }
 
-/// Something that is not as it should be in sets.
+/// An irregularity of sets.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Alarm {
@@ -82,15 +83,15 @@ pub enum Alarm {
         /// The field.
         field: String,
     },
-    /// Vectors with inputs that another one before them has.
+    /// Vectors whose inputs repeat those of an earlier one.
     Repeated {
-        /// How many.
+        /// Number of vectors.
         vectors: u64,
     },
 }
 
 impl Alarm {
-    /// The field that is always the same.
+    /// The field that is constant.
     pub fn constant(&self) -> Option<&str> {
         match self {
             Self::Constant { field } => Some(field),
@@ -99,17 +100,17 @@ impl Alarm {
     }
 }
 
-/// How good the sets of a datapath, its effects and a profile are.
+/// Coverage of the sets of a datapath, its effects and a profile.
 #[derive(Clone, Debug, Serialize)]
 pub struct Grade {
     /// The datapath.
     pub datapath: &'static str,
-    /// The module of the stage that the sets are of.
+    /// The module of the stage, for sets of a stage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stage: Option<String>,
     /// The profile.
     pub profile: String,
-    /// Whether fields between the ports count.
+    /// True if fields between the ports count.
     pub taps: bool,
     /// Names of the sets.
     pub sets: Vec<String>,
@@ -119,17 +120,17 @@ pub struct Grade {
     pub stages: Vec<StageScore>,
     /// The tables.
     pub tables: Vec<TableScore>,
-    /// Flags on either side and comparisons at their limits.
+    /// Flags on each side and comparisons at their limits.
     pub decisions: Score,
     /// The faults that are not seen.
     pub unseen: Vec<Unseen>,
-    /// Entries of tables that may be off by a last place, as is proven: they are not counted.
+    /// Table entries that may be off by a last place, as proven: they are not counted.
     pub equal_entries: Vec<String>,
     /// The bins that are not met.
     pub unmet: Vec<String>,
-    /// What fields hold.
+    /// Values of the fields.
     pub fields: Vec<Attained>,
-    /// What is not as it should be.
+    /// Irregularities of the sets.
     pub alarms: Vec<Alarm>,
 }
 
@@ -140,7 +141,7 @@ impl Grade {
         stuck.and(operations).and(entries)
     }
 
-    /// What a manifest says of it.
+    /// The entry of a manifest.
     pub fn entry(&self) -> GradeEntry {
         let sum = |scores: &mut dyn Iterator<Item = Score>| scores.fold(Score::default(), Score::and);
         GradeEntry {
@@ -152,14 +153,14 @@ impl Grade {
     }
 }
 
-/// Grades each set alone and writes what it shows into its manifest, which is replaced whole or not at all; `progress` is told how many vectors
-/// are done.
+/// Grades each set alone and writes the coverage into its manifest, which is replaced as a whole or not at all. `progress` gets
+/// the number of finished vectors.
 ///
 /// Errors: see [`VectorError`].
 pub fn write_grades(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
     let (mut done, mut grades) = (0, Vec::new());
     for sets in by_design(manifests)? {
-        // What is proven of a design is that for each of its sets.
+        // Proofs for a design hold for each of its sets.
         let alone: Vec<_> = sets.chunks(1).collect();
         grade_parts(&alone, &mut |vectors| progress(done + vectors), &mut |part, grade| {
             let (path, manifest) = &sets[part];
@@ -173,7 +174,7 @@ pub fn write_grades(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec
     Ok(grades.into_iter().map(|(_, grade)| grade).collect())
 }
 
-/// Grades the sets of manifests, those of one design together; `progress` is told how many vectors are done.
+/// Grades the sets of manifests, those of one design together; `progress` gets the number of finished vectors.
 ///
 /// Errors: see [`VectorError`].
 pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
@@ -191,7 +192,7 @@ pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>
 /// Sets with their manifests.
 type Sets = Vec<(PathBuf, Manifest)>;
 
-/// The sets of manifests, those of one design together.
+/// The sets of manifests, grouped by design.
 fn by_design(manifests: &[PathBuf]) -> Result<Vec<Sets>, VectorError> {
     let mut groups: Vec<Sets> = Vec::new();
     for path in manifests {
@@ -204,14 +205,14 @@ fn by_design(manifests: &[PathBuf]) -> Result<Vec<Sets>, VectorError> {
     Ok(groups)
 }
 
-/// Whether sets are of the same hardware and show the same of it.
+/// Returns true if sets are of the same hardware and show the same fields.
 pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
     let of = |manifest: &Manifest| (manifest.datapath, manifest.effects, manifest.profile.knobs, manifest.taps);
     of(a) == of(b) && a.stage == b.stage
 }
 
-/// Grades parts of the sets of one design, each alone; `progress` is told how many vectors are done, and `graded` the number of a part and its
-/// grade.
+/// Grades parts of the sets of one design, each alone. `progress` gets the number of finished vectors, and `graded` the number of
+/// a part and its grade.
 fn grade_parts(
     parts: &[&[(PathBuf, Manifest)]],
     progress: &mut dyn FnMut(u64),
@@ -253,20 +254,21 @@ pub(super) fn read_words(
     lines.hash_matches().map(drop)
 }
 
-/// Faults that are looked for until a field shows them.
+/// A search for faults, each until a field shows it.
 pub(super) struct Hunt<'a> {
     of: &'a Faults<'a>,
-    /// Those that are not seen, with what became of them at most.
+    /// Faults that are not seen, with their largest effect.
     pub(super) unseen: Vec<(Fault, Effect)>,
 }
 
 impl<'a> Hunt<'a> {
-    /// For some of the faults of a design.
+    /// Starts a search for some of the faults of a design.
     pub(super) fn new(of: &'a Faults<'a>, faults: impl Iterator<Item = Fault>) -> Self {
         Self { of, unseen: faults.map(|fault| (fault, Effect::None)).collect() }
     }
 
-    /// Some vectors more, the wires of the right design for each: how many faults each of them is the first to show.
+    /// Adds some vectors, the wires of the right design for each; returns the number of faults that each of them is the first to
+    /// show.
     pub(super) fn show(&mut self, wires: &[Vec<i64>]) -> Vec<usize> {
         let of = self.of;
         let first_to_show = |simulator: &mut Simulator, (fault, most): &mut (Fault, Effect)| {
@@ -288,7 +290,7 @@ impl<'a> Hunt<'a> {
     }
 }
 
-/// What is proven of the faults of a design, whatever vectors there are.
+/// Proofs about the faults of a design, whatever the vectors.
 #[derive(Default)]
 pub(super) struct Proofs {
     tried: HashSet<Fault>,
@@ -296,7 +298,7 @@ pub(super) struct Proofs {
 }
 
 impl Proofs {
-    /// The faults that are proven to make no difference to any field, all such of `unseen` among them.
+    /// The faults that are proven to change no field, including all such of `unseen`.
     pub(super) fn equal(&mut self, of: &Faults, unseen: &[(Fault, Effect)]) -> &HashSet<Fault> {
         let new: Vec<Fault> =
             unseen.iter().map(|&(fault, _)| fault).filter(|&fault| self.tried.insert(fault)).collect();
@@ -314,13 +316,13 @@ impl Proofs {
     }
 }
 
-/// What vectors have shown so far.
+/// State of the counts after some vectors.
 struct Tally<'a> {
     outcomes: &'a Outcomes<'a>,
     faults: &'a Faults<'a>,
     bins: &'a Bins<'a>,
     hunt: Hunt<'a>,
-    /// How often each bin is met.
+    /// Number of times each bin is met.
     met: Vec<u64>,
     observed: Observed,
     sets: Vec<String>,
@@ -345,7 +347,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Some vectors more of a set, the integers of the ports of each.
+    /// Adds some vectors of a set, the integers of the ports of each.
     fn add(&mut self, set: &str, vectors: &[Vec<i64>]) {
         if !self.sets.iter().any(|name| name == set) {
             self.sets.push(set.to_owned());
@@ -365,7 +367,7 @@ impl<'a> Tally<'a> {
 
     fn grade(mut self, of: &Manifest, ranges: &Ranges, proofs: &mut Proofs) -> Grade {
         let net = &self.outcomes.net;
-        // What vectors show is not equal, so the others alone are tried.
+        // A fault that vectors show is not equal, so only the others are tried.
         let equal = proofs.equal(self.faults, &self.hunt.unseen);
         self.hunt.unseen.retain(|(fault, _)| !equal.contains(fault));
         let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();

@@ -1,5 +1,6 @@
-//! Judge: a device's words by acceptance tiers. *Exact* is every bit; *faithful* lets every reciprocal and inverse root be a neighbour of ours, one
-//! last place away, and asks for exactly what follows from it; *bound* lets every rounding be another one ([`super::bound`]).
+//! Judge: acceptance tiers of a device's words. *Exact* requires every bit. *Faithful* allows every reciprocal and inverse root
+//! to be off by one last place, and requires exactly what follows from it. *Bound* allows every rounding to be different
+//! ([`super::bound`]).
 
 use std::cmp::Ordering;
 use std::path::Path;
@@ -21,16 +22,16 @@ const DESCRIBED: usize = 10;
 /// Vectors that are judged at once.
 const BATCH: usize = 1 << 10;
 
-/// What a device has to give.
+/// Requirement on a device's words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tier {
     /// Every bit.
     Exact,
-    /// Every bit of what follows from reciprocals and inverse roots that are each one last place away at most.
+    /// Every bit of the results of reciprocals and inverse roots that are each off by at most one last place.
     Faithful,
-    /// Numbers within what follows, to first order, from roundings that are each so many last places off at most; decisions that some such
-    /// design takes.
+    /// Numbers within the first-order effect of roundings that are each off by at most this many last places; decisions that some
+    /// such design takes.
     Bound {
         /// Last places.
         places: u32,
@@ -47,7 +48,7 @@ impl Tier {
         }
     }
 
-    /// What vectors are that pass it.
+    /// Adjective for vectors that pass it.
     pub const fn adjective(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -57,22 +58,22 @@ impl Tier {
     }
 }
 
-/// How a device's words are.
+/// Result for a device's words.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
     /// The set.
     pub set: String,
     /// Its profile.
     pub profile: String,
-    /// The tier that was asked for.
+    /// The requested tier.
     pub tier: Tier,
     /// Vectors.
     pub count: u64,
-    /// Those that are right in every bit.
+    /// Vectors that are right in every bit.
     pub exact: u64,
-    /// Those that pass the tier, exact ones included.
+    /// Vectors that pass the tier, including exact ones.
     pub passing: u64,
-    /// The first ones that do not pass the tier, at most ten.
+    /// The first vectors that do not pass the tier, at most ten.
     pub failures: Vec<Failing>,
 }
 
@@ -83,27 +84,28 @@ pub struct Failing {
     pub index: u64,
     /// Line or record of the device's file, from 1.
     pub line: u64,
-    /// The first stage that is wrong, in the order of the pipeline; `input` where the device was given other inputs.
+    /// The first wrong stage, in the order of the pipeline; `input` if the device got other inputs.
     pub stage: String,
     /// Its first wrong field.
     pub field: String,
-    /// What the device gave, hex digits.
+    /// The device's value, hex digits.
     pub got: String,
-    /// What it should have given; under *faithful* by the device's own values before it.
+    /// The right value; under *faithful* by the device's own earlier values.
     pub expected: String,
-    /// Last places that `got` may be away from `expected`, where the tier is bound and the field a number.
+    /// Last places that `got` may be away from `expected`, if the tier is bound and the field is a number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within: Option<f64>,
     /// Value of `got` in the field's unit, by the device's exponent.
     pub got_real: Real,
-    /// Value of `expected`, by the exponent that the set has, or under *faithful* the device's.
+    /// Value of `expected`, by the exponent in the set, or under *faithful* the device's.
     pub expected_real: Real,
 }
 
-/// Judges a device's words, those of `got` in the order of the set of `manifest_path`; `progress` is told how many vectors are done.
+/// Judges a device's words, those of `got` in the order of the set of `manifest_path`; `progress` gets the number of finished
+/// vectors.
 ///
-/// Errors: see [`VectorError`]; among them a set that is not as it was written, more or fewer words than it has, and, where the tier is
-/// faithful, a set without taps that leaves more choices of neighbours than can be followed.
+/// Errors: see [`VectorError`], including a set that was changed, more or fewer words than the set has, and, if the tier is
+/// faithful, a set without taps that leaves too many choices of neighbours to follow.
 pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64)) -> Result<Judgement, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
@@ -174,31 +176,31 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
     Ok(judgement)
 }
 
-/// Words that are right each but not those that the manifest was written for.
+/// Words that are each right but not those of the manifest.
 pub(super) fn not_its_words(manifest_path: &Path) -> VectorError {
     let problem = "the words beside it are not those that it was written for, so nothing can be judged by them; see `roughxel vectors verify`, or \
                    export the set again";
     VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }
 }
 
-/// What vectors are judged by.
+/// Rules for judging vectors.
 struct Judge<'a> {
     outcomes: &'a Outcomes<'a>,
     freedom: Freedom<'a>,
 }
 
-/// What a device is free to do in another way.
+/// Freedom of a device's implementation.
 enum Freedom<'a> {
     None,
     Neighbours(Neighbours<'a>),
     Bounds(Bounds<'a>),
 }
 
-/// Whether a vector is exact, and where it does not pass the tier.
+/// True if a vector is exact; its failure if it does not pass the tier.
 type Judged = (bool, Option<Failing>);
 
 impl Judge<'_> {
-    /// A vector, or why it cannot be judged.
+    /// Judges a vector, or reports why it cannot be judged.
     fn vector(&self, line: &Line, expected: &[u32], found: &[u32]) -> Result<Judged, String> {
         if let Some(place) = self.outcomes.other_input(expected, found) {
             return Ok((false, Some(self.failing(line, place, found, expected[place], expected))));
@@ -253,7 +255,7 @@ impl Judge<'_> {
         Some(Failing { within, ..self.failing(line, field, found, expected[field], expected) })
     }
 
-    /// A wrong field; the exponent of what was expected is that of the word `beside`.
+    /// A wrong field; the exponent of the expected value is that of the word `beside`.
     fn failing(&self, line: &Line, place: usize, found: &[u32], bits: u32, beside: &[u32]) -> Failing {
         let fields = self.outcomes.layout.fields();
         let field = &fields[place];

@@ -1,10 +1,9 @@
-//! The fields of a vector word: which there are, where they lie, and how integers of ports go in and out.
+//! The fields of a vector word: their list and positions, and the conversion of ports' integers to and from words.
 //!
-//! A field is a port or an outcome of the datapath's design, as the bundles of `roughxel_core::ports` declare them: name, unit, stage
-//! and range come from there, in that order. A set has those that exist
-//! under its effects: inputs that an operation of the recorded design reads, outcomes that are no constants, so its columns
-//! are the ports of the hardware made for the same effects. A field keeps the bits its profile keeps and takes whole hex
-//! digits.
+//! A field is a port or an outcome of the datapath's design, as declared by the bundles of `roughxel_core::ports`: name, unit,
+//! stage, range and order come from the declaration. A set has the fields that exist under its effects: inputs that an operation
+//! of the netlist reads, and outcomes that are not constants. Its columns are therefore the ports of the hardware for the same
+//! effects. A field keeps the bits that its profile keeps and takes whole hex digits.
 
 use std::collections::HashMap;
 
@@ -26,20 +25,20 @@ pub(crate) const CHECK_BITS: u32 = roughxel_utilities::crc::BITS;
 #[derive(Clone, Debug)]
 pub struct Layout {
     fields: Vec<Field>,
-    /// Where the integer of each field but the check value comes from, and how many of its low bits the profile drops.
+    /// Source of the integer of each field but the check value, and the number of low bits that the profile drops.
     sources: Vec<(Source, u32)>,
-    /// The lowest and the highest integer that each of them is declared to hold.
+    /// The lowest and the highest integer that each of these fields is declared to hold.
     limits: Vec<(i64, i64)>,
-    /// Ports of the design, those without a field included.
+    /// Ports of the design, including those without a field.
     ports: usize,
-    /// Where the stage of each field stands in the pipeline.
+    /// Position of each field's stage in the pipeline.
     ranks: Vec<usize>,
-    /// The stage that the fields are the ports of; `None` of a whole datapath.
+    /// The stage whose ports are the fields; `None` for a whole datapath.
     stage: Option<Stage>,
 }
 
 impl Layout {
-    /// The fields of a datapath under its effects and `p`, with those between stages or without.
+    /// The fields of a datapath under its effects and `p`, with fields between stages or without.
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
         let net = record::net(Design::of(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
@@ -47,10 +46,11 @@ impl Layout {
         let limits = columns.iter().map(|column| column.limits).collect();
         let (fields, sources): (Vec<Field>, Vec<(Source, u32)>) =
             columns.into_iter().map(|column| (column.field, (column.source, column.drop))).unzip();
-        // In the order in which the stages run; inputs are before, the check value after all of them.
+        // Order of the stages' runs; inputs are before, the check value after all of them.
         let mut runs: HashMap<&str, usize> = HashMap::from([("input", 0)]);
         for (rank, run) in net.runs.iter().enumerate() {
-            // A stage that runs for parts of its outcome is done with the last of them: `highlight` begins before `half`, on which f depends.
+            // A stage that runs for parts of its outcome ends with the last of them: `highlight` begins before `half`, on which f
+            // depends.
             runs.insert(run.base(), rank + 1);
         }
         let rank = |field: &Field| runs.get(field.stage.as_str()).copied().unwrap_or(usize::MAX);
@@ -59,7 +59,8 @@ impl Layout {
 
     /// The fields of a stage: the ports of its module in their order, inputs first.
     ///
-    /// Errors: a port with more bits than a field can have, or with places before its binary point alone. No named profile has one.
+    /// Errors: a port with more bits than a field can have, or with places only before its binary point. No named profile has
+    /// one.
     pub(super) fn of_stage(stage: &Stage) -> Result<Self, VerilogError> {
         let inputs = stage.inputs.iter().enumerate().map(|(place, port)| (port, Source::Port(place)));
         let outputs = stage.outputs.iter().enumerate().map(|(place, port)| (port, Source::Output(place)));
@@ -78,7 +79,7 @@ impl Layout {
         Ok(Self { stage: Some(stage.clone()), ..Self::placed(fields, sources, limits, stage.inputs.len(), rank) })
     }
 
-    /// The fields at their places in the word, with the check value behind them.
+    /// The fields at their places in the word, followed by the check value.
     fn placed(
         mut fields: Vec<Field>,
         sources: Vec<(Source, u32)>,
@@ -108,12 +109,12 @@ impl Layout {
         Self { fields, sources, limits, ports, ranks, stage: None }
     }
 
-    /// The stage that the fields are the ports of; `None` of a whole datapath.
+    /// The stage whose ports are the fields; `None` for a whole datapath.
     pub(super) fn stage(&self) -> Option<&Stage> {
         self.stage.as_ref()
     }
 
-    /// Where the stage of a field stands in the pipeline: of several differing fields that of the earliest one is named first.
+    /// Position of a field's stage in the pipeline: of several differing fields that of the earliest stage is named first.
     pub(crate) fn rank(&self, field: usize) -> usize {
         self.ranks[field]
     }
@@ -128,7 +129,7 @@ impl Layout {
         self.fields.iter().map(|field| 4 * field.digits()).sum()
     }
 
-    /// Characters of a word's line, underscores included, the end of line not.
+    /// Characters of a word's line, including underscores, without the end of line.
     pub(crate) fn line_length(&self) -> usize {
         self.word_bits() as usize / 4 + self.fields.len() - 1
     }
@@ -144,8 +145,8 @@ impl Layout {
         (self.word_bits() - CHECK_BITS) / 4
     }
 
-    /// The fields' bits of the integers of ports and outputs, the check value left out; or the first field that is too narrow
-    /// for its integer.
+    /// The fields' bits of the integers of ports and outputs, without the check value; or the first field that is too narrow for
+    /// its integer.
     pub(crate) fn encode(&self, inputs: &[i64], outputs: &[i64]) -> Result<Vec<u32>, usize> {
         let encode_field = |(index, (field, &(source, drop))): (usize, (&Field, &(Source, u32)))| {
             let integer = match source {
@@ -157,7 +158,8 @@ impl Layout {
         self.fields.iter().zip(&self.sources).enumerate().map(encode_field).collect()
     }
 
-    /// The bits of the input fields, which a word begins with, of the integers of ports; `None` if one is too narrow for its integer.
+    /// The bits of the input fields, which begin a word, from the integers of ports; `None` if a field is too narrow for its
+    /// integer.
     pub(super) fn input_bits(&self, inputs: &[i64]) -> Option<Vec<u32>> {
         let of_port = |(field, &(source, drop)): (&Field, &(Source, u32))| match source {
             Source::Port(place) => Some(field.bits(inputs[place], drop)),
@@ -166,13 +168,13 @@ impl Layout {
         self.fields.iter().zip(&self.sources).map_while(of_port).collect()
     }
 
-    /// Whether a field, not the check value, is declared to hold that integer.
+    /// Returns true if a field, not the check value, is declared to hold this integer.
     pub(super) fn allows(&self, field: usize, integer: i64) -> bool {
         let (low, high) = self.limits[field];
         (low..=high).contains(&integer)
     }
 
-    /// Where the integers of each field but the check value are in a batch of vectors, with how many of their low bits drop.
+    /// Rows of a batch of vectors with the integers of each field but the check value, with the number of low bits that drop.
     pub(super) fn rows<'a>(&self, batch: &'a Computed) -> Vec<(&'a [i32], u32)> {
         let row = |&(source, drop): &(Source, u32)| match source {
             Source::Port(place) => (batch.port(place), drop),
@@ -181,7 +183,8 @@ impl Layout {
         self.sources.iter().map(row).collect()
     }
 
-    /// The fields of a datapath between the ports and behind them: place in the word, wire of the recorded design, low bits of it that drop.
+    /// The fields of a datapath between the ports and at its outputs: place in the word, wire of the netlist, number of its low
+    /// bits that drop.
     pub(super) fn outcomes(&self, net: &Net, p: &Precision) -> impl Iterator<Item = (usize, NodeId, u32)> {
         self.places().map(|(field, place, drop)| {
             let output = &net.outputs[place];
@@ -210,7 +213,7 @@ impl Layout {
     }
 }
 
-/// A port of a stage's module as a field, its place in the word left out.
+/// A port of a stage's module as a field, without its place in the word.
 fn stage_field(stage: &Stage, port: &StagePort, source: Source) -> Result<Field, VerilogError> {
     let StagePort { name, format, wire, path } = port;
     let (width, fraction_bits) = (format.width(), format.stored_fraction_bits());

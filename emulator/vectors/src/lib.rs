@@ -3,9 +3,9 @@
 //! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
 //! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
-//! field and bit of a difference, [`Vector`] explains one word beside the float64 reference, [`Bench`] is what compares a device with
-//! a set in a simulator. A word ends in a check value that locates a single flipped bit in any field, inputs included, where
-//! recomputation alone would show only its consequences.
+//! field and bit of a difference, [`Vector`] explains one word next to the float64 reference, [`Bench`] compares a device with a
+//! set in a simulator. A word ends in a check value that locates a single flipped bit in any field, including inputs, for which
+//! recomputation alone would show only the consequences.
 
 mod bench;
 mod bound;
@@ -70,17 +70,17 @@ pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, veri
 /// Most vectors of one set.
 pub const MAX_VECTORS: u64 = 1 << 22;
 
-/// Why a set could not be written or read.
+/// Reason why a set cannot be written or read.
 #[derive(Debug, Error)]
 pub enum VectorError {
     /// A file or directory cannot be read or written.
     #[error("cannot {action} {}", .path.display())]
     Io {
-        /// What was tried.
+        /// The action that failed.
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why it failed.
+        /// The cause.
         source: io::Error,
     },
     /// A directory without a single set.
@@ -91,7 +91,7 @@ pub enum VectorError {
     Manifest {
         /// The manifest.
         path: PathBuf,
-        /// What is wrong, with line and column where there is one, and the remedy.
+        /// The fault, with line and column if there is one, and the remedy.
         problem: String,
     },
     /// A line of a file of words, or a record, is not a word of the set.
@@ -101,10 +101,10 @@ pub enum VectorError {
         path: PathBuf,
         /// Line or record, from 1.
         line: u64,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
-    /// A file holds another number of vectors than its manifest says.
+    /// A file holds a different number of vectors than its manifest states.
     #[error(
         "{}: {found} vectors, but the manifest says {expected}; the file is cut short or was added to{cause}. Export the set again",
         .path.display()
@@ -114,9 +114,9 @@ pub enum VectorError {
         path: PathBuf,
         /// Words in the file.
         found: u64,
-        /// Words by the manifest.
+        /// Words in the manifest.
         expected: u64,
-        /// Which are missing or too many, where that can be told; begins with a semicolon.
+        /// Missing or extra words, if they are known; begins with a semicolon.
         cause: String,
     },
     /// A set's name would make a bad file name.
@@ -127,7 +127,7 @@ pub enum VectorError {
     Size {
         /// The set.
         set: String,
-        /// Asked for.
+        /// Requested number.
         count: u64,
     },
     /// A set has no vector of that index.
@@ -138,9 +138,9 @@ pub enum VectorError {
     Index {
         /// The manifest.
         path: PathBuf,
-        /// Asked for.
+        /// Requested index.
         index: u64,
-        /// Those of the set, or of the part of one.
+        /// Indices of the set, or of its part.
         indices: Range<u64>,
     },
     /// A port value has more bits than the profile keeps, so its field cannot hold it.
@@ -148,7 +148,7 @@ pub enum VectorError {
     Inexact {
         /// The set.
         set: String,
-        /// The fragment.
+        /// Index of the fragment.
         index: u64,
         /// The field.
         field: String,

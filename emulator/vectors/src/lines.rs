@@ -1,4 +1,5 @@
-//! The words of a set's file, lines of text or records of bytes, with their numbers, and whether the file is the one its manifest was written for.
+//! The words of a set's file, lines of text or records of bytes, with their numbers, and the test that the file is the one of its
+//! manifest.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -13,19 +14,19 @@ use super::manifest::{Form, Manifest};
 use super::word::{read_device_word, read_record, read_word};
 use super::{MAX_VECTORS, VectorError};
 
-/// Longest line: beyond every word and comment.
+/// Longest line: beyond the length of every word and comment.
 const MAX_LINE: u64 = 4096;
 
-/// The words of a set, one after the other; comments are passed over.
+/// The words of a set in order; comments are skipped.
 pub(super) struct Lines {
     path: PathBuf,
     file: BufReader<File>,
     form: Form,
     record_bytes: usize,
     hash: Sha256,
-    /// SHA-256 by the manifest.
+    /// SHA-256 in the manifest.
     sha256: String,
-    /// Words by the manifest, and the most that are read.
+    /// Words in the manifest, and the most that are read.
     count: u64,
     most: u64,
     /// Index of the first vector.
@@ -36,7 +37,7 @@ pub(super) struct Lines {
     words: u64,
 }
 
-/// A line or a record that is a word, if it is right.
+/// A line or a record that should be a word.
 pub(super) struct Line {
     /// Index of the vector in the whole set, from 0.
     pub(super) index: u64,
@@ -44,15 +45,15 @@ pub(super) struct Line {
     pub(super) number: u64,
     /// Its bytes, without an end of line.
     text: Vec<u8>,
-    /// Where in the file they begin.
+    /// Offset of these bytes in the file.
     offset: u64,
-    /// Whether the file ends with it, without an end of line or of a record.
+    /// True if the file ends with it, without an end of line or of a record.
     is_last: bool,
     form: Form,
 }
 
 impl Line {
-    /// The same of a device's word, whose digits may be of either case and without underscores.
+    /// The bits of a device's word as in [`Self::bits`]; its digits may be of either case and without underscores.
     pub(super) fn device_bits(&self, layout: &Layout) -> Result<Vec<u32>, String> {
         let bits = match self.form {
             Form::Hex => read_device_word(&self.text, layout),
@@ -61,7 +62,7 @@ impl Line {
         bits.map_err(|problem| self.cause(problem))
     }
 
-    /// The fields' bits, padding and check value included, or what is wrong with it.
+    /// The fields' bits, including padding and check value, or the fault of the line.
     pub(super) fn bits(&self, layout: &Layout) -> Result<Vec<u32>, String> {
         let bits = match self.form {
             Form::Hex => read_word(&self.text, layout),
@@ -70,7 +71,7 @@ impl Line {
         bits.map_err(|problem| self.cause(problem))
     }
 
-    /// Its bytes as a set has them, with the end of line where there is one.
+    /// Its bytes as in a set, with the end of line if there is one.
     pub(super) fn written(mut self) -> Vec<u8> {
         if self.form == Form::Hex {
             self.text.push(b'\n');
@@ -78,7 +79,7 @@ impl Line {
         self.text
     }
 
-    /// What happened to a line that is no word, where that can be told.
+    /// The cause of a line that is no word, if it is known.
     fn cause(&self, problem: String) -> String {
         let end = self.offset + self.text.len() as u64;
         if let Some(binary) = (self.form == Form::Hex).then(|| binary_in(&self.text, self.offset)).flatten() {
@@ -97,9 +98,9 @@ impl Line {
     }
 }
 
-/// Whether the words of a set are those that its manifest was written for.
+/// Returns true if the words of a set are those of its manifest.
 ///
-/// Errors: unreadable, a line that is no word, more or fewer words than the manifest says.
+/// Errors: unreadable, a line that is no word, more or fewer words than in the manifest.
 pub(super) fn is_whole(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Result<bool, VectorError> {
     let mut lines = Lines::open(manifest_path, manifest)?;
     while let Some(line) = lines.next()? {
@@ -108,7 +109,7 @@ pub(super) fn is_whole(manifest_path: &Path, manifest: &Manifest, layout: &Layou
     lines.hash_matches()
 }
 
-/// The first byte that no text of words has.
+/// The first byte that is in no text of words.
 fn binary_in(text: &[u8], offset: u64) -> Option<String> {
     let text = text.strip_suffix(b"\r").unwrap_or(text);
     let place = text.iter().position(|byte| !(b' '..=b'~').contains(byte) && *byte != b'\t')?;
@@ -120,13 +121,13 @@ fn binary_in(text: &[u8], offset: u64) -> Option<String> {
     ))
 }
 
-/// Whether a record looks like text: of the numbers in a word many bytes are no letters.
+/// Returns true if a record looks like text: many bytes of the numbers in a word are not letters.
 fn is_text(record: &[u8]) -> bool {
     record.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace())
 }
 
 impl Lines {
-    /// Opens the words of a manifest, which lie beside it.
+    /// Opens the words of a manifest, which are in the same directory.
     pub(super) fn open(manifest_path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
         Self::at(manifest_path.with_file_name(&manifest.files[0].name), manifest.form(), manifest)
     }
@@ -155,14 +156,14 @@ impl Lines {
         })
     }
 
-    /// The same with those that are too many, up to twice the most that a set has.
+    /// Opens the words of a manifest, and reads extra words, up to twice the most of a set.
     pub(super) fn open_longer(manifest_path: &Path, manifest: &Manifest) -> Result<Self, VectorError> {
         Ok(Self { most: 2 * MAX_VECTORS, ..Self::open(manifest_path, manifest)? })
     }
 
     /// The next word; `None` at the end of the file.
     ///
-    /// Errors: unreadable, a line that is too long, more words than the manifest says.
+    /// Errors: unreadable, a line that is too long, more words than in the manifest.
     pub(super) fn next(&mut self) -> Result<Option<Line>, VectorError> {
         loop {
             let mut text = Vec::with_capacity(512);
@@ -204,9 +205,9 @@ impl Lines {
         }
     }
 
-    /// Whether the file is the one the manifest was written for, byte for byte; asked at its end.
+    /// Returns true if the file is the one of the manifest, byte for byte; called at its end.
     ///
-    /// Errors: fewer words than the manifest says.
+    /// Errors: fewer words than in the manifest.
     pub(super) fn hash_matches(self) -> Result<bool, VectorError> {
         if self.words != self.count {
             return Err(self.wrong_count());
@@ -214,7 +215,7 @@ impl Lines {
         Ok(hex_digest(self.hash) == self.sha256)
     }
 
-    /// Reads the next words, at most so many; `None` at the end.
+    /// Reads at most `most` further words; `None` at the end.
     pub(super) fn batch(&mut self, most: usize) -> Result<Option<Vec<Line>>, VectorError> {
         let mut batch = Vec::with_capacity(most);
         while batch.len() < most
@@ -230,12 +231,12 @@ impl Lines {
         line.bits(layout).map_err(|problem| self.problem(line.number, problem))
     }
 
-    /// What is wrong with a line.
+    /// The error for a line.
     pub(super) fn problem(&self, line: u64, problem: String) -> VectorError {
         VectorError::Line { path: self.path.clone(), line, problem }
     }
 
-    /// The file has not the words that the manifest says.
+    /// The error for a file with a different number of words than in the manifest.
     pub(super) fn wrong_count(&self) -> VectorError {
         VectorError::Count { path: self.path.clone(), found: self.words, expected: self.count, cause: String::new() }
     }

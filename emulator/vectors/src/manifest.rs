@@ -1,4 +1,4 @@
-//! `NAME.json`: what a set holds, how it was made, and the hash of its words.
+//! `NAME.json`: contents of a set, its origin, and the hash of its words.
 
 use std::fs;
 use std::io::Read;
@@ -36,32 +36,32 @@ pub struct Manifest {
     pub generator: String,
     /// Name of the set.
     pub set: String,
-    /// What the set holds.
+    /// Contents of the set.
     pub description: String,
     /// Profile.
     pub profile: ProfileKnobs,
     /// The datapath.
     #[serde(with = "DatapathDef")]
     pub datapath: Datapath,
-    /// The stage of it whose ports the fields are; `None` of a set of the whole datapath.
+    /// The stage whose ports are the fields; `None` for a set of the whole datapath.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stage: Option<StageEntry>,
-    /// Effects of it that were on; those of other datapaths are off.
+    /// Effects that are on; those of other datapaths are off.
     #[serde(with = "EffectsDef")]
     pub effects: Effects,
-    /// Where the fragments come from.
+    /// Source of random fragments.
     pub seed: Option<Seed>,
-    /// Whether words have the outcomes of stages between the ports, too.
+    /// True if words also have the outcomes of stages between the ports.
     #[serde(default = "has_taps", skip_serializing_if = "Clone::clone")]
     pub taps: bool,
     /// Vectors.
     pub count: u64,
-    /// Which part of a set it is; `None` of a whole one.
+    /// The part of a set; `None` for a whole one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<Part>,
     /// Bits of a word.
     pub word_bits: u32,
-    /// How good the set is; `None` where it was not graded.
+    /// Coverage of the set; `None` if it was not graded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grade: Option<GradeEntry>,
     /// The files of the set; there is one, the words.
@@ -70,12 +70,12 @@ pub struct Manifest {
     pub fields: Vec<Field>,
 }
 
-/// Manifests do not say that they have taps.
+/// Default of the key `taps`: manifests with taps omit it.
 const fn has_taps() -> bool {
     true
 }
 
-/// Whether a file is named as those of a form are.
+/// Returns true if a file name has the extension of a form.
 fn has_extension(name: &str, form: Form) -> bool {
     Path::new(name).extension().is_some_and(|extension| extension == form.extension())
 }
@@ -84,7 +84,7 @@ fn has_extension(name: &str, form: Form) -> bool {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileKnobs {
-    /// That of a named profile with these knobs, of a profile file, or `custom`.
+    /// Name of a named profile with these knobs, of a profile file, or `custom`.
     pub name: String,
     /// Its knobs.
     #[serde(with = "PrecisionDef")]
@@ -97,11 +97,11 @@ pub struct ProfileKnobs {
 pub struct StageEntry {
     /// The Verilog module whose ports the fields are.
     pub module: String,
-    /// The runs of it, a vector each, one base vector after the other.
+    /// Its runs, a vector each, one base vector after the other.
     pub runs: Vec<String>,
 }
 
-/// How a seeded set's fragments are found again.
+/// Rule that reproduces a seeded set's fragments.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Seed {
@@ -111,7 +111,7 @@ pub struct Seed {
     pub rule: String,
 }
 
-/// How words are written.
+/// File format of words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// A line of hex digits each, for `$readmemh`.
@@ -134,7 +134,7 @@ impl Form {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileEntry {
-    /// Its name, beside the manifest.
+    /// Its name, in the manifest's directory.
     pub name: String,
     /// Its size.
     pub bytes: u64,
@@ -143,10 +143,10 @@ pub struct FileEntry {
 }
 
 impl Manifest {
-    /// Reads a manifest and checks all that does not need the words: schema, version, profile, layout, count.
+    /// Reads a manifest and checks everything that does not need the words: schema, version, profile, layout, count.
     ///
-    /// Errors: unreadable, larger than 1 MiB, not JSON of this schema (with line and column), or made by a version
-    /// whose profiles or fields differ.
+    /// Errors: unreadable, larger than 1 MiB, not JSON of this schema (with line and column), or made by a version whose profiles
+    /// or fields differ.
     pub fn read(path: &Path) -> Result<Self, VectorError> {
         let error = |source| VectorError::Io { action: "read", path: path.into(), source };
         let problem = |problem: String| VectorError::Manifest { path: path.into(), problem };
@@ -157,7 +157,7 @@ impl Manifest {
         let file = open_file(path).map_err(error)?;
         file.take(MAX_MANIFEST_BYTES).read_to_end(&mut text).map_err(error)?;
 
-        // Schema and version first: another version may have other keys.
+        // Schema and version come first: another version may have other keys.
         let version: Version =
             serde_json::from_slice(&text).map_err(|e| problem(format!("no vector manifest: {e}")))?;
         if version.schema != SCHEMA {
@@ -202,12 +202,12 @@ impl Manifest {
         self.check_fields(&self.own_layout()?)
     }
 
-    /// Name of its files without extension: set and profile, so that one directory holds several profiles, and which part it is.
+    /// Name of its files without extension: set and profile, so that one directory holds several profiles, and the part.
     pub fn stem(&self) -> String {
         format!("{}{}", self.whole_stem(), self.part.map_or_else(String::new, |part| part.suffix()))
     }
 
-    /// That of the whole set.
+    /// Stem of the whole set.
     pub(super) fn whole_stem(&self) -> String {
         format!("{}_{}", self.set, self.profile.name)
     }
@@ -227,15 +227,15 @@ impl Manifest {
         self.part.map_or(0..self.count, |part| part.indices())
     }
 
-    /// How its words are written.
+    /// File format of its words.
     pub(super) fn form(&self) -> Form {
-        // The name of a manifest that was read has one of the two extensions.
+        // A manifest that was read names a file with one of the two extensions.
         if has_extension(&self.files[0].name, Form::Bin) { Form::Bin } else { Form::Hex }
     }
 
     /// The layout of its words.
     ///
-    /// Errors: a stage that this version does not have, which a manifest that was read does not name.
+    /// Errors: a stage that this version does not have; a manifest that was read names none.
     pub(super) fn layout(&self, path: &Path) -> Result<Layout, VectorError> {
         self.own_layout().map_err(|problem| VectorError::Manifest { path: path.into(), problem })
     }
@@ -251,11 +251,11 @@ impl Manifest {
     }
 
     fn check_fields(&self, layout: &Layout) -> Result<(), String> {
-        // Texts may be reworded without a new format; everything that says where and what a bit is may not.
+        // Texts may change without a new format; data on the position and meaning of bits may not.
         let essence = |f: &Field| {
             (f.direction, f.stage.clone(), f.port.clone(), [f.lsb, f.width], f.signed, f.fraction_bits, f.tolerance)
         };
-        // Names before places: a field too many moves all before it.
+        // Names are compared before places: an extra field moves all fields before it.
         for (index, ours) in layout.fields().iter().enumerate() {
             let Some(theirs) = self.fields.get(index) else {
                 return Err(format!("field `{}` is missing", ours.name));
@@ -281,7 +281,7 @@ impl Manifest {
     }
 }
 
-/// The keys every version has.
+/// The keys of every version.
 #[derive(Deserialize)]
 struct Version {
     schema: String,

@@ -1,4 +1,4 @@
-//! Marks: the vectors of a set in which a decision can be another one where a device rounds in its own way.
+//! Marks: the vectors of a set in which a decision can differ if a device rounds in its own way.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use super::outcomes::Outcomes;
 /// Vectors that are looked at at once.
 const BATCH: usize = 1 << 10;
 
-/// What is marked of a set.
+/// Marks of a set.
 #[derive(Clone, Debug, Serialize)]
 pub struct Marks {
     /// The set.
@@ -23,23 +23,23 @@ pub struct Marks {
     pub profile: String,
     /// Vectors.
     pub count: u64,
-    /// Last places that each rounding may be off.
+    /// Last places by which each rounding may be off.
     pub places: u32,
     /// The vectors that are marked.
     pub marked: Vec<Marked>,
 }
 
-/// A vector with decisions that can be others.
+/// A vector with decisions that can differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Marked {
     /// Index of the vector in the whole set, from 0.
     pub index: u64,
-    /// Fields that can be others.
+    /// Fields that can differ.
     pub fields: Vec<String>,
 }
 
 impl Marks {
-    /// A line a vector in the order of the set, 1 where it is marked, else 0, for `$readmemh`.
+    /// A line per vector in the order of the set, 1 if it is marked, else 0, for `$readmemh`.
     pub fn lines(&self, first: u64) -> String {
         let mut lines = vec![b'0'; self.count as usize];
         self.marked.iter().for_each(|marked| lines[(marked.index - first) as usize] = b'1');
@@ -52,7 +52,7 @@ impl Marks {
     }
 }
 
-/// Marks the vectors of a set; `progress` is told how many are done.
+/// Marks the vectors of a set; `progress` gets the number of finished vectors.
 ///
 /// Errors: see [`VectorError`].
 pub fn marks(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Result<Marks, VectorError> {

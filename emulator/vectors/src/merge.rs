@@ -1,4 +1,4 @@
-//! Merge: the parts of a set, joined to what the whole export writes, to the byte.
+//! Merge: the parts of a set, joined to the files of the whole export, byte for byte.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -16,13 +16,13 @@ use super::part::Part;
 use super::verify::manifests_of;
 use super::word::length;
 
-/// Why parts cannot be joined.
+/// Reason why parts cannot be joined.
 #[derive(Debug, Error)]
 pub enum MergeError {
     /// A part cannot be read, or the set cannot be written.
     #[error(transparent)]
     Set(#[from] VectorError),
-    /// There is nothing to join.
+    /// No parts to join.
     #[error("{}: no part of a set here (`roughxel vectors export --shard K/N` writes them)", .0.display())]
     NoParts(PathBuf),
     /// Parts of a set are missing.
@@ -35,16 +35,16 @@ pub enum MergeError {
         /// Parts of the set.
         of: u64,
     },
-    /// A part is there twice.
+    /// A part that exists twice.
     #[error("part {number} of {of} is there twice: {} and {}; name one of them", .first.display(), .second.display())]
     Twice {
-        /// From 1.
+        /// Its number, from 1.
         number: u64,
         /// Parts of the set.
         of: u64,
-        /// A manifest.
+        /// The first manifest.
         first: PathBuf,
-        /// The other one.
+        /// The second manifest.
         second: PathBuf,
     },
     /// Parts are not of the same set.
@@ -61,7 +61,7 @@ pub enum MergeError {
         /// Key of the manifest.
         key: String,
     },
-    /// The words of a part are not those that its manifest was written for.
+    /// The words of a part are not those of its manifest.
     #[error(
         "{}: the SHA-256 of its words is not the one in it{order}; part {} of {} was changed: export it again with `--shard {}/{}`",
         .manifest.display(), .part.number, .part.of, .part.number, .part.of
@@ -69,7 +69,7 @@ pub enum MergeError {
     Damaged {
         /// Its manifest.
         manifest: PathBuf,
-        /// Which it is.
+        /// The part.
         part: Part,
         /// Words that are out of order; begins with a semicolon.
         order: String,
@@ -90,10 +90,10 @@ pub struct Parts {
     parts: Vec<(PathBuf, Manifest, Part)>,
 }
 
-/// The sets of which parts are at `paths`, in the order of their names: directories, in which whole sets are passed over, or single
-/// parts (NAME.json, NAME.hex or NAME.bin).
+/// The sets whose parts are at `paths`, in the order of their names. Paths are directories, in which whole sets are skipped, or
+/// single parts (NAME.json, NAME.hex or NAME.bin).
 ///
-/// Errors: a path without parts, or that cannot be read; a part that is missing, or there twice; parts of different exports.
+/// Errors: a path without parts, or an unreadable one; a part that is missing or exists twice; parts of different exports.
 pub fn parts_of(paths: &[impl AsRef<Path>]) -> Result<Vec<Parts>, MergeError> {
     let mut sets: BTreeMap<String, Vec<(PathBuf, Manifest, Part)>> = BTreeMap::new();
     let mut known = BTreeSet::new();
@@ -103,7 +103,7 @@ pub fn parts_of(paths: &[impl AsRef<Path>]) -> Result<Vec<Parts>, MergeError> {
             let manifest = Manifest::read(&manifest_path)?;
             let Some(part) = manifest.part else { continue };
             has_parts = true;
-            // A part by its own name and in its directory is one part.
+            // A part named by itself and by its directory is one part.
             let real = fs::canonicalize(&manifest_path).unwrap_or_else(|_| manifest_path.clone());
             if known.insert(real) {
                 sets.entry(manifest.whole_stem()).or_default().push((manifest_path, manifest, part));
@@ -137,12 +137,12 @@ impl Parts {
         Ok(Self { parts })
     }
 
-    /// Set and profile, as the set's files are named.
+    /// Set and profile, as in the names of the set's files.
     pub fn stem(&self) -> String {
         self.parts[0].1.whole_stem()
     }
 
-    /// How many; never 0.
+    /// Number of parts; never 0.
     #[expect(clippy::len_without_is_empty, reason = "a set without parts is none")]
     pub fn len(&self) -> usize {
         self.parts.len()
@@ -153,10 +153,10 @@ impl Parts {
         self.parts[0].2.whole_count
     }
 
-    /// Joins them to a set in `directory`, which is made if it is not there: words and manifest are those of the whole export, to the
-    /// byte. A word is in memory at a time; `progress` is told how many are done.
+    /// Joins the parts to a set in `directory`, which is made if it does not exist. Words and manifest are those of the whole
+    /// export, byte for byte. A word is in memory at a time; `progress` gets the number of finished vectors.
     ///
-    /// Errors: words that are not those of their manifest, or that cannot be read or written; nothing half-written stays.
+    /// Errors: words that are not those of their manifest, or that cannot be read or written; no incomplete file stays.
     pub fn merge(&self, directory: &Path, progress: &dyn Fn(u64)) -> Result<Manifest, MergeError> {
         let (path, first, _) = &self.parts[0];
         let whole = Manifest { part: None, count: self.count(), files: Vec::new(), grade: None, ..first.clone() };
@@ -171,7 +171,7 @@ impl Parts {
                     }
                     files.write(&line.written())?;
                 }
-                // Of the right words no line is looked at; of others it is told which one is none.
+                // Right words need no check of their lines; for others the error names the line that is no word.
                 Ok(lines.hash_matches()? || is_whole(path, manifest, &layout)?)
             };
             if !join().map_err(|error| with_cause(error, path, manifest, &layout))? {
@@ -187,7 +187,7 @@ impl Parts {
 /// Words between two reports of progress.
 const PROGRESS: u64 = 1 << 12;
 
-/// The first key in which the manifests of two parts of one set differ and must not.
+/// The first key in which the manifests of two parts of one set differ and must not differ.
 fn difference(a: &Manifest, b: &Manifest) -> Option<String> {
     let of_whole =
         |manifest: &Manifest| Manifest { part: None, count: 0, files: Vec::new(), grade: None, ..manifest.clone() };
@@ -203,7 +203,7 @@ fn difference(a: &Manifest, b: &Manifest) -> Option<String> {
     }
     let value = |manifest| serde_json::to_value(of_whole(manifest)).unwrap_or_default();
     let (Value::Object(a), Value::Object(b)) = (value(a), value(b)) else { return Some("fields".into()) };
-    // Fields follow from other keys; a key that one of them lacks is of a choice that most sets do not make.
+    // Fields follow from other keys; a key that one manifest lacks is of an option that most sets do not use.
     let differing = |key: &&String| a.get(*key) != b.get(*key) && !["fields", "word_bits"].contains(&key.as_str());
     Some(a.keys().chain(b.keys()).find(differing).map_or_else(|| "fields".into(), String::clone))
 }

@@ -1,7 +1,7 @@
-//! Minimise: the simplest inputs that a device still gets wrong in the stage in which it gets a vector wrong.
+//! Minimise: the simplest inputs for which a device is still wrong in the stage in which it is wrong for a vector.
 //!
-//! Inputs are made simpler in many ways at once, each a candidate; the bench of the device compares a batch of them in one run. Those
-//! that still go wrong are put together as far as that goes, until no candidate that is simpler does.
+//! Many simplifications of the inputs are tried at once, each as a candidate; the device's testbench compares a batch of
+//! candidates in one run. Candidates that are still wrong are combined as far as possible, until no simpler candidate is wrong.
 
 mod shape;
 
@@ -21,43 +21,43 @@ use super::layout::Layout;
 use super::manifest::Manifest;
 use shape::{Change, Shape, bits_of, changed};
 
-/// Candidates of a run. A bench is compiled for a number of vectors, so that every run has as many.
+/// Candidates in a run. A testbench is compiled for a number of vectors, so every run has this many.
 const BATCH: usize = 64;
-/// Folders in each other that are copied with a bench.
+/// Depth of nested folders that are copied with a testbench.
 const DEPTH: u32 = 16;
 
-/// Why a vector cannot be minimised.
+/// Reason why a vector cannot be minimised.
 #[derive(Debug, Error)]
 pub enum MinimiseError {
-    /// The set or that of the bench cannot be read, or the result not written.
+    /// The set or that of the testbench cannot be read, or the result cannot be written.
     #[error(transparent)]
     Set(#[from] VectorError),
-    /// The word of the set is not what its inputs give, which says nothing about a device.
+    /// The word of the set does not follow from its inputs, so it says nothing about a device.
     #[error("{0}: the word is damaged: export the set again")]
     Damaged(String),
-    /// The bench is of other words.
+    /// The testbench is of other words.
     #[error(
         "{}: the bench is of {bench} and its words have other fields than those of {set}: make one of this set with \
          `roughxel vectors bench`",
         .directory.display()
     )]
     OtherSet {
-        /// Of the bench.
+        /// Folder of the testbench.
         directory: PathBuf,
-        /// The set of the bench.
+        /// The set of the testbench.
         bench: String,
         /// The set of the vector.
         set: String,
     },
-    /// The bench cannot be copied.
+    /// The testbench cannot be copied.
     #[error("cannot copy {}", .path.display())]
     Copy {
-        /// What.
+        /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// The bench cannot be written for candidates.
+    /// The testbench cannot be written for candidates.
     #[error(transparent)]
     Bench(#[from] BenchError),
     /// The shell cannot be started.
@@ -65,29 +65,29 @@ pub enum MinimiseError {
     Shell {
         /// The script.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// The bench could not make the comparison.
+    /// The testbench cannot make the comparison.
     #[error("{}: the bench fails with {tool}:\n{output}", .directory.display())]
     Run {
-        /// Of the bench.
+        /// Folder of the testbench.
         directory: PathBuf,
         /// The tool.
         tool: String,
-        /// The last of what it said.
+        /// The end of its output.
         output: String,
     },
 }
 
-/// How a bench is run.
+/// Options of a run of the testbench.
 #[derive(Clone, Debug)]
 pub struct MinimiseOptions {
-    /// What `run.sh` calls the tool.
+    /// Name of the tool for `run.sh`.
     pub tool: String,
-    /// Compares what leaves the datapath alone, for a device that does not show its stages.
+    /// True to compare only the outputs of the datapath, for a device that does not show its stages.
     pub outputs_only: bool,
-    /// Most runs of the bench.
+    /// Most runs of the testbench.
     pub runs: u32,
 }
 
@@ -99,15 +99,15 @@ pub struct Minimised {
     description: String,
     manifest: Manifest,
     inputs: Inputs,
-    /// Every input field that is another one than before: name, hex digits before and now.
+    /// Every input field that changed: name, hex digits before and after.
     pub simplified: Vec<[String; 3]>,
-    /// The stage that goes wrong first, before and now.
+    /// The first wrong stage, before and after.
     pub stage: String,
-    /// What the device has of each field that is wrong, as `FIELD=HEX`; fields with bits that are neither 0 nor 1 are left out.
+    /// The device's value of each wrong field, as `FIELD=HEX`; fields with bits that are neither 0 nor 1 are left out.
     pub got: Vec<String>,
-    /// Runs of the bench.
+    /// Runs of the testbench.
     pub runs: u32,
-    /// Whether nothing simpler goes wrong; else the bound of runs was reached.
+    /// True if no simpler vector is wrong; false if the limit of runs was reached.
     pub is_minimal: bool,
 }
 
@@ -123,10 +123,11 @@ impl Minimised {
     }
 }
 
-/// Minimises vector `index` of the set of `manifest_path` for the device in `directory`, which [`Bench::write`] made for a set with
-/// the same fields. The bench runs in a copy below `directory/build`, which is gone afterwards. `progress` is told how many runs there were.
+/// Minimises vector `index` of the set of `manifest_path` for the device in `directory`, which [`Bench::write`] made for a set
+/// with the same fields. The testbench runs in a copy below `directory/build`, which is removed afterwards. `progress` gets the
+/// number of runs.
 ///
-/// `None` where the device gets the vector right. Errors: see [`MinimiseError`].
+/// `None` if the device is right for the vector. Errors: see [`MinimiseError`].
 pub fn minimise(
     manifest_path: &Path,
     index: u64,
@@ -180,7 +181,7 @@ pub fn minimise(
             break;
         };
         (simplest, wrong) = (candidate, of_candidate);
-        // All that went wrong alone, together: as many of them as still do; the next one is left out.
+        // All single changes that stay wrong, combined: as many of them as are still wrong; the next change is left out.
         let (mut together, mut rest) = (change, &good[1..]);
         while !rest.is_empty() && runner.may_run() {
             let before = simplest.clone();
@@ -225,7 +226,7 @@ pub fn minimise(
     }))
 }
 
-/// What a bench says of a vector that goes wrong.
+/// A testbench's report of a wrong vector.
 #[derive(Clone, Debug)]
 struct Wrong {
     /// The earliest stage.
@@ -234,7 +235,7 @@ struct Wrong {
     got: Vec<String>,
 }
 
-/// A copy of a bench.
+/// A copy of a testbench.
 struct Runner<'a> {
     of_bench: Manifest,
     shape: Shape<'a>,
@@ -247,7 +248,7 @@ struct Runner<'a> {
 
 impl Drop for Runner<'_> {
     fn drop(&mut self) {
-        // It is below `build`, where nothing is kept.
+        // The copy is below `build`, a folder for temporary files.
         let _ = fs::remove_dir_all(&self.copy);
     }
 }
@@ -270,10 +271,10 @@ impl<'a> Runner<'a> {
         self.runs < self.options.runs
     }
 
-    /// What the device makes of at most [`BATCH`] candidates; `None` of those that it gets right.
+    /// Results of the device for at most [`BATCH`] candidates; `None` for those that are right.
     fn run(&mut self, candidates: &[Vec<i64>]) -> Result<Vec<Option<Wrong>>, MinimiseError> {
         let info = SetInfo { description: "candidates", ..SetInfo::from(&self.of_bench) };
-        // A bench has a fixed number of vectors.
+        // A testbench has a fixed number of vectors.
         let input = |index: u64| {
             let integers = candidates.get(index as usize).unwrap_or(&candidates[0]);
             self.shape.inputs(&self.of_bench, integers)
@@ -304,7 +305,7 @@ impl<'a> Runner<'a> {
         Ok(outcomes)
     }
 
-    /// What the bench prints.
+    /// Output of the testbench.
     fn said(&self, compile: bool) -> Result<String, MinimiseError> {
         let script = self.copy.join("run.sh");
         let mut command = Command::new("sh");
@@ -339,7 +340,7 @@ fn difference<'a>(line: &'a str, set: &str) -> Option<(usize, &'a str, &'a str, 
     Some((index.parse().ok()?, stage, field, got.split_whitespace().next()?))
 }
 
-/// Copies a bench with what lies in its folders, what was built aside.
+/// Copies a testbench with the contents of its folders, without build results.
 fn copy_folder(from: &Path, to: &Path, depth: u32) -> Result<(), MinimiseError> {
     let error = |path: &Path| {
         let path = path.to_path_buf();

@@ -1,5 +1,5 @@
-//! Words that are in another place than where their set has them. A word does not say which vector it is of, but its inputs do where
-//! they can be made again: those of random sets from the seed, those of hard cases from their list.
+//! Words that are not at their position in a set. A word does not name its vector, but its inputs do if they can be reproduced:
+//! those of random sets from the seed, those of hard cases from their list.
 
 use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -18,43 +18,43 @@ use super::sets::Source;
 /// Most sentences about one set.
 const DESCRIBED: usize = 10;
 
-/// What has become of the order of the words. Vectors are named by their indices in the whole set, lines and records from 1.
+/// A fault in the order of the words. Vectors are named by their indices in the whole set, lines and records from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "what")]
 pub enum Misplaced {
-    /// Two words are in each other's place.
+    /// Two words that are swapped.
     Swapped {
         /// The vectors, the smaller index first.
         indices: [u64; 2],
-        /// Where their words belong.
+        /// Lines where their words belong.
         lines: [u64; 2],
     },
-    /// Words that are not there, one after the other.
+    /// Consecutive words that are missing.
     Missing {
         /// The first vector.
         first: u64,
         /// The last one.
         last: u64,
     },
-    /// A word that is there once more.
+    /// A word that occurs a second time.
     Repeated {
         /// The vector.
         index: u64,
-        /// Where its word is, too.
+        /// Line of the second word.
         line: u64,
     },
-    /// A word in the place of another one.
+    /// A word at the position of a different one.
     Moved {
         /// The vector.
         index: u64,
-        /// Where its word is.
+        /// Line of its word.
         line: u64,
-        /// Whose place that is.
+        /// The vector of that position.
         place: u64,
     },
     /// A word with inputs that no vector of the set has.
     Foreign {
-        /// Where it is.
+        /// Its line.
         line: u64,
     },
 }
@@ -75,14 +75,14 @@ impl fmt::Display for Misplaced {
     }
 }
 
-/// What is out of order in the file of a set, the first ten things; nothing where the inputs of the set cannot be made again, or
-/// none of its words is in its place. To be asked where a file is not what its manifest was written for: two numbers a vector are
+/// Faults in the order of a set's file, the first ten. The list is empty if the inputs of the set cannot be reproduced, or none
+/// of its words is at its position. Call it only for a file that is not the one of its manifest: it holds two numbers per vector
 /// in memory.
 pub(super) fn misplaced(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Vec<Misplaced> {
     read_order(manifest_path, manifest, layout).map_or_else(Vec::new, |(_, found)| found)
 }
 
-/// An error of the number of words with what is known of its cause; every other error as it is.
+/// An error of the number of words, with its cause if known; every other error unchanged.
 pub(super) fn with_cause(
     error: VectorError,
     manifest_path: &Path,
@@ -95,7 +95,7 @@ pub(super) fn with_cause(
     VectorError::Count { path, found, expected, cause }
 }
 
-/// How many words a file has, and what is out of order; `None` where that cannot be told.
+/// Number of words in a file, and their faults of order; `None` if they cannot be determined.
 fn read_order(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Option<(u64, Vec<Misplaced>)> {
     let source = Source::of(manifest)?;
     let inputs = layout.fields().iter().filter(|field| field.direction == Direction::In).count();
@@ -107,7 +107,7 @@ fn read_order(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Opt
         numbers.push(line.number);
     }
     let all = manifest.indices();
-    // Of a file with few words of many, those behind are missing, and need not be known.
+    // In a file with few of many words the later ones are missing, and need not be known.
     let known = all.start..all.end.min(all.start + 2 * found.len() as u64 + 1024);
     let expected: Option<Vec<u64>> = known
         .clone()
@@ -129,17 +129,17 @@ fn key(bits: &[u32]) -> u64 {
     hasher.finish()
 }
 
-/// What is out of order in `found`, with the line of each word, where `expected` belongs; `first` is the index of the first vector.
+/// Faults of order in `found`, with the line of each word, compared with `expected`; `first` is the index of the first vector.
 fn compared(expected: &[u64], found: &[u64], lines: &[u64], first: u64) -> Vec<Misplaced> {
-    // Every word that is in its own place stays there; equal words are alike.
+    // Every word at its own position stays there; equal words are alike.
     let at_home = |place: usize| expected.get(place).is_some_and(|key| found.get(place) == Some(key));
     let mut homes: Vec<(u64, usize)> =
         (0..expected.len()).filter(|&place| !at_home(place)).map(|place| (expected[place], place)).collect();
     homes.sort_unstable();
-    // How many of equal homes are taken, at the first of them.
+    // Number of occupied positions of equal words, stored at the first of them.
     let mut taken = vec![0; homes.len()];
     let mut is_missing: Vec<bool> = (0..expected.len()).map(|place| !at_home(place)).collect();
-    // The home of each word that is not at home.
+    // The position of each word that is not at its position.
     let strays: Vec<(usize, Option<usize>)> = (0..found.len())
         .filter(|&place| !at_home(place))
         .map(|place| {
@@ -168,7 +168,7 @@ fn compared(expected: &[u64], found: &[u64], lines: &[u64], first: u64) -> Vec<M
         let from = sorted.partition_point(|known| known.0 < found[place]);
         match sorted.get(from).filter(|known| known.0 == found[place]) {
             Some(&(_, known)) => order.push(Misplaced::Repeated { index: index(known), line: lines[place] }),
-            // A word in its place with other inputs is damaged, and named as that.
+            // A word at its position with other inputs is damaged, and reported as damaged.
             None if is_missing.get(place) == Some(&true) => is_missing[place] = false,
             None => order.push(Misplaced::Foreign { line: lines[place] }),
         }
@@ -177,7 +177,7 @@ fn compared(expected: &[u64], found: &[u64], lines: &[u64], first: u64) -> Vec<M
     for run in missing.chunk_by(|a, b| a + 1 == *b) {
         order.push(Misplaced::Missing { first: index(run[0]), last: index(run[run.len() - 1]) });
     }
-    // Behind a word too few or too many all others have moved with it.
+    // After a missing or an extra word all later words have moved with it.
     if order.is_empty() {
         let home_of =
             |place: usize| strays.binary_search_by_key(&place, |&(place, _)| place).ok().and_then(|at| strays[at].1);
@@ -229,10 +229,10 @@ mod tests {
             "word #101 is in the place of #103 (line 5)",
         ];
         assert_eq!(changed(|words| words[1..4].rotate_left(1)), turned);
-        // Other inputs in the place of a vector are damage, not a matter of order.
+        // Other inputs at a vector's position are damage, not a matter of order.
         assert!(changed(|words| words[5] = 7).is_empty());
         assert!(changed(|words| words.fill(1)).is_empty());
-        // Nothing is in its place, and yet every word is known.
+        // No word is at its position, but every word is known.
         assert_eq!(changed(|words| drop(words.drain(..1))), ["word #100 is missing"]);
         assert_eq!(of(&[1, 2], &[2, 1]), ["words #100 and #101 are in each other's place (lines 2 and 3)"]);
     }

@@ -1,4 +1,4 @@
-//! Outcomes: the recorded design of a set, and which of its wires are the fields of a word.
+//! Outcomes: the netlist of a set, and the wires that are fields of a word.
 
 use std::borrow::Cow;
 
@@ -26,7 +26,7 @@ pub(super) struct Outcome {
     pub(super) field: usize,
     /// The wire.
     pub(super) node: NodeId,
-    /// Low bits of it that drop.
+    /// Number of its low bits that drop.
     pub(super) drop: u32,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Outcomes<'a> {
         &self.layout.fields()[outcome.field]
     }
 
-    /// The path of what an outcome carries, and that of the exponent that belongs to it where it is a mantissa.
+    /// The path of an outcome, and that of its exponent if it is a mantissa.
     pub(super) fn path(&self, outcome: Outcome) -> (&str, Option<String>) {
         let field = self.field(outcome);
         let (path, [mantissa, exponent]) = match self.layout.stage() {
@@ -88,7 +88,7 @@ impl<'a> Outcomes<'a> {
         (path, path.rsplit_once(mantissa).map(|(block, _)| format!("{block}{exponent}")))
     }
 
-    /// The first field that goes in and differs.
+    /// The first input field that differs.
     pub(super) fn other_input(&self, expected: &[u32], found: &[u32]) -> Option<usize> {
         let is_input = |place: &usize| self.layout.fields()[*place].direction == Direction::In;
         (0..expected.len()).filter(is_input).find(|&place| expected[place] != found[place])

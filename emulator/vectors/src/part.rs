@@ -1,4 +1,4 @@
-//! Parts of sets: which vectors a shard has, and what the manifest of a part says of it.
+//! Parts of sets: the vectors of a shard, and the entry of a part in the manifest.
 
 use std::ops::Range;
 
@@ -14,17 +14,17 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// `None` if `number` is not in 1 to `of`, or there are more shards than a set has vectors at most.
+    /// A shard; `None` if `number` is not in 1 to `of`, or there are more shards than the most vectors of a set.
     pub fn new(number: u64, of: u64) -> Option<Self> {
         ((1..=MAX_VECTORS).contains(&of) && (1..=of).contains(&number)).then_some(Self { number, of })
     }
 
-    /// From 1.
+    /// Number of this shard, from 1.
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// Number of fragments.
+    /// Number of shards.
     pub fn of(&self) -> u64 {
         self.of
     }
@@ -34,7 +34,7 @@ impl Shard {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// From 1.
+    /// Number of this part, from 1.
     pub number: u64,
     /// Parts of the set.
     pub of: u64,
@@ -45,13 +45,13 @@ pub struct Part {
 }
 
 impl Part {
-    /// What a shard has of a set of `count` vectors; a set has no more parts than vectors, so the last shards may have none.
+    /// The part of a shard in a set of `count` vectors. A set has no more parts than vectors, so the last shards may have none.
     pub fn of(count: u64, shard: Shard) -> Option<Self> {
         let of = shard.of.min(count);
         (shard.number <= of).then(|| Self::numbered(shard.number, of, count))
     }
 
-    /// Nothing overflows: neither parts nor vectors are more than [`MAX_VECTORS`].
+    /// Nothing overflows: parts and vectors are at most [`MAX_VECTORS`].
     fn numbered(number: u64, of: u64, whole_count: u64) -> Self {
         Self { number, of, first: (number - 1) * whole_count / of, whole_count }
     }
@@ -61,13 +61,13 @@ impl Part {
         self.first..self.number * self.whole_count / self.of
     }
 
-    /// What stands between the name of a set and the extension of a part's files: parts of one set lie side by side, in order.
+    /// Text between the name of a set and the extension of a part's files: parts of one set are next to each other, in order.
     pub(super) fn suffix(&self) -> String {
         let Self { number, of, .. } = self;
         format!(".{number:0digits$}of{of}", digits = of.to_string().len())
     }
 
-    /// What is wrong with a part of `count` vectors, if anything.
+    /// The fault of a part of `count` vectors, if there is one.
     pub(super) fn check(&self, count: u64) -> Result<(), String> {
         let Self { number, of, first, whole_count } = *self;
         if !(1..=MAX_VECTORS).contains(&whole_count) {

@@ -1,10 +1,10 @@
-//! The tables of the arithmetic as files for `$readmemh`: those that `vectors/SPEC.md` describes.
+//! The tables of the arithmetic as files for `$readmemh`, as described in `vectors/SPEC.md`.
 
 use std::fmt::Write;
 
 use roughxel_core::rom;
 
-/// Every file with its text: a word of 32 bits a line, eight hex digits, entry 0 first.
+/// Every file with its text: a 32-bit word per line, eight hex digits, entry 0 first.
 pub fn rom_files() -> Vec<(String, String)> {
     let seeds = [8, 10].into_iter().flat_map(|bits| {
         // The last quarter of the inverse roots is never addressed.

@@ -1,14 +1,14 @@
-//! Scores: what sets show, as numbers.
+//! Scores: coverage as numbers.
 
 use serde::{Deserialize, Serialize};
 
-/// How many of how many.
+/// A count and its total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Score {
-    /// All.
+    /// Total number.
     pub all: usize,
-    /// Those that vectors show, meet or read.
+    /// Number that vectors show, meet or read.
     pub found: usize,
 }
 
@@ -18,27 +18,27 @@ impl Score {
         self.found += usize::from(found);
     }
 
-    /// Found ones in a hundred; 100 of none.
+    /// Found ones in per cent; 100 if the total is 0.
     pub fn percent(&self) -> f64 {
         if self.all == 0 { 100.0 } else { 100.0 * self.found as f64 / self.all as f64 }
     }
 
-    /// Both together.
+    /// Sum of two scores.
     pub fn and(self, other: Self) -> Self {
         Self { all: self.all + other.all, found: self.found + other.found }
     }
 }
 
-/// What the set shows of the mistakes that a device can have, and which decisions it takes, as `roughxel vectors report` counts.
+/// Coverage of the mistakes that a device can have, and of decisions, as counted by `roughxel vectors report`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GradeEntry {
-    /// Bits of wires that are stuck.
+    /// Stuck bits of wires.
     pub stuck: Score,
-    /// Operations that are others.
+    /// Operator faults.
     pub operations: Score,
-    /// Entries of tables that are off by one last place.
+    /// Table entries off by one last place.
     pub entries: Score,
-    /// Flags on either side and comparisons at their limits.
+    /// Flags on each side and comparisons at their limits.
     pub decisions: Score,
 }

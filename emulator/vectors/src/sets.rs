@@ -1,4 +1,4 @@
-//! The sets there are: every hard case of each datapath, and seeded random ones.
+//! The sets: every hard case of each datapath, and seeded random ones.
 
 use std::ops::Range;
 
@@ -15,26 +15,27 @@ use roughxel_core::precision::Precision;
 use super::datapath::{InputSource, Inputs, Ports};
 use super::manifest::Manifest;
 
-/// The random set of each datapath: its name, and what it holds.
+/// The random set of each datapath: its name and contents.
 pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
     ("random", Datapath::Reflection, "seeded random fragments: plausible ones, and bit patterns at corner exponents"),
     ("random_highlight", Datapath::Highlight, "seeded random lights on rough surfaces, and bit patterns"),
     ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
 ];
 
-/// How [`roughxel_utilities::random::SplitMix64::for_element`] finds the numbers of one vector, and which way inputs are made of them.
+/// Rule by which [`roughxel_utilities::random::SplitMix64::for_element`] finds the numbers of one vector, and version of the
+/// inputs made of them.
 pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15), inputs 2";
 
-/// The vectors of all other sets and of 200 000 random ones that show most mistakes, those that show most first, for each datapath: name
-/// of the set, and a line a vector. Made by `roughxel vectors distil` under `standard` (vectors/README.md has the commands).
+/// The vectors of all other sets and of 200 000 random ones that show most mistakes, in falling order, for each datapath: name of
+/// the set, and a line per vector. Made by `roughxel vectors distil` under `standard` (vectors/COVERAGE.md has the commands).
 const CHOSEN: [(&str, Datapath, &str); 3] = [
     ("chosen", Datapath::Reflection, include_str!("../../../vectors/chosen/reflection.txt")),
     ("chosen_highlight", Datapath::Highlight, include_str!("../../../vectors/chosen/highlight.txt")),
     ("chosen_peak", Datapath::Peak, include_str!("../../../vectors/chosen/peak.txt")),
 ];
 
-/// Vectors of the other sets and of millions of random ones that show every entry of every table off by a last place, as far as it can be shown.
-/// Made in the same way.
+/// Vectors of the other sets and of millions of random ones that show every entry of every table off by a last place, as far as
+/// possible. Made in the same way.
 const ENTRIES: [(&str, Datapath, &str); 3] = [
     ("entries", Datapath::Reflection, include_str!("../../../vectors/chosen/entries_reflection.txt")),
     ("entries_highlight", Datapath::Highlight, include_str!("../../../vectors/chosen/entries_highlight.txt")),
@@ -46,38 +47,39 @@ pub const fn entries_set(datapath: Datapath) -> &'static str {
     ENTRIES[datapath as usize].0
 }
 
-/// What the sets of ports at their limits hold.
+/// Contents of the sets of ports at their limits.
 const LIMITS: &str =
     "exponents to both ends of 16 bits and far apart, mantissas of few bits or none, most negative words, any edge";
 
-/// A named set of hard cases and the effects they go through.
+/// A named set of hard cases and the effects that they use.
 #[derive(Clone, Debug)]
 pub struct VectorSet {
     /// Short name, also that of its files.
     pub name: &'static str,
-    /// What the set holds.
+    /// Contents of the set.
     pub description: &'static str,
     /// Effects that are on.
     pub effects: Effects,
     /// Its datapath.
     pub datapath: Datapath,
-    /// What goes into its ports.
+    /// Inputs of its ports.
     pub inputs: Vec<Inputs>,
-    /// Its first vectors are its best.
+    /// True if its first vectors are its best.
     pub best_first: bool,
-    /// So many of its vectors show operations as all do: none where each is for an entry of a table, two where all are of one kind.
+    /// Number of its vectors that show as many operator faults as all of them: none if each is for an entry of a table, two if
+    /// all are of one kind.
     pub enough: u64,
 }
 
 impl VectorSet {
-    /// Vector `index` of `count`, at most all: the first ones where they are the best, else spread evenly.
+    /// Vector `index` of `count`, at most all: the first vectors if they are the best, else spread evenly.
     pub fn part(&self, index: u64, count: u64) -> Inputs {
         let all = self.inputs.len() as u64;
         self.inputs[if self.best_first { index } else { index * all / count } as usize]
     }
 }
 
-/// Where the inputs of an exported set come from.
+/// Source of the inputs of an exported set.
 pub(super) enum Source {
     /// A seed.
     Seed(String),
@@ -86,7 +88,7 @@ pub(super) enum Source {
 }
 
 impl Source {
-    /// That of a set; `None` of captured fragments, of a stage alone, or where another version had other cases.
+    /// The source of a set; `None` for captured fragments, for a stage alone, or if a different version had other cases.
     pub(super) fn of(manifest: &Manifest) -> Option<Self> {
         if manifest.stage.is_some() {
             return None;
@@ -168,7 +170,7 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
     sets
 }
 
-/// The listed vectors of other sets of a datapath: a line has the name of a set, or the seed of a random one, and an index in it.
+/// The listed vectors of other sets of a datapath. A line has the name of a set, or the seed of a random one, and an index in it.
 fn chosen(datapath: Datapath, list: &str, sets: &[VectorSet], p: &Precision) -> Vec<Inputs> {
     let (random, ..) = RANDOM_SETS[datapath as usize];
     let inputs = |line: &str| {
@@ -179,7 +181,7 @@ fn chosen(datapath: Datapath, list: &str, sets: &[VectorSet], p: &Precision) -> 
         }
         sets.iter().find(|of| of.name == set)?.inputs.get(index as usize).copied()
     };
-    // That no line is lost is tested.
+    // A test ensures that no line is lost.
     list.lines().filter_map(inputs).collect()
 }
 
@@ -192,7 +194,7 @@ pub fn random_set(datapath: Datapath, seed: &str, index: u64, p: &Precision) -> 
     }
 }
 
-/// A datapath's random set with a seed; its vectors are [`random_set`]'s, made side by side where many are wanted.
+/// A datapath's random set with a seed; its vectors are [`random_set`]'s, made in parallel if many are wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct RandomSet<'a> {
     /// The datapath.

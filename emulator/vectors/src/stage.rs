@@ -1,8 +1,8 @@
 //! Sets of one stage: the ports of its Verilog module are the fields, each run of the module a vector.
 //!
-//! The module is the one that `roughxel verilog --stage` writes for the same datapath, effects and profile. The integers on its ports are
-//! those that the recorded datapath has there for the inputs of a base set, so inputs of a stage are such as the stages before it make.
-//! What belongs to the inputs of a word is computed by the operations of the stage alone.
+//! The module is the one that `roughxel verilog --stage` writes for the same datapath, effects and profile. The integers on its
+//! ports are those of the netlist for the inputs of a base set, so the inputs of a stage are values that the stages before it
+//! produce. The outputs of a word are computed by the operations of the stage alone.
 
 use std::sync::Arc;
 
@@ -25,9 +25,10 @@ pub struct StageSet {
 }
 
 impl StageSet {
-    /// The modules of a datapath that `name` names, one by its name (`columns_pixel`) or all of a stage (`columns`); without a name every one.
+    /// The modules of a datapath that `name` names: one by its name (`columns_pixel`) or all of a stage (`columns`); every module
+    /// without a name.
     ///
-    /// Errors: those of the Verilog, an unknown name with those that there are among them; a port that no field holds.
+    /// Errors: those of the Verilog; an unknown name, with the known ones; a port that no field holds.
     pub fn of(
         datapath: Datapath,
         effects: &Effects,
@@ -46,13 +47,13 @@ impl StageSet {
         &self.stage.name
     }
 
-    /// The runs of the module, of each of which a base vector gives a vector, in this order.
+    /// The runs of the module in order; a base vector gives a vector for each.
     pub fn runs(&self) -> impl ExactSizeIterator<Item = &str> {
         self.stage.runs.iter().map(|run| run.instance.as_str())
     }
 }
 
-/// The layout of the set of a module with these runs, or why this version has none.
+/// The layout of the set of a module with these runs, or the reason why this version has none.
 pub(super) fn layout(
     datapath: Datapath,
     effects: &Effects,

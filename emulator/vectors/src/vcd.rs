@@ -1,15 +1,15 @@
 //! One vector as a value change dump (IEEE 1364-2005, clause 18), which waveform viewers read.
 //!
-//! A scope is a stage, a variable a field with its width. A stage comes to its values one time step after the one before it, inputs at
-//! 0, and holds them; before that its variables are x. Where a word was compared, a field of it stands beside the expected one with
-//! `_got` behind its name, without the bits above its width. The file depends on the explanation alone: it has no date.
+//! A scope is a stage, a variable a field with its width. A stage gets its values one time step after the stage before it, inputs
+//! at 0, and holds them; before that its variables are x. If a word was compared, its field is next to the expected one with the
+//! suffix `_got`, without the bits above its width. The file depends on the explanation alone: it has no date.
 
 use std::fmt::Write;
 
 use super::explain::{Explained, Explanation};
 use super::field::mask;
 
-/// The first and the last of the characters that identifiers are made of, all printable ones of ASCII.
+/// The first and the last character of identifiers, which use all printable characters of ASCII.
 const FIRST: u8 = b'!';
 const LAST: u8 = b'~';
 
@@ -18,15 +18,15 @@ struct Variable<'a> {
     stage: &'a str,
     name: String,
     width: u32,
-    /// The bits, as many as the width or fewer.
+    /// The bits, at most as many as the width.
     bits: u32,
 }
 
-/// The dump of a vector. The time scale of 1 ns is that of the steps, no claim about a device.
+/// The dump of a vector. The time scale of 1 ns is that of the steps, not a property of a device.
 pub fn vcd(explanation: &Explanation) -> String {
     let Explanation { set, profile, datapath, index, fields, .. } = explanation;
     let variables: Vec<Variable<'_>> = fields.iter().flat_map(variables).collect();
-    // The fields of a stage lie together, in the order of the pipeline.
+    // The fields of a stage are adjacent, in the order of the pipeline.
     let stages: Vec<&[Variable<'_>]> = variables.chunk_by(|a, b| a.stage == b.stage).collect();
 
     let mut text = String::new();
@@ -60,12 +60,12 @@ pub fn vcd(explanation: &Explanation) -> String {
             number += 1;
         }
     }
-    // The last stage is seen for as long as the others are.
+    // The last stage is visible for as long as the others.
     let _ = writeln!(text, "#{}", stages.len());
     text
 }
 
-/// A field, and what a compared word has of it.
+/// A field, and its value in a compared word.
 fn variables(field: &Explained) -> impl Iterator<Item = Variable<'_>> {
     let Explained { stage, field: name, width, .. } = field;
     let variable = |name: String, bits: i64| Variable { stage, name, width: *width, bits: bits as u32 & mask(*width) };
@@ -73,7 +73,7 @@ fn variables(field: &Explained) -> impl Iterator<Item = Variable<'_>> {
     [variable(name.clone(), field.integer)].into_iter().chain(got)
 }
 
-/// A line that sets a variable. A value shorter than the width is filled on the left: with zeros, an x with more of them.
+/// A line that sets a variable. A value shorter than the width is extended on the left: with zeros, an x with further x.
 fn change(text: &mut String, width: u32, value: &str, number: usize) {
     let (prefix, space) = if width > 1 { ("b", " ") } else { ("", "") };
     let _ = writeln!(text, "{prefix}{value}{space}{}", identifier(number));

@@ -1,4 +1,4 @@
-//! Verify: every value recomputed from the inputs in the file, every difference named.
+//! Verify: every value is recomputed from the inputs in the file, and every difference is named.
 
 use std::fmt;
 use std::fs;
@@ -23,37 +23,37 @@ const DESCRIBED: usize = 10;
 /// Words compared at once.
 const BATCH: usize = 1 << 12;
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verification {
     /// The set.
     pub set: String,
     /// Its profile.
     pub profile: String,
-    /// Its vectors, of a part those of the part.
+    /// Its vectors; for a part those of the part.
     pub count: u64,
-    /// Which part of a set it is; `None` of a whole one.
+    /// The part of a set; `None` for a whole one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<Part>,
-    /// Whether the file is the one the manifest was written for, byte for byte.
+    /// True if the file is the one of the manifest, byte for byte.
     pub hash_matches: bool,
-    /// How many vectors differ.
+    /// Number of vectors that differ.
     pub mismatching: u64,
     /// The first of them, at most ten.
     pub mismatches: Vec<Mismatch>,
-    /// Words that are in another place than their own, missing or too many, where every word is right and yet the file is not the one
-    /// of the manifest; at most ten.
+    /// Words at a wrong position, missing or extra, if every word is right but the file is not the one of the manifest; at most
+    /// ten.
     pub misplaced: Vec<Misplaced>,
 }
 
 impl Verification {
-    /// Every value and the hash agree.
+    /// Returns true if every value and the hash agree.
     pub fn passed(&self) -> bool {
         self.hash_matches && self.mismatching == 0
     }
 }
 
-/// Why a vector differs.
+/// Cause of a difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
@@ -61,7 +61,7 @@ pub enum Cause {
     FlippedBit,
     /// The word is damaged in several bits; the earliest differing stage is named.
     Damaged,
-    /// The word is as it was written; this version computes another value.
+    /// The word is unchanged; this version computes a different value.
     Computed,
 }
 
@@ -82,15 +82,15 @@ pub struct Mismatch {
     pub bit: u32,
     /// The field's bits in the file.
     pub found: u32,
-    /// What they should be.
+    /// The right bits.
     pub expected: u32,
-    /// Why.
+    /// Cause of the difference.
     pub cause: Cause,
     /// Fields that do not follow from the inputs in the file.
     pub fields_differing: usize,
 }
 
-/// A sentence: set, index, line, stage, field, bit and what happened to it.
+/// A sentence: set, index, line, stage, field, bit and the cause.
 impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { set, index, line, stage, field, bit, found, expected, cause, fields_differing } = self;
@@ -111,7 +111,7 @@ impl fmt::Display for Mismatch {
 
 /// The manifests of a directory, in the order of their names.
 ///
-/// Errors: unreadable, words without their manifest, or none at all.
+/// Errors: unreadable, words without their manifest, or no manifest at all.
 pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
     let error = |source| VectorError::Io { action: "read", path: directory.into(), source };
     let entries = fs::read_dir(directory).map_err(error)?;
@@ -131,7 +131,7 @@ pub fn manifests_in(directory: &Path) -> Result<Vec<PathBuf>, VectorError> {
     if files.is_empty() { Err(VectorError::NoSets(directory.into())) } else { Ok(files) }
 }
 
-/// The manifests that a path names: those of a directory, a manifest, or the one beside words.
+/// The manifests that a path names: those of a directory, a manifest, or the one next to words.
 ///
 /// Errors: those of [`manifests_in`].
 pub fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
@@ -142,22 +142,22 @@ pub fn manifests_of(path: &Path) -> Result<Vec<PathBuf>, VectorError> {
     }
 }
 
-/// Recomputes and compares the set of `manifest_path`; `progress` is told how many vectors are done.
+/// Recomputes and compares the set of `manifest_path`; `progress` gets the number of finished vectors.
 ///
-/// Errors: see [`VectorError`]. Differences are no errors, they are the result.
+/// Errors: see [`VectorError`]. Differences are results, not errors.
 pub fn verify(manifest_path: &Path, progress: &dyn Fn(u64)) -> Result<Verification, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
     let result = compared(manifest_path, &manifest, &layout, progress);
     let mut result = result.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))?;
-    // Words that are not as they were written have been named.
+    // Changed words have been named.
     if !result.hash_matches && result.mismatching == 0 {
         result.misplaced = misplaced(manifest_path, &manifest, &layout);
     }
     Ok(result)
 }
 
-/// All but the order of the words.
+/// Compares everything except the order of the words.
 fn compared(
     manifest_path: &Path,
     manifest: &Manifest,
@@ -196,14 +196,14 @@ fn compared(
 
 /// Recomputes the words of a set.
 pub(super) struct Checker<'a> {
-    /// Of its words.
+    /// Layout of its words.
     pub(super) layout: &'a Layout,
-    /// Of the set.
+    /// Manifest of the set.
     pub(super) manifest: &'a Manifest,
 }
 
 impl Checker<'_> {
-    /// Compares one line with what its inputs give; an error says what is wrong with a line that is no word.
+    /// Compares one line with the word of its inputs; an error describes a line that is no word.
     pub(super) fn compare(&self, line: &Line) -> Result<Option<Mismatch>, String> {
         let fields = self.layout.fields();
         let found = line.bits(self.layout)?;
@@ -225,7 +225,7 @@ impl Checker<'_> {
             cause,
             fields_differing,
         };
-        // The check value is compared with the word it stands in, not with the expected one.
+        // The check value is compared with the word that contains it, not with the expected one.
         let data = fields.len() - 1;
         let differing: Vec<_> = (0..data).filter(|&i| found[i] != expected[i] || unfit == Some(i)).collect();
         let syndrome = check_value(self.layout, &found) ^ found[data];
@@ -239,7 +239,7 @@ impl Checker<'_> {
         Ok(Some(mismatch(&fields[first], difference, found[first], cause, differing.len())))
     }
 
-    /// The word that belongs to the inputs of `found`, and the field its value does not fit, if any.
+    /// The word that belongs to the inputs of `found`, and the field that its value does not fit, if any.
     pub(super) fn expected(&self, found: &[u32]) -> (Vec<u32>, Option<usize>) {
         let inputs = self.layout.decode(found);
         let Manifest { datapath, effects, profile, .. } = self.manifest;

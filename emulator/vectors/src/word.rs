@@ -1,7 +1,7 @@
 //! A vector word as text or as bytes: the fields' bits, most significant first, the check value last.
 //!
-//! As text it is hex digits with underscores between fields, as bytes the same digits two a byte, big endian, a zero digit first where
-//! they are odd.
+//! As text it is hex digits with underscores between fields. As bytes it is the same digits, two per byte, big endian, with a
+//! leading zero digit if their number is odd.
 //!
 //! The check value is a CRC-32 ([`crc`]) that starts with ffffffff, over the bits above it, most significant first.
 
@@ -12,15 +12,15 @@ use super::field::{Field, mask};
 use super::layout::{CHECK_BITS, Layout};
 use super::manifest::Form;
 
-/// The digits of a word's fields eight by eight, the last field at the end of the last eight; zeros before the first.
+/// The digits of a word's fields, eight by eight; the last field is at the end of the last eight, zeros are before the first.
 ///
-/// `digits` are those of all fields. Of a whole word the check value is the last element.
+/// `digits` are those of all fields. For a whole word the check value is the last element.
 pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec<u32>) {
     packed.clear();
     let (mut waiting, mut count) = (0_u64, digits.wrapping_neg() % 8 * 4);
     for (field, &bits) in fields.iter().zip(bits) {
         let width = 4 * field.digits();
-        // Below 32 bits wait, a field has at most 32.
+        // Fewer than 32 bits wait, and a field has at most 32.
         waiting = waiting << width | u64::from(bits);
         count += width;
         if count >= 32 {
@@ -30,17 +30,17 @@ pub(crate) fn pack(fields: &[Field], bits: &[u32], digits: u32, packed: &mut Vec
     }
 }
 
-/// The remainder that the zeros before the first of so many digits, as [`pack`] has them, bring to all ones.
+/// The remainder that the zeros before the first of `digits` digits, as [`pack`] places them, turn into all ones.
 const fn begun(digits: u32) -> u32 {
     crc::before_zeros(u32::MAX, digits.wrapping_neg() % 8 * 4)
 }
 
-/// The check value of a word's digits above it, as [`pack`] puts them.
+/// The check value of the digits above it, as [`pack`] places them.
 pub(crate) fn check_of(packed: &[u32], digits: u32) -> u32 {
     crc::remainder(begun(digits), packed)
 }
 
-/// The check value of a word from its fields' bits; of one among them nothing is read.
+/// The check value of a word from its fields' bits; the bits of the check value itself are not read.
 pub(crate) fn check_value(layout: &Layout, bits: &[u32]) -> u32 {
     let (data, digits) = (layout.fields().len() - 1, layout.data_digits());
     let mut packed = Vec::new();
@@ -56,20 +56,20 @@ pub(crate) fn length(layout: &Layout, form: Form) -> usize {
     }
 }
 
-/// Words that are put together at once: their fields stay in a processor's nearest cache.
+/// Words that are encoded at once: their fields fit a processor's first-level cache.
 pub(crate) const CHUNK: usize = crc::COLUMNS;
 
 /// A number of each of some words.
 type Row = [u32; CHUNK];
 
-/// Rows whose words are brought beside each other at once.
+/// Rows whose words are brought together at once.
 const PIECE: usize = 4;
 
-/// Puts words together field by field, many at a time, as text or as bytes.
+/// Encodes words field by field, many at a time, as text or as bytes.
 pub(crate) struct Encoder {
     form: Form,
-    /// Of each field but the check value its width, whether it is signed, digits before its last one from the end of the data, its digits,
-    /// and its place in a line.
+    /// Each field but the check value: its width, sign, digits before its last one from the end of the data, its digits, and its
+    /// position in a line.
     places: Vec<Place>,
     /// Digits of a word above its check value.
     digits: u32,
@@ -77,22 +77,23 @@ pub(crate) struct Encoder {
     length: usize,
     /// The fields' bits.
     bits: Vec<Row>,
-    /// The words as [`pack`] has them, the first eight digits first, then the check value: whole pieces of four rows, zeros before the first.
+    /// The words as [`pack`] places them, the first eight digits first, followed by the check value: whole pieces of four rows,
+    /// zeros before the first.
     rows: Vec<Row>,
-    /// Of each word those of some rows, as bytes.
+    /// Some rows of each word, as bytes.
     pieces: Vec<[[[u8; 4]; PIECE]; CHUNK]>,
-    /// Words that wait.
+    /// Number of waiting words.
     waiting: usize,
     /// Its instruction set.
     backend: Backend,
 }
 
-/// Where a field is.
+/// Position of a field.
 #[derive(Clone, Copy)]
 struct Place {
     width: u32,
     signed: bool,
-    /// Bits below it, those of the check value left out.
+    /// Bits below it, without those of the check value.
     below: u32,
     digits: usize,
     /// Its first character in a line.
@@ -100,7 +101,7 @@ struct Place {
 }
 
 impl Place {
-    /// The field's bits of words with these integers; `others` gets the bits in which an integer is not what the field keeps of it.
+    /// The field's bits of words with these integers; `others` gets the bits of an integer that the field does not keep.
     #[inline(always)]
     fn bits_of(&self, integers: &[i32; CHUNK], drop: u32, bits: &mut Row, others: &mut [i32; CHUNK]) {
         let (mask, spare) = (mask(self.width), 32 - self.width);
@@ -113,7 +114,7 @@ impl Place {
         }
     }
 
-    /// Whether the field keeps all of an integer.
+    /// Returns true if the field keeps all of an integer.
     fn keeps(&self, integer: i32, drop: u32) -> bool {
         let above = u64::from((integer >> drop).cast_unsigned() & mask(self.width)) << (64 - self.width);
         let kept = if self.signed {
@@ -144,8 +145,8 @@ impl Encoder {
         Self { form, places, digits, length, bits, rows, pieces, waiting: 0, backend: Backend::best() }
     }
 
-    /// Sets all fields of words that wait, from `count` integers of each from the `first` one on, whose lowest bits the profile drops; or the
-    /// first field of which a word's integer has others than the field keeps, and that word.
+    /// Sets all fields of the waiting words, from `count` integers of each, starting with the `first`; the profile drops their
+    /// lowest bits. Returns the first field for which a word's integer has bits that the field does not keep, and that word.
     pub(crate) fn set(&mut self, rows: &[(&[i32], u32)], first: usize, count: usize) -> Option<(usize, usize)> {
         self.waiting = count;
         let others = self.backend.run(
@@ -157,7 +158,7 @@ impl Encoder {
                     match row.first_chunk() {
                         Some(row) => place.bits_of(row, drop, bits, &mut others),
                         None => {
-                            // 0 is in every field.
+                            // Every field can hold 0.
                             let mut filled = [0; CHUNK];
                             filled[..count].copy_from_slice(row);
                             place.bits_of(&filled, drop, bits, &mut others);
@@ -177,7 +178,7 @@ impl Encoder {
         })
     }
 
-    /// A word more, from its fields' bits without the check value. Range: fewer than [`CHUNK`] wait.
+    /// Adds a word, from its fields' bits without the check value. Range: fewer than [`CHUNK`] wait.
     pub(crate) fn push(&mut self, bits: &[u32]) {
         for (row, &bits) in self.bits.iter_mut().zip(bits) {
             row[self.waiting] = bits;
@@ -185,7 +186,7 @@ impl Encoder {
         self.waiting += 1;
     }
 
-    /// Writes the words that wait over the beginning of `text`, which has room for them, and returns what is behind them.
+    /// Writes the waiting words over the beginning of `text`, which has room for them, and returns the rest of it.
     pub(crate) fn write<'a>(&mut self, text: &'a mut [u8]) -> &'a mut [u8] {
         let count = std::mem::take(&mut self.waiting);
         let backend = self.backend;
@@ -200,7 +201,7 @@ impl Encoder {
         match self.form {
             Form::Hex => {
                 for (word, text) in text.chunks_exact_mut(self.length).enumerate() {
-                    // Eight characters whatever the digits: an underscore is behind them, and the next field over what is left.
+                    // Eight characters whatever the digits: an underscore follows, and the next field overwrites the rest.
                     for (place, row) in self.places.iter().zip(&self.bits) {
                         let digits = u64::from_be_bytes(hex_digits(row[word])) << (64 - 8 * place.digits);
                         text[place.column..][..8].copy_from_slice(&digits.to_be_bytes());
@@ -248,7 +249,7 @@ impl Encoder {
             }
         }
         let padded = 4 * self.rows.len();
-        // From the last record to the first: the zeros that a record begins with lie over the end of the one before.
+        // From the last record to the first: the leading zeros of a record overwrite the end of the record before it.
         for word in (0..text.len() / self.length).rev() {
             let text = &mut text[..(word + 1) * self.length];
             match text.len().checked_sub(padded) {
@@ -269,7 +270,7 @@ impl Encoder {
 
 /// Eight lower-case hex digits.
 fn hex_digits(bits: u32) -> [u8; 8] {
-    // A digit a byte, in three steps; then what lies between the codes of 9 and a, where it is one of the letters.
+    // A digit per byte, in three steps; letters then get the distance between the codes of 9 and a.
     let halves = u64::from(bits >> 16) << 32 | u64::from(bits & 0xffff);
     let bytes = (halves << 8 | halves) & 0x00ff_00ff_00ff_00ff;
     let digits = (bytes << 4 | bytes) & 0x0f0f_0f0f_0f0f_0f0f;
@@ -277,7 +278,7 @@ fn hex_digits(bits: u32) -> [u8; 8] {
     (digits + 0x3030_3030_3030_3030 + is_letter * u64::from(b'a' - b'9' - 1)).to_be_bytes()
 }
 
-/// The fields' bits of a record, padding included, or what is wrong with it.
+/// The fields' bits of a record, including padding, or its fault.
 pub(crate) fn read_record(record: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
     let digit = |place: u32| u32::from(record[record.len() - 1 - place as usize / 2] >> (4 * (place % 2)) & 15);
     let digits = layout.word_bits() / 4;
@@ -292,7 +293,7 @@ pub(crate) fn read_record(record: &[u8], layout: &Layout) -> Result<Vec<u32>, St
     Ok(layout.fields().iter().map(bits).collect())
 }
 
-/// What is said of the first field that has not its digits, if the line has fields at all.
+/// The message for the first field with a wrong number of digits, if the line has fields at all.
 fn odd_field(line: &[u8], layout: &Layout) -> String {
     let mut parts = line.split(|&c| c == b'_').zip(layout.fields());
     match parts.find(|(part, field)| part.len() != field.digits() as usize) {
@@ -303,7 +304,7 @@ fn odd_field(line: &[u8], layout: &Layout) -> String {
     }
 }
 
-/// The fields' bits of a line, padding included, or what is wrong with it.
+/// The fields' bits of a line, including padding, or its fault.
 pub(crate) fn read_word(line: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
     if line.len() != layout.line_length() {
         let digits = line.iter().filter(|c| c.is_ascii_hexdigit()).count();
@@ -350,7 +351,7 @@ pub(crate) fn read_word(line: &[u8], layout: &Layout) -> Result<Vec<u32>, String
     Ok(bits)
 }
 
-/// The fields' bits of a device's word, digits of either case with underscores between fields or none at all.
+/// The fields' bits of a device's word; digits are of either case, with underscores between fields or none at all.
 pub(crate) fn read_device_word(text: &[u8], layout: &Layout) -> Result<Vec<u32>, String> {
     let lower = text.to_ascii_lowercase();
     if lower.contains(&b'_') {

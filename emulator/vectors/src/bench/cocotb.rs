@@ -1,4 +1,4 @@
-//! The test for cocotb, and a reader of sets for any bench in Python.
+//! The test for cocotb, and a reader of sets for any testbench in Python.
 
 use super::fields::{Fields, lines};
 

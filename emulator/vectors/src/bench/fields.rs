@@ -1,4 +1,4 @@
-//! What the benches of all languages say of fields: names, notes, a line a field.
+//! Names, notes and lines of fields, for the testbenches of all languages.
 
 use crate::field::{Direction, Field};
 
@@ -7,26 +7,26 @@ use crate::field::{Direction, Field};
 pub(super) struct Fields {
     /// Fields in the order of the word.
     pub(super) inputs: Vec<Field>,
-    /// Taps and what leaves, earliest stage first.
+    /// Taps and outputs, earliest stage first.
     pub(super) outputs: Vec<Field>,
 }
 
-/// A line a field.
+/// A line per field.
 pub(super) fn lines(fields: &[Field], line: impl Fn(&Field) -> String) -> String {
     fields.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A line a field, with its number from 0.
+/// A line per field, with its number from 0.
 pub(super) fn numbered(fields: &[Field], line: impl Fn(usize, &Field) -> String) -> String {
     fields.iter().enumerate().map(|(index, field)| line(index, field)).collect::<Vec<_>>().join("\n")
 }
 
-/// A text for a comment: one line of ASCII, which every tool reads.
+/// A text for a comment: one line of ASCII, which every tool accepts.
 pub(super) fn in_comment(text: &str) -> String {
     text.chars().map(|c| if c == ' ' || c.is_ascii_graphic() { c } else { '?' }).collect()
 }
 
-/// Words that SystemVerilog or VHDL keep for themselves and that are as plain as the name of a field.
+/// Reserved words of SystemVerilog or VHDL that look like the name of a field.
 const RESERVED: &str = "\
     abs access after alias all always and architecture array assert assign assume attribute begin bind bit block body break buf buffer \
     bus byte case cell checker class component config configuration constant context continue cover cross default design disable do \
@@ -35,8 +35,8 @@ const RESERVED: &str = "\
     local logic loop map matches medium mod new next not null of on open or others out output package parameter port priority process \
     property pure range record register release rem report return select sequence signal small strong table type weak wire";
 
-/// A name in SystemVerilog, VHDL and Python: begins with a letter, has single underscores between others, and is no word of these
-/// languages.
+/// A name in SystemVerilog, VHDL and Python: it begins with a letter, has single underscores between other characters, and is not
+/// a reserved word of these languages.
 pub(super) fn identifier(name: &str) -> String {
     let parts: Vec<&str> = name.split('_').filter(|part| !part.is_empty()).collect();
     let joined = parts.join("_");
@@ -52,7 +52,7 @@ pub(super) fn column(field: &Field) -> String {
     identifier(&field.name)
 }
 
-/// Format, port and whether it is a tap, for a comment.
+/// Format, port and tap mark, for a comment.
 pub(super) fn note(field: &Field) -> String {
     let Field { signed, width, fraction_bits, port, direction, .. } = field;
     let letter = if *signed { 'I' } else { 'U' };

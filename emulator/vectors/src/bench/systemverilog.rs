@@ -1,4 +1,4 @@
-//! Benches in SystemVerilog, for Icarus and Verilator, and the one that asks the C library by DPI-C.
+//! Testbenches in SystemVerilog, for Icarus and Verilator, and the testbench that calls the C library by DPI-C.
 
 use roughxel_netlist::verilog::{Interface, PortDescription};
 
@@ -17,7 +17,7 @@ pub(super) const TEMPLATES: [(&str, &str); 3] = [
     (DEVICE, include_str!("../../../../vectors/templates/systemverilog/device.sv")),
 ];
 
-/// Bench of whole datapaths alone: the C library has no stages.
+/// Testbench of whole datapaths only: the C library has no stages.
 pub(super) const DPI: [(&str, &str); 1] =
     [("@NAME@_dpi.sv", include_str!("../../../../vectors/templates/systemverilog/dpi.sv"))];
 
@@ -46,9 +46,9 @@ pub(super) fn values(fields: &Fields, manifest: &Manifest, stem: &str) -> Vec<(&
     ]
 }
 
-/// Values for the places of the device, which connects the generated Verilog or is to be filled in.
+/// Values for the places of the device, which connects the generated Verilog or is left for the user to fill in.
 ///
-/// Errors: the Verilog has other ports than the set has fields; which.
+/// Errors: the Verilog has other ports than the set has fields; the message names them.
 pub(super) fn device(
     fields: &Fields,
     manifest: &Manifest,
@@ -66,20 +66,20 @@ pub(super) fn device(
 
 /// The handshake of a device without registers.
 const PASSED_THROUGH: &str = "  \
-  // A device without registers; one with registers delays valid and stops where out_ready is low.
+  // This device has no registers; a device with registers delays valid and stops while out_ready is low.
   assign in_ready  = out_ready;
   assign out_valid = in_valid;
 ";
 
-/// The body of a device to be filled in.
+/// The body of a device for the user to fill in.
 fn blank(Fields { inputs, outputs }: &Fields) -> String {
     let inputs = lines(inputs, |field| format!("  //   inputs.{}: {}", column(field), note(field)));
     let outputs = lines(outputs, |field| format!("  assign outputs.{} = '0;  // {}", column(field), note(field)));
     format!("{PASSED_THROUGH}\n  // The inputs:\n{inputs}\n\n{outputs}")
 }
 
-/// The body that connects the generated top, or the module of a stage: a port for each field, and no other. Taps that the set does not
-/// have stay open.
+/// The body that connects the generated top, or the module of a stage: a port for each field, and no other port. Taps that are
+/// not in the set stay open.
 fn connected(fields: &Fields, manifest: &Manifest, top: &Interface) -> Result<String, String> {
     let inputs = paired(&fields.inputs, &top.inputs)?;
     let (compared, open): (Vec<_>, Vec<_>) = top
@@ -137,14 +137,14 @@ fn paired<'a>(
     ports.iter().map(of_port).collect()
 }
 
-/// Zeros that the port has below the field; less than 0 where the field has some that the port lacks.
+/// Number of zeros that the port has below the field; negative if the field has zeros that the port lacks.
 fn scale(field: &Field, port: &PortDescription) -> i64 {
     i64::from(port.fraction_bits) - i64::from(field.fraction_bits) - i64::from(port.dropped_zeros)
 }
 
-/// An expression of SystemVerilog times 2^`places`, of `to` bits instead of `from`, with its sign.
+/// An expression of SystemVerilog times 2^`places`, with `to` bits instead of `from`, with its sign.
 fn shifted(expression: &str, from: u32, to: u32, places: i64) -> String {
-    // Upwards bits are needed first, downwards they are dropped last.
+    // A left shift widens first; a right shift narrows last.
     let sized = |text: String| if from == to { text } else { format!("{to}'({text})") };
     match places {
         0 => sized(expression.into()),
@@ -153,7 +153,7 @@ fn shifted(expression: &str, from: u32, to: u32, places: i64) -> String {
     }
 }
 
-/// An expression of SystemVerilog with the sign of its field; not every tool knows that of a member.
+/// An expression of SystemVerilog with the sign of its field; not every tool knows the sign of a member.
 fn signed(field: &Field, expression: &str) -> String {
     if field.signed { format!("$signed({expression})") } else { expression.into() }
 }
@@ -181,7 +181,7 @@ fn comparison(field: &Field, stem: &str) -> String {
     )
 }
 
-/// Every other time all of them, else one.
+/// Every second time all fields, else one.
 fn drawn(index: usize, field: &Field, place: &str) -> String {
     format!(
         "    if (which == {index} || which >= INPUTS) drawn.{} = {}'(random_input({place}));",

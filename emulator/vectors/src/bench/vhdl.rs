@@ -1,4 +1,4 @@
-//! Benches in VHDL, for GHDL; its playback stands before devices in VHDL under cocotb.
+//! Testbenches in VHDL, for GHDL; the playback also drives VHDL devices under cocotb.
 
 use super::fields::{Fields, column, lines, note};
 use crate::field::{Direction, Field};

@@ -1,12 +1,14 @@
-//! What the float64 reference makes of the inputs of a word, field by field, and which way it decides.
+//! Values and decisions of the float64 reference for the inputs of a word, field by field.
 //!
-//! It is fed with exactly what the datapath reads: the port values, exponents saturated as on entry. A field is left out where the
-//! reference has no value of it: inputs, exponents of blocks and status; on the sphere columns, covariance, determinant, direction,
-//! sweep, share and level. It is left out, too, where it would be the value of something else: what lies on a face, where the datapath
-//! chose another one; the step, where it has another number of probes or cut λ₁; a highlight, where √m is not the root of m; the
-//! light of a peak, where the stored normal is no unit vector, the exponent is above 8192 or the sum was saturated; and everything
-//! that depends on derivatives or tangents whose exponents are more than 150 from those of v and n (system 1: from 0), for
-//! determinants of such footprints leave the range of a float64.
+//! It is fed with exactly the datapath's inputs: the port values, exponents saturated as on entry. A field is left out if the
+//! reference has no value for it: inputs, exponents of blocks and status; on the sphere columns, covariance, determinant,
+//! direction, sweep, share and level. It is also left out if the value would be that of something different:
+//! - values on a face, if the datapath chose a different face;
+//! - the step, if the datapath has a different probe count or clamped λ₁;
+//! - a highlight, if √m is not the root of m;
+//! - the light of a peak, if the stored normal is not a unit vector, the exponent is above 8192 or the sum was saturated;
+//! - everything that depends on derivatives or tangents whose exponents are more than 150 from those of v and n (system 1: from
+//!   0), for determinants of such footprints leave the range of a float64.
 
 use std::collections::HashMap;
 
@@ -31,7 +33,7 @@ use serde::Serialize;
 
 use super::real::{Real, shown};
 
-/// Largest distance of the exponents of what the reference is fed with together.
+/// Largest difference of the exponents of inputs that the reference combines.
 const SPREAD: i32 = 150;
 
 /// Faces in their order.
@@ -40,17 +42,17 @@ const FACES: [&str; 6] = ["+x", "-x", "+y", "-y", "+z", "-z"];
 /// A choice that decides what later stages work on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Decision {
-    /// Of what.
+    /// Subject of the decision.
     pub what: &'static str,
     /// The datapath's.
     pub taken: String,
-    /// The reference's, where it has one.
+    /// The reference's, if it has one.
     pub float64: Option<String>,
-    /// How near it was.
+    /// Margin of the decision.
     pub note: String,
 }
 
-/// What the datapath came to, by the names of the fields.
+/// Values of the datapath, by the names of the fields.
 pub(super) struct Taken<'a>(pub(super) &'a dyn Fn(&str) -> Option<i64>);
 
 impl Taken<'_> {
@@ -63,14 +65,14 @@ impl Taken<'_> {
     }
 }
 
-/// What the reference has.
+/// Values of the reference.
 #[derive(Default)]
 pub(super) struct Float64 {
-    /// By the names of the fields.
+    /// Values by the names of the fields.
     values: HashMap<String, Real>,
     /// Real values of inputs that are codes, by the names of the fields.
     codes: HashMap<String, Real>,
-    /// Which way it decides, and the datapath.
+    /// Decisions of the reference and the datapath.
     pub(super) decisions: Vec<Decision>,
 }
 
@@ -80,7 +82,7 @@ impl Float64 {
         self.values.get(field).copied()
     }
 
-    /// What a code stands for.
+    /// Value of a code.
     pub(super) fn code(&self, field: &str) -> Option<Real> {
         self.codes.get(field).copied()
     }
@@ -126,7 +128,7 @@ fn entered<const N: usize>(block: &BlockPort<N>) -> BlockPort<N> {
     BlockPort { exponent: block.exponent.clamp(-limit, limit), ..*block }
 }
 
-/// The mantissas alone: of what only the direction counts.
+/// The mantissas alone: for vectors of which only the direction counts.
 fn unscaled(block: &BlockVector) -> BlockVector {
     BlockVector { exponent: 0, ..*block }
 }
@@ -139,13 +141,13 @@ fn is_zero(block: &BlockVector) -> bool {
     block.mantissa == [I2F30::ZERO; 3]
 }
 
-/// Whether the exponents of two vectors are near enough for a float64.
+/// Returns true if the exponents of two vectors are near enough for a float64.
 fn near(block: &BlockVector, exponent: i16) -> bool {
     is_zero(block) || (i32::from(block.exponent) - i32::from(exponent)).abs() <= SPREAD
 }
 
-/// The surface as entry reads it; of frame vectors whose lengths do not count the mantissas alone. `None` where they count and are
-/// beyond a float64's squares.
+/// The surface as entry reads it. Tangent vectors whose lengths do not count become mantissas alone. `None` if their lengths
+/// count and their squares leave the range of a float64.
 fn entered_surface(surface: &SurfaceIn, system: FrameSystem) -> Option<SurfaceIn> {
     let frame_vectors = match system {
         FrameSystem::Natural => surface.frame_vectors.map(|vector| entered(&vector)),
@@ -155,7 +157,7 @@ fn entered_surface(surface: &SurfaceIn, system: FrameSystem) -> Option<SurfaceIn
     frame_vectors.iter().all(|vector| near(vector, 0)).then_some(SurfaceIn { normal, view, frame_vectors, ..*surface })
 }
 
-/// What lights stand on: everything in units of 2^`exponent`, the exponent of n.
+/// The surface of lights: everything in units of 2^`exponent`, the exponent of n.
 struct Surface {
     normal: Vector3,
     exponent: i32,
@@ -306,13 +308,13 @@ pub(super) fn of_peak(light: &PeakIn, effects: &Effects, p: &Precision, taken: &
     let [view, to_light] = [direction(&ports.view), direction(&light.light)];
     let half = half(to_light, view);
     float64.vector("half", "xyz", &half, 0);
-    // Zero where the half vector or the frame is: that is what the datapath documents, and the reference has no direction.
+    // Zero if the half vector or the tangent basis is zero: the datapath documents this, and the reference has no direction.
     let local_half = local_direction(half, [frame.e1, frame.e2], normal).unwrap_or_default();
     float64.vector("local_half", "xyz", &local_half, 0);
 
-    // Along the frame in units of the mantissas of n, as the datapath has them.
+    // Along the tangent basis in units of the mantissas of n, as in the datapath.
     let (mantissas, unit) = normalise_exponent(normal);
-    // They fill two's complement: of a largest component of −½ the mantissa is −1.
+    // Mantissas fill two's complement: a largest component of −½ has the mantissa −1.
     let unit = if mantissas.iter().all(|m| (-0.5..0.5).contains(m)) { unit - 1 } else { unit };
     let axes = [frame.e1, frame.e2, normal].map(|axis| scale_exponent(axis, -unit));
     let has_frame = frame.e1 != [0.0; 3] && frame.e2 != [0.0; 3];
@@ -355,7 +357,7 @@ pub(super) fn of_peak(light: &PeakIn, effects: &Effects, p: &Precision, taken: &
 }
 
 impl Float64 {
-    /// `capped`: where the reference says whether it wants more than there may be.
+    /// `capped`: tells whether the reference wants more probes than allowed, if it knows.
     fn probes(&mut self, count: u32, ratio: f64, capped: Option<bool>, taken: &Taken<'_>, p: &Precision) {
         let Some(of_taken) = taken.integer("probes") else { return };
         let named = |count: i64, capped: bool| format!("{count}{}", if capped { ", capped" } else { "" });

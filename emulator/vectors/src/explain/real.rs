@@ -1,4 +1,4 @@
-//! Real numbers whose exponents may be those of ports, far beyond a float64's.
+//! Real numbers whose exponents may be those of ports, far beyond the range of a float64.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ impl Real {
         Self { mantissa, exponent }
     }
 
-    /// The number as a float64; `None` where it is beyond the range of normal ones.
+    /// The number as a float64; `None` if it is beyond the range of normal numbers.
     pub fn value(self) -> Option<f64> {
         let value = scale_by_power_of_two(self.mantissa, self.exponent);
         (value.is_normal() || self.mantissa == 0.0).then_some(value)
@@ -32,7 +32,7 @@ impl Real {
 }
 
 impl fmt::Display for Real {
-    /// Ten significant digits, which is what a mantissa of 30 bits has; without its trailing zeros.
+    /// Ten significant digits, the precision of a 30-bit mantissa, without trailing zeros.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.value() {
             Some(value) => f.write_str(&shown(value)),
@@ -48,7 +48,7 @@ impl Serialize for Real {
     }
 }
 
-/// A number of a few digits before the point plainly, any other with an exponent of ten.
+/// A number of a few digits before the point in plain form, any other with an exponent of ten.
 pub(super) fn shown(x: f64) -> String {
     if x == 0.0 {
         return "0".into();

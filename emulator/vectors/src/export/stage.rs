@@ -10,19 +10,19 @@ use crate::stage::StageSet;
 use crate::word::{CHUNK, Encoder};
 
 impl StageSet {
-    /// What the set of a base set holds.
+    /// Description of the stage's set for a base set.
     pub(super) fn description(&self, base: &SetInfo<'_>) -> String {
         let runs: Vec<&str> = self.runs().collect();
         let each = if runs.len() == 1 { String::new() } else { format!(" ({} of each)", runs.join(", ")) };
         format!("ports of {}{each} in the vectors of {}: {}", self.name(), base.name, base.description)
     }
 
-    /// The stage as a manifest says it.
+    /// The stage's entry in a manifest.
     pub(super) fn entry(&self) -> StageEntry {
         StageEntry { module: self.name().into(), runs: self.runs().map(str::to_owned).collect() }
     }
 
-    /// Writes the words of some vectors over `text`, which is as long as they are; `words` is room for them.
+    /// Writes the words of some vectors over `text`, which has their length; `words` is a buffer.
     pub(super) fn write(
         &self,
         set: &SetExport<'_>,

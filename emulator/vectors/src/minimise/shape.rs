@@ -1,4 +1,4 @@
-//! The inputs of a vector as integers, and what makes them simpler.
+//! The inputs of a vector as integers, and their simplifications.
 
 use std::collections::HashSet;
 
@@ -7,7 +7,7 @@ use crate::field::{Direction, Field, mask};
 use crate::layout::Layout;
 use crate::manifest::Manifest;
 
-/// Input fields with what they become.
+/// Input fields with their new values.
 pub(super) type Change = Vec<(usize, i64)>;
 
 pub(super) fn changed(integers: &[i64], change: &[(usize, i64)]) -> Vec<i64> {
@@ -21,7 +21,7 @@ pub(super) fn bits_of(field: &Field, integer: i64) -> u32 {
     integer as u32 & mask(field.width)
 }
 
-/// The input fields of a word, and which of them belong together.
+/// The input fields of a word, and their groups.
 pub(super) struct Shape<'a> {
     layout: &'a Layout,
     pub(super) fields: &'a [Field],
@@ -58,7 +58,7 @@ impl<'a> Shape<'a> {
         self.fields[place].port.ends_with(".exponent")
     }
 
-    /// Less is simpler: fields that are not zero, bits in them, size of exponents.
+    /// Complexity, smaller is simpler: number of non-zero fields, bits in them, size of exponents.
     pub(super) fn complexity(&self, integers: &[i64]) -> (usize, u32, u64) {
         let not_zero = integers.iter().filter(|integer| **integer != 0).count();
         let bits = integers.iter().map(|integer| integer.unsigned_abs().count_ones()).sum();
@@ -66,11 +66,11 @@ impl<'a> Shape<'a> {
         (not_zero, bits, exponents.map(|place| integers[place].unsigned_abs()).sum())
     }
 
-    /// All changes that make it simpler, each with another result; the boldest first. What they make is in the ranges of the ports.
+    /// All changes that make it simpler, each with a different result, the boldest first. Results are in the ranges of the ports.
     pub(super) fn changes(&self, integers: &[i64]) -> Vec<Change> {
         let mut changes: Vec<Change> = Vec::new();
         let zero = |places: &[usize]| places.iter().map(|&place| (place, 0)).collect();
-        // Of the groups a half, a quarter and so on; the last ones are single.
+        // Changes of half of the groups, a quarter and so on; the last changes are of single groups.
         let mut size = self.groups.len();
         while size > 1 {
             size = size.div_ceil(2);
@@ -79,7 +79,7 @@ impl<'a> Shape<'a> {
         let all: Vec<usize> = (0..self.fields.len()).collect();
         let (exponents, numbers): (Vec<usize>, Vec<usize>) = all.iter().partition(|&&place| self.is_exponent(place));
         changes.push(zero(&exponents));
-        // Every number with so many of its upper bits.
+        // Every number, reduced to a few upper bits.
         for kept in [1, 2, 4, 8] {
             changes.push(numbers.iter().map(|&place| (place, upper_bits(integers[place], kept))).collect());
         }
@@ -110,7 +110,8 @@ impl<'a> Shape<'a> {
         changes
     }
 
-    /// Unit vectors along each axis, either way, in the place of a vector: with its exponent, and with the one that makes them 1.
+    /// Unit vectors along each axis, in each direction, instead of a vector: with its exponent, and with the exponent that makes
+    /// them 1.
     fn plain_vectors(&self, group: &[usize], changes: &mut Vec<Change>) {
         let (exponent, numbers): (Vec<usize>, Vec<usize>) = group.iter().partition(|&&place| self.is_exponent(place));
         if numbers.len() < 2 {
@@ -118,7 +119,7 @@ impl<'a> Shape<'a> {
         }
         for &axis in &numbers {
             for sign in [1, -1] {
-                // Of a mantissa ½.
+                // ½ for a mantissa.
                 let half = sign << self.fields[axis].fraction_bits.saturating_sub(1);
                 let alone = |place: usize| (place, if place == axis { half } else { 0 });
                 let vector: Change = numbers.iter().map(|&place| alone(place)).collect();
@@ -127,13 +128,13 @@ impl<'a> Shape<'a> {
                 }
                 changes.push(vector);
             }
-            // What it has along this axis.
+            // The component along this axis.
             changes.push(numbers.iter().filter(|&&place| place != axis).map(|&place| (place, 0)).collect());
         }
     }
 }
 
-/// The integer with its `kept` uppermost ones, by size.
+/// The integer, reduced to its `kept` uppermost one bits, by magnitude.
 pub(super) fn upper_bits(integer: i64, kept: u32) -> i64 {
     let (mut rest, mut size) = (integer.unsigned_abs(), 0);
     for _ in 0..kept {
