@@ -59,11 +59,11 @@ fn run() -> Result<(usize, usize), String> {
     let mut arguments = std::env::args().skip(1).peekable();
     let file = arguments.next().ok_or("golden LIST [--part N] SCENE…")?;
     let part = match arguments.next_if(|argument| argument == "--part") {
-        Some(_) => arguments.next().and_then(|part| part.parse().ok()).ok_or("--part wants a number")?,
+        Some(_) => arguments.next().and_then(|part| part.parse().ok()).ok_or("--part needs a number")?,
         None => 1,
     };
     let list = fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
-    let [width, height] = size_of(&list).ok_or_else(|| format!("{file}: its first line states no size"))?;
+    let [width, height] = size_of(&list).ok_or_else(|| format!("{file}: its first line has no size"))?;
     let (mut drawn, mut differ) = (0, 0);
     for name in arguments {
         let failed = |what: &dyn std::fmt::Display| format!("scene {name}: {what}");
@@ -73,7 +73,7 @@ fn run() -> Result<(usize, usize), String> {
         let lines = list.lines().filter(|line| !line.starts_with('#')).filter_map(Golden::of);
         let golden: Vec<Golden<'_>> = lines.filter(|golden| golden.scene == name).step_by(part).collect();
         if golden.is_empty() {
-            return Err(failed(&"the list has none of it"));
+            return Err(failed(&"the list has no line of it"));
         }
         let equal: Result<Vec<bool>, String> =
             golden.par_iter().map(|golden| golden.is_drawn(&scene, &peaks)).collect();

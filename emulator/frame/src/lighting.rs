@@ -86,7 +86,7 @@ pub(super) fn bytes(lighting: &Lighting) -> [u64; 2] {
 /// The stored peaks of every texel of a pyramid, or only of its base if nothing is filtered. They have horizons if the material
 /// has shadows.
 fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> PeakTexels {
-    const _: () = assert!(MAX_PEAKS <= MOST_PEAKS, "lanes read so many");
+    const _: () = assert!(MAX_PEAKS <= MOST_PEAKS, "lanes read MOST_PEAKS at most");
     let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
     let stored = |peak: &pyramid::Peak| packed(stored_peak(peak.normal, peak.amplitude, peak.exponent));
     let horizon = |sides: [pyramid::Horizon; 4]| {

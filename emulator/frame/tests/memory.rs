@@ -17,13 +17,13 @@ fn most_memory() -> Option<u64> {
 
 /// Draws a scene of this size and writes it as the program does; returns the bytes that the program states for it.
 fn draw(scene: Scene, [width, height]: [u32; 2]) -> u64 {
-    let folder = tempfile::tempdir().expect("there is a place for files");
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
     let scene = scene.with_size(width, height).expect("the size is allowed");
     let prepared = Prepared::new(&scene, Mode::Footprint, &Precision::STANDARD).expect("the scene can be drawn");
     let frame = prepared.render(&|| ()).expect("the scene can be drawn");
     let codes = frame.srgb_codes();
     drop(frame);
-    write_png_codes(&folder.path().join("a.png"), [width, height], &codes).expect("it can be written");
+    write_png_codes(&folder.path().join("a.png"), [width, height], &codes).expect("the file can be written");
     prepared.frame_bytes()
 }
 
@@ -47,17 +47,17 @@ fn a_frame_takes_the_bytes_that_are_stated() {
     // The first frame accounts for threads, libraries and the base cost of a frame.
     draw(floor(), [640, 480]);
     let Some(before) = most_memory() else {
-        println!("SKIPPED: this system does not say what a process has held");
+        println!("SKIPPED: this system does not report the memory of a process");
         return;
     };
     let size = [4096, 1536];
     let stated = draw(floor(), size);
     assert_eq!(stated, Frame::BYTES_A_PIXEL * 4096 * 1536);
-    let grown = most_memory().expect("it did say") - before;
+    let grown = most_memory().expect("the system reports memory") - before;
     // The large frame reuses the memory of the small one, and allocators keep some. A copy of the frame would be 12 more bytes a
     // pixel.
     let pixel = grown as f64 / f64::from(size[0] * size[1]);
     println!("{pixel:.2} bytes a pixel");
-    assert!(pixel > 12.0, "{pixel} bytes a pixel: less than a frame is");
+    assert!(pixel > 12.0, "{pixel} bytes a pixel: less than the frame itself");
     assert!(pixel < Frame::BYTES_A_PIXEL as f64 + 1.0, "{pixel} bytes a pixel, {} stated", Frame::BYTES_A_PIXEL);
 }

@@ -43,7 +43,7 @@ impl RealPicture {
     /// # Panics
     /// If the sizes differ.
     pub fn psnr(&self, other: &Self) -> f64 {
-        assert_eq!((self.width, self.height), (other.width, other.height), "pictures of one size");
+        assert_eq!((self.width, self.height), (other.width, other.height), "pictures have the same size");
         let squared = |(a, b): (&f64, &f64)| (a.clamp(0.0, 1.0) - b.clamp(0.0, 1.0)).powi(2);
         let channels = self.pixels.iter().flatten().zip(other.pixels.iter().flatten());
         let sum: f64 = channels.map(squared).sum();

@@ -56,7 +56,7 @@ fn reflections_of_a_sun_are_as_bright_as_in_float64_at_every_exposure() {
             for stops in [-6, 0, 4] {
                 let scene = lit(scene(object), 30_000.0, stops);
                 let (expected, brightest) = light(&render(&scene, mode, &p, &|| ()).unwrap());
-                assert!(brightest < 60.0, "nothing is cut: {brightest}");
+                assert!(brightest < 60.0, "nothing is clamped: {brightest}");
                 let (got, _) = light(&RealPicture::from(&draw(&scene, mode, &p)));
                 for (got, expected) in got.into_iter().zip(expected) {
                     let error = got / expected - 1.0;

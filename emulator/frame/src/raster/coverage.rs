@@ -32,8 +32,8 @@ pub enum Sampling {
 /// Bits of a position in a tile, sub-pixels along an axis.
 const PLACE_BITS: u32 = 14;
 
-const _: () = assert!(TILE_EDGE_PX as i32 * SUBPIXELS <= 1 << PLACE_BITS, "a sample knows its place in the tile");
-const _: () = assert!(PATTERN.len() < 1 << (u32::BITS - 2 * PLACE_BITS), "a sample knows how often it counts");
+const _: () = assert!(TILE_EDGE_PX as i32 * SUBPIXELS <= 1 << PLACE_BITS, "a sample holds its position in the tile");
+const _: () = assert!(PATTERN.len() < 1 << (u32::BITS - 2 * PLACE_BITS), "a sample holds its count");
 
 /// Most positions of a pixel that one pass tests: the visibility of a tile at them stays in a second-level cache.
 const PLACES_TOGETHER: usize = 16;
@@ -232,7 +232,7 @@ impl TriangleList<'_> {
     /// Finds the samples of objects; the last position is the centre.
     fn objects(&self, samples: &mut TileSamples) {
         let TileSamples { tile, places, drawn, centres, around, found, counts, .. } = samples;
-        let (centre, pattern) = places.split_last().unwrap_or_else(|| unreachable!("there is a centre"));
+        let (centre, pattern) = places.split_last().unwrap_or_else(|| unreachable!("the last position is the centre"));
         self.draw(drawn, &Places::new(&[*centre]), *tile, centres);
         self.draw(drawn, &Places::new(pattern), *tile, around);
         let object = |number: u32| drawn.triangles.get(number as usize).map(|&triangle| self.object_index(triangle));

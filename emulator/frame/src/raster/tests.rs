@@ -93,13 +93,13 @@ struct View {
 
 impl View {
     fn new(camera: &Camera, objects: Vec<Object>) -> Self {
-        let projection: &Projection = Box::leak(Box::new(Projection::new(camera).expect("a camera")));
-        Self { projection, list: TriangleList::new(projection, objects.leak()).expect("a list") }
+        let projection: &Projection = Box::leak(Box::new(Projection::new(camera).expect("the camera is valid")));
+        Self { projection, list: TriangleList::new(projection, objects.leak()).expect("the objects are valid") }
     }
 
     /// A triangle that exists, without tangents.
     fn triangle(&self, number: u32) -> Triangle<'static> {
-        self.list.triangle(number, NO_TANGENTS).expect("visible")
+        self.list.triangle(number, NO_TANGENTS).expect("the triangle is visible")
     }
 
     /// Every covered sample of the whole frame, as (x, y, triangle).

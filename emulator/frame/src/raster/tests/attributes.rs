@@ -110,7 +110,7 @@ fn a_flat_triangle_has_one_normal_and_frame_that_do_not_turn() {
     let tangents = [DVec3::new(0.3, 0.0, 0.1), DVec3::new(-0.1, 0.0, 0.7)];
     let corners = ground(300.0, 8.0).map(|corner| Vertex { normal: DVec3::new(0.1, 1.0, -0.2), tangents, ..corner });
     let view = View::new(&plain_camera(320, 200), one_triangle(corners));
-    let triangle = view.list.triangle(0, Needs::ALL).expect("visible");
+    let triangle = view.list.triangle(0, Needs::ALL).expect("the triangle is visible");
     let samples = view.visible([128, 128]);
     assert!(samples.len() > 20_000);
     let first = triangle.fragment(samples[0].0, samples[0].1);
@@ -150,7 +150,7 @@ fn normal_derivative_is_the_difference_of_normals() {
 
 #[test]
 fn view_derivatives_carry_the_minus_of_erratum_11() {
-    let projection = Projection::new(&plain_camera(640, 480)).expect("a camera");
+    let projection = Projection::new(&plain_camera(640, 480)).expect("the camera is valid");
     let v = |x: i32, y: i32| vector_value(projection.ray_view(x, y));
     // Seen along −z with y up, one pixel to the right turns the ray toward +x, so v toward −x; one pixel down turns v toward +y.
     let [dx, dy] = projection.dview().map(vector_value);
@@ -273,11 +273,11 @@ fn slivers_seen_edge_on_stay_within_their_corners() {
         let high = range.iter().fold(0.0_f64, |m, v| m.max(*v));
         for (x, y, number) in view.visible([9, 140]) {
             samples += 1;
-            let (_, depth) = seen.at((x >> 8) as u32, (y >> 8) as u32, 0).expect("covered");
+            let (_, depth) = seen.at((x >> 8) as u32, (y >> 8) as u32, 0).expect("the sample is covered");
             let depth = depth as f64 / 2f64.powi(56);
             // One step of depth, and float64's rounding of w.
             assert!(depth >= low * (1.0 - 1e-12) && depth <= high * (1.0 + 1e-12), "{depth} {low} {high}");
-            let fragment = view.list.triangle(number, Needs::ALL).expect("visible").fragment(x, y);
+            let fragment = view.list.triangle(number, Needs::ALL).expect("the triangle is visible").fragment(x, y);
             // A sample half a sub-pixel outside may leave the corners' range by an eighth.
             let [u, v] = fragment.uv.map(|c| c.to_num::<f64>());
             assert!((0.1 - 0.05..=0.3 + 0.05).contains(&u) && (0.2 - 0.05..=0.4 + 0.05).contains(&v), "{u} {v} {lift}");
@@ -363,7 +363,7 @@ fn attributes_that_nobody_reads_are_zero_and_change_no_other() {
     let samples = view.visible(PIXEL_CENTRE_SUBPX);
     assert!(!samples.is_empty());
     for (x, y, number) in samples {
-        let of = |needs| view.list.triangle(number, needs).expect("visible").fragment(x, y);
+        let of = |needs| view.list.triangle(number, needs).expect("the triangle is visible").fragment(x, y);
         let (all, none) = (of(Needs::ALL), FragmentAttributes::default());
         for bits in 0..8 {
             let [tangents, uv, duv] = [1, 2, 4].map(|bit| bits & bit != 0);

@@ -223,7 +223,7 @@ fn impossible_cameras_and_indices_are_refused_with_a_remedy() {
         let error = Projection::new(&orientation).expect_err("no view").to_string();
         assert!(error.ends_with("up must not lie along the line of sight"), "{error}");
     }
-    let projection = Projection::new(&good).expect("a camera");
+    let projection = Projection::new(&good).expect("the camera is valid");
     let objects = vec![object(vec![], vec![[0, 1, 2]])];
     let error = TriangleList::new(&projection, &objects).expect_err("no vertices");
     assert_eq!(error.to_string(), "object \"test\": triangle 0 names vertex 0, but the mesh has 0");
