@@ -188,12 +188,12 @@ mod tests {
 
     #[test]
     fn frames_that_told_texels_tell_their_psnr_too() {
-        let subjects = [Subject::open("lake", [24, 18]).expect("a scene of ours")];
-        let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).expect("a scene of ours");
+        let subjects = [Subject::open("lake", [24, 18]).expect("the built-in scene is valid")];
+        let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).expect("the built-in scene is valid");
         let (drawn, narrow) = (|| meter.seen.borrow().len(), Precision::NARROW);
-        let texels = meter.cost(Clock::Memory, &narrow).expect("frames tell texels");
+        let texels = meter.cost(Clock::Memory, &narrow).expect("frames give texels");
         let frame = meter.scenes[0].prepare(&narrow).and_then(|prepared| prepared.render_counted(&|| ()));
-        let (frame, counted) = frame.expect("a frame");
+        let (frame, counted) = frame.expect("the frame can be drawn");
         assert_eq!(texels, counted.texels as f64 / frame.pixels.len() as f64);
         assert_eq!(meter.psnr(&narrow), RealPicture::from(&frame).psnr(&meter.scenes[0].truth));
         assert!(meter.cost(Clock::SoftCore, &narrow) > Some(texels));

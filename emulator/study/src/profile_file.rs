@@ -64,7 +64,7 @@ impl From<Profile> for NamedPrecision {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NameError {
     /// Characters that are not valid in every file name.
-    #[error("`{0}` is no name of a profile: that is {NAMES}")]
+    #[error("`{0}` is not a profile name: use {NAMES}")]
     Characters(String),
     /// A named profile has other knobs.
     #[error("profile `{}` has other knobs", .0.name())]

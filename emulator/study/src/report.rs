@@ -178,5 +178,5 @@ fn list(page: &mut Page, sentences: &[String]) {
 /// The study that `docs/performance.md` shows.
 #[cfg(test)]
 fn kept() -> Study {
-    Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("results/study.json")).expect("a study is kept")
+    Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("results/study.json")).expect("a kept study")
 }

@@ -71,7 +71,7 @@ struct Table {
 }
 
 static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    serde_json::from_str(include_str!("../../firmware/knobs.json")).expect("the board writes what is read here")
+    serde_json::from_str(include_str!("../../firmware/knobs.json")).expect("knobs.json has the fields of this table")
 });
 
 /// Cost of a fragment at a setting on one of [`TARGETS`]. Knobs that do not affect the plan ([`has_effect`]) may have any value.
@@ -113,10 +113,10 @@ mod tests {
     /// The cells of a row of `emulator/firmware/PRICE.md` by their profiles, in the section of a target.
     fn cells<'a>(target: &str, row: &str) -> Vec<(Profile, &'a str)> {
         let table = include_str!("../../firmware/PRICE.md");
-        let (_, part) = table.split_once(&format!("\n## {target}\n")).expect("the target has a part");
+        let (_, part) = table.split_once(&format!("\n## {target}\n")).expect("the target has a section");
         let line = |start: &str| {
             let line =
-                part.lines().find(|line| line.starts_with(&format!("| {start}"))).expect("the part has that row");
+                part.lines().find(|line| line.starts_with(&format!("| {start}"))).expect("the section has that row");
             line.trim_matches('|').split('|').skip(1).map(str::trim)
         };
         line("plan:").map(|name| Profile::by_name(name).expect("a column is a profile")).zip(line(row)).collect()

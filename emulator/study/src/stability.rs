@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn figures_do_not_depend_on_the_number_of_threads() {
         let with = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of threads");
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
             pool.install(|| measure(3, &|| ()))
         };
         assert_eq!(with(1), with(4));
@@ -220,7 +220,7 @@ mod tests {
     fn cases_come_back_from_json() {
         let cases = measure(1, &|| ());
         let text = serde_json::to_string(&cases).expect("figures are numbers");
-        assert_eq!(serde_json::from_str::<Vec<HardCase>>(&text).expect("what was written"), cases);
+        assert_eq!(serde_json::from_str::<Vec<HardCase>>(&text).expect("the written text can be read"), cases);
     }
 
     #[test]

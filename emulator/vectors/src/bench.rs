@@ -64,7 +64,7 @@ pub enum BenchError {
         order: String,
     },
     /// The generated Verilog has other ports than the set has fields.
-    #[error("{}: {problem}; a bench with a device to be filled in is made with `--device blank`", .manifest.display())]
+    #[error("{}: {problem}; `--device blank` makes a testbench with an empty device", .manifest.display())]
     Ports {
         /// The manifest.
         manifest: PathBuf,

@@ -129,7 +129,7 @@ impl Ports {
             (Self::Reflection(columns), Inputs::Reflection(wires)) => columns.push(wires),
             (Self::Highlight(columns), Inputs::Highlight(wires)) => columns.push(wires),
             (Self::Peak(columns), Inputs::Peak(wires)) => columns.push(wires),
-            _ => panic!("{inputs:?} in a set of another datapath"),
+            _ => panic!("{inputs:?} in a set of a different datapath"),
         }
     }
 
@@ -205,7 +205,7 @@ impl Computed {
             (Ports::Peak(inputs), Outputs::Peak(outputs)) => {
                 LitPeaks { inputs, plan: &effects.peak() }.run(shader, outputs);
             }
-            _ => unreachable!("both are of one datapath"),
+            _ => unreachable!("ports and outputs are of one datapath"),
         }
     }
 

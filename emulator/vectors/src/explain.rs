@@ -228,7 +228,7 @@ impl Vector {
         let mut bits = vec![None; fields.len()];
         for part in parts {
             let Some((name, digits)) = part.split_once('=') else {
-                return Err(format!("`{part}` beside other parts is not FIELD=HEX; a whole word is given once, alone"));
+                return Err(format!("`{part}` with other parts is not FIELD=HEX; a whole word is given once, alone"));
             };
             let outcomes = || fields.iter().filter(|field| matches!(field.direction, Direction::Tap | Direction::Out));
             let Some(place) = fields.iter().position(|field| field.name == name) else {
@@ -246,10 +246,10 @@ impl Vector {
             let is_hex = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_hexdigit());
             let value = u32::from_str_radix(digits, 16).ok().filter(|_| is_hex);
             let value = value.filter(|value| u64::from(*value) >> field.width == 0).ok_or_else(|| {
-                format!("`{digits}` is no hex number of the {} bits that field `{name}` has", field.width)
+                format!("`{digits}` is not a hex number of the {} bits of field `{name}`", field.width)
             })?;
             if bits[place].replace(value).is_some() {
-                return Err(format!("field `{name}` is there twice"));
+                return Err(format!("field `{name}` is given twice"));
             }
         }
         Ok(bits)

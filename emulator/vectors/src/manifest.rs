@@ -191,7 +191,7 @@ impl Manifest {
             return Err(format!("{} files listed, format {FORMAT_VERSION} has one", self.files.len()));
         };
         if file.name.is_empty() || file.name.starts_with('.') || file.name.contains(['/', '\\']) {
-            return Err(format!("file name `{}` is no plain name beside the manifest", file.name));
+            return Err(format!("file name `{}` is not a plain name in the manifest's directory", file.name));
         }
         if ![Form::Hex, Form::Bin].into_iter().any(|form| has_extension(&file.name, form)) {
             return Err(format!("file `{}` is neither .hex nor .bin", file.name));
@@ -272,7 +272,7 @@ impl Manifest {
         }
         let mut pairs = self.fields.iter().zip(layout.fields());
         if let Some((_, ours)) = pairs.find(|(theirs, ours)| essence(theirs) != essence(ours)) {
-            return Err(format!("field `{}` is laid out in another way than format {FORMAT_VERSION} does", ours.name));
+            return Err(format!("field `{}` has a different layout than in format {FORMAT_VERSION}", ours.name));
         }
         if self.word_bits != layout.word_bits() {
             return Err(format!("word_bits is {}, but the fields take {}", self.word_bits, layout.word_bits()));

@@ -36,7 +36,7 @@ pub enum MergeError {
         of: u64,
     },
     /// A part that exists twice.
-    #[error("part {number} of {of} is there twice: {} and {}; name one of them", .first.display(), .second.display())]
+    #[error("part {number} of {of} exists twice: {} and {}; name one of them", .first.display(), .second.display())]
     Twice {
         /// Its number, from 1.
         number: u64,

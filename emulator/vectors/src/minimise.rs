@@ -37,7 +37,7 @@ pub enum MinimiseError {
     Damaged(String),
     /// The testbench is of other words.
     #[error(
-        "{}: the bench is of {bench} and its words have other fields than those of {set}: make one of this set with \
+        "{}: the testbench is of {bench} and its words have other fields than those of {set}: make one of this set with \
          `roughxel vectors bench`",
         .directory.display()
     )]
@@ -69,7 +69,7 @@ pub enum MinimiseError {
         source: io::Error,
     },
     /// The testbench cannot make the comparison.
-    #[error("{}: the bench fails with {tool}:\n{output}", .directory.display())]
+    #[error("{}: the testbench fails with {tool}:\n{output}", .directory.display())]
     Run {
         /// Folder of the testbench.
         directory: PathBuf,

@@ -219,7 +219,7 @@ impl InputSource for RandomSet<'_> {
                 random_lights(self.seed, indices, self.precision, columns);
             }
             (Datapath::Peak, Ports::Peak(columns)) => random_lit_peaks(self.seed, indices, self.precision, columns),
-            (datapath, _) => panic!("a set of `{}` in one of another datapath", datapath.name()),
+            (datapath, _) => panic!("a set of `{}` in one of a different datapath", datapath.name()),
         }
     }
 }

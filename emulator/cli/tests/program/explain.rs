@@ -337,10 +337,10 @@ fn bad_words_are_told_with_the_remedy() {
         (&["faces=1"], "did you mean `face`"),
         (&["normal_x=1"], "`normal_x` is an input"),
         (&["check=1"], "belongs to a whole word"),
-        (&["face=8"], "no hex number of the 3 bits"),
-        (&["face="], "no hex number"),
-        (&["face=+1"], "no hex number"),
-        (&["face=1", "face=2"], "`face` is there twice"),
+        (&["face=8"], "not a hex number of the 3 bits"),
+        (&["face="], "not a hex number"),
+        (&["face=+1"], "not a hex number"),
+        (&["face=1", "face=2"], "`face` is given twice"),
     ];
     for (got, reason) in cases {
         let arguments: Vec<&str> = [&path[..]].into_iter().chain(got.iter().flat_map(|&got| ["--got", got])).collect();

@@ -65,7 +65,7 @@ fn minimise_ends_with_the_documented_codes_and_prints_what_became_simpler() {
         (
             "vectors minimise sets/random_peak_narrow#1 --bench benches/random_narrow -o x",
             2,
-            "the bench is of random_narrow",
+            "the testbench is of random_narrow",
         ),
         ("vectors minimise sets/random_narrow#1 --bench benches -o x", 1, "benches/set.json"),
         ("vectors minimise sets/none#1 --bench benches/random_narrow -o x", 1, "sets/none.json"),

@@ -116,7 +116,7 @@ fn bad_files_name_line_column_and_remedy() {
         ("base = \"standart\"", "x.toml:1:8: no named profile `standart` (did you mean `standard`?)"),
         ("base = \"mine\"", "(choose narrow, paper, compact, standard, precise)"),
         ("base = 3", "`base` is 3, of the wrong type"),
-        ("name = \"../etc\"", "x.toml:1:8: `../etc` is no name of a profile"),
+        ("name = \"../etc\"", "x.toml:1:8: `../etc` is not a profile name"),
         ("name = \"\"", "choose 1 to 40 lower-case letters, digits and underscores"),
         ("name = \"standard\"\nlod_bits = 7", "x.toml:1:8: profile `standard` has other knobs"),
         // The first fault of a text, not of a table.

@@ -139,7 +139,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     export("--shard 2/3", "again");
     at.run("vectors merge parts again -o merged")
         .ends(1)
-        .complains(&["part 2 of 3 is there twice: again/random_standard.2of3.json and parts/"]);
+        .complains(&["part 2 of 3 exists twice: again/random_standard.2of3.json and parts/"]);
     at.done("vectors merge parts parts/random_standard.2of3.json -o merged");
     fs::remove_dir_all(at.join("merged")).unwrap();
 

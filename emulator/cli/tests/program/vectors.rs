@@ -256,14 +256,14 @@ fn broken_manifests_are_refused_with_the_reason() {
         (good.replacen("\"datapath\": \"reflection\"", "\"datapath\": \"highlight\"", 1), "does not have are on"),
         (good.replacen("\"horizon\": \"none\"", "\"horizon\": \"correlated\"", 1), "does not have are on"),
         (good.replacen("\"curvature\": true", "\"curvature\": false", 1), "`dnormal_0_x`"),
-        (good.replacen("\"name\": \"standard\"", "\"name\": \"Best\"", 1), "`Best` is no name of a profile"),
+        (good.replacen("\"name\": \"standard\"", "\"name\": \"Best\"", 1), "`Best` is not a profile name"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 21", 1), "other knobs"),
         (good.replacen("\"fraction_bits\": 20", "\"fraction_bits\": 99", 1), "fraction_bits is out of its range"),
         (good.replacen("\"count\": 2", "\"count\": 0", 1), "count 0"),
         (good.replacen("\"count\": 2", "\"count\": \"two\"", 1), "broken manifest"),
         (good.replacen("\"normal_x\"", "\"normal_w\"", 1), "`normal_w`"),
         (good.replacen("\"width\": 22", "\"width\": 21", 1), "field `normal_x` is laid out"),
-        (good.replacen("random_standard.hex", "../random_standard.hex", 1), "no plain name"),
+        (good.replacen("random_standard.hex", "../random_standard.hex", 1), "not a plain name"),
         (" ".repeat(2 << 20), "larger than 1 MiB"),
     ];
     for (text, reason) in cases {

@@ -242,7 +242,7 @@ mod tests {
     fn every_point_of_the_kept_study_says_its_knobs() {
         let (study, settings) = (kept(), settings());
         for point in &study.points {
-            let setting = settings.iter().find(|setting| setting.name == point.name).expect("a setting of the sweep");
+            let setting = settings.iter().find(|setting| setting.name == point.name).expect("a known setting");
             assert_eq!(precision(point), Some(setting.precision), "{}", point.name);
         }
         let mut unknown = study.points[0].clone();

@@ -64,16 +64,16 @@ mod tests {
 
     #[test]
     fn plain_formulas_show_and_careful_ones_do_not() {
-        for naive in pictures([64, 48]).expect("scenes of ours") {
+        for naive in pictures([64, 48]).expect("the scenes are valid") {
             assert!(FAMILIES.iter().any(|family| family.name == naive.case), "{}", naive.case);
             assert!(naive.psnr < 20.0, "{}: {} dB", naive.scene, naive.psnr);
-            let (_, name, text) = SCENES.iter().find(|(_, name, _)| *name == naive.scene).expect("its scene");
+            let (_, name, text) = SCENES.iter().find(|(_, name, _)| *name == naive.scene).expect("a known scene");
             let scene = Scene::from_toml(name, text, Path::new("")).and_then(|scene| scene.with_size(64, 48));
-            let scene = scene.expect("a scene of ours");
+            let scene = scene.expect("the scene is valid");
             let psnr = |float: Float| {
                 let real = render_with(&scene, Mode::Footprint, &Precision::STANDARD, &float, &|| ());
-                real.expect("a frame")
-                    .psnr(&render(&scene, Mode::Footprint, &Precision::STANDARD, &|| ()).expect("another"))
+                real.expect("the frame can be drawn")
+                    .psnr(&render(&scene, Mode::Footprint, &Precision::STANDARD, &|| ()).expect("drawn"))
             };
             let [careful, micromath] = [Float::Careful, Float::Micromath].map(psnr);
             println!("{name}: plain {:.1} dB, careful {careful:.1}, micromath {micromath:.1}", naive.psnr);
