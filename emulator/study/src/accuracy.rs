@@ -213,7 +213,7 @@ pub struct Accuracy {
     worst: [Option<Worst>; FIGURES.len()],
     /// Number of fragments that counted for each figure.
     counted: [u64; FIGURES.len()],
-    /// Errors of the random fragments alone. Hard cases would weigh by the number of them in the sets.
+    /// Errors of the random fragments alone: the number of hard cases in the sets is arbitrary.
     typical: [Distribution; FIGURES.len()],
     /// Fragments measured.
     pub fragments: u64,
@@ -360,7 +360,7 @@ fn compare(fragment: &ReflectionIn, got: &Observed, plan: &ReflectionPlan, p: &P
     {
         let (unit, e1, e2) = (normal / length, e1 / length, e2 / length);
         let lengths = [e1, e2].map(|e| (e.length() - 1.0).abs());
-        // Systems 1 and 2 are not orthogonal by definition.
+        // Systems 1 and 2 need not be orthogonal.
         let skew = if plan.frame == FrameSystem::MainDirection { e1.dot(e2).abs() } else { 0.0 };
         let lean = e1.dot(unit).abs().max(e2.dot(unit).abs());
         record(Figure::Frame, skew.max(lean).max(lengths[0]).max(lengths[1]));
