@@ -1,6 +1,6 @@
 //! Seeded random numbers.
 
-/// SplitMix64, begun with a seed.
+/// SplitMix64, started with a seed.
 #[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
@@ -18,7 +18,7 @@ impl Random {
         self.bits() % end
     }
 
-    /// A number from `low` to `high`, often one of the two, zero or near a power of two.
+    /// A number from `low` to `high`, often one of the two bounds, zero or near a power of two.
     pub fn within(&mut self, low: i64, high: i64) -> i64 {
         let span = high.wrapping_sub(low) as u64;
         let any = low.wrapping_add(if span == u64::MAX { self.bits() } else { self.below(span + 1) } as i64);

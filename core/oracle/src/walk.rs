@@ -1,4 +1,4 @@
-//! Bundles of the scalar reading as lists of integers, and lists as bundles.
+//! Bundles of the scalar backend as lists of integers, and lists as bundles.
 
 use std::vec::IntoIter;
 
@@ -9,9 +9,9 @@ use roughxel_core::bundle::{Bundle, End, Rewire, Step};
 pub struct Number {
     /// `surface.normal.mantissa[0]`.
     pub path: String,
-    /// Of its point.
+    /// Fraction bits of the point.
     pub fraction_bits: u32,
-    /// What is on it; 1 for a flag that is set.
+    /// Integer on the wire; 1 for a flag that is set.
     pub integer: i64,
 }
 
@@ -30,7 +30,7 @@ pub fn limits<B: Bundle<i32, In<i32> = B>>(end: End) -> Vec<Number> {
 /// The bundle whose wires have these integers.
 ///
 /// # Panics
-/// If they are fewer than its wires.
+/// If the integers are fewer than the wires.
 pub fn bundle<B: Bundle<i32, In<i32> = B>>(integers: Vec<i64>) -> B {
     let mut walk = Walk { instead: Some(integers.into_iter()), ..Walk::default() };
     B::limit::<i32>(End::Low).rewire(&mut walk)

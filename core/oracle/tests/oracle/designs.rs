@@ -1,4 +1,4 @@
-//! Every function of the composer on random integers for its ports: what comes out is what came out before.
+//! Every function of the composer on random integers for its ports: the results equal the recorded ones.
 
 use roughxel_core::bundle::End;
 use roughxel_core::design::{Design, Recorded, Visitor};
@@ -41,7 +41,7 @@ const ACCURACIES: [Precision; 6] = [
     },
 ];
 
-/// The hash of all that a design makes of random inputs.
+/// The hash of everything that a design computes from random inputs.
 struct Outcomes<'a> {
     effects: &'a Effects,
     p: &'a Precision,
@@ -82,7 +82,7 @@ pub(crate) fn what_a_design_makes_of_random_integers_hashes_to_what_it_did() {
     assert!(found == HASHES, "{found}");
 }
 
-/// Of all accuracies, line by line.
+/// Hashes of all accuracies, line by line.
 const HASHES: &str = "\
 map_scale 00675eca7aca409c
 texture cace816b2a9109af

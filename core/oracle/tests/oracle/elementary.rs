@@ -1,4 +1,4 @@
-//! Roots, logarithms and powers at the ends of what they take.
+//! Roots, logarithms and powers at the ends of their domains.
 
 use roughxel_core::block::{Block, Mantissa};
 use roughxel_core::elementary::{
@@ -30,7 +30,7 @@ pub(crate) fn a_step_squares_the_error_of_a_seed() {
     for seed_bits in 6..=10 {
         for steps in 0..=2 {
             let p = &newton(seed_bits, steps);
-            // At ¼ half an interval is 2^−seed_bits of a root, and the seed is rounded; no step is right beyond the kept bits.
+            // At ¼, half an interval is 2^−seed_bits of a root, and the seed is rounded. No step is accurate beyond the kept bits.
             let mut bar = 1.25 * f64::from(-(seed_bits as i32)).exp2();
             (0..steps).for_each(|_| bar = 1.5 * bar * bar + 3.0 * (-28_f64).exp2());
             for _ in 0..200 {
@@ -79,7 +79,7 @@ pub(crate) fn logarithms_and_powers_are_right_on_words_of_every_width() {
             );
         };
     }
-    // A table of 256 intervals is right to 2^−18; of a word of 8 bits the knot alone is left, and half a last place.
+    // A table of 256 intervals is accurate to 2^−18. For an 8-bit word, only the knot and half a last place remain.
     check!(i32, (-18_f64).exp2());
     check!(i16, (-13_f64).exp2());
     check!(i8, (-6_f64).exp2());
@@ -98,7 +98,7 @@ pub(crate) fn logarithms_beside_one_keep_the_accuracy_of_small_numbers() {
             let exact = real(&x).ln_1p() / std::f64::consts::LN_2;
             let found = real(&log2_one_plus(x, p));
             assert!((found / exact - 1.0).abs() < (-18_f64).exp2(), "log2(1 + {}): {found}", real(&x));
-            // y on its wide wire: 2^−61 at the least.
+            // y on its wide wire: at least 2^−61.
             if (-57..1).contains(&e) {
                 let y = Fx::<i64, VERSINE>::from_raw(i64::from(raw) << 31 >> -e);
                 let real_y = y.raw() as f64 / 61_f64.exp2();
@@ -108,7 +108,7 @@ pub(crate) fn logarithms_beside_one_keep_the_accuracy_of_small_numbers() {
             }
         }
     }
-    // Of 1 and more it is 64.
+    // 64 for 1 and more.
     for y in [1 << 61, (1 << 61) + 5] {
         assert_eq!(real(&minus_log2_one_minus::<i32>(Fx::from_raw(y), p)), 64.0);
     }

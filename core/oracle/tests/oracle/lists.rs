@@ -12,7 +12,7 @@ use roughxel_core::status::StatusBit;
 
 use crate::scalar_api::{FOOTPRINTS, ROUGHNESS};
 
-/// Names that are names: none empty, none twice, and a reader finds each.
+/// Checks names: none is empty, none occurs twice, and parsing a name finds its value.
 fn are_names<T: PartialEq + std::fmt::Debug>(all: &[T], name: impl Fn(&T) -> &str, find: impl Fn(&str) -> Option<T>) {
     let names: BTreeSet<&str> = all.iter().map(&name).collect();
     assert_eq!(names.len(), all.len());
@@ -220,7 +220,7 @@ pub(crate) fn plans_have_of_the_effects_what_their_datapath_knows() {
 
     let plan = all.reflection();
     assert_eq!(plan.surface(), SurfacePlan { bump: true, frame, roughness, local: false });
-    // Without a footprint nobody asks how rough it is.
+    // Without a footprint, the roughness is not asked for.
     let smooth = ReflectionPlan { bump: false, footprint: FootprintKind::None, ..plan };
     assert_eq!(smooth.surface().roughness, RoughnessKind::None);
     assert!(plan.needs_frame() && !smooth.needs_frame());

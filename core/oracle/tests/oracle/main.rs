@@ -1,5 +1,6 @@
-//! What tells a changed core from the right one, built and run in seconds. Tests run one by one, the quick ones first, up to the first that
-//! fails; an argument is a part of the names of those that run.
+//! Fast oracle that tells a changed core from the right one, built and run in seconds.
+//!
+//! Tests run one by one, the quick ones first, up to the first failure. An argument selects the tests whose names contain it.
 
 mod designs;
 mod elementary;
@@ -14,7 +15,7 @@ mod tile;
 mod vectors;
 mod words;
 
-/// A test: its name and what panics where it fails.
+/// A test: its name and a function that panics on failure.
 type Test = (&'static str, fn());
 
 /// The tests of these modules.

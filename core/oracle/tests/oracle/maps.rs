@@ -1,4 +1,4 @@
-//! From fragments of the tile to what they see of maps: bright and dark environments on a face and on the sphere, repeated maps.
+//! The way from fragments of the tile to map lookups: bright and dark environments on a face and on the sphere, wrapped maps.
 
 use std::sync::LazyLock;
 
@@ -50,7 +50,7 @@ impl Hash {
     }
 }
 
-/// Some fragments of the tile, among them some with footprints that are magnified or large.
+/// Fragments of the tile, including some with magnified or large footprints.
 pub(crate) fn fragments() -> &'static [(ReflectionIn, TextureIn)] {
     static FRAGMENTS: LazyLock<Vec<(ReflectionIn, TextureIn)>> = LazyLock::new(|| {
         let mut some = Vec::new();
@@ -104,7 +104,7 @@ fn environments(edge: u16, plan: &ReflectionPlan, p: &Precision) -> u64 {
     hash.0
 }
 
-/// Without a reach: no bumps are read.
+/// Footprint of a wrapped map without a reach: no bumps are read.
 fn footprint_of(footprint: &TextureFootprint<i32>) -> WrappedFootprint<i32> {
     WrappedFootprint { probes: footprint.probes, reach: Fx::zero() }
 }

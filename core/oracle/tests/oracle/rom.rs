@@ -9,11 +9,11 @@ use roughxel_core::rom::{
     STEP_PER_SIGMA, SweepTable, inverse_root, reciprocal, sin_cos_of_right_angle, upper,
 };
 
-/// An entry is the number of that many fraction bits that is nearest.
+/// Asserts that an entry is the nearest number with that many fraction bits.
 #[track_caller]
 fn is_nearest(entry: i32, bits: i32, exact: f64) {
     let exact = exact * f64::from(bits).exp2();
-    // Beside half a unit: what float64 itself is off by, of 30 bits and after some hundred operations.
+    // Added to half a unit: the error of float64 itself, for 30 bits and after some hundred operations.
     assert!((f64::from(entry) - exact).abs() <= 0.5 + 1e-5, "{entry} is not {exact}");
 }
 
@@ -31,7 +31,7 @@ pub(crate) fn seeds_are_reciprocals_and_inverse_roots_in_the_middle_of_their_int
         let (reciprocals, roots) = (reciprocal(bits), inverse_root(bits));
         assert_eq!([reciprocals.len(), roots.len()], [1 << bits; 2]);
         for (i, (reciprocal, root)) in reciprocals.iter().zip(roots).enumerate() {
-            // Of a seed the table keeps two bits more than its index has.
+            // The table keeps two bits more of a seed than its index has.
             let seed = |entry: i32, exact: f64| {
                 assert_eq!(entry.trailing_zeros().min(28 - bits), 28 - bits);
                 is_nearest(entry >> (28 - bits), kept, exact);
@@ -49,7 +49,7 @@ pub(crate) fn logarithms_and_powers_are_to_the_nearest() {
         let x = f64::from(i) / 256.0;
         is_nearest(LOG2[i as usize], 24, x.ln_1p() / LN_2);
         is_nearest(EXP2[i as usize], 30, x.exp2() / 2.0);
-        // Where the number is zero the ratio is its limit.
+        // If the number is zero, the ratio is its limit.
         let ratio = |x: f64| if x == 0.0 { 0.5 / LN_2 } else { x.ln_1p() / LN_2 / x / 2.0 };
         is_nearest(HALF_LOG2_ONE_MINUS_RATIO[i as usize], 26, ratio(-x / 2.0));
         is_nearest(HALF_LOG2_ONE_PLUS_RATIO[i as usize], 26, ratio(x));
@@ -108,12 +108,12 @@ pub(crate) fn running_sums_of_weights_are_to_the_nearest() {
     }
 }
 
-/// Density of the normal law.
+/// Density of the normal distribution.
 fn density(x: f64) -> f64 {
     (-x * x / 2.0).exp() / (2.0 * PI).sqrt()
 }
 
-/// Where the normal law has that share below it.
+/// Quantile of the normal distribution: the point with that share below it.
 fn quantile(share: f64) -> f64 {
     // ½ + the series of the integral from 0.
     let below = |x: f64| {
@@ -132,7 +132,7 @@ fn quantile(share: f64) -> f64 {
     low
 }
 
-/// Means of the normal law's equal parts, stretched, and the squares that they are wider than the one in the middle.
+/// Means of equal parts of the normal distribution, stretched, and the squares by which they are wider than the middle part.
 fn parts(n: usize) -> [Vec<f64>; 2] {
     let count = n as f64;
     let edges: Vec<f64> = (1..n).map(|i| quantile(i as f64 / count)).collect();
@@ -171,11 +171,11 @@ pub(crate) fn probes_of_a_sweep_come_from_those_of_one_less() {
             assert_eq!(row(of_one_less, n), row(own, n));
         }
         for n in 3..=MAX_PROBES {
-            // The new one, and beside it those in the middle, come from the middle.
+            // The new probe and its neighbours in the middle come from the middle.
             let mut expected = row(own, n - 1);
             expected.insert(n / 2, 0);
             if n % 2 == 0 {
-                // Where both had one in the middle it gives way to two.
+                // For even n, the single middle probe of n − 1 gives way to two.
                 expected[n / 2 - 1] = 0;
             }
             assert_eq!(row(of_one_less, n), expected, "{n}");

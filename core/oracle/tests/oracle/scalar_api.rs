@@ -29,7 +29,7 @@ pub(crate) const ROUGHNESS: [RoughnessKind; 3] =
 pub(crate) const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face, FootprintKind::Sphere];
 pub(crate) const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 
-/// Some fragments with frame vectors that are tangents, too.
+/// Some fragments, including ones whose frame vectors are tangents.
 fn some(count: usize) -> Vec<ReflectionIn> {
     let all = fragments();
     let mut some: Vec<ReflectionIn> = all.iter().step_by(all.len() / count).map(|(fragment, _)| *fragment).collect();
@@ -39,7 +39,7 @@ fn some(count: usize) -> Vec<ReflectionIn> {
     some
 }
 
-/// What the datapaths make of the fragments under all plans of one footprint.
+/// Results of the datapaths for the fragments under all plans of one footprint.
 fn under_plans(footprint: FootprintKind, p: &Precision) -> [u64; 3] {
     let mut hashes = [(); 3].map(|()| Hash::default());
     let fragments = some(5);
@@ -70,10 +70,10 @@ fn under_plans(footprint: FootprintKind, p: &Precision) -> [u64; 3] {
     hashes.map(|hash| hash.0)
 }
 
-/// A light on a fragment, and a peak of it.
+/// A light on a fragment, and a peak on its surface.
 fn lit(fragment: &ReflectionIn, index: usize) -> (HighlightIn, PeakIn) {
     let surface = fragment.surface;
-    // From anywhere, or from where it shines.
+    // Any direction, or that of the eye, in which the surface shines.
     let light = [fragment.dview[0], surface.view][index % 2];
     let tilt = index as f64 / 10.0;
     let peak = stored_peak(DVec3::new(tilt, -tilt, 1.0), 3.0, 20.0);
@@ -257,7 +257,7 @@ pub(crate) fn firmware_has_the_bits_of_the_scalar_api() {
     firmware_is_the_scalar_api_on_the_sphere::<Smooth<true>>();
 }
 
-/// Of the reflection, highlights and peaks, by profile and footprint.
+/// Hashes of the reflection, highlights and peaks, by profile and footprint.
 const HASHES: &str = "\
 narrow None [9c87b66a232e5ebe, 679c93849b6cb0e0, 6fe0a0cbeca9d6f0]
 narrow Face [31fca6ff603a2702, 679c93849b6cb0e0, 6fe0a0cbeca9d6f0]

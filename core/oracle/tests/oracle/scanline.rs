@@ -1,4 +1,4 @@
-//! Triangles set up in integers: which pixels they have, and what is on their planes.
+//! Triangles set up in integers: their pixels, and the attributes on their planes.
 
 use fixed::types::{I2F30, I4F28};
 use glam::DVec3;
@@ -11,12 +11,12 @@ use roughxel_core::setup::block_vector;
 
 use roughxel_oracle::random::Random;
 
-#[expect(unreachable_pub, reason = "the host judges by it, too")]
+#[expect(unreachable_pub, reason = "the host uses it, too")]
 mod truth;
 
 use truth::{clockwise, edge_functions, is_inside, shares_of_bars, vertex};
 
-/// As many bits as a set-up in floating point may keep.
+/// Codes with as many bits as a floating-point set-up may keep.
 const CODES: Precision = Precision { fraction_bits: 28, ..Precision::PRECISE };
 
 /// Triangles of all shapes near the origin, many with corners at centres of pixels.
@@ -47,7 +47,7 @@ pub(crate) fn a_triangle_has_the_pixels_whose_centres_are_inside() {
             let within: Vec<i32> = inside.into_iter().filter(|x| (-2..3).contains(x)).collect();
             assert_eq!(triangle.span(y, -2..3).collect::<Vec<_>>(), within, "{v:?} {y}");
         }
-        // Rows are those with a centre between the corners.
+        // Rows with a centre between the corners.
         let [low, high] = [v.iter().map(|v| v.y).min(), v.iter().map(|v| v.y).max()].map(Option::unwrap);
         let centres: Vec<i32> = (-8..8).filter(|y| (low..=high).contains(&(256 * y + 128))).collect();
         assert_eq!(rows.collect::<Vec<_>>(), centres, "{v:?}");
@@ -139,8 +139,8 @@ pub(crate) fn attributes_of_fragments_are_perspective_correct() {
                 if index % step == 0 || index + 1 == length {
                     check(&v, &corners, &template, &fragment, y);
                     fragments += 1;
-                    // A walk to the pixel has the bits of a start there.
-                    let alone = all.row(y, fragment.x..fragment.x + 1).next().expect("it is inside");
+                    // A walk to the pixel gives the bits of a start at the pixel.
+                    let alone = all.row(y, fragment.x..fragment.x + 1).next().expect("the fragment is inside");
                     assert_eq!(alone.reflection, fragment.reflection);
                     assert_eq!(alone.texture, fragment.texture);
                 }
@@ -167,7 +167,7 @@ pub(crate) fn a_plane_is_its_corners_at_its_corners() {
     // Corners at the centres of pixels, weights 1: A at a corner is the attribute times the area.
     let v = [vertex(128, 128), vertex(128 + 256 * 8, 128), vertex(128, 128 + 256 * 4)]
         .map(|v| ScreenVertex { inverse_w: 1, ..v });
-    let triangle = Triangle::new(&v).expect("it runs clockwise");
+    let triangle = Triangle::new(&v).expect("the triangle runs clockwise");
     let corner = |x: i32, exponent: i16| BlockPort { mantissa: [I2F30::from_bits(x)], exponent };
     let real = |port: &BlockPort<1>| f64::from(port.mantissa[0].to_bits()) * f64::from(port.exponent).exp2();
     let plane = triangle.plane(&[corner(1 << 29, 1), corner(3 << 28, 2), corner(-(1 << 29), 3)]);
@@ -180,7 +180,7 @@ pub(crate) fn a_plane_is_its_corners_at_its_corners() {
     let mut line = plane.line(0, 0);
     (0..8).for_each(|_| line.step());
     assert_eq!(line.block(), plane.line(8, 0).block());
-    // An exponent far below the others leaves nothing; beyond ±2^11 it is read as that.
+    // An exponent far below the others leaves nothing; beyond ±2^11 it is clamped.
     let far = triangle.plane(&[corner(1 << 29, 0), corner(1 << 29, -200), corner(1 << 29, -32768)]);
     assert_eq!(far.line(8, 0).block().mantissa[0], I2F30::ZERO);
     let least = [-32768, -2048].map(|e| triangle.plane(&[corner(1 << 29, e); 3]).line(1, 1).block());

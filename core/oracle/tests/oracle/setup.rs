@@ -16,7 +16,7 @@ fn power(exponent: i32) -> f64 {
     f64::from(exponent).exp2()
 }
 
-/// A number of some magnitude, either sign.
+/// A number of random magnitude and either sign.
 fn any(random: &mut Random, exponents: std::ops::Range<i32>) -> f64 {
     let exponent = exponents.start + random.below((exponents.end - exponents.start) as u64) as i32;
     (random.bits() as i64 as f64) * power(exponent - 63)
@@ -55,7 +55,7 @@ pub(crate) fn a_vector_as_a_port_is_rounded_to_the_bits_of_the_profile() {
             let v = DVec3::from_array([(); 3].map(|()| any(&mut random, -2..2))) * shift;
             check_vector(v, p);
         }
-        // A largest component that rounds up to one octave more, and one that does not.
+        // A largest component that rounds up to the next octave, and one that does not.
         let half_unit = power(-(p.fraction_bits as i32) - 1);
         for x in [1.0 - half_unit, 1.0 - half_unit * 1.001, 1.0, 0.5, 1.0 - 2.0 * half_unit, -1.0, half_unit - 1.0] {
             check_vector(DVec3::new(x, 0.25 + half_unit, -0.25 - half_unit), p);
@@ -76,9 +76,9 @@ fn check_vector(v: DVec3, p: &Precision) {
     let bits = p.fraction_bits;
     let mantissas = port.mantissa.map(I2F30::to_bits);
     assert!(mantissas.iter().all(|m| m.trailing_zeros() >= 30 - bits));
-    let largest = mantissas.iter().map(|m| m.unsigned_abs()).max().expect("there are three");
+    let largest = mantissas.iter().map(|m| m.unsigned_abs()).max().expect("three mantissas");
     assert!((1 << 29..=1 << 30).contains(&largest), "{v} {port:?}");
-    // 1 is 1/2 of the next octave; −1 is not rounded up to, and may stay.
+    // 1 is 1/2 of the next octave. −1 is not rounded up to, and may stay.
     assert!(mantissas.iter().all(|m| *m < 1 << 30), "{v} {port:?}");
     for (x, m) in v.to_array().into_iter().zip(mantissas) {
         let scaled = scale_by_power_of_two(x, i32::from(bits as i16) - i32::from(port.exponent));
@@ -126,7 +126,7 @@ pub(crate) fn shininess_has_the_exponent_and_its_root_to_the_nearest() {
     let many = (0..20_000).map(|_| (random.below(13 << 20) as f64 / power(20)).exp2());
     let squares = (1..=90).map(|root| f64::from(root * root));
     let ends = [1.0, 8192.0, 8191.99, 1.0 + power(-16), 2.5 + power(-17), 2.5 + power(-18)];
-    // Less than a last place of float64 from the square of an integer that is their root to the nearest.
+    // Less than a last float64 place from the square of an integer that is the nearest integer to their root.
     let beside = [4096.0 - power(-16), 4096.0 + power(-16)];
     let bits = (1 << 16..=1 << 29).step_by(9973).chain((256..=23_170).map(|root| root * root));
     let ports = bits.map(|bits: u32| f64::from(bits) / 65536.0);
@@ -142,7 +142,7 @@ pub(crate) fn shininess_has_the_exponent_and_its_root_to_the_nearest() {
     }
 }
 
-/// The numbers that a code of 16 bits can be: twelve bits of fraction, four of exponent.
+/// The numbers that a 16-bit code can be: twelve fraction bits, four exponent bits.
 fn of_code(code: u16) -> f64 {
     let (c, f) = (i32::from(code >> 12), f64::from(code & 0xfff));
     if c == 0 { f } else { (f + 4096.0) * power(c - 1) }
@@ -176,10 +176,10 @@ pub(crate) fn amplitudes_and_exponents_are_the_nearest_codes() {
     assert_eq!(stored_unit_peak(up, f64::NAN, 1.0).amplitude, 0);
     let (_, a, n) = real_peak(&stored_peak(up, f64::INFINITY, f64::INFINITY));
     assert_eq!((a, n), (8191.0 / 128.0, 8192.0));
-    // Half of the smallest unit is one, less is none.
+    // Half of the smallest unit rounds to one unit, less rounds to zero.
     assert_eq!(stored_unit_peak(up, power(-22), 1.0).amplitude, 1);
     assert_eq!(stored_unit_peak(up, power(-22) * 0.999, 1.0).amplitude, 0);
-    // The code behind the last one.
+    // The code after the last one.
     assert_eq!((of_code(0xffff) + power(14)) * power(-21), AMPLITUDE_LIMIT);
 }
 
@@ -191,7 +191,7 @@ pub(crate) fn the_normal_of_a_stored_peak_has_unit_length_whatever_came() {
         assert!((normal - v).abs().max_element() <= power(-16) + 1e-9, "{normal}");
         assert_eq!((amplitude, exponent), (2.0, 3.0));
     }
-    // 1 is no number of a port; the largest stands in for it.
+    // A port cannot hold 1; the largest number stands in for it.
     let ends = stored_unit_peak(DVec3::new(1.0, -1.0, 0.0), 1.0, 1.0).normal;
     assert_eq!(ends, [I1F15::MAX, I1F15::MIN, I1F15::ZERO]);
     let rounded = stored_unit_peak(DVec3::new(1.5 * power(-15), 1.49 * power(-15), -1.5 * power(-15)), 1.0, 1.0).normal;
@@ -211,9 +211,9 @@ pub(crate) fn a_horizon_has_slopes_and_inverse_widths() {
     assert_eq!(codes, [-6144, 1024, 2, i16::MAX]);
     let (lows, inverses) = real_horizon(&stored);
     assert_eq!(lows, [-1.5, 0.25, power(-11), 8.0 - power(-12)]);
-    // The largest code stands in for what is steeper; a side without a width has none.
+    // The largest code stands in for steeper slopes; a side without a width has no slope.
     assert_eq!(inverses, [Some(0.5), Some(2.0), Some(of_code(0xffff) * power(-14)), None]);
-    // As wide as it may be, a width is one: code 0 says that there is none.
+    // At its largest, a width is one: code 0 says that there is none.
     let wide = stored_horizon([-20.0; 4], [1e9, -1.0, f64::INFINITY, 3.0]);
     assert_eq!(wide.inverse_width[..3], [1, 0, 1]);
     assert_eq!(wide.low, [I4F12::MIN; 4]);

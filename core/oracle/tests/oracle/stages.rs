@@ -1,4 +1,4 @@
-//! Stages alone, at what random ports of a design seldom lead to.
+//! Stages alone, at inputs that random ports of a design seldom reach.
 
 use roughxel_core::block::{Block, Number};
 use roughxel_core::fx::Fx;
@@ -13,7 +13,7 @@ use roughxel_core::word::Word;
 
 use roughxel_oracle::walk::numbers;
 
-/// ¾·2^e, or what is opposite.
+/// ±¾·2^e.
 fn three_quarters<W: Word<Count = i32>>(e: i32, negative: bool) -> Number<W> {
     Block { m: [Fx::number(if negative { -3 } else { 3 }, -2)], e: Fx::int(e.into()) }
 }
@@ -35,7 +35,7 @@ pub(crate) fn the_spread_of_axes_is_right_however_far_apart_they_are() {
 }
 
 pub(crate) fn a_roughness_is_a_number_up_to_four_with_the_bits_of_its_wide_wire() {
-    // Six bits are before the point of it.
+    // Its point has six bits before it.
     fn check<W: Word<Count = i32>>(fraction: i32) {
         for e in -30..=12 {
             for negative in [false, true] {
@@ -76,7 +76,7 @@ pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {
             let small = main_direction(&of_ports::<Full, _>(&n), &of_ports::<Full, _>(&h), p);
             let integers = |frame: &_| numbers(frame).iter().map(|number| number.integer).collect::<Vec<_>>();
             assert_eq!(integers(&to_ports::<Full, _>(&small)), integers(&scalar));
-            // A pole has a frame, too, which is orthogonal to n but for the bits that are not kept.
+            // A pole also has a tangent basis, which is orthogonal to n except for the dropped bits.
             for e in [scalar.e1, scalar.e2] {
                 let parts = |b: &Block<i32, 3>| b.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30));
                 let products = parts(&e).into_iter().zip(parts(&n)).map(|(e, n)| e * n);

@@ -1,4 +1,4 @@
-//! The tile of a picture that firmware draws.
+//! The tile of a picture that the firmware draws.
 
 use roughxel_core::firmware::{Narrow, Standard};
 use roughxel_core::precision::Profile;
@@ -10,7 +10,7 @@ use drawn::{HASHES, Hash, shade};
 
 pub(crate) fn the_tile_hashes_to_what_it_does_on_every_machine() {
     for (profile, expected) in HASHES {
-        // One of each width of words: other accuracies are no other code.
+        // One accuracy of each word width: other accuracies run the same code.
         let hash = match profile {
             Profile::Narrow => shade::<Narrow>(),
             Profile::Standard => shade::<Standard>(),

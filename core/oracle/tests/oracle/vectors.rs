@@ -16,12 +16,12 @@ use crate::scalar_api::{FOOTPRINTS, FRAMES, HORIZONS, ROUGHNESS};
 pub(crate) fn every_field_of_every_golden_vector_is_that_of_the_scalar_api() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/smoke");
     let mut sets = 0;
-    for entry in fs::read_dir(folder).expect("the vectors are beside the core") {
+    for entry in fs::read_dir(folder).expect("the vectors are next to the core") {
         let path = entry.expect("a folder can be read").path();
         if path.extension().is_some_and(|extension| extension == "json") {
             let manifest = fs::read_to_string(&path).expect("a manifest can be read");
             let manifest: Value = serde_json::from_str(&manifest).expect("a manifest is JSON");
-            let words = fs::read_to_string(path.with_extension("hex")).expect("its words are beside it");
+            let words = fs::read_to_string(path.with_extension("hex")).expect("the words are next to the manifest");
             set(&manifest, &words, &path.display().to_string());
             sets += 1;
         }
@@ -44,7 +44,7 @@ fn set(manifest: &Value, words: &str, name: &str) {
     }
 }
 
-/// A field of a set: where it stands in a line, its place among the wires of its bundle, and how its digits become an integer.
+/// A field of a set: its place in a line, its place among the wires of its bundle, and the conversion of its digits to an integer.
 struct Column {
     at: usize,
     place: usize,
@@ -93,7 +93,7 @@ where
     }
 }
 
-/// The one of them that a manifest names.
+/// The value of `all` that a manifest names.
 fn named<T: Copy + std::fmt::Debug>(name: &Value, all: [T; 3]) -> T {
     let name = name.as_str().expect("a name").replace('_', "");
     let named = all.into_iter().find(|one| format!("{one:?}").to_lowercase() == name);

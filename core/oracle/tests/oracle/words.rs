@@ -1,4 +1,4 @@
-//! Words and what is read by them: the algebra on integers, the reading for small processors, words of fewer bits, memories.
+//! Words and their consumers: the algebra on integers, the backend for small processors, narrower words, memories.
 
 use std::cell::Cell;
 
@@ -22,7 +22,7 @@ fn of_every_size(random: &mut Random) -> i64 {
 pub(crate) fn leading_zeros_by_table_are_those_of_the_processor() {
     for place in 0..32 {
         for low in 0..1 << 16 {
-            // Every number of 16 bits at every place, above ones and above zeros.
+            // Every 16-bit number at every place, above ones and above zeros.
             for x in [(low << place) | ((1 << place) - 1), low << place] {
                 assert_eq!(leading_zeros_by_table(x), x.leading_zeros(), "{x:#x}");
             }
@@ -32,7 +32,7 @@ pub(crate) fn leading_zeros_by_table_are_those_of_the_processor() {
 
 pub(crate) fn products_without_a_multiplier_are_exact() {
     let mut random = Random(2);
-    // Both halves of one factor take every value beside every value of either half of the other.
+    // Every value of both halves of one factor meets every value of either half of the other factor.
     for a in i16::MIN..=i16::MAX {
         let [high, low] = a.to_be_bytes().map(|half| i16::from(half as i8));
         let ends = [0, 1, -1, 255, 256, -256, i16::MIN, i16::MAX, 0x5a5a, !a, a.rotate_left(8), random.bits() as i16];
@@ -128,7 +128,7 @@ bundle! {
         /// A mantissa.
         #[range(-1..=1)]
         word: Fx<W, 2>,
-        /// What controls.
+        /// A control wire.
         #[range(-3..8)]
         control: [Control<W, 16>; 2],
         /// A wide wire.
@@ -136,7 +136,7 @@ bundle! {
         wide: WideControl<W, 32>,
         /// A wide wire without a range.
         all: WideControl<W, 40>,
-        /// A word without one.
+        /// A word without a range.
         any: Int<W>,
         /// A flag.
         flag: W::Flag,
@@ -279,7 +279,7 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
             let expected = if drop == 0 { raw } else { ((raw >> (drop - 1)) + 1) >> 1 << drop };
             assert_eq!(x.keep(keep).raw(), expected);
             for k in [0, 1, 5, 31] {
-                // Rounded once, after the bits below the kept ones are cut.
+                // Rounded once, after the bits below the kept ones are dropped.
                 let cut = i64::from(raw >> drop);
                 let expected = (((cut * 2) >> k) + 1) >> 1 << drop;
                 assert_eq!(i64::from(x.round_shr_by(Fx::int(k), keep).raw()), expected, "{raw} {keep} {k}");
@@ -301,14 +301,14 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
         let kept = |keep: u32| ((wide.raw() >> (55 - keep)) + 1) >> 1 << (24 - keep);
         assert_eq!(i64::from(wide.round_to::<8>(20).raw()), kept(20));
         assert_eq!(i64::from(wide.round_to_control::<8>(24).raw()), kept(24));
-        // Of more bits than there are all are kept.
+        // If more bits are asked for than there are, all are kept.
         assert_eq!([24, 25, 31].map(|keep| i64::from(wide.round_to::<8>(keep).raw())), [kept(24); 3]);
         assert_eq!(wide.at_exponent::<12>(Fx::int(3)).raw(), wide.raw() >> 1);
         assert_eq!(wide.at_exponent::<12>(Fx::int(4)).raw(), wide.raw());
         assert_eq!(wide.at_exponent::<12>(Fx::int(5)).raw(), wide.raw());
         assert_eq!(wide.at_exponent::<12>(Fx::int(-90)).raw(), wide.raw() >> 62);
         assert_eq!(Wide::<i32, 8>::wide_of_control(Fx::<i32, 8>::from_raw(raw)).raw(), i64::from(raw) << 32);
-        // The same on words of 16 bits, whose wide companion has 32.
+        // The same on 16-bit words, whose wide companion has 32 bits.
         let narrow = raw as i16;
         assert_eq!(Fx::<i16, 4>::from_raw(narrow).to_control::<4>().raw(), i32::from(narrow) << 16);
         assert_eq!(Fx::<i16, 4>::from_raw(narrow).to_control::<30>().raw(), i32::from(narrow) >> 10);

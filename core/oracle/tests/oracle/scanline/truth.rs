@@ -1,4 +1,4 @@
-//! What a triangle's attributes are in float64, and what a fragment may err by. The host judges more triangles by it
+//! Attributes of a triangle in float64, and the bound on a fragment's error. The host checks more triangles against it
 //! (`host-tests/tests/datapath/scanline.rs`).
 
 use glam::{DVec2, DVec3};
@@ -9,12 +9,12 @@ use roughxel_core::setup::{real_pair, real_vector};
 /// One pixel in the units of a vertex.
 pub const PIXEL: i32 = 256;
 
-/// A corner whose 1/w is that of others.
+/// A corner whose 1/w equals that of other corners.
 pub fn vertex(x: i32, y: i32) -> ScreenVertex {
     ScreenVertex { x, y, inverse_w: 1 << 30 }
 }
 
-/// Edge functions of a triangle in square sub-pixels, opposite to their vertices, and what they grow by per pixel. Exact.
+/// Edge functions of a triangle in square sub-pixels, opposite to their vertices, and their increments per pixel. Exact.
 pub fn edge_functions(v: &[ScreenVertex; 3], x: i32, y: i32) -> ([f64; 3], [[f64; 3]; 2]) {
     let at = |i: usize| DVec2::new(f64::from(v[i % 3].x), f64::from(v[i % 3].y));
     let centre = DVec2::new(f64::from(PIXEL * x + PIXEL / 2), f64::from(PIXEL * y + PIXEL / 2));
@@ -23,7 +23,7 @@ pub fn edge_functions(v: &[ScreenVertex; 3], x: i32, y: i32) -> ([f64; 3], [[f64
     (sides.map(|(a, side)| side.perp_dot(centre - a)), growth.map(|g| g.map(|g| g * f64::from(PIXEL))))
 }
 
-/// The corners so that they run clockwise.
+/// The corners in clockwise order.
 pub fn clockwise(mut v: [ScreenVertex; 3]) -> [ScreenVertex; 3] {
     if edge_functions(&v, 0, 0).0.iter().sum::<f64>() < 0.0 {
         v.swap(1, 2);
@@ -31,15 +31,15 @@ pub fn clockwise(mut v: [ScreenVertex; 3]) -> [ScreenVertex; 3] {
     v
 }
 
-/// A triangle has the pixels whose centres are inside, and of those on an edge the ones on a top or a left edge.
+/// True if the pixel belongs to the triangle: its centre is inside, or on a top or a left edge.
 pub fn is_inside(v: &[ScreenVertex; 3], x: i32, y: i32) -> bool {
     let (e, [across, down]) = edge_functions(v, x, y);
-    // A left edge grows to the right, a top edge downwards alone.
+    // A left edge grows to the right. A top edge grows downwards only.
     let owns = |i: usize| across[i] > 0.0 || (across[i] == 0.0 && down[i] > 0.0);
     (0..3).all(|i| e[i] > 0.0 || (e[i] == 0.0 && owns(i)))
 }
 
-/// What float64 makes of an attribute at a pixel.
+/// Float64 values of an attribute at a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth {
     /// a, perspective-correct, and its derivatives to the right and down.
@@ -53,12 +53,12 @@ pub struct Truth {
     pub perspective: [f64; 2],
     /// The largest qᵢ|aᵢ| of a corner, times the area.
     largest: f64,
-    /// The same times what edge functions grow by.
+    /// The largest qᵢ|aᵢ| of a corner, times the increments of the edge functions.
     steepest: [f64; 2],
 }
 
 impl Truth {
-    /// At a pixel, of the attributes of the corners.
+    /// Evaluates the attributes of the corners at a pixel.
     pub fn new(v: &[ScreenVertex; 3], corners: [DVec3; 3], x: i32, y: i32) -> Self {
         let q = v.map(|v| f64::from(v.inverse_w));
         let (e, de) = edge_functions(v, x, y);
@@ -69,7 +69,7 @@ impl Truth {
         let largest = (0..3).map(|i| q[i] * corners[i].length()).fold(0.0, f64::max);
         Self {
             a,
-            // Differences first: nothing cancels that the datapath could lose and float64 not.
+            // Differences first: no cancellation that the datapath could lose and float64 would not.
             da: de.map(|de| vector(de, corners.map(|corner| corner - a)) / w),
             sum,
             dsum: de.map(|de| vector(de, corners)),
@@ -80,7 +80,7 @@ impl Truth {
         }
     }
 
-    /// How much more than A is here what its last bits were cut for.
+    /// Ratio by which A here exceeds the value for which its last bits are dropped.
     fn loss(&self) -> f64 {
         self.largest / self.sum.length()
     }
@@ -91,12 +91,12 @@ pub fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// Attributes of a triangle in float64 as its ports have them.
+/// Attributes of a triangle in float64, as its ports carry them.
 pub fn real(corners: &[BlockVector; 3]) -> [DVec3; 3] {
     corners.map(|corner| real_vector(&corner))
 }
 
-/// Errors of one fragment over what the module claims of them; none is beyond 1.
+/// Errors of one fragment over the module's bounds; none exceeds 1.
 pub fn shares_of_bars(
     v: &[ScreenVertex; 3],
     corners: &Attributes,
@@ -112,7 +112,7 @@ pub fn shares_of_bars(
         shares.push((name, angle(real_vector(&found), truth.sum) / bar));
     }
     let lengths = [n.a.length() / real_vector(&normal).length(), view.sum.length() / real_vector(&found_view).length()];
-    // W is positive at every pixel, but where it is far less than at a corner it has lost bits itself.
+    // W is positive at every pixel. If it is far less than at a corner, W itself has lost bits.
     let weights = Truth::new(v, [DVec3::X; 3], fragment.x, y);
     let lost = n.loss().max(weights.loss());
     for axis in [0, 1] {

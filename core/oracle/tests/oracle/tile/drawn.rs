@@ -1,6 +1,6 @@
 //! A tile of a picture: 64 × 64 pixels of a bumpy, curved triangle under a sky, all effects on. Its hash is the same on every machine.
 //!
-//! Corners come from `glam` and `micromath`, once a triangle; all else is integers. The host draws the same tile with the readings of the
+//! Corners come from `glam` and `micromath`, once per triangle; everything else is integers. The host draws the same tile with the backends of the
 //! emulator (`host-tests/tests/datapath/tile.rs`).
 
 use fixed::types::{I4F28, I8F24};
@@ -19,7 +19,7 @@ use roughxel_core::setup::block_vector;
 pub const EDGE: i32 = 64;
 /// Edge of a face of the sky in texels.
 pub const SKY_EDGE: u16 = 64;
-/// What the tile hashes to in each profile.
+/// Hashes of the tile in each profile.
 pub const HASHES: [(Profile, u32); 5] = [
     (Profile::Narrow, 0x6a0e_8552),
     (Profile::Paper, 0xd861_9064),
@@ -28,13 +28,13 @@ pub const HASHES: [(Profile, u32); 5] = [
     (Profile::Precise, 0xdfd6_ee3b),
 ];
 
-/// The sky: a checkerboard of eight cells an edge on each face, darker downwards; grey where cells are below a texel.
+/// The sky: a checkerboard of eight cells along the edge of each face, darker downwards; grey if a cell is smaller than a texel.
 #[derive(Clone, Copy, Debug)]
 pub struct Sky;
 
 impl CubeMemory for Sky {
     fn texel(&self, level: u32, face: u32, column: u32, row: u32) -> [u16; 3] {
-        // Levels from the third on have 16 texels along an edge.
+        // Levels from the third up have 16 texels along an edge.
         let [column, row] = [column, row].map(|index| index << level.min(2));
         let shade = 0x4000 + (row << 8);
         let checker = match level {
@@ -46,10 +46,10 @@ impl CubeMemory for Sky {
     }
 }
 
-/// The triangle of the tile, corners in the space of the camera, which looks along −z; and what all of its fragments have.
+/// The triangle of the tile: corners in the space of the camera, which looks along −z, and the values that all of its fragments share.
 pub fn corners() -> ([ScreenVertex; 3], Attributes, ReflectionIn) {
     const FOCUS: f32 = 80.0;
-    // Tilted away from the camera, so that its far corner is three times as far as the near ones.
+    // Tilted away from the camera, so that its far corner is three times as far away as the near ones.
     let (sin, cos) = F32Ext::sin_cos(-0.9_f32);
     let tilt = Mat3::from_cols(Vec3::X, Vec3::new(0.0, cos, sin), Vec3::new(0.0, -sin, cos));
     let plane = [Vec3::new(-1.6, -0.9, 0.0), Vec3::new(0.2, 2.2, 0.0), Vec3::new(1.5, -0.9, 0.0)];
@@ -126,7 +126,7 @@ impl Default for Hash {
 }
 
 impl Hash {
-    /// With one more integer, its bytes from the lowest on.
+    /// Adds one integer, its bytes from the lowest up.
     pub fn add(&mut self, integer: i32) {
         for byte in integer.to_le_bytes() {
             self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
