@@ -1,16 +1,14 @@
-//! Speed of the readings of the whole reflection datapath, fetches excluded, on one thread and from memory.
+//! Speed of the backends of the whole reflection datapath, fetches excluded, on one thread and from memory.
 //!
-//! `cargo bench -p roughxel-benches --bench backends` runs criterion over every contender and then prints the bars:
-//! every round takes each contender once over the same fragments, a ratio is the median of the rounds' ratios, so
-//! that a machine that changes its speed changes both sides; let nothing else run beside it. Exit code 1 if a bar is
-//! missed. With a filter or an option criterion alone runs, for a part has no ratios.
+//! `cargo bench -p roughxel-benches --bench backends` runs criterion over every contender and then prints the bars. Every round runs each contender
+//! once over the same fragments. A ratio is the median of the rounds' ratios, so a machine that changes its speed affects both sides. Run nothing
+//! else at the same time. Exit code 1 if a bar is missed. With a filter or an option only criterion runs, because a part has no ratios.
 //!
-//! All write what a sampler needs (face, s, t, N, step, LOD, status), from inputs in their own format. *Lanes* include
-//! putting fragments side by side, as the renderer does; the bars take the widest vectors of the machine. *Narrow* is the same reading
-//! of the same fragments with a profile on words of 16 bits. *f32* is what a
-//! user would write instead: plain, compiled as by default, and batched, from fragments that lie side by side, with the
-//! widest vectors of the machine. *Verilated* is the top of `roughxel verilog`, a fragment a cycle, every output compared;
-//! where Verilator is missing it is not measured.
+//! All contenders write what a sampler needs (face, s, t, N, step, LOD, status), from inputs in their own format. *Lanes* include packing fragments
+//! into lanes, as the renderer does; the bars use the widest vectors of the machine. *Narrow* is the same backend on the same fragments with a
+//! profile on 16-bit words. *f32* is what a user would write instead: plain, compiled as by default, and batched, from fragments in consecutive
+//! lanes, with the widest vectors of the machine. *Verilated* is the top of `roughxel verilog`, a fragment a cycle, every output compared. It is
+//! not measured if Verilator is missing.
 
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -53,30 +51,30 @@ use tempfile::TempDir;
 /// Fragments of a set: inputs and outputs of one contender stay within a second-level cache.
 const FRAGMENTS: usize = 2048;
 
-/// Fragments that go through lanes at a time, as in the renderer.
+/// Fragments that pass through the lanes at a time, as in the renderer.
 const BATCH: usize = 256;
 
 /// Rounds of the paired measurement.
 const ROUNDS: usize = 121;
 
-/// Least time of one contender in one round: long against reading the clock, short against a turn of another process.
+/// Least time of one contender in one round: long compared with reading the clock, short compared with a time slice of a different process.
 const LEAST: Duration = Duration::from_millis(1);
 
 const PROFILE: Precision = Precision::STANDARD;
 
-/// The profile on words of 16 bits, from the same fragments.
+/// The profile on 16-bit words, for the same fragments.
 const NARROW: Precision = Precision::NARROW;
 
 /// A mirror without bumps, roughness or curvature: the least plan with a footprint.
 const MIRROR: ReflectionPlan =
     ReflectionPlan { bump: false, roughness: RoughnessKind::None, curvature: false, ..ReflectionPlan::FULL };
 
-/// `of` has to be at least `least` times as fast as `over`.
+/// Requires that `of` is at least `least` times as fast as `over`.
 struct Bar {
     of: &'static str,
     over: &'static str,
     least: f64,
-    /// Printed where it is missed.
+    /// Text printed if the bar is missed.
     reason: &'static str,
 }
 
@@ -122,7 +120,7 @@ const BARS: [Bar; 8] = [
     },
 ];
 
-/// Fragments every contender computes, and the edge of the environment they all see.
+/// Fragments that every contender computes, and the edge of the environment that all of them see.
 struct Set {
     name: &'static str,
     fragments: Vec<ReflectionIn>,
@@ -132,7 +130,7 @@ struct Set {
 /// One way to compute a set.
 struct Contender<'a> {
     name: &'static str,
-    /// Computes the whole set so many times and says how long that took.
+    /// Computes the whole set the given number of times and returns the time it took.
     passes: Box<dyn FnMut(u64) -> Duration + 'a>,
 }
 
@@ -156,7 +154,7 @@ fn random() -> Set {
     Set { name: "random", fragments: fragments.take(FRAGMENTS).collect(), edge_texels }
 }
 
-/// Fragments of a frame in which every block has work to do, in the order of its rows.
+/// Fragments of a picture in which every block has work to do, in row order.
 fn frame() -> Set {
     let scene = Scene::builtin("globe").expect("the scene is built in").expect("built-in scenes are read");
     let prepared = Prepared::new(&scene, Mode::Footprint, &PROFILE).expect("built-in scenes are drawn");
@@ -177,7 +175,7 @@ struct Model {
 impl Model {
     const DESIGN: Design = Design::Reflection;
 
-    /// Builds it, with the C++ compiler's best; `None` where there is no Verilator.
+    /// Builds the model with the C++ compiler's highest optimisation; `None` without Verilator.
     fn build(sets: &[Set]) -> Option<Self> {
         if !have("verilator") {
             return None;
@@ -218,24 +216,24 @@ impl Model {
         Some(model)
     }
 
-    /// Where the vectors of a set are.
+    /// Path of the vectors of a set.
     fn vectors(&self, set: &Set) -> PathBuf {
         self.directory.path().join(set.name)
     }
 
-    /// Takes the vectors of a set so many times; the time of the cycles alone.
+    /// Runs the vectors of a set `count` times; returns the time of the cycles only.
     fn passes(&self, set: &Set, count: u64) -> Duration {
         let output = run(Command::new(&self.program).arg(self.vectors(set)).arg(count.to_string()));
         let text = String::from_utf8_lossy(&output.stdout);
         let seconds = text.split_whitespace().rev().nth(1).and_then(|seconds| seconds.parse().ok());
-        Duration::from_secs_f64(seconds.unwrap_or_else(|| panic!("the bench says {text}")))
+        Duration::from_secs_f64(seconds.unwrap_or_else(|| panic!("the testbench prints {text}")))
     }
 }
 
 /// Every contender of a set with its inputs and outputs in memory.
 fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> {
     let ports = &set.fragments;
-    // Data here as in the emulator: a profile known to the compiler makes the scalar reading 1.25 times as fast.
+    // Constants here as in the emulator: a profile known to the compiler makes the scalar backend 1.25 times as fast.
     let [profile, narrow] = [PROFILE, NARROW].map(black_box);
     let scalar = |name, plan: ReflectionPlan, profile: Precision| {
         let scale = environment_scale(set.edge_texels, &profile);
@@ -312,7 +310,7 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     contenders
 }
 
-/// What a sampler needs of the stages.
+/// Outputs of the stages that a sampler needs.
 fn sampler_words(stages: &Reflection<Scalar>) -> [i32; 8] {
     let Reflection { point, probes, status, .. } = stages;
     let [s, t] = point.st.map(Fx::raw);
@@ -320,7 +318,7 @@ fn sampler_words(stages: &Reflection<Scalar>) -> [i32; 8] {
     [point.select.index().raw(), s, t, probes.count.raw(), step_s, step_t, probes.lod.raw(), status.raw()]
 }
 
-/// Seconds a fragment of every contender, by name, one figure for each round.
+/// Seconds per fragment of every contender, by name, one figure for each round.
 fn paired_rounds(set: &Set, model: Option<&Model>) -> Vec<(&'static str, Vec<f64>)> {
     let mut contenders: Vec<_> = contenders(set, model)
         .into_iter()
@@ -339,14 +337,14 @@ fn paired_rounds(set: &Set, model: Option<&Model>) -> Vec<(&'static str, Vec<f64
     contenders.into_iter().map(|(contender, _, seconds)| (contender.name, seconds)).collect()
 }
 
-/// The middle figure of an odd number of them.
+/// The middle figure of an odd number of figures.
 fn median(figures: impl Iterator<Item = f64>) -> f64 {
     let mut figures: Vec<_> = figures.collect();
     figures.sort_by(f64::total_cmp);
     figures[figures.len() / 2]
 }
 
-/// Prints speeds and bars of every set; whether no bar is missed.
+/// Prints speeds and bars of every set. Returns true if no bar is missed.
 fn report(sets: &[Set], model: Option<&Model>) -> bool {
     let mut speeds = table(["fragments", "by", "10⁶/s", "ns", "× scalar"], 2..5);
     let mut bars = table(["fragments", "ratio", "measured", "bar", ""], 2..4);

@@ -1,11 +1,12 @@
-//! What each effect costs where it is on, and what it costs to be off.
+//! Cost of each effect when it is on, and its cost when it is off.
 //!
-//! `cargo bench -p roughxel-benches --bench effects` draws built-in scenes of 160 by 120 pixels. *Share* is
-//! 1 − t(without)/t(with) of whole frames, as `roughxel plan --measure` says it. *Off* is the time of a scene that has the
-//! keys of an effect, planned away, over that of the scene without the keys: the frames are the same bits, and it should
-//! cost below 1 %. Both sides are drawn in turn on one thread, and a round compares each frame with its neighbour; it has
-//! maps of its own, so that their places in memory differ from round to round. What is printed is the median of the rounds,
-//! and the figures between which their middle half lies: where that is wide, the machine is too busy. It takes two minutes.
+//! `cargo bench -p roughxel-benches --bench effects` draws built-in scenes of 160 by 120 pixels. *Share* is 1 − t(without)/t(with) of whole frames,
+//! as `roughxel plan --measure` reports it. *Off* compares a scene that has the keys of an effect, planned away, with the scene without the keys.
+//! The frames have the same bits, and the cost should be below 1 %.
+//!
+//! Both sides are drawn in turn on one thread, and a round compares each frame with its neighbour. Each round has its own maps, so their places in
+//! memory differ from round to round. The output is the median of the rounds and the interquartile range. If the range is wide, the machine is too
+//! busy. It takes two minutes.
 
 use std::fs;
 use std::process::ExitCode;
@@ -26,11 +27,11 @@ const SCENES: [&str; 4] = ["lake", "denim-plane", "highlight", "horizon-plane"];
 /// Rounds of a share.
 const SHARE_ROUNDS: usize = 9;
 
-/// Rounds of what an effect costs that is off, each with maps of its own, and least time of each side of a round.
+/// Rounds of the cost of an effect that is off, each with its own maps, and least time of each side of a round.
 const OFF_ROUNDS: usize = 9;
 const OFF_TIME: Duration = Duration::from_millis(300);
 
-/// What being off may cost.
+/// Largest cost of an effect that is off.
 const LIMIT: f64 = 0.01;
 
 const PROFILE: Precision = Precision::STANDARD;
@@ -40,7 +41,7 @@ fn fit(scene: &Scene) -> ScenePeaks {
     ScenePeaks::new(scene, true, None, &|_| ()).expect("built-in scenes have peaks")
 }
 
-/// Reports to put shares in; hardware is what `roughxel plan` says.
+/// Reports to fill with shares; the hardware figures are those of `roughxel plan`.
 fn reports(scene: &Scene, prepared: &Prepared<'_>) -> Vec<ObjectReport> {
     let effect = |decision: &Decision| EffectReport {
         decision: decision.clone(),
@@ -63,16 +64,15 @@ fn frame(prepared: &Prepared<'_>) -> Frame {
     prepared.render(&|| ()).expect("built-in scenes are drawn")
 }
 
-/// Time that this thread has run, which leaves out what other programs take of the machine; where the system does not say
-/// it, time since `begin`. With five programs on two cores the halves of the rounds are 0.1 % wide by the one, 5 % by the
-/// other.
+/// Time that this thread has run, which excludes the time of other programs. If the system does not report it, time since `begin`. With five
+/// programs on two cores the interquartile range of the rounds is 0.1 % wide by the thread time, 5 % by the clock.
 fn clock(begin: Instant) -> Duration {
     let ran = fs::read_to_string("/proc/thread-self/schedstat").ok();
     let ran = ran.and_then(|text| text.split_whitespace().next()?.parse().ok());
     ran.map_or_else(|| begin.elapsed(), Duration::from_nanos)
 }
 
-/// The lower quarter, the median and the upper quarter.
+/// The lower quartile, the median and the upper quartile.
 fn quarters(mut figures: Vec<f64>) -> [f64; 3] {
     figures.sort_by(f64::total_cmp);
     [1, 2, 3].map(|quarter| figures[figures.len() * quarter / 4])
@@ -81,7 +81,7 @@ fn quarters(mut figures: Vec<f64>) -> [f64; 3] {
 fn main() -> ExitCode {
     let mut shares = table(["scene", "object", "effect", "share"], 2..4);
     let mut offs = table(["scene", "effect", "off costs", "half of the rounds", "below 1 %"], 2..5);
-    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("the thread pool can be created");
     let begin = Instant::now();
     let mut holds = true;
     for name in SCENES {
@@ -110,9 +110,9 @@ fn main() -> ExitCode {
                     let plans = reports.iter().map(|report| report.plan.without(effect)).enumerate();
                     plans.fold(prepare(), |away, (index, plan)| away.with_plan(index, plan))
                 };
-                // With horizons or without, the peaks are those of the scene, which are other ones without the key.
+                // With or without horizons, the peaks are those of the scene; without the key they would be different ones.
                 let none = || Prepared::with_peaks(&bare, mode, &profile, &peaks).expect("built-in scenes are drawn");
-                // Neither is always the first in memory.
+                // Neither side is always the first in memory.
                 let (away, none) = if round % 2 == 0 {
                     let away = away();
                     (away, none())

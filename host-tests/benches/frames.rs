@@ -1,9 +1,9 @@
-//! Where the time of a frame goes.
+//! Distribution of the time of a frame over its phases.
 //!
-//! `cargo bench -p roughxel-benches --bench frames` draws frames of 640 by 480 pixels in `standard`, one thread, and prints nanoseconds a
-//! pixel and of which phases they are: the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; all others
-//! are what a frame needs beside it. `2 threads` is how many times faster two threads draw the whole frame. It takes about a minute;
-//! `-- NAME…` draws the scenes, or in the modes, of these names alone.
+//! `cargo bench -p roughxel-benches --bench frames` draws frames of 640 by 480 pixels in `standard` on one thread. It prints nanoseconds a pixel
+//! and their phases, for the fastest of some frames. `footprints` is the datapath itself, from ports to footprints; the others are what a frame
+//! needs in addition. `2 threads` is how many times faster two threads draw the whole frame. It takes about a minute; `-- NAME…` draws only the
+//! scenes or modes of these names.
 
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ const MODES: [(&str, Mode); 3] =
 const FRAMES: usize = 5;
 
 fn scenes() -> Vec<Scene> {
-    let plane = Scene::from_toml("plane", PLANE, std::path::Path::new("")).expect("the scene is good");
+    let plane = Scene::from_toml("plane", PLANE, std::path::Path::new("")).expect("the scene is valid");
     let built_in = ["lake", "zebra", "globe", "mesh", "denim-plane"].map(|name| {
         let scene = Scene::builtin(name).expect("the scene is built in").expect("built-in scenes are read");
         scene.with_size(640, 480).expect("the size is allowed")
@@ -50,9 +50,9 @@ fn scenes() -> Vec<Scene> {
     [plane].into_iter().chain(built_in).collect()
 }
 
-/// Phases of the fastest frame on so many threads, and the time on the clock.
+/// Phases of the fastest frame on `threads` threads, and the wall-clock time.
 fn fastest_frame(prepared: &Prepared<'_>, threads: usize) -> (PhaseTimes, Duration) {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the thread pool can be created");
     let frame = || prepared.render_counted(&|| ()).expect("the scene can be drawn").1.times;
     pool.install(|| fastest(FRAMES, frame))
 }

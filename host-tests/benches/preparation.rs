@@ -1,9 +1,11 @@
-//! What is done before the first pixel of a frame.
+//! Preparation: the work before the first pixel of a frame.
 //!
-//! `cargo bench -p roughxel-benches --bench preparation` opens built-in scenes and prepares them in `standard`, one thread, and prints milliseconds:
-//! `opened` reads the scene and makes the maps that it generates, `prepared` makes levels, roughness and peaks of them, `frame` is a filtered frame of 640 by 480
-//! pixels. The last row resamples a panorama of 4096 by 2048 pixels to faces of 1024. The fastest of some times, so without the kernels of coarse levels, which
-//! are kept (0.1 s the first time). It takes half a minute; `-- NAME…` takes the scenes of these names alone.
+//! `cargo bench -p roughxel-benches --bench preparation` opens built-in scenes, prepares them in `standard` on one thread, and prints milliseconds.
+//! `opened` reads the scene and makes the maps that it generates. `prepared` makes levels, roughness and peaks from the maps. `frame` is a filtered
+//! frame of 640 by 480 pixels. The last row resamples a panorama of 4096 by 2048 pixels to faces of 1024.
+//!
+//! Each figure is the fastest of some runs, so it excludes the kernels of coarse levels, which are cached (0.1 s the first time). It takes half a
+//! minute; `-- NAME…` takes only the scenes of these names.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -17,7 +19,7 @@ use roughxel_host_tests::table::table;
 use roughxel_scene::picture::Picture;
 use roughxel_scene::{Scene, builtin_names, faces_from_equirectangular};
 
-/// Times of which the fastest counts.
+/// Runs of which the fastest counts.
 const TIMES: usize = 3;
 
 fn open(name: &str) -> Scene {
@@ -56,6 +58,6 @@ fn measure(names: &[String]) -> Table {
 
 fn main() {
     let names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
-    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("the thread pool can be created");
     println!("Fastest of {TIMES} times, one thread, milliseconds.\n{}", one_thread.install(|| measure(&names)));
 }

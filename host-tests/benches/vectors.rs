@@ -1,8 +1,8 @@
-//! How fast vectors are made.
+//! Speed of making vectors.
 //!
-//! `cargo bench -p roughxel-benches --bench vectors` exports the random set of each datapath in `standard` on one thread, as bytes and as text, with
-//! the outcomes of stages and without, and prints millions of vectors a second: the fastest of some exports. `inputs` makes the inputs of
-//! the set and nothing else, `hash` is the share that SHA-256 of what is written takes by itself. It takes a minute.
+//! `cargo bench -p roughxel-benches --bench vectors` exports the random set of each datapath in `standard` on one thread, as bytes and as text,
+//! with and without the results of stages. It prints millions of vectors a second, for the fastest of some exports. `inputs` makes only the inputs
+//! of the set. `hash` is the share that SHA-256 of the output takes by itself. It takes a minute.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -16,14 +16,14 @@ use sha2::{Digest, Sha256};
 
 /// Vectors of an export.
 const COUNT: u64 = 1_000_000;
-/// Vectors whose inputs are made at once, as an export does.
+/// Vectors whose inputs are made at once, as in an export.
 const TASK: u64 = 512;
 /// Exports of which the fastest counts.
 const EXPORTS: usize = 5;
 
 fn main() {
     let directory = tempfile::tempdir().expect("a temporary directory");
-    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("the thread pool can be created");
     let precision = Precision::STANDARD;
     let mut table = table(["set", "words", "bytes a vector", "million a second", "hash"], 2..5);
     let rate = |time: Duration| format!("{:.2}", COUNT as f64 / time.as_secs_f64() / 1e6);
