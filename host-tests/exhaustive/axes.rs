@@ -1,4 +1,4 @@
-//! Axes from K: every covariance of 8 bits, with determinants that its columns may have had.
+//! Axes from K: every 8-bit covariance, with determinants that its columns may have had.
 
 use roughxel_core::block::{Block, Number, PRODUCT, number};
 use roughxel_core::fx::{Fx, Wide};
@@ -13,7 +13,7 @@ use roughxel_reference::linear::{axis_angle, norm};
 use super::bounds::Bounds;
 use super::{Checked8, FRACTION, ONE, Tried, mantissas, real, tiny_precisions, try_all};
 
-/// Mantissa and exponent of λ₁ and λ₂, the direction, and the determinant as it was given.
+/// Mantissa and exponent of λ₁ and λ₂, the direction, and the given determinant.
 type Found = ([(i64, i64); 2], [i64; 2], (i64, i64));
 
 /// The axes of K·2^e with the determinant `det`·2^2e on a wide wire, rounded as the ellipse rounds it.
@@ -26,37 +26,37 @@ fn axes_of<W: Visible>(k: [i64; 3], e: i64, det: i64, p: &Precision) -> Found {
     ([axes.major, axes.minor].map(pair), axes.direction.map(|d| d.raw().integer()), pair(det))
 }
 
-/// Bars of one K, as it is in units of its mantissas: relative errors of λ₁ and λ₂, radians of the direction, error of its length. What
-/// 1/√ and √ err by at most is given.
+/// Bars of one K in units of its mantissas: relative errors of λ₁ and λ₂, radians of the direction, error of its length. The largest errors of 1/√
+/// and √ are given.
 fn bars(k: &Matrix, [inverse, root]: [f64; 2], p: &Precision) -> [f64; 4] {
     let half = Bounds::new(*p, FRACTION).half_place();
     let relative = 2.0 * half;
-    // A place of what has 6 bits before its point on a wide wire.
+    // One place of a value with 6 bits before its point on a wide wire.
     let place = (-2.0 * f64::from(FRACTION) + 2.0).exp2();
-    // (a − c, 2b) at mantissas from ½ on is rounded by half a place a component; so are its square length and the root.
+    // (a − c, 2b) with mantissas from ½ up is rounded by half a place a component; so are its square length and the root.
     let length = (k.a - k.c).hypot(2.0 * k.b);
     let turned = 2.0 * 2.0_f64.sqrt() * half;
     let root_of_squares = (1.0 + relative).sqrt() * (1.0 + root) - 1.0;
     let h = (1.0 + turned) * (1.0 + root_of_squares) - 1.0;
-    // Three floors: of the mean, of h and of its half.
+    // Three floors: of the mean, of h and of half of h.
     let square = 0.5 * (k.a + k.c + length);
     let square_error = (h * length / 2.0 + 3.0 * place) / square;
     let square_error = (1.0 + square_error) * (1.0 + relative) - 1.0;
     let major = (1.0 + square_error).sqrt() * (1.0 + root) - 1.0;
-    // √det times 1/λ₁, rounded. Downwards 1/√(1 − x) is steeper.
+    // √det times 1/λ₁, rounded. 1/√(1 − x) is steeper for downward errors.
     let minor = (1.0 + root) * (1.0 + inverse) * (1.0 - square_error).powf(-0.5) * (1.0 + relative) - 1.0;
 
     let unit = (1.0 + inverse) * (1.0 - relative).powf(-0.5) - 1.0;
     let components = 2.0_f64.sqrt() * (half + place);
     let angle = match p.direction {
         AxisDirection::Exact => {
-            // Half the angle by which the doubled one turned; h beside |a − c|, at 45° the worst: sin α/|w| is ½ over h; w and the
-            // components rounded; a cosine cut to 1, which is where the sine is √(2·unit) at most.
+            // Half the angle by which the doubled direction turns. h against |a − c| is worst at 45°: sin α/|w| is ½ over h. w and the components
+            // are rounded. A cosine is clamped to 1 only if the sine is √(2·unit) at most.
             let cut = unit * (2.0 * unit).sqrt();
             let of_h = (root_of_squares * 2.0_f64.sqrt() + place) / 2.0_f64.sqrt();
             turned / 2.0 + of_h + turned + components + cut
         }
-        // A step of the table, its entries and boundaries rounded, the latter of the doubled angle.
+        // One step of the table: its entries and boundaries are rounded, the latter for the doubled angle.
         AxisDirection::Table { steps } => {
             45.0_f64.to_radians() / f64::from(steps) + turned / 2.0 + 1.5 * 2.0_f64.sqrt() * half
         }
@@ -64,7 +64,7 @@ fn bars(k: &Matrix, [inverse, root]: [f64; 2], p: &Precision) -> [f64; 4] {
     [major, minor, angle, unit + components]
 }
 
-/// Holds the axes of one K with one determinant.
+/// Checks the axes of one K with one determinant.
 fn hold(tried: &mut Tried<4>, k: [i64; 3], e: i64, det: i64, bars: &[f64; 4], p: &Precision) {
     let input = (k, e, det);
     tried.inputs += 1;
@@ -77,7 +77,7 @@ fn hold(tried: &mut Tried<4>, k: [i64; 3], e: i64, det: i64, bars: &[f64; 4], p:
     let want = roughxel_reference::axes::axes(&Matrix { a, b, c, det: value(det) });
     let (major, minor) = (value(major), value(minor));
     assert!(major >= minor && minor >= 0.0, "{input:?}");
-    // λ₂ as its formula has it; where that is beyond λ₁ the two change places, which makes no error larger than the larger one.
+    // λ₂ by its formula; if it exceeds λ₁, the two change places, which makes no error larger than the larger one.
     let want_minor = value(det).sqrt() / want.major;
     let [low, high] = [want_minor.min(want.major), want_minor.max(want.major)];
     let either = bars[0].max(bars[1]);
@@ -95,7 +95,7 @@ fn hold(tried: &mut Tried<4>, k: [i64; 3], e: i64, det: i64, bars: &[f64; 4], p:
         return;
     }
     assert!(x.abs() <= ONE && y.abs() <= ONE, "{input:?}");
-    // The larger component is positive but at 45°, where roundings decide which one is; the two have the sign of b between them.
+    // The larger component is positive except at 45°, where roundings decide which one is larger. The product of the two has the sign of b.
     assert!(real(x.max(y)) >= -real(x.min(y)) - 2.0_f64.sqrt() * bars[2], "{input:?}: {direction:?}");
     assert!(x == 0 || y == 0 || ((x < 0) != (y < 0)) == (b < 0.0), "{input:?}: {direction:?}");
     let direction = direction.map(real);
@@ -103,7 +103,7 @@ fn hold(tried: &mut Tried<4>, k: [i64; 3], e: i64, det: i64, bars: &[f64; 4], p:
     tried.hold(3, (norm(&direction) - 1.0).abs(), bars[3], (input, direction));
 }
 
-/// Every K that squares of columns can have come to: b² ≤ a·c but for half a place of each.
+/// Every K that can result from squares of columns: b² ≤ a·c except for half a place of each.
 fn covariances(p: &Precision) -> Vec<[i64; 3]> {
     let place = 1 << (FRACTION - p.fraction_bits);
     let diagonal = mantissas(p).filter(|&m| m >= 0);
@@ -124,7 +124,7 @@ fn covariances(p: &Precision) -> Vec<[i64; 3]> {
 #[test]
 fn axes_of_every_covariance_are_right() {
     let mut inputs = 0;
-    // With 4 bits a component over its length is 35/32 of it at most, beyond its claim.
+    // With 4 bits, a component over its length is 35/32 at most, beyond its claim.
     for p in tiny_precisions().filter(|p| p.fraction_bits > 4) {
         for direction in [AxisDirection::Exact, AxisDirection::Table { steps: 10 }] {
             let p = Precision { direction, ..p };
@@ -136,7 +136,7 @@ fn axes_of_every_covariance_are_right() {
                     let [a, b, c] = k;
                     let matrix = Matrix { a: real(a), b: real(b), c: real(c), det: 0.0 };
                     let bars = bars(&matrix, roots, &p);
-                    // None, that of K itself, and the largest of what may have been rounded to K.
+                    // No determinant, that of K itself, and the largest one that may have been rounded to K.
                     let least_b = (2 * b.abs() - place).max(0);
                     let most = ((2 * a + place) * (2 * c + place) - least_b * least_b) / 4;
                     for det in [0, (a * c - b * b).max(0), most] {
@@ -157,15 +157,15 @@ fn axes_of_every_covariance_are_right() {
     eprintln!("axes: {inputs} inputs");
 }
 
-/// a = c and b < 0: (√½, −√½), of which h and |2b| are the larger and the smaller one by a formula whose roundings can exchange them.
+/// a = c and b < 0: (√½, −√½). By the formula, h and |2b| are its larger and smaller component, and roundings can exchange them.
 ///
-/// In places of 2^−p: h errs by 4.6 (twice what 1/2√x does), 1 (the root) and ½ (the square length) of itself, which is 4.3 of a component;
-/// its two roundings with |2b| come to 1.4 and 1 more. Measured: 3.
+/// In places of 2^−p: h errs by 4.6 (twice the error of 1/2√x), 1 (the root) and ½ (the square length) of itself, which is 4.3 of a component. The
+/// two roundings of h and |2b| add 1.4 and 1. Measured: 3.
 #[test]
 fn at_45_degrees_downwards_the_negative_component_is_larger_by_7_places_at_most() {
     for p in Profile::ALL.map(Profile::precision) {
         let place = 1 << (30 - p.fraction_bits);
-        // The mantissas of 16 bits.
+        // The 16-bit mantissas.
         let excesses = (1..=1 << 16).map(|b| {
             let k = Block::<i32, 3> { m: [1 << 30, -(b << 14), 1 << 30].map(Fx::from_raw), e: Fx::int(0) };
             let [x, y] = axes(&Ellipse { k, det: Block::zero() }, &p).direction.map(Fx::raw);
@@ -174,7 +174,7 @@ fn at_45_degrees_downwards_the_negative_component_is_larger_by_7_places_at_most(
         let (inputs, most) = excesses.fold((0, 0), |(inputs, most), excess| (inputs + 1, most.max(excess)));
         eprintln!("45° downwards, p {}: {inputs} inputs, {most} places at most", p.fraction_bits);
         assert_eq!(inputs, 65_536);
-        // A table has the two as its last entry.
+        // A table has both components as its last entry.
         assert!(most <= if p.direction == AxisDirection::Exact { 7 } else { 0 }, "p {}: {most}", p.fraction_bits);
     }
 }

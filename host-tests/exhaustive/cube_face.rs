@@ -1,4 +1,4 @@
-//! Cube face: every direction that words of 8 bits have.
+//! Cube face: every direction of 8-bit words.
 
 use roughxel_core::block::Block;
 use roughxel_core::fx::Fx;
@@ -40,7 +40,7 @@ fn cube_face_of_every_direction_is_right() {
                 assert_eq!(got, point::<i8>(m, &p), "{m:?}");
                 let (face, [s, t], half_reciprocal, tie) = got;
                 let want = cube::select(m.map(real));
-                // Mantissas are exact, so the face is, and the tie.
+                // Mantissas are exact, so the face and the tie are exact, too.
                 assert_eq!(face, want.face as i64, "{m:?}");
                 assert_eq!(tie, m.iter().filter(|x| x.abs() == largest).count() > 1, "{m:?}");
                 assert!((ONE / 2..=ONE).contains(&half_reciprocal), "{m:?}");
@@ -58,7 +58,7 @@ fn cube_face_of_every_direction_is_right() {
                 }
             }
         });
-        // (2·2^p + 1)³ vectors, without those below ½.
+        // (2·2^p + 1)³ vectors, minus those below ½.
         let edge = (1_u64 << p.fraction_bits) + 1;
         let blocks = (2 * edge - 1).pow(3) - (edge - 2).pow(3) + 1;
         tried.report(&format!("cube face, p {}, {:?}", p.fraction_bits, p.reciprocal), ["1/2m", "s, t"], blocks);

@@ -1,4 +1,4 @@
-//! Elementary functions and compound steps: every mantissa of words of 8 and of 16 bits, every code, every pair where there are few.
+//! Elementary functions and compound steps: every mantissa of 8-bit and 16-bit words, every code, and every pair if there are few.
 
 use std::f64::consts::LOG2_E;
 
@@ -36,18 +36,18 @@ fn number_of<W: Word>((m, e): (i64, i64)) -> Number<W> {
     Block { m: [Fx::lit(m)], e: Fx::int(e) }
 }
 
-/// m·2^e for a mantissa with that many fraction bits.
+/// m·2^e for a mantissa with `fraction` fraction bits.
 fn value((m, e): (i64, i64), fraction: u32) -> f64 {
     m as f64 * (e as f64 - f64::from(fraction)).exp2()
 }
 
-/// Every mantissa from 2^`low` to 1 that p bits of a word keep.
+/// Every mantissa from 2^`low` to 1 that a word keeps with p bits.
 fn kept<W: Word>(low: i32, p: &Precision) -> impl Iterator<Item = i64> + Clone + use<W> {
     let one = 1_i64 << fraction::<W>();
     (one >> -low..=one).step_by(1 << (fraction::<W>() - p.fraction_bits))
 }
 
-/// What a function gives in the checked reading `C`, which is what it gives in the scalar one.
+/// Result of a function in the checked backend `C`, which equals the result in the scalar backend.
 macro_rules! in_both {
     ($c:ident, $s:ident, $f:ident $(of $count:ident)? ( $($argument:expr),* )) => {{
         let got = $f::<$c $(, $count)?>($($argument),*);
@@ -85,13 +85,13 @@ fn short<W: Visible>(code: i64) -> (i64, i64) {
     pair(short_number::<W>(Fx::int(code)))
 }
 
-/// Fraction bits of the powers of two that are tried: every |x| < 64 that has no more.
+/// Fraction bits of the tested powers of two: every |x| < 64 with at most this many.
 const POWER_PLACES: u32 = 14;
 
 const FIGURES: [&str; 8] =
     ["1/2x", "1/2√x", "1/√x", "√x", "log2", "exp2", "log2(1 + x), x below 1", "log2(1 + x), x from 1 on"];
 
-/// Holds every function of one mantissa, with all exponents that matter.
+/// Checks every function of one mantissa, with all exponents that matter.
 fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
     let fraction = fraction::<C>();
     let bounds = Bounds::new(*p, fraction);
@@ -130,7 +130,7 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
         for e in (-40..=40_i64).chain([-16384, 16384]) {
             tried.inputs += 1;
             let (got, got_e) = in_both!(C, S, logarithm_of_one_plus((m, e), p));
-            // Where 2^e is nothing beside 1, log₂(1 + x) is x/ln 2, and where it is much more, e and a little.
+            // If 2^e is negligible next to 1, log₂(1 + x) is x/ln 2; if it is much larger, slightly more than e.
             let (want, unit) = match e {
                 ..-1000 => (x * LOG2_E, e),
                 1001.. => (e as f64, 0),
@@ -152,14 +152,14 @@ fn functions_of_a_mantissa<C: Visible, S: Visible>(p: &Precision) -> Tried<8> {
     let zero = (0, ZERO_EXPONENT);
     assert_eq!(roots::<C>(zero, p)[0], zero);
     assert_eq!(logarithm_of_one_plus::<C>(zero, p), zero);
-    // 0 is no mantissa of a block but of a block of zeros: what it gives is that of the least x, and meets a factor 0.
+    // 0 is the mantissa of a block of zeros only. The result is that of the least x, and meets a factor 0.
     let at = |x: i64| (in_both!(C, S, reciprocal(x, p)), in_both!(C, S, inverse_root(x, p)));
     assert!((one / 2..=one).contains(&at(0).0) && (one / 2..=one).contains(&at(0).1));
     assert!(p.reciprocal.steps == 0 || at(0).0 == one);
     tried
 }
 
-/// How many inputs that were for p bits of a word.
+/// Number of inputs for p bits of a word.
 fn of_a_mantissa(p: &Precision) -> u64 {
     let unit = 1 << p.fraction_bits;
     (unit - unit / 4 + 1) + (unit / 2 + 1) * (2 + 45 + 83) + (128_u64 << POWER_PLACES) - 1
@@ -174,7 +174,7 @@ fn functions_of_every_mantissa_of_8_bits_hold_their_bounds() {
     }
 }
 
-/// Bounds on words of 16 bits as the docstring of `elementary` states them, in the order of [`FIGURES`]; roots are held to no number.
+/// Bounds on 16-bit words as the docstring of `elementary` states them, in the order of [`FIGURES`]; roots have no stated bound.
 fn stated_on_16_bits(p: &Precision) -> [f64; 8] {
     let kept = f64::from(p.fraction_bits);
     let [reciprocal, root] = stated_newton(p.fraction_bits, p.reciprocal);
@@ -196,7 +196,7 @@ fn stated_newton(kept: u32, newton: Newton) -> [f64; 2] {
     [(-p - 0.8).exp2() + (-power * (k + 0.7)).exp2(), (-p).exp2() + (-power * (k - 0.76)).exp2() / 1.5]
 }
 
-/// The knobs that a word of 16 bits is for.
+/// The knobs that suit a 16-bit word.
 #[test]
 fn functions_of_every_mantissa_of_16_bits_hold_their_bounds() {
     for fraction_bits in 12..=14 {
@@ -259,7 +259,7 @@ fn unit_of<W: Visible, const N: usize>(m: [i64; N], p: &Precision) -> [i64; N] {
     over_length(&Block::<W, N> { m: m.map(Fx::lit), e: Fx::int(0) }, p).map(integer)
 }
 
-/// Holds a vector over its length: a square length and an inverse root are relative, then every component is floored and rounded.
+/// Checks a vector over its length: a square length and an inverse root are relative, then every component is floored and rounded.
 fn hold_unit<const N: usize>(tried: &mut Tried<1>, m: [i64; N], inverse: f64, p: &Precision) {
     if m.iter().all(|m| m.abs() < ONE / 2) {
         return;
@@ -279,7 +279,7 @@ fn hold_unit<const N: usize>(tried: &mut Tried<1>, m: [i64; N], inverse: f64, p:
 
 #[test]
 fn every_vector_of_8_bits_over_its_length_is_a_unit_vector() {
-    // With 4 bits a component is 35/32 at most, beyond its claim of 17/16.
+    // With 4 bits, a component is 35/32 at most, beyond its claim of 17/16.
     for p in [5, 6].map(|fraction_bits| tiny(fraction_bits, 1)) {
         let [inverse, _] = Bounds::new(p, FRACTION).worst_roots();
         let all = mantissas(&p);
@@ -307,7 +307,7 @@ fn power<W: Visible>(y: i64, n: (i64, i64), p: &Precision) -> (i64, i64) {
 
 #[test]
 fn every_power_of_a_cosine_of_8_bits_is_within_its_roundings() {
-    // y has 13 fraction bits on a wide wire; beyond 1 it counts as one.
+    // y has 13 fraction bits on a wide wire; beyond 1 it counts as 1.
     const PLACES: u32 = 13;
     for p in [4, 5, 6].map(|fraction_bits| tiny(fraction_bits, 1)) {
         let bounds = Bounds::new(p, FRACTION);

@@ -1,4 +1,4 @@
-//! Ellipse of two columns: every pair of blocks of 4 bits, at every difference of exponents that matters, and of 5 bits at equal ones.
+//! Ellipse of two columns: every pair of 4-bit blocks at every difference of exponents that matters, and of 5-bit blocks at equal exponents.
 
 use roughxel_core::block::{Block, ZERO_EXPONENT};
 use roughxel_core::fx::Fx;
@@ -12,7 +12,7 @@ use super::{Checked8, FRACTION, ONE, Tried, mantissas, real, tiny, try_all};
 /// A block's mantissas and exponent.
 type Column = ([i64; 2], i64);
 
-/// K with its exponent, det K with its own.
+/// K with its exponent, and det K with its own.
 fn covariance<W: Visible>(columns: [Column; 2], p: &Precision) -> ([i64; 3], i64, i64, i64) {
     let block = |(m, e): Column| Block::<W, 2> { m: m.map(Fx::lit), e: Fx::int(e) };
     let ellipse = ellipse(columns.map(block), p);
@@ -29,7 +29,7 @@ fn blocks(p: &Precision) -> Vec<[i64; 2]> {
     blocks
 }
 
-/// Holds the ellipse of two columns, the first one 2^`above` larger.
+/// Checks the ellipse of two columns, the first one 2^`above` larger.
 fn hold(tried: &mut Tried<2>, columns: [[i64; 2]; 2], above: i64, p: &Precision) {
     let exponents = [above, 0];
     let given = [0, 1].map(|i| (columns[i], if columns[i] == [0; 2] { ZERO_EXPONENT } else { exponents[i] }));
@@ -47,29 +47,29 @@ fn hold(tried: &mut Tried<2>, columns: [[i64; 2]; 2], above: i64, p: &Precision)
     let want = [of(0, 0), of(0, 1), of(1, 1)];
     let unit = (k_e as f64).exp2();
     let [a, b, c] = k.map(|m| real(m) * unit);
-    // "Error of K: 2^−(p−2) of its larger diagonal": the smaller column is rounded by half a place at mantissas of ½ at most, where the
-    // larger diagonal is ¼ at least, 2^-p of it and a little; the rounding of K is as much.
+    // "Error of K: 2^−(p−2) of its larger diagonal". The smaller column is rounded by half a place at mantissas of at most ½. If the larger
+    // diagonal is at least ¼, that is slightly more than 2^-p of it. The rounding of K is as much.
     let larger = want[0].max(want[2]);
     for (got, want) in [a, b, c].into_iter().zip(want) {
         tried.hold(0, (got - want).abs(), 8.0 * half_place * larger, given);
     }
-    // K before its rounding is a sum of squares of what the columns came to, so b² ≤ a·c but for half a place each.
+    // K before its rounding is a sum of squares of the rounded columns, so b² ≤ a·c except for half a place each.
     let half = half_place * unit;
     assert!(a >= 0.0 && c >= 0.0, "{given:?}");
     assert!((b.abs() - half).max(0.0).powi(2) <= (a + half) * (c + half), "{given:?}");
 
     let det = real(det) * (det_e as f64).exp2();
-    // The minor is rounded, by 2^−p of it at most, and its square.
+    // The minor is rounded, by at most 2^−p of it, and so is its square.
     let roundings = (1.0 + 2.0 * half_place).powi(2) * (1.0 + 2.0 * half_place);
     assert!((0.0..=(a + half) * (c + half) * roundings).contains(&det), "{given:?}: {det}");
     let minor = q[0][0] * q[1][1] - q[1][0] * q[0][1];
-    // Alignment moves a component of the smaller column by half a place of the larger's.
+    // Alignment moves a component of the smaller column by half a place of the larger column.
     let (larger, shift) = if above >= 0 { (q[0], above) } else { (q[1], 0) };
     let moved = if above == 0 || columns.contains(&[0; 2]) { 0.0 } else { half_place * (shift as f64).exp2() };
     let moved = moved * (larger[0].abs() + larger[1].abs());
     let bar = (minor.abs() + moved) * roundings.sqrt() - minor.abs();
     let error = (det.sqrt() - minor.abs()).abs();
-    // Columns that are parallel have no area, exactly.
+    // Parallel columns have exactly no area.
     assert!(moved > 0.0 || (det == 0.0) == (minor == 0.0), "{given:?}: {det}");
     if bar > 0.0 {
         tried.hold(1, error, bar, given);
@@ -82,7 +82,7 @@ const FIGURES: [&str; 2] = ["K", "√det"];
 fn ellipse_of_every_two_columns_of_4_bits_is_right() {
     let p = tiny(4, 0);
     let blocks = blocks(&p);
-    // A column p + 2 places below the other is nothing.
+    // A column p + 2 places below the other vanishes.
     let most = i64::from(p.fraction_bits) + 2;
     let tried = try_all(blocks.iter(), |tried, &first| {
         for &second in &blocks {

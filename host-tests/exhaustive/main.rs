@@ -1,9 +1,9 @@
-//! Words so narrow that their inputs can be counted: every one of them is tried, against float64 and in the checked reading, which
-//! stops where an operation leaves its wire.
+//! Narrow words whose inputs can be enumerated: every input is tried against float64 and in the checked backend, which stops if an operation leaves
+//! its wire.
 //!
-//! Words of 8 bits have mantissas of at most 6 fraction bits, so a stage of two or three operands has 2^24 inputs or fewer; on words of
-//! 16 bits a function of one operand has. Each test prints and asserts how many inputs it tried, and which share of its bar the worst
-//! error takes; bars are sums of the roundings in [`bounds`], none is fitted to what was measured.
+//! 8-bit words have mantissas of at most 6 fraction bits, so a stage of two or three operands has 2^24 inputs or fewer. On 16-bit words, a function
+//! of one operand does. Each test prints and asserts the number of inputs it tried, and the share of its bar that the worst error takes. Bars are
+//! sums of the roundings in [`bounds`]; none is fitted to measurements.
 
 mod axes;
 mod bounds;
@@ -19,26 +19,26 @@ use roughxel_core::block::MANTISSA;
 use roughxel_core::precision::{Newton, Precision};
 use roughxel_host_tests::checked::CheckedWire;
 
-/// The checked reading on words of 8 bits.
+/// The checked backend on 8-bit words.
 type Checked8 = CheckedWire<i8>;
 
-/// Fraction bits of a mantissa of 8 bits.
+/// Fraction bits of an 8-bit mantissa.
 const FRACTION: u32 = i8::BITS - MANTISSA;
-/// 1 as such a mantissa.
+/// 1 as an 8-bit mantissa.
 const ONE: i64 = 1 << FRACTION;
 
-/// The knobs of a datapath on words of 8 bits: seeds have as many index bits as a mantissa has fraction bits.
+/// The knobs of a datapath on 8-bit words: seeds have as many index bits as a mantissa has fraction bits.
 fn tiny(fraction_bits: u32, steps: u32) -> Precision {
     let newton = Newton { seed_bits: 6, steps };
     Precision { fraction_bits, reciprocal: newton, inverse_root: newton, lod_bits: 4, ..Precision::COMPACT }
 }
 
-/// Every p that words of 8 bits are tried with, with and without a Newton step.
+/// Every p to test 8-bit words with, with and without a Newton step.
 fn tiny_precisions() -> impl Iterator<Item = Precision> {
     [4, 5, 6].into_iter().flat_map(|fraction_bits| [0, 1].map(|steps| tiny(fraction_bits, steps)))
 }
 
-/// The value of a mantissa of 8 bits.
+/// The value of an 8-bit mantissa.
 fn real(m: i64) -> f64 {
     m as f64 / ONE as f64
 }
@@ -49,12 +49,12 @@ fn mantissas(p: &Precision) -> impl Iterator<Item = i64> + Clone + use<> {
     (-ONE..=ONE).step_by(unit)
 }
 
-/// Every one in [½, 1].
+/// Every mantissa in [½, 1] that p bits keep.
 fn normalised(p: &Precision) -> impl Iterator<Item = i64> + Clone + use<> {
     mantissas(p).filter(|&m| m >= ONE / 2)
 }
 
-/// How many inputs were tried, the largest of `N` errors, and the largest share of its bar that each took.
+/// Number of inputs tried, the largest of `N` errors, and the largest share of its bar that each error took.
 #[derive(Clone, Copy)]
 struct Tried<const N: usize> {
     inputs: u64,
@@ -67,7 +67,7 @@ impl<const N: usize> Tried<N> {
         Self { inputs: 0, errors: [0.0; N], shares: [0.0; N] }
     }
 
-    /// Asserts that an error keeps within its bar.
+    /// Asserts that an error stays within its bar.
     #[track_caller]
     fn hold(&mut self, figure: usize, error: f64, bar: f64, input: impl Debug) {
         assert!(error <= bar, "{figure}: {error} beyond {bar} at {input:?}");
@@ -77,7 +77,7 @@ impl<const N: usize> Tried<N> {
         }
     }
 
-    /// Prints what was tried, and asserts that it was that many.
+    /// Prints the results, and asserts the number of inputs.
     #[track_caller]
     fn report(&self, name: &str, figures: [&str; N], inputs: u64) {
         eprintln!("{name}: {} inputs", self.inputs);
@@ -98,7 +98,7 @@ impl<const N: usize> AddAssign for Tried<N> {
     }
 }
 
-/// Tries everything in parallel: `work` counts and holds what belongs to one item.
+/// Tries everything in parallel: `work` counts and checks the inputs of one item.
 fn try_all<T: Send, const N: usize>(
     items: impl IntoIterator<Item = T>,
     work: impl Fn(&mut Tried<N>, T) + Sync,

@@ -1,4 +1,4 @@
-//! Probe rule: every pair of λ₁ and λ₂ that words of 8 bits have, with every rule and most count; every level of detail and every step.
+//! Probe rule: every pair of λ₁ and λ₂ of 8-bit words, with every rule and every largest count; every level of detail and every step.
 
 use roughxel_core::block::{Block, ZERO_EXPONENT};
 use roughxel_core::fx::Fx;
@@ -14,7 +14,7 @@ use super::{Checked8, FRACTION, ONE, mantissas, normalised, real, tiny, try_all}
 /// Mantissa and exponent of a number.
 type Number = (i64, i64);
 
-/// What the stage makes of one footprint.
+/// Results of the stage for one footprint.
 #[derive(Debug, PartialEq)]
 struct Found {
     count: i64,
@@ -56,7 +56,7 @@ fn value((m, e): Number) -> f64 {
 const NOTHING: Number = (0, ZERO_EXPONENT);
 const UPRIGHT: [i64; 2] = [0, ONE];
 
-/// The least count of a rule of which that many λ₂ reach the threshold, and whether there is none.
+/// The least count of a rule for which that many λ₂ reach the threshold, and whether there is none.
 fn rule(threshold: f64, minor: f64, p: &Precision) -> (i64, bool) {
     let most = i64::from(p.max_probes);
     let mut counts = (1..=most).filter(|n| p.probe_rule == ProbeRule::Ceiling || n & (n - 1) == 0);
@@ -64,7 +64,7 @@ fn rule(threshold: f64, minor: f64, p: &Precision) -> (i64, bool) {
     counts.find(|&n| n as f64 * minor >= threshold).map_or((last, true), |n| (n, false))
 }
 
-/// With 4 bits the slack, 2^−(p−4) of λ₁, is all of it: nothing asks for a second probe.
+/// Tested kept bits. With 4 bits the slack, 2^−(p−4) of λ₁, is all of it: nothing asks for a second probe.
 const KEPT: [u32; 2] = [5, 6];
 
 #[test]
@@ -77,7 +77,7 @@ fn probe_count_of_every_ratio_is_that_of_its_rule() {
             rules.flat_map(|probe_rule| (1..=16).map(move |max_probes| Precision { probe_rule, max_probes, ..p }));
         let tried = try_all(rules, |tried, p| {
             for major in normalised(&p) {
-                // A word and its wide wire have 14 places to shift; more count as those.
+                // A word and its wide wire have 14 places to shift; larger shifts count as 14.
                 let minors = (0..=16).flat_map(|below| normalised(&p).map(move |m| (m, -below)));
                 for minor in minors.filter(|&(m, e)| e < 0 || m <= major).chain([NOTHING]) {
                     tried.inputs += 1;
@@ -85,7 +85,7 @@ fn probe_count_of_every_ratio_is_that_of_its_rule() {
                     let found = checked(sigmas, UPRIGHT, 256, &p);
                     let threshold = real(major) * (1.0 - slack);
                     let want = rule(threshold, value(minor), &p);
-                    // λ₂ is floored to 2^−10 of λ₁'s exponent where it is far below: then the next count may do.
+                    // λ₂ is floored to 2^−10 of λ₁'s exponent if it is far below: then the next count is allowed, too.
                     let floored = rule(threshold, (value(minor) * 1024.0).floor() / 1024.0, &p);
                     let got = (found.count, found.capped);
                     assert!(got == want || got == floored, "{sigmas:?}: {got:?}, not {want:?} with {p:?}");
@@ -108,13 +108,13 @@ fn probe_count_of_every_ratio_is_that_of_its_rule() {
 #[test]
 fn every_level_of_detail_is_right_and_none_falls_with_the_footprint() {
     for p in KEPT.map(|fraction_bits| tiny(fraction_bits, 0)) {
-        // log₂ has no fraction bit on words of 8 bits, so its knots are rounded by ½; then there is the rounding of the level, and
-        // constants with 16 bits.
+        // log₂ has no fraction bit on 8-bit words, so its knots are rounded by ½. In addition there are the rounding of the level and constants
+        // with 16 bits.
         let bar = 0.5 + (-f64::from(p.lod_bits) - 1.0).exp2() + 3.0 * 2.0_f64.powi(-17);
         let edges: Vec<i64> = (0..=14).map(|level| 1 << level).collect();
         let cases = edges.iter().flat_map(|&edge| (1..=17).map(move |most| (edge, most)));
         let tried = try_all(cases, |tried, (edge, most)| {
-            // 17: a circle; else a line with that many probes.
+            // 17: a circle; otherwise a line with that many probes.
             let p = Precision { max_probes: if most == 17 { 16 } else { most }, ..p };
             let mut last = 0.0;
             for (e, m) in (-24..=24).flat_map(|e| normalised(&p).filter(|&m| m < ONE).map(move |m| (e, m))) {
@@ -139,12 +139,12 @@ fn every_level_of_detail_is_right_and_none_falls_with_the_footprint() {
 fn every_step_is_a_share_of_the_major_diameter() {
     for p in KEPT.map(|fraction_bits| tiny(fraction_bits, 0)) {
         let half = Bounds::new(p, FRACTION).half_place();
-        // A direction of the axes has unit length but for 4 places.
+        // A direction of the axes has unit length except for 4 places.
         let unit = |d: &[i64; 2]| (norm(&d.map(real)) - 1.0).abs() <= 8.0 * half && d[0].max(d[1]) >= -d[0].min(d[1]);
         let pairs = mantissas(&p).flat_map(|x| mantissas(&p).map(move |y| [x, y]));
         let directions: Vec<[i64; 2]> = pairs.filter(unit).collect();
-        // 2√3/N is rounded to a word with 4 fraction bits and, where that is less, to two bits fewer than a mantissa keeps; the length at
-        // a mantissa of ½ at least.
+        // 2√3/N is rounded to a word with 4 fraction bits and, if that is fewer, to two bits fewer than a mantissa keeps. The length is at a
+        // mantissa of at least ½.
         let kept = if p.offset_bits() < 4 { 4.0 * half } else { 0.0 };
         let (per_sigma, length) = (2.0_f64.powi(-5) + kept, 1.0 + 2.0 * half);
         // A step has 4 fraction bits, and 9 before its rounding.
@@ -157,7 +157,7 @@ fn every_step_is_a_share_of_the_major_diameter() {
                 let found = checked(sigmas, direction, 256, &p);
                 let input = (sigmas, direction, count);
                 assert_eq!((found.count, found.saturated), (i64::from(count), e > 1), "{input:?}");
-                // λ₁ is cut to 2.
+                // λ₁ is clamped to 2.
                 let major = if e > 1 { 2.0 } else { value((m, e)) };
                 let share = 2.0 * 3.0_f64.sqrt() / f64::from(count);
                 let want = direction.map(|d| share * major * real(d));

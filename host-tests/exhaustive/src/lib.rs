@@ -1,1 +1,1 @@
-//! Stages and functions on words of 8 bits, on every input: `cargo test --release -p roughxel-exhaustive`.
+//! Stages and functions on 8-bit words, on every input: `cargo test --release -p roughxel-exhaustive`.
