@@ -1,8 +1,8 @@
-//! The picture bars: what is measured, how, and what it has to reach.
+//! Picture bars: measured figures, the method, and the required values.
 //!
-//! PSNR is against a range of 1, linear light, all channels, colours cut to [0, 1] as a display cuts them. The truth of
-//! a scene is its float64 picture with `edge`² samples a pixel of the unfiltered maps ([`reference_renderer`]); what is judged
-//! are frames of the integer datapath. Tests hold the bars at reduced sizes, `picture-bars` prints them at full size.
+//! PSNR is against a range of 1, linear light, all channels, colours clamped to [0, 1] as a display clamps them. The truth of a scene is its
+//! float64 picture with `edge`² samples a pixel of the unfiltered maps ([`reference_renderer`]). The judged pictures are frames of the integer
+//! datapath. Tests check the bars at reduced sizes; `picture-bars` prints them at full size.
 
 mod environment;
 mod golden;
@@ -26,7 +26,7 @@ use roughxel_reference_renderer::{self as reference_renderer, RealPicture};
 /// Scenes whose frames are compared with float64.
 pub const SCENES: [&str; 4] = ["lake", "zebra", "globe", "puzzle"];
 
-/// Scenes that have to be filtered better than 16 samples a pixel do it.
+/// Scenes that the filter has to draw better than 16 samples a pixel do.
 pub const FILTERED_SCENES: [&str; 2] = ["lake", "zebra"];
 
 /// Least PSNR of a frame against the same filter in float64, dB; `None` for the profile that has no bar.
@@ -40,14 +40,14 @@ pub fn arithmetic_bar(profile: &str) -> Option<f64> {
     }
 }
 
-/// Largest |error of f| of a highlight with exponent m over max(1, √m), where l and v are not nearly opposite: the angle
-/// between n_mod and h is what errs, and the steepest slope of cos^m is 0.61·√m.
+/// Largest |error of f| of a highlight with exponent m over max(1, √m), if l and v are not nearly opposite. The error is in the angle between n_mod
+/// and h, and the steepest slope of cos^m is 0.61·√m.
 pub fn highlight_bar(profile: &str) -> Option<f64> {
     let column = Profile::NAMES.iter().position(|name| *name == profile)?;
     [-11, -13, -13, -17, -19].get(column).map(|&power| 2.0_f64.powi(power))
 }
 
-/// Least PSNR in dB of a highlight in one pixel by its ellipse, and what averaged bumps reach (scenes, picture bars).
+/// Least PSNR in dB of a highlight in one pixel by its ellipse, and the PSNR of averaged bumps (scenes, picture bars).
 pub const ONE_PIXEL_BARS: [(&str, f64, f64); 4] =
     [("noise", 28.0, 7.0), ("corrugated", 21.0, 11.0), ("V-groove", 16.0, 10.0), ("hemispheres", 19.0, 13.0)];
 
@@ -55,15 +55,15 @@ pub const ONE_PIXEL_BARS: [(&str, f64, f64); 4] =
 pub const GAIN_BAR: f64 = 10.0;
 /// Least PSNR of the ground plane, dB.
 pub const GROUND_BAR: f64 = 35.0;
-/// Most texels a pixel of the ground plane, two bilinear samples per probe.
+/// Most texels per pixel of the ground plane, two bilinear samples per probe.
 pub const GROUND_TEXELS: f64 = 40.0;
 /// Largest step across an edge of the cube as a share of the variation inside a face.
 pub const CUBE_EDGE_BAR: f64 = 0.02;
 
-/// Every kind of mode.
+/// One mode of every kind.
 pub const MODES: [Mode; 4] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint, Mode::Supersampled { edge: 2 }];
 
-/// A plane and a ball of one material, in front of what they reflect, and what else is in the scene.
+/// A plane and a ball of one material in front of the environment that they reflect, and the rest of the scene.
 ///
 /// # Panics
 /// If the material or the rest cannot be read.
@@ -74,7 +74,7 @@ pub fn two_shapes(environment: &str, rest: &str, material: &str) -> Scene {
          [[object]]\nshape = \"plane\"\nsize = [6, 6]\nuv_repeat = [3, 3]\nmaterial = {{ {material} }}\n\
          [[object]]\nshape = \"sphere\"\nradius = 0.7\ntranslate = [0, 0.7, 0]\nmaterial = {{ {material} }}\n"
     );
-    Scene::from_toml("two shapes", &text, std::path::Path::new("")).expect("the scene is good")
+    Scene::from_toml("two shapes", &text, std::path::Path::new("")).expect("the scene is valid")
 }
 
 /// A plane and a ball of rough mirror with two lobes each, which no built-in scene has.
@@ -83,10 +83,10 @@ pub fn two_lobes() -> Scene {
     two_shapes("zebra", "", &format!("reflectance = 0.7, two_lobes = true, {bumps}"))
 }
 
-/// Holds the logarithm of what was found to a bound, and the bound to it: one that nothing comes near is one that nobody measured.
+/// Checks the logarithm of a found error against a bound, and the bound against the error: a bound that nothing approaches is not a measured one.
 ///
 /// # Panics
-/// If it is above the bound, or below it by `slack`.
+/// If the logarithm is above the bound, or below it by `slack`.
 #[track_caller]
 pub fn holds(what: &str, found: f64, bound: f64, slack: f64) {
     let found = found.log2();
@@ -119,14 +119,14 @@ impl SceneFigures {
         self.footprint - self.unfiltered
     }
 
-    /// Whether footprint mode is [`GAIN_BAR`] better than unfiltered, and better than 16 samples.
+    /// Returns true if the footprint mode is [`GAIN_BAR`] better than the unfiltered mode, and better than 16 samples.
     pub fn holds(&self) -> bool {
         self.gain() >= GAIN_BAR && self.footprint > self.supersampled_16
     }
 }
 
-/// Draws a scene in its modes and against `edge`² samples a pixel, 1…64 along an edge; `progress` as for
-/// [`reference_renderer::render`], which takes nearly all of the time.
+/// Draws a scene in its modes and against `edge`² samples a pixel, 1…64 along an edge. `progress` is that of [`reference_renderer::render`], which
+/// takes nearly all of the time.
 pub fn scene_figures(
     scene: &Scene,
     profile: &Precision,

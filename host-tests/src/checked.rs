@@ -1,9 +1,8 @@
-//! A second reading of the datapath: integers that refuse to leave their wire, and a count of every operation.
+//! Checked backend of the datapath: integers that refuse to leave their wire, and a count of every operation.
 //!
-//! The core states that no operation leaves its word; its scalar reading would wrap silently if one did. Here every
-//! result is computed in 128 bits and must fit, every shift count must be below the width of its wire, every table
-//! index inside its table: the first violation panics with the operation and its operands. Logic on one-bit flags
-//! cannot go wrong and is not counted.
+//! The core states that no operation leaves its word; its scalar backend would wrap silently if one did. Here every result is computed in 128 bits
+//! and must fit, every shift count must be below the width of its wire, and every table index inside its table. The first violation panics with the
+//! operation and its operands. Logic on one-bit flags cannot go wrong and is not counted.
 
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -14,14 +13,14 @@ use roughxel_core::word::{WideWire, Wire, Word};
 
 pub use crate::integers::{Integers, Visible, filled, first_difference};
 
-/// A wire of as many bits as `T` that may not be left.
+/// A wire with the bits of `T` that no value may leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CheckedWire<T>(T);
 
-/// A word of 32 bits that may not be left.
+/// A 32-bit word that no value may leave.
 pub type Checked = CheckedWire<i32>;
 
-/// The wide wire of 64 bits that may not be left.
+/// The wide 64-bit wire that no value may leave.
 pub type CheckedWide = CheckedWire<i64>;
 
 macro_rules! operations {
@@ -61,14 +60,14 @@ thread_local! {
     static COUNTS: [Cell<u64>; OPERATIONS.len()] = const { [const { Cell::new(0) }; OPERATIONS.len()] };
 }
 
-// Tests run millions of these operations with little optimisation, where no small function is merged into its callers unless it has to be.
+// Tests run millions of these operations with little optimisation, which inlines small functions only if it must.
 
 #[inline(always)]
 fn count(operation: Operation) {
     COUNTS.with(|counts| counts[operation as usize].update(|count| count + 1));
 }
 
-/// How often each operation ran.
+/// Counts of each operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OperationCounts([u64; OPERATIONS.len()]);
 
@@ -97,7 +96,7 @@ impl fmt::Display for OperationCounts {
     }
 }
 
-/// Runs `work` and says which operations it took on this thread.
+/// Runs `work` and returns its operations on this thread.
 pub fn counted<T>(work: impl FnOnce() -> T) -> (T, OperationCounts) {
     let now = || COUNTS.with(|counts| counts.each_ref().map(Cell::get));
     let before = now();
@@ -106,27 +105,27 @@ pub fn counted<T>(work: impl FnOnce() -> T) -> (T, OperationCounts) {
     (result, OperationCounts(std::array::from_fn(|i| after[i] - before[i])))
 }
 
-/// Outcomes of the stages that ran, in their order, each with its name.
+/// Results of the stages that ran, in their order, each with its name.
 pub type Trace = Vec<(&'static str, Integers)>;
 
 thread_local! {
     static TRACE: RefCell<Option<Trace>> = const { RefCell::new(None) };
 }
 
-/// Runs `work` and says what every stage of the datapath came to on this thread.
+/// Runs `work` and returns the result of every stage of the datapath on this thread.
 pub fn traced<T>(work: impl FnOnce() -> T) -> (T, Trace) {
     TRACE.set(Some(Trace::new()));
     let result = work();
     (result, TRACE.take().unwrap_or_default())
 }
 
-/// What a wire holds.
+/// Integer on a wire.
 pub trait Integer: Copy + fmt::Debug {
-    /// Its bits.
+    /// Width of the integer.
     const BITS: u32;
-    /// Computes it on 64 bits.
+    /// The integer on 64 bits.
     fn wide(self) -> i64;
-    /// An integer if it fits.
+    /// The integer, if it fits.
     fn fitting(value: i128) -> Option<Self>;
 }
 
@@ -155,7 +154,7 @@ impl<T: Integer> CheckedWire<T> {
         Self(value)
     }
 
-    /// What the wire carries.
+    /// Returns the integer on the wire.
     pub const fn value(self) -> T {
         self.0
     }
@@ -165,7 +164,7 @@ impl<T: Integer> CheckedWire<T> {
         self.0.wide()
     }
 
-    /// The outcome of an operation that is counted. Panics where it does not fit the wire.
+    /// Returns the result of a counted operation. Panics if it does not fit the wire.
     #[inline(always)]
     fn fit(operation: Operation, value: i128, operands: [i64; 2]) -> Self {
         count(operation);
@@ -344,15 +343,15 @@ word!(i8, i16);
 word!(i16, i32);
 word!(i32, i64);
 
-/// A word of the scalar reading that has a checked one.
+/// A word of the scalar backend with a checked counterpart.
 pub trait Scalar: Visible<Count = i32, Flag = bool> {
-    /// The checked reading of the same width.
+    /// The checked backend of the same width.
     type Checked: Visible<Count = Checked, Flag = bool>;
-    /// The same integer in it.
+    /// Converts the word to the checked backend, with the same integer.
     fn checked(self) -> Self::Checked;
 }
 
-/// Puts the same integers on the wires of the checked reading.
+/// Puts the same integers on the wires of the checked backend.
 struct SameIntegers;
 
 impl<T: Scalar> Rewire<T, T::Checked> for SameIntegers {
@@ -370,7 +369,7 @@ impl<T: Scalar> Rewire<T, T::Checked> for SameIntegers {
     }
 }
 
-/// The same bundle in the checked reading.
+/// Converts a bundle to the checked backend, with the same integers.
 pub fn reread<T: Scalar, B: Bundle<T>>(bundle: &B) -> B::In<T::Checked> {
     bundle.rewire(&mut SameIntegers)
 }

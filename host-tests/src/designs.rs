@@ -1,6 +1,6 @@
-//! What every recorded design computes, in a reading of which integers can be seen.
+//! Results of every recorded design, in a backend whose integers are visible.
 //!
-//! Nets, their evaluator and generated hardware are held against this: the same functions of the composer.
+//! They are the expected values of nets, their evaluator and generated hardware: the same functions of the composer.
 
 use roughxel_core::bundle::{Bundle, End};
 use roughxel_core::design::{Design, Recorded, Visitor};
@@ -9,7 +9,7 @@ use roughxel_core::precision::Precision;
 
 use crate::checked::{Checked, CheckedWire, Integers, OperationCounts, Visible, counted, filled, first_difference};
 
-/// What a design comes to in the scalar reading, on words of the profile's width.
+/// Computes a design in the scalar backend, on words of the profile's width.
 pub fn scalar(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
     match p.word_bits() {
         16 => outcome::<i16>(design, ports, effects, p),
@@ -17,7 +17,7 @@ pub fn scalar(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -
     }
 }
 
-/// The same in the checked one.
+/// Computes a design in the checked backend.
 pub fn checked(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
     match p.word_bits() {
         16 => outcome::<CheckedWire<i16>>(design, ports, effects, p),
@@ -25,10 +25,10 @@ pub fn checked(design: Design, ports: &[i64], effects: &Effects, p: &Precision) 
     }
 }
 
-/// Holds the checked reading of a design against the scalar one: what it comes to, and the operations that it takes.
+/// Checks the checked backend of a design against the scalar one. Returns the results, and the operations that they take.
 ///
 /// # Panics
-/// If two wires differ, with the first that do, or an operation leaves its wire.
+/// If two wires differ (with the first ones that do), or if an operation leaves its wire.
 pub fn same_when_checked(
     design: Design,
     ports: &[i64],
@@ -42,9 +42,9 @@ pub fn same_when_checked(
     (scalar, counts)
 }
 
-/// What a design comes to in a reading of which integers can be seen.
+/// Computes a design in a backend whose integers are visible.
 ///
-/// `ports` are the integers of the design's ports in the order of their bundle. Panics where there are fewer or more.
+/// `ports` are the integers of the design's ports in the order of their bundle. Panics if there are fewer or more.
 fn outcome<W: Visible>(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Integers {
     struct Run<'a, W> {
         ports: &'a [i64],

@@ -1,9 +1,9 @@
-//! Which file of the workspace uses which, read from the sources.
+//! Imports between the files of the workspace, read from the sources.
 //!
-//! Modules are found as the compiler finds them, from the roots of each package. A path, in a `use` or in the middle of code,
-//! leads to the file of the module that has what it names; where a module only passes a name on (`pub use`), to
-//! the file behind it. What a macro names by `$crate` does not count, for only those who call it need that; nor do tests inside
-//! modules, for they may look at anything.
+//! Modules are found as the compiler finds them, from the roots of each package. A path, in a `use` or in the middle of code, leads to the file of
+//! the module that has the named item. If a module only re-exports a name (`pub use`), the path leads to the file that defines it. Names after
+//! `$crate` in a macro do not count, because only callers of the macro need them. Tests inside modules do not count either, because they may look
+//! at anything.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
@@ -11,27 +11,27 @@ use std::path::{Path, PathBuf};
 
 use crate::tokens::{Token, tokens};
 
-/// One source file of a package's `src`.
+/// A source file of a package's `src`.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
-    /// From the root of the workspace, as `core/src/word.rs`.
+    /// Path from the root of the workspace, such as `core/src/word.rs`.
     pub path: String,
     /// Folder of the package.
     pub package: String,
-    /// Files of the workspace that it uses, with the first line that does.
+    /// Files of the workspace that this file uses, with the first line that uses each.
     pub uses: BTreeMap<String, usize>,
-    /// Files of its own package that it uses, apart from names that it only passes on.
+    /// Files of the same package that this file uses, apart from names that it only re-exports.
     pub needs: BTreeSet<String>,
 }
 
-/// A module with what its source says.
+/// A module and the contents of its source.
 #[derive(Default)]
 struct Module {
     path: String,
     package: String,
     parent: Option<usize>,
     children: HashMap<String, usize>,
-    /// What the names of its `use` lines stand for.
+    /// Targets of the names of its `use` lines.
     names: HashMap<String, Vec<String>>,
     paths: Vec<Named>,
 }
@@ -55,11 +55,11 @@ pub fn workspace_root() -> PathBuf {
 pub fn packages() -> Vec<String> {
     let manifest = read(&workspace_root().join("Cargo.toml"));
     let list =
-        manifest.split_once("\nmembers = [").and_then(|(_, rest)| rest.split_once(']')).expect("it has members").0;
+        manifest.split_once("\nmembers = [").and_then(|(_, rest)| rest.split_once(']')).expect("list of members").0;
     list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// The source files of all packages with what they use.
+/// The source files of all packages with the files that they use.
 ///
 /// # Panics
 /// If a source cannot be read.
@@ -84,7 +84,7 @@ pub fn source_files() -> Vec<SourceFile> {
     (0..modules.len()).map(|index| source_file(&modules, &libraries, index)).collect()
 }
 
-/// Groups of files of a package each of which needs, directly or not, all others of its group.
+/// Groups of files in a package, each of which needs all others of its group, directly or indirectly.
 pub fn circles(files: &[SourceFile]) -> Vec<Vec<String>> {
     let needs: BTreeMap<&str, &BTreeSet<String>> = files.iter().map(|file| (file.path.as_str(), &file.needs)).collect();
     let reached: BTreeMap<&str, BTreeSet<&str>> = needs
@@ -119,7 +119,7 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Rust files of a folder, none where there is no folder.
+/// Rust files of a folder; none if there is no folder.
 fn files_in(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let paths = entries.map(|entry| entry.expect("a folder can be read").path());
@@ -128,7 +128,7 @@ fn files_in(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Reads a module and all below it, whose files are in `folder`.
+/// Reads a module and all modules below it, whose files are in `folder`.
 fn add(
     modules: &mut Vec<Module>,
     root: &Path,
@@ -183,7 +183,7 @@ fn without_tests(tokens: Vec<Token>) -> Vec<Token> {
     kept
 }
 
-/// What the `use` lines call what, and all paths of two names or more.
+/// Returns the names that the `use` lines define, and all paths of two names or more.
 fn named(tokens: &[Token]) -> (HashMap<String, Vec<String>>, Vec<Named>) {
     let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
     let (mut names, mut paths, mut i) = (HashMap::new(), Vec::new(), 0);
@@ -209,14 +209,14 @@ fn named(tokens: &[Token]) -> (HashMap<String, Vec<String>>, Vec<Named>) {
                 segments.push(text(i + 3).to_owned());
                 i += 3;
             }
-            // What a macro names by `$crate` need those who call it.
+            // Names after `$crate` in a macro are needed by its callers.
             if !in_macro {
                 paths.push(Named { segments, line, passed_on: false });
             }
         }
         i += 1;
     }
-    // A macro that is exported belongs to the root by its path, to this file by its text.
+    // An exported macro belongs to the root by its path, to this file by its text.
     for place in tokens.windows(3).filter(|place| place[0].text == "macro_rules") {
         names.remove(&place[2].text);
     }
@@ -227,7 +227,7 @@ fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// Reads one tree of a `use` from token `i`: its leaves with the names they get; returns the token after it.
+/// Reads one tree of a `use` from token `i`: its leaves with their names. Returns the index of the token after it.
 fn tree(tokens: &[Token], mut i: usize, before: &[String], leaves: &mut Vec<(Vec<String>, Option<String>)>) -> usize {
     let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
     let mut segments = before.to_vec();
@@ -242,7 +242,7 @@ fn tree(tokens: &[Token], mut i: usize, before: &[String], leaves: &mut Vec<(Vec
                 }
                 return i + 1;
             }
-            // Everything of a module: the module itself.
+            // Glob import of a module: the module itself.
             "*" => {
                 leaves.push((segments, None));
                 return i + 1;
@@ -266,7 +266,7 @@ fn tree(tokens: &[Token], mut i: usize, before: &[String], leaves: &mut Vec<(Vec
     }
 }
 
-/// The module that has what a path names, seen from the module `at`; `None` for paths that leave the workspace.
+/// The module that contains the target of a path, seen from the module `at`; `None` for paths that leave the workspace.
 fn resolve(modules: &[Module], libraries: &HashMap<String, usize>, at: usize, path: &[String]) -> Option<usize> {
     let (first, mut rest) = path.split_first()?;
     let top = |mut module: usize| {

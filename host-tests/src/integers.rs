@@ -1,4 +1,4 @@
-//! The integers on the wires of a bundle, in any reading of which they can be seen, each with its name.
+//! Integers on the wires of a bundle, in any backend that makes them visible, each with its name.
 
 use std::fmt;
 
@@ -6,13 +6,13 @@ use roughxel_core::bundle::{Bundle, Rewire, Step};
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{Wire, Word};
 
-/// Word types of which a test can see the integer.
+/// Word types whose integer is visible to a test.
 pub trait Visible: Staged {
     /// The integer on the wire.
     fn integer(self) -> i64;
-    /// The integer on a wire that controls.
+    /// The integer on a control wire.
     fn count_integer(count: Self::Count) -> i64;
-    /// The integer on a wide wire of what controls.
+    /// The integer on a wide control wire.
     fn wide_integer(wire: <Self::Count as Word>::Wide) -> i64;
 }
 
@@ -58,7 +58,7 @@ impl<V: Visible> Rewire<i32, V> for Given<'_> {
     }
 }
 
-/// A bundle of the same form with other integers on its wires, in the order of the walk.
+/// Returns a bundle of the same form with other integers on its wires, in the order of the walk.
 pub fn filled<V: Visible, B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<V> {
     let mut given = Given(integers.iter());
     let bundle = form.rewire(&mut given);
@@ -66,14 +66,14 @@ pub fn filled<V: Visible, B: Bundle<i32>>(form: &B, integers: &[i64]) -> B::In<V
     bundle
 }
 
-/// Every wire of a bundle with its name and the integer on it, for comparison between readings. Names are kept as the steps of a walk: as
-/// texts they took longer than what is compared.
+/// Every wire of a bundle with its name and integer, for comparison between backends. Names are kept as the steps of a walk, because texts take
+/// longer than the comparison.
 #[derive(Clone, Default)]
 pub struct Integers {
     values: Vec<i64>,
-    /// The steps to each wire, one path behind the other.
+    /// The steps to each wire, one path after the other.
     steps: Vec<Step>,
-    /// Where the path of each wire ends among them.
+    /// End of the path of each wire in `steps`.
     ends: Vec<usize>,
 }
 
@@ -98,7 +98,7 @@ impl Integers {
         self.wires().map(|(path, _)| name_of(path))
     }
 
-    /// The integer on the wire at the end of a path.
+    /// The integer on the wire at the end of `path`.
     pub fn at(&self, path: &[Step]) -> Option<i64> {
         self.wires().find(|(of, _)| is_same(of, path)).map(|(_, value)| value)
     }
@@ -135,7 +135,7 @@ impl fmt::Debug for Integers {
     }
 }
 
-/// Whether steps have the same names.
+/// Returns true if the steps have the same names.
 fn is_same(a: &[Step], b: &[Step]) -> bool {
     let is_same = |(a, b): (&Step, &Step)| match (a, b) {
         // One declaration, or two in which a field has the same name.
@@ -146,7 +146,7 @@ fn is_same(a: &[Step], b: &[Step]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(is_same)
 }
 
-/// A path as a text.
+/// The text of a path.
 fn name_of(path: &[Step]) -> String {
     path.iter().fold(String::new(), |name, step| match step {
         Step::Field(field) if name.is_empty() => field.name.to_owned(),

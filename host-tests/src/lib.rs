@@ -1,7 +1,7 @@
-//! Tests of roughxel on the host: errata, accuracy, properties, hard cases, conformance of readings, pictures.
+//! Tests of roughxel on the host: errata, accuracy, properties, hard cases, conformance of backends, pictures.
 //!
-//! The float64 reference is a package of its own (`emulator/reference`) that depends on nothing of roughxel, so
-//! that the program can report errors against it, too.
+//! The float64 reference is a separate package (`emulator/reference`) without any dependency on roughxel, so that the program, too, can report
+//! errors against it.
 
 pub mod bars;
 pub mod checked;

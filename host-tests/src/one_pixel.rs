@@ -1,7 +1,7 @@
-//! The highlight of one pixel full of facets: how well a few numbers about them do instead of all.
+//! One-pixel highlight: how well a few numbers about many facets replace the facets.
 //!
-//! 64×64 offsets (b₁, b₂), facet normal (b₁, b₂, 1)/|…|, one exponent; half vectors (t, s, 1)/|…|, t, s = −1…1 in 41 steps,
-//! t² + s² ≤ 1.2. The truth is the mean over all facets of max(0, n·h)^m; PSNR is relative to its peak.
+//! 64×64 offsets (b₁, b₂), facet normal (b₁, b₂, 1)/|…|, one exponent; half vectors (t, s, 1)/|…|, t, s = −1…1 in 41 steps, t² + s² ≤ 1.2. The
+//! truth is the mean over all facets of max(0, n·h)^m; PSNR is relative to its peak.
 
 use std::f64::consts::TAU;
 
@@ -16,20 +16,20 @@ pub const EXPONENT: u32 = 64;
 /// Offsets along an edge of the pixel.
 const EDGE: usize = 64;
 
-/// A pixel, and the highlight it shows.
+/// A pixel and its highlight.
 #[derive(Clone, Debug)]
 pub struct OnePixel {
     /// Short name.
     pub name: &'static str,
     /// Offsets (b₁, b₂) of the facets.
     pub facets: Vec<Vector2>,
-    /// Their mean.
+    /// Mean of the facets.
     pub mean: Vector2,
-    /// Their covariance.
+    /// Covariance of the facets.
     pub covariance: Covariance,
     /// Exponent m of every facet.
     exponent: u32,
-    /// Half vectors, unit length, with the true value for each.
+    /// Unit half vectors with their true values.
     truth: Vec<(Vector3, f64)>,
 }
 
@@ -47,8 +47,8 @@ impl OnePixel {
         Self { name, exponent, truth: truth.collect(), mean, covariance, facets }
     }
 
-    /// Isotropic noise: white heights, filtered by a Gaussian with its cut-off at 0.15 of the sampling rate; slopes of
-    /// standard deviation 0.25.
+    /// Isotropic noise: white heights, filtered by a Gaussian with its cut-off at 0.15 of the sampling rate; slopes with a standard deviation of
+    /// 0.25.
     pub fn noise(exponent: u32) -> Self {
         let mut random = SplitMix64::new(64);
         let white: Vec<f64> = (0..EDGE * EDGE).map(|_| random.normal()).collect();
@@ -99,12 +99,12 @@ impl OnePixel {
         })
     }
 
-    /// All four pixels, with facets of that exponent.
+    /// All four pixels, with facets of `exponent`.
     pub fn all(exponent: u32) -> [Self; 4] {
         [Self::noise, Self::corrugated, Self::v_groove, Self::hemispheres].map(|pixel| pixel(exponent))
     }
 
-    /// PSNR in dB of a method that gives the highlight for a unit half vector, z along the surface's normal.
+    /// PSNR in dB of a method that returns the highlight for a unit half vector, z along the surface's normal.
     pub fn psnr(&self, method: impl Fn(Vector3) -> f64) -> f64 {
         let (mut peak, mut squares) = (0.0_f64, 0.0);
         for &(half, truth) in &self.truth {
@@ -131,7 +131,7 @@ fn unit(a: Vector3) -> Vector3 {
     scaled(1.0 / norm(&a), a)
 }
 
-/// Middle of an offset in a pixel of edge 1.
+/// Centre of an offset in a pixel of edge 1.
 fn places(x: usize, y: usize) -> Vector2 {
     [x, y].map(|k| (k as f64 + 0.5) / EDGE as f64)
 }

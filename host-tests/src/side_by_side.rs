@@ -1,4 +1,4 @@
-//! Designs in every reading that exists: scalar, checked, and lanes with every instruction set of this machine.
+//! Designs in every existing backend: scalar, checked, and lanes with every instruction set of this machine.
 
 use std::marker::PhantomData;
 
@@ -14,11 +14,12 @@ use roughxel_simd::{Backend, BatchWord, InstructionSet, Kernel, NARROW_LANES};
 use crate::checked::{Integers, first_difference};
 use crate::designs::same_when_checked;
 
-/// Runs inputs of one design in every reading, on words of the profile's width. All designs in all kinds of lanes take minutes to compile, so the
-/// design is a parameter: only those that somebody asks for are compiled.
+/// Runs inputs of one design in every backend, on words of the profile's width.
+///
+/// All designs in all kinds of lanes take minutes to compile. The design is therefore a parameter: only requested designs are compiled.
 ///
 /// # Panics
-/// If two readings differ, with the first wire that does.
+/// If two backends differ, with the first wire that does.
 pub fn same_in_every_backend<const DESIGN: usize>(inputs: &[<Of<DESIGN> as Recorded>::Input], p: &Precision)
 where
     Of<DESIGN>: Recorded,
@@ -38,7 +39,7 @@ where
     }
 }
 
-/// The outcome of each of some inputs, as many side by side as there are lanes.
+/// Runs some inputs, in groups of as many as there are lanes.
 struct SideBySide<'a, D>(&'a [Vec<i64>], &'a Precision, PhantomData<D>);
 
 impl<D: Recorded> Kernel for SideBySide<'_, D> {
@@ -48,7 +49,7 @@ impl<D: Recorded> Kernel for SideBySide<'_, D> {
     }
 }
 
-/// The outcome of each of at most as many inputs as there are lanes.
+/// The result of each input of a group that fits the lanes.
 fn group<W: BatchWord, D: Recorded>(ports: &[Vec<i64>], p: &Precision) -> Vec<Integers> {
     W::run(
         #[inline(always)]
@@ -65,7 +66,7 @@ fn group<W: BatchWord, D: Recorded>(ports: &[Vec<i64>], p: &Precision) -> Vec<In
     )
 }
 
-/// Puts the ports of several inputs side by side; what is missing repeats the last.
+/// Packs the ports of several inputs into lanes; unused lanes repeat the last input.
 struct Load<'a, W: BatchWord> {
     ports: &'a [Vec<i64>],
     next: usize,

@@ -1,4 +1,4 @@
-//! The tools of hardware people, as programs: whether they are there, scripts of benches, and a Verilator model of a generated module.
+//! Hardware tools as programs: their presence, scripts of testbenches, and a Verilator model of a generated module.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,9 +9,9 @@ pub fn hdl(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/hdl").join(file)
 }
 
-/// Whether a tool is there; says so where it is not.
+/// Returns true if a tool is installed, and prints a message if it is not.
 ///
-/// Panics where it has to be: with `ROUGHXEL_REQUIRE_TOOLS` set.
+/// Panics if it is missing and `ROUGHXEL_REQUIRE_TOOLS` is set.
 pub fn have(tool: &str) -> bool {
     let found = Command::new(tool).arg("-V").output().is_ok();
     if !found {
@@ -21,7 +21,7 @@ pub fn have(tool: &str) -> bool {
     found
 }
 
-/// Runs a command. Panics where it fails, with what it said.
+/// Runs a command. Panics with its output if it fails.
 pub fn run(command: &mut Command) -> Output {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -29,7 +29,7 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
-/// The command that runs `run.sh` of a bench, to which a tool and options are added: what it compiles runs shortly and is not optimised.
+/// The command that runs `run.sh` of a testbench; callers add a tool and options. The compiled model runs briefly and is not optimised.
 pub fn bench_script(script: &Path) -> Command {
     let mut command = Command::new("sh");
     command.arg(script).env("OPT", "-O0");
@@ -37,7 +37,8 @@ pub fn bench_script(script: &Path) -> Command {
     command
 }
 
-/// Has a command that runs Verilator compile Verilator's own library once for all models, below `target`: it takes longer than most of them.
+/// Makes a command that runs Verilator compile Verilator's own library once for all models, below `target`. The library takes longer to compile
+/// than most models.
 fn keep_objects(command: &mut Command) {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let kept = package.join("../target/verilator-objects");
@@ -46,11 +47,11 @@ fn keep_objects(command: &mut Command) {
     command.env("OBJCACHE", format!("sh {}", script.display())).env("ROUGHXEL_OBJECTS", kept);
 }
 
-/// Builds the Verilator model of a module that stands in a directory with its bench
-/// ([`Bench::files`](roughxel_netlist::bench::Bench::files)), below `directory/obj`, and returns the program.
+/// Builds the Verilator model of a module in a directory with its testbench ([`Bench::files`](roughxel_netlist::bench::Bench::files)), below
+/// `directory/obj`, and returns the program.
 ///
-/// `make` are variables of Verilator's makefile: `OPT_FAST=-O3` for a model that runs long, and for one that does not
-/// `OPT_FAST=-O0 VM_PARALLEL_BUILDS=0`, which compiles it as one file. Panics where Verilator or the compiler fails.
+/// `make` holds variables of Verilator's makefile: `OPT_FAST=-O3` for a model that runs long. For a model that runs briefly, `OPT_FAST=-O0
+/// VM_PARALLEL_BUILDS=0` compiles it as one file. Panics if Verilator or the compiler fails.
 pub fn verilate(directory: &Path, module: &str, make: &str) -> PathBuf {
     let objects = directory.join("obj");
     let program = objects.join("bench");

@@ -1,4 +1,4 @@
-//! The space in which a test claims something: every named profile, every plan, any bits at the ports.
+//! Domain of a test's claim: every named profile, every plan, any bits at the ports.
 
 use std::cell::Cell;
 use std::fs::File;
@@ -20,13 +20,13 @@ const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face
 const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
-/// Whether tests run over all they claim: set by `cargo sweep`. Without, they run over a part that is quick.
+/// Returns true if tests run over their whole domain: set by `cargo sweep`. Otherwise they run over a part that is quick.
 ///
-/// With `ROUGHXEL_ASKED` the name of the test that asks is appended to that file, once: a test that is not in it has nothing more to try.
+/// With `ROUGHXEL_ASKED`, the name of the test that asks is appended once to that file: a test that is not in it has nothing more to try.
 ///
 /// # Panics
 ///
-/// Where it is asked on another thread than a test's own while names are kept, or the file cannot be written.
+/// If `ROUGHXEL_ASKED` is set and the caller is not on a test's own thread, or if the file cannot be written.
 pub fn sweep() -> bool {
     if let Some(file) = std::env::var_os("ROUGHXEL_ASKED") {
         keep_name(Path::new(&file));
@@ -42,18 +42,18 @@ fn keep_name(file: &Path) {
         return;
     }
     let thread = std::thread::current();
-    // A test's thread has the test's name, which is below a module; others have none, or that of a program.
+    // A test's thread has the test's name, which is below a module. Other threads have no name, or that of a program.
     let test = thread.name().filter(|name| name.contains("::")).expect("how much to try is asked on a test's thread");
     let kept = File::options().create(true).append(true).open(file);
     kept.and_then(|mut kept| kept.write_all(format!("{test}\n").as_bytes())).expect("names of tests are kept");
 }
 
-/// How much of something a test tries: all of it in a sweep, else a part.
+/// Returns the amount that a test tries: `all` in a sweep, otherwise `part`.
 pub fn whole_or<T>(all: T, part: T) -> T {
     if sweep() { all } else { part }
 }
 
-/// Whether the element of a list meets a profile: each of them in a sweep, else one, in turn.
+/// Returns true if the list element is tested with a profile: every element in a sweep, otherwise one per profile, in turn.
 pub fn in_turn(index: usize, profile: &str) -> bool {
     sweep() || Profile::NAMES[index % Profile::NAMES.len()] == profile
 }
@@ -63,7 +63,7 @@ pub fn profiles() -> [(&'static str, Precision); Profile::ALL.len()] {
     Profile::ALL.map(|profile| (profile.name(), profile.precision()))
 }
 
-/// Those whose words have 32 bits.
+/// The profiles with 32-bit words.
 pub fn wide_profiles() -> Vec<(&'static str, Precision)> {
     profiles().into_iter().filter(|(_, p)| p.word_bits() == 32).collect()
 }
@@ -83,7 +83,7 @@ pub fn plans() -> Vec<ReflectionPlan> {
     plans
 }
 
-/// Every combination of the effects of a datapath; of a design that is part of none, its only one.
+/// Every combination of the effects of a datapath; a design outside of all datapaths has a single combination.
 pub fn effects(datapath: Option<Datapath>) -> Vec<Effects> {
     let switch = [false, true];
     match datapath {
@@ -103,7 +103,7 @@ pub fn effects(datapath: Option<Datapath>) -> Vec<Effects> {
     }
 }
 
-/// Any word, with weight on the ends of its range, single bits, runs of ones, and what is beside 1 as a mantissa.
+/// Any word, with weight on the ends of its range, single bits, runs of ones, and neighbours of 1 as a mantissa.
 pub fn any_word(random: &mut SplitMix64) -> i32 {
     let power = 1_i64 << random.below(32);
     let word = match random.below(12) {
@@ -132,7 +132,7 @@ pub fn any_exponent(random: &mut SplitMix64) -> i16 {
     }
 }
 
-/// Vectors of any bits. Some repeat a component, and half of the time two of them are alike, so that ties, parallels and equal sums occur.
+/// Vectors of any bits. Some repeat a component, and half of the time two vectors are alike, so that ties, parallels and equal sums occur.
 pub fn any_vectors<const COUNT: usize>(random: &mut SplitMix64) -> [BlockVector; COUNT] {
     let is_even = random.below(8) == 0;
     let mut vectors = [(); COUNT].map(|()| {

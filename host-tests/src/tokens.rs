@@ -7,7 +7,7 @@ pub struct Token {
     pub text: String,
     /// The line it starts in, from 1.
     pub line: usize,
-    /// White space or a comment stands before it: rustfmt puts operators with two operands between spaces.
+    /// True after white space or a comment: rustfmt puts operators with two operands between spaces.
     pub spaced: bool,
 }
 

@@ -1,5 +1,4 @@
-//! What the documents promise: short sentences, sizes, links that lead somewhere, a card for each package. And what doc comments promise: to
-//! begin with a noun or a verb.
+//! Rules for documents: short sentences, sizes, links with existing targets, a card for each package. Doc comments begin with a noun or a verb.
 //!
 //! `cargo test --release -p roughxel-host-tests --test documents -- --nocapture` prints every measure.
 
@@ -13,24 +12,24 @@ use roughxel_host_tests::imports::workspace_root;
 const GENERATED: [&str; 4] =
     ["docs/cli.md", "emulator/firmware/PRICE.md", "emulator/study/results/tables.md", "vectors/hdl/RESULTS.md"];
 
-/// Most bytes of a document.
+/// Largest size of a document in bytes.
 const SIZES: [(&str, usize); 3] =
     [("README.md", 6 << 10), ("ARCHITECTURE.md", 10 << 10), ("vectors/README.md", 5 << 10)];
 
-/// Most bytes of a decision: a page.
+/// Largest size of a decision in bytes: a page.
 const DECISION: usize = 4 << 10;
 
-/// Most words of half of the sentences of a document, and of nine in ten.
+/// Largest median and 90th percentile of the words in a document's sentences.
 const WORDS: (usize, usize) = (16, 30);
 
-/// Folders of the project: others in the root are what a program wrote.
+/// Folders of the project: other folders in the root are written by programs.
 const FOLDERS: [&str; 6] = ["core", "docs", "emulator", "findings", "host-tests", "vectors"];
 
-/// Files of the project with this ending, by their path from the root, without hidden folders and what is built.
+/// Files of the project with this ending, as paths from the root, without hidden folders and build products.
 fn files(ending: &str) -> Vec<String> {
     let (root, mut found, mut waiting) = (workspace_root(), Vec::new(), vec![PathBuf::new()]);
     while let Some(folder) = waiting.pop() {
-        for entry in fs::read_dir(root.join(&folder)).expect("the folder is there") {
+        for entry in fs::read_dir(root.join(&folder)).expect("the folder exists") {
             let entry = entry.expect("a folder can be read");
             let (name, path) = (entry.file_name().to_string_lossy().into_owned(), folder.join(entry.file_name()));
             let is_foreign = folder.as_os_str().is_empty() && entry.path().is_dir() && !FOLDERS.contains(&&*name);
@@ -74,7 +73,7 @@ fn plain(line: &str) -> String {
     parts.replace(['[', ']', '*'], "")
 }
 
-/// The paragraphs of a document: no headings, tables, pictures, comments or code; each item of a list is one.
+/// The paragraphs of a document, without headings, tables, pictures, comments and code; each item of a list is one paragraph.
 fn paragraphs(text: &str) -> Vec<String> {
     let mut paragraphs = vec![String::new()];
     let mut before = 0;
@@ -87,14 +86,14 @@ fn paragraphs(text: &str) -> Vec<String> {
         }
         before = number;
         if is_prose {
-            let last = paragraphs.last_mut().expect("there is one");
+            let last = paragraphs.last_mut().expect("there is a paragraph");
             *last = format!("{last} {}", plain(line.trim_start_matches("- ")));
         }
     }
     paragraphs
 }
 
-/// The numbers of words of the sentences: a sentence ends where a full stop, a question or an exclamation mark ends a word.
+/// The word counts of the sentences: a sentence ends at a word that ends with a full stop, a question mark or an exclamation mark.
 fn sentences(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for paragraph in paragraphs(text) {
@@ -117,7 +116,7 @@ fn sentences(text: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// The value that a share of the numbers does not exceed.
+/// The value that `percent` of the numbers do not exceed.
 fn quantile(sorted: &[usize], percent: usize) -> usize {
     sorted[(sorted.len() * percent).div_ceil(100).saturating_sub(1)]
 }
@@ -138,7 +137,7 @@ fn the_measure_counts_the_words_of_sentences_and_nothing_else() {
     );
 }
 
-/// Decisions are measured together, cards of packages are, every other document alone.
+/// Decisions are measured together, and so are cards of packages; every other document is measured alone.
 #[test]
 fn sentences_of_documents_are_short() {
     let cards: Vec<String> = packages().iter().map(|folder| format!("{folder}/README.md")).collect();
@@ -168,7 +167,7 @@ fn sentences_of_documents_are_short() {
     assert!(too_long.is_empty(), "more than {WORDS:?} words:\n{}", too_long.join("\n"));
 }
 
-/// Most characters of a line of prose.
+/// Largest number of characters in a line of prose.
 const LINE: usize = 160;
 
 #[test]
@@ -205,7 +204,7 @@ fn links(text: &str) -> Vec<String> {
     lines_outside_code(text).into_iter().flat_map(|(_, line)| links_of(line)).collect()
 }
 
-/// The anchor of a heading, as GitHub makes it.
+/// The anchor of a heading, in GitHub's form.
 fn anchor(heading: &str) -> String {
     let kept = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = kept.chars().filter(|&c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
@@ -243,7 +242,7 @@ fn local_links_lead_to_files_and_headings_that_are_there() {
     assert!(wrong.is_empty(), "not there:\n{}", wrong.join("\n"));
 }
 
-/// The pieces of code of a document: lines of blocks, and what stands between backticks in a line.
+/// The pieces of code of a document: lines of blocks, and text between backticks in a line.
 fn code(text: &str) -> Vec<&str> {
     let mut is_block = false;
     let pieces = text.lines().flat_map(|line| {
@@ -271,7 +270,7 @@ fn files_that_documents_name_are_there() {
     assert!(gone.is_empty(), "not there:\n{}", gone.join("\n"));
 }
 
-/// `cargo … -p PACKAGE --bench NAME`: the package is one of the workspace, and has a target of that name. Names in capitals stand for any.
+/// `cargo … -p PACKAGE --bench NAME`: the package is in the workspace, and has a target of that name. Names in capitals are placeholders.
 #[test]
 fn cargo_commands_of_documents_name_packages_and_targets_that_are_there() {
     let manifests: Vec<String> = packages().iter().map(|folder| format!("{folder}/Cargo.toml")).collect();
@@ -279,7 +278,7 @@ fn cargo_commands_of_documents_name_packages_and_targets_that_are_there() {
         .iter()
         .map(|path| {
             let text = text_of(path);
-            let name = text.split("name = \"").nth(1).and_then(|rest| rest.split('"').next()).expect("it has a name");
+            let name = text.split("name = \"").nth(1).and_then(|rest| rest.split('"').next()).expect("a name");
             (name.to_owned(), path.trim_end_matches("Cargo.toml"))
         })
         .collect();
@@ -334,15 +333,15 @@ fn every_package_has_a_card_and_every_decision_stands_in_the_index() {
     }
 }
 
-/// First words of a doc comment that is no noun phrase and no verb.
+/// First words that make a doc comment start without a noun or a verb.
 const NO_HEAD: [&str; 30] = [
     "What", "Which", "Who", "Whose", "Where", "When", "Whether", "How", "Of", "In", "On", "At", "By", "For", "From",
     "With", "Without", "To", "As", "If", "While", "Those", "That", "These", "Both", "It", "They", "There", "Here",
     "Beside",
 ];
 
-/// Doc comments without a head, per cent. The aim is 2.
-const MOST_WITHOUT_A_HEAD: f64 = 16.0;
+/// Largest share of doc comments without a head, per cent.
+const MOST_WITHOUT_A_HEAD: f64 = 2.0;
 
 #[test]
 fn doc_comments_begin_with_a_noun_or_a_verb() {

@@ -1,8 +1,8 @@
-//! What the datapath promises about its own source: integers only, no division, no panic path, stages that do not know
-//! each other, one file that names `fixed`, an algebra that fits a screen; and a frame that leaves all arithmetic to it.
+//! Rules for the source of the datapath: integers only, no division, no panic path, stages that do not know each other, one file that names
+//! `fixed`, an algebra that fits a screen. A frame leaves all arithmetic to the datapath.
 //!
-//! Two witnesses: the tokens of `core/src` (comments and strings do not count), and the machine code of the scalar
-//! reading, in which a panic, a division or a float would have to show whatever the source looks like.
+//! Two witnesses: the tokens of `core/src` (comments and strings do not count), and the machine code of the scalar backend, in which a panic, a
+//! division or a float would show, whatever the source looks like.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,12 +19,12 @@ fn core_files() -> Vec<(String, String, Vec<Token>)> {
     files_below(&core_root().join("src"))
 }
 
-/// Every source file below a folder by its path from there, with its tokens, in order of names.
+/// Every source file below a folder by its path from that folder, with its tokens, in order of names.
 fn files_below(root: &Path) -> Vec<(String, String, Vec<Token>)> {
     let mut names = Vec::new();
     let mut folders = vec![root.to_owned()];
     while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("there are sources") {
+        for entry in fs::read_dir(&folder).expect("the folder has sources") {
             let path = entry.expect("a folder can be read").path();
             if path.is_dir() {
                 folders.push(path);
@@ -45,7 +45,7 @@ fn files_below(root: &Path) -> Vec<(String, String, Vec<Token>)> {
         .collect()
 }
 
-/// The datapath: everything but the floating-point set-up, which is a feature of its own and never called by it.
+/// The datapath: everything except the floating-point set-up, which is a separate feature and never called by the datapath.
 fn datapath_files() -> Vec<(String, String, Vec<Token>)> {
     core_files().into_iter().filter(|(name, _, _)| name != "setup.rs").collect()
 }
@@ -71,7 +71,7 @@ fn the_tokeniser_sees_code_and_nothing_else() {
     assert_eq!(texts, ["a", "/", "b", "&", "'", "a", "i", "1.5", "0", ".", ".", "3", "x", ".", "0"]);
     assert_eq!(tokens("a\n/* \n */ b")[1].line, 3);
     let items = tokens("const fn f<const N: usize>() { a } static T: &'static [i32] = b; fn g() { c }");
-    let index = |name: &str| items.iter().position(|token| token.text == name).expect("the token is there");
+    let index = |name: &str| items.iter().position(|token| token.text == name).expect("the token exists");
     assert_eq!(enclosing_item(&items, index("a")), ("const fn", "f"));
     assert_eq!(enclosing_item(&items, index("b")), ("static", "T"));
     assert_eq!(enclosing_item(&items, index("c")), ("fn", "g"));
@@ -83,13 +83,13 @@ fn datapath_names_no_float() {
         for token in tokens {
             let literal = token.text.starts_with(|c: char| c.is_ascii_digit()) && token.text.contains('.');
             let named = matches!(token.text.as_str(), "f32" | "f64" | "f16" | "f128" | "glam" | "libm");
-            // lib.rs declares the set-up module, which is where glam lives.
+            // lib.rs declares the set-up module, which contains glam.
             assert!(!literal && !named, "{name}:{}: {}", token.line, token.text);
         }
     }
 }
 
-/// Where a division may stand, and why it is none of the datapath's: file, item, reason.
+/// Allowed divisions outside of the datapath's arithmetic: file, item, reason.
 const DIVISIONS: [(&str, &str, &str); 2] = [
     ("rom.rs", "", "generators of tables, evaluated at compile time"),
     ("scalar_api.rs", "texture_scale", "set-up once per map, by a number that cannot be zero"),
@@ -117,7 +117,7 @@ fn datapath_divides_nowhere() {
         }
     }
     for (used, (file, item, reason)) in used.into_iter().zip(DIVISIONS) {
-        assert!(used, "{file} {item} ({reason}) divides no more: strike it from the list");
+        assert!(used, "{file} {item} ({reason}) no longer divides: remove it from the list");
     }
 }
 
@@ -154,18 +154,18 @@ fn stages_do_not_import_each_other() {
         }
         for window in tokens.windows(2) {
             let named = |text: &str| window[0].text == text && window[1].text == ":";
-            assert!(!named("super"), "{name}:{}: a stage reaches for its neighbours", window[0].line);
+            assert!(!named("super"), "{name}:{}: a stage uses a different stage", window[0].line);
             assert!(!named("stage"), "{name}:{}: a stage imports another", window[0].line);
-            // Ports are declarations, which stages may use; what runs a datapath on them is above.
+            // Ports are declarations, which stages may use; the functions that run a datapath on ports are in a higher layer.
             for above in ["datapath", "design", "scalar_api", "probe_list", "staged"] {
                 assert!(!named(above), "{name}:{}: a stage imports {above}", window[0].line);
             }
-            assert!(!named("scalar"), "{name}:{}: a stage knows its reading", window[0].line);
+            assert!(!named("scalar"), "{name}:{}: a stage knows its backend", window[0].line);
         }
     }
 }
 
-/// A closure by a name and the closure of a fold are functions of their own, compiled for the lanes' instruction set only where they are inlined.
+/// A named closure and the closure of a fold are separate functions. They are compiled for the lanes' instruction set only if they are inlined.
 #[test]
 fn stages_name_no_closures_and_fold_no_iterators() {
     let mut found = Vec::new();
@@ -206,16 +206,16 @@ fn the_algebra_fits_a_screen() {
     let files = core_files();
     let (_, source, tokens) = files.iter().find(|(name, _, _)| name == "word.rs").expect("the algebra");
     let operations = tokens.iter().filter(|token| token.text == "fn").count();
-    // 17 operations, a claim, a rounding made of three of them, two ways between mantissas and what controls, two between wide wires
-    // and it, and two steps made of operations that a processor has shorter ways for (a branch, one shift for two). The lines are those of
-    // three traits: words alone multiply and look up, and a step that takes a wide wire names its word.
+    // 17 operations, a claim, a rounding made of three of them, two ways between mantissas and control wires, two between wide and control wires,
+    // and two steps made of operations for which a processor has shorter ways (a branch, one shift for two). The lines are those of three traits:
+    // only words multiply and look up, and a step that takes a wide wire names its word.
     assert!(operations <= 25, "{operations} operations");
     assert!(source.lines().count() <= 105, "{} lines", source.lines().count());
 }
 
 #[test]
 fn every_way_into_the_core_has_an_example_of_less_than_40_lines() {
-    // `cargo test` compiles them.
+    // `cargo test` compiles the examples.
     for name in ["fragment", "pixel", "scanline", "texture_footprint"] {
         let path = core_root().join(format!("examples/{name}.rs"));
         let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -238,7 +238,7 @@ fn core_is_no_std_and_safe() {
 /// Files of the shader that are memory: places of texels, rows and peaks.
 const MEMORY: [&str; 6] = ["batch.rs", "batch/append.rs", "order.rs", "peaks.rs", "peaks_read.rs", "texels.rs"];
 
-/// Files through which a value goes from texel to pixel, beside the rest of the shader.
+/// Files through which a value passes from texel to pixel, besides the rest of the shader.
 const SHADING: [&str; 6] = [
     "core/src/sampler.rs",
     "core/src/wrapped.rs",
@@ -248,7 +248,7 @@ const SHADING: [&str; 6] = [
     "emulator/frame/src/tile.rs",
 ];
 
-/// Arithmetic that is none of the datapath's: file, item, reason.
+/// Arithmetic outside of the datapath: file, item, reason.
 const FRAME_ARITHMETIC: [(&str, &str, &str); 15] = [
     ("core/src/sampler.rs", "level_edge", "memory: the edge of a level"),
     ("core/src/sampler.rs", "edge_of", "memory: the same of every fragment"),
@@ -271,8 +271,8 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 15] = [
     ("emulator/frame/src/tile.rs", "background", "set-up from floats: a ramp of colours"),
 ];
 
-/// Why a token of a frame is arithmetic, if it is: an operator between operands, or a call that shifts, multiplies, rounds
-/// or divides.
+/// Returns the reason why a token of a frame is arithmetic, if it is: an operator between operands, or a call that shifts, multiplies, rounds or
+/// divides.
 fn arithmetic(tokens: &[Token], index: usize) -> bool {
     let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
     let spaced = |i: usize| tokens.get(i).is_some_and(|token| token.spaced);
@@ -288,7 +288,7 @@ fn arithmetic(tokens: &[Token], index: usize) -> bool {
     }
 }
 
-/// What a source names of `stage` beside types and constants by their own names: functions, modules, everything of one.
+/// Names of `stage` in a source, other than types and constants by their own names: functions, modules, globs.
 fn stage_functions(tokens: &[Token]) -> Vec<&Token> {
     let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
     let starts_large = |token: &&Token| token.text.starts_with(char::is_uppercase);
@@ -348,11 +348,11 @@ fn a_frame_calls_no_arithmetic_of_its_own() {
     }
     assert!(found.is_empty(), "the datapath has the arithmetic: {found:#?}");
     for (used, (file, item, reason)) in used.into_iter().zip(FRAME_ARITHMETIC) {
-        assert!(used, "{file} {item} ({reason}) computes no more: strike it from the list");
+        assert!(used, "{file} {item} ({reason}) no longer computes: remove it from the list");
     }
 }
 
-/// `row(7)` was the probe count of a footprint, and five files knew it by heart: declarations name the rows (`row_of`, `rows_of`, `Appended`).
+/// Regression: `row(7)` as the probe count of a footprint, known in five files. Declarations name the rows (`row_of`, `rows_of`, `Appended`).
 #[test]
 fn rows_of_batches_have_names_and_no_numbers() {
     let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
@@ -367,13 +367,14 @@ fn rows_of_batches_have_names_and_no_numbers() {
     }
 }
 
-/// Where a function may be the platform's own, whose last bit is another with each: file, reason.
+/// Files that may use the platform's own functions, whose last bit differs between platforms: file, reason.
 const PLATFORM_FUNCTIONS: [(&str, &str); 2] = [
     ("scene/src/picture/compare.rs", "figures of likeness, of which a few digits are printed"),
     ("frame/src/frame.rs", "the same"),
 ];
 
-/// Inputs of sets and hard cases had sines and powers of the platform's library: vectors of one name could differ by a last place between machines.
+/// Inputs of sets and hard cases use no sines and powers of the platform's library. With them, vectors of one name differ by a last place between
+/// machines.
 #[test]
 fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
     const FUNCTIONS: [&str; 23] = [
@@ -389,7 +390,7 @@ fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
                 continue;
             }
             let text = |i: usize| tokens.get(i).map_or("", |token| token.text.as_str());
-            // Tests are the last module of a file; one that is a file of its own is left out above.
+            // Tests are the last module of a file; a test module in its own file is left out above.
             let begins_tests = |&i: &usize| text(i) == "cfg" && text(i + 2) == "test" && text(i + 7) == "{";
             let end = (0..tokens.len()).find(begins_tests).unwrap_or(tokens.len());
             // As a method, or by the path of its type.
@@ -405,11 +406,11 @@ fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
         }
     }
     for (used, (file, reason)) in used.into_iter().zip(PLATFORM_FUNCTIONS) {
-        assert!(used, "{file} ({reason}) has none any more: strike it from the list");
+        assert!(used, "{file} ({reason}) no longer has any: remove it from the list");
     }
 }
 
-/// Assembly of the core as a release build makes it, debug information left out.
+/// Assembly of the core as a release build makes it, without debug information.
 fn release_assembly() -> String {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assembly");
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
@@ -448,7 +449,7 @@ fn functions(assembly: &str) -> Vec<(&str, Vec<&str>)> {
 #[test]
 fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
     let assembly = release_assembly();
-    // The scalar datapath is in there: these entry points are not generic.
+    // The listing contains the scalar datapath: these entry points are not generic.
     let scalar_api = [
         "surface",
         "reflection_of",
@@ -467,7 +468,7 @@ fn machine_code_of_the_datapath_holds_no_panic_no_division_and_no_float() {
             assert!(present, "{file}::{entry} is missing from the listing");
         }
     }
-    // What a panic needs is a reference to a function of core::panicking, core::option, core::result, core::slice …
+    // A panic needs a reference to a function of core::panicking, core::option, core::result, core::slice …
     for word in ["panic", "unwrap_failed", "expect_failed", "slice_index", "bounds_check", "str_index"] {
         let line = assembly.lines().find(|line| line.contains(word));
         assert_eq!(line, None, "a path that panics");

@@ -16,14 +16,14 @@ use crate::reference::cube::direction_of;
 
 /// Edge of the environment's faces, texels.
 const EDGE: u32 = 64;
-/// Distance of each of the two directions of a step from the edge, on the plane: 16 last bits of the narrowest profile
-/// and 1/128 of a texel, over which the environment itself changes by 0.1 % of its variation.
+/// Distance from the edge, on the plane, of each of the two directions of a step. It is 16 last bits of the narrowest profile and 1/128 of a texel,
+/// over which the environment itself changes by 0.1 % of its variation.
 const ACROSS: f64 = 1.0 / 4096.0;
 /// Places along each edge, corners included.
 const PLACES: u32 = 33;
 /// Samples of a face along each axis, from which its variation is taken.
 const GRID: u32 = 17;
-/// Eighths of a level that are tested.
+/// Number of tested eighths of a level.
 const LODS: u32 = 8 * EDGE.ilog2() + 1;
 
 /// Largest step across any of the 12 edges, as a share of the least variation inside a face at the same filter width.
@@ -36,14 +36,14 @@ pub struct CubeEdgeStep {
     /// The footprint lies on the plane of the face it is seen on: a lobe of deviation λ is shifted by about λ² towards
     /// the middle of that face, to either side of an edge.
     pub lobe: f64,
-    /// The same with a deviation of ¼ (14°), beyond what a piece of a plane can stand for.
+    /// Step of the whole chain for a deviation of ¼ (14°), which is too wide for a footprint on a plane.
     pub wide_lobe: f64,
     /// Footprints on the sphere, round ones and three times as long as wide, with a longer deviation of 2⁻⁸ to 1 (57°; half the sphere from
     /// side to side).
     pub lobe_on_sphere: f64,
 }
 
-/// Low frequencies in direction, 0…1, another one in each channel.
+/// Low frequencies in direction, 0…1, a different one in each channel.
 fn smooth(direction: DVec3) -> [f32; 3] {
     let d = direction.normalize();
     [0.5 + 0.25 * (d.x + d.y - d.z), 0.5 + 0.4 * (d.x * d.y + d.z * 0.5), 0.5 + 0.5 * d.y * d.z + 0.2 * d.x]
@@ -64,9 +64,9 @@ fn environment() -> EnvironmentMap {
     EnvironmentMap::new(&[0, 1, 2, 3, 4, 5].map(face), true)
 }
 
-/// A mirror that faces the viewer, so that the ray comes back along v, whose normal turns in both directions so that
-/// the footprint has the standard deviation `radius` (tangent of the angle) along one axis, which turns smoothly with the direction, and an
-/// `aspect` of it along the other; no footprint for 0.
+/// A mirror that faces the viewer, so that the ray returns along v. Its normal turns in both directions, so that the footprint has the standard
+/// deviation `radius` (tangent of the angle) along one axis, and an `aspect` of it along the other. The axis turns smoothly with the direction. A
+/// radius of 0 gives no footprint.
 fn fragment(direction: DVec3, radius: f64, aspect: f64, p: &Precision) -> ReflectionIn {
     let n = direction.normalize();
     let across = n.cross(DVec3::new(0.3, 0.5, 0.8)).normalize();
@@ -81,8 +81,8 @@ fn fragment(direction: DVec3, radius: f64, aspect: f64, p: &Precision) -> Reflec
     }
 }
 
-/// What is sampled in a direction: a lobe of a standard deviation along one axis and an `aspect` of it along the other, sampled as roughness or as a
-/// pixel's box; or one trilinear probe at a level with 16 fraction bits.
+/// Sample in a direction: a lobe of a standard deviation along one axis and an `aspect` of it along the other, sampled as roughness or as a pixel's
+/// box; or one trilinear probe at a level with 16 fraction bits.
 #[derive(Clone, Copy)]
 struct Footprint {
     kind: FootprintKind,
@@ -93,7 +93,7 @@ struct Footprint {
 }
 
 impl Footprint {
-    /// One probe where its footprint is.
+    /// One probe at the place of its footprint.
     const PROBE: Self = Self { kind: FootprintKind::Face, radius: 0.0, aspect: 1.0, rough: false, lod: None };
 }
 

@@ -1,4 +1,4 @@
-//! Digests of small frames: any change of any bit of any pixel shows.
+//! Digests of small frames: any change of any bit of any pixel is detected.
 
 use rayon::prelude::*;
 use roughxel_core::precision::Profile;
@@ -12,10 +12,11 @@ pub const GOLDEN_FRAMES: &str = "golden/frames.txt";
 
 /// Size of the frames, pixels.
 const SIZE: [u32; 2] = [64, 48];
-/// One line per built-in scene and one with [two lobes](super::two_lobes), profile and mode: their names and the SHA-256 of the frame's words.
+/// Returns one line per built-in scene, and one with [two lobes](super::two_lobes), for each profile and mode: their names and the SHA-256 of the
+/// frame's words.
 ///
-/// Scenes with the same map share its fitted peaks; all profiles and modes of a scene share its peaks and environments. Errors: a sentence naming the scene that
-/// cannot be drawn.
+/// Scenes with the same map share its fitted peaks; all profiles and modes of a scene share its peaks and environments. Errors: a sentence that
+/// names the scene that cannot be drawn.
 pub fn golden_frames() -> Result<String, String> {
     let mut text = format!("# SHA-256 of {}x{} frames; written by `picture-bars --bless`.\n", SIZE[0], SIZE[1]);
     let cache = tempfile::tempdir().map_err(|error| error.to_string())?;

@@ -14,7 +14,7 @@ use roughxel_simd::Backend;
 use crate::reference::ground_plane::{GroundPixel, GroundReference, GroundTexture, HEIGHT, TEXTURE_EDGE, WIDTH};
 use crate::reference::linear::normalise_exponent;
 
-/// What the ground plane measures.
+/// Figures of the ground plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundFigures {
     /// PSNR against the reference, dB.
@@ -23,8 +23,7 @@ pub struct GroundFigures {
     pub texels: f64,
 }
 
-/// Draws the ground plane as the frame samples a colour map: the footprint's block, then the filter on the integer
-/// pyramid.
+/// Draws the ground plane as the renderer samples a colour map: the footprint's block, then the filter on the integer pyramid.
 pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile: &Precision) -> GroundFigures {
     let map = colour_map(&picture(texture), true);
     let (shader, own) = (Shader::new(Backend::Scalar, profile), &[Fx::int(1); 3]);
@@ -43,14 +42,14 @@ pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile
     GroundFigures { psnr, texels: 8.0 * f64::from(probes) / f64::from(WIDTH * HEIGHT) }
 }
 
-/// The texture as a picture, whose rows run from the top.
+/// The texture as a picture, whose rows start at the top.
 fn picture(texture: GroundTexture) -> Picture {
     let map = texture.map();
     let rows = map.texels.chunks(map.width).rev().flatten();
     Picture { width: TEXTURE_EDGE, height: TEXTURE_EDGE, pixels: rows.map(|[grey]| [*grey as f32; 3]).collect() }
 }
 
-/// Coordinates and derivatives of a pixel, to nearest on the ports.
+/// Coordinates and derivatives of a pixel, rounded to nearest on the ports.
 fn ports(pixel: &GroundPixel) -> TextureIn {
     let turns = |u: f64| U0F32::from_bits(((u - u.floor()) * 2_f64.powi(32)) as u32);
     let pair = |derivative: [f64; 2]| {

@@ -1,4 +1,4 @@
-//! Scenes of what nobody here made: photographs as heights and as normal maps, steeper and busier than the built-in scenes.
+//! Scenes made of third-party photographs as heights and as normal maps, steeper and busier than the built-in scenes.
 
 use std::path::Path;
 
@@ -6,22 +6,22 @@ use roughxel_scene::Scene;
 
 use crate::photographs::{Photograph, normal_map, photograph};
 
-/// Such a scene.
+/// A scene made of a photograph.
 #[derive(Debug)]
 pub struct RealScene {
-    /// What it is.
+    /// Name of the scene.
     pub name: &'static str,
     /// 64 × 48 pixels.
     pub scene: Scene,
 }
 
-/// By how much 16 samples a pixel may be nearer to the truth than the filtered picture of a real scene, dB.
+/// Largest PSNR, in dB, by which 16 samples a pixel may be nearer to the truth than the filtered picture of a real scene.
 pub const BEHIND_16_SAMPLES: f64 = 0.5;
 
 /// Edge of the pieces of photographs, texels.
 const EDGE: u32 = 128;
 
-/// All of them; none where there are no photographs.
+/// All real scenes; `None` without the photographs.
 ///
 /// # Panics
 /// As [`photograph`].
@@ -44,7 +44,7 @@ pub fn real_scenes() -> Option<Vec<RealScene>> {
              [environment]\ngenerate = \"sky\"\nface_edge = 128\nsun = [4, 3.6, 3]\nradius_degrees = 4\n\
              [[object]]\n{shape}[object.material]\n{material}\n"
         );
-        let scene = Scene::from_toml(name, &text, Path::new("")).expect("the scene is good");
+        let scene = Scene::from_toml(name, &text, Path::new("")).expect("the scene is valid");
         RealScene { name, scene }
     };
     let plane = |repeat: u32| {

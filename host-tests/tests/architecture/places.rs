@@ -1,4 +1,4 @@
-//! `places.toml` as it is read, and what packages and files have against it.
+//! Contents of `places.toml`, and the violations of packages and files.
 
 use std::collections::BTreeSet;
 
@@ -22,19 +22,19 @@ pub(crate) struct Package {
     pub(crate) holds: String,
     /// Folders of the packages in its Cargo.toml.
     pub(crate) uses: Vec<String>,
-    /// Whether it is no member of the workspace: of its sources no more is asked than of its Cargo.toml.
+    /// True if the package is no member of the workspace: only its Cargo.toml is checked, not its sources.
     #[serde(default)]
     pub(crate) own_workspace: bool,
     #[serde(default, rename = "place")]
     places: Vec<Written>,
 }
 
-/// A place as it is written.
+/// A place as the file states it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
     files: Vec<String>,
-    #[expect(dead_code, reason = "it is for those who read the file")]
+    #[expect(dead_code, reason = "readers of the file use it")]
     holds: String,
     uses: Vec<String>,
 }
@@ -48,7 +48,7 @@ pub(crate) struct Place {
     pub(crate) uses: Vec<String>,
 }
 
-/// Whether a file is a place or lies in it: `core/src/stage` is `stage.rs` and all below `stage/`.
+/// Returns true if a file is a place or is inside it: `core/src/stage` is `stage.rs` and everything below `stage/`.
 pub(crate) fn lies_in(file: &str, place: &str) -> bool {
     let rest = file.trim_end_matches(".rs").strip_prefix(place);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
@@ -65,13 +65,13 @@ impl Places {
         self.packages.iter().position(|package| package.folder == folder)
     }
 
-    /// The package in which a file lies, innermost where one is in the folder of another.
+    /// The package that contains a file, the innermost one if packages are nested.
     pub(crate) fn package_of(&self, file: &str) -> Option<&Package> {
         let around = self.packages.iter().filter(|package| lies_in(file, &package.folder));
         around.max_by_key(|package| package.folder.len())
     }
 
-    /// The places of the workspace's packages; a package without places is one.
+    /// The places of the workspace's packages; a package without places counts as one place.
     pub(crate) fn places(&self) -> Vec<Place> {
         let of_package = |package: &Package| {
             let Package { folder, uses, places, .. } = package;
@@ -93,7 +93,7 @@ impl Places {
         self.packages.iter().filter(|package| !package.own_workspace).flat_map(of_package).collect()
     }
 
-    /// Imports that are not allowed: `FILE:LINE uses FILE`.
+    /// Imports that break the rules: `FILE:LINE uses FILE`.
     pub(crate) fn forbidden(&self, files: &[SourceFile]) -> Vec<String> {
         let places = self.places();
         let mut found = Vec::new();
@@ -102,7 +102,7 @@ impl Places {
             for (used, line) in &file.uses {
                 let own = place_of(&places, used).is_some_and(|other| other.files == place.files);
                 let of_package = self.package_of(used).map(|package| package.folder.as_str());
-                // A package by its folder is that package alone, not those in folders of its folder.
+                // A package named by its folder is that package alone, without packages in subfolders.
                 let is_it = |name: &String| match self.rank(name) {
                     Some(_) => of_package == Some(name),
                     None => lies_in(used, name),
@@ -115,7 +115,8 @@ impl Places {
         found
     }
 
-    /// Arrows that run up: `FOLDER uses FOLDER`, the second not before the first; or files of a package that it has not among its own.
+    /// Dependencies that point upwards: `FOLDER uses FOLDER`, the second not before the first; or files of a package that are not listed as its
+    /// own.
     pub(crate) fn upwards(&self) -> Vec<String> {
         let mut found = Vec::new();
         for (rank, package) in self.packages.iter().enumerate() {
@@ -135,7 +136,7 @@ impl Places {
     }
 }
 
-/// The place of a file: that which says most of its path.
+/// The place of a file: the one with the longest matching path.
 pub(crate) fn place_of<'a>(places: &'a [Place], file: &str) -> Option<&'a Place> {
     let fits = |place: &Place| place.files.iter().filter(|name| lies_in(file, name)).map(String::len).max();
     places

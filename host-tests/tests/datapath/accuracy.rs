@@ -1,5 +1,5 @@
-//! The accuracy table of the project: every bar of [`Figure::bar`] over 10⁶ seeded random fragments (a fifth of them
-//! without a sweep) and all hard cases, for each named profile. The worst fragment of a figure that breaks its bar is printed whole.
+//! The accuracy table of the project: every bar of [`Figure::bar`] over 10⁶ seeded random fragments (a fifth of them without a sweep) and all hard
+//! cases, for each named profile. The worst fragment of a figure that breaks its bar is printed whole.
 
 use roughxel_core::precision::Profile;
 use roughxel_host_tests::space::whole_or;
@@ -15,7 +15,7 @@ fn holds_every_bar(profile: &str) {
     let mut broken = Vec::new();
     for (figure, name) in FIGURES {
         let worst = accuracy.worst(figure).expect("every figure is measured");
-        // A figure that hardly any fragment counts for would hold any bar.
+        // A figure to which hardly any fragment contributes would hold any bar.
         assert!(accuracy.counted(figure) > fragments / 4, "{profile} {name}: {} count", accuracy.counted(figure));
         let bar = figure.bar(profile);
         println!(
@@ -65,7 +65,7 @@ fn precise_holds_every_bar() {
 #[test]
 fn bars_do_not_loosen_from_profile_to_profile() {
     for (figure, name) in FIGURES {
-        // Neither of the first two is the better one: `narrow` keeps fewer bits, `paper` makes coarser choices.
+        // Neither of the first two is better: `narrow` keeps fewer bits, `paper` makes coarser choices.
         for first in ["narrow", "paper"] {
             let bars = [first, "compact", "standard", "precise"].map(|profile| figure.bar(profile));
             assert!(bars.windows(2).all(|pair| pair[1] <= pair[0]), "{name}: {bars:?}");

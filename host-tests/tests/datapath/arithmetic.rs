@@ -1,4 +1,5 @@
-//! Fixed-point and block arithmetic: rounding, normalising and aligning against 128-bit integers. Inputs of 24 bits or fewer are exhausted, wider ones drawn.
+//! Fixed-point and block arithmetic: rounding, normalising and aligning against 128-bit integers. Inputs of 24 bits or fewer are exhausted, wider
+//! ones sampled.
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -9,8 +10,7 @@ use roughxel_core::rom::{self, upper};
 use roughxel_host_tests::checked::{Checked, CheckedWide, CheckedWire};
 use roughxel_host_tests::space::whole_or;
 
-/// 2^30.
-/// Fraction bits of a mantissa.
+/// Fraction bits of a mantissa: 30.
 const FRACTION: u32 = i32::BITS - MANTISSA;
 const ONE: i32 = 1 << FRACTION;
 
@@ -101,7 +101,7 @@ fn rounded_shift_equals_rounding_the_quotient() {
 
 #[test]
 fn rounded_shift_of_a_word_with_no_bit_to_spare_equals_rounding_the_quotient() {
-    // Every mantissa of 16 bits in [-1, 1] that is kept to 12, 13 or all 14 bits, and all places.
+    // Every 16-bit mantissa in [-1, 1] that is kept to 12, 13 or all 14 bits, and all places.
     let fraction = Fx::<i16, 2>::FRACTION;
     for keep in 12..=fraction {
         for k in 0..16_u32 {
@@ -187,7 +187,7 @@ proptest! {
             let kept = i128::from(m) << 33;
             let last_place = 1_i128 << (33 + FRACTION - keep);
             prop_assert!(2 * (value - kept).abs() <= last_place);
-            // Exact where the dropped bits are zero.
+            // Exact if the dropped bits are zero.
             if value % last_place == 0 {
                 prop_assert_eq!(value, kept);
             }

@@ -1,8 +1,8 @@
-//! One source, several readings: a checked, counting reading of the datapath gives the bits of the scalar one, and
-//! no operation leaves its wire, for any bit pattern at any port.
+//! One source, several backends: a checked, counting backend of the datapath gives the bits of the scalar one, and no operation leaves its wire,
+//! for any bit pattern at any port.
 //!
-//! This is the throw-away second reading that proves `Word` fit for lanes and for a recorded graph: nothing in a
-//! stage knows what a word is. What it checks is in [`roughxel_host_tests::checked`].
+//! This second backend shows that `Word` suits lanes and a netlist: nothing in a stage knows what a word is. Its checks are in
+//! [`roughxel_host_tests::checked`].
 
 use fixed::types::U0F32;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ use roughxel_host_tests::space::{any_exponent, any_fragment, any_vectors, any_wo
 use roughxel_netlist::integers::{integers_at, integers_on};
 use roughxel_utilities::random::SplitMix64;
 
-/// Compares every integer of every stage of a fragment, then of its probes of either kind; says what the stages took.
+/// Compares every integer of every stage of a fragment, then of its probes of either kind. Returns the operations of the stages.
 fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> OperationCounts {
     let effects = &(*plan).into();
     let same = |design, ports: Vec<i64>| same_when_checked(design, &ports, effects, p).1;
@@ -49,7 +49,7 @@ fn compare(fragment: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Ope
     counts
 }
 
-/// Compares the texture footprint, its reach, the places of its probes, and their addresses on every level of a map of that shape.
+/// Compares the texture footprint, its reach, the places of its probes, and their addresses on every level of a map of `size`.
 fn compare_texture(fragment: &TextureIn, size: [u16; 2], p: &Precision) {
     let same = |design, ports: Vec<i64>| same_when_checked(design, &ports, &Effects::ALL, p);
     let scale = texture_scale(size);
@@ -203,7 +203,7 @@ fn elementary_functions_stay_on_their_wires_at_and_beyond_the_ends_of_their_doma
     });
 }
 
-/// The ends of what may be on the ports of a design.
+/// The ends of the ranges of a design's ports.
 struct Ends<'a>(&'a Precision);
 
 impl Visitor for Ends<'_> {
@@ -216,7 +216,7 @@ impl Visitor for Ends<'_> {
     }
 }
 
-/// Designs behind memories: any integers in their ranges may meet at their ports.
+/// Designs after memories: any integers in their ranges may meet at their ports.
 const OF_TEXELS: [Design; 20] = [
     Design::BumpTexel,
     Design::BumpRamp,
@@ -292,7 +292,7 @@ fn a_block_that_is_off_costs_nothing() {
             footprint: FootprintKind::None,
             ..full
         };
-        // A mirror without any effect needs no frame: 12 products for r, 2 for s and t, 2 in a Newton step.
+        // A mirror without any effect needs no tangent basis: 12 products for r, 2 for s and t, 2 in a Newton step.
         let mirror = cost(&bare, &p);
         println!("  plain mirror      {:5} of {}", mirror.hardware(), all.hardware());
         assert_eq!(mirror.of("mul"), 14 + 2 * u64::from(p.reciprocal.steps));

@@ -1,4 +1,4 @@
-//! Rows of a batch, and what is read of them without a walk.
+//! Rows of a batch, and values read from them without a walk.
 
 use roughxel_core::bundle::{Bundle, End, Value};
 use roughxel_core::datapath::texel::Bump;
@@ -24,7 +24,8 @@ fn rows_of_columns_begin_with_a_cache_line_however_they_grow() {
     );
 }
 
-/// The memory holds another batch, whose words are −1: a part that lands in another row, or an upper word that keeps what there was, shows.
+/// The memory holds a different batch, whose words are −1. It reveals a part that is written to the wrong row, or an upper word that keeps old
+/// data.
 #[test]
 fn rows_that_are_appended_by_name_are_the_bundles_of_their_lanes() {
     let row = |first: i32| -> [i32; LANES] { core::array::from_fn(|lane| first + 1000 * lane as i32) };

@@ -1,4 +1,4 @@
-//! Whole datapaths in lanes give the bits of the scalar backend on every port and tap: what an export of vectors stands on.
+//! Datapaths in lanes give the bits of the scalar backend on every port and tap: the basis of an export of vectors.
 
 use roughxel_cases::highlight::{highlight_sets, random_light};
 use roughxel_cases::lit_peak::{lit_peak_sets, random_lit_peak};
@@ -14,13 +14,13 @@ use roughxel_shader::{Batch, LitPeaks, LitSurfaces, Reflections, Shader};
 
 use super::lanes::{made_by_all, profiles};
 
-/// All effects together, and single choices of them, in a short run some with each profile.
+/// All effects together, and single choices of them; in a short run, some with each profile.
 fn tried(datapath: Datapath, profile: &str) -> impl Iterator<Item = Effects> {
     let some = effects(Some(datapath)).into_iter().enumerate().filter(move |&(index, _)| in_turn(index, profile));
     [Effects::ALL.of(datapath)].into_iter().chain(some.map(|(_, effects)| effects))
 }
 
-/// Compares what all backends make of random inputs and of hard cases with what the datapath makes of each, wire by wire.
+/// Compares the results of all backends for random inputs and hard cases with those of the datapath for each input, wire by wire.
 fn hold<P, Plan, O>(
     (datapath, profile, p): (Datapath, &str, &Precision),
     random: impl Fn(&str, u64, &Precision) -> P,
@@ -31,7 +31,7 @@ fn hold<P, Plan, O>(
     P: Port<Wires: Form + Bundle<i32, In<i32> = P::Wires>>,
     O: Form,
 {
-    // Not a multiple of the lanes: the last group is not full.
+    // Not a multiple of the lane count: the last group is not full.
     let random = (0..whole_or(4003, 203)).map(|i| random("design lanes", i, p));
     let hard = sets.into_iter().flat_map(|set| set.cases);
     let inputs: Batch<P::Wires> = random.chain(hard).map(|case| case.wires()).collect();

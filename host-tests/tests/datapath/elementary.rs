@@ -1,8 +1,8 @@
-//! Elementary functions, exhausted over the mantissa: every p-bit input of every profile against f64, whose own error
-//! (2⁻⁵³) is far below the last bit in question.
+//! Elementary functions, exhausted over the mantissa: every p-bit input of every profile against f64, whose own error (2⁻⁵³) is far below the last
+//! bit in question.
 //!
-//! The table [`BOUNDS`] holds what was found, rounded up in the third decimal of its logarithm: a change of a seed, a
-//! table or a rounding shows here first.
+//! The table [`BOUNDS`] holds the errors found, rounded up in the third decimal of their logarithms: a change of a seed, a table or a rounding
+//! shows here first.
 
 use std::ops::Range;
 
@@ -17,15 +17,14 @@ use roughxel_core::precision::{Newton, Precision, Profile};
 use roughxel_host_tests::bars;
 use roughxel_utilities::random::SplitMix64;
 
-/// 2^30.
-/// Fraction bits of a mantissa.
+/// Fraction bits of a mantissa: 30.
 const FRACTION: u32 = i32::BITS - MANTISSA;
 const ONE: i32 = 1 << FRACTION;
 
-/// Profiles on words of 32 bits.
+/// Profiles on 32-bit words.
 const NAMES: [&str; 4] = ["paper", "compact", "standard", "precise"];
 
-/// log₂ of the worst error of a profile, for [`FUNCTIONS`]. 1/2x, 1/2√x and log₂ absolute, the others relative.
+/// log₂ of the worst errors of a profile, for [`FUNCTIONS`]. 1/2x, 1/2√x and log₂ are absolute, the others relative.
 type Bounds = [f64; 5];
 
 const FUNCTIONS: [&str; 5] = ["1/2x", "1/2√x", "log2", "exp2", "log2(1 + x)"];
@@ -46,14 +45,14 @@ fn mantissa(x: i32) -> f64 {
     f64::from(x) / f64::from(ONE)
 }
 
-/// Largest error of `error` over every mantissa of `keep` bits from `low` to 1, both included, and where it is.
+/// Largest error of `error` over every mantissa of `keep` bits from `low` to 1, both included, and its place.
 fn worst_over_mantissas(low: i32, keep: u32, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
     let step = FRACTION - keep;
     let (worst, unit) = worst_of(low >> step..(ONE >> step) + 1, |unit| error(unit << step));
     (worst, unit << step)
 }
 
-/// Largest error over a range, and where it is first.
+/// Largest error over a range, and its first place.
 fn worst_of(range: Range<i32>, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
     let errors = range.into_par_iter().with_min_len(1 << 14).map(|x| (error(x), x));
     errors.reduce(|| (0.0, 0), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
@@ -105,7 +104,8 @@ fn exponential_holds_its_bound_at_every_fraction() {
     }
 }
 
-/// Below 1 the table of the ratio runs over as many of its intervals as the exponent leaves; from 1 on the logarithm does.
+/// Tested exponents. Below 1 the table of the ratio runs over as many of its intervals as the exponent leaves; from 1 up the logarithm's table
+/// does.
 const LOG2_ONE_PLUS_EXPONENTS: [i32; 9] = [-1000, -9, -4, -2, -1, 0, 1, 2, 40];
 
 fn log2_one_plus_error(x: i32, e: i32, p: &Precision) -> f64 {
@@ -125,16 +125,16 @@ fn logarithm_of_one_plus_holds_its_relative_bound_at_every_mantissa() {
     }
 }
 
-/// 1/2x: the rounding of the result, that of the scaled residual, and the seed's error squared n times.
+/// Bound of 1/2x: the rounding of the result, that of the scaled residual, and the seed's error squared n times.
 ///
-/// A seed errs by 2^−(k+1) (half an interval times the slope 1 at x = ½) and its own rounding 2^−(k+3), at the middle
-/// of two less: 2^−(k+0.7) is met by every table.
+/// A seed errs by 2^−(k+1) (half an interval times the slope 1 at x = ½) and its own rounding 2^−(k+3), at the middle of two less: every table
+/// meets 2^−(k+0.7).
 fn reciprocal_bound(p: f64, newton: Newton) -> f64 {
     let seed = f64::from(newton.seed_bits) + 0.7;
     (-p - 0.8).exp2() + (-f64::from(1 << newton.steps) * seed).exp2()
 }
 
-/// 1/2√x: two roundings (y² and the result), and the seed's relative error δ as δ ← 1.5·δ², n times.
+/// Bound of 1/2√x: two roundings (y² and the result), and the seed's relative error δ as δ ← 1.5·δ², n times.
 fn inverse_root_bound(p: f64, newton: Newton) -> f64 {
     let seed = f64::from(newton.seed_bits) - 0.76;
     (-p).exp2() + (-f64::from(1 << newton.steps) * seed).exp2() / 1.5
@@ -168,7 +168,7 @@ fn ends_of_the_domains_are_right_and_zero_is_bounded() {
     let fx = Fx::<i32, 2>::from_raw;
     for name in NAMES {
         let p = Profile::by_name(name).map(Profile::precision).expect("a listed profile exists");
-        // 0 is no mantissa of a block but of a block of zeros: the result is bounded, and meets a factor 0.
+        // 0 is the mantissa of a block of zeros only: the result is bounded, and meets a factor 0.
         assert_eq!(half_reciprocal(fx(0), &p), fx(ONE));
         assert_eq!(half_reciprocal(fx(ONE / 2), &p), fx(ONE));
         assert_eq!(half_inverse_root(fx(0), &p), fx(ONE));
@@ -208,7 +208,7 @@ fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
             let half = exponent.div_euclid(2);
             let expected = (mantissa(mantissa_bits) * f64::from(exponent.rem_euclid(2)).exp2()).sqrt();
             let value = |block: Block<i32, 1>, e: i32| mantissa(block.m[0].raw()) * f64::from(block.e.raw() - e).exp2();
-            // The inverse root halves x where its exponent is odd (½ place lost), and the root rounds once more.
+            // The inverse root halves x if its exponent is odd (½ place lost), and the root rounds once more.
             let bound = 3.0 * BOUNDS[index][1].exp2() + 2.0 * (-f64::from(p.fraction_bits)).exp2();
             assert!((value(inverse, -half) * expected - 1.0).abs() < bound, "{name}: 1/√ of {x:?}");
             assert!((value(root, half) / expected - 1.0).abs() < bound, "{name}: √ of {x:?}");
@@ -218,7 +218,7 @@ fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
     }
 }
 
-/// What a soft core would do in float: micromath's approximations, whose worst errors are percents.
+/// Float alternative of a soft core: micromath's approximations, whose worst errors are percents.
 #[test]
 fn cheap_float_functions_err_by_percents_where_a_seed_table_does_not() {
     let worst = |approximate: fn(f32) -> f32, exact: fn(f64) -> f64| {
@@ -237,7 +237,7 @@ fn cheap_float_functions_err_by_percents_where_a_seed_table_does_not() {
     for (name, error, documented, function) in measured {
         println!("micromath {name}: {:.2} %", 100.0 * error);
         assert!((error - documented).abs() < 0.001, "{name}: {error}");
-        // Absolute errors of the halves are relative errors of at most twice their size; ours, at p = 16:
+        // Absolute errors of the halves are relative errors of at most twice their size; the project's, at p = 16:
         let ours = 2.0 * BOUNDS[0][function].exp2();
         assert!(error > 400.0 * ours, "{name}: {error} against {ours}");
     }

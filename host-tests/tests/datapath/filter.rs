@@ -71,12 +71,12 @@ proptest! {
             let patch = Patch { texels: texels.map(Fx::from_raw), weight: weight.map(Fx::from_raw) };
             let sample = filter::of_level::<i32>(&patch, extra);
             prop_assert_eq!(sample.raw(), trilinear([texels; 2], [weight; 2], level, extra));
-            // So is the mean of one probe.
+            // The mean of one probe is exact, too.
             prop_assert_eq!(ProbeSum::<i32>::zero().add(sample, Fx::int(1)).mean(), sample);
         }
     }
 
-    /// The weights of a sample are worked out once for its channels: each channel has its own texels, each level its own weights.
+    /// Weights of a sample are computed once for its channels: each channel has its own texels, each level its own weights.
     #[test]
     fn samples_of_all_channels_are_those_of_each(
         texels in prop::array::uniform2(prop::array::uniform4(prop::array::uniform5(-(1_i32 << 30)..=1 << 30))),
@@ -119,7 +119,7 @@ proptest! {
         let (fine, coarse) = (exact(texels[0], weights[0]), exact(texels[1], weights[1]));
         let expected = fine * (4096 - i64::from(level)) + coarse * i64::from(level);
         let got = trilinear(texels.map(|level| level.map(i32::from)), weights, level, 8);
-        // Each level is rounded to a word, then their mean: half a last place and another half.
+        // Each level is rounded to a word, then their mean: half a last place and again half a last place.
         prop_assert!(((i64::from(got) << 24) - expected).abs() <= 1 << 24);
         let colours = texels.map(|level| level.map(|texel| i32::from(texel) << 8));
         for (got, texels) in [(got, colours), (trilinear(words, weights, level, 0), words)] {
@@ -276,14 +276,14 @@ fn levels_split_every_lod_of_every_profile() {
     for bits in 0..15 << 16 {
         let pair = levels::<i32>(Fx::from_raw(bits));
         assert_eq!(pair.level.raw(), bits >> 16);
-        // A profile keeps at most 12 bits; those beyond do not exist.
+        // A profile keeps at most 12 bits; lower bits do not exist.
         assert_eq!(pair.weight.raw(), (bits & 0xffff) >> 4);
     }
 }
 
 #[test]
 fn corner_texel_is_the_nearest_to_the_mean_of_the_three() {
-    // The mean depends on the sum only: all of them.
+    // The mean depends only on the sum: all sums are tested.
     for sum in 0..=3 * 65535_i32 {
         let three = [sum / 3, (sum + 1) / 3, (sum + 2) / 3];
         let got = corner(&three.map(Fx::<i32, 32>::from_raw)).raw();

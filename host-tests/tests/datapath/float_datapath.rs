@@ -1,4 +1,4 @@
-//! The `f32` comparator of the benchmarks is the same mathematics, and its batches are the same numbers.
+//! F32 baseline of the benchmarks: it is the same mathematics, and its batches give the same numbers.
 
 use fixed::types::I2F30;
 use roughxel_cases::random_fragment;
@@ -31,7 +31,7 @@ fn plain_version_agrees_with_the_float64_reference() {
     for ports in fragments(COUNT) {
         let fragment = Fragment::from(&ports);
         let Fragment { normal, main_direction, .. } = fragment;
-        // Near the pole h×n is what f32 left of a difference.
+        // Near the pole, h×n is the f32 remainder of a difference.
         let sine = main_direction.cross(normal).length() / (main_direction.length() * normal.length());
         let want = reference::reflection(&reference_inputs(&ports), &options);
         if sine.is_nan() || sine < 0.05 || want.selection.m == 0.0 || want.tie_margin < 1e-5 {
@@ -61,7 +61,7 @@ fn plain_version_agrees_with_the_float64_reference() {
         steps += 1;
         let [x, y] = got.step.to_array().map(f64::from);
         let [u, v] = want.probes.step;
-        // The sign of an axis is a convention, and a matter of rounding where its components are equal.
+        // The sign of an axis is a convention, and a matter of rounding if its components are equal.
         let error = (x - u).hypot(y - v).min((x + u).hypot(y + v)) / u.hypot(v);
         assert!(error < 2_f64.powi(-15), "step: {error:e}, {ports:?}");
     }
@@ -85,8 +85,8 @@ fn batches_are_the_plain_version() {
     }
 }
 
-/// Measured on these fragments: with `libm` the same bits; with `micromath` one in 75 on another face, s, t off by 0.05 in the
-/// median and 0.22 at worst, two map units being a face.
+/// Measured on these fragments: `libm` gives the same bits. With `micromath`, one in 75 is on a different face, and s, t are off by 0.05 in the
+/// median and 0.22 at worst; a face is two map units.
 #[test]
 fn libm_is_the_standard_library_and_micromath_errs_by_texels() {
     const COUNT: usize = 2048;
@@ -105,7 +105,7 @@ fn libm_is_the_standard_library_and_micromath_errs_by_texels() {
     }
     errors.sort_by(f32::total_cmp);
     let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
-    println!("micromath: s, t {median:.3}, at worst {worst:.3}, {other_faces} of {COUNT} on another face");
+    println!("micromath: s, t {median:.3}, at worst {worst:.3}, {other_faces} of {COUNT} on a different face");
     // A texel of this map is 2/256.
     assert!((4.0 / 256.0..0.1).contains(&median) && worst < 0.3, "{median}, {worst}");
     assert!(other_faces < COUNT / 20, "{other_faces}");

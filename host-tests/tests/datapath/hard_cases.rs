@@ -1,5 +1,5 @@
-//! The hard-case sets of the study, one test each: the documented fallback is taken exactly at the hard case, and the
-//! approach to it holds the bars (the bars over all sets are in `accuracy.rs`).
+//! Hard-case sets of the study, one test each: the documented fallback is taken exactly at the hard case, and the approach to it holds the bars
+//! (`accuracy.rs` has the bars over all sets).
 
 mod footprints;
 
@@ -23,12 +23,12 @@ struct Study {
 }
 
 impl Study {
-    /// What the datapath makes of fragment `index`.
+    /// Result of the datapath for fragment `index`.
     fn out(&self, index: usize) -> ReflectionOut {
         self.set.cases[index].reflect(&self.set.plan, &self.p)
     }
 
-    /// What the reference makes of it.
+    /// Result of the reference for fragment `index`.
     fn want(&self, index: usize) -> Outputs {
         let options = reference_options(&self.set.plan, &self.p);
         reference::reflection(&reference_inputs(&self.set.cases[index]), &options)
@@ -122,7 +122,7 @@ fn frame_stays_orthonormal_down_to_one_bit() {
             let [e1, e2] = frame_of(fragment, &out);
             let error = frame::orthonormality_error(normal, e1, e2);
             assert!(error < study.bar(Figure::Frame), "{} {index}: {error}", study.name);
-            // Not only orthonormal but the right one, to the last bit of the angle.
+            // Not only orthonormal but also correct to the last bit of the angle.
             let want = study.want(index).frame;
             assert_eq!(want.pole, pole);
             for (got, want) in [(e1, want.e1), (e2, want.e2)] {
@@ -130,7 +130,7 @@ fn frame_stays_orthonormal_down_to_one_bit() {
                 assert!(error < 2.0 * study.bar(Figure::Frame), "{} {index}: {error}", study.name);
             }
         }
-        // n and −n as main direction, for four normals; a last bit may be parallel, too (n along an axis).
+        // n and −n as main direction, for four normals; they may also be parallel except for a last bit (n along an axis).
         assert!(poles >= 8 && poles < study.set.cases.len() / 2, "{}: {poles} poles", study.name);
     }
 }
@@ -202,7 +202,7 @@ fn view_below_the_perturbed_surface_is_flagged_and_still_reflected() {
             let want = study.want(index);
             let view = reference_inputs(fragment).view;
             let cosine = reference::linear::dot(&view, &want.perturbed) / (norm(&view) * norm(&want.perturbed));
-            // Within the frame's error of the horizon either answer is right.
+            // Within the tangent basis's error of the horizon, either answer is right.
             if cosine.abs() > study.bar(Figure::Frame) {
                 assert_eq!(raised(&out, StatusBit::ViewBelowSurface), cosine < 0.0, "{} {index}", study.name);
             }
@@ -236,7 +236,7 @@ fn natural_frames_keep_their_direction_however_skewed_the_tangents() {
                 }
                 let want = study.want(index).frame;
                 for (got, want) in frame_of(fragment, &out).into_iter().zip([want.e1, want.e2]) {
-                    // Relative to the vector itself: system 1 has any length, 0 where n lies along the other tangent.
+                    // Relative to the vector itself: system 1 has any length, and 0 if n is along the other tangent.
                     let error = norm(&add_scaled(got, -1.0, want));
                     let bound = 2.0 * study.bar(Figure::Frame) * norm(&want);
                     assert!(error <= bound, "{name} {} {index}: {error}", study.name);
@@ -307,7 +307,7 @@ fn frame_vectors_of_opposite_normals_are_opposite_in_e1_only() {
             let flipped = ReflectionIn { surface: SurfaceIn { normal: opposite, ..fragment.surface }, ..fragment };
             let [e1, e2] = frame_of(&fragment, &study.out(index));
             let [f1, f2] = frame_of(&flipped, &flipped.reflect(&study.set.plan, &study.p));
-            // e₁ = h×n turns round with n, e₂ = n×e₁ stays; ties of rounding differ by a last place.
+            // e₁ = h×n turns with n, e₂ = n×e₁ stays; ties of rounding differ by a last place.
             let length = norm(&e1);
             assert!(norm(&add_scaled(e1, 1.0, f1)) <= 4.0 * study.last() * length, "{} {index}", study.name);
             assert!(norm(&add_scaled(e2, -1.0, f2)) <= 4.0 * study.last() * length, "{} {index}", study.name);

@@ -1,4 +1,4 @@
-//! Highlights: accuracy against the float64 reference, hard cases, energy, the one-pixel bars, and the readings.
+//! Highlights: accuracy against the float64 reference, hard cases, energy, the one-pixel bars, and the backends.
 
 use fixed::types::{I4F28, I8F24, I16F16};
 use rayon::prelude::*;
@@ -33,12 +33,12 @@ fn f(out: &HighlightOut) -> f64 {
     out.f.to_num()
 }
 
-/// A vector in units in which its exponent is 0: none of the lengths matters.
+/// A vector in units in which its exponent is 0: no length matters.
 fn direction(v: &BlockVector) -> Vector3 {
     real_vector(&BlockVector { exponent: 0, ..*v }).to_array()
 }
 
-/// What the reference makes of a fragment.
+/// Result of the reference for a fragment.
 fn want(fragment: &HighlightIn, plan: &SurfacePlan) -> Highlight {
     let normal = direction(&fragment.surface.normal);
     let system = match plan.frame {
@@ -64,20 +64,20 @@ fn want(fragment: &HighlightIn, plan: &SurfacePlan) -> Highlight {
     highlight(&scene)
 }
 
-/// A fragment whose ports belong together.
+/// Returns true if the ports of a fragment are consistent.
 fn sound(fragment: &HighlightIn) -> bool {
     let [m, root]: [f64; 2] = [fragment.shininess.exponent.to_num(), fragment.shininess.root.to_num()];
     (root * root / m - 1.0).abs() < 1e-5
 }
 
-/// |n·l| over the lengths below which the side of the light is a matter of rounding.
+/// |n·l| over the lengths, below which rounding decides the side of the light.
 const HORIZON_MARGIN: f64 = 1e-6;
 
-/// Least length of l/|l| + v/|v| that counts: l and v are at most 166° apart. Beyond, the error of the half vector grows with
-/// tan θ (its own test).
+/// Least length of l/|l| + v/|v| that counts: l and v are at most 166° apart. Beyond, the error of the half vector grows with tan θ (tested
+/// separately).
 const OPPOSITE: f64 = 0.25;
 
-/// The error of f over max(1, √m), and f; `None` where it does not count.
+/// The error of f over max(1, √m), and f; `None` if the fragment does not count.
 fn error(fragment: &HighlightIn, plan: &SurfacePlan, p: &Precision) -> Option<(f64, f64)> {
     let want = want(fragment, plan);
     let conditioned = want.facing.abs() > HORIZON_MARGIN && norm(&want.half) > OPPOSITE && sound(fragment);
@@ -312,7 +312,7 @@ fn one_pixel_highlights_hold_their_bars() {
         let [a, b, c] = pixel.covariance;
         let total = [a + 1.0 / m, b, c + 1.0 / m];
         let real = pixel.psnr(|half| lobe(total, pixel.offset(half), m));
-        // The print with the same base and energy: all it differs in is |d|⁴/|Dd|².
+        // The printed formula with the same base and energy: only |d|⁴/|Dd|² differs.
         let relative = total.map(|k| m * k);
         let energy = Ellipse::from_matrix(relative).det.sqrt();
         let printed = pixel.psnr(|half| {

@@ -1,4 +1,4 @@
-//! Horizon: slopes and visibility, of shares that are correlated and of independent ones, against the reference, stored formats, hard cases, and every reading.
+//! Horizon: slopes and visibility, of correlated and of independent shares, against the reference, stored formats, hard cases, and every backend.
 
 use rayon::prelude::*;
 use roughxel_cases::peak_and_horizon::{HorizonCase, horizon_hard_sets, random_horizon_case, uniform};
@@ -36,14 +36,14 @@ fn slopes(direction: &BlockVector, p: &Precision) -> [AxisSlope<i32>; 2] {
     on_words!(p, |local| datapath::horizon_slopes(local, p))
 }
 
-/// Shares of ramps, joined by the reference.
+/// Joins the shares of ramps by the reference.
 type Joined = fn(&[f64]) -> f64;
 
-/// How shares are joined, and the same by the reference.
+/// Kinds of joining shares, each with the reference's function.
 const KINDS: [(HorizonKind, Joined); 2] =
     [(HorizonKind::Correlated, reference::correlated), (HorizonKind::Product, reference::product)];
 
-/// What light and eye both clear.
+/// Share that is clear for both light and eye.
 fn clear(
     light: &[AxisSlope<i32>; 2],
     eye: &[AxisSlope<i32>; 2],
@@ -54,7 +54,7 @@ fn clear(
     on_words!(p, |light, eye, stored| Value(datapath::horizon(light, eye, stored, kind, p))).0
 }
 
-/// What one direction clears if axes are independent.
+/// Share that is clear in one direction if the axes are independent.
 fn visibility(slopes: &[AxisSlope<i32>; 2], stored: &Horizon<i32>, p: &Precision) -> Fx<i32, SHARE> {
     let ramps = on_words!(p, |slopes, stored| horizon::ramps(slopes, stored, p));
     product::<i32>(ramps.axes[0], ramps.axes[1])
@@ -68,7 +68,7 @@ fn share(x: Fx<i32, 16>) -> f64 {
     f64::from(x.raw()) / f64::from(CLEAR)
 }
 
-/// The laws that a stored horizon stands for.
+/// The distributions that a stored horizon represents.
 fn sides(stored: &StoredHorizon) -> [Side; 4] {
     let (low, inverse) = real_horizon(stored);
     core::array::from_fn(|side| Side { low: low[side], width: inverse[side].map_or(0.0, f64::recip) })
@@ -124,7 +124,7 @@ fn visibility_holds_its_bar_at_the_slopes_of_the_datapath() {
     }
 }
 
-/// Whole chain: what the error of a slope is worth on each ramp, and nothing else.
+/// Whole chain: the effect of the slope's error on each ramp, and no other error.
 #[test]
 fn visibility_errs_by_the_slope_over_the_width_of_the_ramp() {
     for (name, p) in profiles() {
@@ -138,7 +138,7 @@ fn visibility_errs_by_the_slope_over_the_width_of_the_ramp() {
                 for (axis, along) in [direction.x, direction.y].into_iter().enumerate().filter(|(_, x)| *x != 0.0) {
                     let (slope, side) = (direction.z / along.abs(), sides[2 * axis + usize::from(along > 0.0)]);
                     let error = bars.slope * slope.abs().clamp(1.0, 8.0);
-                    // Beyond ±8 a slope is cut, and a ramp may go on; a step jumps within the error.
+                    // Beyond ±8 a slope is clamped, and a ramp may continue. A step jumps within the error.
                     let cut = slope.abs() - 8.0;
                     let jumps = (slope - side.low).abs() <= error || cut > 0.0;
                     allowed +=
@@ -171,7 +171,7 @@ fn a_light_on_a_step_is_visible_and_one_bit_below_it_is_not() {
                     clear(&slopes(direction, &p), &eye, &horizon, HorizonKind::Correlated, &p).raw()
                 };
                 assert_eq!(lit(&exact), CLEAR, "{name} {slope}");
-                // A last place of the slope, which is above that of the mantissa.
+                // A last place of the slope, which is larger than that of the mantissa.
                 for (step, expected) in [(-1, 0), (1, CLEAR)] {
                     let mut moved = exact;
                     let last = step << (30 - p.fraction_bits + 4);
@@ -208,7 +208,7 @@ fn straight_up_and_straight_down_every_horizon_is_clear() {
             let upright = slopes(&block_vector(glam::dvec3(0.0, 0.0, z), &p), &p);
             assert_eq!(visibility(&upright, &high, &p).raw(), CLEAR, "{name} {z}");
         }
-        // Along one axis only that axis hides.
+        // Along one axis, only that axis hides.
         let along = slopes(&block_vector(glam::dvec3(0.0, -1.0, 0.5), &p), &p);
         let sides = |y: f64| uniform([7.9, 7.9, y, 7.9], [0.0; 4]).wires();
         assert_eq!(visibility(&along, &sides(0.4), &p).raw(), CLEAR);

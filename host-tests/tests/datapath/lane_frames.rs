@@ -1,4 +1,4 @@
-//! Whole frames have the same bits in every reading.
+//! Whole frames have the same bits in every backend.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use roughxel_simd::{Backend, InstructionSet};
 
 use super::lane_words::instruction_sets;
 
-/// Scenes with a highlight, with given peaks, with those of maps, with horizons.
+/// Scenes with a highlight, with given peaks, with peaks of maps, with horizons.
 const LIT_SCENES: [&str; 4] = ["highlight", "velvet", "spheres-sphere", "horizon-plane"];
 
 #[test]

@@ -8,12 +8,12 @@ use roughxel_simd::{Avx2, Avx512};
 use roughxel_simd::{Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
 use roughxel_utilities::random::SplitMix64;
 
-/// A wide wire of words of 16 bits, and a count beside them.
+/// A wide wire of 16-bit words, and a control wire of such words.
 type NarrowWides<T> = Halves<Lanes<T>>;
-/// A wide wire of such counts.
+/// A wide wire of such control wires.
 type NarrowWideCounts<T> = Halves<WideLanes<T>>;
 
-/// The instruction sets of this machine; says aloud which it cannot test. The baseline is the scalar backend.
+/// The instruction sets of this machine; prints the ones that it cannot test. The baseline is the scalar backend.
 pub(super) fn instruction_sets() -> Vec<InstructionSet> {
     for set in InstructionSet::ALL.into_iter().filter(|set| !set.is_available()) {
         eprintln!("SKIPPED: this machine has no {set}");
@@ -35,7 +35,7 @@ macro_rules! check {
     };
 }
 
-/// A wire with weight on the corners: the ends of the range, single bits, runs of ones; any bits else.
+/// A wire with weight on the corners: the ends of the range, single bits, runs of ones; otherwise any bits.
 pub(super) fn corner(random: &mut SplitMix64) -> i64 {
     let power = 1_i64 << random.below(64);
     match random.below(8) {
@@ -49,7 +49,7 @@ pub(super) fn corner(random: &mut SplitMix64) -> i64 {
     }
 }
 
-/// Every operation that words and wide wires share, on all lanes, beside the scalar backend.
+/// Every operation that words and wide wires share, on all lanes, against the scalar backend.
 macro_rules! shared_operations {
     ($name:ident, $count:literal of $lanes:ident, $int:ty, $counts:ident) => {
         fn $name<T: Target>(random: &mut SplitMix64) {
@@ -61,7 +61,7 @@ macro_rules! shared_operations {
             let (below, positive) = (x.lt(y), $lanes::lit(0).lt(x));
             macro_rules! same {
                 ($lanes_operation:expr, |$i:ident| $scalar:expr) => {
-                    // In the function that is compiled for the instruction set, as it is in a stage.
+                    // Inside the function that is compiled for the instruction set, as in a stage.
                     let got = T::run(
                         #[inline(always)]
                         || $lanes_operation,
@@ -109,14 +109,14 @@ static TABLE: [i32; 1100] = {
     table
 };
 
-/// The operations of words alone.
+/// The operations of words only.
 macro_rules! operations_of_words {
     ($name:ident, $count:literal of $words:ident, $int:ty, $wides:ident, $wide:ty, $counts:ident) => {
         fn $name<T: Target>(random: &mut SplitMix64) {
-            // No whole vector of entries; one, and whole ones; a page of 256 and more.
+            // No whole vector of entries; one, and several; a page of 256 and more.
             let lengths = [5, 16, 17, 32, 49, 77, 192, 256, 257, 768, 1024, 1100];
             let table = &TABLE[..lengths[random.below(lengths.len() as u64) as usize]];
-            // Places of all of it and beyond, or all in one row of sixteen.
+            // Places over the whole table and beyond, or all in one row of sixteen.
             let row = random.below(table.len() as u64 / 16 + 2) as i32;
             let (first, span) = if random.below(2) == 1 { (-1, table.len() as u64 + 40) } else { (16 * row, 16) };
             let mut lane = || core::array::from_fn(|_| corner(random) as $int);
@@ -188,7 +188,7 @@ fn leading_zeros_below<T: Target>(upper: u16) {
 
 #[test]
 fn leading_zeros_are_those_of_every_word() {
-    // Without a sweep, words of whose upper halves the first bits are few.
+    // Without a sweep, words whose upper halves have few leading bits.
     let upper = (0..=u16::MAX).filter(|&upper| sweep() || upper.count_ones() <= 1 || upper % 257 == 0);
     let upper: Vec<u16> = upper.collect();
     for set in instruction_sets() {

@@ -1,5 +1,5 @@
-//! Lanes give the bits of the scalar backend: every pass of every fragment, with every instruction set of this machine. A failure names the first wire that
-//! differs.
+//! Lanes give the bits of the scalar backend: every pass of every fragment, with every instruction set of this machine. A failure names the first
+//! wire that differs.
 
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ use roughxel_utilities::random::SplitMix64;
 
 use super::lane_words::corner;
 
-/// The named profiles, and words of 16 bits with as few kept as a profile may.
+/// The named profiles, and 16-bit words with the fewest kept bits that a profile allows.
 pub(super) fn profiles() -> impl Iterator<Item = (&'static str, Precision)> {
     let narrowest = ("narrowest", Precision { fraction_bits: 12, ..Precision::NARROW });
     roughxel_host_tests::space::profiles().into_iter().chain([narrowest])
@@ -44,7 +44,7 @@ pub(super) fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), St
     Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
 }
 
-/// Every wire of every fragment is that of the scalar backend.
+/// Asserts that every wire of every fragment equals that of the scalar backend.
 pub(super) fn same_columns<B: Form>(expected: &Batch<B>, got: &Batch<B>, context: &dyn Fn() -> String) {
     assert_eq!(expected.len(), got.len(), "{}", context());
     for (expected, got) in expected.iter().zip(got.iter()) {
@@ -52,7 +52,7 @@ pub(super) fn same_columns<B: Form>(expected: &Batch<B>, got: &Batch<B>, context
     }
 }
 
-/// Every backend of this machine makes that of every fragment.
+/// Asserts that every backend of this machine computes the expected batch.
 pub(super) fn made_by_all<B: Form>(
     expected: &Batch<B>,
     p: &Precision,
@@ -66,7 +66,7 @@ pub(super) fn made_by_all<B: Form>(
     }
 }
 
-/// Every backend makes of every fragment what the scalar one makes.
+/// Asserts that every backend computes the same results for every fragment as the scalar one.
 fn same_in_lanes<B: Form>(p: &Precision, context: &dyn Fn() -> String, make: impl Fn(Shader<'_>, &mut Batch<B>)) {
     let mut expected = Batch::default();
     make(Shader::new(Backend::Scalar, p), &mut expected);
@@ -75,7 +75,7 @@ fn same_in_lanes<B: Form>(p: &Precision, context: &dyn Fn() -> String, make: imp
 
 /// Compares the footprint of every fragment with the scalar datapath, with every backend: every stage feeds it.
 ///
-/// The surface is made on its own, too, and the reflection of what was made.
+/// The surface is also computed on its own, and the reflection from that surface.
 fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &ReflectionPlan, p: &Precision) {
     let scalar: Vec<_> = inputs.iter().map(|input| scalar_api::reflection(input, scale, plan, p)).collect();
     let (ports, surfaces) = (Ports::from_iter(inputs.iter().copied()), scalar.iter().map(|stages| stages.surface));
@@ -86,7 +86,7 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
     let points = Batch::from_iter(scalar.iter().map(|stages| stages.point));
     made_by_all(&points, p, context, |shader, got| Points(&surfaces).run(shader, got));
     let reflected = Reflected { surfaces: &surfaces, derivatives: &ports.derivatives, scale, plan };
-    // What fetching needs comes without what the other kind of footprint has.
+    // The inputs of fetching do not need the values of the other kind of footprint.
     match plan.footprint {
         FootprintKind::Sphere => {
             let sweeps = Batch::from_iter(scalar.iter().map(|stages| stages.sweep));
@@ -187,7 +187,7 @@ fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
             let (size, texels) =
                 (map.size(), map.levels.iter().map(|level| level.size[0] * level.size[1]).sum::<i32>());
             let colours: Vec<_> = (0..texels).map(|_| [(); 3].map(|()| random.next_u64() as u16)).collect();
-            // b of at most 1 and a covariance, as a decoded texel has.
+            // b of at most 1 and a covariance, as in a decoded texel.
             let mut share = || random.below(1 << 29) as i32 - (1 << 28);
             let smooth: Vec<_> = (0..texels).map(|_| [(); 2].map(|()| share())).collect();
             let rough: Vec<_> = (0..texels)
@@ -251,12 +251,12 @@ fn offsets_are_the_same_with_roughness_beside_them() {
     }
 }
 
-/// Ports of those fragments of a random set.
+/// Ports of the fragments `indices` of a random set.
 fn random_inputs(name: &str, indices: Range<u64>, p: &Precision) -> Vec<ReflectionInput<i32>> {
     indices.map(|index| random_fragment(name, index, p).wires()).collect()
 }
 
-/// The scale of the environment of the first fragment, for all.
+/// The environment's scale for the first fragment, used for all.
 fn scale_of(inputs: &[ReflectionInput<i32>], p: &Precision) -> MapScale<i32> {
     environment_scale(inputs.first().map_or(1, |input| input.edge_texels.raw() as u16), p)
 }
@@ -284,7 +284,7 @@ fn random_fragments_give_the_bits_of_the_scalar_reading() {
             let inputs = random_inputs(name, 200 * batch..200 * (batch + 1), &p);
             let scale = scale_of(&inputs, &p);
             compare(&inputs, &scale, &ReflectionPlan::FULL, &p);
-            // Batches of any length, faces and probe counts mixed as they come.
+            // Batches of any length, faces and probe counts mixed.
             let length = 1 + batch as usize % 60;
             compare(&inputs[..length], &scale, &plans[batch as usize % plans.len()], &p);
         });
@@ -327,7 +327,7 @@ fn fragments_of_one_frame_have_the_surface_that_each_has_alone() {
             for (input, surface) in inputs.iter().zip(surfaces.iter()) {
                 same_wires(&scalar_api::surface(&input.surface, &plan.surface(), &p), &surface).unwrap();
             }
-            // Of all but one, by one word of its normal or of a vector of its frame.
+            // The last fragment differs from the others in one word of its normal or of a vector of its tangent basis.
             let last = inputs.len() - 1;
             let SurfaceInput { normal, frame_vectors: [u, v], .. } = &mut inputs[last].surface;
             let block = match batch % 3 {
@@ -393,7 +393,7 @@ fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
             let mut bits = AnyBits(SplitMix64::for_element(name, index));
             let size = [bits.0.below(15), bits.0.below(15)].map(|log2| 1 + bits.0.below(1 << log2) as u16);
             let scale = texture_scale(size);
-            // Mantissas as ports carry them; of half the fragments exponents as well, any bits else.
+            // Mantissas as ports carry them, and exponents for half of the fragments; otherwise any bits.
             let blank = PortBlock { mantissa: [Fx::from_raw(0); 2], exponent: Fx::from_raw(0) };
             let mut derivative = || {
                 let any: PortBlock<i32, 2> = blank.rewire(&mut bits);

@@ -1,8 +1,8 @@
-//! Lemmas behind the claims on wires: bounds an interval walk cannot find, for every precision that can be built.
+//! Lemmas behind the claims on wires: bounds that an interval walk cannot find, for every possible precision.
 //!
-//! A claim in the core names its lemma, and the lemma is the test of that name. In a sweep mantissas are exhausted for every p up to
-//! 24 fraction bits, for 26 (`precise`) and 28; what is monotone is tried at its end and exhausted for small p beside it. On words of 16
-//! bits, which have 12 to 14 of them, mantissas are always exhausted.
+//! A claim in the core names its lemma, and the lemma is the test of that name. In a sweep, mantissas are exhausted for every p up to 24 fraction
+//! bits, for 26 (`precise`) and 28. Monotone functions are tried at their end and also exhausted for small p. On 16-bit words, which have 12 to 14
+//! fraction bits, mantissas are always exhausted.
 
 use rayon::prelude::*;
 use roughxel_core::block::{Block, MANTISSA, Mantissa, PRODUCT};
@@ -32,8 +32,8 @@ fn real<W: Word>(m: i64) -> f64 {
     m as f64 / one::<W>() as f64
 }
 
-/// Every seed and step count with every p of up to 22 bits that a word has. With more, up to the most, the coarsest seed without a step,
-/// the knobs of `precise`, and the finest: the bound of a seed and of its steps does not depend on p.
+/// Every seed and step count with every p of up to 22 bits that a word has. For larger p, up to the largest: the coarsest seed without a step, the
+/// knobs of `precise`, and the finest seed. The bound of a seed and of its steps does not depend on p.
 fn precisions<W: Word>() -> Vec<Precision> {
     let newtons = (6..=10).flat_map(|seed_bits| (0..=2).map(move |steps| Newton { seed_bits, steps }));
     let mut list = Vec::new();
@@ -48,10 +48,10 @@ fn precisions<W: Word>() -> Vec<Precision> {
     list
 }
 
-/// Runs `check` for every mantissa from ½ to 1 that a profile keeps; without a sweep, for some 2^17 of them and both ends.
+/// Runs `check` for every mantissa from ½ to 1 that a profile keeps; without a sweep, for about 2^17 of them and both ends.
 fn for_every_mantissa<W: Word>(p: &Precision, check: impl Fn(i64) + Sync) {
     let dropped = fraction::<W>() - p.fraction_bits;
-    // As i32, over which a parallel walk can step.
+    // As i32, which a parallel iterator can step through.
     let units = 1_i32 << (p.fraction_bits - 1)..(1 << p.fraction_bits) + 1;
     // Odd, so that every bit of a mantissa changes.
     let step = whole_or(1, (1 << p.fraction_bits.saturating_sub(18)) - 1).max(1);
@@ -63,7 +63,7 @@ fn rises(table: &'static [i32]) -> impl Iterator<Item = i32> {
     table.windows(2).map(|knots| knots[1] - knots[0])
 }
 
-/// How far neighbouring knots rise on words of 16 bits.
+/// Rises between neighbouring knots on 16-bit words.
 fn rises_on_16_bits(table: &[i32]) -> impl Iterator<Item = i32> {
     table.windows(2).map(|knots| upper(knots[1], 16) - upper(knots[0], 16))
 }
@@ -87,9 +87,9 @@ fn knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9() {
     assert!(rises_on_16_bits(&rom::HALF_LOG2_ONE_MINUS_RATIO).all(|rise| (0..1 << 2).contains(&rise)));
 }
 
-/// A power of a cosine is 2^−x for x ≥ 0: at x = 0 it is ½·2, elsewhere a mantissa of at most 1 with an exponent of at most
-/// 0. Times an amplitude m·2^(e − 8) with m < 1 and e ≤ 14, and a weight of at most 1, it is 64 at most, and not below 0;
-/// what is rounded to p bits between is a mantissa of at most ½ or 1, which stays at most that.
+/// A power of a cosine is 2^−x for x ≥ 0. At x = 0 it is ½·2; elsewhere it is a mantissa of at most 1 with an exponent of at most 0. Times an
+/// amplitude m·2^(e − 8) with m < 1 and e ≤ 14, and a weight of at most 1, it is 64 at most, and not below 0. Each intermediate value that is
+/// rounded to p bits is a mantissa of at most ½ or 1, and stays within that bound.
 #[test]
 fn a_peak_gives_64_at_most() {
     power_gives_64_at_most::<i32>();
@@ -99,7 +99,7 @@ fn a_peak_gives_64_at_most() {
 fn power_gives_64_at_most<W: Visible>() {
     let one = one::<W>();
     for p in precisions::<W>() {
-        // A step of 2^−8, and all between 0 and the first step.
+        // A step of 2^−8, and everything between 0 and the first step.
         let step = 1_i64 << (32 - LOGARITHM - 8);
         let steps = (0..=63_i64 << 8).into_par_iter().map(|x| x * step).chain((0..step).into_par_iter());
         steps.for_each(|x| {
@@ -137,8 +137,8 @@ fn quotient_is_near_one_at_most<W: Visible>() {
     }
 }
 
-/// A component of w is at most |w|, and |w|² at most half a place above the mantissa it is rounded to: what is left is
-/// √x·(1/√x) at every mantissa and both parities of the exponent.
+/// A component of w is at most |w|, and |w|² at most half a place above its rounded mantissa. This leaves √x·(1/√x) at every mantissa and both
+/// parities of the exponent.
 #[test]
 fn a_component_over_its_length_is_near_one_at_most() {
     component_is_near_one_at_most::<i32>();
@@ -146,7 +146,7 @@ fn a_component_over_its_length_is_near_one_at_most() {
 }
 
 fn component_is_near_one_at_most<W: Visible>() {
-    // A component has 6 bits before its point on a wide wire, and is floored there.
+    // A component has 6 bits before its point on a wide wire, and is floored to that wire.
     let floored = (6.0 - 2.0 * f64::from(W::BITS)).exp2();
     for p in precisions::<W>() {
         let half_place = (-f64::from(p.fraction_bits) - 1.0).exp2();
@@ -155,7 +155,7 @@ fn component_is_near_one_at_most<W: Visible>() {
                 let square = Block::<W, 1> { m: [Fx::lit(m)], e: Fx::int(e) };
                 let inverse = inverse_root(square, &p);
                 let (inverse, inverse_e) = (inverse.m[0].raw().integer(), W::count_integer(inverse.e.raw()));
-                // |w| ≥ ½: the shift that follows counts from exponent 2 down.
+                // |w| ≥ ½: the shift that follows counts from exponent 2 downwards.
                 assert!(inverse_e <= 2);
                 let length = ((real::<W>(m) + half_place) * (e as f64).exp2()).sqrt();
                 let unit = length * real::<W>(inverse) * (inverse_e as f64).exp2() + floored;
@@ -180,8 +180,8 @@ fn probe_precisions<W: Word>() -> impl Iterator<Item = Precision> {
     })
 }
 
-/// Footprints with λ₁ = 2, the largest that is not cut, and with one that is cut to it, for every count that can occur:
-/// a step is the product of 2√3/N, λ₁ and a component, each rounded to nearest, so it is largest where they are.
+/// Footprints with λ₁ = 2, the largest without clamping, and with a λ₁ that is clamped to 2, for every probe count that can occur. A step is the
+/// product of 2√3/N, λ₁ and a component, each rounded to nearest, so it is largest for these footprints.
 fn largest_footprints<W: Visible>(map: &MapScale<W>, p: &Precision) -> Vec<Axes<W>> {
     let one = one::<W>();
     let minors = (1..=16).map(|n| {
@@ -250,7 +250,7 @@ fn every_probe_stays_on_the_major_axis<W: Visible>() {
     }
 }
 
-/// Mean differences are at most 1 in each level, so their sum by such weights is.
+/// Mean differences are at most 1 in each level, so their weighted sum is at most 1, too.
 #[test]
 fn weights_of_a_ramp_sum_to_its_reach() {
     let step = whole_or(1, 17);

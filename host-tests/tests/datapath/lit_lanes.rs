@@ -1,5 +1,5 @@
-//! Lights in lanes give the bits of the datapath of one fragment: highlights, given peaks, and the peaks of a map, which are read once however many probes share
-//! them.
+//! Lights in lanes give the bits of the datapath of one fragment: highlights, given peaks, and the peaks of a map, which are read once for all
+//! probes that share them.
 
 use rayon::prelude::*;
 use roughxel_cases::random_fragment;
@@ -23,7 +23,7 @@ use roughxel_utilities::random::SplitMix64;
 
 use super::lanes::{AnyBits, made_by_all, profiles, random_views, same_columns, stored_peak};
 
-/// As many random surfaces, with the direction from each to a light.
+/// Returns random surfaces, with the direction from each to a light.
 fn lit_surfaces(
     (name, index): (&str, u64),
     count: usize,
@@ -42,7 +42,7 @@ fn lit_surfaces(
 const PLAN: SurfacePlan =
     SurfacePlan { bump: true, frame: FrameSystem::MainDirection, roughness: RoughnessKind::Anisotropic, local: true };
 
-/// What a light of this colour adds where so much of it returns.
+/// Light that a source of this colour adds for the share `returned`.
 fn shown(returned: Control<i32, LIGHT>, colour: &[Control<i32, LIGHT>; 3]) -> ShadedColour<i32> {
     let channels = colour.map(|channel| datapath::pixel::modulated::<i32>(returned, channel));
     ShadedColour { channels, taps: Fx::from_raw(0) }
@@ -74,7 +74,7 @@ fn packed_light(
     on_words!(p, |half| Value(datapath::packed_peak(half, words, weight, p))).0
 }
 
-/// The sum of peaks, one after the other.
+/// The sum of peaks, in their order.
 fn sum(lights: impl Iterator<Item = Control<i32, LIGHT>>) -> Control<i32, LIGHT> {
     let none = PeakSum::<i32> { light: Fx::from_raw(0), saturated: false };
     lights.fold(none, |sum, light| datapath::peak_sum(&sum, light)).light
@@ -120,16 +120,16 @@ fn highlights_and_given_peaks_in_lanes_are_those_of_one_fragment() {
     }
 }
 
-/// Peaks of a map, and what it was made of.
+/// Peaks of a map, and their source.
 struct RandomPeaks {
     texels: PeakTexels,
     peaks: Vec<PackedPeak>,
-    /// One for each, or none.
+    /// One for each peak, or none.
     horizons: Vec<Horizon<i32>>,
 }
 
-/// Up to seven peaks in every texel, in a third of the maps in few of them, so that a group of lanes is of fragments far apart; half of the maps with
-/// horizons.
+/// Up to seven peaks in every texel. In a third of the maps few texels have peaks, so that a lane group holds fragments that are far apart. Half of
+/// the maps have horizons.
 fn random_peaks(map: WrappedMap, index: u64, bits: &mut AnyBits) -> RandomPeaks {
     let texels: i32 = map.levels.iter().map(|level| level.size[0] * level.size[1]).sum();
     let ends = (0..texels).scan(0, |end, _| {
@@ -167,7 +167,7 @@ fn texel_light(texel: i32, of: &RandomPeaks, half: &LocalDirection<i32>, slopes:
     sum((begin..end).map(light)).raw()
 }
 
-/// What the texels of a map are to a fragment, averaged over its footprint, and the bilinear samples read.
+/// Mean value of the texels of a map over a fragment's footprint, and the number of bilinear samples read.
 fn mean<W: Fetch>(view: &View<'_, W>, light: &dyn Fn(i32) -> i32, p: &Precision) -> ShadedColour<W> {
     let quad = |tap: &Tap<W>, _| {
         let texels = tap.texels.map(|texel| W::per_lane([texel.raw()], |[texel]| [light(texel)]).map(Fx::from_raw));
@@ -223,7 +223,7 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
                     HorizonSlopes(lit).run(shader, &mut slopes);
                     let slopes = map.has_horizons().then_some(&slopes);
                     let light = LightOnPeaks { map, places, halves: &halves, slopes, colour: &colour };
-                    // Twice: what a batch leaves in the memory of the next one changes nothing.
+                    // Twice: data that a batch leaves in the memory of the next one changes nothing.
                     for turn in 0..2 {
                         let context = || format!("{name} {index}, {backend}, {footprints:?}, turn {turn}");
                         assert_eq!(read.read(map, places, shader), taps, "{}", context());

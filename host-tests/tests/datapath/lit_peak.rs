@@ -1,5 +1,5 @@
-//! One light on one peak, from ports to ports: every stage's outcome against the reference fed with the outcomes before it,
-//! documented results of degenerate inputs, and the same bits as the parts that a frame is made of.
+//! One light on one peak, from ports to ports: every stage's result against the reference with the stage's inputs, documented results of degenerate
+//! inputs, and the same bits as the parts that a frame uses.
 
 use fixed::types::I16F16;
 use rayon::prelude::*;
@@ -35,15 +35,15 @@ fn raised(out: &PeakOut, bit: StatusBit) -> bool {
     out.status & bit.mask() != 0
 }
 
-/// |l̂ + v̂|, which says how far h is from cancelling; `None` where a port or the frame has no direction.
+/// |l̂ + v̂|, the margin of h from cancelling; `None` if a port or the tangent basis has no direction.
 fn conditioned(case: &PeakIn, out: &PeakOut) -> Option<f64> {
     let bits = [StatusBit::NormalZero, StatusBit::ViewZero, StatusBit::LightZero, StatusBit::HalfZero];
     let defined = bits.iter().chain(&[StatusBit::FramePole, StatusBit::LocalZero]).all(|&bit| !raised(out, bit));
     defined.then(|| norm(&highlight::half(of_any_length(&case.light), of_any_length(&case.surface.view))))
 }
 
-/// The length of the error of the local half vector, times how far l and v are from opposite, and times the sine between n and h,
-/// beside which a frame has no direction.
+/// The length of the error of the local half vector, times the distance of l and v from being opposite, and times the sine between n and h, without
+/// which a tangent basis has no direction.
 fn direction_error(case: &PeakIn, out: &PeakOut) -> Option<f64> {
     let half_length = conditioned(case, out)?;
     let normal = of_any_length(&case.surface.normal);
@@ -70,11 +70,11 @@ fn a_local_half_vector_holds_its_bar_from_the_ports_on() {
     }
 }
 
-/// Visibility, log₂, whatever the profile: ramps of 2^−17 count up to two and a half times in correlated shares, half of that come of their joint and 2^−17 of
-/// the last rounding, 2^−15 at worst; random cases do not meet all of it at once.
+/// log₂ of the visibility bar, for every profile. Ramps of 2^−17 count up to two and a half times in correlated shares. The joint of the shares
+/// adds 2^−18, and the last rounding 2^−17: 2^−15 at worst. Random cases do not meet all of it at once.
 const VISIBILITY_BAR: f64 = -15.1;
 
-/// The ramps that both slopes of a direction climb, by the reference.
+/// Values of the ramps for both slopes of a direction, by the reference.
 fn climbs(case: &PeakIn, local: &BlockVector, slopes: [f64; 2]) -> [f64; 2] {
     let side = |index: usize| {
         let (low, code) = (case.horizon.low[index].to_num::<f64>(), case.horizon.wires().inverse_width[index].raw());
@@ -108,7 +108,7 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
             // Random bits are no unit vectors, and their exponents have no bar.
             let plausible = (normal.length() - 1.0).abs() < 2.0_f64.powi(-14) && n <= 8192.0;
             let peak = a * share * peaks::peak(direction, normal.to_array(), 1.0, n);
-            // The weight is rounded to 16 fraction bits, the light to 24; and a stored N that is not 1 long scales 1 − cos.
+            // The weight is rounded to 16 fraction bits, the light to 24. A stored N whose length is not 1 also scales 1 − cos.
             let cosine = peaks::peak(direction, normal.to_array(), 1.0, 1.0);
             let steep = n * (1.0 - cosine) * cosine.powf(n - 1.0) * (normal.length() - 1.0).abs();
             let free = a * (2.0_f64.powi(-17) + share * steep) + 2.0_f64.powi(-24);
@@ -153,7 +153,7 @@ fn what_has_no_light_gives_none_and_a_bit_says_why() {
     }
 }
 
-/// The light of a case from the parts that a frame calls: what is below is not looked at, a weight is a visibility.
+/// The light of a case from the parts that the renderer calls: a direction below the horizon is skipped, and a weight is a visibility.
 fn from_parts(case: &PeakIn, plan: &PeakPlan, p: &Precision) -> i32 {
     let input = &case.wires();
     on_words!(p, |input| Value(light_of_parts(input, plan, p))).0.raw()

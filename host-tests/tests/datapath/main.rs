@@ -1,5 +1,4 @@
-//! The datapath: its arithmetic and its stages against the float64 reference, what holds for any fragment, and that every
-//! reading gives the same bits.
+//! Datapath tests: its arithmetic and its stages against the float64 reference, the properties of any fragment, and the same bits in every backend.
 
 mod accuracy;
 mod arithmetic;

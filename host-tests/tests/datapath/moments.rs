@@ -76,7 +76,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.into_iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Holds errors of random cases of every profile, each over what is stated of it.
+/// Checks the errors of random cases of every profile, each as a ratio to its stated bound.
 fn hold(count: u64, error: impl Fn(&mut SplitMix64, &Precision) -> f64 + Sync) {
     for (name, p) in profiles() {
         let errors = (0..count).into_par_iter().map(|index| error(&mut SplitMix64::for_element(name, index), &p));
@@ -99,7 +99,7 @@ fn equal_texels_give_back_their_own_covariance() {
         let scale = f64::from(covariance(&same, p).e.raw()).exp2();
         let want = compose(d);
         let error = distance([a * scale, b * scale, c * scale], want);
-        // What is stated: 2^−28 absolute, and the rounding of K to p bits.
+        // Stated bound: 2^−28 absolute, and the rounding of K to p bits.
         error / ((-28_f64).exp2() + (-f64::from(p.fraction_bits)).exp2() * want[0].max(want[2]))
     });
 }
@@ -136,8 +136,8 @@ fn decomposition_follows_the_reference() {
         let exact = k.m.map(|m| f64::from(m.raw()) / f64::from(1 << 30) * scale);
         let want = roughness::decompose(exact);
         let got = decompose(&k, p).map(real_offset);
-        // Against K as the stage sees it, so that only its own arithmetic is judged: a root, an inverse
-        // root and their product, relative, and the last place of D.
+        // Against K as the stage sees it, so that only its own arithmetic is tested: a root, an inverse root and their product, relative, and the
+        // last place of D.
         let longest = exact[0].max(exact[2]).sqrt();
         let bound = (3.0 - f64::from(p.fraction_bits)).exp2() * longest + (-27_f64).exp2();
         distance(got, want) / bound
@@ -155,7 +155,7 @@ fn roughness_of_rank_one_keeps_its_variance_in_every_direction() {
                 let want = [cos * cos, cos * sin, sin * sin].map(|k| k * size * size);
                 let [d1, d2, d3] = stored(&averaged(slopes), &p);
                 let got = compose([d1, d2, d3]);
-                // c keeps p bits beside a: below 2^−p·a it is lost (d₂ with it), just above it b²/c is noise.
+                // c keeps p bits next to a: below 2^−p·a it is lost (d₂ with it), just above that b²/c is noise.
                 let last = (-f64::from(p.fraction_bits)).exp2() * want[0].max(want[2]) + (-28_f64).exp2();
                 let noise = 8.0 * last * (1.0 + want[0] / want[2].max(last));
                 assert!(distance(got, want) <= noise, "{name} {step} {size}: {got:?} for {want:?}");
@@ -264,7 +264,7 @@ fn a_probe_spans_what_the_reference_says_of_a_texel() {
             let log2 = random.below(15);
             1 + random.below(1 << log2) as u16
         });
-        // From a thousandth of a texel to a few of them, round or long.
+        // From a thousandth of a texel to a few texels, round or long.
         let scale = random.uniform(-10.0, 3.0).exp2() / f64::from(size[0].max(size[1]));
         let long = random.uniform(-8.0, 0.0).exp2();
         let mut column = |scale: f64| [(); 2].map(|()| random.uniform(-scale, scale));

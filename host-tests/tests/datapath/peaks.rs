@@ -1,5 +1,4 @@
-//! Peaks: powers of a cosine over every mantissa, local directions and peaks against the reference, stored formats, hard
-//! cases, and every reading.
+//! Peaks: powers of a cosine over every mantissa, local directions and peaks against the reference, stored formats, hard cases, and every backend.
 
 use fixed::types::I1F15;
 use glam::{DVec3, dvec3};
@@ -64,7 +63,7 @@ fn sum(case: &PeakCase, p: &Precision) -> (LocalDirection<i32>, PeakSum<i32>) {
 }
 
 fn real_local(half: &LocalCase) -> Option<[f64; 3]> {
-    // Neither the length of the direction nor the unit of the frame matters; f64 holds neither at the ends of a port.
+    // Neither the length of the direction nor the unit of the tangent basis matters; f64 holds neither at the ends of a port.
     let of = |v: &BlockVector, unit: i16| real_vector(&BlockVector { exponent: v.exponent.saturating_sub(unit), ..*v });
     let [e1, e2] = [0, 1].map(|i| of(&half.tangents[i], half.normal.exponent).to_array());
     let d = of(&half.direction, half.direction.exponent).to_array();
@@ -75,14 +74,14 @@ fn length(a: [f64; 3], b: [f64; 3]) -> f64 {
     DVec3::from_array(a).distance(DVec3::from_array(b))
 }
 
-/// log₂ of the worst errors of a profile on words of 32 bits: −log₂(1 − y) relative, cosⁿ absolute.
+/// log₂ of the worst errors of a profile on 32-bit words: −log₂(1 − y) relative, cosⁿ absolute.
 const BOUNDS: [[f64; 2]; 4] = [[-14.74, -15.75], [-14.74, -15.75], [-18.42, -19.28], [-19.45, -20.02]];
 
 #[test]
 fn logarithm_of_a_cosine_holds_its_bound_at_every_mantissa() {
     for ((name, p), [bound, _]) in wide_profiles().into_iter().zip(BOUNDS) {
-        // Every mantissa that is kept and every one half way between, which rounding moves most, for y in [½, 1) and [¼, ½),
-        // where the table bends most; below, where 2^27 of them would take minutes, up to 20 bits.
+        // Every kept mantissa and every midpoint between two, which rounding moves most, for y in [½, 1) and [¼, ½), in which the table bends most.
+        // Below ¼, where all 2^27 mantissas take minutes, up to 20 bits.
         let kept = 1_i32 << p.fraction_bits..2 << p.fraction_bits;
         let octaves: &[u32] = if p.fraction_bits <= 20 { &[0, 1, 2, 5, 11, 40] } else { &[0, 1] };
         let worst = octaves.par_iter().map(|places| {
@@ -101,7 +100,7 @@ fn logarithm_of_a_cosine_holds_its_bound_at_every_mantissa() {
 #[test]
 fn powers_of_a_cosine_hold_their_bound_for_every_exponent() {
     for ((name, p), [_, bound]) in wide_profiles().into_iter().zip(BOUNDS) {
-        // Every octave of n, its ends and 64 between; powers from 1 down to 2^−28 by the share of the way.
+        // Every octave of n, its ends and 64 values between; powers from 1 down to 2^−28, whose exponents grow as the square of the step.
         let codes = (8192..=61_440_u16).into_par_iter().step_by(61).chain([8193, 20_479, 61_439]);
         let worst = codes.map(|code| {
             let n = short_number(Fx::<i32, 32>::from_raw(code.into()));
@@ -127,7 +126,7 @@ fn a_power_is_1_on_its_peak_and_0_from_a_right_angle_on() {
                 assert_eq!(number(cosine_power(Fx::from_raw(y), n, &p)), 0.0);
             }
             let last = number(cosine_power(Fx::from_raw((1 << FRACTION) - 1), n, &p));
-            // cos = 2^−61 and the least power that is told from 0.
+            // cos = 2^−61 and the least power that differs from 0.
             let exact = (-61.0 * number(n)).max(-63.0).exp2();
             assert!((last / exact - 1.0).abs() < 1e-3 || last < 2.0_f64.powi(-40), "{last:e} {exact:e} for {code}");
         }
@@ -152,7 +151,7 @@ fn local_directions_hold_their_bar() {
         let bar = shading_bars(name).expect("a profile has bars").direction;
         let error = |index: u64| {
             let case = random_peak_case("local", index, &p);
-            let exact = real_local(&case.half).expect("a direction in a frame");
+            let exact = real_local(&case.half).expect("a direction in a tangent basis");
             length(direction(&local(&case.half, &p)), exact)
         };
         let worst = (0..CASES).into_par_iter().map(error).reduce(|| 0.0, f64::max);
@@ -182,7 +181,7 @@ fn peaks_hold_their_bar() {
         let random = (0..CASES).into_par_iter().map(|index| peak_error(&random_peak_case("peaks", index, &p), &p));
         let worst = random.reduce(|| 0.0, f64::max);
         holds(&format!("{name} peak"), worst, bar.log2(), 2.0);
-        // What is no unit vector has no cosine, and exponents beyond 8192 no bar.
+        // A vector that is no unit vector has no cosine, and exponents beyond 8192 have no bar.
         for set in peak_hard_sets(&p).into_iter().filter(|set| set.name != "peak_codes") {
             let worst = set.cases.iter().map(|case| peak_error(case, &p)).fold(0.0, f64::max);
             println!("{name:8} {} 2^{:.3}", set.name, worst.log2());
@@ -224,7 +223,7 @@ fn sums_of_0_7_and_56_peaks_are_those_of_the_reference() {
         let mut counts = Vec::new();
         for case in set(&peak_hard_sets(&p), "peak_count") {
             let (_, sum) = sum(case, &p);
-            let h = real_local(&case.half).expect("a direction in a frame");
+            let h = real_local(&case.half).expect("a direction in a tangent basis");
             let (mut want, mut scale) = (0.0, 0.0);
             for (peak, weight) in &case.peaks {
                 let (normal, a, n) = real_peak(peak);
@@ -267,7 +266,7 @@ fn beyond_a_right_angle_and_opposite_a_peak_gives_nothing() {
         let bars = shading_bars(name).expect("a profile has bars");
         let (mut dark, mut below) = (0, 0);
         for case in set(&peak_hard_sets(&p), "peak_side") {
-            let h = real_local(&case.half).expect("a direction in a frame");
+            let h = real_local(&case.half).expect("a direction in a tangent basis");
             let (normal, ..) = real_peak(&case.peaks[0].0);
             let cosine = DVec3::from_array(h).dot(normal.normalize());
             let got = sum(case, &p).1.light.raw();
@@ -275,7 +274,7 @@ fn beyond_a_right_angle_and_opposite_a_peak_gives_nothing() {
                 assert_eq!(got, 0, "{name}: cos = {cosine:e}");
                 dark += 1;
             }
-            // A peak below the horizon is one like any other.
+            // A peak below the horizon is treated like any other.
             below += usize::from(normal.z < 0.0 && got > 0);
         }
         assert!(dark > 50 && below > 10, "{dark} {below}");
@@ -335,7 +334,7 @@ fn lengths_of_the_direction_and_of_the_frame_change_no_bit() {
     }
 }
 
-/// Eight texels with the same peaks, interpolated as channels of a map: exactly the light of one.
+/// Eight texels with the same peaks, interpolated as channels of a map: exactly the light of one texel.
 #[test]
 fn interpolated_sums_of_equal_texels_are_that_sum() {
     let p = Precision::STANDARD;
@@ -366,7 +365,7 @@ fn a_stored_peak_is_within_its_stated_error() {
         let error = if a >= 2.0_f64.powi(-9) { a * 2.0_f64.powi(-13) } else { 2.0_f64.powi(-22) };
         assert!((got_a - a).abs() <= error, "{a} {got_a}");
     }
-    // F92's own exponents and the ends are exact; +1 is the one component that does not fit.
+    // F92's own exponents and the ends are exact; +1 is the only component that does not fit.
     for n in [1.0, 20.0, 32.0, 100.0, 8192.0] {
         assert_eq!(real_peak(&stored_peak(DVec3::Z, 0.5, n)), (dvec3(0.0, 0.0, 1.0 - 2.0_f64.powi(-15)), 0.5, n));
     }

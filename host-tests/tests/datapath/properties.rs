@@ -1,7 +1,7 @@
-//! Properties of the reflection datapath that need no reference for their truth: lengths do not matter, mirrors mirror
-//! back, a block that is off equals a neutral input, status bits say exactly what they are documented to say.
+//! Properties of the reflection datapath that need no reference: lengths do not matter, mirrors mirror back, a block that is off equals a neutral
+//! input, status bits mean exactly their documentation.
 //!
-//! Every property is claimed for the named profiles and arbitrary ports unless it says otherwise.
+//! Every property is claimed for the named profiles and arbitrary ports unless stated otherwise.
 
 mod neutral;
 
@@ -27,8 +27,7 @@ use roughxel_host_tests::space::{self, profiles};
 use roughxel_study::accuracy::{Figure, reference_inputs, reference_options};
 use roughxel_utilities::random::SplitMix64;
 
-/// 2^30.
-/// Fraction bits of a mantissa.
+/// Fraction bits of a mantissa: 30.
 const FRACTION: u32 = i32::BITS - MANTISSA;
 const ONE: i32 = 1 << FRACTION;
 
@@ -48,13 +47,13 @@ fn raised(out: &ReflectionOut, bit: StatusBit) -> bool {
     out.status & bit.mask() != 0
 }
 
-/// Any bits at all, with exponents far from the ends of their ports.
+/// Arbitrary bits, with exponents far from the ends of their ports.
 fn any_fragment(set: &str, index: u64) -> ReflectionIn {
     let mut fragment = space::any_fragment(&mut SplitMix64::for_element(set, index));
     let SurfaceIn { normal, view, frame_vectors: [first, second], .. } = &mut fragment.surface;
     let vectors = [normal, view, first, second].into_iter().chain(&mut fragment.dview).chain(&mut fragment.dnormal);
     vectors.for_each(|vector| vector.exponent %= 40);
-    // Every eighth main direction lies along the normal.
+    // Every eighth main direction is along the normal.
     if index.is_multiple_of(8) {
         fragment.surface.frame_vectors[0] = fragment.surface.normal;
     }
@@ -78,7 +77,7 @@ fn longer(v: BlockVector, places: i16) -> BlockVector {
     BlockVector { exponent: v.exponent + places, ..v }
 }
 
-/// A result with `places` more in its exponent; zero has exponent 0 whatever it was multiplied by.
+/// A result whose exponent is `places` larger; zero has exponent 0 for any factor.
 fn expected_longer(v: BlockVector, places: i16) -> BlockVector {
     if v.mantissa == [I2F30::ZERO; 3] { v } else { longer(v, places) }
 }
@@ -153,8 +152,8 @@ fn reflecting_twice_gives_the_view_back() {
             })
             .reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
         println!("{name}: once 2^{:.2}, twice 2^{:.2}", once.log2(), twice.log2());
-        // ⟨v·n⟩ and |n|² are rounded at their common exponent: (4 + 2|v|/|n|)·2^−(p+1) of r, |v|/|n| ≤ 2√3 in
-        // mantissas; then r itself, √3·2^−p: 2^−(p−2.9). The second reflection mirrors that and adds its own.
+        // ⟨v·n⟩ and |n|² are rounded at their common exponent: (4 + 2|v|/|n|)·2^−(p+1) of r, |v|/|n| ≤ 2√3 in mantissas; then r itself, √3·2^−p:
+        // 2^−(p−2.9). The second reflection mirrors that error and adds its own.
         let bound = (2.9 - f64::from(p.fraction_bits)).exp2();
         assert!(once < bound, "{name}: {once}");
         assert!(twice < 2.0 * bound, "{name}: {twice}");
@@ -217,7 +216,7 @@ fn outputs_stay_in_their_ranges_for_any_port() {
             let (major, minor) = (real_number(&out.major), real_number(&out.minor));
             assert!(major >= minor && minor >= 0.0, "{major} {minor}");
             let [x, y] = out.direction.map(|d| f64::from(d.to_bits()) / f64::from(ONE));
-            // The inverse root behind it errs by 2^−(p−2) relative.
+            // The inverse root used here errs by 2^−(p−2) relative.
             let noise = 8.0 * f64::from(last) / f64::from(ONE);
             assert!((x.hypot(y) - 1.0).abs() <= noise, "{x} {y}");
             assert!(x + y >= -noise, "the larger component is positive: {x} {y}");
@@ -228,7 +227,7 @@ fn outputs_stay_in_their_ranges_for_any_port() {
     }
 }
 
-/// Whether the cross product of two mantissa vectors is exactly zero.
+/// Returns true if the cross product of two mantissa vectors is exactly zero.
 fn parallel(a: &Block<i32, 3>, b: &Block<i32, 3>) -> bool {
     let m = |v: &Block<i32, 3>, i: usize| i64::from(v.m[i].raw());
     [(0, 1), (1, 2), (2, 0)].into_iter().all(|(i, j)| m(a, i) * m(b, j) == m(a, j) * m(b, i))
@@ -283,7 +282,7 @@ fn status_bits_say_exactly_what_they_are_documented_to_say() {
                 if major.e.raw() != 2 || major.m[0].raw() != ONE / 2 {
                     said(StatusBit::FootprintSaturated, number(major) > 2.0 && !major.is_zero());
                 }
-                // The profile's slack on the aspect; columns may be so unequal that λ₂ is 0.
+                // The profile's slack on the aspect; columns may differ so much that λ₂ is 0.
                 let ratio = number(&minor.scaled(-major.e)) * 16.0 / mantissa(major.m[0]).max(0.5);
                 let slack = (4.0 - f64::from(p.fraction_bits)).exp2();
                 if (ratio - 1.0 + slack).abs() > slack / 8.0 {
@@ -321,8 +320,8 @@ fn steps_cover_the_major_diameter() {
             let [x, y] = out.step.map(|step| f64::from(step.to_bits()) / f64::from(1 << 28));
             let length = f64::from(out.probes) * x.hypot(y);
             let major = real_number(&out.major).min(2.0);
-            // Error of the step: 2^−(p−4) relative (table entry and length of the direction), and its own last place, floored
-            // on a wide wire with 7 bits before its point where that has fewer.
+            // Error of the step: 2^−(p−4) relative (table entry and length of the direction), and its own last place, floored to a wide wire with 7
+            // bits before its point if that has fewer.
             let diameter = 12_f64.sqrt() * major;
             let places = (2 * p.word_bits() - 8).min(28);
             let bound = diameter * (4.0 - f64::from(p.fraction_bits)).exp2() + 16.0 * (-f64::from(places)).exp2();
@@ -350,11 +349,11 @@ fn probes_lie_symmetrically_and_go_on_across_edges_where_the_reference_says() {
                 let want = reference::cube::continue_across(face, on_plane[0], on_plane[1]);
                 let direction = reference::cube::direction_of(face, on_plane[0], on_plane[1]);
                 if want.face == place.face.raw() as usize {
-                    // st has 28 fraction bits, centre and offset are cut to them.
+                    // st has 28 fraction bits; centre and offset drop lower bits.
                     let bound = bar + 4.0 * (-28_f64).exp2();
                     assert!((got[0] - want.s).abs() <= bound && (got[1] - want.t).abs() <= bound, "{fragment:?}");
                 } else {
-                    // Another face only where two of them meet; the direction is the same within the bar.
+                    // A different face occurs only at a common edge; the direction is the same within the bar.
                     assert!(reference::cube::tie_margin(direction) <= 2.0 * bar, "{fragment:?}");
                     let unit = |v: [f64; 3]| scaled(1.0 / norm(&v), v);
                     let back = unit(reference::cube::direction_of(place.face.raw() as usize, got[0], got[1]));
@@ -378,7 +377,7 @@ fn neighbouring_inputs_give_neighbouring_footprints() {
                 let want = reference::reflection(&reference_inputs(&fragment), &options);
                 let out = fragment.reflect(&plan, &p);
                 let scale = want.footprint_scale();
-                // A last bit is small beside a whole mantissa only; on a tie the plane of the footprint changes.
+                // A last bit is small only next to a whole mantissa; on a tie the plane of the footprint changes.
                 let whole = |v: &BlockVector| v.mantissa.iter().any(|m| m.unsigned_abs() >= 0.5);
                 let moving = [fragment.surface.normal, fragment.surface.view, fragment.dview[0], fragment.dnormal[1]];
                 if !moving.iter().all(whole) || want.tie_margin < 0.01 || scale == 0.0 {
@@ -397,7 +396,7 @@ fn neighbouring_inputs_give_neighbouring_footprints() {
                 let change = |a: f64, b: f64| (a - b).abs() / scale;
                 let major = change(real_number(&out.major), real_number(&neighbour.major));
                 let minor = change(real_number(&out.minor), real_number(&neighbour.minor));
-                // Near a pole of the frame the tangents turn freely with the last bit, and the roughness with them.
+                // Near a pole of the tangent basis the tangents turn freely with the last bit, and the roughness with them.
                 let h = entered(&fragment.surface.frame_vectors[0], &p);
                 let n = entered(&fragment.surface.normal, &p);
                 let [h, n] = [h.m, n.m].map(vector);
@@ -408,7 +407,7 @@ fn neighbouring_inputs_give_neighbouring_footprints() {
         assert!(changes.len() > 8000, "{name}: {} fragments have neighbours", changes.len());
         let worst = changes.into_iter().fold(0.0, f64::max);
         println!("{name}: 2^{:.2} of the footprint's terms", worst.log2());
-        // One last bit at four ports, amplified by the frame (1/sin of its angle) and the face (√3).
+        // One last bit at four ports, amplified by the tangent basis (1/sin of its angle) and the face (√3).
         assert!(worst < (4.0 - f64::from(p.fraction_bits)).exp2(), "{name}: 2^{:.2}", worst.log2());
     }
 }
@@ -428,7 +427,7 @@ fn exact_and_table_directions_differ_by_the_table_only() {
             );
             let [a, b] = [fine, coarse].map(|out| out.direction.map(|d| f64::from(d.to_bits())));
             let angle = reference::linear::axis_angle(a, b).to_degrees();
-            // Half a step, and the exact one's own error of 2⁻¹³ radians where the ellipse is well defined.
+            // Half a step, and the exact one's own error of 2⁻¹³ radians if the ellipse is well defined.
             let aspect = real_number(&fine.major) / real_number(&fine.minor);
             assert!(angle <= 45.0 / f64::from(steps) + 0.02 || aspect < 1.1, "{angle} of {steps}: {fragment:?}");
         }

@@ -1,4 +1,4 @@
-//! Fragments set up in integers: which pixels a triangle has, and its attributes against perspective-correct ones in float64.
+//! Fragments set up in integers: the pixels of a triangle, and its attributes against perspective-correct ones in float64.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use roughxel_core::scanline::{Attributes, Fragment, Fragments, MAX_INVERSE_W, MA
 use roughxel_core::setup::{block_vector, real_pair, real_vector};
 
 #[path = "../../../core/oracle/tests/oracle/scanline/truth.rs"]
-#[expect(unreachable_pub, dead_code, reason = "the oracle judges by it, too")]
+#[expect(unreachable_pub, dead_code, reason = "the oracle uses it, too")]
 mod truth;
 
 use truth::{PIXEL, Truth, angle, clockwise, real, shares_of_bars, vertex};
 
-/// As many bits as a set-up in floating point may keep.
+/// Codes with as many bits as a floating-point set-up may keep.
 const CODES: Precision = Precision { fraction_bits: 28, ..Precision::PRECISE };
-/// Every column there is.
+/// All columns.
 const EVERYWHERE: Range<i32> = -5000..5000;
 fn block_pair(uv: DVec2) -> BlockPair {
     let BlockVector { mantissa: [u, v, _], exponent } = block_vector(uv.extend(0.0), &CODES);
@@ -55,7 +55,7 @@ fn corners(extent: i32, ratio_bits: f64) -> impl Strategy<Value = [ScreenVertex;
     [corner.clone(), corner.clone(), corner].prop_map(clockwise)
 }
 
-/// Directions as a mesh has them: vertex normals that differ by less than a right angle, a view of a camera in front of them.
+/// Directions as in a mesh: vertex normals that differ by less than a right angle, a view of a camera in front of them.
 fn mesh(v: &[ScreenVertex; 3], axis: DVec3, normals: [DVec3; 3], others: [DVec3; 3], extent: i32) -> Attributes {
     let axis = axis.try_normalize().unwrap_or(DVec3::Z);
     let ray = |v: &ScreenVertex| DVec3::new(f64::from(v.x), f64::from(v.y), f64::from(extent)) / f64::from(v.inverse_w);
@@ -123,7 +123,7 @@ proptest! {
         let surface = SurfaceIn { offset, ..Default::default() };
         let template = ReflectionIn { surface, edge_texels: 256, ..Default::default() };
         let found = fragment_at(&Fragments::new(&triangle, &corners, &template), x, y).reflection;
-        // v and n as they are, with their own derivatives, in place of V and of W² times n.
+        // v and n themselves, with their own derivatives, in place of V and of W² times n.
         let [n, view] = [corners.normal, corners.view].map(|a| Truth::new(&v, real(&a), x, y));
         let port = |a: DVec3| block_vector(a, &CODES);
         let surface = SurfaceIn { normal: port(n.a), view: port(view.a), ..found.surface };
@@ -163,7 +163,7 @@ proptest! {
         axis in direction(), normals in [direction(), direction(), direction()],
         others in [direction(), direction(), direction()], row in any::<prop::sample::Index>(),
     ) {
-        // The third corner is a few sub-pixels beside the edge of the others.
+        // The third corner is a few sub-pixels away from the edge of the others.
         let beside = |a: i32, b: i32, aside: i32| a + (f64::from(b - a) * along) as i32 + aside;
         let [a, b, mut c] = ends;
         (c.x, c.y) = (beside(a.x, b.x, aside[0]), beside(a.y, b.y, aside[1]));
@@ -208,7 +208,7 @@ proptest! {
 
     #[test]
     fn triangles_that_share_edges_cover_each_pixel_once(place in [0_i32..=32, 0_i32..=32], fine in [0_i32..128, 0_i32..128], whole: bool) {
-        // Four triangles around a point in a square of 16 by 16 pixels; often the point is the centre of one, and centres are on all edges.
+        // Four triangles around a point in a square of 16 by 16 pixels. Often the point is the centre of a pixel, and centres are on all edges.
         let [x, y] = [0, 1].map(|i: usize| (place[i] * 128 + if whole { 0 } else { fine[i] }).min(16 * PIXEL));
         let edge = 16 * PIXEL;
         let corners = [vertex(0, 0), vertex(edge, 0), vertex(edge, edge), vertex(0, edge)];
@@ -268,7 +268,7 @@ fn nothing_overflows_at_the_ends_of_the_ranges() {
 
 #[test]
 fn what_is_the_same_all_over_a_triangle_comes_from_the_template() {
-    let triangle = Triangle::new(&[vertex(0, 0), vertex(4 * PIXEL, 0), vertex(0, 4 * PIXEL)]).expect("it has an area");
+    let triangle = Triangle::new(&[vertex(0, 0), vertex(4 * PIXEL, 0), vertex(0, 4 * PIXEL)]).expect("a triangle");
     let up = mantissas([0, 0, 1 << 30], 0);
     let surface = SurfaceIn { offset: [I4F28::ONE; 2], frame_vectors: [up; 2], ..Default::default() };
     let template = ReflectionIn { surface, edge_texels: 256, ..Default::default() };

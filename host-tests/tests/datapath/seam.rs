@@ -1,4 +1,4 @@
-//! The texel behind an edge of the cube, and the three that meet at a corner: nearest, mutual, complete.
+//! Neighbour texel across an edge of the cube, and the three texels that meet at a corner: nearest, mutual, complete.
 
 use roughxel_core::fx::Fx;
 use roughxel_core::stage::seam;
@@ -12,7 +12,7 @@ struct FaceTexel {
     j: u32,
 }
 
-/// What lies at a texel address of a face that may be one step outside of it.
+/// Texel at an address of a face that may be one step outside of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum CubeTexel {
     Texel(FaceTexel),
@@ -50,7 +50,7 @@ fn all_texels(edge: u32) -> impl Iterator<Item = FaceTexel> {
     (0..6).flat_map(move |face| (0..edge).flat_map(move |j| (0..edge).map(move |i| FaceTexel { face, i, j })))
 }
 
-/// Steps (di, dj) from a texel to the four sides, with what lies there.
+/// Steps (di, dj) from a texel to the four sides, with the texel on each.
 fn steps(texel: FaceTexel, edge: u32) -> [(i32, i32, CubeTexel); 4] {
     [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(di, dj)| {
         let (i, j) = (texel.i as i32 + di, texel.j as i32 + dj);
@@ -128,7 +128,7 @@ fn corners_name_the_three_texels_that_touch_them() {
                 corners.push((corner, set));
             }
         }
-        // Each of the eight corners is the same three texels from all three faces.
+        // Each of the eight corners has the same three texels from all three faces.
         corners.sort_unstable();
         corners.dedup();
         assert_eq!(corners.len(), 8);

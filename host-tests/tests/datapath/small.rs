@@ -1,4 +1,4 @@
-//! The reading for small processors, on a large one: the same bits as the scalar reading, whatever comes in.
+//! The backend for small processors, on a large one: the same bits as the scalar backend, for any input.
 
 use roughxel_cases::highlight::{highlight_sets, random_light};
 use roughxel_cases::lit_peak::{lit_peak_sets, random_lit_peak};
@@ -15,13 +15,13 @@ use roughxel_core::width::{IntegerWord, of_ports, to_ports};
 use roughxel_host_tests::space::{effects, profiles, whole_or};
 use roughxel_netlist::integers::integers;
 
-/// What a reading makes of a design, from ports to ports.
+/// Runs a design in a backend, from ports to ports.
 #[inline(never)]
 fn on<W: IntegerWord, D: Recorded>(input: &D::Input, effects: &Effects, p: &Precision) -> Vec<i64> {
     integers(&to_ports::<W, _>(&D::run::<W>(&of_ports::<W, _>(input), effects, p)))
 }
 
-/// The small reading and the scalar one.
+/// Compares the small backend with the scalar one.
 fn same<const DESIGN: usize>(input: &<Of<DESIGN> as Recorded>::Input, effects: &Effects, p: &Precision)
 where
     Of<DESIGN>: Recorded,
@@ -34,7 +34,7 @@ where
     assert_eq!(small, scalar, "{}, {p:?}, {effects:?}, {:?}", Design::ALL[DESIGN].name(), integers(input));
 }
 
-/// A fragment: every stage, the ports, every probe of either kind.
+/// Compares a fragment: every stage, the ports, every probe of either kind.
 fn same_reflection(fragment: &ReflectionIn, effects: &Effects, p: &Precision) {
     let (fragment, map) = (fragment.wires(), scalar_api::environment_scale(fragment.edge_texels, p));
     same::<{ Design::Fragment as usize }>(&fragment, effects, p);

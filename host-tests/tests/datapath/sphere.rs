@@ -1,7 +1,7 @@
 //! Footprints on the sphere against the float64 reference: the mean direction of their probes and its second moments, which neither the order of
 //! probes nor the sign of an axis changes, and their mean level of detail.
 //!
-//! Run with `--nocapture` to see what was reached.
+//! Run with `--nocapture` to see the measured figures.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -58,9 +58,10 @@ fn drawn(fragment: &ReflectionIn, p: &Precision) -> Moments {
     moments
 }
 
-/// The same of the reference, and what counts of a difference of directions: how far a lobe is from a circle, major² − minor², is what is left of terms as large
-/// as its scale², so along that axis its probes are known as much worse. `None` where the lobe is known too badly to be compared: terms that cancel, or a probe that
-/// hardly looks anywhere.
+/// Moments of the reference, and the weight of a difference of directions.
+///
+/// The deviation of a lobe from a circle, major² − minor², is the remainder of terms as large as its scale². Its probes along that axis are less
+/// accurate by the same ratio. `None` if the lobe is too inaccurate for a comparison: terms that cancel, or a probe that hardly looks anywhere.
 fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<(Moments, f64)> {
     let inputs = reference_inputs(fragment);
     let lobe = lobe(&inputs, &reference_options(&PLAN, p))?;
@@ -69,7 +70,7 @@ fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<(Moments, f64)> {
     if lobe.minor < lobe.scale / 16.0 || lobe.scale > 64.0 || size > 16.0 {
         return None;
     }
-    // Twice as many probes or not is a matter of rounding where R − 1/16 is an integer.
+    // Rounding decides between a probe count and its double if R − 1/16 is an integer.
     let wanted = ((lobe.major / lobe.minor).powi(2) - 1.0).max(0.0).sqrt() - 0.0625;
     if p.probe_rule == ProbeRule::PowerOfTwo && (wanted - wanted.round()).abs() < 2_f64.powi(-8) {
         return None;
@@ -87,7 +88,7 @@ fn expected(fragment: &ReflectionIn, p: &Precision) -> Option<(Moments, f64)> {
     Some((moments, weight))
 }
 
-/// Bars of directions (radians) and of levels: one and a half times and more what the worst of all fragments reached. `paper` knows eight directions of an axis.
+/// Bars of directions (radians) and of levels: at least one and a half times the worst of all fragments. `paper` knows eight directions of an axis.
 fn bars(name: &str) -> [f64; 2] {
     let powers = match name {
         "narrow" => [-8, -6],
@@ -129,7 +130,7 @@ fn probes_on_the_sphere_are_those_of_the_reference() {
     }
 }
 
-/// Tables of places and widths against the reference's, which finds quantiles by halving; and the weights of every footprint sum to 1.
+/// Tables of places and widths against the reference's, which finds quantiles by bisection; the weights of every footprint sum to 1.
 #[test]
 fn places_are_those_of_the_normal_law() {
     for count in 1..=16_u32 {

@@ -1,4 +1,4 @@
-//! The tile of a picture that firmware draws, with the backends of the emulator.
+//! The tile of a picture that the firmware draws, with the backends of the emulator.
 
 use roughxel_core::bundle::Value;
 use roughxel_core::plan::Effects;
@@ -10,7 +10,7 @@ use roughxel_shader::{Ports, Shader};
 use roughxel_simd::Backend;
 
 #[path = "../../../core/oracle/tests/oracle/tile/drawn.rs"]
-#[expect(unreachable_pub, dead_code, reason = "it is everybody's who draws the tile")]
+#[expect(unreachable_pub, dead_code, reason = "other tests that draw the tile use it")]
 mod drawn;
 
 use drawn::{EDGE, HASHES, Hash, SKY_EDGE, Sky};
@@ -23,7 +23,7 @@ fn the_tile_of_the_firmware_is_that_of_the_emulator() {
         places.push([fragment.x, y]);
         inputs.push(fragment.reflection.wires());
     });
-    // Most of the tile, and some of it not.
+    // Most of the tile, but not all of it.
     let pixels = (EDGE * EDGE) as usize;
     assert!((pixels / 3..pixels).contains(&inputs.len()), "{} of {pixels} pixels", inputs.len());
     let cube = &Cube { memory: &Sky, edge: SKY_EDGE.into(), last_level: SKY_EDGE.ilog2(), exponent: 0 };

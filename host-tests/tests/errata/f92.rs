@@ -42,10 +42,10 @@ fn random_direction(random: &mut SplitMix64) -> [f64; 3] {
 
 #[test]
 fn row_19_every_peak_has_an_exponent_of_its_own() {
-    // Amplitude, two angles and an exponent: only so do seven peaks have 28 variables.
+    // Amplitude, two angles and an exponent: only this way do seven peaks have 28 variables.
     let (peaks, own_exponent, shared_exponent) = (7, 4, 3);
     assert_eq!((peaks * own_exponent, peaks * shared_exponent), (28, 21));
-    // With n read as the number of peaks, as the sum prints it, velvet is another material.
+    // If n is the number of peaks, as printed in the sum, velvet is a different material.
     let sum = |h: &[f64; 3], exponent: fn(i32) -> i32| -> f64 {
         VELVET.iter().map(|&(a, v, n)| a * dot(&unit(v), h).max(0.0).powi(exponent(n))).sum()
     };
@@ -75,7 +75,7 @@ fn row_20_the_first_row_of_the_tables_names_the_surface_normal() {
     let deepest = printed.iter().copied().fold(0.0, f64::max);
     let shallowest = printed.iter().copied().fold(90.0, f64::min);
     assert!((shallowest - 51.0).abs() < 0.5 && (deepest - 84.0).abs() < 0.5);
-    // The other rows stand around x: with (1, 0, 0) as the normal every peak is above the horizon.
+    // The other rows surround x: with (1, 0, 0) as the normal, every peak is above the horizon.
     assert!(below([1.0, 0.0, 0.0]).is_empty());
 }
 
@@ -94,7 +94,7 @@ fn row_21_silks_vectors_are_normalised() {
 
 #[test]
 fn row_22_the_visibility_ramp_reaches_root_3_sigma() {
-    // Largest distance from the normal law, walked up from −8 σ with the trapezoidal rule (error below 1e-8).
+    // Largest distance from the normal distribution, integrated from −8 σ with the trapezoidal rule (error below 1e-8).
     let worst = |reach: f64| {
         let step = 1e-4;
         let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
@@ -109,7 +109,7 @@ fn row_22_the_visibility_ramp_reaches_root_3_sigma() {
     };
     assert!((worst(1.0) - 0.159).abs() < 0.0005, "{}", worst(1.0));
     assert!((worst(3_f64.sqrt()) - 0.057).abs() < 0.0005, "{}", worst(3_f64.sqrt()));
-    // ±√3 σ is the uniform law of variance σ²: width²/12.
+    // ±√3 σ is the uniform distribution of variance σ²: width²/12.
     assert!(((2.0 * 3_f64.sqrt()).powi(2) / 12.0 - 1.0).abs() < 1e-15);
     // σ = 0: the ramp is 0/0 at the mean slope and must be a step.
     let (slope, mean, sigma) = (0.5_f64, 0.5, 0.0);
@@ -118,7 +118,7 @@ fn row_22_the_visibility_ramp_reaches_root_3_sigma() {
 
 #[test]
 fn row_23_about_doubled_is_the_mean_of_the_papers_own_table() {
-    // Minutes and seconds: unfiltered, filtered, 16 samples. The bar on this project's own timing is kept elsewhere.
+    // Minutes and seconds: unfiltered, filtered, 16 samples. The bar on this project's own timing is tested elsewhere.
     let seconds = |minutes: u32, seconds: u32| f64::from(60 * minutes + seconds);
     let table = [
         (seconds(3, 30), seconds(7, 38), seconds(52, 39)),

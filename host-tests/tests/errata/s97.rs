@@ -116,7 +116,7 @@ fn corrugated_highlight(model: impl Fn(Covariance, Vector2) -> f64) -> f64 {
 fn row_06_the_inverse_form_fits_a_corrugated_highlight_best() {
     let fourth = |d: Vector2| dot(&d, &d).powi(2);
     let safe = |ratio: f64| if ratio.is_nan() { 0.0 } else { ratio };
-    // tan²a′ = |d|⁴/|Dd|² (print), |d|⁴/|Dᵀd|², dᵀK⁻¹d.
+    // tan²a′ = |d|⁴/|Dd|² (printed), |d|⁴/|Dᵀd|², dᵀK⁻¹d.
     let printed = corrugated_highlight(|k, d| {
         let spread = norm(&times(decompose(k), d));
         safe(fourth(d) / (spread * spread))
@@ -133,7 +133,7 @@ fn row_06_the_inverse_form_fits_a_corrugated_highlight_best() {
 
 #[test]
 fn row_07_a_base_roughness_keeps_the_highlight_finite() {
-    // 0/0 at n = h; at D = 0, every flat texel, the highlight is black beside n = h however close.
+    // 0/0 at n = h. At D = 0, every flat texel, the highlight is black next to n = h, however close.
     assert!(printed_cos2([0.3, 0.0, 0.3], [0.0; 2]).is_nan());
     assert!(printed_cos2([0.0; 3], [0.0; 2]).is_nan());
     assert_eq!(printed_cos2([0.0; 3], [1e-6, 0.0]), 0.0);
@@ -169,8 +169,8 @@ fn row_08_the_energy_of_a_highlight_must_not_depend_on_the_roughness() {
         let energy = printed(sigma) / unit;
         assert!((energy - expected).abs() < 0.005, "σ = {sigma}: {energy}");
     }
-    // In the plane of slopes, where the covariances live, the print grows exactly as √det K = σ₁σ₂ and dividing by it
-    // levels the energy: midpoints of a square of ±4 σ in 400 × 400 steps, tail below 1e-15.
+    // In the plane of slopes, which contains the covariances, the printed formula grows exactly as √det K = σ₁σ₂, and dividing by it levels the
+    // energy: midpoints of a square of ±4 σ in 400 × 400 steps, tail below 1e-15.
     let energy = |sigma: Vector2, turn: f64| {
         let (sin, cos) = f64::sin_cos(turn);
         let [p, q] = [scaled(sigma[0], [cos, sin]), scaled(sigma[1], [-sin, cos])];
@@ -195,7 +195,7 @@ fn row_09_e1_is_perpendicular_to_the_plane_of_n_and_h_and_e2_lies_in_it() {
         let frame = frame_main_direction(n, h);
         assert!(dot(&frame.e1, &n).abs() < 1e-15 && dot(&frame.e1, &h).abs() < 1e-15);
         assert!(dot(&frame.e2, &cross(n, h)).abs() < 1e-15);
-        // The prose has it the other way round: "e₂ perpendicular to h, e₁ in the plane of n and h".
+        // The prose states the opposite: "e₂ perpendicular to h, e₁ in the plane of n and h".
         assert!(dot(&frame.e2, &h) > 0.0, "e₂ is the part of h along the surface");
         assert!(dot(&frame.e1, &cross(h, n)) > 0.0);
     }
@@ -221,7 +221,7 @@ fn row_13_a_quantised_k_is_indefinite_where_a_quantised_d_is_not() {
     }
     let share = f64::from(indefinite) / f64::from(count);
     assert!((0.4..0.6).contains(&share), "{share}");
-    // c = 0, bumps along one axis only: the print divides 0 by 0.
+    // c = 0, bumps along one axis only: the printed formula divides 0 by 0.
     let [a, b, c] = [0.25_f64, 0.0, 0.0];
     assert!((b / c.sqrt()).is_nan() && (a - b * b / c).sqrt().is_nan());
     assert_eq!(decompose([a, b, c]), [0.5, 0.0, 0.0]);
@@ -248,7 +248,7 @@ fn row_14_the_recursion_has_a_plus() {
         let within = (0..4).fold([0.0; 3], |sum, n| add_scaled(sum, 0.25, texels[n].k));
         let means: Vec<Vector2> = texels.iter().map(|texel| texel.mean).collect();
         let (_, between) = covariance(&means);
-        // Side by side two matrices are a product, ¼·(ΣK)·(Σ(f−f̄)(f−f̄)ᵀ); either sum alone is no better.
+        // Two adjacent matrices are a product, ¼·(ΣK)·(Σ(f−f̄)(f−f̄)ᵀ); either sum alone is no better.
         let product = [
             4.0 * (within[0] * between[0] + within[1] * between[1]),
             0.0,
@@ -271,7 +271,7 @@ fn row_15_covariances_are_interpolated_not_d() {
     let ours = add_scaled(scaled(0.5, compose(up)), 0.5, compose(down));
     assert!((ours[0] - 1.0).abs() < 1e-15 && ours[1].abs() < 1e-15);
 
-    // Between two smooth texels of opposite slope neither knows of a spread: the means have one.
+    // Between two smooth texels of opposite slope, neither texel holds a spread, but their means have one.
     let texels = [-0.5, 0.5].map(|slope| Texel { mean: [slope, 0.0], k: [0.0; 3] });
     let interpolated = add_scaled(scaled(0.5, texels[0].k), 0.5, texels[1].k);
     assert_eq!(interpolated, [0.0; 3]);

@@ -22,7 +22,7 @@ fn outer(columns: [Vector2; 2]) -> Ellipse {
     Ellipse::from_matrix([p[0] * p[0] + q[0] * q[0], p[0] * p[1] + q[0] * q[1], p[1] * p[1] + q[1] * q[1]])
 }
 
-/// DᵀD, the print of (3).
+/// DᵀD, as printed in (3).
 fn inner(columns: [Vector2; 2]) -> Ellipse {
     let [p, q] = columns;
     Ellipse::from_matrix([dot(&p, &p), dot(&p, &q), dot(&q, &q)])
@@ -46,7 +46,7 @@ fn row_01_the_footprint_is_d_dt_not_dt_d() {
     for i in 0..36_000 {
         let (sin, cos) = (f64::from(i) / 100.0).to_radians().sin_cos();
         let x = add_scaled(scaled(cos, columns[0]), sin, columns[1]);
-        // det = 4 out of entries near 100: a dozen roundings of 2⁻⁵³·100.
+        // det = 4 from entries near 100: a dozen roundings of 2⁻⁵³·100.
         assert!((ours.quadratic_form(x) - 1.0).abs() < 1e-12);
         let form = printed.quadratic_form(x);
         (low, high) = (low.min(form), high.max(form));
@@ -90,7 +90,7 @@ fn r1_of_18(k: &Ellipse) -> Vector2 {
 
 const GROUND_SIZE: [u32; 2] = [TEXTURE_EDGE; 2];
 
-/// Footprint assembly on the ground plane with the axes that `axes_of` makes of the columns in texels.
+/// Footprint assembly on the ground plane with the axes that `axes_of` computes from the columns in texels.
 fn assembled(levels: &[Map<1>], pixel: &GroundPixel, axes_of: impl Fn([Vector2; 2]) -> Axes) -> f64 {
     // A pixel box of unit edges: variance 1/12.
     let columns = columns_in_texels(pixel.derivatives, GROUND_SIZE).map(|q| scaled(1.0 / 12_f64.sqrt(), q));
@@ -184,10 +184,10 @@ fn row_11_the_view_vector_moves_against_the_pixel() {
         if round == 0 {
             assert!((printed.major - 2.0).abs() < 1e-15 && (printed.minor - 2.0).abs() < 1e-15);
         }
-        // A little off the axis: the table's case gave 1.95 × 1.90.
+        // A little off the axis: the table's case gives 1.95 × 1.90.
         assert!(printed.minor > 1.85 && printed.major < 2.0 + 1e-12, "{printed:?}");
     }
-    // A flat mirror cannot show it: both signs give the same ellipse.
+    // A flat mirror cannot show the error: both signs give the same ellipse.
     let at = cube::select(reflect([0.2, 0.1, 1.0], [0.0, 0.1, 1.0]));
     let flat = |dv| column([0.2, 0.1, 1.0], [0.0, 0.1, 1.0], &at, dv, [0.0; 3]).q;
     assert_eq!(outer([flat([1.0, 0.0, 0.0]); 2]), outer([flat([-1.0, 0.0, 0.0]); 2]));
@@ -224,7 +224,7 @@ fn row_12_the_smaller_eigenvalue_comes_from_the_minors() {
             add_scaled(scaled(-skew_sin, major), skew_cos, minor),
         ]
         .map(|column| column.map(|x| x as f32));
-        // The truth is that of the f32 columns, so that only the formula is judged.
+        // The truth is that of the f32 columns, so that only the formula is tested.
         let truth = {
             let exact = q.map(|column| column.map(f64::from));
             let minor = exact[0][0] * exact[1][1] - exact[0][1] * exact[1][0];
@@ -236,7 +236,7 @@ fn row_12_the_smaller_eigenvalue_comes_from_the_minors() {
         off_minors += u32::from(levels_off(from_minors) > 0.25);
     }
     let share = f64::from(off_printed) / f64::from(count);
-    // 43.9 % on the table's inputs; these are ill-conditioned in another proportion.
+    // 43.9 % on the table's inputs; these are ill-conditioned in a different proportion.
     assert!(share > 0.4, "{share}");
     assert_eq!(off_minors, 0);
 }
@@ -318,7 +318,7 @@ fn row_17_frame_vectors_carry_the_length_of_the_normal() {
 
 #[test]
 fn row_18_ten_table_entries_put_the_end_probe_off_by_half_a_width() {
-    // `entries` directions evenly over ±45°: the worst input lies between two of them.
+    // `entries` directions evenly over ±45°: the worst input is between two of them.
     let worst_degrees = |entries: u32| {
         let spacing = 90.0 / f64::from(entries);
         (0..90_000)

@@ -1,4 +1,4 @@
-//! The benches that `roughxel vectors bench` writes: right on the generated Verilog in every tool, and each names what is broken.
+//! Testbenches that `roughxel vectors bench` writes: they pass on the generated Verilog in every tool, and each names the broken part.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use roughxel_host_tests::simulators::{bench_script, have};
 use roughxel_vectors::{Bench, BenchError, Device, SetInfo, Words, export_with, random_set};
 use tempfile::TempDir;
 
-/// A bench of 64 vectors of a mirror under `narrow`, which every tool builds in seconds.
+/// A testbench of 64 vectors of a mirror under `narrow`, which every tool builds in seconds.
 struct Written {
     directory: TempDir,
 }
@@ -29,7 +29,7 @@ impl Written {
         export_with(&info, 64, &input, directory.path(), &|_| {}).expect("the set can be written");
         let written = Self { directory };
         let kept = written.read().and_then(|bench| bench.write(&written.bench(), device, false));
-        assert!(kept.expect("a bench").is_empty());
+        assert!(kept.expect("a testbench").is_empty());
         written
     }
 
@@ -46,12 +46,12 @@ impl Written {
         run_bench(&self.bench(), arguments)
     }
 
-    /// The same with the words that the device gave.
+    /// Exit code and output of `run.sh` with the words of the device.
     fn run_for_words(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
         let path = self.directory.path().join("got.hex");
         let (code, text) = self.run(&[arguments, &["--got", path.to_str().expect("a path in Unicode")]].concat());
         let words = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}: {text}"));
-        fs::remove_file(path).expect("it is there");
+        fs::remove_file(path).expect("the file exists");
         (code, text, words)
     }
 
@@ -65,7 +65,7 @@ impl Written {
     }
 }
 
-/// Runs the bench in a folder: its exit code, and what it prints.
+/// Runs the testbench in a folder: its exit code and its output.
 pub(super) fn run_bench(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let mut command = bench_script(&folder.join("run.sh"));
     command.args(arguments);
@@ -76,7 +76,7 @@ pub(super) fn run_bench(folder: &Path, arguments: &[&str]) -> (Option<i32>, Stri
     (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Whether Python finds cocotb; says so where it does not, and panics where it has to be.
+/// Returns true if Python finds cocotb. Otherwise prints a message, and panics if cocotb is required.
 pub(super) fn have_cocotb() -> bool {
     let mut command = Command::new("python3");
     if let Some(installed) = installed_cocotb() {
@@ -90,7 +90,7 @@ pub(super) fn have_cocotb() -> bool {
     found
 }
 
-/// Where `.ci/run` puts it, if it did.
+/// Folder in which `.ci/run` installs cocotb, if it exists.
 pub(super) fn installed_cocotb() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/cocotb");
     folder.exists().then_some(folder)
@@ -177,9 +177,9 @@ fn the_bench_in_vhdl_plays_back_its_words_and_names_an_altered_one() {
 fn a_device_that_is_there_stays_and_a_damaged_set_is_refused() {
     let written = Written::new(Device::Blank);
     let kept = written.read().and_then(|bench| bench.write(&written.bench(), Device::Generated, false));
-    assert_eq!(kept.expect("a bench"), ["bench_narrow_device.sv", "bench_narrow_device.vhd"]);
+    assert_eq!(kept.expect("a testbench"), ["bench_narrow_device.sv", "bench_narrow_device.vhd"]);
     let kept = written.read().and_then(|bench| bench.write(&written.bench(), Device::Generated, true));
-    assert!(kept.expect("a bench").is_empty());
+    assert!(kept.expect("a testbench").is_empty());
 
     let words = written.directory.path().join("bench_narrow.hex");
     let text = fs::read_to_string(&words).expect("the words");

@@ -1,5 +1,4 @@
-//! Devices broken on purpose: one operator of the generated Verilog at a time is another one, and the committed smoke set finds it and
-//! names the stage.
+//! Broken devices: one operator of the generated Verilog at a time is replaced, and the committed smoke set finds it and names the stage.
 
 use std::fs;
 use std::path::Path;
@@ -10,25 +9,25 @@ use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
 use roughxel_vectors::{Bench, Device};
 
-/// What becomes of an operator.
+/// Fault of an operator.
 #[derive(Clone, Copy, Debug)]
 enum OperatorFault {
-    /// A sum where a difference belongs, or a 1 taken off where rounding adds it.
+    /// A sum instead of a difference, or a 1 subtracted that rounding adds.
     Less,
-    /// A difference that is a sum.
+    /// A difference instead of a sum.
     More,
-    /// Choices the other way round.
+    /// Swapped choices.
     Swapped,
     /// Zeros shifted into negative numbers.
     Logical,
     /// Equal counts as less.
     OrEqual,
-    /// Bits of both where those of either belong.
+    /// And instead of or: bits of both instead of those of either.
     Both,
 }
 
 impl OperatorFault {
-    /// The operator, and what stands there instead.
+    /// The operator and its replacement.
     const fn texts(self) -> (&'static str, &'static str) {
         match self {
             Self::Less => (" + ", " - "),
@@ -56,8 +55,8 @@ impl OperatorFault {
     }
 }
 
-/// Module, operator with its place, and the first stage with a tap behind it. Where the Verilog changes a place may become one whose
-/// operator makes no difference (a sign that is known, a limit that nothing reaches): then it takes another place.
+/// Module, operator with its place, and the first later stage with a tap. A change of the Verilog may move a place to an operator that makes no
+/// difference (a sign that is known, a limit that nothing reaches); choose a different place then.
 const BROKEN: [(&str, OperatorFault, usize, &str); 42] = [
     ("enter_normal", OperatorFault::Less, 3, "frame"),
     ("enter_normal", OperatorFault::Both, 2, "frame"),
@@ -113,7 +112,7 @@ fn the_smoke_set_finds_every_broken_copy_and_names_its_stage() {
     let broken: Vec<_> = BROKEN.iter().step_by(whole_or(1, 6)).collect();
     broken.into_par_iter().for_each(|&(module, slip, place, stage)| {
         let directory = tempfile::tempdir().expect("a temporary directory");
-        bench.write(directory.path(), Device::Generated, false).expect("the bench can be written");
+        bench.write(directory.path(), Device::Generated, false).expect("the testbench can be written");
         let path = directory.path().join(format!("rtl/{module}.v"));
         let text = fs::read_to_string(&path).expect("the module");
         let copy = slip.of(&text, place).unwrap_or_else(|| panic!("{module} has no operator {slip:?} {place}"));

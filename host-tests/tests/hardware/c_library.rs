@@ -1,4 +1,4 @@
-//! The C library: every committed vector through it, in C and in C++, and its errors.
+//! C library: every committed vector through it, in C and in C++, and its errors.
 
 use std::fs;
 use std::io::Write;
@@ -15,7 +15,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The static library, built once as vectors/README.md says.
+/// The static library, built once as vectors/README.md describes.
 static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
     let target = root().join("target/c-library");
@@ -26,13 +26,13 @@ static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
     target.join("c-library/libroughxel_c.a")
 });
 
-/// The harness as a program.
+/// The compiled harness.
 fn harness(compiler: &str, standard: &str, directory: &Path) -> PathBuf {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hardware/c_library/harness.c");
     compiled(&source, compiler, standard, &directory.join(format!("harness_{compiler}")))
 }
 
-/// A source with the library.
+/// A source compiled with the library.
 fn compiled(source: &Path, compiler: &str, standard: &str, program: &Path) -> PathBuf {
     let language = if compiler == "cc" { "c" } else { "c++" };
     let output = Command::new(compiler)
@@ -49,7 +49,7 @@ fn compiled(source: &Path, compiler: &str, standard: &str, program: &Path) -> Pa
     program.into()
 }
 
-/// What the harness writes of these lines.
+/// Output of the harness for these lines.
 fn run(program: &Path, arguments: &[&str], lines: &str) -> Vec<String> {
     let mut child = Command::new(program)
         .args(arguments)
@@ -57,7 +57,7 @@ fn run(program: &Path, arguments: &[&str], lines: &str) -> Vec<String> {
         .stdout(Stdio::piped())
         .spawn()
         .expect("the harness runs");
-    let mut input = child.stdin.take().expect("its input");
+    let mut input = child.stdin.take().expect("the harness has an input");
     let lines = lines.to_owned();
     let feeding = std::thread::spawn(move || input.write_all(lines.as_bytes()));
     let output = child.wait_with_output().expect("the harness ends");
@@ -102,7 +102,7 @@ fn every_committed_vector_is_what_the_library_computes() {
             numbers.collect::<Vec<_>>().join(" ") + "\n"
         };
         let lines: String = words.iter().map(given).collect();
-        // No field of the set is missing in the structures.
+        // The structures contain every field of the set.
         let unknown =
             manifest.fields.iter().find(|field| field.direction != Direction::Check && !names.contains(&field.name));
         assert!(unknown.is_none(), "{unknown:?}");
@@ -128,7 +128,7 @@ fn what_is_out_of_its_range_is_an_error_with_its_place() {
     let program = harness("cc", "-std=c99", directory.path());
     let names = run(&program, &["--names", "peak"], "");
     let inputs = names.iter().position(|name| name == "-").expect("both structures");
-    // The last of all, a weight, may be any number.
+    // The last field, a weight, may be any number.
     for wrong in [0, 3, inputs - 2] {
         let line: Vec<String> =
             (0..inputs).map(|place| if place == wrong { i32::MAX } else { 0 }.to_string()).collect();
@@ -150,7 +150,7 @@ fn the_example_computes_a_reflection() {
     assert_eq!(lines[0], "reflected (-262144, 0, 524288) * 2^1 / 2^20");
 }
 
-/// The archive's own part, without what the compiler adds of its run-time library: a library that is linked into firmware can end no program.
+/// The archive's own part, without the compiler's run-time library: a library that is linked into firmware cannot end the program.
 #[test]
 fn no_path_of_the_library_leads_to_a_panic() {
     if !have("nm") {
@@ -163,7 +163,7 @@ fn no_path_of_the_library_leads_to_a_panic() {
     assert!(own.iter().all(|part| !part.contains("panic")), "{own:?}");
 }
 
-/// A bench of a small peak, and its run with the C library: exit code and output.
+/// A testbench of a small peak, and its run with the C library: exit code and output.
 fn random_inputs(directory: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     run_bench(directory, &[&["dpi"], arguments].concat())
 }
@@ -175,7 +175,7 @@ fn the_generated_verilog_is_the_library_on_random_inputs_and_a_broken_device_is_
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
     let bench = Bench::new(&root().join("vectors/smoke/random_peak_compact.json")).expect("a set");
-    bench.write(directory.path(), Device::Generated, false).expect("a bench");
+    bench.write(directory.path(), Device::Generated, false).expect("a testbench");
     let (code, text) = random_inputs(directory.path(), &[]);
     assert!(code == Some(1) && text.contains("libroughxel_c.a is not there"), "{text}");
     let library = LIBRARY.to_str().expect("a path");

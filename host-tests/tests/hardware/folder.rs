@@ -1,5 +1,5 @@
-//! The folder `vectors` without Rust: its model in Python against the committed sets and fresh ones of every profile and
-//! effect, the code on the page of the arithmetic, the Verilog written by hand.
+//! Folder `vectors` without Rust: its Python model against the committed sets and fresh ones of every profile and effect, the code on the page of
+//! the arithmetic, the hand-written Verilog.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ fn model() -> Command {
     command
 }
 
-/// How many sets and folders of tables the model found right.
+/// Number of sets and folders of tables that the model confirmed.
 fn right(output: &Output) -> usize {
     String::from_utf8_lossy(&output.stdout).lines().filter(|line| line.ends_with(", all right")).count()
 }
@@ -36,7 +36,7 @@ fn random(directory: &Path, number: usize, effects: Effects, datapath: Datapath,
     let name = format!("{}_{number}", RANDOM_SETS[datapath as usize].0);
     let info = SetInfo { seed: Some(&name), ..SetInfo::new(&name, datapath, effects, profile, precision) };
     let input = |index| random_set(datapath, &name, index, &precision);
-    export_with(&info, count, &input, directory, &|_| {}).expect("the set can be written");
+    export_with(&info, count, &input, directory, &|_| {}).expect("a set is written");
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn the_python_model_reads_records_and_words_without_taps() {
             let of_all = SetInfo::new(name, datapath, Effects::ALL, profile, precision);
             let info = SetInfo { description, seed: Some(name), words, ..of_all };
             let input = |index| random_set(datapath, name, index, &precision);
-            export_with(&info, 50, &input, directory.path(), &|_| {}).expect("the set can be written");
+            export_with(&info, 50, &input, directory.path(), &|_| {}).expect("a set is written");
         }
     }
     let sets = manifests_in(directory.path()).expect("sets");
@@ -70,7 +70,7 @@ fn the_python_model_reads_records_and_words_without_taps() {
     let words = sets[0].with_extension("bin");
     let mut bytes = fs::read(&words).expect("records");
     bytes[40] ^= 8;
-    fs::write(&words, bytes).expect("they can be written");
+    fs::write(&words, bytes).expect("the words can be written");
     let output = model().arg(&sets[0]).output().expect("python3");
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
 }
@@ -96,14 +96,14 @@ fn the_python_model_is_right_in_every_profile_under_every_effect() {
             let effects = Effects { footprint: FootprintKind::Sphere, ..set.effects };
             let info = SetInfo::new(set.name, set.datapath, effects, profile, precision);
             let input = |index| set.inputs[(index * step) as usize];
-            export_with(&info, count.div_ceil(step), &input, directory.path(), &|_| {}).expect("it can be written");
+            export_with(&info, count.div_ceil(step), &input, directory.path(), &|_| {}).expect("a set is written");
         }
     }
     let sets = manifests_in(directory.path()).expect("sets").len();
     assert_eq!(right(&run(model().arg(directory.path()))), sets + 1);
 }
 
-/// The check value of a word in hex digits without its own.
+/// The check value of a word in hex digits without its own check value.
 pub(super) fn check_value(digits: &str) -> u32 {
     let bits = digits.chars().flat_map(|digit| {
         let value = digit.to_digit(16).expect("a hex digit");
@@ -112,7 +112,7 @@ pub(super) fn check_value(digits: &str) -> u32 {
     bits.fold(u32::MAX, |crc, bit| (crc << 1) ^ if crc >> 31 == bit { 0 } else { 0x04c1_1db7 })
 }
 
-/// A committed set with the last bit of `reflected_x` of vector 1 inverted, and with the right check value or not.
+/// A committed set with the last bit of `reflected_x` of vector 1 inverted, with the right or with a wrong check value.
 fn altered(directory: &Path, is_checked: bool) -> PathBuf {
     let path = |file: &str| directory.join(format!("random_standard.{file}"));
     for file in ["hex", "json"] {
@@ -122,7 +122,7 @@ fn altered(directory: &Path, is_checked: bool) -> PathBuf {
     path("json")
 }
 
-/// The same of any set.
+/// Alters any set in the same way.
 fn alter(manifest_path: &Path, is_checked: bool) {
     let manifest = Manifest::read(manifest_path).expect("the manifest");
     let hex = manifest_path.with_extension("hex");
@@ -139,7 +139,7 @@ fn alter(manifest_path: &Path, is_checked: bool) {
         digits = format!("{}{:08x}", &digits[..end], check_value(&digits[..end]));
     }
     *word = digits;
-    fs::write(hex, lines.join("\n") + "\n").expect("the set can be written");
+    fs::write(hex, lines.join("\n") + "\n").expect("a set is written");
 }
 
 #[test]
@@ -155,8 +155,8 @@ fn the_python_model_reads_parts_with_the_indices_of_the_whole_set() {
     let parts: Vec<PathBuf> = (1..=2)
         .map(|number| {
             let shard = Shard::new(number, 2).expect("one of two");
-            let part = SetExport::new(&info, 40).of_shard(shard).expect("it has vectors");
-            let manifest = part.write(&input, directory.path(), &|_| {}).expect("it can be written");
+            let part = SetExport::new(&info, 40).of_shard(shard).expect("the shard has vectors");
+            let manifest = part.write(&input, directory.path(), &|_| {}).expect("a set is written");
             directory.path().join(manifest.stem() + ".json")
         })
         .collect();
@@ -218,7 +218,7 @@ fn the_verilog_written_by_hand_is_right_on_the_committed_sets() {
         run(Command::new("sh").arg(script));
         return;
     }
-    // One set with few vectors whose normals are as they enter, and the random ones.
+    // One set with few vectors whose normals are used as given, and the random ones.
     let sets = ["footprint_cancel_standard", "random_standard", "random_compact", "random_narrow"];
     for stage in ["normalise", "perturb", "reflect", "cube_face"] {
         let sets = sets.map(|set| vectors("smoke").join(format!("{set}.json")));

@@ -1,4 +1,4 @@
-//! How good sets are: what `roughxel vectors report` counts, what the committed sets show, and what distilling keeps.
+//! Coverage of sets: the counts of `roughxel vectors report`, the coverage of the committed sets, and the vectors that compacting keeps.
 
 use std::collections::HashSet;
 use std::fs;
@@ -37,7 +37,7 @@ fn info<'a>(name: &'a str, datapath: Datapath, precision: Precision, profile: &'
     SetInfo::new(name, datapath, Effects::ALL, profile, precision)
 }
 
-/// Bits at the ports that are stuck are a fragment with other ports, of which the whole design is computed.
+/// Stuck bits at the ports amount to a fragment with other ports, for which the whole design is computed.
 #[test]
 fn what_a_fault_leads_to_is_what_the_whole_design_computes() {
     for p in [Precision::STANDARD, Precision::NARROW] {
@@ -94,8 +94,8 @@ fn the_committed_sets_show_nineteen_operations_in_twenty_and_are_below_a_thousan
     }
 }
 
-/// No line of a list is lost, and the vectors that were picked for it show every entry of every table off by a last place; of each table the
-/// committed sets of stages alone show as many.
+/// No line of a list is lost, and the vectors picked for it detect every entry of every table off by a last place. The committed sets of single
+/// stages detect as many of each table.
 #[test]
 fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_and_by_stages_alone() {
     let sets = hard_sets(&Precision::STANDARD);
@@ -125,11 +125,11 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
         for table in &of.tables {
             let (name, entries) = (format!("{} of {}", table.table, of.datapath), table.entries);
             assert_eq!(table.read.found, table.read.all, "{name}");
-            // A footprint is blurred only where it asks for more probes than there are, so one of the entries is read in earnest.
+            // A footprint is blurred only if it asks for more probes than there are, so only one of the entries is effectively read.
             let missed = if table.table == "rom_log2_of_count" { 14 } else { 0 };
             assert_eq!(entries.all - entries.found, missed, "{name}");
 
-            // Modules that read the same table are shown all entries together.
+            // The sets of the modules that read a table detect all of its entries together.
             let readers = stages.iter().filter(|stage| stage.datapath == of.datapath);
             let readers = readers.filter(|stage| stage.tables.iter().any(|reader| reader.table == table.table));
             let not_shown = |stage: &Grade| -> HashSet<String> {
@@ -167,7 +167,7 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
     assert!(others.1 < few.1 && few.1 <= many.1, "{others:?} {few:?} {many:?}");
     assert!(others.0 < few.0 && few.0 * 100 >= many.0 * 99, "{others:?} {few:?} {many:?}");
 
-    // Beside them: vectors that are needed for entries of tables, none of those; and beside all none.
+    // In addition to the picked vectors, other vectors are needed for entries of tables; in addition to all vectors, none is.
     let beside = [directory.path().join("few/few_narrow.json")];
     let entries = Wanted { mistakes: &[Mistake::Entry], ..wanted(1000, &beside) };
     let Distilled { picked: more, inputs, .. } = distil(&first, &[], entries, &|_| {}).expect("a set");
@@ -179,7 +179,7 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
         grades[0].tables.iter().map(|table| table.entries.found).sum::<usize>()
     };
     assert_eq!(entries(&[beside[0].clone(), name.join("more_narrow.json")]), entries(std::slice::from_ref(&first)));
-    // What those met, decisions and limits among it, is not covered again: each vector is needed behind the ones before it.
+    // Coverage of earlier vectors, including decisions and limits, is not covered again: each vector is needed after the ones before it.
     let operations = Wanted { mistakes: &[Mistake::Operation], ..wanted(1000, &beside) };
     let Distilled { picked: more, inputs, .. } = distil(&first, &[], operations, &|_| {}).expect("a set");
     let (name, input) = (directory.path(), |index| inputs[index as usize]);

@@ -1,4 +1,4 @@
-//! Acceptance tiers: devices whose reciprocals and roots are not ours, as `roughxel vectors judge` sees them.
+//! Acceptance tiers: devices with different reciprocals and roots, as `roughxel vectors judge` sees them.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -37,7 +37,7 @@ impl Bench {
         Self::of((0..count).collect(), datapath, effects, profile, taps)
     }
 
-    /// Of random inputs with these numbers.
+    /// Builds a set from random inputs with these numbers.
     fn of(numbers: Vec<u64>, datapath: Datapath, effects: Effects, profile: Profile, taps: bool) -> Self {
         let precision = profile.precision();
         let directory = tempfile::tempdir().expect("a temporary directory");
@@ -61,7 +61,7 @@ impl Bench {
         text.lines().filter(|line| !line.starts_with("//")).map(str::to_owned).collect()
     }
 
-    /// The words of a device which has, on the wires that `change` is asked about (vector, node, integer), other integers.
+    /// The words of a device with other integers on the wires for which `change` is called (vector, node, integer).
     fn device(&self, change: impl Fn(usize, NodeId, i64) -> i64) -> Vec<String> {
         self.device_with(|index, wires| {
             for id in 0..self.net.nodes.len() as NodeId {
@@ -70,7 +70,7 @@ impl Bench {
         })
     }
 
-    /// The words of a device whose wires `compute` finds for each vector.
+    /// The words of a device whose wires `compute` fills for each vector.
     fn device_with(&self, compute: impl Fn(usize, &mut Vec<i64>)) -> Vec<String> {
         let word = |(index, word): (usize, String)| {
             let mut wires = Vec::new();
@@ -90,7 +90,7 @@ impl Bench {
         self.words().into_iter().enumerate().map(word).collect()
     }
 
-    /// The words of a device whose roundings are each up to `places` last places off, other ones in each vector.
+    /// The words of a device whose roundings are each off by up to `places` last places, differently in each vector.
     fn rounded_otherwise(&self, places: i64) -> Vec<String> {
         let nodes: Vec<NodeId> = self.net.outputs.iter().map(|output| output.node).collect();
         let roundings = Roundings::new(&self.net, &nodes);
@@ -212,7 +212,7 @@ fn a_root_two_last_places_off_is_not_faithful_and_its_stage_is_named() {
     for (number, primitive) in bench.primitives.iter().enumerate() {
         let words = bench.with_primitives(|_, of| if of == number { 2 } else { 0 });
         let judged = bench.judge(&words, Tier::Faithful).expect("judged");
-        // The last bits of a quotient of `cube_face` show in the columns, which read it, too.
+        // The last bits of a quotient of `cube_face` are visible in the columns, which also read it.
         let stages: &[&str] = match bench.stage(primitive) {
             "cube_face" => &["cube_face", "columns"],
             "axes" => &["axes", "probes"],
@@ -221,7 +221,7 @@ fn a_root_two_last_places_off_is_not_faithful_and_its_stage_is_named() {
         for Failing { stage, field, .. } in &judged.failures {
             assert!(stages.contains(&stage.as_str()), "{stage} {field} instead of {stages:?}");
         }
-        // Where the vector is a pole or a circle a root is multiplied by zero, and some results are the same with another choice.
+        // For a pole or a circle a root is multiplied by zero, and some results are the same with a different choice.
         let most = if stages[0] == "axes" { judged.count } else { judged.count / 2 };
         assert!(judged.passing <= most, "{stages:?}: {} of {}", judged.passing, judged.count);
         println!("{stages:?}: {} of {}", judged.passing, judged.count);
@@ -235,7 +235,7 @@ fn without_taps_few_choices_are_judged_and_many_are_refused() {
         let error = bench.judge(&bench.with_primitives(choice), Tier::Faithful).expect_err("too many").to_string();
         assert!(error.contains(" there are more than 729 choices of neighbours; judge it by a set with"), "{error}");
     }
-    // Two of the frame and one of the face.
+    // Two of `frame` and one of the face.
     let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::None), Profile::Standard, false, 20);
     let judged = bench.judge(&bench.with_primitives(choice), Tier::Faithful).expect("judged");
     assert!(judged.passing == 20 && judged.exact < 10, "{judged:?}");
@@ -267,8 +267,8 @@ fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_wh
     }
 }
 
-/// A bug: designs beyond a threshold were looked at where all roundings push past it, and not close behind it. Where a threshold of the
-/// count is in reach the last probe has any share behind it, from none.
+/// Regression: designs beyond a threshold need a check just past it, not only at the point to which all roundings push. If a threshold of the probe
+/// count is in reach, the last probe has any share beyond it, from none.
 #[test]
 fn close_behind_a_threshold_of_the_count_a_share_is_within_bounds() {
     let (datapath, effects) = (Datapath::Reflection, effects(FootprintKind::Sphere));
@@ -302,7 +302,7 @@ fn a_wrong_sign_and_another_face_are_beyond_bounds() {
     assert_eq!((judged.failures[0].field.as_str(), judged.failures[0].within), ("face", None));
 }
 
-/// The generated Verilog with another last step of the first root of `frame`, in a bench that writes what comes out.
+/// The generated Verilog with a different last step of the first root of `frame`, in a testbench that writes its results.
 #[test]
 fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
     let tools = [("icarus", "iverilog"), ("verilator", "verilator")];
@@ -310,7 +310,7 @@ fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
     let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Narrow, true, 30);
     let written = roughxel_vectors::Bench::new(&bench.manifest_path()).expect("a set");
     let folder = bench.directory.path().join("bench");
-    assert!(written.write(&folder, roughxel_vectors::Device::Generated, false).expect("a bench").is_empty());
+    assert!(written.write(&folder, roughxel_vectors::Device::Generated, false).expect("a testbench").is_empty());
     let module = folder.join("rtl/frame.v");
     let text = fs::read_to_string(&module).expect("the module");
     for (tool, _) in tools {
@@ -385,7 +385,7 @@ fn a_stage_alone_is_judged() {
         fs::write(&got, words.collect::<String>()).expect("words of a device");
         judge(&got, &words_path.with_extension("json"), Tier::Faithful, &|_| {}).expect("judged")
     };
-    // A stage has bounds and marks of its own: no exponent is a decision.
+    // A stage has its own bounds and ambiguous fields: no exponent is a decision.
     let got = directory.path().join("got.hex");
     let bound = |last_places: i64| {
         judged(last_places);
@@ -420,7 +420,7 @@ fn other_inputs_and_other_counts_are_told() {
     assert!(error.contains("got.txt:3: "), "{error}");
 }
 
-/// What a neighbour leads to is exact: the last bit of any outcome but a neighbour's is none.
+/// Results computed from a neighbouring value are exact: only the neighbour's own result may differ in its last bit.
 #[test]
 fn a_wrong_bit_behind_a_neighbour_is_named() {
     let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 20);

@@ -1,4 +1,4 @@
-//! The recorded datapath: the proof of its ranges, and the Verilog made of it; and the folder of vectors on its own.
+//! Hardware tests: the proof of the recorded datapath's ranges, the Verilog generated from it, and the folder of vectors on its own.
 
 mod benches;
 mod broken;

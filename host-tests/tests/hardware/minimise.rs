@@ -1,4 +1,4 @@
-//! `roughxel vectors minimise`: of a device that is broken, the simplest vector that shows it, in Icarus.
+//! `roughxel vectors minimise`: finds the simplest vector that fails on a broken device, in Icarus.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use roughxel_vectors::{
 
 use super::benches::{have_cocotb, installed_cocotb};
 
-/// A set of mirrors under `narrow` with its bench: the manifest, the folder of the bench.
+/// A set of mirrors under `narrow` with its testbench: the manifest, the folder of the testbench.
 fn set(directory: &Path, effects: Effects) -> (PathBuf, PathBuf) {
     let precision = Precision::NARROW;
     let info = SetInfo::new("bench", Datapath::Reflection, effects, "narrow", precision);
@@ -28,14 +28,14 @@ fn set(directory: &Path, effects: Effects) -> (PathBuf, PathBuf) {
 }
 
 fn written(manifest: &Path, folder: &Path) {
-    Bench::new(manifest).and_then(|bench| bench.write(folder, Device::Generated, false)).expect("a bench");
+    Bench::new(manifest).and_then(|bench| bench.write(folder, Device::Generated, false)).expect("a testbench");
 }
 
 fn options() -> MinimiseOptions {
     MinimiseOptions { tool: "icarus".into(), outputs_only: false, runs: 100 }
 }
 
-/// Breaks a module at the first place of a text.
+/// Breaks a module at the first occurrence of a text.
 fn broken(folder: &Path, module: &str, from: &str, to: &str) {
     let path = folder.join("rtl").join(module);
     let text = fs::read_to_string(&path).expect("the module");
@@ -51,20 +51,20 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (manifest, folder) = set(directory.path(), Effects::NONE);
-    let right = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("the bench runs");
+    let right = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("a run");
     assert!(right.is_none(), "the device is right");
 
     broken(&folder, "reflect.v", " - {", " + {");
     let words = fs::read(folder.join("words.hex")).expect("the words");
-    let minimised = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("the bench runs").expect("it is wrong");
+    let minimised = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("a run").expect("a failing vector");
     assert!(minimised.is_minimal && minimised.stage == "reflect" && minimised.runs > 2, "{minimised:?}");
-    // The bench is as it was.
+    // The testbench is unchanged.
     assert!(fs::read(folder.join("words.hex")).expect("the words") == words);
     assert_eq!(fs::read_dir(folder.join("build")).expect("the folder").count(), 0);
 
     let result = minimised.write(&directory.path().join("result")).expect("the result can be written");
-    assert!(result.ends_with("bench_min_narrow.json") && verify(&result, &|_| {}).expect("it can be read").passed());
-    let vector = Vector::read(&result, 0).expect("it can be read");
+    assert!(result.ends_with("bench_min_narrow.json") && verify(&result, &|_| {}).expect("the set").passed());
+    let vector = Vector::read(&result, 0).expect("the vector can be read");
     let explanation = vector.explain(Some(&vector.device_word(&minimised.got).expect("fields of the device")));
     let wrong = explanation.wrong.as_ref().expect("the device is wrong");
     assert_eq!(wrong.stage, "reflect");
@@ -73,7 +73,7 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
     assert_eq!(of_inputs().count(), 2, "{explanation:?}");
     assert!(of_inputs().all(|field| field.integer.count_ones() == 1 || field.integer.unsigned_abs().is_power_of_two()));
 
-    // What was found goes wrong on its own, too.
+    // The vector found fails on its own, too.
     let alone = directory.path().join("alone");
     written(&result, &alone);
     fs::copy(folder.join("rtl/reflect.v"), alone.join("rtl/reflect.v")).expect("the module can be copied");
@@ -81,11 +81,11 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(3), "{text}");
     assert!(text.starts_with("bench_min_narrow #0: stage reflect, "), "{text}");
-    // And what was built runs again without being built.
+    // The built testbench runs again without a build.
     let mut again = Command::new("sh");
     again.arg(alone.join("run.sh")).args(["icarus", "--built"]);
     assert_eq!(again.output().expect("a shell").status.code(), Some(3));
-    fs::remove_dir_all(alone.join("build")).expect("it can be removed");
+    fs::remove_dir_all(alone.join("build")).expect("the build can be removed");
     let output = again.output().expect("a shell");
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stdout).contains("ERROR nothing was built with icarus"));
@@ -96,31 +96,31 @@ fn cocotb_finds_the_vector_that_icarus_finds_and_ghdl_has_devices_in_vhdl() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let with = |tool: &str, manifest: &Path, folder: &Path| {
         let options = MinimiseOptions { tool: tool.into(), ..options() };
-        let minimised = minimise(manifest, 3, folder, &options, &|_| {}).expect("the bench runs").expect("it is wrong");
+        let minimised = minimise(manifest, 3, folder, &options, &|_| {}).expect("a run").expect("a failing vector");
         assert!(minimised.is_minimal, "{tool}: {minimised:?}");
         minimised
     };
     if have("iverilog") && have_cocotb() {
         let (manifest, folder) = set(directory.path(), Effects::NONE);
         broken(&folder, "reflect.v", " - {", " + {");
-        // Beside the test of the bench Python finds what no environment names.
-        for package in installed_cocotb().into_iter().flat_map(|from| fs::read_dir(from).expect("it is there")) {
-            let package = package.expect("it is there");
+        // Next to the test of the testbench, Python finds modules that no environment variable names.
+        for package in installed_cocotb().into_iter().flat_map(|from| fs::read_dir(from).expect("a folder")) {
+            let package = package.expect("the folder can be read");
             std::os::unix::fs::symlink(package.path(), folder.join(package.file_name())).expect("a link can be made");
         }
         let [one, other] = ["icarus", "cocotb"].map(|tool| with(tool, &manifest, &folder));
         assert_eq!((&one.simplified, &one.got, &one.stage), (&other.simplified, &other.got, &other.stage));
     }
     if have("ghdl") {
-        // A device in VHDL that gives nothing.
+        // A VHDL device that produces no output.
         let of_vhdl = directory.path().join("vhdl");
         fs::create_dir(&of_vhdl).expect("a folder");
         let (manifest, _) = set(&of_vhdl, Effects::NONE);
         let folder = of_vhdl.join("blank");
-        Bench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+        Bench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a testbench");
         let minimised = with("ghdl", &manifest, &folder);
         let result = minimised.write(&of_vhdl.join("result")).expect("the result can be written");
-        assert!(minimised.stage == "perturb" && verify(&result, &|_| {}).expect("it can be read").passed());
+        assert!(minimised.stage == "perturb" && verify(&result, &|_| {}).expect("the set").passed());
     }
 }
 
@@ -138,7 +138,7 @@ fn a_set_of_one_stage_is_refused_with_what_to_do() {
     let error = minimise(&of_stage, 0, &folder, &options(), &|_| {}).expect_err("a stage").to_string();
     assert!(error.contains("a set of one stage; minimise a vector of its datapath"), "{error}");
     let folder = directory.path().join("of_stage");
-    Bench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+    Bench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a testbench");
     let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("a bench of a stage");
     assert!(matches!(error, MinimiseError::OtherSet { .. }), "{error}");
 }
@@ -152,7 +152,7 @@ fn runs_are_bounded_and_a_bench_that_fails_says_why() {
     let (manifest, folder) = set(directory.path(), Effects::NONE);
     broken(&folder, "reflect.v", " - {", " + {");
     let few = MinimiseOptions { runs: 2, ..options() };
-    let minimised = minimise(&manifest, 0, &folder, &few, &|_| {}).expect("the bench runs").expect("it is wrong");
+    let minimised = minimise(&manifest, 0, &folder, &few, &|_| {}).expect("a run").expect("a failing vector");
     assert!(!minimised.is_minimal && minimised.runs == 2 && !minimised.simplified.is_empty(), "{minimised:?}");
 
     broken(&folder, "reflect.v", "endmodule", "");

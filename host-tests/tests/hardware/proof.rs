@@ -1,4 +1,4 @@
-//! The proof that no wire can leave its word: that it holds, that it is sound, and that it would notice.
+//! Range proof: it holds, it is sound, and it detects violations. No wire can leave its word.
 
 mod evaluation;
 mod mutations;
@@ -20,7 +20,7 @@ use roughxel_netlist::interval::{Range, Ranges};
 use roughxel_netlist::observe::Observed;
 use roughxel_record as record;
 
-/// Looks at every design under all effects that make it a different one, in every profile.
+/// Calls `look` for every design under all effects that change it, in every profile.
 fn for_every_design(mut look: impl FnMut(Design, &Effects, &Precision)) {
     for (_, p) in profiles() {
         for &design in Design::ALL {
@@ -29,7 +29,7 @@ fn for_every_design(mut look: impl FnMut(Design, &Effects, &Precision)) {
     }
 }
 
-/// The effects under which a design is a different one.
+/// The effects that change a design.
 fn effects_of(design: Design) -> Vec<Effects> {
     effects(design.datapath())
 }
@@ -84,7 +84,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
     }
 }
 
-/// Which outcomes of a design feed which ports of another: design and path above, design and path below.
+/// Connections from results of a design to ports of a different design: upper design and path, lower design and path.
 const CONNECTIONS: [(Design, &str, Design, &str); 49] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
@@ -137,7 +137,7 @@ const CONNECTIONS: [(Design, &str, Design, &str); 49] = [
     (Design::Blend, "", Design::PixelSum, "colour"),
 ];
 
-/// What an output can be: by the walk, or, where one port of 16 bits is all there is, by trying every value of it.
+/// Range of an output: by the walk or, if a port with at most 2^16 values is the only input, by trying every value of it.
 fn sent(net: &Net) -> Vec<Range> {
     let ranges = Ranges::new(net);
     match net.ports.as_slice() {
@@ -211,7 +211,7 @@ fn every_claim_names_a_lemma_that_is_a_test() {
     let tests: BTreeSet<_> =
         source.split("#[test]\nfn ").skip(1).filter_map(|test| Some(test.split_once("() {")?.0)).collect();
     assert!(named.is_subset(&tests), "no test: {:?}", named.difference(&tests));
-    // What no design goes through is claimed in the source all the same.
+    // Claims that no design reaches are in the source all the same.
     let core = ["elementary.rs", "stage/cube_face.rs", "stage/moments.rs", "stage/peaks.rs", "stage/probes.rs"];
     let core = core.map(|file| text(&format!("../core/src/{file}"))).concat();
     for test in tests {
@@ -235,7 +235,7 @@ fn operands_of_multipliers_have_the_bits_that_a_profile_keeps() {
                 let net = record::net(design, &effects, &p);
                 let census = Census::new(&net, &Ranges::new(&net));
                 let operand = p.fraction_bits + 2;
-                // A rise of the logarithm's table has 18 bits on words of 32, a stored slope and a share of light 18 whatever the profile.
+                // A rise of the logarithm's table has 18 bits on 32-bit words; a stored slope and a share of light have 18 in every profile.
                 let lit = matches!(design, Design::LitPeak | Design::Peak | Design::Horizon);
                 let least = if p.word_bits() == 32 || lit { 18 } else { operand };
                 let [wide, narrow] = census.total.widest_multiplier();

@@ -1,8 +1,8 @@
-//! The generated Verilog is the datapath: it lints clean, and simulated it gives the bits of the scalar reading.
+//! Generated Verilog is the datapath: it lints clean, and its simulation gives the bits of the scalar backend.
 //!
-//! Vectors are fragments (plausible ones, corner bit patterns, every hard case) and integers anywhere in the declared
-//! ranges of the ports; expected values are those of the scalar stages. The committed vectors are read from their files, outputs
-//! included. A tool that is missing is named aloud, and fails the test where ROUGHXEL_REQUIRE_TOOLS is set.
+//! Vectors are fragments (plausible ones, corner bit patterns, every hard case) and integers anywhere in the declared ranges of the ports; expected
+//! values are those of the scalar stages. The committed vectors are read from their files, outputs included. A missing tool is named in the output,
+//! and fails the test if ROUGHXEL_REQUIRE_TOOLS is set.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -32,7 +32,7 @@ use tempfile::TempDir;
 
 const FULL: Effects = Effects::ALL;
 
-/// Those under which a datapath differs.
+/// The variants that change a datapath.
 fn variants_of(datapath: Datapath) -> Vec<(&'static str, Effects)> {
     let mut distinct: Vec<(&str, Effects)> = Vec::new();
     for (name, effects) in variants() {
@@ -44,7 +44,7 @@ fn variants_of(datapath: Datapath) -> Vec<(&'static str, Effects)> {
     distinct
 }
 
-/// Effects that differ in what exists.
+/// Effects that change the existing hardware.
 fn variants() -> [(&'static str, Effects); 5] {
     [
         ("full", FULL),
@@ -91,7 +91,7 @@ fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precis
             vectors.extend(port_values(design, net, &fragment, effects, p, &mut random));
         }
     }
-    // Ports of a probe belong together.
+    // Ports of a probe are consistent.
     if !name.ends_with("_probe") {
         let mut random = SplitMix64::for_element(name, u64::MAX);
         let mut anywhere = || net.ports.iter().map(|port| within(port.low, port.high, &mut random)).collect();
@@ -100,7 +100,7 @@ fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precis
     vectors
 }
 
-/// A design in a directory of its own.
+/// A design in its own directory.
 struct Written {
     directory: TempDir,
     verilog: Verilog,
@@ -131,13 +131,13 @@ impl Written {
         run(command.arg(self.path().join(format!("{module}.v"))));
     }
 
-    /// Simulates with Icarus, the handshake pausing at random.
+    /// Simulates with Icarus, with random pauses of the handshake.
     fn icarus(&self, bench: &Bench) {
         let text = self.simulate(bench);
         assert!(text.contains("PASS"), "{} in Icarus: {text}", bench.module());
     }
 
-    /// What the bench prints in Icarus.
+    /// Output of the testbench in Icarus.
     fn simulate(&self, bench: &Bench) -> String {
         write_files(self.path(), bench.files()).expect("the directory can be written");
         let compiled = self.path().join("bench.vvp");
@@ -148,24 +148,24 @@ impl Written {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// Runs the Verilator model of the outermost module on the vectors of a bench.
+    /// Runs the Verilator model of the outermost module on the vectors of a testbench.
     fn verilator(&self, bench: &Bench, arguments: &[&str]) -> Output {
         write_files(self.path(), bench.files()).expect("the directory can be written");
         let program = self.model(bench);
         Command::new(&program).arg(self.path()).args(arguments).output().expect("the model was built")
     }
 
-    /// The Verilator model of the outermost module, built once for all who write the same text.
+    /// The Verilator model of the outermost module, built once for all tests that write the same text.
     fn model(&self, bench: &Bench) -> PathBuf {
         static MODELS: Mutex<BTreeMap<(String, String), Arc<Model>>> = Mutex::new(BTreeMap::new());
         static NUMBER: AtomicUsize = AtomicUsize::new(0);
         let text = format!("{:?}", self.verilog.files);
         let model = {
-            let mut models = MODELS.lock().expect("nobody panics with the list");
+            let mut models = MODELS.lock().expect("no test panics while it holds the list");
             Arc::clone(models.entry((bench.module().to_string(), text)).or_default())
         };
         let build = || {
-            // A few thousand cycles: what is saved in compiling is more than what is lost in running.
+            // A few thousand cycles: the compile time saved exceeds the run time lost.
             let built = verilate(self.path(), bench.module(), "OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
             let program = runtime().join(format!("model-{}", NUMBER.fetch_add(1, Ordering::Relaxed)));
             // Not copied: a file open for writing anywhere cannot be run.
@@ -176,19 +176,19 @@ impl Written {
     }
 }
 
-/// The program of a model, by whoever needs it first.
+/// The program of a model, built by its first user.
 type Model = OnceLock<PathBuf>;
 
 fn runtime() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR"))
 }
 
-/// Integers of the outputs, by the scalar reading.
+/// Integers of the outputs, by the scalar backend.
 fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
     scalar(design, ports, effects, p).values().to_vec()
 }
 
-/// A design with vectors and what the scalar reading makes of them.
+/// A design with vectors and the results of the scalar backend.
 struct Case {
     written: Written,
     inputs: Vec<Vec<i64>>,
@@ -252,7 +252,7 @@ fn every_design_gives_the_scalar_bits_in_icarus() {
         for (_, &design) in Design::ALL.iter().enumerate().filter(|(index, it)| is_top(it) || in_turn(*index, profile))
         {
             let mut case = Case::new(design, 400, &options(profile, FULL, None));
-            // Some 200 fragments a second: every twentieth of them, hard cases included.
+            // About 200 fragments a second: every twentieth fragment, hard cases included.
             if case.inputs.len() > 1000 {
                 case.inputs = case.inputs.into_iter().step_by(20).collect();
                 case.outputs = case.outputs.into_iter().step_by(20).collect();
@@ -276,7 +276,7 @@ fn verilated_reflection_gives_the_scalar_bits_in_every_profile() {
     }
 }
 
-/// The integers of the fields of a committed set, a word a vector, as its manifest describes them.
+/// The integers of the fields of a committed set, one word per vector, as its manifest describes them.
 fn words_of(manifest: &Path) -> (Manifest, Vec<Vec<i64>>) {
     let text = fs::read_to_string(manifest).expect("a manifest");
     let manifest_of: Manifest = serde_json::from_str(&text).expect("a manifest of this version");
@@ -295,8 +295,8 @@ fn words_of(manifest: &Path) -> (Manifest, Vec<Vec<i64>>) {
     (manifest_of, words)
 }
 
-/// Vectors of a committed set as ports and outputs of its datapath's design, whose wires carry whole port words. The hardware
-/// made for the effects of the set has a port for each of its fields, and no other.
+/// Vectors of a committed set as ports and outputs of its datapath's design, whose wires carry whole port words. The hardware for the effects of
+/// the set has a port for each of its fields, and no other.
 fn set_vectors(net: &Net, top: &Interface, manifest: &Manifest, words: &[Vec<i64>]) -> (Vec<Vec<i64>>, Vec<Vec<i64>>) {
     let is_input = |field: &&Field| field.direction == Direction::In;
     let is_output = |field: &&Field| matches!(field.direction, Direction::Tap | Direction::Out);
@@ -308,7 +308,7 @@ fn set_vectors(net: &Net, top: &Interface, manifest: &Manifest, words: &[Vec<i64
     assert!(fields_of(&is_input).iter().copied().eq(ports_of(&top.inputs).iter()), "{}", manifest.set);
     assert!(fields_of(&is_output).iter().copied().eq(ports_of(&top.outputs).iter()), "{}", manifest.set);
 
-    // A field drops the low bits its profile does not keep; what has no field is unread, or constant.
+    // A field drops the low bits that its profile does not keep; a port without a field is unread, or constant.
     let whole = |name: &str, is_wanted: &dyn Fn(&&Field) -> bool, point: u32, word: &[i64]| {
         let mut fields = manifest.fields.iter().zip(word).filter(|(field, _)| is_wanted(field));
         let found = fields.find(|(field, _)| field.port == name);
@@ -354,7 +354,7 @@ fn the_committed_vectors_run_in_both_simulators() {
         if have("iverilog") {
             case.written.icarus(&case.bench());
         }
-        // The effects that others verilate, too.
+        // The effects that other tests verilate, too.
         let is_full =
             options.profile == "standard" && options.effects == FULL.of(design.datapath().expect("a datapath"));
         if have("verilator") && (all || is_full) {
@@ -385,7 +385,7 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
     } else {
         cases.push((Design::EnvironmentProbe, 2000, options("compact", FULL, Some(24))));
     }
-    // Most of their time is one compiler's, on one processor.
+    // One compiler on one processor takes most of their time.
     cases.into_par_iter().for_each(|(design, count, options)| {
         Case::new(design, count, &options).verilate(&["stalls"]);
     });
@@ -412,7 +412,7 @@ fn a_stepper_walks_the_probes_of_every_footprint() {
             let last = i64::from(ports[index] + 1 == ports[count]);
             steps.push([outcome.as_slice(), &[ports[lod], last]].concat());
         }
-        // The set may end amid a footprint.
+        // The set may end within a footprint.
         while steps.last().is_some_and(|step| step.last() == Some(&0)) {
             steps.pop();
         }
@@ -500,7 +500,7 @@ fn the_text_is_the_same_every_time_and_names_no_machine() {
     let options = options("standard", FULL, Some(30));
     let (first, second) =
         (record::verilog(Design::Reflection, &options), record::verilog(Design::Reflection, &options));
-    let (first, second) = (first.expect("it can be written"), second.expect("it can be written"));
+    let (first, second) = (first.expect("the Verilog"), second.expect("the Verilog"));
     assert_eq!(first.files, second.files);
     for (name, text) in &first.files {
         assert!(text.is_ascii(), "{name}");
@@ -510,7 +510,7 @@ fn the_text_is_the_same_every_time_and_names_no_machine() {
 
 #[test]
 fn runs_of_a_block_share_a_module() {
-    let verilog = record::verilog(Design::Reflection, &options("compact", FULL, None)).expect("it can be written");
+    let verilog = record::verilog(Design::Reflection, &options("compact", FULL, None)).expect("the Verilog");
     let top = &verilog.files["roughxel_reflection.v"];
     for (module, runs) in [("columns_pixel", 2), ("columns_roughness", 2), ("enter_dview", 2), ("axes", 1)] {
         assert!(verilog.files.contains_key(&format!("{module}.v")));
@@ -521,7 +521,7 @@ fn runs_of_a_block_share_a_module() {
 #[test]
 fn a_stage_comes_alone_and_an_impossible_wish_is_refused() {
     let one = Options { stage: Some("columns".into()), ..options("compact", FULL, None) };
-    let verilog = record::verilog(Design::Reflection, &one).expect("it can be written");
+    let verilog = record::verilog(Design::Reflection, &one).expect("the Verilog");
     assert!(verilog.top.is_none());
     let names: Vec<&str> = verilog.files.keys().map(String::as_str).collect();
     assert!(names.contains(&"columns_pixel.v") && names.contains(&"columns.json"), "{names:?}");

@@ -1,5 +1,5 @@
-//! Sets of one stage: every stage of every datapath is exported and verified, its values are those of the whole datapath's set, and their
-//! benches pass on generated and on hand-written modules and name what is broken.
+//! Sets of one stage: every stage of every datapath is exported and verified, and its values are those of the whole datapath's set. Their
+//! testbenches pass on generated and on hand-written modules and name the broken field.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ use roughxel_vectors::{
 use super::benches::{have_cocotb, run_bench};
 use super::folder::check_value;
 
-/// Effects under which stages differ: all there are between them.
+/// Effects under which stages differ; together they include every stage.
 fn variants() -> [Effects; 4] {
     let natural = FrameSystem::NaturalNormalised;
     let sphere = Effects { footprint: FootprintKind::Sphere, horizon: HorizonKind::Product, ..Effects::ALL };
@@ -40,7 +40,7 @@ fn info(datapath: Datapath, effects: Effects, profile: &'static str, precision: 
     SetInfo { description, seed: Some(name), ..SetInfo::new(name, datapath, effects, profile, precision) }
 }
 
-/// Random sets of every datapath under every variant, in the profiles whose turn it is.
+/// Random sets of every datapath under every variant, in the profiles of this turn.
 fn infos(turn: usize) -> Vec<(usize, SetInfo<'static>)> {
     let mut all = Vec::new();
     for (variant, effects) in variants().into_iter().enumerate() {
@@ -57,9 +57,9 @@ fn export(set: &StageSet, info: &SetInfo<'_>, count: u64, directory: &Path) -> M
     SetExport::of_stage(info, count, set).write(&input, directory, &|_| {}).expect("the set can be written")
 }
 
-/// The stages of a datapath, and the place of the manifest of each.
+/// The stages of a datapath, and the path of each one's manifest.
 fn stages(info: &SetInfo<'_>, name: Option<&str>) -> Vec<StageSet> {
-    StageSet::of(info.datapath, &info.effects, &info.precision, name).expect("its stages")
+    StageSet::of(info.datapath, &info.effects, &info.precision, name).expect("the datapath has stages")
 }
 
 fn manifest_path(directory: &Path, manifest: &Manifest) -> PathBuf {
@@ -92,7 +92,7 @@ fn every_stage_is_exported_verified_and_named_where_an_outcome_is_altered() {
             assert!(result.passed(), "{} ({}): {:?}", manifest.set, info.profile, result.mismatches);
             assert_eq!(manifest.count, count * set.runs().len() as u64);
 
-            // The lowest bit of an outcome, with the check value that belongs to it.
+            // The lowest bit of a result, with the matching check value.
             let outcomes: Vec<&Field> =
                 manifest.fields.iter().filter(|field| field.direction == Direction::Out).collect();
             let field = outcomes[number % outcomes.len()];
@@ -140,7 +140,7 @@ fn the_python_model_is_right_on_the_stages_that_it_computes_alone_and_says_which
     for folder in fs::read_dir(directory.path()).expect("folders") {
         let (code, text, errors) = model(&folder.expect("a folder").path());
         assert_eq!((code, errors.as_str()), (Some(4), ""), "{text}");
-        // The first line is that of the tables.
+        // The first line describes the tables.
         right += text.lines().skip(1).filter(|line| line.ends_with(", all right")).count();
         left += text.lines().filter(|line| line.ends_with(", read; the model does not compute it alone")).count();
     }
@@ -172,7 +172,7 @@ fn a_stage_has_the_values_that_the_whole_datapath_has_of_the_same_wires() {
 
         let options = Options::new(profile, precision, effects);
         let Stages { net, stages: modules } = record::stages(Design::of(datapath), &options).expect("stages");
-        // The path of the port or the output that a wire is.
+        // The path of the port or the output for a wire.
         let port = |id: NodeId| match net.node(id).op {
             Op::Port(port) => Some(&net.ports[port as usize].name),
             _ => net.outputs.iter().find(|output| output.node == id).map(|output| &output.name),
@@ -233,7 +233,7 @@ fn a_set_of_a_stage_is_explained_read_as_records_and_refused_where_its_stage_is_
     }
 }
 
-/// A bench of a stage of a random set.
+/// A testbench of a stage of a random set.
 struct Written {
     directory: tempfile::TempDir,
     stem: String,
@@ -245,7 +245,7 @@ impl Written {
         let manifest = export(set, info, count, directory.path());
         let bench = Bench::new(&manifest_path(directory.path(), &manifest)).expect("a set");
         let written = Self { directory, stem: bench.stem() };
-        bench.write(&written.path(""), device, false).expect("the bench can be written");
+        bench.write(&written.path(""), device, false).expect("the testbench can be written");
         written
     }
 
@@ -279,20 +279,20 @@ fn the_generated_module_of_every_stage_passes_its_bench() {
     });
 }
 
-/// A module written by hand: its stage, the other files that it takes, what is broken in it, and the field that shows it.
+/// A hand-written module: its stage, the other files that it needs, the text to break, its broken form, and the field that shows it.
 const BY_HAND: [(&str, &[&str], &str, &str, &str); 3] = [
     ("reflect", &["normalise.v"], "twice - back", "twice + back", "r_m_0_i2f20"),
     ("perturb", &["normalise.v"], "flat ? n_e : sum_e", "flat ? n_e : sum_e + 1", "e_i18f0"),
     ("cube_face", &["half_reciprocal.v"], "sc =  x; tc =  z;", "sc =  x; tc = -z;", "st_1_i2f20"),
 ];
 
-/// The same in VHDL.
+/// Hand-written VHDL modules, in the same form.
 const BY_HAND_IN_VHDL: [(&str, &[&str], &str, &str, &str); 2] = [
     ("reflect", &["normalise.vhd"], "twice - back", "twice + back", "r_m_0_i2f20"),
     ("cube_face", &["half_reciprocal.vhd"], "s_c <= x;  t_c <= z;", "s_c <= x;  t_c <= -z;", "st_1_i2f20"),
 ];
 
-/// A bench of a hand-written stage, and the file of its module.
+/// A testbench of a hand-written stage, and the file of its module.
 fn by_hand(stage: &str, others: &[&str], extensions: (&str, &str)) -> (Written, PathBuf) {
     let info = info(Datapath::Reflection, Effects::ALL, "standard", Precision::STANDARD);
     let [set] = &stages(&info, Some(stage))[..] else { panic!("one module") };
@@ -326,7 +326,7 @@ fn names(written: &Written, tool: &str, stage: &str, field: &str) {
 fn stages_written_by_hand_pass_their_benches_and_broken_ones_are_named() {
     let tools = [("icarus", "iverilog"), ("verilator", "verilator"), ("cpp", "verilator"), ("cocotb", "iverilog")];
     for (number, (stage, others, from, to, field)) in BY_HAND.into_iter().enumerate() {
-        // What takes seconds to build meets one of the stages in turn.
+        // Tools that take seconds to build test one of the stages in turn.
         let meets = |place: usize| place == 0 || sweep() || place == number + 1;
         let tools: Vec<&str> = (0..)
             .zip(tools)

@@ -1,5 +1,5 @@
-//! Picture bars at reduced sizes, and what holds for every frame: same bits for any number of threads, effects that are
-//! planned away leave no trace, no bit changes unnoticed. `picture-bars` prints the bars at full size.
+//! Picture bars at reduced sizes, and properties of every frame: same bits for any number of threads, effects that are planned away leave no trace,
+//! no bit changes unnoticed. `picture-bars` prints the bars at full size.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -51,7 +51,7 @@ fn every_mode_is_its_float64_picture() {
     }
 }
 
-/// Whatever the footprints: a core narrow enough for a face, a whole lobe on the sphere.
+/// Any footprint: a core narrow enough for a face, a whole lobe on the sphere.
 #[test]
 fn two_lobes_are_their_float64_picture_in_every_reading() {
     let scene = bars::two_lobes();
@@ -187,7 +187,7 @@ fn psnr_counts_every_channel_against_a_range_of_1() {
     assert_eq!(grey(7.0).psnr(&grey(1.0)), f64::INFINITY);
 }
 
-/// A filter looks along one surface; where two meet, what each covers counts.
+/// A filter looks along one surface; if two meet in a pixel, each counts by its coverage.
 #[test]
 fn silhouettes_have_as_many_shades_as_samples() {
     let scene = two_shapes("checker", "", "colour = [1, 1, 1]");

@@ -1,7 +1,6 @@
-//! Wide lobes: smooth surfaces of uniform roughness under an environment of strong colours, against the mean over the reflections of their
-//! normals.
+//! Wide lobes: smooth surfaces of uniform roughness under an environment of strong colours, against the mean over the reflections of their normals.
 //!
-//! Run with `--nocapture` to see what was reached.
+//! Run with `--nocapture` to see the measured figures.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -39,7 +38,7 @@ fn sunset(d: DVec3, patches: &[f64]) -> [f64; 3] {
     core::array::from_fn(|i| ((ground[i] + horizon * glow[i] + sun * light[i]) * patch).min(4.0))
 }
 
-/// Its faces.
+/// Faces of the environment.
 fn environment() -> [Picture; 6] {
     let mut random = SplitMix64::new(5);
     let patches: Vec<f64> = (0..512).map(|_| random.uniform(0.0, 1.0)).collect();
@@ -61,7 +60,7 @@ fn environment() -> [Picture; 6] {
     })
 }
 
-/// A mirror of some shape and of the same roughness everywhere.
+/// A mirror of some shape with uniform roughness.
 fn scene(shape: &str, along: f64, across: f64) -> Scene {
     let shape = match shape {
         "sphere" => "shape = \"sphere\"\nradius = 1.2\nsegments = [96, 48]\n",
@@ -75,8 +74,8 @@ fn scene(shape: &str, along: f64, across: f64) -> Scene {
          [object.material]\nframe = \"main-direction\"\nmain_direction = [0.3, 0.2, 1]\nreflectance = 1\n\
          roughness_map = {{ generate = \"uniform\", along = {along}, across = {across} }}\n"
     );
-    let mut scene = Scene::from_toml("lobes", &text, std::path::Path::new("")).expect("the scene is good");
-    scene.environment.as_mut().expect("it has one").faces = environment();
+    let mut scene = Scene::from_toml("lobes", &text, std::path::Path::new("")).expect("the scene is valid");
+    scene.environment.as_mut().expect("the scene has an environment").faces = environment();
     scene
 }
 
@@ -89,11 +88,11 @@ const SAMPLES: i32 = 4;
 /// Normals of each sample.
 const NORMALS: u32 = 256;
 
-/// The mean over every pixel of the mean over normals n + ξ₁·d₁E₁ + ξ₂·d₃E₂, ξ of the normal law, of the base level bilinearly.
+/// Mean over every pixel of the mean over normals n + ξ₁·d₁E₁ + ξ₂·d₃E₂, ξ normally distributed, of the base level bilinearly.
 ///
-/// Each normal is a pair of the law's equally likely parts (a lattice of rank one, another shift for every sample).
+/// Each normal is a pair of the normal distribution's equally likely parts (a lattice of rank one, a different shift for every sample).
 fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
-    let faces = &scene.environment.as_ref().expect("it has one").faces;
+    let faces = &scene.environment.as_ref().expect("the scene has an environment").faces;
     let map = |face: &Picture| Map {
         width: EDGE,
         height: EDGE,
@@ -101,18 +100,18 @@ fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
     };
     let cube = CubeMap { faces: faces.each_ref().map(map) };
     let law = sphere::places(NORMALS);
-    let projection = Projection::new(&scene.camera).expect("it is good");
-    let triangles = TriangleList::new(&projection, &scene.objects).expect("they are good");
+    let projection = Projection::new(&scene.camera).expect("the camera is valid");
+    let triangles = TriangleList::new(&projection, &scene.objects).expect("the triangles are valid");
     let main = scene.objects[0].material.main_direction.to_array();
     let needs = Needs { tangents: false, uv: false, duv: false };
     let shade = |x: i32, y: i32, triangle: u32, shift: usize| {
-        let attributes = triangles.triangle(triangle, needs).expect("it is seen").fragment(x, y);
+        let attributes = triangles.triangle(triangle, needs).expect("the triangle is visible").fragment(x, y);
         let (normal, view) = (real(attributes.normal), real(attributes.view));
         let [normal, view] = [normal, view].map(|v| scaled(1.0 / norm(&v), v));
         let axes = frame::frame(frame::FrameSystem::MainDirection, normal, [main, [0.0; 3]]);
         let mut mean = [0.0; 3];
         for index in 0..NORMALS as usize {
-            // 157 is the generator of Fibonacci's kind for 256 points.
+            // 157 is the Fibonacci-like generator for 256 points.
             let other = (index * 157 + shift) % NORMALS as usize;
             let facet = add_scaled(normal, along * law[index], axes.e1);
             let facet = add_scaled(facet, across * law[other], axes.e2);
@@ -148,7 +147,7 @@ fn truth(scene: &Scene, [along, across]: [f64; 2]) -> RealPicture {
     RealPicture { width, height, pixels }
 }
 
-/// Largest difference of a channel between neighbours that show the object alone.
+/// Largest difference of a channel between neighbours that show only the object.
 fn largest_jump(picture: &RealPicture, inside: &[bool]) -> f64 {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let mut largest = 0.0_f64;
@@ -167,10 +166,10 @@ fn largest_jump(picture: &RealPicture, inside: &[bool]) -> f64 {
     largest
 }
 
-/// Pixels that show the object alone.
+/// Pixels that show only the object.
 fn inside(scene: &Scene) -> Vec<bool> {
-    let projection = Projection::new(&scene.camera).expect("it is good");
-    let triangles = TriangleList::new(&projection, &scene.objects).expect("they are good");
+    let projection = Projection::new(&scene.camera).expect("the camera is valid");
+    let triangles = TriangleList::new(&projection, &scene.objects).expect("the triangles are valid");
     let (width, height) = (projection.width() as usize, projection.height() as usize);
     let mut hits = vec![0; width * height];
     for tile in tiles(width as u32, height as u32) {
@@ -186,12 +185,12 @@ fn inside(scene: &Scene) -> Vec<bool> {
     hits.into_iter().map(|hits| hits == 16).collect()
 }
 
-/// Standard deviations of slopes, and what PSNR they have on a plane and on a sphere at least.
+/// Standard deviations of slopes, and the least PSNR on a plane and on a sphere.
 const BARS: [(f64, [f64; 2]); 5] =
     [(0.05, [33.9, 36.5]), (0.1, [35.0, 38.5]), (0.25, [32.2, 35.7]), (0.5, [31.8, 33.9]), (1.0, [30.3, 30.3])];
 
-/// By how much the largest difference of neighbours may be above the truth's: the last pixel before the silhouette of the sphere, and near the
-/// horizon of the plane places of probes that change from row to row. More than 16 of them change neither.
+/// Largest excess of the difference of neighbours over the truth's. It occurs at the last pixel before the silhouette of the sphere, and near the
+/// horizon of the plane, where places of probes change from row to row. More than 16 probes change neither.
 const JUMP: f64 = 0.08;
 
 #[test]
@@ -203,7 +202,7 @@ fn wide_lobes_are_as_close_as_narrow_ones() {
                 let scene = scene(shape, roughness[0], roughness[1]);
                 let (truth, inside) = (truth(&scene, roughness), inside(&scene));
                 let prepared = Prepared::new(&scene, Mode::Footprint, &Precision::STANDARD);
-                let frame = prepared.expect("the scene is good").render(&|| ()).expect("it can be drawn");
+                let frame = prepared.expect("the scene is valid").render(&|| ()).expect("the scene can be drawn");
                 let drawn = RealPicture::from(&frame);
                 let psnr = drawn.psnr(&truth);
                 let [jump, of_truth] = [&drawn, &truth].map(|picture| largest_jump(picture, &inside));

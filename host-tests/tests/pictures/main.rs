@@ -1,4 +1,4 @@
-//! Frames and what they are made of: pictures against their truth, golden frames, pyramids of peaks, plans.
+//! Picture tests: pictures against their truth, golden frames, pyramids of peaks, plans.
 
 mod frames;
 mod lobes;

@@ -1,6 +1,6 @@
 //! Peak pyramids against plain float64 sums over the facets: F92's own maps, one-pixel highlights, brightness, horizons.
 //!
-//! Run with `--nocapture` to see what was reached.
+//! Run with `--nocapture` to see the measured figures.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -14,7 +14,7 @@ fn options(exponent: f64, weight: FacetWeight) -> BuildOptions {
 }
 
 fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
-    PeakPyramid::build(source, options, &|_| ()).expect("the source is good")
+    PeakPyramid::build(source, options, &|_| ()).expect("the source is valid")
 }
 
 /// A square map of heights, in texels, at the centres of its texels; normals by central differences.
@@ -61,17 +61,17 @@ fn radiance(peaks: &[Peak], half: DVec3) -> f64 {
     peaks.iter().map(|peak| peak.amplitude * peak.normal.dot(half).max(0.0).powf(peak.exponent)).sum()
 }
 
-/// How many peaks stand for the facets of a pixel, and their PSNR in dB against the mean over its facets.
+/// Number of peaks that stand for the facets of a pixel, and their PSNR in dB against the mean over its facets.
 fn fitted(pixel: &OnePixel, exponent: f64) -> (usize, f64) {
     let normals = pixel.facets.iter().map(|&[b1, b2]| DVec3::new(b1, b2, 1.0)).collect();
     let source = PeakSource { width: 64, height: 64, normals, heights: None, rows_apart: 1.0 };
-    let peaks = multiple_surface(&source, &options(exponent, FacetWeight::Texel)).expect("the source is good");
+    let peaks = multiple_surface(&source, &options(exponent, FacetWeight::Texel)).expect("the source is valid");
     (peaks.len(), pixel.psnr(|half| radiance(&peaks, DVec3::from_array(half))))
 }
 
 #[test]
 fn one_pixel_highlights_reach_the_bars_of_peaks() {
-    // Facets narrower than the grid of the fit are spread wider and sharpened again.
+    // Facets narrower than the grid of the fit are widened and then sharpened again.
     for (exponent, bars) in [(EXPONENT, [28.0, 30.0, 40.0, 24.0]), (1000, [24.0; 4])] {
         for (pixel, bar) in OnePixel::all(exponent).iter().zip(bars) {
             let (peaks, psnr) = fitted(pixel, exponent.into());
@@ -83,7 +83,7 @@ fn one_pixel_highlights_reach_the_bars_of_peaks() {
 
 #[test]
 fn fits_reach_five_percent_wherever_those_of_f92_do() {
-    // Of normals alone: with heights peaks are clusters, and nothing is fitted.
+    // Normals only: with heights, peaks are clusters, and nothing is fitted.
     let count = |name: &str, source: &PeakSource| {
         let source = PeakSource { heights: None, ..source.clone() };
         let pyramid = build(&source, &options(40.0, FacetWeight::Surface));
@@ -94,7 +94,7 @@ fn fits_reach_five_percent_wherever_those_of_f92_do() {
     let FitCounts { fitted, seven, missed, .. } = count("sphere 32x32", &sphere(32));
     assert_eq!(fitted, 73);
     assert!(seven <= 5 && missed <= seven);
-    // F92 tells only that the cylinder worked, and that 63 of the 85 texels of its denim needed all seven.
+    // F92 states only that the cylinder worked, and that 63 of the 85 texels of its denim needed all seven.
     let FitCounts { seven, missed, .. } = count("cylinder 64x64", &cylinder(64));
     assert!(seven <= 5 && missed <= seven);
     let FitCounts { fitted, seven, missed, worst_rms, worst_maximum } = count("denim 64x64", &denim(64));
@@ -136,13 +136,13 @@ fn brightness_stays_within_five_percent_from_level_to_level() {
     }
 }
 
-/// Clusters take all facets, each once: their horizons have the mean and the mean square of all, and are more alike than all.
+/// Clusters take all facets, each once: their horizons have the mean and the mean square of all facets, and vary less than all facets do.
 #[test]
 fn a_peak_sees_the_horizons_of_the_facets_it_stands_for() {
     let source = cylinder(12);
-    let peaks = multiple_surface(&source, &options(40.0, FacetWeight::Surface)).expect("the source is good");
+    let peaks = multiple_surface(&source, &options(40.0, FacetWeight::Surface)).expect("the source is valid");
     assert!(peaks.len() > 1);
-    let slopes = horizon_slopes(12, 12, source.heights.as_deref().expect("it has heights"));
+    let slopes = horizon_slopes(12, 12, source.heights.as_deref().expect("the source has heights"));
     for side in 0..4 {
         let facets = || source.normals.iter().map(|normal| 1.0 / normal.normalize().z).zip(&slopes);
         let all: f64 = facets().map(|(weight, _)| weight).sum();
@@ -151,7 +151,7 @@ fn a_peak_sees_the_horizons_of_the_facets_it_stands_for() {
         let energies = || peaks.iter().map(|peak| peak.amplitude / (peak.exponent + 1.0));
         let total: f64 = energies().sum();
         let of = |value: &dyn Fn(f64, f64) -> f64| {
-            let horizons = peaks.iter().map(|peak| peak.horizon.expect("it has heights")[side]);
+            let horizons = peaks.iter().map(|peak| peak.horizon.expect("the source has heights")[side]);
             energies().zip(horizons).map(|(energy, at)| energy * value(at.mean, at.deviation)).sum::<f64>() / total
         };
         let (mean, square) = (moment(1), moment(2));
@@ -160,9 +160,9 @@ fn a_peak_sees_the_horizons_of_the_facets_it_stands_for() {
         let apart = of(&|_, deviation| deviation * deviation);
         assert!(apart <= 0.2 * (square - mean * mean).max(1e-12), "{side}: {apart} of {}", square - mean * mean);
     }
-    // A facet that leans towards +x has the rest of its cylinder behind it, towards −x.
+    // A facet that leans towards +x has the rest of its cylinder on the −x side.
     for peak in peaks.iter().filter(|peak| peak.normal.x > 0.3) {
-        let [behind, ahead, down, up] = peak.horizon.expect("it has heights").map(|horizon| horizon.mean);
+        let [behind, ahead, down, up] = peak.horizon.expect("the source has heights").map(|horizon| horizon.mean);
         assert!(behind > ahead && down.max(up) < 1e-9, "{peak:?}");
     }
 }

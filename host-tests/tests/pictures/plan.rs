@@ -1,5 +1,5 @@
-//! What a plan promises of every effect: a neutral map changes no bit, a block planned away is never entered, and a map
-//! planned away takes no memory. What each effect costs is measured by `benches/effects.rs`.
+//! Promises of a plan for every effect: a neutral map changes no bit, a block planned away is never entered, and a map planned away takes no
+//! memory. `benches/effects.rs` measures the cost of each effect.
 
 mod blocks;
 
@@ -27,12 +27,12 @@ const FLAT: &str = "height_map = { generate = \"waves\", size = 32, scale = 0 }"
 
 const LIGHT: &str = "[[light]]\ndirection = [-0.4, 0.9, 0.5]\n";
 
-/// A plane and a ball with `material` each, under a light.
+/// A plane and a ball of `material` each, under a light.
 fn two_shapes(material: &str) -> Scene {
     bars::two_shapes("checker", LIGHT, material)
 }
 
-/// A plane parallel to the picture, so near that a texel of a map or of what it reflects is many pixels wide.
+/// A plane parallel to the picture, so near that a texel of a map or of the reflected environment is many pixels wide.
 fn facing(material: &str) -> Scene {
     let text = format!(
         "[camera]\neye = [0, 4, 0]\ntarget = [0, 0, 0]\nup = [0, 0, -1]\nfov_y = 30\nwidth = 96\nheight = 72\n\
@@ -42,23 +42,23 @@ fn facing(material: &str) -> Scene {
     Scene::from_toml("plan", &text, Path::new("")).unwrap()
 }
 
-/// Columns of [`facing`] on which nothing is seen of what lies right of its middle by a twentieth of a picture.
+/// Columns of [`facing`] that show nothing from the right of its middle, with a margin of a twentieth of a picture.
 const LEFT: Range<usize> = 0..48;
 const ALL: Range<usize> = 0..96;
 
-/// Two frames that have to be the same bits.
+/// Two frames that must have the same bits.
 struct Neutral {
     /// A scene with the effect in a form that changes nothing.
     with: Scene,
-    /// The scene without it.
+    /// The scene without the effect.
     without: Scene,
-    /// The plan of the first, where a scene alone cannot ask for the effect.
+    /// The plan of the first scene, if a scene alone cannot ask for the effect.
     plan_with: fn(ObjectPlan) -> ObjectPlan,
-    /// The plan of the second.
+    /// The plan of the second scene.
     plan_without: fn(ObjectPlan) -> ObjectPlan,
     /// Columns to compare.
     columns: Range<usize>,
-    /// Whether the effect needs samples with footprints.
+    /// True if the effect needs samples with footprints.
     needs_footprint: bool,
 }
 
@@ -71,20 +71,20 @@ impl Neutral {
         Self { with, without, plan_with: same, plan_without: same, columns: ALL, needs_footprint: false }
     }
 
-    /// One scene under its own plan, where samples have footprints, and under another.
+    /// One scene under its own plan, with footprints of samples, and under a different plan.
     fn plans(scene: Scene, plan_without: fn(ObjectPlan) -> ObjectPlan, columns: Range<usize>) -> Self {
         let with = scene.clone();
         Self { with, without: scene, plan_with: |plan| plan, plan_without, columns, needs_footprint: true }
     }
 }
 
-/// Without roughness, on the same footprint: on the sphere a smooth fragment has one, too, where others of its object are rough.
+/// Removes roughness but keeps the footprint: on the sphere a smooth fragment also has one if other fragments of its object are rough.
 fn smooth_on_the_same_footprint(plan: ObjectPlan) -> ObjectPlan {
     let reflection = plan.reflection.map(|kept| ReflectionPlan { roughness: RoughnessKind::None, ..kept });
     ObjectPlan { reflection, ..plan.without(Effect::Roughness) }
 }
 
-/// What faces the picture, rough right of its middle only.
+/// A surface that faces the picture, rough only to the right of its middle.
 fn half_rough(material: &str) -> Scene {
     let mut scene = facing(material);
     let factor = |index: usize| if index % 64 < 34 { [0.0; 3] } else { [0.3, 0.1, 0.2] };
@@ -112,8 +112,8 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
                     .map(|shine| Neutral::scenes(two_shapes, &format!("{shine}, frame = \"{frame}\""), FLAT))
             })
             .collect(),
-        // A map that is rough right of the middle only; what is seen left of it waits in the same batches. A highlight
-        // shows it in every mode.
+        // A map that is rough only to the right of the middle; fragments seen on the left wait in the same batches. A highlight shows it in every
+        // mode.
         Effect::Roughness => [("reflectance = 0.8", true), ("highlight = { exponent = 20 }", false)]
             .map(|(shine, needs_footprint)| {
                 let scene = half_rough(shine);
@@ -122,12 +122,12 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
             .into(),
         // Less than half a unit of the reflectance's last place.
         Effect::Environment => vec![Neutral::scenes(two_shapes, "colour = [0.5, 0.25, 1]", "reflectance = 1e-6")],
-        // Where nothing is rough both lobes are none.
+        // If nothing is rough, both lobes are none.
         Effect::TwoLobes => {
             let scene = half_rough("reflectance = 0.8, two_lobes = true");
             vec![Neutral::plans(scene, |plan| plan.without(Effect::TwoLobes), LEFT)]
         }
-        // One probe at the finest level, at the very place of the sample.
+        // One probe at the finest level, exactly at the place of the sample.
         Effect::Footprint => {
             let map = "colour_map = { generate = \"checker\", size = 8, squares = 2 }";
             let bumps = "height_map = { generate = \"waves\", size = 8, highest = 2, scale = 0 }";
@@ -140,7 +140,7 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
         Effect::Edges => {
             vec![Neutral::plans(facing("colour = [1, 0.5, 0.25]"), |plan| plan.without(Effect::Edges), ALL)]
         }
-        // Triangles right of the middle are curved, those on the left wait in the same batches.
+        // Triangles to the right of the middle are curved; those on the left wait in the same batches.
         Effect::Curvature => {
             let mut scene = facing("reflectance = 0.8");
             for vertex in scene.objects[0].mesh.vertices.iter_mut().filter(|vertex| vertex.position.x > 0.5) {
@@ -170,7 +170,7 @@ fn neutral_forms(effect: Effect) -> Vec<Neutral> {
     }
 }
 
-/// A scene with other plans than its own.
+/// A scene with different plans from its own.
 fn planned<'a>(scene: &'a Scene, mode: Mode, p: &Precision, change: impl Fn(ObjectPlan) -> ObjectPlan) -> Prepared<'a> {
     let prepared = Prepared::new(scene, mode, p).unwrap();
     let plans: Vec<ObjectPlan> = prepared.plans().map(|plan| change(*plan)).collect();
@@ -181,7 +181,7 @@ fn draw(prepared: &Prepared<'_>) -> Frame {
     prepared.render(&|| ()).unwrap()
 }
 
-/// Pixels that differ in some columns of two frames, and how far at most.
+/// Pixels that differ in some columns of two frames, and the largest difference.
 fn different(a: &Frame, b: &Frame, columns: &Range<usize>) -> (usize, i32) {
     let pairs = a.pixels.iter().zip(&b.pixels).enumerate();
     let seen = pairs.filter(|(index, _)| columns.contains(&(index % a.width as usize)));
@@ -225,8 +225,8 @@ fn squared_distance(a: &Frame, b: &Frame) -> f64 {
     channels.map(|(a, b)| (f64::from(a - b) / f64::from(1 << 24)).powi(2)).sum()
 }
 
-/// What a pixel spans of the ramp between two texels is roughness, which brings it nearer to many samples of it, not further away: no map is blurred
-/// that is seen from nearby.
+/// Roughness from the ramp between two texels within a pixel brings it nearer to many samples of it, not further away. No map that is seen from
+/// nearby is blurred.
 #[test]
 fn magnified_bumps_have_the_roughness_of_their_pixels_and_no_more() {
     let bumps = "height_map = { generate = \"waves\", size = 16, highest = 4, rms_slope = 0.1 }";
@@ -244,10 +244,10 @@ fn magnified_bumps_have_the_roughness_of_their_pixels_and_no_more() {
                 let smooth = planned(&scene, mode, &p, smooth_on_the_same_footprint);
                 let [rough, smooth] = [rough, smooth].map(|prepared| draw(&prepared));
                 let [rough_error, smooth_error] = [&rough, &smooth].map(|frame| squared_distance(frame, &truth));
-                // A thousandth is noise of roundings, where few pixels differ at all.
+                // A thousandth is rounding noise if few pixels differ at all.
                 let context = || format!("{shine}, {name}, {mode}: {rough_error:.4e}, smooth {smooth_error:.4e}");
                 assert!(rough_error <= 1.001 * smooth_error, "{}", context());
-                // Reflections that are not those of a probe or of a lobe are hidden by their environment's texels.
+                // Reflections that differ from those of a probe or of a lobe are hidden by the texels of their environment.
                 let seen = shine.starts_with("reflectance") && mode == Mode::Footprint;
                 assert!(!seen || rough_error < 0.96 * smooth_error, "{}", context());
             }
@@ -255,7 +255,7 @@ fn magnified_bumps_have_the_roughness_of_their_pixels_and_no_more() {
     }
 }
 
-/// A frame that an effect changes shows that a comparison of columns is one: right of the middle, half maps are not neutral.
+/// A frame that an effect changes shows that the comparison of columns works: to the right of the middle, half maps are not neutral.
 #[test]
 fn half_neutral_forms_are_seen_where_they_are_not() {
     for effect in [Effect::Roughness, Effect::TwoLobes, Effect::Curvature] {
@@ -270,8 +270,7 @@ fn half_neutral_forms_are_seen_where_they_are_not() {
     }
 }
 
-/// A highlight has no footprint: what a map says of its roughness is the same for a sample and for a pixel. What is reflected
-/// needs one.
+/// A highlight has no footprint: its roughness from a map is the same for a sample and for a pixel. A reflection needs a footprint.
 #[test]
 fn a_roughness_map_is_part_of_the_surface_of_a_highlight_in_every_mode() {
     let map = "roughness_map = { generate = \"uniform\", along = 0.1, across = 0.3 }";
@@ -316,7 +315,7 @@ fn a_roughness_map_that_shows_nothing_is_not_sampled() {
     }
 }
 
-/// Every map there is: a highlight has none.
+/// A scene with every kind of map: a highlight has none.
 fn every_map() -> Scene {
     let bumps = "height_map = { generate = \"waves\", size = 16, highest = 6, rms_slope = 0.2 }";
     two_shapes(&format!(
@@ -329,8 +328,8 @@ fn bytes(prepared: &Prepared<'_>) -> BTreeMap<&'static str, u64> {
     prepared.map_bytes(0).into_iter().map(|(effect, bytes)| (effect.name(), bytes)).collect()
 }
 
-/// Peaks of a scene without the keys of an effect. A scene with horizons has other peaks than one without, each for facets that see alike: those
-/// stay when the blocks of horizons go.
+/// Peaks of a scene without the keys of an effect. A scene with horizons has different peaks from one without, each for facets that see alike;
+/// those peaks stay when the blocks of horizons are removed.
 fn peaks_without(scene: &Scene, bare: &Scene, effect: Effect, mode: Mode) -> ScenePeaks {
     let of = if effect == Effect::Horizon { scene } else { bare };
     ScenePeaks::new(of, mode.filters(), None, &|_| ()).unwrap()
@@ -369,7 +368,7 @@ fn maps_of_an_effect_planned_away_take_no_memory() {
     let p = Precision::STANDARD;
     let with = bytes(&Prepared::new(&scene, Mode::Footprint, &p).unwrap());
     for effect in Effect::ALL {
-        // What goes with an effect, itself first.
+        // Effects removed together, the effect itself first.
         let gone: &[Effect] = match effect {
             Effect::Bump => &[Effect::Bump, Effect::Roughness],
             Effect::Peaks => &[Effect::Peaks, Effect::Horizon],
@@ -381,7 +380,7 @@ fn maps_of_an_effect_planned_away_take_no_memory() {
         left.retain(|name, _| gone.iter().all(|gone| gone.name() != *name));
         let prepared = Prepared::new(&scene, Mode::Footprint, &p).unwrap();
         let plan = prepared.plans().next().unwrap().without(effect);
-        // Nothing else reflects or shines that would need them.
+        // Nothing else that reflects or shines needs them.
         if effect == Effect::Environment {
             left.retain(|name, _| *name != Effect::Bump.name() && *name != Effect::Roughness.name());
         }
@@ -402,7 +401,7 @@ fn maps_without_footprints_are_their_finest_level_alone() {
     let scene = every_map();
     let [whole, finest] = [Mode::Footprint, Mode::Unfiltered]
         .map(|mode| bytes(&Prepared::new(&scene, mode, &Precision::STANDARD).unwrap()));
-    // 32 by 32 texels of three words of 16 bits, 16 by 16 of two; six faces of 64 by 64.
+    // 32 by 32 texels of three 16-bit words, 16 by 16 of two; six faces of 64 by 64.
     assert_eq!((finest["colour texture"], finest["bump"]), (32 * 32 * 6, 16 * 16 * 4));
     assert!(!finest.contains_key("roughness"));
     for name in ["colour texture", "bump", "environment", "peaks", "horizon"] {

@@ -1,7 +1,7 @@
-//! Shadows of rough heights at every distance: brightness of the filtered picture over that of 64 samples a pixel, in bands of rows
-//! from the horizon to the foreground.
+//! Shadows of rough heights at every distance: brightness of the filtered picture over that of 64 samples a pixel, in bands of rows from the
+//! horizon to the foreground.
 //!
-//! Run with `--nocapture` to see what was reached.
+//! Run with `--nocapture` to see the measured figures.
 
 use std::f64::consts::FRAC_PI_4;
 use std::ops::RangeInclusive;
@@ -15,7 +15,7 @@ use roughxel_host_tests::space::whole_or;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 
-/// A plane to the horizon, its map 30 times along an edge, under one light. The light stands 45° to the side of straight ahead.
+/// A plane to the horizon, its map 30 times along an edge, under one light. The light is 45° to the side of straight ahead.
 fn plain(height_map: &str, elevation_degrees: f64, shadowing: &str) -> Scene {
     let (sin, cos) = elevation_degrees.to_radians().sin_cos();
     let (side, ahead) = FRAC_PI_4.sin_cos();
@@ -28,13 +28,13 @@ fn plain(height_map: &str, elevation_degrees: f64, shadowing: &str) -> Scene {
         cos * side,
         -cos * ahead,
     );
-    Scene::from_toml("plain", &text, std::path::Path::new("")).expect("the scene is good")
+    Scene::from_toml("plain", &text, std::path::Path::new("")).expect("the scene is valid")
 }
 
 /// Rows of a band.
 const BAND: usize = 8;
 
-/// Mean brightness of each band of rows that is on the plane, the farthest first.
+/// Mean brightness of each band of rows on the plane, the farthest first.
 fn bands(frame: &Frame) -> Vec<f64> {
     let width = frame.width as usize;
     let rows: Vec<f64> =
@@ -44,15 +44,15 @@ fn bands(frame: &Frame) -> Vec<f64> {
     rows[(first + 1).min(rows.len())..].chunks_exact(BAND).map(|band| band.iter().sum()).collect()
 }
 
-/// What every band of a plane keeps of the truth's brightness, at each elevation of the light.
+/// Ratio of each band's brightness on a plane to the truth's, at each elevation of the light.
 fn kept(height_map: &str, shadowing: &str, elevations: &[f64]) -> Vec<Vec<f64>> {
     let p = Precision::STANDARD;
-    let peaks = ScenePeaks::new(&plain(height_map, 45.0, "true"), true, None, &|_| ()).expect("the map is good");
+    let peaks = ScenePeaks::new(&plain(height_map, 45.0, "true"), true, None, &|_| ()).expect("the map is valid");
     let ratios = |elevation: &f64| {
         let scene = plain(height_map, *elevation, shadowing);
         let draw = |mode| {
-            let prepared = Prepared::with_peaks(&scene, mode, &p, &peaks).expect("the scene is good");
-            bands(&prepared.render(&|| ()).expect("it can be drawn"))
+            let prepared = Prepared::with_peaks(&scene, mode, &p, &peaks).expect("the scene is valid");
+            bands(&prepared.render(&|| ()).expect("the scene can be drawn"))
         };
         let (filtered, truth) = (draw(Mode::Footprint), draw(Mode::Supersampled { edge: 8 }));
         filtered.iter().zip(&truth).map(|(filtered, truth)| filtered / truth).collect::<Vec<f64>>()
@@ -60,9 +60,9 @@ fn kept(height_map: &str, shadowing: &str, elevations: &[f64]) -> Vec<Vec<f64>> 
     elevations.par_iter().map(ratios).collect()
 }
 
-/// What every band is within, to slopes of 1.
+/// Range of every band's ratio, for slopes up to 1.
 const ROUGH: RangeInclusive<f64> = 0.9..=1.1;
-/// To slopes of 3.5.
+/// Range of every band's ratio, for slopes up to 3.5.
 const STEEP: RangeInclusive<f64> = 0.75..=1.3;
 
 fn within(name: &str, height_map: &str, elevations: &[f64], bar: &RangeInclusive<f64>) {
@@ -106,7 +106,7 @@ fn photographs_as_heights_keep_their_brightness_at_every_distance() {
     }
 }
 
-/// F92's product of shares, which is kept for comparison, loses two fifths of the light far away, though each peak is of facets alike.
+/// F92's product of shares, kept for comparison, loses two fifths of the light far away, though each peak stands for similar facets.
 #[test]
 fn the_product_of_shares_darkens_rough_distances() {
     for ratios in kept(&generated(1.0), "\"product\"", &[20.0]) {

@@ -1,4 +1,4 @@
-//! Modules to be synthesised, and what becomes of them.
+//! Modules to synthesise, and their results.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// From `stat -json`.
+    /// Reads the output of `stat -json`.
     pub(super) fn read(statistics: &Value) -> Option<Self> {
         let cells = statistics["design"]["num_cells_by_type"].as_object()?;
         let of = |names: &[&str]| {
@@ -29,20 +29,20 @@ impl Area {
         })
     }
 
-    /// Logic cells it takes at least.
+    /// Logic cells that the module takes at least.
     pub(super) fn cells(&self) -> u64 {
         // A carry of ECP5 is two bits of adder with their two tables.
         self.luts.max(self.registers) + 2 * self.carries
     }
 }
 
-/// A module to be synthesised: its name, its ports and every source it needs.
+/// A module to synthesise: its name, its ports and every source it needs.
 #[derive(Clone, Debug)]
 pub(super) struct Module {
-    /// Design it is part of.
+    /// Design that contains the module.
     pub(super) design: String,
     pub(super) name: String,
-    /// Whether it has a clock.
+    /// True if the module has a clock.
     pub(super) clocked: bool,
     pub(super) inputs: Vec<(String, u64)>,
     pub(super) outputs: Vec<(String, u64)>,
@@ -51,7 +51,7 @@ pub(super) struct Module {
     pub(super) hash: String,
 }
 
-/// What became of one module.
+/// Result of one module.
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     pub(super) ice40: Area,
@@ -60,7 +60,7 @@ pub(super) struct Outcome {
     pub(super) ecp5_clock: Clock,
 }
 
-/// Megahertz of several seeds, or why there are none.
+/// Megahertz of several seeds, or the reason for having none.
 #[derive(Clone, Debug)]
 pub(super) enum Clock {
     Reached {
@@ -68,15 +68,15 @@ pub(super) enum Clock {
         megahertz: Vec<f64>,
     },
     TooLarge,
-    /// Above the number of cells that was asked for.
+    /// The module has more cells than the given limit.
     NotPlaced,
     Failed(String),
 }
 
-/// What was asked for.
+/// Arguments of the command line.
 pub(super) struct Arguments {
     pub(super) seeds: u64,
-    /// Logic cells of the largest module that is placed.
+    /// Logic cells of the largest module to place.
     pub(super) place: u64,
     pub(super) profiles: Vec<String>,
     pub(super) output: PathBuf,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::modules::{Arguments, Clock, Module, Outcome};
 
-/// All modules in one table a profile.
+/// All modules, in one table per profile.
 pub(super) fn text(
     jobs: &[(String, Module)],
     outcomes: &BTreeMap<(String, String), Outcome>,

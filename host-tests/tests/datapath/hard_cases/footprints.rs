@@ -43,7 +43,7 @@ fn a_footprint_of_rank_one_is_capped_and_points_along_its_line() {
             assert!(raised(&out, StatusBit::ProbesCapped));
             let angle = axis_angle(direction(&out), line).to_degrees();
             assert!(angle <= study.bar(Figure::Direction), "{} {index}: {angle}", study.name);
-            // λ₂ is what is left of the minors of p bits, not of a cancelling difference.
+            // λ₂ is the remainder of the minors of p bits, not of a cancelling difference.
             assert!(real_number(&out.minor) <= 4.0 * study.last() * real_number(&out.major), "{} {index}", study.name);
             assert!((lod(&out) - want.probes.lod).abs() <= study.bar(Figure::LevelOfDetail));
         }
@@ -55,13 +55,13 @@ fn a_footprint_of_rank_one_is_capped_and_points_along_its_line() {
     }
 }
 
-/// No set had them, and a comparison at the exponent of λ₁ alone passed all sets.
+/// Regression: a comparison at the exponent of λ₁ alone, which no other set detects.
 #[test]
 fn standard_deviations_that_come_out_in_the_wrong_order_change_places() {
     for study in studies("footprint_swap") {
         for (index, out) in study.all() {
             assert_eq!(out.minor, out.major, "{} {index}", study.name);
-            // With det above λ₁⁴ λ₂ is above λ₁, though it is λ₁ of a circle.
+            // With det above λ₁⁴, λ₂ is above λ₁, though it is the λ₁ of a circle.
             let square = f64::from(out.covariance.mantissa[0]) * 2.0_f64.powi(out.covariance.exponent.into());
             assert!(real_number(&out.determinant) > square * square, "{} {index}", study.name);
         }
@@ -111,7 +111,7 @@ fn probe_count_changes_just_above_every_whole_aspect() {
         for n in 1..=17_u32 {
             for turn in 0..6 {
                 let at = |step: usize| study.out(((n as usize - 1) * 5 + step) * 6 + turn);
-                // One percent below and above n; 10⁻⁴ above where it exceeds the slack of the profile.
+                // One percent below and above n; 10⁻⁴ above if that exceeds the slack of the profile.
                 let (below, exact, above) = (at(0), at(2), at(4));
                 // Just below 1 the other axis is the major one.
                 assert_eq!(u32::from(below.probes), rule(n.max(2)), "{} just below {n}", study.name);
@@ -122,12 +122,12 @@ fn probe_count_changes_just_above_every_whole_aspect() {
                 if study.p.fraction_bits > 18 {
                     assert_eq!(u32::from(at(3).probes), rule(n + 1), "{} 10⁻⁴ above {n}", study.name);
                 }
-                // The picture does not jump with the count: N·step is the diameter on both sides.
+                // The picture does not jump with the probe count: N·step is the diameter on both sides.
                 let length = |out: &ReflectionOut| f64::from(out.probes) * norm(&out.step.map(real_offset));
                 assert!((length(&exact) / length(&above) - 1.0).abs() < 0.001, "{} around {n}", study.name);
             }
         }
-        // Far beyond: capped, the level follows λ₁/16 whatever λ₂.
+        // Far beyond: clamped, the level follows λ₁/16 whatever λ₂ is.
         let capped: Vec<ReflectionOut> = (85 * 6..study.set.cases.len()).map(|index| study.out(index)).collect();
         assert_eq!(capped.len(), 36);
         for out in &capped {
@@ -173,7 +173,7 @@ fn focus_of_the_parabolic_mirror_has_a_footprint_far_below_a_texel() {
                 let out = study.out(4 * point + defocus);
                 12_f64.sqrt() * real_number(&out.major) * 128.0
             };
-            // Terms of half a texel cancel; what is left is their rounding.
+            // Terms of half a texel cancel; their rounding remains.
             assert!(texels(0) < 32.0 * study.last(), "{} {point}: {} texels at the focus", study.name, texels(0));
             assert_eq!(lod(&study.out(4 * point)), 0.0);
             assert!(texels(1) < texels(2) && texels(2) < texels(3), "{} {point}", study.name);
@@ -210,7 +210,7 @@ fn roughness_of_rank_one_makes_a_line_and_none_makes_a_point() {
                 let ratio = real_number(&out.minor) / real_number(&out.major);
                 assert!(ratio <= 8.0 * study.last(), "{} {index}: aspect 1/{ratio}", study.name);
             }
-            // d₁ or d₃ of one last bit, d₂ of any sign: λ₁ is right all the same.
+            // d₁ or d₃ of one last bit, d₂ of any sign: λ₁ is still right.
             let want = study.want(index).axes.major;
             let error = (real_number(&out.major) - want).abs();
             assert!(error <= study.bar(Figure::MajorAxis) * want, "{} {index}: {error} of {want}", study.name);

@@ -19,7 +19,7 @@ fn bump_off_equals_offsets_of_zero() {
                 let flat =
                     ReflectionIn { surface: SurfaceIn { offset: [I4F28::ZERO; 2], ..fragment.surface }, ..*fragment };
                 let (with, without) = (flat.reflect(&on, &p), flat.reflect(&off, &p));
-                // Without roughness nothing needs the frame: it does not exist, nor does its pole.
+                // Without roughness nothing needs the tangent basis: neither it nor its pole exists.
                 let expected = if roughness == RoughnessKind::None {
                     let status = with.status & !(StatusBit::FramePole.mask());
                     ReflectionOut { frame: without.frame, status, ..with }

@@ -1,4 +1,4 @@
-//! The evaluator of a net gives the scalar reading's bits on every named wire, and every wire stays in its proven range.
+//! Evaluator of a net: it gives the scalar backend's bits on every named wire, and every wire stays in its proven range.
 
 use fixed::types::I4F28;
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ use roughxel_utilities::random::SplitMix64;
 
 use super::{effects, profiles};
 
-/// The integer of a tap as the checked reading has it; `None` where its function does not go through the block.
+/// The integer of a tap in the checked backend; `None` if its function does not run through the block.
 fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
     let block = &net.runs[tap.stage? as usize];
     let mut runs = trace.iter().filter(|(name, _)| *name == block.name);
@@ -28,7 +28,7 @@ fn in_trace(net: &Net, trace: &Trace, tap: &Tap) -> Option<i64> {
     outcome.at(&tap.path)
 }
 
-/// Compares outputs with the scalar reading and taps with the checked one. Says how many taps were compared.
+/// Compares outputs with the scalar backend and taps with the checked one. Returns the number of compared taps.
 fn compare(design: Design, net: &Net, wires: &[i64], ports: &[i64], effects: &Effects, p: &Precision) -> usize {
     let name = design.name();
     let scalar = scalar(design, ports, effects, p);
@@ -45,7 +45,7 @@ fn compare(design: Design, net: &Net, wires: &[i64], ports: &[i64], effects: &Ef
     taps.map(differing).count()
 }
 
-/// Evaluates a design for every fragment and holds it against the other readings and the proof.
+/// Evaluates a design for every fragment and checks it against the other backends and the proof.
 fn check(design: Design, effects: &Effects, p: &Precision, fragments: &[ReflectionIn]) {
     let (name, net) = (design.name(), record::net(design, effects, p));
     let ranges = Ranges::new(&net);

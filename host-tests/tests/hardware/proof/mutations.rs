@@ -1,9 +1,8 @@
-//! Broken nets: what happens when a clamp, a rounding, a claim or a pattern the walk relies on is not there.
+//! Broken nets: a clamp, a rounding, a claim or a pattern that the walk relies on is missing.
 //!
-//! A mutation that lets a wire leave its word must be caught. The others leave every wire inside its word, and ranges
-//! cannot see them: half a last place not added; a clamp that bounds an error, not a word, or whose operand the walk has
-//! bounded already; a value twice as large that still fits; 16-bit texels, where even wrong weights stay below 2^31.
-//! The tests of accuracy and of single steps see those.
+//! A mutation that lets a wire leave its word must be caught. The others leave every wire inside its word, and ranges cannot see them: half a last
+//! place not added; a clamp that bounds an error, not a word, or whose operand the walk already bounds; a value twice as large that still fits;
+//! 16-bit texels, for which even wrong weights stay below 2^31. The tests of accuracy and of single steps detect those.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,7 +17,7 @@ use roughxel_record as record;
 
 use super::profiles;
 
-/// What is done to a net.
+/// Mutation of a net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Sort {
     ClaimDropped,
@@ -35,12 +34,12 @@ enum Sort {
 /// One broken net.
 struct Mutant {
     sort: Sort,
-    /// The node at which it is broken.
+    /// The broken node.
     node: NodeId,
     net: Net,
 }
 
-/// The net in which whoever reads `id` reads `by`, an earlier wire of its kind.
+/// The net in which readers of `id` read `by`, an earlier wire of its kind.
 fn without(net: &Net, id: NodeId, by: NodeId) -> Net {
     let instead = |operand: NodeId| if operand == id { by } else { operand };
     let mut net = net.clone();
@@ -53,14 +52,14 @@ fn without(net: &Net, id: NodeId, by: NodeId) -> Net {
     net
 }
 
-/// The net with another operation at `id`.
+/// The net with a different operation at `id`.
 fn with(net: &Net, id: NodeId, op: Op) -> Net {
     let mut net = net.clone();
     net.nodes[id as usize].op = op;
     net
 }
 
-/// Places in the sources of the core at which `text` stands: `core/src/block.rs:97`.
+/// Places in the sources of the core that contain `text`: `core/src/block.rs:97`.
 fn lines_with(file: &str, text: &str) -> Vec<String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
     let source = fs::read_to_string(path).expect("sources are text");
@@ -70,7 +69,7 @@ fn lines_with(file: &str, text: &str) -> Vec<String> {
     lines
 }
 
-/// Every way in which a net is broken.
+/// Every broken version of a net.
 fn mutants(net: &Net) -> Vec<Mutant> {
     let op = |id| net.node(id).op;
     let constant = |id| matches!(op(id), Op::Lit(_));
@@ -130,7 +129,7 @@ fn mutants(net: &Net) -> Vec<Mutant> {
                 add(Sort::MagnitudeNotCounted, id, without(net, id, a));
                 add(Sort::MagnitudeNotCounted, id, without(net, id, b));
             }
-            // 1 − w, the weight of what w leaves.
+            // 1 − w, the complementary weight of w.
             Op::Sub(one, weight)
                 if node.kind == Kind::Wire(32)
                     && ["filter.rs", "blend.rs"].iter().any(|file| line(id).contains(file)) =>
@@ -172,7 +171,7 @@ fn subjects() -> Vec<(&'static str, Design, Net)> {
     nets
 }
 
-/// Whether a value counted in the or-tree below a leading-zero counter is shifted by the count anywhere.
+/// Returns true if a value counted in the or-tree below a leading-zero counter is shifted by the count anywhere.
 fn is_normalised(net: &Net, tree: NodeId) -> bool {
     match net.node(tree).op {
         Op::Or(a, b) => is_normalised(net, a) || is_normalised(net, b),
@@ -184,12 +183,12 @@ fn is_normalised(net: &Net, tree: NodeId) -> bool {
     }
 }
 
-/// Whether mantissas come on words of 16 bits.
+/// Returns true if mantissas are on 16-bit words.
 fn has_narrow_words(net: &Net) -> bool {
     net.ports.iter().any(|port| port.mantissa && port.kind == Kind::Wire(16))
 }
 
-/// Why ranges cannot see a mutation; `None` where they must.
+/// The reason why ranges cannot see a mutation; `None` if they must.
 fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Option<&'static str> {
     let id = mutant.node;
     let line = format!("{}:{}", net.node(id).at.file(), net.node(id).at.line());
@@ -257,8 +256,7 @@ fn the_proof_notices_what_breaks_it() {
                 continue;
             };
             *caught += 1;
-            // The report names a line of the block in which the wire overflows, and where a claim is missing that is
-            // the stage that made it.
+            // The report names a line of the block in which the wire overflows; for a missing claim, that is the stage that made it.
             assert!(violation.origin.starts_with("core/src/"), "{violation}");
             if mutant.sort == Sort::ClaimDropped {
                 let stage = |origin: &str| origin.split(':').next().unwrap_or_default().to_string();

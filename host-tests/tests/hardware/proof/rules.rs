@@ -23,7 +23,7 @@ struct Small {
 }
 
 impl Small {
-    /// Ports with these limits, and what steps make of them.
+    /// A net from ports with these limits, and `steps`.
     fn grown(ports: impl Iterator<Item = (i64, i64)>, steps: Vec<(u8, [u16; 3])>) -> Self {
         let mut small = Self::default();
         for (low, high) in ports {
@@ -94,7 +94,7 @@ impl Small {
         self.node(Op::Xor(x, sign), kind)
     }
 
-    /// One more operation, or one of the patterns; `pick` chooses operands and constants.
+    /// Adds one operation, or one of the patterns; `pick` chooses operands and constants.
     fn grow(&mut self, code: u8, pick: [u16; 3]) {
         let one_of = |list: &[NodeId], pick: u16| list[usize::from(pick) % list.len()];
         let wide = pick[2] % 2 == 1 && !self.wides.is_empty();
@@ -150,7 +150,7 @@ impl Small {
                 self.node(Op::Add(first, second), Kind::Wire(64))
             }
             21 => {
-                // Two entries of a table, beyond its ends, too.
+                // Two entries of a table, including indices beyond its ends.
                 let index = self.saturate(x, i64::from(pick[1] % 3) - 1, 20);
                 let step = self.lit(i64::from(pick[2] % 4), Kind::Wire(32));
                 let upper = self.node(Op::Add(index, step), Kind::Wire(32));
@@ -159,7 +159,7 @@ impl Small {
                 self.node(Op::Sub(next, entry), Kind::Wire(32))
             }
             22 => {
-                // x where |x| ≤ y, else z.
+                // x if |x| ≤ y, otherwise z.
                 let (size, limit) = (self.absolute(x), self.absolute(y));
                 let above = self.node(Op::Lt(limit, size), Kind::Flag);
                 let inside = self.node(Op::Not(above), Kind::Flag);
@@ -234,7 +234,7 @@ proptest! {
         ports in prop::collection::vec((any::<i32>(), 0_i64..3), 2..4),
         steps in prop::collection::vec((0_u8..25, any::<[u16; 3]>()), 1..10),
     ) {
-        // Words near their ends: what the proof lets pass must be exact.
+        // Words near their ends: values that pass the proof must be exact.
         let limits = |(low, extent): (i32, i64)| (low.into(), (i64::from(low) + extent).min(i32::MAX.into()));
         let net = Small::grown(ports.into_iter().map(limits), steps).net;
         let ranges = Ranges::new(&net);
@@ -300,7 +300,7 @@ fn tap(node: NodeId) -> Tap {
     Tap { stage: None, name: "outcome".into(), path: Vec::new(), mantissa: false, fraction_bits: 0, node }
 }
 
-/// Entries that make no difference for any value of what they are looked up by.
+/// Entries that make no difference for any value of their index.
 fn equal_entries(faults: &Faults) -> Vec<Fault> {
     let shown = |exhaustion: &Exhaustion, tasks: &[Task]| {
         let mut wires = exhaustion.wires();
@@ -309,7 +309,8 @@ fn equal_entries(faults: &Faults) -> Vec<Fault> {
     Exhaustion::new(faults, faults.faults.iter().copied()).equal(&shown).into_iter().collect()
 }
 
-/// Operations and entries of tables that are said to make no difference, in a net whose last wire is what fields show: tried on every input. How many there are.
+/// Counts the operations and table entries that are reported to make no difference, in a net whose last wire is the visible field. Each is tried on
+/// every input.
 fn equal_faults_of(small: Small) -> [usize; 2] {
     let mut net = small.net;
     let last = net.nodes.len() as NodeId - 1;
@@ -331,7 +332,7 @@ fn equal_faults_of(small: Small) -> [usize; 2] {
     [equal.len() - entries, entries]
 }
 
-/// What is proven equal is equal, and a good part of what no input shows is proven.
+/// Proven equivalences hold, and most of the faults that no input shows are proven equivalent.
 #[test]
 fn no_input_of_any_small_graph_shows_an_operation_or_an_entry_that_is_proven_equal() {
     let mut runner = TestRunner::new(config(12));
@@ -348,13 +349,13 @@ fn no_input_of_any_small_graph_shows_an_operation_or_an_entry_that_is_proven_equ
     assert!(proven.get().iter().all(|&proven| proven > 1000), "{:?}", proven.get());
 }
 
-/// Where a table is looked up by a wire of few values that other wires join behind a rounding, exactly what no value shows is proven.
+/// Tables whose index has few values and is joined by other wires after a rounding: exactly the faults that no value shows are proven.
 #[test]
 fn of_a_function_of_one_wire_every_entry_is_proven_that_no_value_shows() {
     let word = Kind::Wire(32);
     let mut unseen_of = Vec::new();
     for cut in [0, 3, 6, 9, 12] {
-        // log₂ of 1 + x/128, four steps between entries, to so many bits less, beside another number.
+        // log₂ of 1 + x/128, four steps between entries, with `cut` fewer bits, next to a different number.
         let mut small = Small::default();
         let (x, y) = (small.port(0, 127), small.port(-3, 3));
         let [one, rest_bits] = [1, 3].map(|value| small.lit(value, word));
@@ -392,7 +393,7 @@ fn of_a_function_of_one_wire_every_entry_is_proven_that_no_value_shows() {
 }
 
 impl Small {
-    /// Wires normalised together and rounded to `kept` bits, and whether each of them is zero.
+    /// Wires normalised together and rounded to `kept` bits, and a flag for each that is set if it is zero.
     fn normalised(&mut self, wires: &[NodeId], kept: u32) -> Vec<(NodeId, NodeId)> {
         let kind = Kind::Wire(32);
         let magnitudes: Vec<_> = wires.iter().map(|&wire| self.magnitude(wire)).collect();
@@ -417,7 +418,7 @@ impl Small {
     }
 }
 
-/// What is zero is zero however it is shifted and rounded: of wires that are normalised together one is large, unless all are zero.
+/// Zero stays zero through every shift and rounding: of wires that are normalised together one is large, unless all are zero.
 #[test]
 fn whether_wires_that_are_normalised_are_all_zero_is_proven_to_need_no_rounding() {
     for (ports, least) in [(vec![(-9, 12)], 6), (vec![(-9, 12), (-6, 5)], 12), (vec![(-4, 4), (-3, 5), (-5, 2)], 18)] {
@@ -433,7 +434,7 @@ fn whether_wires_that_are_normalised_are_all_zero_is_proven_to_need_no_rounding(
     }
 }
 
-/// A number of two bits behind the highest one has nothing to round at four, and something at one.
+/// A number with two bits after its highest one has nothing to round at four kept bits, and something at one.
 #[test]
 fn a_rounding_that_adds_nothing_is_proven_to_need_no_constant() {
     let equal = [4, 3, 2, 1].map(|kept| {
@@ -441,7 +442,7 @@ fn a_rounding_that_adds_nothing_is_proven_to_need_no_constant() {
         let wire = small.port(0, 8);
         small.normalised(&[wire], kept);
         let rounded = small.net.nodes.iter().rposition(|node| matches!(node.op, Op::Sar(..))).expect("a rounding");
-        // The last wire is what fields show.
+        // The last wire is the visible field.
         small.node(Op::Shl(rounded as NodeId, 1), Kind::Wire(32));
         equal_faults_of(small)[0]
     });

@@ -1,4 +1,4 @@
-//! Words of other widths: every design on words of 16 bits is proven, and all readings of that width agree.
+//! Words of other widths: every design on 16-bit words is proven, and all backends of that width agree.
 
 use rayon::prelude::*;
 use roughxel_cases::random_fragment;
@@ -16,7 +16,7 @@ use roughxel_utilities::random::SplitMix64;
 
 use super::{effects_of, holds};
 
-/// Precisions of which a word of 16 bits has every bit that they keep.
+/// Precisions whose kept bits all fit a 16-bit word.
 fn narrow_precisions() -> Vec<Precision> {
     let newton = Newton { seed_bits: 8, steps: 1 };
     let base = Precision { reciprocal: newton, inverse_root: newton, ..Precision::COMPACT };

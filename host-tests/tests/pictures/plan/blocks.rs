@@ -31,7 +31,7 @@ fn full(frame: FrameSystem) -> ObjectPlan {
     }
 }
 
-/// How often each block of each part was entered.
+/// Number of times that each block of each part is entered.
 type Entered = BTreeMap<(&'static str, &'static str), usize>;
 
 fn enter(entered: &mut Entered, part: &'static str, work: impl FnOnce()) {
@@ -40,7 +40,7 @@ fn enter(entered: &mut Entered, part: &'static str, work: impl FnOnce()) {
     }
 }
 
-/// The probes of a repeated map of `edge` texels, as the renderer takes them.
+/// The probes of a wrapped map of `edge` texels, as the renderer takes them.
 fn fetch(input: &ReflectionInput<Checked>, plan: &ObjectPlan, (edge, rough): (u16, bool), p: &Precision) {
     if !plan.texture_footprint {
         return;
@@ -113,12 +113,12 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
     }
 }
 
-/// Whether a block of a part exists for an effect only.
+/// Returns true if a block of a part exists only for an effect.
 fn is_of(effect: Effect, part: &str, block: &str) -> bool {
     let tangents_of_roughness = ["enter.roughness", "roughness", "columns.roughness", "highlight.spread"];
     match effect {
         Effect::ColourTexture => part == "colour map",
-        // Without bumps there is no roughness, and without both no frame; that of the peaks is their own.
+        // Without bumps there is no roughness, and without both no tangent basis; peaks have their own.
         Effect::Bump => {
             let perturbed = ["enter.tangent", "frame", "enter.offset", "perturb"].contains(&block);
             ["bump map", "core"].contains(&part)
@@ -133,11 +133,11 @@ fn is_of(effect: Effect, part: &str, block: &str) -> bool {
                 || part == "reflection" && footprint.contains(&block)
                 || tangents_of_roughness.contains(&block)
         }
-        // The front end's.
+        // The block of the front end.
         Effect::Edges => false,
         Effect::Curvature => block == "enter.dnormal",
         Effect::Highlight => part == "highlight",
-        // What stands on them goes with them.
+        // Effects that depend on them are removed with them.
         Effect::Peaks => ["peaks", "horizon"].contains(&part),
         Effect::Horizon => part == "horizon",
     }
@@ -165,7 +165,7 @@ fn blocks_planned_away_are_entered_zero_times() {
                     "{name}, {frame:?}: nothing is entered for {}",
                     effect.name()
                 );
-                // Equal maps: what is of the effect is not entered, every other block as often as before.
+                // Equal maps: the blocks of the effect are not entered, every other block as often as with it.
                 assert_eq!(without, others, "{name}, {frame:?}, without {}", effect.name());
             }
             let nothing = Effect::ALL.into_iter().fold(full, ObjectPlan::without);
