@@ -86,7 +86,7 @@ const BARS: [Bar; 8] = [
         of: "lanes",
         over: "scalar",
         least: 3.0,
-        reason: "vectors of this machine are too narrow, or something ran beside",
+        reason: "vectors of this machine are too narrow, or a different process ran",
     },
     Bar {
         of: "scalar, narrow",

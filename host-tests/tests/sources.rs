@@ -155,7 +155,7 @@ fn stages_do_not_import_each_other() {
         for window in tokens.windows(2) {
             let named = |text: &str| window[0].text == text && window[1].text == ":";
             assert!(!named("super"), "{name}:{}: a stage uses a different stage", window[0].line);
-            assert!(!named("stage"), "{name}:{}: a stage imports another", window[0].line);
+            assert!(!named("stage"), "{name}:{}: a stage imports a different stage", window[0].line);
             // Ports are declarations, which stages may use; the functions that run a datapath on ports are in a higher layer.
             for above in ["datapath", "design", "scalar_api", "probe_list", "staged"] {
                 assert!(!named(above), "{name}:{}: a stage imports {above}", window[0].line);

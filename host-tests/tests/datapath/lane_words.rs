@@ -30,7 +30,7 @@ macro_rules! check {
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx512 => $check::<Avx512>($($argument),*),
             #[cfg(not(target_arch = "x86_64"))]
-            set => panic!("{set} is of another machine"),
+            set => panic!("{set} belongs to a different machine"),
         }
     };
 }
